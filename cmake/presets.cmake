@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+# Turn the tables of presets/ into C: generated/presets_data.c holds every CSV file of the folder as text.
+# The library parses them when a preset is asked for; cmake/embed_text.cmake does the conversion at build time.
+file(GLOB preset_tables CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/presets/*.csv)
+set(presets_c ${CMAKE_BINARY_DIR}/generated/presets_data.c)
+add_custom_command(OUTPUT ${presets_c}
+  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${presets_c} "-DINPUTS=${preset_tables}"
+          -P ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_text.cmake
+  DEPENDS ${preset_tables} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_text.cmake VERBATIM)
+list(APPEND NQM_GENERATED_SOURCES ${presets_c})

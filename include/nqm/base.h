@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/base.h - version, status codes, errors and progress: what every other nqm header builds on.
+ *
+ * Conventions that hold in the whole library (written once, here):
+ *
+ *  - Directions are unit vectors that point away from the surface; z is the surface normal.
+ *  - `wi` points to the light, `wo` to the viewer. BRDF values are f_r in 1/sr, WITHOUT the cosine.
+ *  - RGB is linear, with BT.709 primaries. Angles are radians; degrees occur only in files and on the command line.
+ *  - Arrays are row-major, the last index fastest; the shape stands beside every array as (rows, columns).
+ *  - Every fallible function returns an nqm_status and fills an optional nqm_error (NULL is allowed). When it fails, the
+ *    pointers it would have returned are NULL and other outputs are untouched unless its documentation says otherwise.
+ *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed there).
+ *    Pointers that getters lend are valid until the object is freed.
+ *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other
+ *    objects belong to one thread at a time.
+ *  - The library never prints, never exits, never reads the environment and does not depend on the locale.
+ *  - Random numbers come from seeds that are arguments; results do not depend on the number of threads.
+ */
+#ifndef NQM_BASE_H
+#define NQM_BASE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Library version; the build system reads it from here. */
+#define NQM_VERSION_MAJOR 0
+#define NQM_VERSION_MINOR 1
+#define NQM_VERSION_PATCH 0
+
+#if defined(__GNUC__)
+#define NQM_API __attribute__((visibility("default")))
+#define NQM_MUST_CHECK __attribute__((warn_unused_result))
+#else
+#define NQM_API
+#define NQM_MUST_CHECK
+#endif
+
+/** Outcome of a call. The command-line tool maps each to its exit code (in brackets). */
+typedef enum nqm_status {
+    NQM_OK = 0,                /**< success [0] */
+    NQM_ERR_ARG = -1,          /**< an argument or a spec is outside its documented range [2] */
+    NQM_ERR_IO = -2,           /**< a file cannot be opened, read or written [3] */
+    NQM_ERR_FORMAT = -3,       /**< a file's content is malformed or of an unknown format [4] */
+    NQM_ERR_INCOMPATIBLE = -4, /**< the inputs do not fit together, or too few valid samples remain [5] */
+    NQM_ERR_MODEL = -5,        /**< a model is missing, or its checksum or tensors are wrong [6] */
+    NQM_ERR_NOMEM = -6,        /**< out of memory [7] */
+    NQM_ERR_LIMIT = -7,        /**< a documented size limit is exceeded [7] */
+    NQM_ERR_NUMERIC = -8,      /**< a computation diverged or gave non-finite values [8] */
+    NQM_ERR_CANCELLED = -9     /**< the progress callback asked to stop [130] */
+} nqm_status;
+
+/** What went wrong, in words. Zero-initialise it; only failing calls write to it. */
+typedef struct nqm_error {
+    nqm_status status;   /**< the status that the call returned */
+    int64_t byte_offset; /**< position in the file at fault, bytes from its start; -1 where that means nothing */
+    char message[512];   /**< one line, UTF-8, NUL-terminated; names the file and the byte where there are any */
+} nqm_error;
+
+/** A short fixed English phrase for `status` ("malformed input"); never NULL. Any thread. */
+NQM_API const char *nqm_status_text(nqm_status status);
+
+/** "MAJOR.MINOR.PATCH" of the library that is running; static storage. Any thread. */
+NQM_API const char *nqm_version(void);
+
+/** One line on what this build holds: libraries with their versions, instruction set in use; static storage. Any thread. */
+NQM_API const char *nqm_build_info(void);
+
+/**
+ * Progress of long work. Called from the thread that made the call, at most a few times a second.
+ *
+ * @param user   the pointer given beside the callback
+ * @param stage  what is being done ("train", "label"); valid during the call only
+ * @param done   work done so far, in the unit of `total`
+ * @param total  all the work; 0 when unknown
+ * @return 0 to go on; anything else stops the work as soon as it is safe, and the call returns NQM_ERR_CANCELLED
+ */
+typedef int (*nqm_progress_fn)(void *user, const char *stage, double done, double total);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/fit.h - fit an analytic model to any BRDF. In libnqm-full only.
+ */
+#ifndef NQM_FIT_H
+#define NQM_FIT_H
+
+#include <nqm/brdf.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What a fit minimises: a mean over directions and channels; c = cos(theta_i) cos(theta_o). */
+typedef enum nqm_fit_loss {
+    NQM_FIT_LOG = 0,  /**< squared difference of log(1 + f_r); the default */
+    NQM_FIT_LOG_COS,  /**< squared difference of log(1 + c f_r) */
+    NQM_FIT_CUBE_ROOT, /**< squared difference of cbrt(f_r) */
+    NQM_FIT_LINEAR    /**< squared difference of f_r */
+} nqm_fit_loss;
+
+typedef struct nqm_fit_options {
+    nqm_fit_loss loss;      /**< default NQM_FIT_LOG */
+    size_t n_directions;    /**< direction pairs; default 4000 */
+    double max_polar_rad;   /**< default 80 degrees */
+    size_t n_starts;        /**< starting values of the lobe width; default 12 */
+    uint64_t seed;          /**< default 1 */
+    nqm_progress_fn progress;
+    void *progress_user;
+} nqm_fit_options;
+
+NQM_API nqm_fit_options nqm_fit_options_default(void);
+/** "log", "log-cos", "cube-root" or "linear"; 0 when `text` is none of them. */
+NQM_API int nqm_fit_loss_parse(const char *text, nqm_fit_loss *loss_ret);
+NQM_API const char *nqm_fit_loss_name(nqm_fit_loss loss);
+
+typedef struct nqm_fit_report {
+    char spec[512];      /**< the result, as nqm_brdf_open() takes it */
+    double loss;         /**< root mean square of the loss's residuals */
+    size_t n_directions; /**< that counted */
+    size_t best_start;   /**< which start won */
+} nqm_fit_report;
+
+/**
+ * Fit `model` ("ward", "ggx") to `ref`.
+ *
+ * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC, NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
+                                          nqm_fit_report *report_ret, nqm_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

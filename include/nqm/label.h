@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/label.h - labels by rendering: Delta-E ITP between pictures of two BRDFs, the curve from Delta-E to JOD and its
+ * regression on human scores, and the making of training corpora. In libnqm-full only.
+ */
+#ifndef NQM_LABEL_H
+#define NQM_LABEL_H
+
+#include <nqm/brdf.h>
+#include <nqm/train.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- colour ---------------------------------------------------------------------------------------------------------- */
+
+/** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels count
+ *  as 0, channels above 10000 as 10000. rgb_cdm2, itp: (3). */
+NQM_API void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp);
+/** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each. */
+NQM_API double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2);
+
+/* ---- JOD curve ------------------------------------------------------------------------------------------------------- */
+
+/** JOD = 10 (1 - 1 / (1 + exp(b1 (-(max(Delta-E, 0)^b3) - b2)))) (paper, eq. 1). */
+typedef struct nqm_curve {
+    double b1, b2, b3;
+} nqm_curve;
+
+/** The coefficients behind the authors' published labels, in full precision. */
+NQM_API nqm_curve nqm_curve_default(void);
+/** JOD in [0, 10]; Delta-E 0 (or less) gives exactly 10. */
+NQM_API double nqm_curve_jod(const nqm_curve *curve, double delta_e);
+
+typedef struct nqm_regress_report {
+    nqm_curve curve;
+    double rmse;     /**< of JOD */
+    double spearman; /**< of Delta-E with JOD (negative: more difference, less quality) */
+    size_t n;
+} nqm_regress_report;
+
+/** Fit the curve to n pairs (delta_e, jod) by Levenberg-Marquardt from several starts; n >= 4. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_regress(size_t n, const double *delta_e, const double *jod,
+                                              nqm_regress_report *report_ret, nqm_error *err);
+/** The same for a CSV with columns DeltaE and JOD (any order, any case; others ignored). */
+NQM_API NQM_MUST_CHECK nqm_status nqm_regress_csv(const char *path, nqm_regress_report *report_ret, nqm_error *err);
+
+/* ---- labels ---------------------------------------------------------------------------------------------------------- */
+
+/** A scene in which BRDFs are compared: a smooth shape under a light, seen from a fixed view. Immutable. */
+typedef struct nqm_scene nqm_scene;
+
+typedef struct nqm_scene_options {
+    const char *light;      /**< latitude-longitude map: RGBE-in-PNG (as Pixar Campus), EXR or Radiance HDR; NULL: the built-in sky */
+    size_t n_points;        /**< visible surface points; default 1024 */
+    size_t n_lights;        /**< light directions a point; default 384 */
+    double exposure_cdm2;   /**< luminance at which a white Lambert surface shows on average; default 200 */
+    double peak_cdm2;       /**< display peak; brighter is clipped; default 1000 */
+    uint64_t seed;          /**< default 1 */
+} nqm_scene_options;
+
+NQM_API nqm_scene_options nqm_scene_options_default(void);
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret, nqm_error *err);
+NQM_API void nqm_scene_free(nqm_scene *scene);
+/** Number of surface points (pixels). */
+NQM_API size_t nqm_scene_count(const nqm_scene *scene);
+/** Direct light reflected at each point: rgb_cdm2 (n_points, 3), before the clip at the display's peak. Deterministic. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
+                                                   nqm_error *err);
+/** Mean Delta-E ITP over the points of two renderings of the scene; equal pictures give exactly 0. */
+NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
+
+/* ---- corpora --------------------------------------------------------------------------------------------------------- */
+
+typedef struct nqm_corpus_options {
+    const char *light;       /**< as in nqm_scene_options */
+    const char *checkpoint;  /**< folder in which finished references are kept, so that an interrupted run goes on; NULL: none */
+    size_t n_perturbations;  /**< perturbed copies a reference; default 24 */
+    uint64_t seed;           /**< default 1 */
+    nqm_progress_fn progress;
+    void *progress_user;
+} nqm_corpus_options;
+
+NQM_API nqm_corpus_options nqm_corpus_options_default(void);
+
+/**
+ * Make a dataset file from a list of materials.
+ *
+ * @param materials_csv  columns name, group, brdf (path or spec; paths relative to the list), split (train, validation, test)
+ * @param directions     where to sample
+ * @param path           the dataset file to write
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
+                                                   const nqm_corpus_options *options, const char *path, nqm_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

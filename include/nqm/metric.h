@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/metric.h - models, and the score of a pair: JOD from the network, and the scalar BRDF-space metrics beside it.
+ *
+ * JOD (just-objectionable differences) here run from 0 (nothing alike) to 10 (no visible difference); one JOD less means that
+ * 75 % of people would notice that the quality is worse.
+ */
+#ifndef NQM_METRIC_H
+#define NQM_METRIC_H
+
+#include <nqm/samples.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A trained network with everything it needs: directions, whitening, output range, card. */
+typedef struct nqm_model nqm_model;
+
+/** Facts about a model; strings are lent by it. */
+typedef struct nqm_model_info {
+    const char *id;            /**< "default", "paper", or as given when trained */
+    const char *recipe;        /**< "paper", "notebook", "nqm" */
+    const char *sha256;        /**< 64 hex digits: the checksum of the model file */
+    const char *card;          /**< the model card, Markdown: trained on, judged on, not good for */
+    const char *licence;       /**< SPDX */
+    const char *manifest_sha256; /**< hash of the training dataset file; "" if unknown */
+    size_t n_parameters;       /**< trained numbers (weights, biases, LayerNorm) */
+    size_t n_layers;           /**< linear layers */
+    const size_t *layer_sizes; /**< (n_layers + 1) widths, input first */
+    double jod_min, jod_max;   /**< the range that the output can take */
+    const nqm_directions *directions;
+} nqm_model_info;
+
+/** Load a model file (safetensors; doc/files.md). Checks names, shapes, finiteness and the SHA-256.
+ *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
+/** A built-in model by name ("default", "paper"); NQM_ERR_MODEL when there is none of that name. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
+/** Built-in models: how many, and the name of the i-th. */
+NQM_API size_t nqm_model_builtin_count(void);
+NQM_API const char *nqm_model_builtin_name(size_t i);
+NQM_API void nqm_model_free(nqm_model *model);
+NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
+
+/** The scalar metrics, on the samples of both BRDFs: mean over directions and channels; c = cos(theta_i) cos(theta_o). */
+typedef enum nqm_metric {
+    NQM_METRIC_RMSE = 0,  /**< root mean square difference of f_r */
+    NQM_METRIC_MAE,       /**< mean absolute difference of f_r */
+    NQM_METRIC_RMS_CRWE,  /**< RMS difference of cbrt(c f_r) */
+    NQM_METRIC_MA_CRWE,   /**< mean absolute difference of the same */
+    NQM_METRIC_RMS_LOGE,  /**< RMS difference of log(1 + f_r) */
+    NQM_METRIC_MA_LOGE,   /**< mean absolute difference of the same */
+    NQM_METRIC_RMS_LOGWE, /**< RMS difference of log(1 + c f_r) */
+    NQM_METRIC_MA_LOGWE,  /**< mean absolute difference of the same */
+    NQM_METRIC_LOG_DIFF,  /**< mean absolute difference of log(f_r + 0.003): not of the paper, the strongest simple metric */
+    NQM_METRIC_COUNT
+} nqm_metric;
+enum { NQM_METRIC_BASELINE_COUNT = 8 }; /**< the first eight are the paper's baselines */
+
+/** "rmse", "mae", "rms_crwe", "ma_crwe", "rms_loge", "ma_loge", "rms_logwe", "ma_logwe", "log_diff"; static storage. */
+NQM_API const char *nqm_metric_name(nqm_metric metric);
+
+/** Options of nqm_score(). */
+typedef struct nqm_score_options {
+    nqm_invalid_policy invalid; /**< default NQM_INVALID_DROP */
+    double min_valid_fraction;  /**< fewer valid directions of a pair are refused; 0..1; default 0.9 */
+} nqm_score_options;
+
+NQM_API nqm_score_options nqm_score_options_default(void);
+
+/** The score of one test. */
+typedef struct nqm_score_result {
+    nqm_status status;       /**< NQM_OK, or why this test has no score (all numbers are NaN then) */
+    double jod;              /**< predicted quality, jod_min..jod_max of the model */
+    double delta_e;          /**< the Delta-E ITP that the JOD stands for, by the model's curve; NaN if the model has none */
+    int identical;           /**< 1 when both are equal at every valid direction */
+    double metrics[NQM_METRIC_COUNT];
+    size_t n_valid;          /**< directions used */
+    size_t n_clamped_ref, n_clamped_test;
+    size_t n_invalid_ref, n_invalid_test;
+} nqm_score_result;
+
+/**
+ * Score n_tests approximations against one reference. The reference is sampled once.
+ *
+ * @param tests    (n_tests)
+ * @param results  (n_tests) receives a result each
+ * @return the first failure that concerns the reference or the model; faults of single tests stand in their result
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests,
+                                            const nqm_brdf *const *tests, const nqm_score_options *options,
+                                            nqm_score_result *results, nqm_error *err);
+
+/**
+ * JOD of n_pairs of pairs that are sampled already, at the model's own directions.
+ *
+ * @param ref, test  (n_pairs, n_directions, 3) f_r in 1/sr, >= 0
+ * @param jod        (n_pairs) receives the prediction
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_predict(const nqm_model *model, size_t n_pairs, const float *ref,
+                                                    const float *test, double *jod, nqm_error *err);
+
+/**
+ * The scalar metrics of one sampled pair.
+ *
+ * @param ref, test  (n, 3) f_r at `directions`
+ * @param used       (n) nonzero where the direction counts; NULL: all
+ * @param metrics    (NQM_METRIC_COUNT) receives them; NaN when no direction counts
+ */
+NQM_API void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
+                                 const uint8_t *used, double *metrics);
+
+/** Check kernels, coordinates, curve and the built-in models against stored golden values (about a second).
+ *  `report` (NULL allowed) gets one line for each check. Returns NQM_ERR_NUMERIC when one fails. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed), void *user,
+                                               nqm_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * base.h - what every module leans on: failing with a message, checked allocation, mapped input files, output files that
+ * appear only when complete, little-endian reading, numbers as text in any locale, random numbers with explicit state,
+ * parallel loops and SHA-256. Knows nothing of BRDFs.
+ */
+#ifndef NQM_SRC_BASE_H
+#define NQM_SRC_BASE_H
+
+#include <nqm/base.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+/* ---- errors ---------------------------------------------------------------------------------------------------------- */
+
+/** Fill `err` (NULL allowed) and return `status`, so that `return nqm_fail(...)` is the one way to fail. */
+__attribute__((format(printf, 4, 5))) nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset,
+                                                          const char *format, ...);
+/** The usual out-of-memory failure; says how much was asked for. */
+nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes);
+
+/* ---- memory ---------------------------------------------------------------------------------------------------------- */
+
+/** n * size zeroed bytes, 64-byte aligned; NULL when out of memory, when the product overflows, or in a test build when
+ *  told to fail. n or size 0 gives a unique non-NULL block. Free with nqm_free(). */
+void *nqm_alloc(size_t n, size_t size);
+/** Free a block of nqm_alloc(); NULL allowed. */
+void nqm_free(void *block);
+/** A copy of a string, or NULL when out of memory; free with nqm_free(). */
+char *nqm_strdup(const char *text);
+/** true and *product = a * b, or false on overflow. */
+bool nqm_mul_size(size_t a, size_t b, size_t *product);
+
+/* ---- files ----------------------------------------------------------------------------------------------------------- */
+
+/** A file mapped read-only. `data` is NULL for an empty file. */
+typedef struct nqm_map {
+    const unsigned char *data;
+    size_t n_bytes;
+    const char *path; /**< lent; for messages */
+} nqm_map;
+
+/** Map a regular file. Directories, missing and unreadable files give NQM_ERR_IO with a plain message. The pages are not
+ *  read until they are touched. `path` must outlive the map. */
+NQM_MUST_CHECK nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err);
+/** Unmap; a zeroed map is allowed. */
+void nqm_map_close(nqm_map *map);
+
+/** An output file that is written beside its final name and renamed when complete; "-" is standard output. */
+typedef struct nqm_outfile {
+    FILE *stream;
+    char *path;
+    char *temporary;
+} nqm_outfile;
+
+/** Open `PATH.XXXXXX.part` for writing. */
+NQM_MUST_CHECK nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err);
+/** Flush, sync and rename to the final name. On failure the temporary file is removed. Ends the outfile either way. */
+NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
+/** Remove the temporary file; a zeroed or committed outfile is allowed. */
+void nqm_outfile_abort(nqm_outfile *out);
+
+/* ---- little-endian values at any alignment --------------------------------------------------------------------------- */
+
+uint16_t nqm_load_u16(const unsigned char *p);
+uint32_t nqm_load_u32(const unsigned char *p);
+uint64_t nqm_load_u64(const unsigned char *p);
+float nqm_load_f32(const unsigned char *p);
+double nqm_load_f64(const unsigned char *p);
+void nqm_store_u32(unsigned char *p, uint32_t v);
+void nqm_store_u64(unsigned char *p, uint64_t v);
+void nqm_store_f32(unsigned char *p, float v);
+void nqm_store_f64(unsigned char *p, double v);
+
+/* ---- numbers as text, whatever the locale ---------------------------------------------------------------------------- */
+
+/** Parse a decimal number at `text`; *end points behind it. false when there is none. inf and nan are refused. */
+bool nqm_parse_double(const char *text, const char **end, double *value);
+/** Print with the fewest digits that read back to the same double ("0.1"). Returns `buffer` (32 bytes at least). */
+char *nqm_format_double(char *buffer, size_t n_buffer, double value);
+
+/* ---- random numbers (xoshiro256**, Blackman and Vigna 2018, DOI 10.1145/3460772) -------------------------------------- */
+
+typedef struct nqm_rng {
+    uint64_t s[4];
+} nqm_rng;
+
+/** A generator for (seed, stream): different streams of one seed are independent. */
+nqm_rng nqm_rng_make(uint64_t seed, uint64_t stream);
+uint64_t nqm_rng_u64(nqm_rng *rng);
+/** Uniform in [0, 1), 53 bits. */
+double nqm_rng_uniform(nqm_rng *rng);
+/** Standard normal (Box-Muller, one of the pair; no hidden state). */
+double nqm_rng_normal(nqm_rng *rng);
+/** Uniform integer in [0, n), n > 0, without bias. */
+uint64_t nqm_rng_below(nqm_rng *rng, uint64_t n);
+/** Shuffle idx[n] (Fisher-Yates). */
+void nqm_rng_shuffle(nqm_rng *rng, size_t n, size_t *idx);
+/** A counter-based hash: 64 well-mixed bits of (seed, counter); the same whatever the order of calls (splitmix64). */
+uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter);
+
+/* ---- parallel loops -------------------------------------------------------------------------------------------------- */
+
+/** Call body(user, i) for i in [0, n) on the threads of OpenMP, dynamically scheduled. Bodies must write to places of
+ *  their own, so that results do not depend on the number of threads. */
+void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user);
+
+/* ---- SHA-256 --------------------------------------------------------------------------------------------------------- */
+
+typedef struct nqm_sha256 {
+    void *context;
+} nqm_sha256;
+
+/** Start; false when out of memory. */
+bool nqm_sha256_begin(nqm_sha256 *sha);
+void nqm_sha256_add(nqm_sha256 *sha, const void *data, size_t n_bytes);
+/** Finish and free: 64 lower-case hex digits and NUL. */
+void nqm_sha256_end(nqm_sha256 *sha, char hex[65]);
+
+/* ---- progress -------------------------------------------------------------------------------------------------------- */
+
+/** A progress callback with its user pointer, thinned to a few calls a second. A zeroed one is silent. */
+typedef struct nqm_ticker {
+    nqm_progress_fn fn;
+    void *user;
+    double next_s; /**< monotonic time of the next call */
+} nqm_ticker;
+
+/** Report done/total of `stage` if it is time to (always when done >= total). true: the caller must stop. */
+bool nqm_tick(nqm_ticker *ticker, const char *stage, double done, double total);
+/** Seconds of the monotonic clock; for progress and benchmarks only. */
+double nqm_clock_s(void);
+
+#endif

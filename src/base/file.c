@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Input files mapped into memory, and output files that appear under their name only when they are complete: a reader never
+ * sees half a file, and an interrupted run leaves what was there before.
+ */
+#include "base/base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err) {
+    *map_ret = (nqm_map){0};
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: a FIFO must not hang us */
+    if (fd < 0)
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
+    nqm_status status = NQM_OK;
+    struct stat st;
+    if (fstat(fd, &st) != 0) {
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
+    } else if (S_ISDIR(st.st_mode)) {
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: is a directory, a file is needed", path);
+    } else if (!S_ISREG(st.st_mode)) {
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: is not a regular file", path);
+    } else if (st.st_size > 0) {
+        void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
+        if (data == MAP_FAILED) {
+            status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
+        } else {
+            map_ret->data = data;
+            map_ret->n_bytes = (size_t)st.st_size;
+        }
+    }
+    if (status == NQM_OK)
+        map_ret->path = path;
+    close(fd);
+    return status;
+}
+
+void nqm_map_close(nqm_map *map) {
+    if (map->data)
+        munmap((void *)(uintptr_t)map->data, map->n_bytes);
+    *map = (nqm_map){0};
+}
+
+nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
+    *out_ret = (nqm_outfile){0};
+    if (strcmp(path, "-") == 0) {
+        out_ret->stream = stdout;
+        return NQM_OK;
+    }
+    static const char suffix[] = ".XXXXXX.part";
+    size_t n_path = strlen(path);
+    char *final_path = nqm_strdup(path);
+    char *temporary = nqm_alloc(n_path + sizeof suffix, 1);
+    if (!final_path || !temporary) {
+        nqm_free(final_path);
+        nqm_free(temporary);
+        return nqm_fail_nomem(err, n_path);
+    }
+    memcpy(temporary, path, n_path);
+    memcpy(temporary + n_path, suffix, sizeof suffix);
+    int fd = mkstemps(temporary, 5);
+    FILE *stream = fd < 0 ? NULL : fdopen(fd, "wb");
+    if (!stream) {
+        nqm_status status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
+        if (fd >= 0) {
+            close(fd);
+            unlink(temporary);
+        }
+        nqm_free(final_path);
+        nqm_free(temporary);
+        return status;
+    }
+    mode_t mask = umask(0); /* mkstemps makes files private; give the mode that fopen would */
+    umask(mask);
+    (void)fchmod(fd, 0666 & ~mask);
+    *out_ret = (nqm_outfile){.stream = stream, .path = final_path, .temporary = temporary};
+    return NQM_OK;
+}
+
+void nqm_outfile_abort(nqm_outfile *out) {
+    if (out->temporary) {
+        if (out->stream)
+            fclose(out->stream);
+        unlink(out->temporary);
+    }
+    nqm_free(out->path);
+    nqm_free(out->temporary);
+    *out = (nqm_outfile){0};
+}
+
+nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
+    if (!out->temporary) { /* standard output */
+        bool bad = fflush(out->stream) != 0 || ferror(out->stream);
+        *out = (nqm_outfile){0};
+        return bad ? nqm_fail(err, NQM_ERR_IO, -1, "standard output: %s", strerror(errno)) : NQM_OK;
+    }
+    bool bad = ferror(out->stream) != 0;
+    bad = fflush(out->stream) != 0 || bad;
+    bad = fsync(fileno(out->stream)) != 0 || bad;
+    bad = fclose(out->stream) != 0 || bad;
+    out->stream = NULL;
+    if (!bad)
+        bad = rename(out->temporary, out->path) != 0;
+    nqm_status status =
+        bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
+    if (!bad) {
+        nqm_free(out->temporary);
+        out->temporary = NULL;
+    }
+    nqm_outfile_abort(out);
+    return status;
+}

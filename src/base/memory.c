@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Checked, zeroed and aligned allocation. Every allocation of the library's own code passes here, so that tests can make the
+ * n-th one fail (nqm_alloc_fail_after).
+ */
+#include "base/base.h"
+#include "base/memory_test.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector register */
+
+static _Atomic long countdown = -1;
+
+void nqm_alloc_fail_after(long n) {
+    atomic_store(&countdown, n);
+}
+
+bool nqm_mul_size(size_t a, size_t b, size_t *product) {
+    return !__builtin_mul_overflow(a, b, product);
+}
+
+void *nqm_alloc(size_t n, size_t size) {
+    size_t n_bytes;
+    if (!nqm_mul_size(n, size, &n_bytes) || n_bytes > SIZE_MAX - ALIGNMENT)
+        return NULL;
+    if (atomic_load_explicit(&countdown, memory_order_relaxed) >= 0 && atomic_fetch_sub(&countdown, 1) == 0)
+        return NULL;
+    n_bytes = (n_bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    void *block = aligned_alloc(ALIGNMENT, n_bytes ? n_bytes : ALIGNMENT);
+    if (block)
+        memset(block, 0, n_bytes);
+    return block;
+}
+
+void nqm_free(void *block) {
+    free(block);
+}
+
+char *nqm_strdup(const char *text) {
+    size_t n = strlen(text) + 1;
+    char *copy = nqm_alloc(n, 1);
+    if (copy)
+        memcpy(copy, text, n);
+    return copy;
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Numbers as text, the same under every locale: the calling thread is switched to the "C" locale for the one conversion.
+ */
+#include "base/base.h"
+
+#include <locale.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static locale_t c_locale; /* made once, never freed: a few hundred bytes that live as long as the process */
+
+static void make_c_locale(void) {
+    c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+}
+
+static locale_t enter_c_locale(void) {
+    pthread_once(&once, make_c_locale);
+    return uselocale(c_locale);
+}
+
+bool nqm_parse_double(const char *text, const char **end, double *value) {
+    locale_t before = enter_c_locale();
+    char *stop;
+    double v = strtod(text, &stop);
+    uselocale(before);
+    if (stop == text || !isfinite(v))
+        return false;
+    *end = stop;
+    *value = v;
+    return true;
+}
+
+char *nqm_format_double(char *buffer, size_t n_buffer, double value) {
+    locale_t before = enter_c_locale();
+    for (int digits = 6; digits <= 17; ++digits) {
+        snprintf(buffer, n_buffer, "%.*g", digits, value);
+        if (strtod(buffer, NULL) == value)
+            break;
+    }
+    uselocale(before);
+    return buffer;
+}

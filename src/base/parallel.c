@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Parallel loops and the progress ticker.
+ */
+#include "base/base.h"
+
+#include <time.h>
+
+void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user) {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (size_t i = 0; i < n; ++i)
+        body(user, i);
+}
+
+double nqm_clock_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+bool nqm_tick(nqm_ticker *ticker, const char *stage, double done, double total) {
+    if (!ticker || !ticker->fn)
+        return false;
+    double now = nqm_clock_s();
+    if (now < ticker->next_s && !(total > 0 && done >= total))
+        return false;
+    ticker->next_s = now + 0.2;
+    return ticker->fn(ticker->user, stage, done, total) != 0;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * SHA-256 by OpenSSL's libcrypto.
+ */
+#include "base/base.h"
+
+#include <openssl/evp.h>
+
+bool nqm_sha256_begin(nqm_sha256 *sha) {
+    EVP_MD_CTX *context = EVP_MD_CTX_new();
+    sha->context = context;
+    return context && EVP_DigestInit_ex(context, EVP_sha256(), NULL) == 1;
+}
+
+void nqm_sha256_add(nqm_sha256 *sha, const void *data, size_t n_bytes) {
+    EVP_DigestUpdate(sha->context, data, n_bytes);
+}
+
+void nqm_sha256_end(nqm_sha256 *sha, char hex[65]) {
+    static const char digits[] = "0123456789abcdef";
+    unsigned char sum[EVP_MAX_MD_SIZE] = {0};
+    EVP_DigestFinal_ex(sha->context, sum, NULL);
+    EVP_MD_CTX_free(sha->context);
+    sha->context = NULL;
+    for (int i = 0; i < 32; ++i) {
+        hex[2 * i] = digits[sum[i] >> 4];
+        hex[2 * i + 1] = digits[sum[i] & 15];
+    }
+    hex[64] = '\0';
+}

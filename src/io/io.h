@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * io.h - files to named arrays, tables and images: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude images.
+ * Knows nothing of BRDFs. Every reader checks sizes against the bytes that are present before it allocates.
+ */
+#ifndef NQM_SRC_IO_H
+#define NQM_SRC_IO_H
+
+#include "base/base.h"
+
+/* ---- safetensors (huggingface.co/docs/safetensors): u64 header length, JSON header, raw little-endian tensors ------------ */
+
+typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U32 } nqm_dtype;
+enum { NQM_MAX_DIMS = 4 };
+
+typedef struct nqm_tensor {
+    const char *name;
+    nqm_dtype dtype;
+    size_t n_dims, dims[NQM_MAX_DIMS];
+    size_t n_bytes;
+    const void *data; /* aligned as in the file; the writer aligns to 64 bytes */
+    int64_t byte_offset; /* of the data in the file */
+} nqm_tensor;
+
+/** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
+typedef struct nqm_safetensors nqm_safetensors;
+/** Parse and check (offsets in range, no overlap, shapes match bytes, header at most 100 MB). */
+NQM_MUST_CHECK nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, const char *name,
+                                                nqm_safetensors **st_ret, nqm_error *err);
+void nqm_safetensors_free(nqm_safetensors *st);
+size_t nqm_safetensors_count(const nqm_safetensors *st);
+/** The i-th tensor in the order of the header. */
+const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);
+/** By name, or NULL. */
+const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *tensor_name);
+/** A value of __metadata__, or NULL. */
+const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key);
+/** Recompute the checksum that nqm_safetensors_write() stores under metadata "sha256": SHA-256 of the whole file with those
+ *  64 digits replaced by '0'. false when the file has none. `matches` tells whether it is the stored one. */
+bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);
+
+typedef struct nqm_meta {
+    const char *key, *value;
+} nqm_meta;
+/** Write a file with tensors (their `data`, dtype, dims, n_bytes), metadata, and the checksum; sha256_ret may be NULL. */
+NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_tensor *tensors,
+                                                size_t n_meta, const nqm_meta *meta, char sha256_ret[65], nqm_error *err);
+
+/* ---- CSV with a header line ------------------------------------------------------------------------------------------- */
+
+typedef struct nqm_csv nqm_csv;
+/** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped). Every row must have as many fields as
+ *  the header. */
+NQM_MUST_CHECK nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err);
+/** The same from memory; `name` is for messages. */
+NQM_MUST_CHECK nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret,
+                                        nqm_error *err);
+void nqm_csv_free(nqm_csv *csv);
+size_t nqm_csv_rows(const nqm_csv *csv);
+/** Column number of a name (ASCII case ignored), or -1. */
+int nqm_csv_column(const nqm_csv *csv, const char *column_name);
+const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
+/** The field as a number; NQM_ERR_FORMAT names file, line and byte when it is none. */
+NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
+
+/* ---- zip members (libzip) --------------------------------------------------------------------------------------------- */
+
+/** Read the member whose last path component is `member` ("x.h5") into a new block (nqm_free); at most max_bytes. */
+NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes, unsigned char **data_ret,
+                                       size_t *n_bytes_ret, nqm_error *err);
+
+/* ---- HDF5 float datasets (libhdf5) ------------------------------------------------------------------------------------ */
+
+typedef struct nqm_hdf5 nqm_hdf5;
+/** Open an HDF5 image in memory; the bytes must outlive it. */
+NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 **file_ret,
+                                        nqm_error *err);
+/** Read a float dataset of exactly these dimensions into out (product of dims). */
+NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *path, size_t n_dims, const size_t *dims,
+                                            float *out, nqm_error *err);
+void nqm_hdf5_close(nqm_hdf5 *file);
+
+/* ---- MAT v5 (matio) --------------------------------------------------------------------------------------------------- */
+
+/** Read a real double matrix `variable` of exactly rows x cols into out, row-major. */
+NQM_MUST_CHECK nqm_status nqm_mat_read(const char *path, const char *variable, size_t rows, size_t cols, double *out,
+                                       nqm_error *err);
+
+/* ---- images ----------------------------------------------------------------------------------------------------------- */
+
+/** A linear RGB picture. */
+typedef struct nqm_image {
+    size_t width, height;
+    float *rgb; /* (height, width, 3), first row on top; nqm_free */
+} nqm_image;
+
+#endif

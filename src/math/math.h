@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * math.h - vectors, local frames, Rusinkiewicz coordinates, statistics (ranks, correlations, bootstrap), the JOD curve and a
+ * front to nonlinear least squares. Knows nothing of BRDFs or files.
+ */
+#ifndef NQM_SRC_MATH_H
+#define NQM_SRC_MATH_H
+
+#include "base/base.h"
+
+#define NQM_PI 3.14159265358979323846
+
+/* ---- vectors (arrays of 3) ------------------------------------------------------------------------------------------- */
+
+double nqm_dot3(const double *a, const double *b);
+void nqm_cross3(const double *a, const double *b, double *c);
+/** Scale to unit length; a zero vector becomes (0, 0, 1). */
+void nqm_normalize3(double *v);
+/** An orthonormal frame with `n` as its third axis (Duff et al. 2017, jcgt.org/published/0006/01/01). */
+void nqm_frame(const double *n, double *t, double *b);
+/** Unit vector from polar angles, radians. */
+void nqm_spherical(double theta, double phi, double *v);
+/** Mean Rec. 709 luminance weights applied to rgb (3). */
+double nqm_luminance(const double *rgb);
+
+/* ---- Rusinkiewicz coordinates (DOI 10.1007/978-3-7091-6453-2_2); hd (3) = theta_h, theta_d, phi_d ---------------------- */
+
+void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);
+void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
+
+/* ---- statistics ------------------------------------------------------------------------------------------------------ */
+
+/** Ranks from 1, ties get their mean rank; x, rank: (n). `order` is scratch (n). */
+void nqm_ranks(size_t n, const double *x, double *rank, size_t *order);
+double nqm_mean(size_t n, const double *x);
+/** Pearson's r; NaN when either has no variance or n < 2. */
+double nqm_pearson(size_t n, const double *x, const double *y);
+/** Spearman's rho (Pearson of mean ranks); NaN as above, or when out of memory. */
+double nqm_spearman(size_t n, const double *x, const double *y);
+/** Kendall's tau-b; NaN as above. O(n log n). */
+double nqm_kendall(size_t n, const double *x, const double *y);
+/** The q-quantile (0..1) with linear interpolation; x (n) is sorted in place. */
+double nqm_quantile(size_t n, double *x, double q);
+
+/* ---- the JOD curve (Kavoosighafi et al. 2025, eq. 1) ------------------------------------------------------------------- */
+
+typedef struct nqm_jod_curve {
+    double b1, b2, b3;
+} nqm_jod_curve;
+
+/** The full-precision coefficients behind the authors' published labels. */
+extern const nqm_jod_curve nqm_jod_curve_published;
+/** JOD in [0, 10] of a Delta-E ITP; negative counts as 0, and 0 gives exactly 10. */
+double nqm_jod_from_delta_e(const nqm_jod_curve *curve, double delta_e);
+/** The inverse on (0, 10); 0 for jod >= 10. */
+double nqm_delta_e_from_jod(const nqm_jod_curve *curve, double jod);
+
+/* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------------- */
+
+typedef struct nqm_lsq_problem {
+    size_t n_parameters, n_residuals;
+    /** Residuals (n_residuals) at x (n_parameters); nonzero stops. */
+    int (*residuals)(void *user, const double *x, double *residual);
+    void *user;
+    double step;      /**< absolute forward-difference step, 0: relative sqrt(eps) */
+    double tolerance; /**< relative, of sum of squares and of x; 0: 1e-12 */
+    int max_evaluations; /**< 0: 200 (n_parameters + 1) */
+} nqm_lsq_problem;
+
+/** Minimise from x (in/out); *rms_ret the root mean square residual. NQM_ERR_NUMERIC when it diverges. */
+NQM_MUST_CHECK nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_ret, nqm_error *err);
+
+#endif

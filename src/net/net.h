@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, forward, backward, loss, Adam, schedule, and the
+ * model file that carries it. Sizes are data; the paper's are 3000-1024-716-501-1.
+ *
+ * hidden layer l:  y = dropout(gelu(layernorm(x W_l^T + b_l))) ; output: z = x W^T + b ; prediction = lo + (hi-lo) sigmoid(z)
+ */
+#ifndef NQM_SRC_NET_H
+#define NQM_SRC_NET_H
+
+#include "base/base.h"
+#include "math/math.h"
+
+enum { NQM_NET_MAX_LAYERS = 8 };
+
+/** Sizes of an MLP; layer l maps sizes[l] to sizes[l+1]; all but the last have LayerNorm, GELU and dropout. */
+typedef struct nqm_net_shape {
+    size_t n_layers;
+    size_t sizes[NQM_NET_MAX_LAYERS + 1];
+} nqm_net_shape;
+
+/** The parameters (or gradients, or Adam moments) of one layer: views into one block. */
+typedef struct nqm_layer {
+    float *w;     /* (out, in) */
+    float *b;     /* (out) */
+    float *gamma; /* (out), NULL in the last layer */
+    float *beta;  /* (out), NULL in the last layer */
+} nqm_layer;
+
+/** One block of numbers and named views into it, in the order w b gamma beta of each layer. */
+typedef struct nqm_params {
+    nqm_net_shape shape;
+    size_t n;     /* numbers in the block */
+    float *block; /* (n), 64-byte aligned */
+    nqm_layer layer[NQM_NET_MAX_LAYERS];
+} nqm_params;
+
+size_t nqm_params_count(const nqm_net_shape *shape);
+NQM_MUST_CHECK nqm_status nqm_params_create(const nqm_net_shape *shape, nqm_params *params_ret, nqm_error *err);
+void nqm_params_free(nqm_params *params);
+/** He-uniform weights (limit sqrt(6 / in)), zero biases, gamma 1, beta 0 (paper's notebook). */
+void nqm_params_init(nqm_params *params, uint64_t seed);
+
+/** Activations and scratch for batches up to a size; owned by one thread of work. */
+typedef struct nqm_net_work nqm_net_work;
+NQM_MUST_CHECK nqm_status nqm_net_work_create(const nqm_net_shape *shape, size_t max_batch, bool for_training,
+                                              nqm_net_work **work_ret, nqm_error *err);
+void nqm_net_work_free(nqm_net_work *work);
+
+/** How dropout masks are made: by a counter-based hash of (seed, step, layer, element), or given (tests), or not at all. */
+typedef struct nqm_dropout {
+    double p;                                 /* probability of 0; kept values are scaled by 1/(1-p); 0: off */
+    uint64_t seed, step;                      /* for the hash */
+    const uint8_t *given[NQM_NET_MAX_LAYERS]; /* (batch, out) 1 = keep, or NULL: hash */
+} nqm_dropout;
+
+/** z (batch): the last layer's output before the sigmoid. x (batch, sizes[0]). dropout NULL: inference. */
+void nqm_net_forward(const nqm_params *params, nqm_net_work *work, size_t batch, const float *x,
+                     const nqm_dropout *dropout, float *z);
+/** Gradients of a loss with d loss / d z = dz (batch), after nqm_net_forward() of the same batch in a training work; they
+ *  overwrite grads. dx (batch, sizes[0]) receives the input's gradient, or NULL. */
+void nqm_net_backward(const nqm_params *params, nqm_net_work *work, size_t batch, const float *x, const float *dz,
+                      nqm_params *grads, float *dx);
+
+/** Mean log-cosh of (prediction - target), prediction = lo + (hi-lo) sigmoid(z); dz receives d loss/d z (NULL allowed).
+ *  log cosh written stably: |d| + log1p(exp(-2|d|)) - log 2. */
+double nqm_logcosh_loss(size_t batch, const float *z, const float *target, double lo, double hi, float *dz);
+double nqm_sigmoid(double z);
+
+/** Adam with L2 in the gradient (Kingma and Ba 2014; torch.optim.Adam): beta 0.9, 0.999, eps 1e-8. */
+typedef struct nqm_adam {
+    nqm_params m, v;
+    uint64_t step;
+} nqm_adam;
+NQM_MUST_CHECK nqm_status nqm_adam_create(const nqm_net_shape *shape, nqm_adam *adam_ret, nqm_error *err);
+void nqm_adam_free(nqm_adam *adam);
+/** One step. lr_first: layer 0's w and b; lr_deeper: everything else (also layer 0's LayerNorm, unless frozen). */
+void nqm_adam_step(nqm_adam *adam, nqm_params *params, const nqm_params *grads, double lr_first, double lr_deeper,
+                   double weight_decay, bool freeze_first_layernorm);
+
+/** ReduceLROnPlateau of PyTorch: mode min, relative threshold 1e-4, cooldown 0. */
+typedef struct nqm_plateau {
+    double factor;
+    size_t patience;
+    double best; /* start with infinity */
+    size_t bad_epochs;
+} nqm_plateau;
+/** The factor to multiply the rates with after an epoch (1 or `factor`). */
+double nqm_plateau_step(nqm_plateau *plateau, double loss);
+
+/* ---- model file ------------------------------------------------------------------------------------------------------ */
+
+/** What a model is, in plain data. Strings are owned by the model (nqm_alloc). */
+struct nqm_model {
+    nqm_params params;
+    size_t n_directions;
+    double *directions_deg;   /* (n_directions, 3) theta_h, theta_d, phi_d */
+    float mean[3], std[3];    /* whitening of log(cbrt(rho)+1), per channel (all equal for scalar whitening) */
+    int layout;               /* nqm_layout */
+    double difference_scale;
+    int target;               /* nqm_target */
+    double target_mean, target_std; /* z-score of the training targets */
+    double out_lo, out_hi;    /* range of the sigmoid, in normalised targets */
+    nqm_jod_curve curve;      /* for NQM_TARGET_LOG_DELTA_E */
+    char *id, *recipe, *card, *licence, *manifest_sha256;
+    char *training;           /* JSON: options and report of the training */
+    char sha256[65];          /* checksum of the file it came from or was saved to */
+    void *directions;         /* nqm_directions made by the sample layer; see metric/model.c */
+    void (*directions_free)(void *);
+    const void *file;         /* a mapped file that `params` may point into, or NULL */
+};
+
+/** Parse a model file that lies in memory (a mapped file or an embedded one); `name` is for messages. */
+NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify_checksum,
+                                          struct nqm_model **model_ret, nqm_error *err);
+/** Write a model file; sets model->sha256. */
+NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
+void nqm_model_destroy(struct nqm_model *model);
+
+#endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm - how good a BRDF approximation looks beside its reference. This file finds the verb; each verb is a cmd_*.c file.
+ */
+#include "tool.h"
+
+#include <string.h>
+
+typedef struct verb {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} verb;
+
+static const verb verbs[] = {
+    {"score", cmd_score, "how good approximations look beside their reference (JOD)"},
+    {"info", cmd_info, "what a BRDF, model or dataset file holds; `nqm info list` names the presets"},
+    {"check", cmd_check, "reciprocity, energy conservation and positivity of a BRDF"},
+    {"sample", cmd_sample, "f_r of a BRDF at a list of directions, as CSV"},
+    {"directions", cmd_directions, "make or show the sampling directions"},
+    {"convert", cmd_convert, "write a BRDF as a MERL .binary table"},
+    {"fit", cmd_fit, "fit an analytic model to a BRDF"},
+    {"label", cmd_label, "Delta-E ITP and JOD of a pair by rendering"},
+    {"dataset", cmd_dataset, "make a training corpus from a list of materials"},
+    {"regress", cmd_regress, "fit the curve from Delta-E ITP to JOD to human scores"},
+    {"train", cmd_train, "train a model on a dataset"},
+    {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
+    {"models", cmd_models, "the models that are built in"},
+    {"selftest", cmd_selftest, "check this build against golden values"},
+    {NULL, NULL, NULL}};
+
+static void print_usage(FILE *out) {
+    fputs("usage: nqm VERB [arguments]\n\n"
+          "How good does a BRDF approximation look beside its reference? Scores in JOD, no rendering.\n\n",
+          out);
+    for (const verb *v = verbs; v->name; ++v)
+        fprintf(out, "  %-11s %s\n", v->name, v->summary);
+    fputs("\n`nqm VERB --help` explains a verb, with an example; `nqm --version` says what is in this build.\n"
+          "example: nqm score sgd:nickel ward:nickel\n",
+          out);
+}
+
+int main(int argc, char **argv) {
+    catch_interrupt();
+    if (argc < 2) {
+        print_usage(stderr);
+        return EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        print_usage(stdout);
+        return EXIT_OK;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("nqm %s\n%s\n", nqm_version(), nqm_build_info());
+        return EXIT_OK;
+    }
+    for (const verb *v = verbs; v->name; ++v)
+        if (strcmp(argv[1], v->name) == 0)
+            return v->run(argc - 1, argv + 1);
+    fprintf(stderr, "nqm: there is no verb '%s'; `nqm --help` lists them\n", argv[1]);
+    return EXIT_USAGE;
+}

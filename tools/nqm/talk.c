@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How the tool talks: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
+ */
+#include "tool.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t interrupt_count;
+static bool progress_shown;
+
+int exit_code_of(nqm_status status) {
+    switch (status) {
+    case NQM_OK:
+        return EXIT_OK;
+    case NQM_ERR_ARG:
+        return EXIT_USAGE;
+    case NQM_ERR_IO:
+        return EXIT_OPEN;
+    case NQM_ERR_FORMAT:
+        return EXIT_MALFORMED;
+    case NQM_ERR_INCOMPATIBLE:
+        return EXIT_INCOMPATIBLE;
+    case NQM_ERR_MODEL:
+        return EXIT_MODEL;
+    case NQM_ERR_NOMEM:
+    case NQM_ERR_LIMIT:
+        return EXIT_LIMIT;
+    case NQM_ERR_NUMERIC:
+        return EXIT_NUMERIC;
+    case NQM_ERR_CANCELLED:
+        return EXIT_INTERRUPTED;
+    }
+    return EXIT_NUMERIC;
+}
+
+int report_error(const char *verb, const nqm_error *err) {
+    end_progress();
+    fprintf(stderr, "nqm %s: %s\n", verb, err->message[0] ? err->message : nqm_status_text(err->status));
+    return exit_code_of(err->status);
+}
+
+int report(const char *verb, int exit_code, const char *format, ...) {
+    end_progress();
+    fprintf(stderr, "nqm %s: ", verb);
+    va_list args;
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputc('\n', stderr);
+    return exit_code;
+}
+
+static void on_interrupt(int signal_number) {
+    if (++interrupt_count > 2) /* the user insists: leave at once; unfinished files carry names of their own */
+        _exit(128 + signal_number);
+}
+
+void catch_interrupt(void) {
+    struct sigaction action = {.sa_handler = on_interrupt};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    signal(SIGPIPE, SIG_DFL);
+}
+
+bool interrupted(void) {
+    return interrupt_count != 0;
+}
+
+int show_progress(void *user, const char *stage, double done, double total) {
+    static double begin_s;
+    static char last_stage[64];
+    (void)user;
+    if (isatty(STDERR_FILENO)) {
+        struct timespec t;
+        clock_gettime(CLOCK_MONOTONIC, &t);
+        double now = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+        if (strncmp(last_stage, stage, sizeof last_stage - 1) != 0) {
+            snprintf(last_stage, sizeof last_stage, "%s", stage);
+            begin_s = now;
+        }
+        double left = done > 0 && total > done ? (now - begin_s) * (total - done) / done : 0;
+        if (total > 0)
+            fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left \033[K", stage, done, total, 100 * done / total, left);
+        else
+            fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
+        progress_shown = true;
+    }
+    return interrupt_count != 0;
+}
+
+void end_progress(void) {
+    if (progress_shown)
+        fputs("\r\033[K", stderr);
+    progress_shown = false;
+}
+
+int print_json(json_t *value) {
+    end_progress();
+    int bad = !value || json_dumpf(value, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
+    json_decref(value);
+    putchar('\n');
+    bad = fflush(stdout) != 0 || bad;
+    return bad ? EXIT_OPEN : EXIT_OK;
+}
+
+json_t *json_number(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+json_t *json_tool(void) {
+    return json_pack("{s:s,s:s}", "name", "nqm", "version", nqm_version());
+}
+
+void print_csv_text(FILE *out, const char *text) {
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; ++text) {
+        if (*text == '"')
+            fputc('"', out);
+        fputc(*text, out);
+    }
+    fputc('"', out);
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * tool.h - what the verbs of the command line share: option tables (parsing and help from one place), exit codes, errors on
+ * standard error, progress on a terminal, Ctrl-C, and JSON and CSV on standard output. Uses public headers only.
+ */
+#ifndef NQM_TOOL_H
+#define NQM_TOOL_H
+
+#include <jansson.h>
+#include <nqm/nqm.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+/** Exit codes: a stable contract (README). */
+enum {
+    EXIT_OK = 0,
+    EXIT_GATE = 1,         /* --fail-under not reached, a check failed */
+    EXIT_USAGE = 2,        /* bad option, spec or argument */
+    EXIT_OPEN = 3,         /* cannot open, read or write */
+    EXIT_MALFORMED = 4,    /* malformed input */
+    EXIT_INCOMPATIBLE = 5, /* inputs do not fit together, too few valid samples */
+    EXIT_MODEL = 6,        /* model missing or damaged */
+    EXIT_LIMIT = 7,        /* memory or size limit */
+    EXIT_NUMERIC = 8,      /* numeric failure */
+    EXIT_PARTIAL = 9,      /* some items of a batch failed */
+    EXIT_INTERRUPTED = 130
+};
+
+/* ---- options --------------------------------------------------------------------------------------------------------- */
+
+typedef enum option_kind {
+    OPTION_FLAG,   /* target: bool */
+    OPTION_TEXT,   /* target: const char * */
+    OPTION_NUMBER, /* target: double, within [min, max] */
+    OPTION_COUNT   /* target: uint64_t, within [min, max] */
+} option_kind;
+
+typedef struct option {
+    const char *name; /* without "--"; NULL ends the table */
+    char letter;      /* short form, 0 for none */
+    option_kind kind;
+    void *target; /* holds the default when parsing begins; help prints it */
+    const char *metavar;
+    const char *help;
+    double min, max; /* for numbers; both 0: any finite value */
+} option;
+
+typedef struct command {
+    const char *name;
+    const char *usage;   /* behind the name: "REF TEST... [options]" */
+    const char *about;   /* a paragraph; ends without newline */
+    const char *example; /* full command lines, one a line */
+    const option *options;
+    int min_arguments, max_arguments; /* positional; max < 0: any number */
+} command;
+
+/**
+ * Parse argv (argv[0] is the verb). Positional arguments are moved to argv[0..n). Prints help or a usage error itself.
+ * Returns true to go on with *n_arguments; false: return *exit_code.
+ */
+bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code);
+
+/* ---- talking --------------------------------------------------------------------------------------------------------- */
+
+/** "nqm VERB: message" on standard error, and the exit code for the status. */
+int report_error(const char *verb, const nqm_error *err);
+/** The same for a fault found by the tool itself. */
+__attribute__((format(printf, 3, 4))) int report(const char *verb, int exit_code, const char *format, ...);
+int exit_code_of(nqm_status status);
+
+/** A progress callback: one line rewritten on standard error when that is a terminal; nonzero once Ctrl-C was pressed. */
+int show_progress(void *user, const char *stage, double done, double total);
+/** End the progress line, if there is one. */
+void end_progress(void);
+/** Install the Ctrl-C handler (main does). */
+void catch_interrupt(void);
+/** true once Ctrl-C was pressed. */
+bool interrupted(void);
+
+/** Print a JSON value with a final newline and release it. NaN must have been stored through json_number(). */
+int print_json(json_t *value);
+/** A JSON real, or null when not finite. */
+json_t *json_number(double value);
+/** {"name":"nqm","version":"..."} for the "tool" member. */
+json_t *json_tool(void);
+/** One CSV field on standard output, quoted when needed. */
+void print_csv_text(FILE *out, const char *text);
+
+/* ---- verbs ----------------------------------------------------------------------------------------------------------- */
+
+int cmd_check(int argc, char **argv);
+int cmd_convert(int argc, char **argv);
+int cmd_dataset(int argc, char **argv);
+int cmd_directions(int argc, char **argv);
+int cmd_eval(int argc, char **argv);
+int cmd_fit(int argc, char **argv);
+int cmd_info(int argc, char **argv);
+int cmd_label(int argc, char **argv);
+int cmd_models(int argc, char **argv);
+int cmd_regress(int argc, char **argv);
+int cmd_sample(int argc, char **argv);
+int cmd_score(int argc, char **argv);
+int cmd_selftest(int argc, char **argv);
+int cmd_train(int argc, char **argv);
+
+#endif
