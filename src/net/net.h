@@ -116,5 +116,7 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
 /** Write a model file; sets model->sha256. */
 NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
 void nqm_model_destroy(struct nqm_model *model);
+/** JOD for the network's raw output z; *delta_e_ret (NULL allowed) gets the Delta-E it stands for, NaN for JOD targets. */
+double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
 
 #endif

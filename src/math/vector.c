@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Vectors of three, local frames, and the half-vector coordinates of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2).
+ */
+#include "math/math.h"
+
+#include <math.h>
+
+double nqm_dot3(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+void nqm_cross3(const double *a, const double *b, double *c) {
+    double x = a[1] * b[2] - a[2] * b[1];
+    double y = a[2] * b[0] - a[0] * b[2];
+    double z = a[0] * b[1] - a[1] * b[0];
+    c[0] = x;
+    c[1] = y;
+    c[2] = z;
+}
+
+void nqm_normalize3(double *v) {
+    double length = sqrt(nqm_dot3(v, v));
+    if (!(length > 0)) {
+        v[0] = v[1] = 0;
+        v[2] = 1;
+        return;
+    }
+    for (int k = 0; k < 3; ++k)
+        v[k] /= length;
+}
+
+void nqm_frame(const double *n, double *t, double *b) {
+    double sign = copysign(1.0, n[2]);
+    double p = -1.0 / (sign + n[2]);
+    double q = n[0] * n[1] * p;
+    t[0] = 1.0 + sign * n[0] * n[0] * p;
+    t[1] = sign * q;
+    t[2] = -sign * n[0];
+    b[0] = q;
+    b[1] = sign + n[1] * n[1] * p;
+    b[2] = -n[1];
+}
+
+void nqm_spherical(double theta, double phi, double *v) {
+    v[0] = sin(theta) * cos(phi);
+    v[1] = sin(theta) * sin(phi);
+    v[2] = cos(theta);
+}
+
+double nqm_luminance(const double *rgb) {
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+/* Angles come from atan2 of both legs: acos loses half the digits near 0, where highlights of 0.2 degrees live. */
+void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd) {
+    double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
+    nqm_normalize3(h);
+    double sin_h = hypot(h[0], h[1]);
+    double cos_phi = sin_h > 0 ? h[0] / sin_h : 1, sin_phi = sin_h > 0 ? h[1] / sin_h : 0;
+    /* Rotate wi by -phi_h about z, then by -theta_h about y: the half vector becomes the z axis. */
+    double x = cos_phi * wi[0] + sin_phi * wi[1];
+    double y = cos_phi * wi[1] - sin_phi * wi[0];
+    double d[3] = {h[2] * x - sin_h * wi[2], y, sin_h * x + h[2] * wi[2]};
+    double phi = atan2(d[1], d[0]);
+    if (phi < 0)
+        phi += NQM_PI;
+    hd[0] = atan2(sin_h, h[2]);
+    hd[1] = atan2(hypot(d[0], d[1]), d[2]);
+    hd[2] = phi < NQM_PI ? phi : 0;
+}
+
+void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
+    double sin_h = sin(hd[0]), cos_h = cos(hd[0]);
+    double d[3];
+    nqm_spherical(hd[1], hd[2], d);
+    /* wi is the difference vector turned to the half vector; wo is wi mirrored at the half vector (d with x, y negated). */
+    for (int side = 0; side < 2; ++side) {
+        double x = side ? -d[0] : d[0], y = side ? -d[1] : d[1];
+        double *w = side ? wo : wi;
+        w[0] = cos_h * x + sin_h * d[2];
+        w[1] = y;
+        w[2] = cos_h * d[2] - sin_h * x;
+    }
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sample.h - from sampled reflectance to the numbers that the network sees: transform, whitening, layout (paper, section 3.1).
+ */
+#ifndef NQM_SRC_SAMPLE_H
+#define NQM_SRC_SAMPLE_H
+
+#include "base/base.h"
+#include <nqm/samples.h>
+
+/** How a pair becomes the network's input. */
+typedef struct nqm_features {
+    int layout;              /* nqm_layout (nqm/train.h): 0 ref,test; 1 ref, s (test-ref), s |test-ref| */
+    double difference_scale; /* s; used by layout 1 */
+    float mean[3], std[3];   /* whitening of t, per channel */
+} nqm_features;
+
+/** t = log(cbrt(rho) + 1) for n values; rho >= 0. In place is allowed. */
+void nqm_features_transform(size_t n, const float *rho, float *t);
+/** Width of the network's input: 6 n_directions (layout 0) or 9 n_directions (layout 1). */
+size_t nqm_features_width(int layout, size_t n_directions);
+/**
+ * The input vector of one pair, differences taken after whitening.
+ *
+ * @param ref_t, test_t  (n_directions, 3) transformed, not whitened
+ * @param used           (n_directions) 0 where the direction is dropped (both members become the mean: whitened 0); NULL: all
+ * @param x              (nqm_features_width) receives the input
+ */
+void nqm_features_compose(const nqm_features *features, size_t n_directions, const float *ref_t, const float *test_t,
+                          const uint8_t *used, float *x);
+
+#endif
