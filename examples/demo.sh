@@ -1,0 +1,21 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What nqm is for, in a few commands that need no files: published SGD parameters of MERL materials (Bagher et al. 2012)
+# stand in for measurements, published Ward fits (Ngan et al. 2005) and perturbed copies for approximations.
+# usage: demo.sh PATH-TO-NQM
+set -eu
+nqm=${1:-nqm}
+
+run() {
+    printf '\n$ nqm %s\n' "$*"
+    "$nqm" "$@"
+}
+
+echo "nqm: how good does a BRDF approximation look beside its reference?"
+run score sgd:nickel ward:nickel "perturb:gloss=0.9;of=sgd:nickel" sgd:nickel
+run score sgd:blue-rubber ward:blue-rubber "perturb:tint=1.2,1,1;of=sgd:blue-rubber"
+run score sgd:gold-metallic-paint "perturb:noise=0.02;of=sgd:gold-metallic-paint" \
+    "perturb:noise=0.1;of=sgd:gold-metallic-paint" "perturb:noise=0.4;of=sgd:gold-metallic-paint" --metrics all
+run check sgd:nickel
+echo
+echo "Next: nqm score YOUR_REFERENCE YOUR_APPROXIMATION (MERL .binary, RGL .bsdf, NBRDF .h5, or a spec; nqm info list)"
