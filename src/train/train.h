@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * train.h - labelled pairs in memory and in nqm's own dataset file, their augmentation, and the pieces of the training
+ * loop (paper, sections 3.1 and 3.2).
+ */
+#ifndef NQM_SRC_TRAIN_H
+#define NQM_SRC_TRAIN_H
+
+#include "base/base.h"
+#include <nqm/train.h>
+
+/**
+ * A dataset: references, tests (one a pair), labels and names. A split belongs to a material group, not to a pair or a
+ * reference, so that no file can put one material on both sides of a split.
+ *
+ * To write one, zero-initialise it, point the arrays at memory of yours, and call nqm_dataset_write(). The fields
+ * behind "owned" belong to the loaders.
+ */
+struct nqm_dataset {
+    size_t n_directions, n_refs, n_groups, n_kinds, n_pairs;
+    const double *directions_deg;   /* (n_directions, 3) theta_h, theta_d, phi_d */
+    const float *ref_rgb;           /* (n_refs, n_directions, 3) f_r in 1/sr, finite, >= 0 */
+    const float *test_rgb;          /* (n_pairs, n_directions, 3) */
+    const uint8_t *ref_used;        /* (n_refs, n_directions) 0: no value there, 1: used; NULL: all are used */
+    const uint8_t *test_used;       /* (n_pairs, n_directions) likewise */
+    const uint32_t *pair_ref;       /* (n_pairs) index of the reference */
+    const uint32_t *pair_kind;      /* (n_pairs) index of the kind of distortion */
+    const double *delta_e;          /* (n_pairs) Delta-E ITP, >= 0 */
+    const double *jod;              /* (n_pairs) label; the loader accepts [0, 10.5]: human scores exceed 10 a little */
+    const uint32_t *ref_group;      /* (n_refs) index of the material group */
+    const uint8_t *group_split;     /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
+    const char *const *ref_names;   /* (n_refs) */
+    const char *const *group_names; /* (n_groups) */
+    const char *const *kind_names;  /* (n_kinds) "ggx", "ward", "noise", ... */
+    const char *const *pair_names;  /* (n_pairs) the test: a spec, or "NAME_3" in the authors' layout */
+    const char *manifest;           /* JSON: how it was made; NULL: unknown */
+
+    /* owned by a loaded dataset */
+    char sha256[65];
+    nqm_directions *directions;
+    nqm_map file;    /* the arrays above point into it */
+    char *path;      /* for messages; the map lends it */
+    void *blocks[8]; /* memory of arrays and names that do not lie in the file */
+    size_t n_blocks;
+};
+
+/** Write nqm's dataset file (doc/files.md). The struct is checked as a loaded one is. sha256_ret (NULL allowed). */
+NQM_MUST_CHECK nqm_status nqm_dataset_write(const nqm_dataset *dataset, const char *path, char sha256_ret[65],
+                                            nqm_error *err);
+
+/** Check everything a dataset promises: indices in range, numbers finite and in range. `name` is for messages. */
+NQM_MUST_CHECK nqm_status nqm_dataset_validate(const nqm_dataset *dataset, const char *name, nqm_error *err);
+
+#endif
