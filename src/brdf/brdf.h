@@ -17,7 +17,8 @@ typedef struct nqm_brdf_class {
     int reciprocal;     /**< 1 when reciprocal by construction */
 
     /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut) or not
-     *  finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). */
+     *  finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats kept in half-vector coordinates:
+     *  brdf.c converts and calls eval_half_diff. */
     void (*eval)(const void *self, size_t n, const double *wi, const double *wo, double *rgb);
 
     /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians, phi_d in [0, pi)). NULL: brdf.c

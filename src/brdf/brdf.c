@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What every BRDF has in common: finding the format of an argument, the loops that split off pairs below the horizon
+ * and clamp and flag values, and the change between direction pairs and half-vector coordinates (Rusinkiewicz 1998, DOI
+ * 10.1007/978-3-7091-6453-2_2). Knows no format from inside.
+ */
+#include "brdf/brdf.h"
+
+#include "io/io.h"
+#include "math/math.h"
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- opening
+ * ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct file_format {
+    bool (*probe)(const nqm_map *map);
+    nqm_status (*open)(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+} file_format;
+
+static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open}};
+
+nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
+                         const char *layout, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    nqm_brdf *brdf = nqm_alloc(1, sizeof *brdf);
+    if (!brdf) {
+        class_->free(self);
+        return nqm_fail_nomem(err, sizeof *brdf);
+    }
+    *brdf = (nqm_brdf){.class_ = class_, .self = self};
+    brdf->name = nqm_strdup(name);
+    brdf->spec = spec ? nqm_strdup(spec) : NULL;
+    brdf->layout = layout ? nqm_strdup(layout) : NULL;
+    if (!brdf->name || (spec && !brdf->spec) || (layout && !brdf->layout)) {
+        nqm_brdf_free(brdf);
+        return nqm_fail_nomem(err, strlen(name) + 1);
+    }
+    *brdf_ret = brdf;
+    return NQM_OK;
+}
+
+static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_map map = {0};
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status != NQM_OK)
+        return status;
+    if (map.n_bytes == 0) {
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
+        goto done;
+    }
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
+        if (formats[i].probe(&map)) {
+            status = formats[i].open(&map, name, brdf_ret, err);
+            goto done;
+        }
+    }
+    status = nqm_fail(err, NQM_ERR_FORMAT, 0,
+                      "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, zip",
+                      path);
+done:
+    if (status != NQM_OK)
+        nqm_map_close(&map);
+    return status;
+}
+
+nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    if (nqm_spec_probe(path_or_spec))
+        return nqm_spec_open(path_or_spec, brdf_ret, err);
+    return open_file(path_or_spec, path_or_spec, brdf_ret, err);
+}
+
+void nqm_brdf_free(nqm_brdf *brdf) {
+    if (!brdf)
+        return;
+    brdf->class_->free(brdf->self);
+    nqm_free(brdf->name);
+    nqm_free(brdf->spec);
+    nqm_free(brdf->layout);
+    nqm_free(brdf);
+}
+
+nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
+    return (nqm_brdf_info){.format = brdf->class_->format,
+                           .name = brdf->name,
+                           .spec = brdf->spec,
+                           .source_doi = brdf->source_doi,
+                           .layout = brdf->layout,
+                           .n_values = brdf->n_values,
+                           .n_bytes = brdf->n_bytes,
+                           .reciprocal = brdf->class_->reciprocal};
+}
+
+/* ---- evaluation
+ * -------------------------------------------------------------------------------------------------------- */
+
+/* Pairs are gathered in blocks of this many, so that a format sees dense arrays and nothing is allocated. */
+enum { BLOCK = 128 };
+
+/* Make one raw value fit for use: (3) in and out. */
+static nqm_value_flag settle_value(double *rgb) {
+    if (!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2])) {
+        rgb[0] = rgb[1] = rgb[2] = 0;
+        return NQM_VALUE_INVALID;
+    }
+    nqm_value_flag flag = NQM_VALUE_OK;
+    for (int c = 0; c < 3; ++c) {
+        if (rgb[c] < 0) {
+            rgb[c] = 0;
+            flag = NQM_VALUE_CLAMPED;
+        }
+    }
+    return flag;
+}
+
+/* Move m raw values to their places among the pairs. raw: (m, 3); rgb: (n, 3); flag: (n) or NULL. */
+static void scatter(size_t m, const size_t *place, double *raw, double *rgb, uint8_t *flag) {
+    for (size_t k = 0; k < m; ++k) {
+        nqm_value_flag f = settle_value(raw + 3 * k);
+        memcpy(rgb + 3 * place[k], raw + 3 * k, 3 * sizeof *rgb);
+        if (flag)
+            flag[place[k]] = (uint8_t)f;
+    }
+}
+
+static void mark_horizon(size_t i, double *rgb, uint8_t *flag) {
+    rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = 0;
+    if (flag)
+        flag[i] = NQM_VALUE_HORIZON;
+}
+
+static void eval_block(const nqm_brdf *brdf, size_t m, const double *wi, const double *wo, double *raw) {
+    if (brdf->class_->eval) {
+        brdf->class_->eval(brdf->self, m, wi, wo, raw);
+        return;
+    }
+    double hd[3 * BLOCK];
+    for (size_t k = 0; k < m; ++k)
+        nqm_half_diff_from_pair(wi + 3 * k, wo + 3 * k, hd + 3 * k);
+    brdf->class_->eval_half_diff(brdf->self, m, hd, raw);
+}
+
+void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb, uint8_t *flag) {
+    double in[3 * BLOCK], out[3 * BLOCK], raw[3 * BLOCK];
+    size_t place[BLOCK];
+    for (size_t i = 0; i < n;) {
+        size_t m = 0;
+        for (; i < n && m < BLOCK; ++i) {
+            if (!(wi[3 * i + 2] > 0) || !(wo[3 * i + 2] > 0)) { /* written so that NaN counts as below */
+                mark_horizon(i, rgb, flag);
+                continue;
+            }
+            memcpy(in + 3 * m, wi + 3 * i, 3 * sizeof *in);
+            memcpy(out + 3 * m, wo + 3 * i, 3 * sizeof *out);
+            place[m++] = i;
+        }
+        eval_block(brdf, m, in, out, raw);
+        scatter(m, place, raw, rgb, flag);
+    }
+}
+
+/* phi_d in [0, pi): exchanging light and viewer turns it by pi. */
+static double fold_phi(double phi) {
+    double folded = fmod(phi, NQM_PI);
+    if (folded < 0)
+        folded += NQM_PI;
+    return folded < NQM_PI ? folded : 0;
+}
+
+static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag) {
+    double native[3 * BLOCK], raw[3 * BLOCK];
+    size_t place[BLOCK];
+    for (size_t i = 0; i < n;) {
+        size_t m = 0;
+        for (; i < n && m < BLOCK; ++i) {
+            const double *c = hd + 3 * i;
+            double mean_z = cos(c[0]) * cos(c[1]), swing_z = fabs(sin(c[0]) * sin(c[1]) * cos(c[2]));
+            if (!(mean_z - swing_z > 0)) { /* the lower of wi.z and wo.z */
+                mark_horizon(i, rgb, flag);
+                continue;
+            }
+            native[3 * m] = c[0];
+            native[3 * m + 1] = c[1];
+            native[3 * m + 2] = fold_phi(c[2]);
+            place[m++] = i;
+        }
+        brdf->class_->eval_half_diff(brdf->self, m, native, raw);
+        scatter(m, place, raw, rgb, flag);
+    }
+}
+
+void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag) {
+    if (brdf->class_->eval_half_diff) {
+        eval_native(brdf, n, hd, rgb, flag);
+        return;
+    }
+    double wi[3 * BLOCK], wo[3 * BLOCK];
+    for (size_t i = 0; i < n; i += BLOCK) {
+        size_t m = n - i < BLOCK ? n - i : BLOCK;
+        for (size_t k = 0; k < m; ++k)
+            nqm_half_diff_to_pair(hd + 3 * (i + k), wi + 3 * k, wo + 3 * k);
+        nqm_brdf_eval(brdf, m, wi, wo, rgb + 3 * i, flag ? flag + i : NULL);
+    }
+}
+
+void nqm_half_diff_to_directions(const double *hd, double *wi, double *wo) {
+    nqm_half_diff_to_pair(hd, wi, wo);
+}
+
+void nqm_directions_to_half_diff(const double *wi, const double *wo, double *hd) {
+    nqm_half_diff_from_pair(wi, wo, hd);
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * MERL tables (Matusik et al. 2003, DOI 10.1145/882262.882343): a measured BRDF as 90 x 90 x 180 cells in half-vector
+ * coordinates, read in place from the mapped file so that only the touched pages are loaded, and written. The nearest
+ * cell is taken, as in the database's own reader; no interpolation. DTU tables (Nielsen et al. 2015, DOI
+ * 10.1145/2816795.2818085) have the same layout.
+ *
+ * File, little-endian: int32 dimensions (90, 90, 180); double cells (3 channels, 90 theta_h, 90 theta_d, 180 phi_d).
+ * theta_h is spaced by its square root, denser towards the highlight; negative cells hold no measurement.
+ */
+#include "brdf/brdf.h"
+
+#include "math/math.h"
+#include <math.h>
+#include <string.h>
+#include <sys/mman.h>
+
+enum { N_THETA_H = 90, N_THETA_D = 90, N_PHI_D = 180, N_CELLS = N_THETA_H * N_THETA_D * N_PHI_D };
+enum { HEADER_BYTES = 12, FILE_BYTES = HEADER_BYTES + 3 * N_CELLS * 8 };
+
+static const double channel_scale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
+
+static const unsigned char header[HEADER_BYTES] = {N_THETA_H, 0, 0, 0, N_THETA_D, 0, 0, 0, N_PHI_D, 0, 0, 0};
+
+/* ---- reading
+ * ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct merl {
+    nqm_map map;
+} merl;
+
+static size_t cell_index(double position, size_t n) {
+    return position >= (double)n ? n - 1 : (size_t)fmax(position, 0);
+}
+
+static void merl_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
+    const unsigned char *cells = ((const merl *)self)->map.data + HEADER_BYTES;
+    for (size_t i = 0; i < n; ++i) {
+        size_t h = cell_index(sqrt(hd[3 * i] / (NQM_PI / 2)) * N_THETA_H, N_THETA_H);
+        size_t d = cell_index(hd[3 * i + 1] / (NQM_PI / 2) * N_THETA_D, N_THETA_D);
+        size_t p = cell_index(hd[3 * i + 2] / NQM_PI * N_PHI_D, N_PHI_D);
+        size_t cell = (h * N_THETA_D + d) * N_PHI_D + p;
+        for (size_t c = 0; c < 3; ++c) {
+            double stored = nqm_load_f64(cells + 8 * (c * N_CELLS + cell));
+            rgb[3 * i + c] = stored >= 0 ? stored * channel_scale[c] : NAN;
+        }
+    }
+}
+
+static void merl_free(void *self) {
+    merl *table = self;
+    nqm_map_close(&table->map);
+    nqm_free(table);
+}
+
+static const nqm_brdf_class merl_class = {
+    .format = "merl", .reciprocal = 1, .eval_half_diff = merl_eval_half_diff, .free = merl_free};
+
+bool nqm_merl_probe(const nqm_map *map) {
+    bool header_right = map->n_bytes >= HEADER_BYTES && memcmp(map->data, header, HEADER_BYTES) == 0;
+    return header_right || map->n_bytes == FILE_BYTES;
+}
+
+/* A file of NaN or noise must not pass for a measurement. A few cells on a few pages tell; the rest stays unread. */
+static bool any_cell_finite(const nqm_map *map) {
+    enum { N_PAGES = 16, N_PER_PAGE = 16 };
+    for (size_t page = 0; page < N_PAGES; ++page) {
+        const unsigned char *cells = map->data + HEADER_BYTES + 8 * (page * (N_CELLS / N_PAGES));
+        for (size_t k = 0; k < N_PER_PAGE; ++k)
+            if (isfinite(nqm_load_f64(cells + 8 * k)))
+                return true;
+    }
+    return false;
+}
+
+nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    if (map->n_bytes < HEADER_BYTES || memcmp(map->data, header, HEADER_BYTES) != 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                        "%s: has the size of a MERL table, but byte 0 does not begin 90 x 90 x 180", map->path);
+    if (map->n_bytes != FILE_BYTES) {
+        size_t at = map->n_bytes < FILE_BYTES ? map->n_bytes : FILE_BYTES;
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
+                        "%s: a MERL table has %d bytes, this file has %zu: %s at byte %zu", map->path, FILE_BYTES,
+                        map->n_bytes, at < FILE_BYTES ? "it ends" : "more follows", at);
+    }
+    if (!any_cell_finite(map))
+        return nqm_fail(err, NQM_ERR_FORMAT, HEADER_BYTES, "%s: no finite value in the cells looked at from byte %d on",
+                        map->path, HEADER_BYTES);
+    merl *table = nqm_alloc(1, sizeof *table);
+    if (!table)
+        return nqm_fail_nomem(err, sizeof *table);
+    /* Cells are met in no order: reading ahead would load most of the file. Advice only, failure is harmless. */
+    (void)posix_madvise((void *)(uintptr_t)map->data, map->n_bytes, POSIX_MADV_RANDOM);
+    table->map = *map;
+    nqm_status status = nqm_brdf_wrap(&merl_class, table, name, NULL, "90 x 90 x 180 cells", brdf_ret, err);
+    *map = (nqm_map){0};
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->source_doi = "10.1145/882262.882343";
+    (*brdf_ret)->n_values = 3 * (size_t)N_CELLS;
+    (*brdf_ret)->n_bytes = FILE_BYTES;
+    return NQM_OK;
+}
+
+/* ---- writing
+ * ----------------------------------------------------------------------------------------------------------- */
+
+enum { N_LINES = N_THETA_H * N_THETA_D }; /* a line: the cells of one theta_h and theta_d, over phi_d */
+
+typedef struct fill_job {
+    const nqm_brdf *brdf;
+    double *cells; /* (3, N_LINES, N_PHI_D), as stored */
+    size_t first_line;
+} fill_job;
+
+static void fill_line(void *user, size_t i) {
+    const fill_job *job = user;
+    size_t line = job->first_line + i;
+    double root_h = ((double)(line / N_THETA_D) + 0.5) / N_THETA_H;
+    double hd[3 * N_PHI_D], rgb[3 * N_PHI_D];
+    uint8_t flag[N_PHI_D];
+    for (size_t p = 0; p < N_PHI_D; ++p) {
+        hd[3 * p] = root_h * root_h * NQM_PI / 2;
+        hd[3 * p + 1] = ((double)(line % N_THETA_D) + 0.5) / N_THETA_D * NQM_PI / 2;
+        hd[3 * p + 2] = ((double)p + 0.5) / N_PHI_D * NQM_PI;
+    }
+    nqm_brdf_eval_half_diff(job->brdf, N_PHI_D, hd, rgb, flag);
+    for (size_t p = 0; p < N_PHI_D; ++p) {
+        bool empty = flag[p] == NQM_VALUE_INVALID || flag[p] == NQM_VALUE_HORIZON;
+        for (size_t c = 0; c < 3; ++c)
+            job->cells[c * N_CELLS + line * N_PHI_D + p] = empty ? -1 : rgb[3 * p + c] / channel_scale[c];
+    }
+}
+
+static nqm_status write_cells(const double *cells, const char *path, nqm_error *err) {
+    nqm_outfile out = {0};
+    nqm_status status = nqm_outfile_open(path, &out, err);
+    if (status != NQM_OK)
+        return status;
+    fwrite(header, 1, sizeof header, out.stream);
+    unsigned char line[8 * N_PHI_D];
+    for (size_t i = 0; i < 3 * (size_t)N_CELLS; i += N_PHI_D) {
+        for (size_t p = 0; p < N_PHI_D; ++p)
+            nqm_store_f64(line + 8 * p, cells[i + p]);
+        fwrite(line, 1, sizeof line, out.stream);
+    }
+    return nqm_outfile_commit(&out, err); /* sees the stream's error flag */
+}
+
+nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress, void *progress_user,
+                               nqm_error *err) {
+    enum { LINES_A_STEP = N_LINES / 15 }; /* between two looks at the progress callback */
+    double *cells = nqm_alloc(3 * (size_t)N_CELLS, sizeof *cells);
+    if (!cells)
+        return nqm_fail_nomem(err, 3 * (size_t)N_CELLS * sizeof *cells);
+    nqm_ticker ticker = {.fn = progress, .user = progress_user};
+    nqm_status status = NQM_OK;
+    for (size_t line = 0; line < N_LINES && status == NQM_OK; line += LINES_A_STEP) {
+        fill_job job = {.brdf = brdf, .cells = cells, .first_line = line};
+        nqm_parallel_for(LINES_A_STEP, fill_line, &job);
+        if (nqm_tick(&ticker, "convert", (double)(line + LINES_A_STEP), N_LINES))
+            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "%s: interrupted, nothing was written", path);
+    }
+    if (status == NQM_OK)
+        status = write_cells(cells, path, err);
+    nqm_free(cells);
+    return status;
+}
