@@ -9,6 +9,8 @@
 #include "base/base.h"
 #include <nqm/train.h>
 
+enum { NQM_DATASET_MAX_BLOCKS = 24 };
+
 /**
  * A dataset: references, tests (one a pair), labels and names. A split belongs to a material group, not to a pair or a
  * reference, so that no file can put one material on both sides of a split.
@@ -26,7 +28,7 @@ struct nqm_dataset {
     const uint32_t *pair_ref;       /* (n_pairs) index of the reference */
     const uint32_t *pair_kind;      /* (n_pairs) index of the kind of distortion */
     const double *delta_e;          /* (n_pairs) Delta-E ITP, >= 0 */
-    const double *jod;              /* (n_pairs) label; the loader accepts [0, 10.5]: human scores exceed 10 a little */
+    const double *jod;              /* (n_pairs) label; the loader accepts [0, 11]: human scores pass 10 by a little */
     const uint32_t *ref_group;      /* (n_refs) index of the material group */
     const uint8_t *group_split;     /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
     const char *const *ref_names;   /* (n_refs) */
@@ -36,11 +38,10 @@ struct nqm_dataset {
     const char *manifest;           /* JSON: how it was made; NULL: unknown */
 
     /* owned by a loaded dataset */
-    char sha256[65];
+    char sha256[65]; /* of the file; of the content for the authors' layout */
     nqm_directions *directions;
-    nqm_map file;    /* the arrays above point into it */
-    char *path;      /* for messages; the map lends it */
-    void *blocks[8]; /* memory of arrays and names that do not lie in the file */
+    nqm_map file;                         /* the arrays above point into it */
+    void *blocks[NQM_DATASET_MAX_BLOCKS]; /* memory of whatever does not lie in the file */
     size_t n_blocks;
 };
 
@@ -50,5 +51,17 @@ NQM_MUST_CHECK nqm_status nqm_dataset_write(const nqm_dataset *dataset, const ch
 
 /** Check everything a dataset promises: indices in range, numbers finite and in range. `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_dataset_validate(const nqm_dataset *dataset, const char *name, nqm_error *err);
+
+/** Parse a dataset file that lies in memory and outlives the dataset; `name` is for messages. */
+NQM_MUST_CHECK nqm_status nqm_dataset_parse(const unsigned char *data, size_t n_bytes, const char *name,
+                                            bool verify_checksum, nqm_dataset **dataset_ret, nqm_error *err);
+
+/** Memory that lives as long as the dataset: n * size zeroed bytes, or NULL. */
+void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size);
+
+/** Split of a pair, by way of its reference's material group. */
+static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_t pair) {
+    return (nqm_split)dataset->group_split[dataset->ref_group[dataset->pair_ref[pair]]];
+}
 
 #endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What every dataset shares, wherever it came from: the check of its promises, facts, memory and release.
+ */
+#include "train/train.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double max_jod = 11; /* human scores of the paper's study reach 10.26 */
+
+static nqm_status check_counts(const nqm_dataset *d, const char *name, nqm_error *err) {
+    const struct {
+        const char *what;
+        size_t n;
+    } counts[] = {{"directions", d->n_directions},
+                  {"references", d->n_refs},
+                  {"material groups", d->n_groups},
+                  {"kinds", d->n_kinds},
+                  {"pairs", d->n_pairs}};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        if (counts[i].n == 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the dataset has no %s", name, counts[i].what);
+        if (counts[i].n > UINT32_MAX)
+            return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: %zu %s are too many", name, counts[i].n, counts[i].what);
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_rgb(size_t n_rows, size_t n_columns, const float *rgb, const char *what, const char *name,
+                            nqm_error *err) {
+    for (size_t i = 0; i < n_rows * n_columns; ++i)
+        if (!(rgb[i] >= 0) || isinf(rgb[i]))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1,
+                            "%s: %s %zu holds %g at direction %zu; f_r must be finite and >= 0", name, what,
+                            i / n_columns, (double)rgb[i], i % n_columns / 3);
+    return NQM_OK;
+}
+
+static nqm_status check_used(size_t n, const uint8_t *used, const char *what, const char *name, nqm_error *err) {
+    for (size_t i = 0; used && i < n; ++i)
+        if (used[i] > 1)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s[%zu] is %d, not 0 or 1", name, what, i, used[i]);
+    return NQM_OK;
+}
+
+static nqm_status check_indices(size_t n, const uint32_t *index, size_t limit, const char *what, const char *name,
+                                nqm_error *err) {
+    for (size_t i = 0; i < n; ++i)
+        if (index[i] >= limit)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s[%zu] is %lu, there are %zu", name, what, i,
+                            (unsigned long)index[i], limit);
+    return NQM_OK;
+}
+
+static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error *err) {
+    for (size_t i = 0; i < d->n_pairs; ++i) {
+        if (!(d->delta_e[i] >= 0) || isinf(d->delta_e[i]))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: Delta-E of pair %zu is %g, it must be finite and >= 0", name,
+                            i, d->delta_e[i]);
+        if (!(d->jod[i] >= 0 && d->jod[i] <= max_jod))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: JOD of pair %zu is %g, outside 0..%g", name, i, d->jod[i],
+                            max_jod);
+    }
+    for (size_t i = 0; i < d->n_groups; ++i)
+        if (d->group_split[i] > NQM_SPLIT_TEST)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: group_split[%zu] is %d; 0, 1 and 2 are known", name, i,
+                            d->group_split[i]);
+    return NQM_OK;
+}
+
+nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_error *err) {
+    size_t n_columns = 3 * d->n_directions;
+    nqm_status status = check_counts(d, name, err);
+    if (status == NQM_OK)
+        status = check_indices(d->n_pairs, d->pair_ref, d->n_refs, "pair_ref", name, err);
+    if (status == NQM_OK)
+        status = check_indices(d->n_pairs, d->pair_kind, d->n_kinds, "pair_kind", name, err);
+    if (status == NQM_OK)
+        status = check_indices(d->n_refs, d->ref_group, d->n_groups, "ref_group", name, err);
+    if (status == NQM_OK)
+        status = check_labels(d, name, err);
+    if (status == NQM_OK)
+        status = check_used(d->n_refs * d->n_directions, d->ref_used, "ref_used", name, err);
+    if (status == NQM_OK)
+        status = check_used(d->n_pairs * d->n_directions, d->test_used, "test_used", name, err);
+    if (status == NQM_OK)
+        status = check_rgb(d->n_refs, n_columns, d->ref_rgb, "reference", name, err);
+    if (status == NQM_OK)
+        status = check_rgb(d->n_pairs, n_columns, d->test_rgb, "the test of pair", name, err);
+    return status;
+}
+
+void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size) {
+    if (dataset->n_blocks == NQM_DATASET_MAX_BLOCKS)
+        return NULL;
+    void *block = nqm_alloc(n, size);
+    if (block)
+        dataset->blocks[dataset->n_blocks++] = block;
+    return block;
+}
+
+void nqm_dataset_free(nqm_dataset *dataset) {
+    if (!dataset)
+        return;
+    nqm_directions_free(dataset->directions);
+    for (size_t i = 0; i < dataset->n_blocks; ++i)
+        nqm_free(dataset->blocks[i]);
+    nqm_map_close(&dataset->file);
+    nqm_free(dataset);
+}
+
+nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset) {
+    nqm_dataset_info info = {.n_directions = dataset->n_directions,
+                             .n_refs = dataset->n_refs,
+                             .n_groups = dataset->n_groups,
+                             .n_pairs = dataset->n_pairs,
+                             .sha256 = dataset->sha256,
+                             .manifest = dataset->manifest ? dataset->manifest : "",
+                             .directions = dataset->directions};
+    for (size_t i = 0; i < dataset->n_pairs; ++i)
+        ++info.n_pairs_in[nqm_dataset_pair_split(dataset, i)];
+    return info;
+}
+
+size_t nqm_dataset_kind_count(const nqm_dataset *dataset) {
+    return dataset->n_kinds;
+}
+
+const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i) {
+    return i < dataset->n_kinds ? dataset->kind_names[i] : NULL;
+}
