@@ -20,7 +20,7 @@ typedef struct file_format {
     nqm_status (*open)(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 } file_format;
 
-static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open}};
+static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open}, {nqm_nbrdf_probe, nqm_nbrdf_open}};
 
 nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                          const char *layout, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -42,6 +42,23 @@ nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *n
     return NQM_OK;
 }
 
+static bool is_zip(const nqm_map *map) {
+    static const unsigned char member[4] = {'P', 'K', 3, 4}, end[4] = {'P', 'K', 5, 6};
+    return map->n_bytes >= 4 && (memcmp(map->data, member, 4) == 0 || memcmp(map->data, end, 4) == 0);
+}
+
+/* An archive alone is no BRDF: say what could be named in it. */
+static nqm_status ask_for_member(const char *path, nqm_error *err) {
+    char examples[256];
+    nqm_status status = nqm_zip_examples(path, ".h5", examples, sizeof examples, err);
+    if (status != NQM_OK)
+        return status;
+    if (!*examples)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) holds no NBRDF .h5 file", path);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", path, path,
+                    examples);
+}
+
 static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_map map = {0};
     nqm_status status = nqm_map_open(path, &map, err);
@@ -49,6 +66,10 @@ static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_
         return status;
     if (map.n_bytes == 0) {
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
+        goto done;
+    }
+    if (is_zip(&map)) {
+        status = ask_for_member(path, err);
         goto done;
     }
     for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
@@ -66,10 +87,43 @@ done:
     return status;
 }
 
+/* `path` is a file that holds several materials; `name` is the whole argument. */
+static nqm_status open_member(const char *path, const char *material, const char *name, nqm_brdf **brdf_ret,
+                              nqm_error *err) {
+    nqm_map map = {0};
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status != NQM_OK)
+        return status;
+    bool zip = is_zip(&map);
+    nqm_map_close(&map);
+    if (zip)
+        return nqm_nbrdf_zip_open(path, material, name, brdf_ret, err);
+    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no zip, so '%s' cannot be named in it", path, material);
+}
+
+static bool exists(const char *path) {
+    struct stat st;
+    return stat(path, &st) == 0;
+}
+
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, brdf_ret, err);
+    const char *colon = strrchr(path_or_spec, ':');
+    if (colon && !exists(path_or_spec)) {
+        char *path = nqm_strdup(path_or_spec);
+        if (!path)
+            return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
+        path[colon - path_or_spec] = 0;
+        nqm_status status = NQM_OK;
+        bool found = exists(path);
+        if (found)
+            status = open_member(path, colon + 1, path_or_spec, brdf_ret, err);
+        nqm_free(path);
+        if (found)
+            return status;
+    }
     return open_file(path_or_spec, path_or_spec, brdf_ret, err);
 }
 

@@ -68,14 +68,18 @@ NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int col
 /** Read the member whose last path component is `member` ("x.h5") into a new block (nqm_free); at most max_bytes. */
 NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes, unsigned char **data_ret,
                                        size_t *n_bytes_ret, nqm_error *err);
+/** For messages: the first few members that end with `suffix`, without it, and how many there are ("a, b, ... (9 in all)");
+ *  "" when there is none. */
+NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text,
+                                           nqm_error *err);
 
 /* ---- HDF5 float datasets (libhdf5) ------------------------------------------------------------------------------------ */
 
 typedef struct nqm_hdf5 nqm_hdf5;
-/** Open an HDF5 image in memory; the bytes must outlive it. */
+/** Open an HDF5 image in memory; `name` is for messages and must outlive it. */
 NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 **file_ret,
                                         nqm_error *err);
-/** Read a float dataset of exactly these dimensions into out (product of dims). */
+/** Read a float32 dataset of exactly these dimensions into out (product of dims); values that are not finite are refused. */
 NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *path, size_t n_dims, const size_t *dims,
                                             float *out, nqm_error *err);
 void nqm_hdf5_close(nqm_hdf5 *file);

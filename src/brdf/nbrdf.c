@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * NBRDF (Sztrajman et al. 2021, DOI 10.1111/cgf.14335): a BRDF as a network of 6-21-21-3 in a Keras .h5 file, plain or
+ * inside a zip. Input: unit half vector with phi_h = 0 and unit difference vector; ReLU, ReLU, linear, exp(x) - 1;
+ * output f_r, RGB. phi_d is folded to [0, pi), where the networks were trained; that makes the BRDF reciprocal.
+ */
+#include "brdf/brdf.h"
+
+#include "io/io.h"
+#include "math/math.h"
+#include <math.h>
+#include <string.h>
+
+/* Rows are padded with zeros to a multiple of four, which lets the compiler use vectors without a tail. */
+enum { N_IN = 6, N_HIDDEN = 21, N_OUT = 3, HIDDEN_PADDED = 24, OUT_PADDED = 4 };
+enum { MAX_FILE_BYTES = 4 << 20 }; /* the published files have 18,736 */
+
+typedef struct nbrdf {
+    double w1[N_IN * HIDDEN_PADDED], b1[HIDDEN_PADDED];
+    double w2[N_HIDDEN * HIDDEN_PADDED], b2[HIDDEN_PADDED];
+    double w3[N_HIDDEN * OUT_PADDED], b3[OUT_PADDED];
+} nbrdf;
+
+/* y (n_out) = b + x (n_in) w (n_in, n_out); inlined, so that n_out is a constant. */
+static inline void dense(size_t n_in, size_t n_out, const double *x, const double *w, const double *b, double *y) {
+    memcpy(y, b, n_out * sizeof *y);
+    for (size_t k = 0; k < n_in; ++k)
+        for (size_t j = 0; j < n_out; ++j)
+            y[j] += x[k] * w[k * n_out + j];
+}
+
+static inline void relu(double *x) {
+    for (size_t j = 0; j < HIDDEN_PADDED; ++j)
+        x[j] = x[j] > 0 ? x[j] : 0;
+}
+
+static void nbrdf_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
+    const nbrdf *net = self;
+    for (size_t i = 0; i < n; ++i) {
+        double x[N_IN] = {sin(hd[3 * i]), 0, cos(hd[3 * i])};
+        double first[HIDDEN_PADDED], second[HIDDEN_PADDED], out[OUT_PADDED];
+        nqm_spherical(hd[3 * i + 1], hd[3 * i + 2], x + 3);
+        dense(N_IN, HIDDEN_PADDED, x, net->w1, net->b1, first);
+        relu(first);
+        dense(N_HIDDEN, HIDDEN_PADDED, first, net->w2, net->b2, second);
+        relu(second);
+        dense(N_HIDDEN, OUT_PADDED, second, net->w3, net->b3, out);
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = expm1(out[c]);
+    }
+}
+
+static const nqm_brdf_class nbrdf_class = {
+    .format = "nbrdf", .reciprocal = 1, .eval_half_diff = nbrdf_eval_half_diff, .free = nqm_free};
+
+/** One layer's places in the file and in the network. */
+typedef struct layer {
+    const char *kernel, *bias;
+    size_t n_in, n_out, n_padded;
+    double *w, *b;
+} layer;
+
+static nqm_status read_layer(const nqm_hdf5 *file, const layer *l, nqm_error *err) {
+    float kernel[N_HIDDEN * N_HIDDEN], bias[N_HIDDEN];
+    const size_t dims[2] = {l->n_in, l->n_out};
+    nqm_status status = nqm_hdf5_read_f32(file, l->kernel, 2, dims, kernel, err);
+    if (status == NQM_OK)
+        status = nqm_hdf5_read_f32(file, l->bias, 1, dims + 1, bias, err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t j = 0; j < l->n_out; ++j) {
+        l->b[j] = (double)bias[j];
+        for (size_t k = 0; k < l->n_in; ++k)
+            l->w[k * l->n_padded + j] = (double)kernel[k * l->n_out + j];
+    }
+    return NQM_OK;
+}
+
+static nqm_status read_network(const unsigned char *data, size_t n_bytes, const char *name, nbrdf *net,
+                               nqm_error *err) {
+    const layer layers[] = {
+        {"dense_1/dense_1/kernel:0", "dense_1/dense_1/bias:0", N_IN, N_HIDDEN, HIDDEN_PADDED, net->w1, net->b1},
+        {"dense_2/dense_2/kernel:0", "dense_2/dense_2/bias:0", N_HIDDEN, N_HIDDEN, HIDDEN_PADDED, net->w2, net->b2},
+        {"dense_3/dense_3/kernel:0", "dense_3/dense_3/bias:0", N_HIDDEN, N_OUT, OUT_PADDED, net->w3, net->b3}};
+    if (n_bytes > MAX_FILE_BYTES)
+        return nqm_fail(err, NQM_ERR_LIMIT, MAX_FILE_BYTES, "%s: %zu bytes are too many for an NBRDF (limit: byte %d)",
+                        name, n_bytes, MAX_FILE_BYTES);
+    nqm_hdf5 *file;
+    nqm_status status = nqm_hdf5_open(data, n_bytes, name, &file, err);
+    for (size_t i = 0; i < sizeof layers / sizeof *layers && status == NQM_OK; ++i)
+        status = read_layer(file, layers + i, err);
+    nqm_hdf5_close(file);
+    return status;
+}
+
+static nqm_status open_bytes(const unsigned char *data, size_t n_bytes, const char *name, nqm_brdf **brdf_ret,
+                             nqm_error *err) {
+    nbrdf *net = nqm_alloc(1, sizeof *net);
+    if (!net)
+        return nqm_fail_nomem(err, sizeof *net);
+    nqm_status status = read_network(data, n_bytes, name, net, err);
+    if (status != NQM_OK) {
+        nqm_free(net);
+        return status;
+    }
+    status = nqm_brdf_wrap(&nbrdf_class, net, name, NULL, "network 6-21-21-3", brdf_ret, err);
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->source_doi = "10.1111/cgf.14335";
+    (*brdf_ret)->n_values = (N_IN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_OUT;
+    (*brdf_ret)->n_bytes = n_bytes;
+    return NQM_OK;
+}
+
+bool nqm_nbrdf_probe(const nqm_map *map) {
+    static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
+    size_t n = map->n_bytes < sizeof signature ? map->n_bytes : sizeof signature;
+    return n >= 4 && memcmp(map->data, signature, n) == 0;
+}
+
+nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_status status = open_bytes(map->data, map->n_bytes, name, brdf_ret, err);
+    if (status == NQM_OK)
+        nqm_map_close(map);
+    return status;
+}
+
+nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
+                              nqm_error *err) {
+    size_t n = strlen(material);
+    const char *ending = n > 3 && strcmp(material + n - 3, ".h5") == 0 ? "" : ".h5";
+    char member[256];
+    if ((size_t)snprintf(member, sizeof member, "%s%s", material, ending) >= sizeof member)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of the material is too long", name);
+    unsigned char *data;
+    size_t n_bytes;
+    nqm_status status = nqm_zip_read(zip_path, member, MAX_FILE_BYTES, &data, &n_bytes, err);
+    if (status == NQM_OK)
+        status = open_bytes(data, n_bytes, name, brdf_ret, err);
+    nqm_free(data);
+    return status;
+}
