@@ -22,10 +22,13 @@ typedef enum nqm_fit_loss {
 typedef struct nqm_fit_options {
     nqm_fit_loss loss;      /**< default NQM_FIT_LOG */
     size_t n_directions;    /**< direction pairs; default 4000 */
-    double max_polar_rad;   /**< default 80 degrees */
-    size_t n_starts;        /**< starting values of the lobe width; default 12 */
+    double max_polar_rad;   /**< both directions stay below it; default 80 degrees */
+    double highlight_fraction; /**< share of the pairs with theta_h = max u^2, theta_d and phi_d uniform (u uniform): dense
+                                    around the mirror direction, so that the sharpest lobes count; the others are uniform
+                                    by solid angle; 0..1; default 0.5 */
+    size_t n_starts;        /**< starting values of the lobe width, spaced evenly in its logarithm; default 12 */
     uint64_t seed;          /**< default 1 */
-    nqm_progress_fn progress;
+    nqm_progress_fn progress; /**< NULL: silent */
     void *progress_user;
 } nqm_fit_options;
 
@@ -42,8 +45,10 @@ typedef struct nqm_fit_report {
 } nqm_fit_report;
 
 /**
- * Fit `model` ("ward", "ggx") to `ref`.
+ * Fit `model` ("ward", "ggx") to `ref`: one lobe with a specular RGB colour over a Lambert base. From each start the
+ * albedos are solved linearly, the best starts are refined by Levenberg-Marquardt over all parameters. Deterministic.
  *
+ * @param options  NULL: the defaults
  * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,

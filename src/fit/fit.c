@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits of analytic models: options, the models that can be fitted, and the public entry.
+ */
+#include "fit/fit.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+static const nqm_fit_model models[] = {
+    {"ward", 1, {{.key = "alpha", .low = 5e-4, .high = 1, .logarithmic = true, .width = true}}},
+    {"ggx",
+     2,
+     {{.key = "alpha", .low = 5e-4, .high = 1, .logarithmic = true, .width = true},
+      /* Above 0.98 Schlick's rise toward grazing vanishes and below 0.02 the lobe does at normal incidence: there ks
+       * and f0 could trade places. */
+      {.key = "f0", .low = 0.02, .high = 0.98}}},
+};
+
+const nqm_fit_model *nqm_fit_model_find(const char *name) {
+    for (size_t i = 0; i < sizeof models / sizeof *models; ++i)
+        if (strcmp(models[i].name, name) == 0)
+            return &models[i];
+    return NULL;
+}
+
+static const char *const loss_names[] = {"log", "log-cos", "cube-root", "linear"};
+
+int nqm_fit_loss_parse(const char *text, nqm_fit_loss *loss_ret) {
+    for (size_t i = 0; i < sizeof loss_names / sizeof *loss_names; ++i)
+        if (strcmp(text, loss_names[i]) == 0) {
+            *loss_ret = (nqm_fit_loss)i;
+            return 1;
+        }
+    return 0;
+}
+
+const char *nqm_fit_loss_name(nqm_fit_loss loss) {
+    return loss_names[loss];
+}
+
+nqm_fit_options nqm_fit_options_default(void) {
+    return (nqm_fit_options){.loss = NQM_FIT_LOG,
+                             .n_directions = 4000,
+                             .max_polar_rad = 80 * NQM_PI / 180,
+                             .highlight_fraction = 0.5,
+                             .n_starts = 12,
+                             .seed = 1};
+}
+
+/* Six digits say all that a fit knows, and keep specs short. */
+static double round_digits(double x) {
+    if (!(x > 0))
+        return 0;
+    double power = pow(10, fabs(5 - floor(log10(x)))); /* exact below 1e22 */
+    return x < 1e6 ? nearbyint(x * power) / power : nearbyint(x / power) * power;
+}
+
+void nqm_fit_round(const nqm_fit_model *model, nqm_fit_values *values) {
+    for (size_t s = 0; s < model->n_shape; ++s)
+        values->shape[s] = round_digits(values->shape[s]);
+    for (size_t c = 0; c < 3; ++c) {
+        values->kd[c] = round_digits(values->kd[c]);
+        values->ks[c] = round_digits(values->ks[c]);
+    }
+}
+
+static size_t append(char *text, size_t used, const char *key, size_t n, const double *values) {
+    int added = snprintf(text + used, 512 - used, "%s=", key);
+    used += (size_t)added;
+    for (size_t i = 0; i < n; ++i) {
+        char number[32];
+        nqm_format_double(number, sizeof number, values[i]);
+        used += (size_t)snprintf(text + used, 512 - used, "%s%s", i ? "," : "", number);
+    }
+    return used;
+}
+
+void nqm_fit_write_spec(const nqm_fit_model *model, const nqm_fit_values *values, char spec[512]) {
+    size_t used = (size_t)snprintf(spec, 512, "%s:", model->name);
+    used = append(spec, used, "kd", 3, values->kd);
+    used = append(spec, used, ";ks", 3, values->ks);
+    for (size_t s = 0; s < model->n_shape; ++s) {
+        char key[16];
+        snprintf(key, sizeof key, ";%s", model->shape[s].key);
+        used = append(spec, used, key, 1, &values->shape[s]);
+    }
+}
+
+static nqm_status check_options(const nqm_fit_options *o, nqm_error *err) {
+    if (o->n_directions < 200 || o->n_directions > 1000000)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "a fit needs 200 to 1000000 directions, not %zu", o->n_directions);
+    if (!(o->max_polar_rad > 0 && o->max_polar_rad < NQM_PI / 2))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the largest polar angle of a fit must lie between 0 and 90 degrees");
+    if (!(o->highlight_fraction >= 0 && o->highlight_fraction <= 1))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the highlight fraction of a fit must lie between 0 and 1");
+    if (o->n_starts < 1 || o->n_starts > 100)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "a fit takes 1 to 100 starts, not %zu", o->n_starts);
+    if ((unsigned)o->loss > NQM_FIT_LINEAR)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "unknown loss %d", (int)o->loss);
+    return NQM_OK;
+}
+
+nqm_status nqm_fit(const nqm_brdf *ref, const char *model_name, const nqm_fit_options *options_or_null,
+                   nqm_fit_report *report_ret, nqm_error *err) {
+    nqm_fit_options options = options_or_null ? *options_or_null : nqm_fit_options_default();
+    const nqm_fit_model *model = nqm_fit_model_find(model_name);
+    if (!model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "cannot fit a model '%s'; these can be fitted: ward, ggx", model_name);
+    nqm_status status = check_options(&options, err);
+    if (status != NQM_OK)
+        return status;
+
+    nqm_fit_target target;
+    nqm_fit_values values;
+    nqm_fit_report result = {0};
+    status = nqm_fit_target_make(ref, &options, &target, err);
+    if (status == NQM_OK)
+        status = nqm_fit_solve(model, &target, &options, &values, &result.best_start, err);
+    if (status == NQM_OK) {
+        nqm_fit_round(model, &values);
+        nqm_fit_write_spec(model, &values, result.spec);
+        result.n_directions = target.n;
+        status = nqm_fit_loss_of_spec(&target, result.spec, &result.loss, err);
+    }
+    if (status == NQM_OK)
+        *report_ret = result;
+    nqm_fit_target_free(&target);
+    return status;
+}

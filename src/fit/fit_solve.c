@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The search of a fit. For a given lobe shape the albedos kd and ks enter f_r linearly, so each start solves two
+ * unknowns a channel by non-negative least squares with weights that make the transformed residual linear. The best
+ * starts are then refined over all parameters by Levenberg-Marquardt, in coordinates without bounds (logarithms,
+ * logits) and with absolute steps: relative ones vanish where a logarithm crosses 0.
+ */
+#include "fit/fit.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N_REFINED = 2, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
+static const double MIN_ALBEDO = 1e-7, MAX_ALBEDO = 1e3;
+static const double START_F0[] = {0.04, 0.5};
+enum { N_START_F0 = sizeof START_F0 / sizeof *START_F0 };
+
+typedef struct search {
+    const nqm_fit_model *model;
+    const nqm_fit_target *target;
+    double *diffuse;                      /* (n) the base with kd = 1 */
+    double *lobe;                         /* (n) the lobe with ks = 1 and `lobe_shape` */
+    double lobe_shape[NQM_FIT_MAX_SHAPE]; /* 0: none yet */
+    nqm_error *err;
+} search;
+
+typedef struct candidate {
+    nqm_fit_values values;
+    double loss;
+    size_t start;
+} candidate;
+
+/* Bring the lobe to `shape`; free of charge when only albedos have changed. */
+static nqm_status set_shape(search *s, const double *shape) {
+    size_t n_bytes = s->model->n_shape * sizeof *shape;
+    if (memcmp(s->lobe_shape, shape, n_bytes) == 0)
+        return NQM_OK;
+    nqm_fit_values unit = {.ks = {1, 1, 1}};
+    char spec[512];
+    memcpy(unit.shape, shape, n_bytes);
+    nqm_fit_write_spec(s->model, &unit, spec);
+    nqm_status status = nqm_fit_lobe(s->target, spec, s->lobe, s->err);
+    memcpy(s->lobe_shape, shape, n_bytes);
+    return status;
+}
+
+static void residuals_of(const search *s, const nqm_fit_values *v, double *residual) {
+    const nqm_fit_target *t = s->target;
+    for (size_t i = 0; i < t->n; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            double f = v->kd[c] * s->diffuse[i] + v->ks[c] * s->lobe[i];
+            residual[3 * i + c] = nqm_fit_transform(t->loss, t->weight[i], f) - t->goal[3 * i + c];
+        }
+}
+
+static double loss_of(const search *s, const nqm_fit_values *v) {
+    const nqm_fit_target *t = s->target;
+    double sum = 0;
+    for (size_t i = 0; i < t->n; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            double f = v->kd[c] * s->diffuse[i] + v->ks[c] * s->lobe[i];
+            double r = nqm_fit_transform(t->loss, t->weight[i], f) - t->goal[3 * i + c];
+            sum += r * r;
+        }
+    return sqrt(sum / (3 * (double)t->n));
+}
+
+/* ---- albedos for a given shape
+ * --------------------------------------------------------------------------------------- */
+
+/* Minimise |w (kd a + ks b - y)| over kd, ks >= 0 from the sums of the normal equations. */
+static void solve_two(const double sums[5], double *kd, double *ks) {
+    double aa = sums[0], ab = sums[1], bb = sums[2], ay = sums[3], by = sums[4];
+    double det = aa * bb - ab * ab;
+    double x = 0, y = 0;
+    if (det > 1e-12 * aa * bb) {
+        x = (bb * ay - ab * by) / det;
+        y = (aa * by - ab * ay) / det;
+    }
+    if (det > 1e-12 * aa * bb && x >= 0 && y >= 0) {
+        *kd = x;
+        *ks = y;
+        return;
+    }
+    /* One of them is 0: the one whose absence costs less. */
+    double gain_a = ay > 0 && aa > 0 ? ay * ay / aa : 0, gain_b = by > 0 && bb > 0 ? by * by / bb : 0;
+    *kd = gain_a >= gain_b && gain_a > 0 ? ay / aa : 0;
+    *ks = gain_b > gain_a ? by / bb : 0;
+}
+
+/* Slope of the secant of the loss's transform between f and y: with it as weight, a linear residual equals the real
+ * one. */
+static double secant(nqm_fit_loss loss, double weight, double f, double y, double goal) {
+    double difference = f - y, tiny = 1e-6 * (y + 1e-3);
+    if (fabs(difference) < tiny) {
+        f = y + tiny;
+        difference = tiny;
+    }
+    return (nqm_fit_transform(loss, weight, f) - goal) / difference;
+}
+
+static void solve_albedos(const search *s, nqm_fit_values *v) {
+    const nqm_fit_target *t = s->target;
+    for (size_t c = 0; c < 3; ++c)
+        for (int round = 0; round < N_REWEIGHTED; ++round) {
+            double sums[5] = {0};
+            for (size_t i = 0; i < t->n; ++i) {
+                double a = s->diffuse[i], b = s->lobe[i], y = t->rgb[3 * i + c];
+                double f = round ? v->kd[c] * a + v->ks[c] * b : y; /* first the tangent at the reference */
+                double w = secant(t->loss, t->weight[i], f, y, t->goal[3 * i + c]);
+                double ww = w * w;
+                sums[0] += ww * a * a;
+                sums[1] += ww * a * b;
+                sums[2] += ww * b * b;
+                sums[3] += ww * a * y;
+                sums[4] += ww * b * y;
+            }
+            solve_two(sums, &v->kd[c], &v->ks[c]);
+        }
+}
+
+/* ---- refinement
+ * ------------------------------------------------------------------------------------------------------ */
+
+static double logit(double p) {
+    return log(p / (1 - p));
+}
+
+static double clamp(double x, double low, double high) {
+    return x < low ? low : x > high ? high : x;
+}
+
+static void to_free(const nqm_fit_model *model, const nqm_fit_values *v, double *x) {
+    for (size_t k = 0; k < model->n_shape; ++k) {
+        const nqm_fit_shape *shape = &model->shape[k];
+        double low = shape->low, high = shape->high, value = v->shape[k];
+        double p = shape->logarithmic ? log(value / low) / log(high / low) : (value - low) / (high - low);
+        *x++ = logit(clamp(p, 1e-3, 1 - 1e-3));
+    }
+    for (size_t c = 0; c < 3; ++c) {
+        x[c] = log(fmax(v->kd[c], MIN_ALBEDO));
+        x[3 + c] = log(fmax(v->ks[c], MIN_ALBEDO));
+    }
+}
+
+static void from_free(const nqm_fit_model *model, const double *x, nqm_fit_values *v) {
+    for (size_t k = 0; k < model->n_shape; ++k) {
+        const nqm_fit_shape *shape = &model->shape[k];
+        double p = 1 / (1 + exp(-*x++));
+        v->shape[k] = shape->logarithmic ? shape->low * pow(shape->high / shape->low, p)
+                                         : shape->low + (shape->high - shape->low) * p;
+    }
+    for (size_t c = 0; c < 3; ++c) {
+        v->kd[c] = exp(clamp(x[c], log(MIN_ALBEDO), log(MAX_ALBEDO)));
+        v->ks[c] = exp(clamp(x[3 + c], log(MIN_ALBEDO), log(MAX_ALBEDO)));
+    }
+}
+
+static int lsq_residuals(void *user, const double *x, double *residual) {
+    search *s = user;
+    nqm_fit_values v;
+    from_free(s->model, x, &v);
+    if (set_shape(s, v.shape) != NQM_OK)
+        return -1;
+    residuals_of(s, &v, residual);
+    return 0;
+}
+
+/* An albedo at its floor is none. */
+static void drop_traces(nqm_fit_values *v) {
+    for (size_t c = 0; c < 3; ++c) {
+        v->kd[c] = v->kd[c] < 2 * MIN_ALBEDO ? 0 : v->kd[c];
+        v->ks[c] = v->ks[c] < 2 * MIN_ALBEDO ? 0 : v->ks[c];
+    }
+}
+
+/* Improve a candidate in place; one that does not improve stays as it is. */
+static nqm_status refine(search *s, candidate *best) {
+    double x[MAX_PARAMETERS], rms;
+    nqm_lsq_problem problem = {.n_parameters = s->model->n_shape + 6,
+                               .n_residuals = 3 * s->target->n,
+                               .residuals = lsq_residuals,
+                               .user = s,
+                               .step = 1e-5,
+                               .tolerance = 1e-6,
+                               .max_evaluations = 400};
+    to_free(s->model, &best->values, x);
+    nqm_status status = nqm_lsq_solve(&problem, x, &rms, s->err);
+    if (status == NQM_ERR_NUMERIC)
+        return NQM_OK;
+    if (status != NQM_OK)
+        return status;
+    candidate refined = *best;
+    from_free(s->model, x, &refined.values);
+    drop_traces(&refined.values);
+    status = set_shape(s, refined.values.shape);
+    if (status != NQM_OK)
+        return status;
+    refined.loss = loss_of(s, &refined.values);
+    if (refined.loss < best->loss)
+        *best = refined;
+    return NQM_OK;
+}
+
+/* ---- starts
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static nqm_status score_start(search *s, candidate *start) {
+    nqm_status status = set_shape(s, start->values.shape);
+    if (status != NQM_OK)
+        return status;
+    solve_albedos(s, &start->values);
+    start->loss = loss_of(s, &start->values);
+    return NQM_OK;
+}
+
+/* Keep the N_REFINED best, best first. */
+static void insert(candidate *best, size_t *n_best, const candidate *c) {
+    size_t at = *n_best;
+    while (at > 0 && best[at - 1].loss > c->loss)
+        --at;
+    if (at == N_REFINED)
+        return;
+    size_t n_moved = (*n_best < N_REFINED ? *n_best : N_REFINED - 1) - at;
+    memmove(best + at + 1, best + at, n_moved * sizeof *best);
+    best[at] = *c;
+    *n_best += *n_best < N_REFINED;
+}
+
+static nqm_status scan_starts(search *s, const nqm_fit_options *options, candidate *best, size_t *n_best) {
+    static const double low = 0.001, high = 0.8;
+    nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
+    size_t n_other = s->model->n_shape > 1 ? N_START_F0 : 1;
+    size_t n = options->n_starts * n_other;
+    for (size_t i = 0; i < n; ++i) {
+        candidate c = {.start = i};
+        double u = ((double)(i / n_other) + 0.5) / (double)options->n_starts;
+        c.values.shape[0] = low * pow(high / low, u);
+        c.values.shape[1] = START_F0[i % n_other];
+        nqm_status status = score_start(s, &c);
+        if (status != NQM_OK)
+            return status;
+        insert(best, n_best, &c);
+        if (nqm_tick(&ticker, "fit", (double)(i + 1), (double)(n + N_REFINED)))
+            return nqm_fail(s->err, NQM_ERR_CANCELLED, -1, "fit: stopped");
+    }
+    return NQM_OK;
+}
+
+nqm_status nqm_fit_solve(const nqm_fit_model *model, const nqm_fit_target *target, const nqm_fit_options *options,
+                         nqm_fit_values *values, size_t *start_ret, nqm_error *err) {
+    search s = {.model = model, .target = target, .err = err};
+    candidate best[N_REFINED];
+    size_t n_best = 0, winner = 0;
+    s.diffuse = nqm_alloc(target->n, sizeof(double));
+    s.lobe = nqm_alloc(target->n, sizeof(double));
+    nqm_status status = NQM_OK;
+    if (!s.diffuse || !s.lobe) {
+        status = nqm_fail_nomem(err, 2 * target->n * sizeof(double));
+        goto done;
+    }
+    nqm_fit_values base = {.kd = {1, 1, 1}, .shape = {0.5, 0.5}};
+    char spec[512];
+    nqm_fit_write_spec(model, &base, spec);
+    status = nqm_fit_lobe(target, spec, s.diffuse, err);
+    if (status == NQM_OK)
+        status = scan_starts(&s, options, best, &n_best);
+    for (size_t i = 0; status == NQM_OK && i < n_best; ++i) {
+        status = refine(&s, &best[i]);
+        winner = best[i].loss < best[winner].loss ? i : winner;
+    }
+    if (status == NQM_OK && !isfinite(best[winner].loss))
+        status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the %s fit gave no finite result", model->name);
+    if (status == NQM_OK) {
+        *values = best[winner].values;
+        *start_ret = best[winner].start;
+    }
+done:
+    nqm_free(s.diffuse);
+    nqm_free(s.lobe);
+    return status;
+}

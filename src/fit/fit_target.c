@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The reference as a fit sees it: direction pairs, f_r there, and the transform of the loss. The pairs mix two
+ * measures: directions uniform over the cap of the hemisphere (what the loss is about) and half vectors dense around
+ * the normal (without them no pair would ever meet the lobe of a polished metal: 0.2 degrees fill a millionth of all
+ * pairs).
+ */
+#include "fit/fit.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MIN_VALID = 100 };
+
+/* Uniform by solid angle over the cap of half-angle `max_polar`. */
+static void draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo) {
+    double cos_max = cos(max_polar);
+    double *both[2] = {wi, wo};
+    for (int k = 0; k < 2; ++k) {
+        double cos_theta = 1 - nqm_rng_uniform(rng) * (1 - cos_max);
+        nqm_spherical(acos(cos_theta), 2 * NQM_PI * nqm_rng_uniform(rng), both[k]);
+    }
+}
+
+/* theta_h = max u^2 as in MERL's tables, theta_d and phi_d uniform; both directions stay within `max_polar`. */
+static void draw_highlight(nqm_rng *rng, double max_polar, double *wi, double *wo) {
+    double cos_max = cos(max_polar);
+    do {
+        double u = nqm_rng_uniform(rng);
+        double hd[3] = {max_polar * u * u, max_polar * nqm_rng_uniform(rng), 2 * NQM_PI * nqm_rng_uniform(rng)};
+        nqm_half_diff_to_pair(hd, wi, wo);
+    } while (wi[2] < cos_max || wo[2] < cos_max);
+}
+
+double nqm_fit_transform(nqm_fit_loss loss, double weight, double f) {
+    switch (loss) {
+    case NQM_FIT_LOG:
+    case NQM_FIT_LOG_COS:
+        return log1p(weight * f);
+    case NQM_FIT_CUBE_ROOT:
+        return cbrt(f);
+    case NQM_FIT_LINEAR:
+        break;
+    }
+    return f;
+}
+
+static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
+    nqm_rng rng = nqm_rng_make(options->seed, 0);
+    size_t n_highlight = (size_t)(options->highlight_fraction * (double)options->n_directions + 0.5);
+    for (size_t i = 0; i < options->n_directions; ++i) {
+        double *wi = target->wi + 3 * i, *wo = target->wo + 3 * i;
+        if (i < n_highlight)
+            draw_highlight(&rng, options->max_polar_rad, wi, wo);
+        else
+            draw_uniform(&rng, options->max_polar_rad, wi, wo);
+        target->weight[i] = options->loss == NQM_FIT_LOG_COS ? wi[2] * wo[2] : 1;
+    }
+}
+
+/* Keep the pairs where the reference has a value. */
+static void drop_invalid(nqm_fit_target *target, const uint8_t *flag) {
+    size_t kept = 0;
+    for (size_t i = 0; i < target->n; ++i) {
+        if (flag[i] != NQM_VALUE_OK && flag[i] != NQM_VALUE_CLAMPED)
+            continue;
+        memmove(target->wi + 3 * kept, target->wi + 3 * i, 3 * sizeof(double));
+        memmove(target->wo + 3 * kept, target->wo + 3 * i, 3 * sizeof(double));
+        memmove(target->rgb + 3 * kept, target->rgb + 3 * i, 3 * sizeof(double));
+        target->weight[kept] = target->weight[i];
+        ++kept;
+    }
+    target->n = kept;
+}
+
+nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_target *target,
+                               nqm_error *err) {
+    size_t n = options->n_directions;
+    *target = (nqm_fit_target){.loss = options->loss, .n = n};
+    target->wi = nqm_alloc(3 * n, sizeof(double));
+    target->wo = nqm_alloc(3 * n, sizeof(double));
+    target->weight = nqm_alloc(n, sizeof(double));
+    target->rgb = nqm_alloc(3 * n, sizeof(double));
+    target->goal = nqm_alloc(3 * n, sizeof(double));
+    uint8_t *flag = nqm_alloc(n, 1);
+    nqm_status status = NQM_OK;
+    if (!target->wi || !target->wo || !target->weight || !target->rgb || !target->goal || !flag) {
+        status = nqm_fail_nomem(err, 14 * n * sizeof(double));
+        goto done;
+    }
+    draw_pairs(options, target);
+    nqm_brdf_eval(ref, n, target->wi, target->wo, target->rgb, flag);
+    drop_invalid(target, flag);
+    if (target->n < MIN_VALID) {
+        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; a fit needs %d",
+                          nqm_brdf_get_info(ref).name, target->n, n, MIN_VALID);
+        goto done;
+    }
+    for (size_t i = 0; i < 3 * target->n; ++i)
+        target->goal[i] = nqm_fit_transform(target->loss, target->weight[i / 3], target->rgb[i]);
+done:
+    nqm_free(flag);
+    return status;
+}
+
+void nqm_fit_target_free(nqm_fit_target *target) {
+    nqm_free(target->wi);
+    nqm_free(target->wo);
+    nqm_free(target->weight);
+    nqm_free(target->rgb);
+    nqm_free(target->goal);
+    *target = (nqm_fit_target){0};
+}
+
+static nqm_status eval_spec(const nqm_fit_target *target, const char *spec, double *rgb, nqm_error *err) {
+    nqm_brdf *brdf;
+    nqm_status status = nqm_brdf_open(spec, &brdf, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_brdf_eval(brdf, target->n, target->wi, target->wo, rgb, NULL);
+    nqm_brdf_free(brdf);
+    return NQM_OK;
+}
+
+nqm_status nqm_fit_lobe(const nqm_fit_target *target, const char *spec, double *lobe, nqm_error *err) {
+    double *rgb = nqm_alloc(3 * target->n, sizeof *rgb);
+    if (!rgb)
+        return nqm_fail_nomem(err, 3 * target->n * sizeof *rgb);
+    nqm_status status = eval_spec(target, spec, rgb, err);
+    for (size_t i = 0; status == NQM_OK && i < target->n; ++i)
+        lobe[i] = rgb[3 * i];
+    nqm_free(rgb);
+    return status;
+}
+
+nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret, nqm_error *err) {
+    size_t n = 3 * target->n;
+    double *rgb = nqm_alloc(n, sizeof *rgb);
+    if (!rgb)
+        return nqm_fail_nomem(err, n * sizeof *rgb);
+    nqm_status status = eval_spec(target, spec, rgb, err);
+    double sum = 0;
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        double residual = nqm_fit_transform(target->loss, target->weight[i / 3], rgb[i]) - target->goal[i];
+        sum += residual * residual;
+    }
+    nqm_free(rgb);
+    if (status == NQM_OK)
+        *loss_ret = sqrt(sum / (double)n);
+    return status;
+}
