@@ -86,9 +86,16 @@ void nqm_hdf5_close(nqm_hdf5 *file);
 
 /* ---- MAT v5 (matio) --------------------------------------------------------------------------------------------------- */
 
-/** Read a real double matrix `variable` of exactly rows x cols into out, row-major. */
-NQM_MUST_CHECK nqm_status nqm_mat_read(const char *path, const char *variable, size_t rows, size_t cols, double *out,
+typedef struct nqm_mat nqm_mat;
+/** Open a MAT v5 file (MATLAB's -v6 and -v7; scipy.io.savemat). `path` must outlive it. */
+NQM_MUST_CHECK nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err);
+/** Size of a real matrix of doubles or singles. */
+NQM_MUST_CHECK nqm_status nqm_mat_shape(nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret,
+                                        nqm_error *err);
+/** Read such a matrix of exactly rows x cols (vectors: either way round) into out, row-major; values must be finite. */
+NQM_MUST_CHECK nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
                                        nqm_error *err);
+void nqm_mat_close(nqm_mat *mat);
 
 /* ---- images ----------------------------------------------------------------------------------------------------------- */
 
