@@ -8,8 +8,12 @@
 
 bool nqm_sha256_begin(nqm_sha256 *sha) {
     EVP_MD_CTX *context = EVP_MD_CTX_new();
+    if (context && EVP_DigestInit_ex(context, EVP_sha256(), NULL) != 1) {
+        EVP_MD_CTX_free(context);
+        context = NULL;
+    }
     sha->context = context;
-    return context && EVP_DigestInit_ex(context, EVP_sha256(), NULL) == 1;
+    return context != NULL;
 }
 
 void nqm_sha256_add(nqm_sha256 *sha, const void *data, size_t n_bytes) {

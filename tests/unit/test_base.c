@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The base module: allocation limits, atomic output files, mapped input, numbers under a foreign locale, random numbers
+ * against published values, SHA-256 against the FIPS 180-4 examples, parallel loops.
+ */
+#include "base/base.h"
+#include "base/memory_test.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static void test_alloc_refuses_overflow(void **state) {
+    (void)state;
+    assert_null(nqm_alloc(SIZE_MAX / 2, 4));
+    assert_null(nqm_alloc(SIZE_MAX, 1));
+    unsigned char *block = nqm_alloc(100, 3);
+    assert_non_null(block);
+    assert_int_equal((uintptr_t)block % 64, 0);
+    for (int i = 0; i < 300; ++i)
+        assert_int_equal(block[i], 0);
+    nqm_free(block);
+}
+
+static void test_alloc_fails_when_told(void **state) {
+    (void)state;
+    nqm_alloc_fail_after(1);
+    void *first = nqm_alloc(1, 1), *second = nqm_alloc(1, 1), *third = nqm_alloc(1, 1);
+    nqm_alloc_fail_after(-1);
+    assert_non_null(first);
+    assert_null(second);
+    assert_non_null(third);
+    nqm_free(first);
+    nqm_free(third);
+}
+
+static char folder[] = "/tmp/nqm-test-base-XXXXXX";
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    return rmdir(folder); /* fails when a test left a file behind: a temporary that was not removed */
+}
+
+static void path_in_folder(char *path, size_t n, const char *name) {
+    snprintf(path, n, "%s/%s", folder, name);
+}
+
+static void write_text(const char *path, const char *text) {
+    nqm_outfile out;
+    assert_int_equal(nqm_outfile_open(path, &out, NULL), NQM_OK);
+    fputs(text, out.stream);
+    assert_int_equal(nqm_outfile_commit(&out, NULL), NQM_OK);
+}
+
+static void assert_content(const char *path, const char *text) {
+    nqm_map map;
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    assert_int_equal(map.n_bytes, strlen(text));
+    if (map.n_bytes)
+        assert_memory_equal(map.data, text, map.n_bytes);
+    nqm_map_close(&map);
+}
+
+static void test_outfile_appears_only_when_complete(void **state) {
+    (void)state;
+    char path[256];
+    path_in_folder(path, sizeof path, "out.txt");
+    write_text(path, "old");
+    nqm_outfile out;
+    assert_int_equal(nqm_outfile_open(path, &out, NULL), NQM_OK);
+    fputs("new and longer", out.stream);
+    fflush(out.stream);
+    assert_content(path, "old");
+    nqm_outfile_abort(&out);
+    assert_content(path, "old");
+    write_text(path, "newer");
+    assert_content(path, "newer");
+    write_text(path, "");
+    assert_content(path, "");
+    unlink(path);
+}
+
+static void test_outfile_in_missing_folder(void **state) {
+    (void)state;
+    char path[256];
+    path_in_folder(path, sizeof path, "no/such/folder/out.txt");
+    nqm_outfile out;
+    nqm_error err = {0};
+    assert_int_equal(nqm_outfile_open(path, &out, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, path));
+    assert_null(out.stream);
+}
+
+static void test_map_refuses_what_is_no_file(void **state) {
+    (void)state;
+    nqm_map map;
+    nqm_error err = {0};
+    assert_int_equal(nqm_map_open(folder, &map, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "directory"));
+    assert_int_equal(nqm_map_open("/nonexistent/file", &map, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "/nonexistent/file"));
+    assert_null(map.data);
+    char path[256];
+    path_in_folder(path, sizeof path, "fifo");
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(nqm_map_open(path, &map, &err), NQM_ERR_IO);
+    unlink(path);
+}
+
+static void test_numbers_survive_any_locale(void **state) {
+    (void)state;
+    /* A comma locale if the machine has one; the round trip must hold either way. */
+    (void)(setlocale(LC_ALL, "de_DE.UTF-8") || setlocale(LC_ALL, "fr_FR.UTF-8"));
+    const double values[] = {0.1, 1.0 / 3.0, -2.5e-300, 6.02214076e23, 0, 123456789012345678.0};
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
+        char text[32];
+        const char *end;
+        double back;
+        nqm_format_double(text, sizeof text, values[i]);
+        assert_null(strchr(text, ','));
+        assert_true(nqm_parse_double(text, &end, &back));
+        assert_true(back == values[i] && *end == '\0');
+    }
+    setlocale(LC_ALL, "C");
+    const char *end;
+    double v;
+    assert_false(nqm_parse_double("nan", &end, &v));
+    assert_false(nqm_parse_double("inf", &end, &v));
+    assert_false(nqm_parse_double("x", &end, &v));
+    assert_false(nqm_parse_double("1e999", &end, &v));
+}
+
+static void test_endian(void **state) {
+    (void)state;
+    const unsigned char bytes[] = {0, 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0xf0, 0x3f};
+    assert_int_equal(nqm_load_u16(bytes + 1), 0x0201);
+    assert_int_equal(nqm_load_u32(bytes + 1), 0x04030201);
+    assert_true(nqm_load_u64(bytes + 1) == 0x3ff0060504030201u);
+    unsigned char out[8];
+    nqm_store_f64(out, 1.5);
+    assert_int_equal(out[7], 0x3f);
+    assert_int_equal(out[6], 0xf8);
+    assert_true(nqm_load_f64(out) == 1.5);
+    nqm_store_f32(out, -0.25f);
+    assert_true(nqm_load_f32(out) == -0.25f);
+}
+
+static void test_xoshiro_against_its_authors(void **state) {
+    (void)state;
+    /* State 1, 2, 3, 4: the first outputs of the authors' xoshiro256starstar.c, as printed by rand_xoshiro's test suite. */
+    nqm_rng rng = {{1, 2, 3, 4}};
+    const uint64_t expected[] = {11520u, 0u, 1509978240u, 1215971899390074240u};
+    for (int i = 0; i < 4; ++i)
+        assert_true(nqm_rng_u64(&rng) == expected[i]);
+}
+
+static void test_rng_moments(void **state) {
+    (void)state;
+    enum { N = 200000 };
+    nqm_rng rng = nqm_rng_make(7, 3);
+    double mean = 0, square = 0, uniform = 0;
+    for (int i = 0; i < N; ++i) {
+        double x = nqm_rng_normal(&rng);
+        mean += x / N;
+        square += x * x / N;
+        double u = nqm_rng_uniform(&rng);
+        assert_true(u >= 0 && u < 1);
+        uniform += u / N;
+    }
+    assert_true(fabs(mean) < 5 / sqrt(N));
+    assert_true(fabs(square - 1) < 5 * sqrt(2.0 / N));
+    assert_true(fabs(uniform - 0.5) < 5 * sqrt(1.0 / 12 / N));
+    nqm_rng a = nqm_rng_make(7, 3), b = nqm_rng_make(7, 4);
+    assert_true(nqm_rng_u64(&a) != nqm_rng_u64(&b));
+}
+
+static void test_shuffle_is_a_permutation(void **state) {
+    (void)state;
+    size_t idx[100], seen[100] = {0}, moved = 0;
+    for (size_t i = 0; i < 100; ++i)
+        idx[i] = i;
+    nqm_rng rng = nqm_rng_make(1, 0);
+    nqm_rng_shuffle(&rng, 100, idx);
+    for (size_t i = 0; i < 100; ++i) {
+        seen[idx[i]]++;
+        moved += idx[i] != i;
+    }
+    for (size_t i = 0; i < 100; ++i)
+        assert_int_equal(seen[i], 1);
+    assert_true(moved > 80);
+}
+
+static void test_sha256(void **state) {
+    (void)state;
+    nqm_sha256 sha;
+    char hex[65];
+    assert_true(nqm_sha256_begin(&sha));
+    nqm_sha256_add(&sha, "a", 1);
+    nqm_sha256_add(&sha, "bc", 2);
+    nqm_sha256_end(&sha, hex);
+    assert_string_equal(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+static void mark(void *user, size_t i) {
+    ((unsigned char *)user)[i]++;
+}
+
+static void test_parallel_for_visits_each_once(void **state) {
+    (void)state;
+    unsigned char seen[1000] = {0};
+    nqm_parallel_for(1000, mark, seen);
+    for (int i = 0; i < 1000; ++i)
+        assert_int_equal(seen[i], 1);
+}
+
+static int count_and_stop(void *user, const char *stage, double done, double total) {
+    (void)stage;
+    (void)done;
+    (void)total;
+    return ++*(int *)user >= 1;
+}
+
+static void test_ticker(void **state) {
+    (void)state;
+    int calls = 0;
+    nqm_ticker ticker = {.fn = count_and_stop, .user = &calls};
+    assert_true(nqm_tick(&ticker, "work", 1, 10));
+    assert_false(nqm_tick(&ticker, "work", 2, 10)); /* too soon */
+    assert_true(nqm_tick(&ticker, "work", 10, 10)); /* the end is always told */
+    assert_int_equal(calls, 2);
+    nqm_ticker silent = {0};
+    assert_false(nqm_tick(&silent, "work", 1, 1));
+}
+
+static void test_errors(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    assert_int_equal(nqm_fail(&err, NQM_ERR_FORMAT, 12, "%s: bad", "f"), NQM_ERR_FORMAT);
+    assert_string_equal(err.message, "f: bad");
+    assert_int_equal(err.byte_offset, 12);
+    assert_int_equal(nqm_fail(NULL, NQM_ERR_IO, -1, "x"), NQM_ERR_IO);
+    for (int s = NQM_ERR_CANCELLED; s <= NQM_OK; ++s)
+        assert_string_not_equal(nqm_status_text((nqm_status)s), "unknown status");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_alloc_refuses_overflow),
+        cmocka_unit_test(test_alloc_fails_when_told),
+        cmocka_unit_test(test_outfile_appears_only_when_complete),
+        cmocka_unit_test(test_outfile_in_missing_folder),
+        cmocka_unit_test(test_map_refuses_what_is_no_file),
+        cmocka_unit_test(test_numbers_survive_any_locale),
+        cmocka_unit_test(test_endian),
+        cmocka_unit_test(test_xoshiro_against_its_authors),
+        cmocka_unit_test(test_rng_moments),
+        cmocka_unit_test(test_shuffle_is_a_permutation),
+        cmocka_unit_test(test_sha256),
+        cmocka_unit_test(test_parallel_for_visits_each_once),
+        cmocka_unit_test(test_ticker),
+        cmocka_unit_test(test_errors),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
