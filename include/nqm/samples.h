@@ -18,8 +18,10 @@ typedef struct nqm_directions nqm_directions;
 typedef struct nqm_directions_options {
     size_t n;                 /**< directions to make; 1..100000; default 500 */
     uint64_t seed;            /**< default 1 */
-    double max_polar_rad;     /**< theta_i and theta_o stay at or below this; default 75 degrees (grazing data are noisy) */
-    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; default 2 */
+    double max_polar_rad;     /**< theta_i and theta_o stay at or below this; above 0, at most pi/2; default 75 degrees
+                                   (grazing data are noisy) */
+    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; above 0, at most
+                                   100; default 2 */
     double oversampling;      /**< candidates per kept direction when references are given; >= 1; default 4 */
     nqm_progress_fn progress; /**< NULL: silent */
     void *progress_user;
@@ -29,9 +31,11 @@ NQM_API nqm_directions_options nqm_directions_options_default(void);
 
 /**
  * Make directions (paper, section 3.1): theta_d and phi_d uniform, theta_h denser toward 0, both polar angles bounded; of
- * the candidates those are kept where the references carry significant energy (mean over the references of the
- * cube-rooted luminance, each reference normalised; stratified in theta_h so that the density above is kept).
+ * the candidates those are drawn, with probability in proportion, where the references carry significant energy (mean over
+ * the references of the cube-rooted luminance, each reference normalised; stratified in theta_h so that the density above
+ * is kept). The set is ordered by theta_h; the same options and references give the same set.
  *
+ * @param options NULL: the defaults
  * @param refs    (n_refs) BRDFs that decide what "significant energy" is; n_refs 0: every candidate is kept
  * @return NQM_ERR_ARG, NQM_ERR_NOMEM, NQM_ERR_CANCELLED
  */
@@ -63,7 +67,7 @@ typedef enum nqm_invalid_policy {
     NQM_INVALID_ERROR     /**< refuse: NQM_ERR_INCOMPATIBLE */
 } nqm_invalid_policy;
 
-/** "drop", "zero", "nearest" or "error" to the policy; false when `text` is none of them. */
+/** "drop", "zero", "nearest" or "error" to the policy; 0 when `text` is none of them, else 1. */
 NQM_API int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret);
 
 /** What sampling met. */
@@ -80,7 +84,8 @@ typedef struct nqm_sample_report {
  * @param rgb     (n, 3) receives f_r in 1/sr, finite and >= 0
  * @param flag    (n) receives an nqm_value_flag each; NULL allowed
  * @param report  NULL allowed
- * @return NQM_ERR_INCOMPATIBLE under NQM_INVALID_ERROR, or when no direction is valid; NQM_ERR_NOMEM
+ * @return NQM_ERR_INCOMPATIBLE under NQM_INVALID_ERROR, or when no direction is valid (flag and report are filled then,
+ *         too); NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions,
                                              nqm_invalid_policy policy, float *rgb, uint8_t *flag,

@@ -1,12 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * sample.h - from sampled reflectance to the numbers that the network sees: transform, whitening, layout (paper, section 3.1).
+ * sample.h - the inside of a direction set, and the way from sampled reflectance to the numbers that the network sees:
+ * transform, whitening, layout (paper, section 3.1).
  */
 #ifndef NQM_SRC_SAMPLE_H
 #define NQM_SRC_SAMPLE_H
 
 #include "base/base.h"
 #include <nqm/samples.h>
+
+struct nqm_directions {
+    size_t n;
+    double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
+    double *hd;      /* (n, 3) the same in radians */
+    double *cosines; /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
+    char id[17];
+};
 
 /** How a pair becomes the network's input. */
 typedef struct nqm_features {

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * CSV with a header line, read whole: RFC 4180 quoting, LF or CRLF, lines that begin with '#' and blank lines skipped,
+ * blanks around unquoted fields dropped. Fields are unquoted and NUL-terminated in place in one copy of the text, so
+ * that a field's place in the copy is its place in the file, for messages.
+ */
+#include "io/io.h"
+
+#include <limits.h>
+#include <string.h>
+
+struct nqm_csv {
+    char *name;    /* for messages */
+    char *text;    /* the file, cut into fields */
+    size_t *field; /* (1 + n_rows, n_columns) where each field begins in text; row 0 is the header */
+    size_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
+    size_t n_columns, n_records;
+};
+
+typedef struct scanner {
+    char *text; /* text[n] is NUL */
+    size_t n, at, line;
+} scanner;
+
+static bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+static void skip_blanks(scanner *s) {
+    while (s->at < s->n && is_blank(s->text[s->at]))
+        ++s->at;
+}
+
+/* Go to the next line that holds a record; false at the end of the text. */
+static bool next_record(scanner *s) {
+    while (s->at < s->n) {
+        size_t begin = s->at;
+        skip_blanks(s);
+        if (s->at < s->n && s->text[s->at] != '\n' && s->text[s->at] != '#') {
+            s->at = begin;
+            return true;
+        }
+        while (s->at < s->n && s->text[s->at] != '\n')
+            ++s->at;
+        if (s->at < s->n)
+            ++s->at;
+        ++s->line;
+    }
+    return false;
+}
+
+/* Cut out an unquoted field, from the cursor to the next separator. */
+static void cut_plain(scanner *s, char *separator) {
+    size_t end = s->at;
+    while (s->at < s->n && s->text[s->at] != ',' && s->text[s->at] != '\n')
+        if (!is_blank(s->text[s->at++]))
+            end = s->at;
+    *separator = s->text[s->at];
+    s->text[end] = '\0';
+}
+
+/* Cut out a quoted field; the cursor is behind the opening quote. false when the closing one is missing, or followed by
+ * more than blanks. */
+static bool cut_quoted(scanner *s, char *separator) {
+    size_t end = s->at;
+    for (;; ++s->at) {
+        if (s->at >= s->n)
+            return false;
+        char c = s->text[s->at];
+        if (c == '"' && s->text[++s->at] != '"')
+            break;
+        s->line += c == '\n';
+        s->text[end++] = c;
+    }
+    skip_blanks(s);
+    *separator = s->text[s->at];
+    s->text[end] = '\0';
+    return s->at >= s->n || *separator == ',' || *separator == '\n';
+}
+
+/* Cut one record into fields, appended from csv->field[*n_fields] on. */
+static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_error *err) {
+    size_t first = *n_fields, begin = s->at, line = s->line;
+    csv->line[csv->n_records] = line;
+    char separator;
+    do {
+        skip_blanks(s);
+        bool quoted = s->at < s->n && s->text[s->at] == '"';
+        size_t at = s->at += quoted;
+        csv->field[(*n_fields)++] = at;
+        if (!quoted)
+            cut_plain(s, &separator);
+        else if (!cut_quoted(s, &separator))
+            return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
+                            "%s: line %zu, byte %zu: a quoted field does not end properly", csv->name, line, at);
+        if (s->at < s->n)
+            ++s->at;
+    } while (separator == ',');
+    ++s->line;
+    size_t n_cut = *n_fields - first;
+    if (csv->n_records == 0)
+        csv->n_columns = n_cut;
+    else if (n_cut != csv->n_columns)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)begin,
+                        "%s: line %zu, byte %zu: %zu fields where the header has %zu", csv->name, line, begin, n_cut,
+                        csv->n_columns);
+    ++csv->n_records;
+    return NQM_OK;
+}
+
+static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
+    scanner s = {.text = csv->text, .n = n_bytes, .line = 1};
+    if (n_bytes >= 3 && memcmp(csv->text, "\xef\xbb\xbf", 3) == 0)
+        s.at = 3; /* the byte order mark of spreadsheets */
+    size_t n_fields = 0;
+    while (next_record(&s)) {
+        nqm_status status = cut_record(csv, &s, &n_fields, err);
+        if (status != NQM_OK)
+            return status;
+    }
+    if (csv->n_records == 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no header line: the file is empty", csv->name);
+    if (csv->n_columns > INT_MAX)
+        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu columns", csv->name, csv->n_columns);
+    return NQM_OK;
+}
+
+nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret, nqm_error *err) {
+    *csv_ret = NULL;
+    const char *nul = n_bytes ? memchr(text, '\0', n_bytes) : NULL;
+    if (nul)
+        return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file", name,
+                        (size_t)(nul - text));
+    size_t n_separators = 0, n_lines = 0;
+    for (size_t i = 0; i < n_bytes; ++i) {
+        n_separators += text[i] == ',' || text[i] == '\n';
+        n_lines += text[i] == '\n';
+    }
+    nqm_status status;
+    nqm_csv *csv = nqm_alloc(1, sizeof *csv);
+    if (!csv)
+        return nqm_fail_nomem(err, sizeof *csv);
+    csv->name = nqm_strdup(name);
+    csv->text = nqm_alloc(n_bytes + 1, 1);
+    csv->field = nqm_alloc(n_separators + 1, sizeof *csv->field);
+    csv->line = nqm_alloc(n_lines + 1, sizeof *csv->line);
+    if (!csv->name || !csv->text || !csv->field || !csv->line) {
+        status = nqm_fail_nomem(err, n_bytes + (n_separators + n_lines) * sizeof(size_t));
+        goto fail;
+    }
+    if (n_bytes)
+        memcpy(csv->text, text, n_bytes);
+    status = cut_all(csv, n_bytes, err);
+    if (status != NQM_OK)
+        goto fail;
+    *csv_ret = csv;
+    return NQM_OK;
+fail:
+    nqm_csv_free(csv);
+    return status;
+}
+
+nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
+    *csv_ret = NULL;
+    nqm_map map;
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_csv_parse((const char *)map.data, map.n_bytes, path, csv_ret, err);
+    nqm_map_close(&map);
+    return status;
+}
+
+void nqm_csv_free(nqm_csv *csv) {
+    if (!csv)
+        return;
+    nqm_free(csv->name);
+    nqm_free(csv->text);
+    nqm_free(csv->field);
+    nqm_free(csv->line);
+    nqm_free(csv);
+}
+
+size_t nqm_csv_rows(const nqm_csv *csv) {
+    return csv->n_records - 1;
+}
+
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+static bool equal_ignoring_case(const char *a, const char *b) {
+    while (*a && lower(*a) == lower(*b)) {
+        ++a;
+        ++b;
+    }
+    return *a == *b;
+}
+
+int nqm_csv_column(const nqm_csv *csv, const char *column_name) {
+    for (size_t column = 0; column < csv->n_columns; ++column)
+        if (equal_ignoring_case(csv->text + csv->field[column], column_name))
+            return (int)column;
+    return -1;
+}
+
+const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column) {
+    return csv->text + csv->field[(row + 1) * csv->n_columns + (size_t)column];
+}
+
+nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err) {
+    const char *text = nqm_csv_text(csv, row, column), *end = text;
+    double value;
+    bool parsed = nqm_parse_double(text, &end, &value);
+    while (is_blank(*end)) /* quoted fields keep theirs */
+        ++end;
+    if (!parsed || *end) {
+        size_t at = (size_t)(text - csv->text);
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
+                        "%s: line %zu, byte %zu: column '%s' needs a finite number, not '%.40s'", csv->name,
+                        csv->line[row + 1], at, csv->text + csv->field[column], text);
+    }
+    *value_ret = value;
+    return NQM_OK;
+}

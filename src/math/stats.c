@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Rank and product-moment correlations, means and quantiles. Ties are treated as in the usual texts: mean ranks for
+ * Spearman's rho, tau-b for Kendall's (Kendall 1945, DOI 10.1093/biomet/33.3.239), computed in O(n log n) after Knight
+ * (1966, DOI 10.1080/01621459.1966.10480879).
+ */
+#include "math/math.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- order
+ * ----------------------------------------------------------------------------------------------------------- */
+
+/* Sink order[root] in a heap whose largest x is on top. */
+static void sift_down(const double *x, size_t *order, size_t root, size_t n) {
+    size_t moved = order[root];
+    for (size_t child; (child = 2 * root + 1) < n; root = child) {
+        if (child + 1 < n && x[order[child]] < x[order[child + 1]])
+            ++child;
+        if (!(x[moved] < x[order[child]]))
+            break;
+        order[root] = order[child];
+    }
+    order[root] = moved;
+}
+
+/* Heapsort: needs no memory beside `order` and has no bad inputs. */
+static void sort_indices(size_t n, const double *x, size_t *order) {
+    for (size_t i = 0; i < n; ++i)
+        order[i] = i;
+    for (size_t root = n / 2; root-- > 0;)
+        sift_down(x, order, root, n);
+    for (size_t end = n; end > 1;) {
+        --end;
+        size_t largest = order[0];
+        order[0] = order[end];
+        order[end] = largest;
+        sift_down(x, order, 0, end);
+    }
+}
+
+void nqm_ranks(size_t n, const double *x, double *rank, size_t *order) {
+    sort_indices(n, x, order);
+    for (size_t begin = 0, end; begin < n; begin = end) {
+        for (end = begin + 1; end < n && x[order[end]] == x[order[begin]];)
+            ++end;
+        double mean_rank = 0.5 * ((double)begin + 1 + (double)end);
+        for (size_t i = begin; i < end; ++i)
+            rank[order[i]] = mean_rank;
+    }
+}
+
+static int compare_doubles(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double nqm_quantile(size_t n, double *x, double q) {
+    if (n == 0)
+        return NAN;
+    qsort(x, n, sizeof *x, compare_doubles);
+    double at = q * (double)(n - 1);
+    size_t below = (size_t)at;
+    if (below + 1 >= n)
+        return x[n - 1];
+    return x[below] + (at - (double)below) * (x[below + 1] - x[below]);
+}
+
+/* ---- mean and correlation
+ * -------------------------------------------------------------------------------------------- */
+
+double nqm_mean(size_t n, const double *x) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i)
+        sum += x[i];
+    return n ? sum / (double)n : NAN;
+}
+
+/* true when there is no variance (which rounding hides from the sum of squares) or any value is NaN. */
+static bool is_degenerate(size_t n, const double *x) {
+    bool constant = true;
+    for (size_t i = 0; i < n; ++i) {
+        if (isnan(x[i]))
+            return true;
+        constant = constant && x[i] == x[0];
+    }
+    return constant;
+}
+
+double nqm_pearson(size_t n, const double *x, const double *y) {
+    if (is_degenerate(n, x) || is_degenerate(n, y))
+        return NAN;
+    double mean_x = nqm_mean(n, x), mean_y = nqm_mean(n, y);
+    double xx = 0, yy = 0, xy = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double dx = x[i] - mean_x, dy = y[i] - mean_y;
+        xx += dx * dx;
+        yy += dy * dy;
+        xy += dx * dy;
+    }
+    return fmax(-1, fmin(1, xy / sqrt(xx) / sqrt(yy)));
+}
+
+double nqm_spearman(size_t n, const double *x, const double *y) {
+    if (is_degenerate(n, x) || is_degenerate(n, y))
+        return NAN;
+    double *rank = nqm_alloc(n, 2 * sizeof *rank);
+    size_t *order = nqm_alloc(n, sizeof *order);
+    double rho = NAN;
+    if (rank && order) {
+        nqm_ranks(n, x, rank, order);
+        nqm_ranks(n, y, rank + n, order);
+        rho = nqm_pearson(n, rank, rank + n);
+    }
+    nqm_free(rank);
+    nqm_free(order);
+    return rho;
+}
+
+/* ---- Kendall
+ * --------------------------------------------------------------------------------------------------------- */
+
+typedef struct point {
+    double x, y;
+} point;
+
+static int compare_points(const void *a, const void *b) {
+    const point *p = a, *q = b;
+    int by_x = (p->x > q->x) - (p->x < q->x);
+    return by_x ? by_x : (p->y > q->y) - (p->y < q->y);
+}
+
+/* Pairs within runs of equal points; `same` says what equal means. The points lie sorted. */
+static double tied_pairs(size_t n, const point *p, bool (*same)(const point *, const point *)) {
+    double pairs = 0;
+    for (size_t begin = 0, end; begin < n; begin = end) {
+        for (end = begin + 1; end < n && same(&p[begin], &p[end]);)
+            ++end;
+        double run = (double)(end - begin);
+        pairs += 0.5 * run * (run - 1);
+    }
+    return pairs;
+}
+
+static bool same_x(const point *p, const point *q) {
+    return p->x == q->x;
+}
+
+static bool same_y(const point *p, const point *q) {
+    return p->y == q->y;
+}
+
+static bool same_point(const point *p, const point *q) {
+    return p->x == q->x && p->y == q->y;
+}
+
+/* Sort by y (stable, bottom-up merge sort) and count the exchanges of neighbours that this takes: the discordant pairs.
+ */
+static double sort_by_y(size_t n, point *p, point *scratch) {
+    double exchanges = 0;
+    for (size_t width = 1; width < n; width *= 2) {
+        for (size_t begin = 0; begin < n; begin += 2 * width) {
+            size_t middle = begin + width < n ? begin + width : n;
+            size_t end = middle + width < n ? middle + width : n;
+            size_t left = begin, right = middle;
+            for (size_t k = begin; k < end; ++k) {
+                bool take_right = right < end && (left == middle || p[right].y < p[left].y);
+                exchanges += take_right ? (double)(middle - left) : 0;
+                scratch[k] = p[take_right ? right++ : left++];
+            }
+        }
+        memcpy(p, scratch, n * sizeof *p);
+    }
+    return exchanges;
+}
+
+double nqm_kendall(size_t n, const double *x, const double *y) {
+    if (is_degenerate(n, x) || is_degenerate(n, y))
+        return NAN;
+    point *p = nqm_alloc(n, 2 * sizeof *p);
+    if (!p)
+        return NAN;
+    for (size_t i = 0; i < n; ++i)
+        p[i] = (point){x[i], y[i]};
+    qsort(p, n, sizeof *p, compare_points);
+    double all = 0.5 * (double)n * ((double)n - 1);
+    double tied_x = tied_pairs(n, p, same_x);
+    double tied_both = tied_pairs(n, p, same_point);
+    double discordant = sort_by_y(n, p, p + n);
+    double tied_y = tied_pairs(n, p, same_y);
+    nqm_free(p);
+    double concordant_minus_discordant = all - tied_x - tied_y + tied_both - 2 * discordant;
+    return fmax(-1, fmin(1, concordant_minus_discordant / sqrt(all - tied_x) / sqrt(all - tied_y)));
+}

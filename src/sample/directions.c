@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Direction sets: their identity, and their CSV form. directions_create.c chooses new ones.
+ */
+#include "io/io.h"
+#include "math/math.h"
+#include "sample/sample.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MAX_DIRECTIONS = 100000 };
+
+static bool compute_id(nqm_directions *directions) {
+    nqm_sha256 sha;
+    if (!nqm_sha256_begin(&sha))
+        return false;
+    for (size_t i = 0; i < 3 * directions->n; ++i) {
+        unsigned char bytes[8];
+        nqm_store_f64(bytes, directions->degrees[i]);
+        nqm_sha256_add(&sha, bytes, sizeof bytes);
+    }
+    char hex[65];
+    nqm_sha256_end(&sha, hex);
+    memcpy(directions->id, hex, sizeof directions->id - 1);
+    return true;
+}
+
+static bool in_range(const double *hd_deg) {
+    return hd_deg[0] >= 0 && hd_deg[0] <= 90 && hd_deg[1] >= 0 && hd_deg[1] <= 90 && fabs(hd_deg[2]) <= 360;
+}
+
+nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_directions **directions_ret,
+                                       nqm_error *err) {
+    *directions_ret = NULL;
+    if (n < 1 || n > MAX_DIRECTIONS)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%zu directions: 1 to %d are possible", n, MAX_DIRECTIONS);
+    for (size_t i = 0; i < n; ++i)
+        if (!in_range(hd_deg + 3 * i))
+            return nqm_fail(err, NQM_ERR_ARG, -1,
+                            "direction %zu: theta_h %g, theta_d %g, phi_d %g degrees: outside 0..90, 0..90, -360..360",
+                            i + 1, hd_deg[3 * i], hd_deg[3 * i + 1], hd_deg[3 * i + 2]);
+    nqm_directions *directions = nqm_alloc(1, sizeof *directions);
+    if (!directions)
+        return nqm_fail_nomem(err, sizeof *directions);
+    directions->n = n;
+    directions->degrees = nqm_alloc(n, 3 * sizeof(double));
+    directions->hd = nqm_alloc(n, 3 * sizeof(double));
+    directions->cosines = nqm_alloc(n, sizeof(double));
+    if (!directions->degrees || !directions->hd || !directions->cosines)
+        goto fail;
+    for (size_t i = 0; i < 3 * n; ++i) {
+        directions->degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0: equal directions have equal bytes */
+        directions->hd[i] = hd_deg[i] * (NQM_PI / 180);
+    }
+    for (size_t i = 0; i < n; ++i) {
+        double wi[3], wo[3];
+        nqm_half_diff_to_pair(directions->hd + 3 * i, wi, wo);
+        directions->cosines[i] = fmax(wi[2], 0) * fmax(wo[2], 0);
+    }
+    if (!compute_id(directions))
+        goto fail;
+    *directions_ret = directions;
+    return NQM_OK;
+fail:
+    nqm_directions_free(directions);
+    return nqm_fail_nomem(err, 7 * n * sizeof(double));
+}
+
+void nqm_directions_free(nqm_directions *directions) {
+    if (!directions)
+        return;
+    nqm_free(directions->degrees);
+    nqm_free(directions->hd);
+    nqm_free(directions->cosines);
+    nqm_free(directions);
+}
+
+size_t nqm_directions_count(const nqm_directions *directions) {
+    return directions->n;
+}
+
+const double *nqm_directions_degrees(const nqm_directions *directions) {
+    return directions->degrees;
+}
+
+const char *nqm_directions_id(const nqm_directions *directions) {
+    return directions->id;
+}
+
+/* ---- CSV
+ * ------------------------------------------------------------------------------------------------------------- */
+
+static const char *const column_names[3] = {"theta_h", "theta_d", "phi_d"};
+
+static nqm_status read_degrees(const nqm_csv *csv, const char *path, double *degrees, nqm_error *err) {
+    for (int k = 0; k < 3; ++k) {
+        int column = nqm_csv_column(csv, column_names[k]);
+        if (column < 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no column '%s'", path, column_names[k]);
+        for (size_t i = 0; i < nqm_csv_rows(csv); ++i) {
+            nqm_status status = nqm_csv_number(csv, i, column, &degrees[3 * i + (size_t)k], err);
+            if (status != NQM_OK)
+                return status;
+        }
+    }
+    return NQM_OK;
+}
+
+nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions_ret, nqm_error *err) {
+    *directions_ret = NULL;
+    nqm_csv *csv;
+    nqm_status status = nqm_csv_load(path, &csv, err);
+    if (status != NQM_OK)
+        return status;
+    size_t n = nqm_csv_rows(csv);
+    double *degrees = nqm_alloc(n, 3 * sizeof *degrees);
+    status = degrees ? read_degrees(csv, path, degrees, err) : nqm_fail_nomem(err, 3 * n * sizeof *degrees);
+    if (status == NQM_OK) {
+        nqm_error inner = {0};
+        status = nqm_directions_from_degrees(n, degrees, directions_ret, &inner);
+        if (status == NQM_ERR_ARG) /* here it is the file's fault, not the caller's */
+            status = NQM_ERR_FORMAT;
+        if (status != NQM_OK)
+            nqm_fail(err, status, -1, "%s: %s", path, inner.message);
+    }
+    nqm_free(degrees);
+    nqm_csv_free(csv);
+    return status;
+}
+
+nqm_status nqm_directions_save_csv(const nqm_directions *directions, const char *path, nqm_error *err) {
+    nqm_outfile out;
+    nqm_status status = nqm_outfile_open(path, &out, err);
+    if (status != NQM_OK)
+        return status;
+    fprintf(out.stream, "%s,%s,%s\n", column_names[0], column_names[1], column_names[2]);
+    for (size_t i = 0; i < directions->n; ++i) {
+        char text[3][32];
+        for (size_t k = 0; k < 3; ++k)
+            nqm_format_double(text[k], sizeof text[k], directions->degrees[3 * i + k]);
+        fprintf(out.stream, "%s,%s,%s\n", text[0], text[1], text[2]);
+    }
+    return nqm_outfile_commit(&out, err);
+}

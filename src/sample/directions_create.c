@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The choice of a new direction set (paper, section 3.1), in two steps.
+ *
+ * 1. Candidates: points (u, v, w) of the additive low-discrepancy sequence R3 (Roberts 2018, "The unreasonable
+ * effectiveness of quasirandom sequences"; steps g^-1, g^-2, g^-3 with g^4 = g + 1), shifted by the seed, become
+ * theta_h = max u^power, theta_d = max v, phi_d = 180 w degrees, cut to 1e-6 degree so that their text is short and
+ * their identity does not hang on the last bit of pow(). A candidate with theta_i or theta_o above max is passed over.
+ * Accepted points are therefore uniform in (u, v, w) over the admissible region.
+ * 2. With references: oversampling * n candidates are made and sorted by theta_h into strata of about ten kept
+ * directions each; in each stratum the same share is drawn without replacement (Efraimidis and Spirakis 2006,
+ *    DOI 10.1016/j.ipl.2005.11.003) with probability in proportion to the significance of the candidate: the mean over
+ * the references of the cube root of their luminance, each reference divided by its own mean. A draw and not the top of
+ * the list: the top lies at grazing theta_d for nearly every material and would leave the rest of the domain unseen.
+ *
+ * The set is ordered by theta_h.
+ */
+#include "math/math.h"
+#include "sample/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { MAX_CANDIDATES = 10000000, KEPT_PER_STRATUM = 10 };
+
+typedef struct candidate {
+    double hd_deg[3];
+    double significance;
+    double key; /* of the weighted draw; the largest keys win */
+} candidate;
+
+nqm_directions_options nqm_directions_options_default(void) {
+    return (nqm_directions_options){
+        .n = 500, .seed = 1, .max_polar_rad = 75 * (NQM_PI / 180), .theta_h_power = 2, .oversampling = 4};
+}
+
+static double fraction(double x) {
+    return x - floor(x);
+}
+
+static bool is_admissible(const double *hd_deg, double max_polar_rad) {
+    double hd[3], wi[3], wo[3];
+    for (int k = 0; k < 3; ++k)
+        hd[k] = hd_deg[k] * (NQM_PI / 180);
+    nqm_half_diff_to_pair(hd, wi, wo);
+    double lowest = cos(max_polar_rad);
+    return wi[2] >= lowest && wo[2] >= lowest;
+}
+
+static void make_candidates(const nqm_directions_options *options, size_t n, candidate *candidates) {
+    const double g = 1.2207440846057596;
+    const double step[3] = {1 / g, 1 / (g * g), 1 / (g * g * g)};
+    const double max_deg = options->max_polar_rad * (180 / NQM_PI);
+    nqm_rng rng = nqm_rng_make(options->seed, 0);
+    double shift[3];
+    for (int k = 0; k < 3; ++k)
+        shift[k] = nqm_rng_uniform(&rng);
+    size_t made = 0;
+    for (size_t i = 0; made < n; ++i) {
+        double u[3];
+        for (int k = 0; k < 3; ++k)
+            u[k] = fraction(shift[k] + (double)i * step[k]);
+        candidate c = {.hd_deg = {max_deg * pow(u[0], options->theta_h_power), max_deg * u[1], 180 * u[2]}};
+        for (int k = 0; k < 3; ++k)
+            c.hd_deg[k] = floor(c.hd_deg[k] * 1e6) / 1e6;
+        if (is_admissible(c.hd_deg, options->max_polar_rad))
+            candidates[made++] = c;
+    }
+}
+
+/* Add one reference to the significance of every candidate. hd, rgb: scratch (n, 3). */
+static void add_reference(const nqm_brdf *ref, size_t n, candidate *candidates, const double *hd, double *rgb) {
+    nqm_brdf_eval_half_diff(ref, n, hd, rgb, NULL); /* 0 where there is no value: nothing significant to see there */
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) {
+        rgb[i] = cbrt(nqm_luminance(rgb + 3 * i)); /* the results pack down into the front of the array */
+        sum += rgb[i];
+    }
+    if (!(sum > 0))
+        return;
+    for (size_t i = 0; i < n; ++i)
+        candidates[i].significance += rgb[i] * ((double)n / sum);
+}
+
+static nqm_status measure_significance(const nqm_directions_options *options, size_t n_refs,
+                                       const nqm_brdf *const *refs, size_t n, candidate *candidates, nqm_error *err) {
+    double *hd = nqm_alloc(n, 6 * sizeof *hd);
+    if (!hd)
+        return nqm_fail_nomem(err, 6 * n * sizeof *hd);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < 3; ++k)
+            hd[3 * i + k] = candidates[i].hd_deg[k] * (NQM_PI / 180);
+    nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
+    nqm_status status = NQM_OK;
+    for (size_t r = 0; r < n_refs && status == NQM_OK; ++r) {
+        add_reference(refs[r], n, candidates, hd, hd + 3 * n);
+        if (nqm_tick(&ticker, "references", (double)(r + 1), (double)n_refs))
+            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted after %zu of %zu references", r + 1, n_refs);
+    }
+    nqm_free(hd);
+    return status;
+}
+
+static int compare_angles(const void *a, const void *b) {
+    const candidate *p = a, *q = b;
+    for (int k = 0; k < 3; ++k)
+        if (p->hd_deg[k] != q->hd_deg[k])
+            return p->hd_deg[k] < q->hd_deg[k] ? -1 : 1;
+    return 0;
+}
+
+static int compare_keys(const void *a, const void *b) {
+    const candidate *p = a, *q = b;
+    return (p->key < q->key) - (p->key > q->key);
+}
+
+/* Draw n of the m candidates, stratum by stratum, to the front of the array. They lie sorted by theta_h. */
+static void draw(uint64_t seed, size_t n, size_t m, candidate *candidates) {
+    nqm_rng rng = nqm_rng_make(seed, 1);
+    for (size_t i = 0; i < m; ++i)
+        candidates[i].key = log(1 - nqm_rng_uniform(&rng)) / candidates[i].significance; /* significance 0: last */
+    size_t n_strata = (n + KEPT_PER_STRATUM - 1) / KEPT_PER_STRATUM;
+    size_t kept = 0;
+    for (size_t s = 0; s < n_strata; ++s) {
+        size_t begin = s * m / n_strata, end = (s + 1) * m / n_strata;
+        size_t share = (s + 1) * n / n_strata - s * n / n_strata;
+        qsort(candidates + begin, end - begin, sizeof *candidates, compare_keys);
+        for (size_t i = 0; i < share; ++i)
+            candidates[kept++] = candidates[begin + i];
+    }
+}
+
+static nqm_status check_options(const nqm_directions_options *o, nqm_error *err) {
+    if (o->n < 1 || o->n > 100000)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%zu directions: 1 to 100000 are possible", o->n);
+    if (!(o->max_polar_rad > 0 && o->max_polar_rad <= NQM_PI / 2))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "largest polar angle %g rad: must lie above 0 and not above pi/2",
+                        o->max_polar_rad);
+    if (!(o->theta_h_power > 0 && o->theta_h_power <= 100))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "theta_h power %g: must lie above 0 and not above 100", o->theta_h_power);
+    if (!(o->oversampling >= 1 && o->oversampling * (double)o->n <= MAX_CANDIDATES))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "oversampling %g: must be at least 1 and make at most %d candidates",
+                        o->oversampling, MAX_CANDIDATES);
+    return NQM_OK;
+}
+
+nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n_refs, const nqm_brdf *const *refs,
+                                 nqm_directions **directions_ret, nqm_error *err) {
+    *directions_ret = NULL;
+    nqm_directions_options defaults = nqm_directions_options_default();
+    const nqm_directions_options *o = options ? options : &defaults;
+    nqm_status status = check_options(o, err);
+    if (status != NQM_OK)
+        return status;
+    size_t m = n_refs ? (size_t)ceil((double)o->n * o->oversampling) : o->n;
+    candidate *candidates = nqm_alloc(m, sizeof *candidates);
+    double *degrees = nqm_alloc(o->n, 3 * sizeof *degrees);
+    if (!candidates || !degrees) {
+        status = nqm_fail_nomem(err, m * sizeof *candidates);
+        goto done;
+    }
+    make_candidates(o, m, candidates);
+    qsort(candidates, m, sizeof *candidates, compare_angles);
+    if (n_refs) {
+        status = measure_significance(o, n_refs, refs, m, candidates, err);
+        if (status != NQM_OK)
+            goto done;
+        draw(o->seed, o->n, m, candidates);
+        qsort(candidates, o->n, sizeof *candidates, compare_angles);
+    }
+    for (size_t i = 0; i < o->n; ++i)
+        for (size_t k = 0; k < 3; ++k)
+            degrees[3 * i + k] = candidates[i].hd_deg[k];
+    status = nqm_directions_from_degrees(o->n, degrees, directions_ret, err);
+done:
+    nqm_free(candidates);
+    nqm_free(degrees);
+    return status;
+}

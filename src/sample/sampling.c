@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sampling of a BRDF at a direction set, with a named policy where the BRDF holds no value.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "sample/sample.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static const char *const policy_names[] = {"drop", "zero", "nearest", "error"};
+
+int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret) {
+    for (size_t i = 0; i < sizeof policy_names / sizeof *policy_names; ++i)
+        if (strcmp(text, policy_names[i]) == 0) {
+            *policy_ret = (nqm_invalid_policy)i;
+            return 1;
+        }
+    return 0;
+}
+
+static bool has_value(uint8_t flag) {
+    return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED;
+}
+
+/* Squared chord length between two direction pairs, the smaller of both orders of light and viewer. */
+static double pair_distance(const double *pair_a, const double *pair_b) {
+    double direct = 0, swapped = 0;
+    for (size_t k = 0; k < 6; ++k) {
+        double d = pair_a[k] - pair_b[k], s = pair_a[k] - pair_b[(k + 3) % 6];
+        direct += d * d;
+        swapped += s * s;
+    }
+    return fmin(direct, swapped);
+}
+
+/* Give every direction without a value the value of the nearest one that has any; at least one has. */
+static nqm_status fill_from_nearest(const nqm_directions *directions, const uint8_t *flag, float *rgb, nqm_error *err) {
+    size_t n = directions->n;
+    double *pairs = nqm_alloc(n, 6 * sizeof *pairs); /* (n, 6) wi, wo */
+    if (!pairs)
+        return nqm_fail_nomem(err, 6 * n * sizeof *pairs);
+    for (size_t i = 0; i < n; ++i)
+        nqm_half_diff_to_pair(directions->hd + 3 * i, pairs + 6 * i, pairs + 6 * i + 3);
+    for (size_t i = 0; i < n; ++i) {
+        if (has_value(flag[i]))
+            continue;
+        size_t nearest = i;
+        double least = INFINITY;
+        for (size_t j = 0; j < n; ++j) {
+            double distance = has_value(flag[j]) ? pair_distance(pairs + 6 * i, pairs + 6 * j) : INFINITY;
+            if (distance < least) {
+                least = distance;
+                nearest = j;
+            }
+        }
+        memcpy(rgb + 3 * i, rgb + 3 * nearest, 3 * sizeof *rgb);
+    }
+    nqm_free(pairs);
+    return NQM_OK;
+}
+
+static nqm_sample_report count_flags(size_t n, const uint8_t *flag) {
+    nqm_sample_report counts = {.n = n};
+    for (size_t i = 0; i < n; ++i) {
+        counts.n_clamped += flag[i] == NQM_VALUE_CLAMPED;
+        counts.n_invalid += !has_value(flag[i]);
+    }
+    return counts;
+}
+
+/* What the policy says about directions without a value; they hold 0 already. */
+static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy,
+                               const uint8_t *flag, float *rgb, nqm_error *err) {
+    nqm_sample_report counts = count_flags(directions->n, flag);
+    if (counts.n_invalid == 0)
+        return NQM_OK;
+    if (counts.n_invalid == counts.n)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at any of the %zu directions", brdf->name,
+                        counts.n);
+    if (policy == NQM_INVALID_ERROR)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at %zu of %zu directions", brdf->name,
+                        counts.n_invalid, counts.n);
+    return policy == NQM_INVALID_NEAREST ? fill_from_nearest(directions, flag, rgb, err) : NQM_OK;
+}
+
+nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy, float *rgb,
+                      uint8_t *flag, nqm_sample_report *report, nqm_error *err) {
+    size_t n = directions->n;
+    double *values = nqm_alloc(n, 3 * sizeof *values);
+    uint8_t *flags = nqm_alloc(n, sizeof *flags);
+    if (!values || !flags) {
+        nqm_free(values);
+        nqm_free(flags);
+        return nqm_fail_nomem(err, n * (3 * sizeof *values + sizeof *flags));
+    }
+    nqm_brdf_eval_half_diff(brdf, n, directions->hd, values, flags);
+    for (size_t i = 0; i < 3 * n; ++i)
+        rgb[i] = (float)fmin(values[i], FLT_MAX);
+    nqm_status status = apply_policy(brdf, directions, policy, flags, rgb, err);
+    if (flag)
+        memcpy(flag, flags, n);
+    if (report)
+        *report = count_flags(n, flags);
+    nqm_free(values);
+    nqm_free(flags);
+    return status;
+}
