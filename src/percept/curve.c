@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The JOD curve for users of the library, and its regression on human scores (Kavoosighafi et al. 2025, section 3):
+ * least squares by Levenberg-Marquardt. The three coefficients are strongly correlated, so several starts are tried;
+ * for a given exponent b3 the curve is a straight line in logit(JOD), which gives b1 and b2 of each start in closed
+ * form.
+ */
+#include "math/math.h"
+#include "percept/percept.h"
+
+#include <math.h>
+
+nqm_curve nqm_curve_default(void) {
+    const nqm_jod_curve *c = &nqm_jod_curve_published;
+    return (nqm_curve){c->b1, c->b2, c->b3};
+}
+
+double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
+    const nqm_jod_curve c = {curve->b1, curve->b2, curve->b3};
+    return nqm_jod_from_delta_e(&c, delta_e);
+}
+
+typedef struct scores {
+    size_t n;
+    const double *delta_e, *jod; /* (n) */
+} scores;
+
+static int residuals(void *user, const double *b, double *residual) {
+    const scores *s = user;
+    const nqm_jod_curve curve = {b[0], b[1], b[2]};
+    for (size_t i = 0; i < s->n; ++i)
+        residual[i] = nqm_jod_from_delta_e(&curve, s->delta_e[i]) - s->jod[i];
+    return 0;
+}
+
+/* logit(JOD/10) = -b1 dE^b3 - b1 b2 is linear in dE^b3. false when the scores do not determine the line. */
+static bool start_for_exponent(const scores *s, double b3, double *b) {
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (size_t i = 0; i < s->n; ++i) {
+        if (s->delta_e[i] <= 0)
+            continue;
+        double x = pow(s->delta_e[i], b3);
+        double jod = fmin(fmax(s->jod[i], 0.1), 9.9); /* people's scores may lie outside the curve's range */
+        double y = log(jod / (10 - jod));
+        n += 1;
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+    }
+    double variance = n * sxx - sx * sx;
+    if (!(variance > 1e-12 * n * sxx))
+        return false;
+    double slope = (n * sxy - sx * sy) / variance;
+    double intercept = (sy - slope * sx) / n;
+    b[0] = -slope;
+    b[1] = slope != 0 ? intercept / slope : 0;
+    b[2] = b3;
+    return slope != 0;
+}
+
+static nqm_status check_scores(const scores *s, nqm_error *err) {
+    if (s->n < 4)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "regression of the JOD curve needs 4 scores at least, not %zu", s->n);
+    for (size_t i = 0; i < s->n; ++i)
+        if (!isfinite(s->delta_e[i]) || !isfinite(s->jod[i]))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "regression of the JOD curve: score %zu is not finite", i + 1);
+    return NQM_OK;
+}
+
+nqm_status nqm_regress(size_t n, const double *delta_e, const double *jod, nqm_regress_report *report_ret,
+                       nqm_error *err) {
+    static const double exponents[] = {-0.1, -0.2, -0.4, -0.8, -1.6, 0.2, 0.5, 1};
+    scores s = {.n = n, .delta_e = delta_e, .jod = jod};
+    nqm_status status = check_scores(&s, err);
+    if (status != NQM_OK)
+        return status;
+    const nqm_lsq_problem problem = {.n_parameters = 3, .n_residuals = n, .residuals = residuals, .user = &s};
+    nqm_regress_report best = {.rmse = INFINITY, .n = n, .spearman = nqm_spearman(n, delta_e, jod)};
+    for (size_t i = 0; i < sizeof exponents / sizeof *exponents; ++i) {
+        double b[3], rmse;
+        if (!start_for_exponent(&s, exponents[i], b))
+            continue;
+        status = nqm_lsq_solve(&problem, b, &rmse, err);
+        if (status == NQM_ERR_NOMEM)
+            return status;
+        if (status == NQM_OK && rmse < best.rmse) {
+            best.rmse = rmse;
+            best.curve = (nqm_curve){b[0], b[1], b[2]};
+        }
+    }
+    if (!isfinite(best.rmse))
+        return nqm_fail(err, NQM_ERR_NUMERIC, -1, "regression of the JOD curve: the scores do not determine it");
+    *report_ret = best;
+    return NQM_OK;
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Colour difference for high dynamic range: Delta-E ITP of ITU-R BT.2124 on the ICtCp encoding of ITU-R BT.2100 with
+ * the PQ curve of SMPTE ST 2084. BT.709 input goes to BT.2020 primaries by the matrix of ITU-R BT.2087. All matrices
+ * stand as the recommendations print them; their rows sum so that greys have T = P = 0.
+ */
+#include "math/math.h"
+#include "percept/percept.h"
+
+#include <math.h>
+
+static const double bt2020_from_bt709[3][3] = {
+    {0.6274, 0.3293, 0.0433}, {0.0691, 0.9195, 0.0114}, {0.0164, 0.0880, 0.8956}};
+
+/* Times 4096. */
+static const double lms_from_bt2020[3][3] = {{1688, 2146, 262}, {683, 2951, 462}, {99, 309, 3688}};
+
+/* Times 4096; the second row is Ct halved, which is T. */
+static const double itp_from_pq_lms[3][3] = {{2048, 2048, 0}, {3305, -6806.5, 3501.5}, {17933, -17390, -543}};
+
+static void multiply(const double m[3][3], const double *x, double scale, double *y) {
+    for (int i = 0; i < 3; ++i)
+        y[i] = (m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2]) * scale;
+}
+
+double nqm_pq_from_luminance(double luminance_cdm2) {
+    static const double m1 = 2610.0 / 16384, m2 = 2523.0 / 4096 * 128;
+    static const double c1 = 3424.0 / 4096, c2 = 2413.0 / 4096 * 32, c3 = 2392.0 / 4096 * 32;
+    double y = pow(fmin(fmax(luminance_cdm2, 0), 10000) / 10000, m1);
+    return pow((c1 + c2 * y) / (1 + c3 * y), m2);
+}
+
+void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp) {
+    double rgb[3], lms[3];
+    for (int k = 0; k < 3; ++k)
+        rgb[k] = fmin(fmax(rgb_cdm2[k], 0), 10000);
+    double rgb2020[3];
+    multiply(bt2020_from_bt709, rgb, 1, rgb2020);
+    multiply(lms_from_bt2020, rgb2020, 1.0 / 4096, lms);
+    for (int k = 0; k < 3; ++k)
+        lms[k] = nqm_pq_from_luminance(lms[k]);
+    multiply(itp_from_pq_lms, lms, 1.0 / 4096, itp);
+}
+
+double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2) {
+    double a[3], b[3];
+    nqm_itp_from_rgb(rgb_a_cdm2, a);
+    nqm_itp_from_rgb(rgb_b_cdm2, b);
+    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return 720 * sqrt(nqm_dot3(d, d));
+}
+
+double nqm_picture_delta_e(size_t n_pixels, const double *ref_cdm2, const double *test_cdm2, double peak_cdm2) {
+    double sum = 0;
+    for (size_t i = 0; i < n_pixels; ++i) {
+        double ref[3], test[3];
+        for (int k = 0; k < 3; ++k) {
+            ref[k] = fmin(ref_cdm2[3 * i + (size_t)k], peak_cdm2);
+            test[k] = fmin(test_cdm2[3 * i + (size_t)k], peak_cdm2);
+        }
+        sum += nqm_delta_e_itp(ref, test);
+    }
+    return n_pixels ? sum / (double)n_pixels : 0;
+}
