@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Comparison of doubles and the way to the shared data, for unit tests.
+ */
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line) {
+    if (fabs(actual - expected) <= tolerance)
+        return;
+    print_error("%s is %.17g, not %.17g +- %g\n", what, actual, expected, tolerance);
+    _fail(file, line);
+}
+
+void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line) {
+    check_near(actual, expected, tolerance * fabs(expected), what, file, line);
+}
+
+const char *shared_data(const char *relative_path) {
+    static char path[4096];
+    const char *data = getenv("NQM_DATA"), *source = getenv("NQM_SOURCE");
+    if (data)
+        snprintf(path, sizeof path, "%s/%s", data, relative_path);
+    else
+        snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", relative_path);
+    return access(path, R_OK) == 0 ? path : NULL;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * check.h - what the unit tests share: comparison of doubles (cmocka compares floats only) and the way to the shared
+ * data. Includes cmocka with what it needs.
+ */
+#ifndef NQM_TESTS_CHECK_H
+#define NQM_TESTS_CHECK_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/** |actual - expected| <= tolerance; fails for NaN. */
+#define assert_near(actual, expected, tolerance)                                                                       \
+    check_near((actual), (expected), (tolerance), #actual, __FILE__, __LINE__)
+/** |actual - expected| <= tolerance |expected|; fails for NaN. */
+#define assert_relative(actual, expected, tolerance)                                                                   \
+    check_relative((actual), (expected), (tolerance), #actual, __FILE__, __LINE__)
+
+void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line);
+void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line);
+
+/** The path of a file in the shared data ($NQM_DATA, else ../shared/data beside the source), or NULL when it is absent.
+ * Lent until the next call. */
+const char *shared_data(const char *relative_path);
+
+#endif
