@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, forward, backward, loss, Adam, schedule, and the
- * model file that carries it. Sizes are data; the paper's are 3000-1024-716-501-1.
+ * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, forward, backward, loss, Adam, schedule,
+ * and the model file that carries it. Sizes are data; the paper's are 3000-1024-716-501-1.
  *
- * hidden layer l:  y = dropout(gelu(layernorm(x W_l^T + b_l))) ; output: z = x W^T + b ; prediction = lo + (hi-lo) sigmoid(z)
+ * hidden layer l:  y = dropout(gelu(layernorm(x W_l^T + b_l))) ; output: z = x W^T + b ; prediction = lo + (hi-lo)
+ * sigmoid(z)
  */
 #ifndef NQM_SRC_NET_H
 #define NQM_SRC_NET_H
@@ -47,7 +48,8 @@ NQM_MUST_CHECK nqm_status nqm_net_work_create(const nqm_net_shape *shape, size_t
                                               nqm_net_work **work_ret, nqm_error *err);
 void nqm_net_work_free(nqm_net_work *work);
 
-/** How dropout masks are made: by a counter-based hash of (seed, step, layer, element), or given (tests), or not at all. */
+/** How dropout masks are made: by a counter-based hash of (seed, step, layer, element), or given (tests), or not at
+ * all. */
 typedef struct nqm_dropout {
     double p;                                 /* probability of 0; kept values are scaled by 1/(1-p); 0: off */
     uint64_t seed, step;                      /* for the hash */
@@ -57,8 +59,8 @@ typedef struct nqm_dropout {
 /** z (batch): the last layer's output before the sigmoid. x (batch, sizes[0]). dropout NULL: inference. */
 void nqm_net_forward(const nqm_params *params, nqm_net_work *work, size_t batch, const float *x,
                      const nqm_dropout *dropout, float *z);
-/** Gradients of a loss with d loss / d z = dz (batch), after nqm_net_forward() of the same batch in a training work; they
- *  overwrite grads. dx (batch, sizes[0]) receives the input's gradient, or NULL. */
+/** Gradients of a loss with d loss / d z = dz (batch), after nqm_net_forward() of the same batch in a training work;
+ * they overwrite grads. dx (batch, sizes[0]) receives the input's gradient, or NULL. */
 void nqm_net_backward(const nqm_params *params, nqm_net_work *work, size_t batch, const float *x, const float *dz,
                       nqm_params *grads, float *dx);
 
@@ -87,36 +89,40 @@ typedef struct nqm_plateau {
 } nqm_plateau;
 /** The factor to multiply the rates with after an epoch (1 or `factor`). */
 double nqm_plateau_step(nqm_plateau *plateau, double loss);
+/** A learning rate times that factor; unchanged when the step would be 1e-8 or less, as PyTorch does. */
+double nqm_plateau_rate(double lr, double factor);
 
-/* ---- model file ------------------------------------------------------------------------------------------------------ */
+/* ---- model file
+ * ------------------------------------------------------------------------------------------------------ */
 
 /** What a model is, in plain data. Strings are owned by the model (nqm_alloc). */
 struct nqm_model {
     nqm_params params;
     size_t n_directions;
-    double *directions_deg;   /* (n_directions, 3) theta_h, theta_d, phi_d */
-    float mean[3], std[3];    /* whitening of log(cbrt(rho)+1), per channel (all equal for scalar whitening) */
-    int layout;               /* nqm_layout */
+    double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
+    float mean[3], std[3];  /* whitening of log(cbrt(rho)+1), per channel (all equal for scalar whitening) */
+    int layout;             /* nqm_layout */
     double difference_scale;
-    int target;               /* nqm_target */
+    int target;                     /* nqm_target */
     double target_mean, target_std; /* z-score of the training targets */
-    double out_lo, out_hi;    /* range of the sigmoid, in normalised targets */
-    nqm_jod_curve curve;      /* for NQM_TARGET_LOG_DELTA_E */
+    double out_lo, out_hi;          /* range of the sigmoid, in normalised targets */
+    nqm_jod_curve curve;            /* for NQM_TARGET_LOG_DELTA_E */
     char *id, *recipe, *card, *licence, *manifest_sha256;
-    char *training;           /* JSON: options and report of the training */
-    char sha256[65];          /* checksum of the file it came from or was saved to */
-    void *directions;         /* nqm_directions made by the sample layer; see metric/model.c */
+    char *training;   /* JSON: options and report of the training */
+    char sha256[65];  /* checksum of the file it came from or was saved to */
+    void *directions; /* nqm_directions made by the sample layer; see metric/model.c */
     void (*directions_free)(void *);
-    const void *file;         /* a mapped file that `params` may point into, or NULL */
+    const void *file; /* a mapped file that `params` may point into, or NULL */
 };
 
 /** Parse a model file that lies in memory (a mapped file or an embedded one); `name` is for messages. */
-NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify_checksum,
-                                          struct nqm_model **model_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name,
+                                          bool verify_checksum, struct nqm_model **model_ret, nqm_error *err);
 /** Write a model file; sets model->sha256. */
 NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
 void nqm_model_destroy(struct nqm_model *model);
-/** JOD for the network's raw output z; *delta_e_ret (NULL allowed) gets the Delta-E it stands for, NaN for JOD targets. */
+/** JOD for the network's raw output z; *delta_e_ret (NULL allowed) gets the Delta-E it stands for, NaN for JOD targets.
+ */
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
 
 #endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The matrix product by oneDNN's sgemm. Its own threading may cut the sum over k, so that the result would depend on
+ * the number of threads; therefore C is cut here, into blocks that depend on its shape only, and each block is one
+ * single-threaded call. Block sizes were chosen by measurement on shapes of the paper's network (doc/performance.md).
+ */
+#include "kernel/kernel.h"
+
+#include <dnnl.h>
+
+typedef struct blocks {
+    size_t rows, cols; /* of a block; those at the right and lower edge may be smaller */
+} blocks;
+
+static size_t ceil_div(size_t a, size_t b) {
+    return (a + b - 1) / b;
+}
+
+static blocks choose_blocks(const nqm_gemm *g) {
+    if (g->m <= 32) /* scoring a few pairs: the time goes into reading B, narrow blocks share that evenly */
+        return (blocks){32, 64};
+    /* Weight gradients (op(A) transposed) have a short k: only large blocks make up for oneDNN's packing. */
+    size_t widest = g->trans_a ? 1536 : 512;
+    size_t n_across = ceil_div(g->n, 2 * widest) * 2; /* even, so that two threads have equal shares */
+    size_t cols = ceil_div(ceil_div(g->n, n_across), 16) * 16;
+    return (blocks){g->trans_a ? 1024 : 256, cols};
+}
+
+static void gemm_block(const nqm_gemm *g, blocks size, size_t row, size_t col) {
+    nqm_gemm part = *g;
+    part.m = g->m - row < size.rows ? g->m - row : size.rows;
+    part.n = g->n - col < size.cols ? g->n - col : size.cols;
+    part.a = g->trans_a ? g->a + row : g->a + row * g->lda;
+    part.b = g->trans_b ? g->b + col * g->ldb : g->b + col;
+    part.c = g->c + row * g->ldc + col;
+    dnnl_status_t status = dnnl_sgemm(g->trans_a ? 'T' : 'N', g->trans_b ? 'T' : 'N', (dnnl_dim_t)part.m,
+                                      (dnnl_dim_t)part.n, (dnnl_dim_t)part.k, part.alpha, part.a, (dnnl_dim_t)part.lda,
+                                      part.b, (dnnl_dim_t)part.ldb, part.beta, part.c, (dnnl_dim_t)part.ldc);
+    if (status != dnnl_success) /* it found no memory to pack into; nothing has been written */
+        nqm_kernels_scalar.gemm(&part);
+}
+
+static void gemm(const nqm_gemm *g) {
+    if (g->m == 0 || g->n == 0)
+        return;
+    blocks size = choose_blocks(g);
+    size_t n_down = ceil_div(g->m, size.rows);
+    size_t n_blocks = n_down * ceil_div(g->n, size.cols);
+    /* No if() clause: inside a team of several threads oneDNN runs serially, outside of one it would start its own. */
+#pragma omp parallel for schedule(dynamic, 1)
+    for (size_t i = 0; i < n_blocks; ++i)
+        gemm_block(g, size, i % n_down * size.rows, i / n_down * size.cols);
+}
+
+const nqm_kernels nqm_kernels_onednn = {"onednn", gemm};

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Bias, LayerNorm (Ba, Kiros and Hinton 2016, arXiv:1607.06450; eps 1e-5), GELU and inverted dropout of a hidden layer,
+ * row by row while a row is in the first cache, and their gradients. Rows are independent; sums over rows run down
+ * fixed strips of columns in the order of the rows: no result depends on the number of threads.
+ */
+#include "net/layers.h"
+
+#include "kernel/kernel.h"
+
+#include <math.h>
+
+enum {
+    LANES = 16, /* partial sums of a row; fixed, so that every instruction set adds in the same order */
+    STRIP = 64  /* columns that one thread sums down at a time */
+};
+
+static const float layernorm_eps = 1e-5f;
+
+/* ---- sums along a row
+ * ------------------------------------------------------------------------------------------------- */
+
+static double add_lanes(const float *lane) {
+    double sum = 0;
+    for (size_t j = 0; j < LANES; ++j)
+        sum += (double)lane[j];
+    return sum;
+}
+
+static double row_mean(size_t n, const float *x) {
+    float lane[LANES] = {0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (size_t j = 0; j < LANES; ++j)
+            lane[j] += x[i + j];
+    for (size_t j = 0; i < n; ++i, ++j)
+        lane[j] += x[i];
+    return add_lanes(lane) / (double)n;
+}
+
+static double row_variance(size_t n, const float *x, float mean) {
+    float lane[LANES] = {0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (size_t j = 0; j < LANES; ++j)
+            lane[j] += (x[i + j] - mean) * (x[i + j] - mean);
+    for (size_t j = 0; i < n; ++i, ++j)
+        lane[j] += (x[i] - mean) * (x[i] - mean);
+    return add_lanes(lane) / (double)n;
+}
+
+static double row_mean_product(size_t n, const float *x, const float *y) {
+    float lane[LANES] = {0};
+    size_t i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (size_t j = 0; j < LANES; ++j)
+            lane[j] += x[i + j] * y[i + j];
+    for (size_t j = 0; i < n; ++i, ++j)
+        lane[j] += x[i] * y[i];
+    return add_lanes(lane) / (double)n;
+}
+
+/* ---- dropout
+ * ---------------------------------------------------------------------------------------------------------- */
+
+/* Multiply y and slope by 0 or by `scale` where the mask (n) says so. */
+static void apply_mask(size_t n, const uint8_t *keep, float scale, float *y, float *slope) {
+    for (size_t i = 0; i < n; ++i) {
+        float factor = keep[i] ? scale : 0.0f;
+        y[i] *= factor;
+        slope[i] *= factor;
+    }
+}
+
+/* The same with the mask of row `row`: 16 bits of a hash for each element, dropped when below p. */
+static void apply_hashed_mask(const nqm_hidden *h, size_t row, const nqm_dropout *dropout, float *y, float *slope) {
+    uint64_t layer_key = nqm_hash_u64(dropout->seed, dropout->step * NQM_NET_MAX_LAYERS + h->index);
+    uint64_t row_key = nqm_hash_u64(layer_key, row);
+    uint64_t threshold = (uint64_t)lrint(dropout->p * 65536.0);
+    float scale = (float)(1.0 / (1.0 - dropout->p));
+    for (size_t first = 0; first < h->n; first += 4) {
+        uint64_t bits = nqm_hash_u64(row_key, first / 4);
+        size_t end = first + 4 < h->n ? first + 4 : h->n;
+        for (size_t i = first; i < end; ++i, bits >>= 16) {
+            float factor = (bits & 0xffff) >= threshold ? scale : 0.0f;
+            y[i] *= factor;
+            slope[i] *= factor;
+        }
+    }
+}
+
+static void drop(const nqm_hidden *h, size_t row, const nqm_dropout *dropout, float *y, float *slope) {
+    const uint8_t *given = dropout->given[h->index];
+    if (given)
+        apply_mask(h->n, given + row * h->n, (float)(1.0 / (1.0 - dropout->p)), y, slope);
+    else
+        apply_hashed_mask(h, row, dropout, y, slope);
+}
+
+/* ---- forward
+ * ---------------------------------------------------------------------------------------------------------- */
+
+/* x = (x + b - mean) rstd; returns rstd. */
+static float normalise_row(size_t n, const float *b, float *x) {
+    for (size_t i = 0; i < n; ++i)
+        x[i] += b[i];
+    float mean = (float)row_mean(n, x);
+    float rstd = (float)(1.0 / sqrt(row_variance(n, x, mean) + (double)layernorm_eps));
+    for (size_t i = 0; i < n; ++i)
+        x[i] = (x[i] - mean) * rstd;
+    return rstd;
+}
+
+static void forward_row(const nqm_hidden *h, size_t row, const nqm_dropout *dropout) {
+    size_t n = h->n;
+    const float *gamma = h->layer->gamma, *beta = h->layer->beta;
+    float *y = h->y + row * n;
+    float *x = h->xhat ? h->xhat + row * n : y;
+    float *slope = h->slope ? h->slope + row * n : NULL;
+    float rstd = normalise_row(n, h->layer->b, x);
+    for (size_t i = 0; i < n; ++i)
+        y[i] = gamma[i] * x[i] + beta[i];
+    nqm_gelu(n, y, y, slope);
+    if (h->rstd)
+        h->rstd[row] = rstd;
+    if (dropout && dropout->p > 0)
+        drop(h, row, dropout, y, slope);
+}
+
+void nqm_hidden_forward(const nqm_hidden *hidden, size_t batch, const nqm_dropout *dropout) {
+#pragma omp parallel for schedule(static)
+    for (size_t row = 0; row < batch; ++row)
+        forward_row(hidden, row, dropout);
+}
+
+/* ---- backward
+ * --------------------------------------------------------------------------------------------------------- */
+
+/* slope becomes da = d loss / d (LayerNorm's output); dy becomes
+ * d loss / d (LayerNorm's input) = rstd (g - mean(g) - xhat mean(g xhat)), g = gamma da. */
+static void backward_row(const nqm_hidden *h, size_t row, float *dy) {
+    size_t n = h->n;
+    const float *gamma = h->layer->gamma, *xhat = h->xhat + row * n;
+    float *da = h->slope + row * n;
+    float *g = dy + row * n;
+    for (size_t i = 0; i < n; ++i) {
+        da[i] *= g[i];
+        g[i] = gamma[i] * da[i];
+    }
+    float mean = (float)row_mean(n, g);
+    float along = (float)row_mean_product(n, g, xhat);
+    float rstd = h->rstd[row];
+    for (size_t i = 0; i < n; ++i)
+        g[i] = rstd * (g[i] - mean - xhat[i] * along);
+}
+
+/* Gradients of columns [from, from + width): b sums dz, beta sums da, gamma sums da xhat. */
+static void sum_strip(const nqm_hidden *h, size_t batch, const float *dz, const nqm_layer *grad, size_t from) {
+    double db[STRIP] = {0}, dbeta[STRIP] = {0}, dgamma[STRIP] = {0};
+    size_t width = h->n - from < STRIP ? h->n - from : STRIP;
+    for (size_t row = 0; row < batch; ++row) {
+        size_t at = row * h->n + from;
+        for (size_t j = 0; j < width; ++j) {
+            float da = h->slope[at + j];
+            db[j] += (double)dz[at + j];
+            dbeta[j] += (double)da;
+            dgamma[j] += (double)(da * h->xhat[at + j]);
+        }
+    }
+    for (size_t j = 0; j < width; ++j) {
+        grad->b[from + j] = (float)db[j];
+        grad->beta[from + j] = (float)dbeta[j];
+        grad->gamma[from + j] = (float)dgamma[j];
+    }
+}
+
+void nqm_hidden_backward(const nqm_hidden *hidden, size_t batch, float *dy, const nqm_layer *grad) {
+#pragma omp parallel for schedule(static)
+    for (size_t row = 0; row < batch; ++row)
+        backward_row(hidden, row, dy);
+#pragma omp parallel for schedule(static)
+    for (size_t from = 0; from < hidden->n; from += STRIP)
+        sum_strip(hidden, batch, dy, grad, from);
+}
+
+void nqm_column_sums(size_t rows, size_t columns, const float *x, float *sums) {
+    for (size_t j = 0; j < columns; ++j) {
+        double sum = 0;
+        for (size_t i = 0; i < rows; ++i)
+            sum += (double)x[i * columns + j];
+        sums[j] = (float)sum;
+    }
+}
