@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * ITP and Delta-E ITP against values in 50 digits written from the recommendations (vectors/percept.py), and against
+ * the published signals of the PQ curve.
+ */
+#include "percept/percept.h"
+#include "support/check.h"
+#include "vectors/percept_vectors.h"
+
+#include <math.h>
+
+enum { N_ITP = sizeof itp_vector / sizeof *itp_vector, N_PQ = sizeof pq_vector / sizeof *pq_vector };
+
+static void pq_signals(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_PQ; ++i)
+        assert_relative(nqm_pq_from_luminance(pq_vector[i][0]), pq_vector[i][1], 1e-13);
+    assert_near(nqm_pq_from_luminance(100), 0.508078421517399, 1e-15); /* as the literature prints it */
+    assert_true(nqm_pq_from_luminance(10000) == 1);
+    assert_true(nqm_pq_from_luminance(1e9) == 1);
+    assert_near(nqm_pq_from_luminance(0), 7.3095590257839665e-07, 1e-18); /* c1^m2 */
+    assert_true(nqm_pq_from_luminance(-1) == nqm_pq_from_luminance(0));
+}
+
+static void colours(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_ITP; ++i) {
+        double itp[3];
+        nqm_itp_from_rgb(itp_vector[i], itp);
+        for (int k = 0; k < 3; ++k)
+            assert_near(itp[k], itp_vector[i][3 + k], 1e-13);
+    }
+}
+
+static void differences(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_ITP; ++i) {
+        const double *last = itp_vector[(i + N_ITP - 1) % N_ITP];
+        double delta_e = nqm_delta_e_itp(last, itp_vector[i]);
+        assert_near(delta_e, itp_vector[i][6], 1e-10);
+        assert_near(delta_e, itp_vector[i][7], 0.02); /* four digits in the matrix cost less than a visible step */
+        assert_true(nqm_delta_e_itp(itp_vector[i], itp_vector[i]) == 0);
+        assert_true(nqm_delta_e_itp(itp_vector[i], last) == delta_e);
+    }
+}
+
+static void greys_have_no_colour(void **state) {
+    (void)state;
+    for (double y = 1e-4; y < 2e4; y *= 1.7) {
+        const double rgb[3] = {y, y, y};
+        double itp[3];
+        nqm_itp_from_rgb(rgb, itp);
+        assert_near(itp[0], nqm_pq_from_luminance(y), 1e-12);
+        assert_near(itp[1], 0, 1e-12);
+        assert_near(itp[2], 0, 1e-12);
+    }
+}
+
+static void out_of_range_is_clamped(void **state) {
+    (void)state;
+    static const double wild[3] = {-5, 2e4, 7}, tame[3] = {0, 1e4, 7};
+    assert_true(nqm_delta_e_itp(wild, tame) == 0);
+}
+
+static void picture_is_a_mean_under_the_peak(void **state) {
+    (void)state;
+    static const double ref[6] = {10, 20, 30, 900, 2000, 5}, test[6] = {12, 20, 25, 800, 3000, 5};
+    static const double ref_shown[3] = {900, 1000, 5}, test_shown[3] = {800, 1000, 5};
+    double expected = (nqm_delta_e_itp(ref, test) + nqm_delta_e_itp(ref_shown, test_shown)) / 2;
+    assert_near(nqm_picture_delta_e(2, ref, test, 1000), expected, 1e-12);
+    assert_true(nqm_picture_delta_e(2, ref, ref, 1000) == 0);
+    assert_true(nqm_picture_delta_e(0, ref, test, 1000) == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pq_signals),
+        cmocka_unit_test(colours),
+        cmocka_unit_test(differences),
+        cmocka_unit_test(greys_have_no_colour),
+        cmocka_unit_test(out_of_range_is_clamped),
+        cmocka_unit_test(picture_is_a_mean_under_the_peak),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

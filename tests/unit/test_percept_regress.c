@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Regression of the JOD curve: exact scores give their curve back, made-up noisy ones give what scipy finds
+ * (vectors/percept.py), hopeless ones are refused.
+ */
+#include "percept/percept.h"
+#include "support/check.h"
+#include "vectors/percept_vectors.h"
+
+#include <math.h>
+
+enum { N_SCORES = sizeof score_vector / sizeof *score_vector };
+
+static void exact_scores(void **state) {
+    (void)state;
+    nqm_curve truth = nqm_curve_default();
+    double delta_e[20], jod[20];
+    for (int i = 0; i < 20; ++i) {
+        delta_e[i] = 0.5 * pow(1.3, i);
+        jod[i] = nqm_curve_jod(&truth, delta_e[i]);
+    }
+    nqm_regress_report report;
+    assert_int_equal(nqm_regress(20, delta_e, jod, &report, NULL), NQM_OK);
+    assert_relative(report.curve.b1, truth.b1, 1e-6);
+    assert_relative(report.curve.b2, truth.b2, 1e-6);
+    assert_relative(report.curve.b3, truth.b3, 1e-6);
+    assert_near(report.rmse, 0, 1e-8);
+    assert_true(report.spearman == -1 && report.n == 20);
+}
+
+static void noisy_scores_as_scipy(void **state) {
+    (void)state;
+    double delta_e[N_SCORES], jod[N_SCORES];
+    for (size_t i = 0; i < N_SCORES; ++i) {
+        delta_e[i] = score_vector[i][0];
+        jod[i] = score_vector[i][1];
+    }
+    nqm_regress_report report;
+    assert_int_equal(nqm_regress(N_SCORES, delta_e, jod, &report, NULL), NQM_OK);
+    assert_relative(report.curve.b1, score_fit[0], 1e-4);
+    assert_relative(report.curve.b2, score_fit[1], 1e-4);
+    assert_relative(report.curve.b3, score_fit[2], 1e-4);
+    assert_relative(report.rmse, score_fit[3], 1e-8);
+    assert_relative(report.spearman, score_fit[4], 1e-9);
+}
+
+static void refuses_what_does_not_determine_a_curve(void **state) {
+    (void)state;
+    double delta_e[5] = {7, 7, 7, 7, 7}, jod[5] = {1, 2, 3, 4, 5};
+    nqm_regress_report report = {.n = 99};
+    nqm_error err = {0};
+    assert_int_equal(nqm_regress(5, delta_e, jod, &report, &err), NQM_ERR_NUMERIC);
+    assert_int_equal(nqm_regress(3, delta_e, jod, &report, &err), NQM_ERR_ARG);
+    jod[4] = NAN;
+    assert_int_equal(nqm_regress(5, delta_e, jod, &report, &err), NQM_ERR_ARG);
+    assert_string_equal(err.message, "regression of the JOD curve: score 5 is not finite");
+    assert_int_equal(report.n, 99);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(exact_scores), cmocka_unit_test(noisy_scores_as_scipy),
+                                       cmocka_unit_test(refuses_what_does_not_determine_a_curve)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""ITP of colours in 50 digits (mpmath), written from ITU-R BT.2087, BT.2100 and BT.2124; and Delta-E of neighbours with the
+BT.709 to BT.2020 matrix derived from the primaries instead of the rounded one; and a JOD curve fitted by scipy to made-up scores. Writes percept_vectors.h beside itself.
+Usage: python3 percept.py"""
+import os
+import random
+import sys
+
+import mpmath as mp
+import numpy as np
+import scipy
+import scipy.stats
+from scipy.optimize import least_squares
+
+mp.mp.dps = 50
+N = 40
+SEED = 20250611
+
+ROUNDED = mp.matrix([["0.6274", "0.3293", "0.0433"], ["0.0691", "0.9195", "0.0114"], ["0.0164", "0.0880", "0.8956"]])
+LMS = mp.matrix([[1688, 2146, 262], [683, 2951, 462], [99, 309, 3688]]) / 4096
+ICTCP = mp.matrix([[2048, 2048, 0], [6610, -13613, 7003], [17933, -17390, -543]]) / 4096
+
+
+def xyz_from_rgb(primaries):
+    """RGB to XYZ from the chromaticities of the primaries and D65."""
+    columns = [[mp.mpf(x) / mp.mpf(y), 1, (1 - mp.mpf(x) - mp.mpf(y)) / mp.mpf(y)] for x, y in primaries]
+    m = mp.matrix(columns).T
+    x, y = mp.mpf("0.3127"), mp.mpf("0.3290")
+    scale = mp.lu_solve(m, mp.matrix([x / y, 1, (1 - x - y) / y]))
+    return m * mp.diag(list(scale))
+
+
+DERIVED = mp.inverse(xyz_from_rgb([("0.708", "0.292"), ("0.170", "0.797"), ("0.131", "0.046")])) * xyz_from_rgb(
+    [("0.64", "0.33"), ("0.30", "0.60"), ("0.15", "0.06")])
+
+
+def pq(luminance):
+    y = (mp.mpf(luminance) / 10000) ** (mp.mpf(2610) / 16384)
+    c1, c2, c3 = mp.mpf(3424) / 4096, mp.mpf(2413) / 128, mp.mpf(2392) / 128
+    return ((c1 + c2 * y) / (1 + c3 * y)) ** (mp.mpf(2523) / 32)
+
+
+def itp(rgb, matrix):
+    lms = LMS * (matrix * mp.matrix(rgb))
+    i, ct, cp = ICTCP * mp.matrix([pq(v) for v in lms])
+    return [i, ct / 2, cp]
+
+
+def delta_e(a, b, matrix):
+    return 720 * mp.sqrt(sum((x - y) ** 2 for x, y in zip(itp(a, matrix), itp(b, matrix))))
+
+
+def c(x):
+    return mp.nstr(x, 19, min_fixed=-1, max_fixed=1)
+
+
+def scores(rng):
+    """Scores (Delta-E, JOD) about a curve that is not the published one, and the best of many scipy fits."""
+    truth = np.array([-9.0, -0.42, -0.3])
+    x = np.array([round(rng.uniform(1, 70), 2) for _ in range(30)])
+
+    def jod(b):
+        return 10 * (1 - 1 / (1 + np.exp(b[0] * (-x ** b[2] - b[1]))))
+
+    y = np.round(jod(truth) + np.array([rng.gauss(0, 0.8) for _ in x]), 2)
+    fits = [least_squares(lambda b: jod(b) - y, [b1, b2, b3], method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=20000)
+            for b1 in (-20, -9, -4) for b2 in (-0.8, -0.4, -0.2) for b3 in (-0.6, -0.3, -0.15)]
+    best = min(fits, key=lambda fit: fit.cost)
+    return x, y, best.x, np.sqrt(2 * best.cost / len(x)), scipy.stats.spearmanr(x, y).correlation
+
+
+np.seterr(over="ignore")  # wild trial steps of the fits
+
+
+def main():
+    rng = random.Random(SEED)
+    colours = [[0, 0, 0], [100, 100, 100], [10000, 10000, 10000], [0, 0, 300], [1000, 0, 0], [0, 203, 0]]
+    while len(colours) < N:
+        grey = 10 ** rng.uniform(-3, 3.5)
+        colours.append([round(grey * rng.uniform(0.3, 1.7), 6) for _ in range(3)])
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "percept_vectors.h")
+    with open(path, "w", encoding="ascii") as f:
+        f.write("/* SPDX-License-Identifier: MIT\n *\n * Made by percept.py: mpmath %s, scipy %s, Python %s, seed %d.\n */\n"
+                "/* clang-format off */\n" % (mp.__version__, scipy.__version__, sys.version.split()[0], SEED))
+        f.write("#include <stddef.h>\n\n")
+        f.write("/* PQ of a luminance: cd/m2, signal */\nstatic const double pq_vector[][2] = {\n")
+        for y in ["0.001", "0.1", "1", "5", "10", "48", "100", "203", "1000", "4000", "9999"]:
+            f.write("    {%s, %s},\n" % (y, c(pq(y))))
+        f.write("};\n\n/* BT.709 RGB in cd/m2, then ITP, then Delta-E to the colour before it, by the rounded matrix of BT.2087\n"
+                " * and by the one derived from the primaries */\nstatic const double itp_vector[][8] = {\n")
+        last = colours[-1]
+        for rgb in colours:
+            row = [mp.mpf(v) for v in rgb] + itp(rgb, ROUNDED) + [delta_e(last, rgb, ROUNDED), delta_e(last, rgb, DERIVED)]
+            f.write("    {%s},\n" % ", ".join(c(v) for v in row))
+            last = rgb
+        f.write("};\n\n/* Delta-E, JOD */\nstatic const double score_vector[][2] = {\n")
+        x, y, b, rmse, spearman = scores(rng)
+        for pair in zip(x, y):
+            f.write("    {%g, %g},\n" % pair)
+        f.write("};\n/* b1, b2, b3, RMSE, Spearman */\nstatic const double score_fit[5] = {%s};\n"
+                % ", ".join("%.12g" % v for v in (*b, rmse, spearman)))
+
+
+main()
