@@ -73,10 +73,18 @@ NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2,
 
 /* ---- corpora --------------------------------------------------------------------------------------------------------- */
 
+/** Which splits a dataset file holds. Test materials never share a file with training materials. */
+typedef enum nqm_corpus_part {
+    NQM_CORPUS_TRAINING = 0, /**< train and validation; without the kinds of distortion that are kept unseen */
+    NQM_CORPUS_TEST          /**< test; all kinds */
+} nqm_corpus_part;
+
 typedef struct nqm_corpus_options {
+    nqm_corpus_part part;    /**< default NQM_CORPUS_TRAINING */
+    const char *root;        /**< folder at which relative paths of the list start; NULL: the list's own */
     const char *light;       /**< as in nqm_scene_options */
     const char *checkpoint;  /**< folder in which finished references are kept, so that an interrupted run goes on; NULL: none */
-    size_t n_perturbations;  /**< perturbed copies a reference; default 24 */
+    size_t n_perturbations;  /**< perturbed copies a reference; default 26 */
     uint64_t seed;           /**< default 1 */
     nqm_progress_fn progress;
     void *progress_user;
@@ -85,14 +93,27 @@ typedef struct nqm_corpus_options {
 NQM_API nqm_corpus_options nqm_corpus_options_default(void);
 
 /**
- * Make a dataset file from a list of materials.
+ * Make a dataset file from a list of materials: for each reference its own fits, the other forms of the same material that
+ * the list or the presets hold, and seeded perturbations; labels by rendering. The manifest is stored in the file and
+ * written beside it as PATH.json.
  *
- * @param materials_csv  columns name, group, brdf (path or spec; paths relative to the list), split (train, validation, test)
+ * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test); see
+ *                       nqm_corpus_scan()
  * @param directions     where to sample
  * @param path           the dataset file to write
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
                                                    const nqm_corpus_options *options, const char *path, nqm_error *err);
+
+/**
+ * Write the material list of a data folder: DIR/rgl/ *.bsdf, the members of DIR/nbrdf/ *.zip, the rows of
+ * DIR/nps/nps_latents.csv, and the presets `sgd:`. Paths are relative to DIR. All forms of one material make one group. The
+ * materials of DIR/labels/labels_real.csv are the test split; a seeded 15 % of the other groups are validation.
+ *
+ * @param data_dir  DIR
+ * @param path      the CSV to write ("-" is standard output)
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_scan(const char *data_dir, uint64_t seed, const char *path, nqm_error *err);
 
 #ifdef __cplusplus
 }

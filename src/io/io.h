@@ -73,6 +73,10 @@ NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member,
 NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text,
                                            nqm_error *err);
 
+/** Call `visit` with the last path component of each member that ends in `suffix`, in the order of the archive. */
+NQM_MUST_CHECK nqm_status nqm_zip_each(const char *zip_path, const char *suffix,
+                                       void (*visit)(void *user, const char *name), void *user, nqm_error *err);
+
 /* ---- HDF5 float datasets (libhdf5) ------------------------------------------------------------------------------------ */
 
 typedef struct nqm_hdf5 nqm_hdf5;

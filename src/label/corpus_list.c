@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The material list of a corpus: references, their material groups and the split of each group.
+ */
+#include "brdf/brdf.h"
+#include "label/corpus.h"
+
+#include <string.h>
+#include <sys/stat.h>
+
+static const char *const split_names[] = {"train", "validation", "test"};
+
+const char *nqm_corpus_split_name(nqm_split split) {
+    return split_names[split];
+}
+
+bool nqm_corpus_list_in_part(const nqm_corpus_list *list, size_t ref, nqm_corpus_part part) {
+    bool is_test = list->groups[list->refs[ref].group].split == NQM_SPLIT_TEST;
+    return is_test == (part == NQM_CORPUS_TEST);
+}
+
+/* `brdf` as nqm_brdf_open() takes it: specs as they are, relative paths behind the root. */
+static char *resolve(const char *brdf, const char *root, size_t n_root) {
+    if (nqm_spec_probe(brdf) || *brdf == '/' || n_root == 0)
+        return nqm_strdup(brdf);
+    size_t n = n_root + strlen(brdf) + 2;
+    char *path = nqm_alloc(n, 1);
+    if (path)
+        snprintf(path, n, "%.*s/%s", (int)n_root, root, brdf);
+    return path;
+}
+
+/* ---- checksums of the files
+ * ------------------------------------------------------------------------------------------ */
+
+/* The length of the file's part of a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs.
+ */
+static size_t file_length(const char *path) {
+    struct stat st;
+    if (nqm_spec_probe(path))
+        return 0;
+    const char *colon = strrchr(path, ':');
+    return stat(path, &st) == 0 || !colon ? strlen(path) : (size_t)(colon - path);
+}
+
+static nqm_status hash_file(const char *path, char hex[65], nqm_error *err) {
+    nqm_map map;
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_sha256 sha;
+    if (nqm_sha256_begin(&sha)) {
+        nqm_sha256_add(&sha, map.data, map.n_bytes);
+        nqm_sha256_end(&sha, hex);
+    } else {
+        status = nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory", path);
+    }
+    nqm_map_close(&map);
+    return status;
+}
+
+/* Members of one archive follow each other in a list: the file of the reference before is looked at first. */
+static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
+    nqm_corpus_ref *ref = &list->refs[i];
+    size_t n = file_length(ref->path);
+    if (n == 0)
+        return NQM_OK;
+    if (i > 0) {
+        const nqm_corpus_ref *before = ref - 1;
+        if (file_length(before->path) == n && strncmp(before->path, ref->path, n) == 0) {
+            memcpy(ref->file_sha256, before->file_sha256, sizeof ref->file_sha256);
+            return NQM_OK;
+        }
+    }
+    char *file = nqm_strdup(ref->path);
+    if (!file)
+        return nqm_fail_nomem(err, n);
+    file[n] = 0;
+    nqm_status status = hash_file(file, ref->file_sha256, err);
+    nqm_free(file);
+    return status;
+}
+
+/* ---- rows
+ * ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct columns {
+    int name, group, brdf, source, split;
+} columns;
+
+static nqm_status find_columns(const nqm_csv *csv, const char *path, columns *c, nqm_error *err) {
+    const struct {
+        const char *name;
+        int *column;
+    } wanted[] = {
+        {"name", &c->name}, {"group", &c->group}, {"brdf", &c->brdf}, {"source", &c->source}, {"split", &c->split}};
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; ++i) {
+        *wanted[i].column = nqm_csv_column(csv, wanted[i].name);
+        if (*wanted[i].column < 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a material list needs a column '%s'", path, wanted[i].name);
+    }
+    return NQM_OK;
+}
+
+static nqm_status parse_split(const char *text, const char *path, const char *name, nqm_split *split_ret,
+                              nqm_error *err) {
+    for (int i = 0; i < 3; ++i)
+        if (strcmp(text, split_names[i]) == 0) {
+            *split_ret = (nqm_split)i;
+            return NQM_OK;
+        }
+    return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: '%s' has split '%s'; it must be train, validation or test", path,
+                    name, text);
+}
+
+/* Find or add the group of a row. */
+static nqm_status place_in_group(nqm_corpus_list *list, size_t i, const char *group, nqm_split split, const char *path,
+                                 nqm_error *err) {
+    for (size_t g = 0; g < list->n_groups; ++g) {
+        if (strcmp(list->groups[g].name, group) != 0)
+            continue;
+        if (list->groups[g].split != split)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1,
+                            "%s: group '%s' is in '%s' and in '%s'; all forms of a material belong to one split", path,
+                            group, split_names[list->groups[g].split], split_names[split]);
+        list->refs[i].group = g;
+        return NQM_OK;
+    }
+    list->refs[i].group = list->n_groups;
+    list->groups[list->n_groups++] = (nqm_corpus_group){group, split};
+    return NQM_OK;
+}
+
+static nqm_status read_row(nqm_corpus_list *list, size_t i, const columns *c, const char *path, nqm_error *err) {
+    nqm_corpus_ref *ref = &list->refs[i];
+    ref->name = nqm_csv_text(list->csv, i, c->name);
+    ref->brdf = nqm_csv_text(list->csv, i, c->brdf);
+    ref->source = nqm_csv_text(list->csv, i, c->source);
+    const char *group = nqm_csv_text(list->csv, i, c->group);
+    if (!*ref->name || !*ref->brdf || !*group)
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: row %zu lacks a name, a group or a BRDF", path, i + 1);
+    for (size_t k = 0; k < i; ++k)
+        if (strcmp(list->refs[k].name, ref->name) == 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the name '%s' is given twice", path, ref->name);
+    nqm_split split = NQM_SPLIT_TRAIN;
+    nqm_status status = parse_split(nqm_csv_text(list->csv, i, c->split), path, ref->name, &split, err);
+    return status == NQM_OK ? place_in_group(list, i, group, split, path, err) : status;
+}
+
+nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm_corpus_list *list_ret,
+                                nqm_error *err) {
+    nqm_corpus_list list = {0};
+    *list_ret = list;
+    columns c;
+    nqm_status status = nqm_csv_load(materials_csv, &list.csv, err);
+    if (status != NQM_OK)
+        return status;
+    status = find_columns(list.csv, materials_csv, &c, err);
+    if (status != NQM_OK)
+        goto fail;
+    size_t n = nqm_csv_rows(list.csv);
+    if (n == 0) {
+        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: lists no material", materials_csv);
+        goto fail;
+    }
+    list.refs = nqm_alloc(n, sizeof *list.refs);
+    list.groups = nqm_alloc(n, sizeof *list.groups);
+    if (!list.refs || !list.groups) {
+        status = nqm_fail_nomem(err, n * (sizeof *list.refs + sizeof *list.groups));
+        goto fail;
+    }
+    const char *slash = strrchr(materials_csv, '/');
+    size_t n_root = root ? strlen(root) : slash ? (size_t)(slash - materials_csv) : 0;
+    for (size_t i = 0; i < n; ++i) {
+        status = read_row(&list, i, &c, materials_csv, err);
+        if (status != NQM_OK)
+            goto fail;
+        list.refs[i].path = resolve(list.refs[i].brdf, root ? root : materials_csv, n_root);
+        list.n_refs = i + 1;
+        status = list.refs[i].path ? hash_ref(&list, i, err) : nqm_fail_nomem(err, strlen(list.refs[i].brdf));
+        if (status != NQM_OK)
+            goto fail;
+    }
+    *list_ret = list;
+    return NQM_OK;
+fail:
+    nqm_corpus_list_free(&list);
+    return status;
+}
+
+void nqm_corpus_list_free(nqm_corpus_list *list) {
+    for (size_t i = 0; i < list->n_refs; ++i)
+        nqm_free(list->refs[i].path);
+    nqm_free(list->refs);
+    nqm_free(list->groups);
+    nqm_csv_free(list->csv);
+    *list = (nqm_corpus_list){0};
+}
