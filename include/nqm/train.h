@@ -20,9 +20,9 @@ typedef enum nqm_split { NQM_SPLIT_TRAIN = 0, NQM_SPLIT_VALIDATION, NQM_SPLIT_TE
 /** Facts about a dataset; strings are lent by it. */
 typedef struct nqm_dataset_info {
     size_t n_directions, n_refs, n_groups, n_pairs;
-    size_t n_pairs_in[3];    /**< per split, before augmentation */
-    const char *sha256;      /**< of the file; "" for the authors' layout */
-    const char *manifest;    /**< JSON: how it was made; "" if unknown */
+    size_t n_pairs_in[3]; /**< per split, before augmentation */
+    const char *sha256;   /**< of the file; of the content for the authors' layout */
+    const char *manifest; /**< JSON: how it was made; "" if unknown */
     const nqm_directions *directions;
 } nqm_dataset_info;
 
@@ -30,23 +30,43 @@ typedef struct nqm_dataset_info {
 NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_error *err);
 
 /**
- * Read the authors' layout: ROOT/ref/NAME.mat and ROOT/model/NAME.mat (MAT v5; r, g, b 500x1 and random_locations 500x3 in
- * degrees) and a CSV `material,model,level,DeltaE,JOD,class`. Noise-augmented rows of that CSV ("NAME_k" more than once a
- * pair) are read as they are.
+ * Read the authors' layout: a CSV `material,model,level,DeltaE,JOD,class` (`class` is not used) and for each of its
+ * rows, whose `material` is NAME, the files ROOT/ref/NAME.mat and ROOT/model/NAME.mat (MAT v5; r, g, b 500x1 and
+ * random_locations 500x3 in degrees, the same in all files). NAME is a material and a running number, "brass_12": rows
+ * that differ in the number only are one material group; a reference may also be stored once a material, as
+ * ROOT/ref/brass.mat. Equal references are kept once. The kinds are the models: "sbrdf" at level 0, "sbrdf.2" at
+ * level 2. Negative values count as 0; how many there were stands in the manifest.
  *
  * @param root        the folder
  * @param labels_csv  the CSV
- * @param split       the split that every row gets; NQM_SPLIT_ALL: training rows, split later by the options of training
+ * @param split       the split that every row gets; NQM_SPLIT_ALL: training rows, split later by the options of
+ * training
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load_authors(const char *root, const char *labels_csv, nqm_split split,
                                                            nqm_dataset **dataset_ret, nqm_error *err);
 NQM_API void nqm_dataset_free(nqm_dataset *dataset);
 NQM_API nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset);
 
+/** The kinds of distortion in a dataset: how many, and the i-th ("ggx", "noise"); lent. */
+NQM_API size_t nqm_dataset_kind_count(const nqm_dataset *dataset);
+NQM_API const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i);
+
+/** One pair; strings are lent by the dataset. */
+typedef struct nqm_dataset_pair {
+    const char *ref, *group; /**< the reference and its material group */
+    const char *test, *kind; /**< the test (a spec, or a name) and its kind of distortion */
+    nqm_split split;
+    double delta_e, jod; /**< the label */
+} nqm_dataset_pair;
+
+/** Pair i in [0, n_pairs). */
+NQM_API nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *dataset, size_t i);
+
 /** How the labels become what the network learns. */
 typedef enum nqm_target {
     NQM_TARGET_JOD = 0,    /**< JOD, z-scored; sigmoid over the range of the training labels (the paper) */
-    NQM_TARGET_LOG_DELTA_E /**< log Delta-E ITP, z-scored; sigmoid over its range; mapped to JOD through the curve */
+    NQM_TARGET_LOG_DELTA_E /**< natural log of Delta-E ITP, z-scored; sigmoid over its range; mapped to JOD by the curve
+                            */
 } nqm_target;
 
 /** How a pair becomes the network's input, after t = log(cbrt(rho) + 1) and whitening. */
@@ -62,34 +82,44 @@ typedef enum nqm_scale_copy {
     NQM_SCALE_NONE
 } nqm_scale_copy;
 
-/** Everything that distinguishes one training from another. */
+enum { NQM_TRAIN_MAX_HIDDEN = 7 };
+
+/** Everything that distinguishes one training from another. Take one from nqm_train_options_recipe(). */
 typedef struct nqm_train_options {
-    const char *recipe;          /**< the name the options came from; stored in the model */
-    const char *id;              /**< model id; default the recipe's name */
-    nqm_layout layout;           /**< paper: REF_TEST; nqm: REF_DIFF_ABSDIFF */
-    double difference_scale;     /**< s of the layout; paper: unused; nqm: 3 */
+    const char *recipe;                  /**< the name the options came from; stored in the model */
+    const char *id;                      /**< model id; default the recipe's name */
+    nqm_layout layout;                   /**< paper: REF_TEST; nqm: REF_DIFF_ABSDIFF */
+    double difference_scale;             /**< s of the layout; paper: unused; nqm: 3 */
+    size_t n_hidden;                     /**< hidden layers; 1..NQM_TRAIN_MAX_HIDDEN; default 3 */
+    size_t hidden[NQM_TRAIN_MAX_HIDDEN]; /**< their widths; 1..16384; default 1024, 716, 501 */
     nqm_target target;
+    double min_delta_e; /**< NQM_TARGET_LOG_DELTA_E: smaller ones count as this, which still maps to JOD 10 within
+                             1e-7, so that the log of a perfect copy is finite; > 0; default 0.05 */
     nqm_whitening whitening;
-    nqm_scale_copy scale_copy;   /**< second copy of the training set scaled by U[0.95, 1.05] */
-    int split_by_pair;           /**< 1: validation pairs drawn over pairs (as the authors); 0: by the dataset's groups */
-    double validation_fraction;  /**< when the dataset brings no validation split, or split_by_pair; default 0.2 */
-    int balance;                 /**< 1: fill 7 equal label bins by noisy copies (sigma below); default 1 */
-    double balance_sigma;        /**< 1/sr; default 0.01 */
-    int freeze_first_layernorm;  /**< 1: as the notebook (it is in none of its optimiser groups) */
-    double dropout;              /**< 0..0.9; default 0.2 */
-    double lr_first, lr_deeper;  /**< Adam; default 1e-4 for the first linear layer, 1e-3 for the rest */
-    double weight_decay;         /**< L2, added to the gradient; default 1e-4 */
-    double plateau_factor;       /**< ReduceLROnPlateau; default 0.1 */
-    size_t plateau_patience;     /**< epochs; default 5 */
-    size_t batch;                /**< pairs; default 512 (nqm: 128) */
-    size_t epochs;               /**< default 100 */
-    uint64_t seed;               /**< default 1 */
-    const char *checkpoint;      /**< file rewritten after each epoch; NULL: none */
-    int resume;                  /**< 1: go on from `checkpoint`, to the same bits as an uninterrupted run */
-    const char *card;            /**< Markdown for the model; NULL: made from the options and results */
+    nqm_scale_copy scale_copy; /**< second copy of the training set scaled by U[0.95, 1.05] */
+    int split_by_pair; /**< 1: validation pairs drawn over all pairs that are not test pairs (the paper: one material
+                            can be on both sides); 0: by material group (notebook, nqm) */
+    double validation_fraction; /**< of the pairs, or of the groups when the dataset brings no validation split; default
+                                   0.2 */
+    int balance;                /**< 1: fill 7 equal label bins up to the fullest by noisy copies, before the split */
+    double balance_sigma;       /**< of the noise, 1/sr, the same draw for both members of a pair; default 0.01 */
+    int freeze_first_layernorm; /**< 1: as the notebook (it is in none of its optimiser groups) */
+    double dropout;             /**< 0..0.9; default 0.2 */
+    double lr_first, lr_deeper; /**< Adam; default 1e-4 for the first linear layer, 1e-3 for the rest */
+    double weight_decay;        /**< L2, added to the gradient; default 1e-4 */
+    double plateau_factor;      /**< ReduceLROnPlateau; default 0.1 */
+    size_t plateau_patience;    /**< epochs; default 5 */
+    size_t batch;               /**< pairs; default 512 (nqm: 128) */
+    size_t epochs;              /**< default 100 */
+    uint64_t seed;              /**< default 1 */
+    const char *checkpoint;     /**< file rewritten after each epoch; NULL: none */
+    int resume;       /**< 1: go on from `checkpoint`, to the same bits as an uninterrupted run. It must come from the
+                           same dataset and options, except that `epochs` may be larger. */
+    const char *card; /**< Markdown that follows the facts in the model's card; NULL: none */
     nqm_progress_fn progress;
     void *progress_user;
-    /** Called after each epoch; NULL: not. Losses are mean log-cosh of normalised labels. */
+    /** Called after each epoch, and first for every epoch that a resumed checkpoint holds; NULL: not. epoch counts from
+     * 1; losses are the mean log-cosh of normalised labels over the pairs. */
     void (*epoch_done)(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first);
     void *epoch_user;
 } nqm_train_options;
@@ -100,17 +130,19 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train_options_recipe(const char *recipe, n
 
 /** What a training did. */
 typedef struct nqm_train_report {
-    size_t n_train, n_validation; /**< pairs, after augmentation */
-    size_t n_steps, epochs;
+    size_t n_train, n_validation;       /**< pairs, after augmentation */
+    size_t n_steps, epochs;             /**< of the whole training, with those from the checkpoint */
+    size_t epochs_resumed;              /**< epochs that came from the checkpoint */
     double train_loss, validation_loss; /**< of the last epoch */
-    double validation_spearman;
+    double validation_spearman;         /**< predicted JOD with labels, validation pairs without noisy copies */
     double seconds;
 } nqm_train_report;
 
 /**
  * Train a model. The same dataset, options and seed give the same model, whatever the number of threads.
  *
- * @return NQM_ERR_NUMERIC when the loss stops being finite, NQM_ERR_CANCELLED (the checkpoint is kept), NQM_ERR_NOMEM, ...
+ * @return NQM_ERR_NUMERIC when the loss stops being finite, NQM_ERR_CANCELLED (the checkpoint is kept), NQM_ERR_NOMEM,
+ * ...
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *options,
                                             nqm_model **model_ret, nqm_train_report *report, nqm_error *err);
@@ -118,39 +150,73 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nq
 /** Write a model file; it appears under its name only when complete. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
 
+/* ---- judging
+ * --------------------------------------------------------------------------------------------------------- */
+
 /** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {
-    const char *name;             /**< "jod" for the model, else nqm_metric_name() */
-    size_t n, n_materials;        /**< pairs and material groups that counted */
+    const char *name;      /**< the model's id, else nqm_metric_name(); lent */
+    size_t n, n_materials; /**< pairs and material groups that counted */
     double spearman, spearman_ci95[2];
     double spearman_mean_by_material, spearman_mean_by_material_ci95[2]; /**< mean over groups with >= 3 pairs */
     double pearson, kendall;
-    double mae, rmse, r2;         /**< of predicted JOD; NaN for metrics, which have no JOD */
+    double mae, rmse, r2; /**< of predicted JOD; NaN for metrics, which have no JOD */
 } nqm_agreement;
 
-/** Which pairs to judge on. */
+/** Which pairs to judge on. Take the defaults from nqm_eval_options_default(). */
 typedef struct nqm_eval_options {
-    nqm_split split;              /**< default NQM_SPLIT_ALL */
-    const char *kind;             /**< only this kind of distortion; NULL: all */
-    double jod_from, jod_to;      /**< only labels in [from, to); default 0 and infinity */
-    size_t n_bootstrap;           /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
-    uint64_t seed;                /**< default 1 */
+    nqm_split split;         /**< default NQM_SPLIT_ALL */
+    const char *kind;        /**< only this kind of distortion; NULL: all */
+    double jod_from, jod_to; /**< only labels in [from, to); default 0 and infinity */
+    size_t n_bootstrap;      /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
+    uint64_t seed;           /**< of the resampling; default 1 */
+    nqm_progress_fn progress;
+    void *progress_user;
 } nqm_eval_options;
 
 NQM_API nqm_eval_options nqm_eval_options_default(void);
 
 /**
- * Judge a model and the nine scalar metrics on a dataset.
- *
- * @param results  (1 + NQM_METRIC_COUNT) receives the model first, then the metrics in the order of nqm_metric
- * @return NQM_ERR_INCOMPATIBLE when the directions of model and dataset differ or no pair is left
+ * What models and the nine scalar metrics predict for the pairs of a dataset: made once, judged on as many selections
+ * as wanted. Predictors are numbered: the models in their order, then the metrics in the order of nqm_metric.
  */
+typedef struct nqm_evaluation nqm_evaluation;
+
+/**
+ * Predict all pairs of options->split (the other fields choose among them later).
+ *
+ * @param dataset, models  lent: they must outlive the evaluation
+ * @param options          NULL: the defaults
+ * @return NQM_ERR_INCOMPATIBLE when the directions of a model and the dataset differ or no pair is left;
+ * NQM_ERR_NUMERIC; NQM_ERR_CANCELLED; NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models,
+                                                        const nqm_model *const *models, const nqm_eval_options *options,
+                                                        nqm_evaluation **evaluation_ret, nqm_error *err);
+NQM_API void nqm_evaluation_free(nqm_evaluation *evaluation);
+/** Number of predictors: n_models + NQM_METRIC_COUNT. */
+NQM_API size_t nqm_evaluation_count(const nqm_evaluation *evaluation);
+/** Name of predictor i: the model's id or the metric's name; lent. */
+NQM_API const char *nqm_evaluation_name(const nqm_evaluation *evaluation, size_t i);
+/** (n_pairs of the dataset) what predictor i says: JOD of a model, distance of a metric; NaN for pairs not predicted;
+ * lent. */
+NQM_API const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
+
+/**
+ * Judge every predictor on the pairs that `options` selects. The intervals are percentiles over resamples of the
+ * material groups, drawn with replacement, the same resamples for all predictors.
+ *
+ * @param options  NULL: the defaults
+ * @param results  (nqm_evaluation_count()) receives them
+ * @return NQM_ERR_INCOMPATIBLE when no pair is left; NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation,
+                                                       const nqm_eval_options *options, nqm_agreement *results,
+                                                       nqm_error *err);
+
+/** Both steps for one model: results (1 + NQM_METRIC_COUNT). */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset,
                                                const nqm_eval_options *options, nqm_agreement *results, nqm_error *err);
-
-/** The kinds of distortion in a dataset: how many, and the i-th ("ggx", "noise"); lent. */
-NQM_API size_t nqm_dataset_kind_count(const nqm_dataset *dataset);
-NQM_API const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i);
 
 #ifdef __cplusplus
 }

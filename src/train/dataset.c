@@ -91,6 +91,29 @@ nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_erro
     return status;
 }
 
+nqm_status nqm_dataset_hash(const nqm_dataset *d, char sha256_ret[65], nqm_error *err) {
+    nqm_sha256 sha;
+    if (!nqm_sha256_begin(&sha))
+        return nqm_fail_nomem(err, sizeof sha);
+    const uint64_t counts[] = {d->n_directions, d->n_refs, d->n_groups, d->n_kinds, d->n_pairs};
+    nqm_sha256_add(&sha, counts, sizeof counts);
+    nqm_sha256_add(&sha, d->directions_deg, d->n_directions * 3 * sizeof *d->directions_deg);
+    nqm_sha256_add(&sha, d->ref_rgb, d->n_refs * d->n_directions * 3 * sizeof *d->ref_rgb);
+    nqm_sha256_add(&sha, d->test_rgb, d->n_pairs * d->n_directions * 3 * sizeof *d->test_rgb);
+    if (d->ref_used)
+        nqm_sha256_add(&sha, d->ref_used, d->n_refs * d->n_directions);
+    if (d->test_used)
+        nqm_sha256_add(&sha, d->test_used, d->n_pairs * d->n_directions);
+    nqm_sha256_add(&sha, d->pair_ref, d->n_pairs * sizeof *d->pair_ref);
+    nqm_sha256_add(&sha, d->pair_kind, d->n_pairs * sizeof *d->pair_kind);
+    nqm_sha256_add(&sha, d->delta_e, d->n_pairs * sizeof *d->delta_e);
+    nqm_sha256_add(&sha, d->jod, d->n_pairs * sizeof *d->jod);
+    nqm_sha256_add(&sha, d->ref_group, d->n_refs * sizeof *d->ref_group);
+    nqm_sha256_add(&sha, d->group_split, d->n_groups);
+    nqm_sha256_end(&sha, sha256_ret);
+    return NQM_OK;
+}
+
 void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size) {
     if (dataset->n_blocks == NQM_DATASET_MAX_BLOCKS)
         return NULL;
@@ -129,4 +152,15 @@ size_t nqm_dataset_kind_count(const nqm_dataset *dataset) {
 
 const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i) {
     return i < dataset->n_kinds ? dataset->kind_names[i] : NULL;
+}
+
+nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
+    uint32_t ref = d->pair_ref[i];
+    return (nqm_dataset_pair){.ref = d->ref_names[ref],
+                              .group = d->group_names[d->ref_group[ref]],
+                              .test = d->pair_names[i],
+                              .kind = d->kind_names[d->pair_kind[i]],
+                              .split = nqm_dataset_pair_split(d, i),
+                              .delta_e = d->delta_e[i],
+                              .jod = d->jod[i]};
 }

@@ -56,6 +56,9 @@ NQM_MUST_CHECK nqm_status nqm_dataset_validate(const nqm_dataset *dataset, const
 NQM_MUST_CHECK nqm_status nqm_dataset_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                             bool verify_checksum, nqm_dataset **dataset_ret, nqm_error *err);
 
+/** SHA-256 of everything that training and evaluation look at: 64 hex digits. */
+NQM_MUST_CHECK nqm_status nqm_dataset_hash(const nqm_dataset *dataset, char sha256_ret[65], nqm_error *err);
+
 /** Memory that lives as long as the dataset: n * size zeroed bytes, or NULL. */
 void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size);
 
