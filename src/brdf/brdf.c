@@ -20,7 +20,8 @@ typedef struct file_format {
     nqm_status (*open)(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 } file_format;
 
-static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open}, {nqm_nbrdf_probe, nqm_nbrdf_open}};
+static const file_format formats[] = {
+    {nqm_merl_probe, nqm_merl_open}, {nqm_rgl_probe, nqm_rgl_open}, {nqm_nbrdf_probe, nqm_nbrdf_open}};
 
 nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                          const char *layout, nqm_brdf **brdf_ret, nqm_error *err) {

@@ -11,7 +11,7 @@
 /* ---- safetensors (huggingface.co/docs/safetensors): u64 header length, JSON header, raw little-endian tensors ------------ */
 
 typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U32 } nqm_dtype;
-enum { NQM_MAX_DIMS = 4 };
+enum { NQM_MAX_DIMS = 5 };
 
 typedef struct nqm_tensor {
     const char *name;
@@ -45,6 +45,17 @@ typedef struct nqm_meta {
 /** Write a file with tensors (their `data`, dtype, dims, n_bytes), metadata, and the checksum; sha256_ret may be NULL. */
 NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_tensor *tensors,
                                                 size_t n_meta, const nqm_meta *meta, char sha256_ret[65], nqm_error *err);
+
+/* ---- tensor container of the RGL material database (Dupuy and Jakob 2018) ---------------------------------------------- */
+
+/** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
+typedef struct nqm_tensor_file nqm_tensor_file;
+/** Parse and check: offsets and shapes lie inside the bytes. `name` is for messages. */
+NQM_MUST_CHECK nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,
+                                                nqm_tensor_file **file_ret, nqm_error *err);
+void nqm_tensor_file_free(nqm_tensor_file *file);
+/** By name, or NULL; fields of a type that nqm_dtype lacks are not found. */
+const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
 /* ---- CSV with a header line ------------------------------------------------------------------------------------------- */
 

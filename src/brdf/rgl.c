@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * RGL measured materials, isotropic rgb (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
+ * grid that is warped, per angle of incidence, by the distribution of visible normals: f_r cos(theta_o) D^-1 4 sigma at
+ * the point that the warp maps to the half vector. Evaluation inverts the warp (section 4): the half vector's
+ * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
+ * up bilinearly.
+ *
+ * Which direction is which: the light is the direction by which the file is parametrised (theta_i, as it was measured).
+ * The stored values carry cos(theta_o), which is divided out here. They are not reciprocal, and may be negative where a
+ * colour lay outside the gamut. Anisotropic and spectral files are refused.
+ */
+#include "brdf/brdf.h"
+
+#include "io/io.h"
+#include "math/math.h"
+#include <math.h>
+#include <string.h>
+
+/** A table over the unit square, first coordinate along a row; (height, width) or several of them. */
+typedef struct grid {
+    size_t width, height;
+    float *value;
+} grid;
+
+typedef struct rgl {
+    size_t n_theta;
+    double *theta_i;     /* (n_theta), rising, radians */
+    grid ndf, sigma;     /* microfacet density over half vectors; projected area over incidence: (height, width) */
+    grid vndf;           /* visible-normal density, integral 1 in units of cells: (n_theta, height, width) */
+    double *conditional; /* (n_theta, vndf.height, vndf.width): integral of a row up to a column */
+    double *marginal;    /* (n_theta, vndf.height): integral of the rows up to a row */
+    grid rgb;            /* (n_theta, height, width, 3) */
+    bool jacobian;       /* values are divided by D / (4 sigma) */
+} rgl;
+
+/* ---- evaluation
+ * -------------------------------------------------------------------------------------------------------- */
+
+/** A point between four neighbours of a grid: the lower corner's index and the weights of the upper ones. */
+typedef struct spot {
+    size_t corner;
+    double x, y;
+} spot;
+
+static size_t cell_of(double *position, size_t n) {
+    double scaled = *position > 0 ? *position * (double)(n - 1) : 0;
+    size_t cell = scaled < (double)(n - 2) ? (size_t)scaled : n - 2;
+    *position = fmin(scaled - (double)cell, 1);
+    return cell;
+}
+
+/* u, v in [0, 1]; what lies outside is moved to the border. */
+static spot locate(const grid *g, double u, double v) {
+    size_t column = cell_of(&u, g->width), row = cell_of(&v, g->height);
+    return (spot){.corner = row * g->width + column, .x = u, .y = v};
+}
+
+static double mix(double a, double b, double t) {
+    return (1 - t) * a + t * b;
+}
+
+static double look_up(const grid *g, double u, double v) {
+    spot s = locate(g, u, v);
+    const float *p = g->value + s.corner, *q = p + g->width;
+    return mix(mix((double)p[0], (double)p[1], s.x), mix((double)q[0], (double)q[1], s.x), s.y);
+}
+
+/** What the inverse of the warp needs at a spot. All are linear in the density, so that two angles of incidence are
+ * mixed by mixing these. */
+typedef struct warp_terms {
+    double left, right; /* density at the cell's left and right edge */
+    double before;      /* integral of the row up to the left edge */
+    double row0, row1;  /* integrals of the whole rows below and above */
+    double below;       /* integral of all rows up to the lower one */
+} warp_terms;
+
+static warp_terms terms_at(const rgl *m, size_t k, const spot *s) {
+    size_t width = m->vndf.width, height = m->vndf.height, row = s->corner / width;
+    const float *d = m->vndf.value + k * width * height + s->corner;
+    const double *c = m->conditional + k * width * height + s->corner;
+    const double *row_end = m->conditional + (k * height + row + 1) * width - 1;
+    return (warp_terms){.left = mix((double)d[0], (double)d[width], s->y),
+                        .right = mix((double)d[1], (double)d[width + 1], s->y),
+                        .before = mix(c[0], c[width], s->y),
+                        .row0 = row_end[0],
+                        .row1 = row_end[width],
+                        .below = m->marginal[k * height + row]};
+}
+
+/* The point (u, v) of the value grid that the warp for the incidence between angles k and k + 1 (weight t) sends to (u,
+ * v). */
+static void invert_warp(const rgl *m, size_t k, double t, double *u, double *v) {
+    spot s = locate(&m->vndf, *u, *v);
+    warp_terms a = terms_at(m, k, &s), b = terms_at(m, k + 1, &s);
+    double left = mix(a.left, b.left, t), right = mix(a.right, b.right, t);
+    double row0 = mix(a.row0, b.row0, t), row1 = mix(a.row1, b.row1, t);
+    double row = mix(row0, row1, s.y);
+    if (row > 0) /* else no half vector of this row is visible: leave u */
+        *u = (mix(a.before, b.before, t) + s.x * (left + 0.5 * s.x * (right - left))) / row;
+    *v = mix(a.below, b.below, t) + s.y * (row0 + 0.5 * s.y * (row1 - row0));
+}
+
+static void mix_rgb(const float *p, size_t width, const spot *s, double weight, double *rgb) {
+    const float *q = p + 3 * width;
+    for (size_t c = 0; c < 3; ++c)
+        rgb[c] +=
+            weight * mix(mix((double)p[c], (double)p[3 + c], s->x), mix((double)q[c], (double)q[3 + c], s->x), s->y);
+}
+
+static double theta_to_unit(double theta) {
+    return sqrt(theta * (2 / NQM_PI));
+}
+
+static double polar_angle(const double *w) {
+    return atan2(sqrt(w[0] * w[0] + w[1] * w[1]), w[2]);
+}
+
+/* The half vector's azimuth from that of the light, as a fraction of a turn in [0, 1) with 0.5 at the light. */
+static double azimuth_to_unit(const double *wi, const double *h) {
+    bool normal = wi[0] == 0 && wi[1] == 0;
+    double cos_i = normal ? 1 : wi[0], sin_i = wi[1]; /* not normalised: atan2 needs no unit length */
+    double phi = atan2(cos_i * h[1] - sin_i * h[0], cos_i * h[0] + sin_i * h[1]);
+    double v = (phi + NQM_PI) / (2 * NQM_PI);
+    return v < 1 ? v : 0;
+}
+
+static void eval_pair(const rgl *m, const double *wi, const double *wo, double *rgb) {
+    const double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
+    double theta_i = polar_angle(wi);
+    double u = theta_to_unit(polar_angle(h)), v = azimuth_to_unit(wi, h);
+
+    size_t k = 0;
+    while (k + 2 < m->n_theta && theta_i >= m->theta_i[k + 1])
+        ++k;
+    double t = fmin(fmax((theta_i - m->theta_i[k]) / (m->theta_i[k + 1] - m->theta_i[k]), 0), 1);
+
+    double scale = 1 / wo[2];
+    if (m->jacobian)
+        scale *= look_up(&m->ndf, u, v) / (4 * look_up(&m->sigma, theta_to_unit(theta_i), 0.5));
+    invert_warp(m, k, t, &u, &v);
+    spot s = locate(&m->rgb, u, v);
+    size_t n_slice = m->rgb.width * m->rgb.height;
+    const float *p = m->rgb.value + 3 * (k * n_slice + s.corner);
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    mix_rgb(p, m->rgb.width, &s, (1 - t) * scale, rgb);
+    mix_rgb(p + 3 * n_slice, m->rgb.width, &s, t * scale, rgb);
+}
+
+static void rgl_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    for (size_t i = 0; i < n; ++i)
+        eval_pair(self, wi + 3 * i, wo + 3 * i, rgb + 3 * i);
+}
+
+static void rgl_free(void *self) {
+    rgl *m = self;
+    if (!m)
+        return;
+    nqm_free(m->theta_i);
+    nqm_free(m->ndf.value);
+    nqm_free(m->sigma.value);
+    nqm_free(m->vndf.value);
+    nqm_free(m->conditional);
+    nqm_free(m->marginal);
+    nqm_free(m->rgb.value);
+    nqm_free(m);
+}
+
+static const nqm_brdf_class rgl_class = {.format = "rgl", .reciprocal = 0, .eval = rgl_eval, .free = rgl_free};
+
+/* ---- reading
+ * ----------------------------------------------------------------------------------------------------------- */
+
+/** The tensors that are needed, as found in the file. */
+typedef struct contents {
+    const char *path;
+    const nqm_tensor *theta_i, *ndf, *sigma, *vndf, *rgb;
+} contents;
+
+static nqm_status fail_tensor(const contents *c, const nqm_tensor *t, const char *fault, nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", c->path, t->name,
+                    (long long)t->byte_offset, fault);
+}
+
+static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, const char *name, size_t n_dims,
+                              const nqm_tensor **t_ret, nqm_error *err) {
+    const nqm_tensor *t = nqm_tensor_file_find(file, name);
+    if (!t)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: holds no tensor '%s'", c->path, name);
+    if (t->dtype != NQM_F32 || t->n_dims != n_dims)
+        return fail_tensor(c, t, "has a type or shape that is not that of an RGL material", err);
+    for (size_t i = 0; i < t->n_bytes / 4; ++i) {
+        if (!isfinite(nqm_load_f32((const unsigned char *)t->data + 4 * i))) {
+            long long at = (long long)t->byte_offset + 4 * (long long)i;
+            return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: '%s' holds a value at byte %lld that is not finite", c->path,
+                            name, at);
+        }
+    }
+    *t_ret = t;
+    return NQM_OK;
+}
+
+static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_error *err) {
+    const nqm_tensor *phi_i = NULL;
+    if (nqm_tensor_file_find(file, "spectra") && !nqm_tensor_file_find(file, "rgb"))
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: is a spectral file; take the material's *_rgb.bsdf", c->path);
+    nqm_status status = find_tensor(file, c, "phi_i", 1, &phi_i, err);
+    if (status == NQM_OK && phi_i->dims[0] != 1)
+        status = fail_tensor(c, phi_i, "has several angles: anisotropic materials are not supported", err);
+    if (status == NQM_OK)
+        status = find_tensor(file, c, "theta_i", 1, &c->theta_i, err);
+    if (status == NQM_OK)
+        status = find_tensor(file, c, "ndf", 2, &c->ndf, err);
+    if (status == NQM_OK)
+        status = find_tensor(file, c, "sigma", 2, &c->sigma, err);
+    if (status == NQM_OK)
+        status = find_tensor(file, c, "vndf", 4, &c->vndf, err);
+    if (status == NQM_OK)
+        status = find_tensor(file, c, "rgb", 5, &c->rgb, err);
+    return status;
+}
+
+/* Shapes must agree with each other, and every grid needs a cell. */
+static nqm_status check_shapes(const contents *c, nqm_error *err) {
+    const nqm_tensor *grids[] = {c->ndf, c->sigma, c->vndf, c->rgb};
+    for (size_t i = 0; i < 4; ++i)
+        if (grids[i]->dims[grids[i]->n_dims - 1] < 2 || grids[i]->dims[grids[i]->n_dims - 2] < 2)
+            return fail_tensor(c, grids[i], "has fewer than 2 x 2 values", err);
+    size_t n_theta = c->theta_i->dims[0];
+    if (n_theta < 2)
+        return fail_tensor(c, c->theta_i, "has fewer than two angles", err);
+    if (c->vndf->dims[0] != 1 || c->vndf->dims[1] != n_theta)
+        return fail_tensor(c, c->vndf, "does not have one slice for each theta_i", err);
+    if (c->rgb->dims[0] != 1 || c->rgb->dims[1] != n_theta || c->rgb->dims[2] != 3)
+        return fail_tensor(c, c->rgb, "does not have three channels for each theta_i", err);
+    return NQM_OK;
+}
+
+/* Copy the floats of a tensor; none may be negative. */
+static nqm_status copy_grid(const contents *c, const nqm_tensor *t, bool zero_allowed, grid *g, nqm_error *err) {
+    size_t n = t->n_bytes / 4;
+    *g =
+        (grid){.height = t->dims[t->n_dims - 2], .width = t->dims[t->n_dims - 1], .value = nqm_alloc(n, sizeof(float))};
+    if (!g->value)
+        return nqm_fail_nomem(err, t->n_bytes);
+    for (size_t i = 0; i < n; ++i) {
+        g->value[i] = nqm_load_f32((const unsigned char *)t->data + 4 * i);
+        if (g->value[i] < 0 || (g->value[i] == 0 && !zero_allowed))
+            return fail_tensor(c, t, "holds values that are not positive", err);
+    }
+    return NQM_OK;
+}
+
+/* Angles as doubles; they must rise. */
+static nqm_status copy_angles(const contents *c, rgl *m, nqm_error *err) {
+    m->n_theta = c->theta_i->dims[0];
+    m->theta_i = nqm_alloc(m->n_theta, sizeof *m->theta_i);
+    if (!m->theta_i)
+        return nqm_fail_nomem(err, c->theta_i->n_bytes);
+    for (size_t k = 0; k < m->n_theta; ++k) {
+        m->theta_i[k] = (double)nqm_load_f32((const unsigned char *)c->theta_i->data + 4 * k);
+        if (k > 0 && !(m->theta_i[k] > m->theta_i[k - 1]))
+            return fail_tensor(c, c->theta_i, "does not rise", err);
+    }
+    return NQM_OK;
+}
+
+/* Channels side by side, so that the four neighbours of a point lie in two short runs of memory. */
+static nqm_status copy_rgb(const contents *c, rgl *m, nqm_error *err) {
+    grid *g = &m->rgb;
+    *g = (grid){
+        .height = c->rgb->dims[3], .width = c->rgb->dims[4], .value = nqm_alloc(c->rgb->n_bytes / 4, sizeof(float))};
+    if (!g->value)
+        return nqm_fail_nomem(err, c->rgb->n_bytes);
+    size_t n_slice = g->height * g->width;
+    const unsigned char *p = c->rgb->data;
+    for (size_t k = 0; k < m->n_theta; ++k)
+        for (size_t channel = 0; channel < 3; ++channel)
+            for (size_t i = 0; i < n_slice; ++i, p += 4)
+                g->value[3 * (k * n_slice + i) + channel] = nqm_load_f32(p);
+    return NQM_OK;
+}
+
+/* Integrals of slice k by the trapezoidal rule, exact for bilinear densities, scaled to 1 over the slice; false when
+ * the density is zero everywhere. */
+static bool integrate_slice(rgl *m, size_t k) {
+    size_t width = m->vndf.width, height = m->vndf.height;
+    float *density = m->vndf.value + k * width * height;
+    double *conditional = m->conditional + k * width * height, *marginal = m->marginal + k * height;
+    for (size_t y = 0; y < height; ++y) {
+        const float *d = density + y * width;
+        double *row = conditional + y * width;
+        for (size_t x = 1; x < width; ++x)
+            row[x] = row[x - 1] + 0.5 * ((double)d[x - 1] + (double)d[x]);
+        if (y > 0)
+            marginal[y] = marginal[y - 1] + 0.5 * (row[-1] + row[width - 1]);
+    }
+    double total = marginal[height - 1];
+    if (!(total > 0) || !isfinite(1 / total))
+        return false;
+    for (size_t i = 0; i < width * height; ++i) {
+        conditional[i] /= total;
+        density[i] = (float)((double)density[i] / total);
+    }
+    for (size_t y = 0; y < height; ++y)
+        marginal[y] /= total;
+    return true;
+}
+
+static nqm_status build_warp(const contents *c, rgl *m, nqm_error *err) {
+    nqm_status status = copy_grid(c, c->vndf, true, &m->vndf, err);
+    if (status != NQM_OK)
+        return status;
+    size_t n_rows = m->n_theta * m->vndf.height;
+    m->conditional = nqm_alloc(n_rows * m->vndf.width, sizeof *m->conditional);
+    m->marginal = nqm_alloc(n_rows, sizeof *m->marginal);
+    if (!m->conditional || !m->marginal)
+        return nqm_fail_nomem(err, n_rows * m->vndf.width * sizeof *m->conditional);
+    for (size_t k = 0; k < m->n_theta; ++k)
+        if (!integrate_slice(m, k))
+            return fail_tensor(c, c->vndf, "has a slice without any density", err);
+    return NQM_OK;
+}
+
+static nqm_status read_material(const nqm_tensor_file *file, const char *path, rgl *m, nqm_error *err) {
+    contents c = {.path = path};
+    nqm_status status = find_tensors(file, &c, err);
+    if (status == NQM_OK)
+        status = check_shapes(&c, err);
+    if (status == NQM_OK)
+        status = copy_angles(&c, m, err);
+    if (status == NQM_OK)
+        status = copy_grid(&c, c.ndf, true, &m->ndf, err);
+    if (status == NQM_OK)
+        status = copy_grid(&c, c.sigma, false, &m->sigma, err);
+    if (status == NQM_OK)
+        status = copy_rgb(&c, m, err);
+    if (status == NQM_OK)
+        status = build_warp(&c, m, err);
+    const nqm_tensor *jacobian = nqm_tensor_file_find(file, "jacobian");
+    m->jacobian = !jacobian || jacobian->n_bytes != 1 || *(const unsigned char *)jacobian->data != 0;
+    return status;
+}
+
+bool nqm_rgl_probe(const nqm_map *map) {
+    static const char magic[12] = "tensor_file";
+    size_t n = map->n_bytes < sizeof magic ? map->n_bytes : sizeof magic;
+    return n >= 4 && memcmp(map->data, magic, n) == 0;
+}
+
+nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_tensor_file *file = NULL;
+    rgl *m = nqm_alloc(1, sizeof *m);
+    if (!m)
+        return nqm_fail_nomem(err, sizeof *m);
+    nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
+    if (status == NQM_OK)
+        status = read_material(file, map->path, m, err);
+    nqm_tensor_file_free(file);
+    if (status != NQM_OK) {
+        rgl_free(m);
+        return status;
+    }
+    char layout[120];
+    snprintf(layout, sizeof layout, "%zu angles of incidence x %zu x %zu samples, warp %zu x %zu", m->n_theta,
+             m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
+    size_t n_values = m->n_theta * (3 * m->rgb.height * m->rgb.width + m->vndf.height * m->vndf.width) +
+                      m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
+    status = nqm_brdf_wrap(&rgl_class, m, name, NULL, layout, brdf_ret, err);
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->source_doi = "10.1145/3272127.3275059";
+    (*brdf_ret)->n_values = n_values;
+    (*brdf_ret)->n_bytes = map->n_bytes;
+    nqm_map_close(map);
+    return NQM_OK;
+}

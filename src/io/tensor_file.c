@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The tensor container of the RGL material database (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059): named arrays
+ * behind a table of contents. Every name, shape and offset is checked against the bytes present; the numbers are not
+ * looked at.
+ *
+ * File, little-endian: "tensor_file\0"; u8 major, minor version; u32 fields; per field u16 length and name, u16
+ * dimensions, u8 type, u64 offset of the data from the start of the file, u64 per dimension.
+ */
+#include "io/io.h"
+
+#include <string.h>
+
+static const unsigned char magic[12] = "tensor_file"; /* with its NUL */
+
+enum { MAX_FIELDS = 256, MAX_NAME = 63 }; /* the database's files have 11 fields with names of up to 11 bytes */
+
+typedef struct field {
+    nqm_tensor tensor;
+    char name[MAX_NAME + 1];
+    bool readable; /* nqm_dtype has its type */
+} field;
+
+struct nqm_tensor_file {
+    size_t n_fields;
+    field *fields; /* (n_fields) */
+};
+
+/** A place in the bytes that moves forward. */
+typedef struct cursor {
+    const unsigned char *data;
+    size_t n_bytes, at;
+    const char *file;
+} cursor;
+
+/* Step over n bytes and return where they begin, or NULL when the file ends before. */
+static const unsigned char *take(cursor *c, size_t n) {
+    if (n > c->n_bytes - c->at)
+        return NULL;
+    c->at += n;
+    return c->data + c->at - n;
+}
+
+static nqm_status fail_short(const cursor *c, nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)c->n_bytes, "%s: ends at byte %zu, inside its table of contents",
+                    c->file, c->n_bytes);
+}
+
+/** Element types in the order of the container's numbers. */
+typedef struct element_type {
+    size_t size;
+    int dtype; /* an nqm_dtype, or -1: nothing here reads it */
+} element_type;
+
+static const element_type element_types[] = {{0, -1},      {1, NQM_U8},  {1, -1},      {2, -1},
+                                             {2, -1},      {4, NQM_U32}, {4, NQM_I32}, {8, -1},
+                                             {8, NQM_I64}, {2, -1},      {4, NQM_F32}, {8, NQM_F64}};
+enum { N_TYPES = sizeof element_types / sizeof *element_types };
+
+/* Check a field's data against the file. Shapes with more dimensions than nqm_tensor holds are refused. */
+static nqm_status check_extent(const cursor *c, nqm_tensor *t, size_t element_size, nqm_error *err) {
+    size_t n_bytes = element_size;
+    for (size_t i = 0; i < t->n_dims; ++i)
+        if (!nqm_mul_size(n_bytes, t->dims[i], &n_bytes))
+            return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)c->at, "%s: the shape of '%s' before byte %zu is impossible",
+                            c->file, t->name, c->at);
+    uint64_t offset = (uint64_t)t->byte_offset;
+    if (offset > c->n_bytes || n_bytes > c->n_bytes - offset)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)c->n_bytes,
+                        "%s: ends at byte %zu, but '%s' has %zu bytes from byte %llu on", c->file, c->n_bytes, t->name,
+                        n_bytes, (unsigned long long)offset);
+    t->n_bytes = n_bytes;
+    t->data = c->data + offset;
+    return NQM_OK;
+}
+
+/* One entry of the table of contents. */
+static nqm_status read_field(cursor *c, field *f, nqm_error *err) {
+    nqm_tensor *t = &f->tensor;
+    const unsigned char *p = take(c, 2);
+    size_t n_name = p ? nqm_load_u16(p) : 0;
+    const unsigned char *text = p ? take(c, n_name) : NULL;
+    const unsigned char *head = text ? take(c, 2 + 1 + 8) : NULL;
+    if (!head)
+        return fail_short(c, err);
+    size_t head_at = c->at - 11, type = head[2];
+    t->n_dims = nqm_load_u16(head);
+    t->byte_offset = (int64_t)nqm_load_u64(head + 3);
+    if (n_name > MAX_NAME || type == 0 || type >= N_TYPES || t->n_dims > NQM_MAX_DIMS)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)head_at,
+                        "%s: a field with %zu bytes of name, type %zu and %zu dimensions at byte %zu", c->file, n_name,
+                        type, t->n_dims, head_at);
+    memcpy(f->name, text, n_name);
+    t->name = f->name;
+    const unsigned char *dims = take(c, 8 * t->n_dims);
+    if (!dims)
+        return fail_short(c, err);
+    for (size_t i = 0; i < t->n_dims; ++i)
+        t->dims[i] = (size_t)nqm_load_u64(dims + 8 * i);
+    f->readable = element_types[type].dtype >= 0;
+    if (f->readable)
+        t->dtype = (nqm_dtype)element_types[type].dtype;
+    return check_extent(c, t, element_types[type].size, err);
+}
+
+nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,
+                                 nqm_tensor_file **file_ret, nqm_error *err) {
+    *file_ret = NULL;
+    cursor c = {.data = data, .n_bytes = n_bytes, .file = name};
+    const unsigned char *head = take(&c, sizeof magic + 2 + 4);
+    if (!head || memcmp(head, magic, sizeof magic) != 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no complete header of a tensor file", name);
+    if (head[12] != 1)
+        return nqm_fail(err, NQM_ERR_FORMAT, 12, "%s: tensor file version %d at byte 12 is unknown", name, head[12]);
+    size_t n_fields = nqm_load_u32(head + 14);
+    if (n_fields > MAX_FIELDS)
+        return nqm_fail(err, NQM_ERR_FORMAT, 14, "%s: claims %zu fields (byte 14), at most %d are read", name, n_fields,
+                        MAX_FIELDS);
+    nqm_tensor_file *file = nqm_alloc(1, sizeof *file);
+    if (!file)
+        return nqm_fail_nomem(err, sizeof *file);
+    nqm_status status = NQM_OK;
+    file->n_fields = n_fields;
+    file->fields = nqm_alloc(n_fields, sizeof *file->fields);
+    if (!file->fields)
+        status = nqm_fail_nomem(err, n_fields * sizeof *file->fields);
+    for (size_t i = 0; i < n_fields && status == NQM_OK; ++i)
+        status = read_field(&c, file->fields + i, err);
+    if (status != NQM_OK) {
+        nqm_tensor_file_free(file);
+        return status;
+    }
+    *file_ret = file;
+    return NQM_OK;
+}
+
+void nqm_tensor_file_free(nqm_tensor_file *file) {
+    if (!file)
+        return;
+    nqm_free(file->fields);
+    nqm_free(file);
+}
+
+const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name) {
+    for (size_t i = 0; i < file->n_fields; ++i)
+        if (file->fields[i].readable && strcmp(file->fields[i].name, tensor_name) == 0)
+            return &file->fields[i].tensor;
+    return NULL;
+}
