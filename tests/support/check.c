@@ -29,3 +29,10 @@ const char *shared_data(const char *relative_path) {
         snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", relative_path);
     return access(path, R_OK) == 0 ? path : NULL;
 }
+
+const char *test_vector(const char *name) {
+    static char path[4096];
+    const char *source = getenv("NQM_SOURCE");
+    snprintf(path, sizeof path, "%s/tests/vectors/%s", source ? source : ".", name);
+    return path;
+}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * check.h - what the unit tests share: comparison of doubles (cmocka compares floats only) and the way to the shared
- * data. Includes cmocka with what it needs.
+ * check.h - what the unit tests share: comparison of doubles (cmocka compares floats only) and the way to the
+ * stored vectors and the shared data. Includes cmocka with what it needs.
  */
 #ifndef NQM_TESTS_CHECK_H
 #define NQM_TESTS_CHECK_H
@@ -26,5 +26,8 @@ void check_relative(double actual, double expected, double tolerance, const char
 /** The path of a file in the shared data ($NQM_DATA, else ../shared/data beside the source), or NULL when it is absent.
  * Lent until the next call. */
 const char *shared_data(const char *relative_path);
+
+/** The path of a file of tests/vectors. Lent until the next call. */
+const char *test_vector(const char *name);
 
 #endif

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The CSV reader: quoting, line ends, comments, ragged rows, numbers with the place of a fault, and every cut of a
+ * valid file.
+ */
+#include "base/memory_test.h"
+#include "io/io.h"
+#include "support/check.h"
+
+#include <string.h>
+
+static nqm_status parse(const char *text, nqm_csv **csv, nqm_error *err) {
+    return nqm_csv_parse(text, strlen(text), "t.csv", csv, err);
+}
+
+static void test_plain(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(
+        parse("# a comment, with a comma\nName, x ,y\n\n  \nfelt,1.5,-2e3\r\nsatin , .25,7\n#last\nleaf,,3", &csv,
+              NULL),
+        NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), 3);
+    assert_int_equal(nqm_csv_column(csv, "name"), 0);
+    assert_int_equal(nqm_csv_column(csv, "X"), 1);
+    assert_int_equal(nqm_csv_column(csv, "z"), -1);
+    assert_int_equal(nqm_csv_column(csv, "nam"), -1);
+    assert_string_equal(nqm_csv_text(csv, 0, 0), "felt");
+    assert_string_equal(nqm_csv_text(csv, 1, 0), "satin");
+    assert_string_equal(nqm_csv_text(csv, 2, 1), "");
+    double value;
+    assert_int_equal(nqm_csv_number(csv, 0, 2, &value, NULL), NQM_OK);
+    assert_near(value, -2000, 0);
+    assert_int_equal(nqm_csv_number(csv, 1, 1, &value, NULL), NQM_OK);
+    assert_near(value, 0.25, 0);
+    nqm_csv_free(csv);
+}
+
+static void test_quotes(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(parse("\"a,b\",c\r\n\"says \"\"yes\"\"\",\"two\nlines\" \r\n\"\",\" 4 \"\n", &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), 2);
+    assert_int_equal(nqm_csv_column(csv, "a,b"), 0);
+    assert_string_equal(nqm_csv_text(csv, 0, 0), "says \"yes\"");
+    assert_string_equal(nqm_csv_text(csv, 0, 1), "two\nlines");
+    assert_string_equal(nqm_csv_text(csv, 1, 0), "");
+    double value;
+    assert_int_equal(nqm_csv_number(csv, 1, 1, &value, NULL), NQM_OK);
+    assert_near(value, 4, 0);
+    nqm_csv_free(csv);
+}
+
+static void test_byte_order_mark(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(parse("\xef\xbb\xbfmaterial\nfelt\n", &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_column(csv, "material"), 0);
+    nqm_csv_free(csv);
+}
+
+static void refuse(const char *text, int64_t byte, const char *words) {
+    nqm_csv *csv = (nqm_csv *)(uintptr_t)1;
+    nqm_error err = {0};
+    assert_int_equal(parse(text, &csv, &err), NQM_ERR_FORMAT);
+    assert_null(csv);
+    assert_int_equal(err.byte_offset, byte);
+    assert_non_null(strstr(err.message, "t.csv"));
+    assert_non_null(strstr(err.message, words));
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    refuse("", 0, "empty");
+    refuse("\n# only talk\n", 0, "empty");
+    refuse("a,b\n1,2\n3\n", 8, "line 3, byte 8: 1 fields where the header has 2");
+    refuse("a,b\n1,2,3\n", 4, "3 fields");
+    refuse("a,b\n1,\"2\n", 7, "does not end");
+    refuse("a,b\n1,\"2\"3\n", 7, "does not end");
+    refuse("a\n\"\"\"", 3, "does not end");
+    nqm_error err = {0};
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_parse("a,b\n1,\0\n", 8, "t.csv", &csv, &err), NQM_ERR_FORMAT);
+    assert_int_equal(err.byte_offset, 6);
+}
+
+static void test_numbers_name_their_place(void **state) {
+    (void)state;
+    static const char *const bad[] = {"x", "", "1.5x", "nan", "inf", "1e999", "1 2"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        char text[64];
+        snprintf(text, sizeof text, "# c\nname,JOD\nfelt,1\nleaf,%s\n", bad[i]);
+        nqm_csv *csv;
+        assert_int_equal(parse(text, &csv, NULL), NQM_OK);
+        nqm_error err = {0};
+        double value = -7;
+        assert_int_equal(nqm_csv_number(csv, 1, 1, &value, &err), NQM_ERR_FORMAT);
+        assert_near(value, -7, 0);
+        assert_int_equal(err.byte_offset, 25);
+        assert_non_null(strstr(err.message, "t.csv: line 4, byte 25: column 'JOD'"));
+        nqm_csv_free(csv);
+    }
+}
+
+static void test_every_cut_is_safe(void **state) {
+    (void)state;
+    static const char text[] = "a,\"b\"\n1,\"x\"\"y\"\r\n\"2\n\",3\n#\n";
+    for (size_t n = 0; n < sizeof text; ++n) {
+        char *cut = nqm_alloc(n, 1); /* no byte behind the end: ASan sees a read there */
+        memcpy(cut, text, n);
+        nqm_csv *csv = NULL;
+        nqm_status status = nqm_csv_parse(cut, n, "cut", &csv, NULL);
+        assert_true(status == NQM_OK || status == NQM_ERR_FORMAT);
+        assert_true((status == NQM_OK) == (csv != NULL));
+        nqm_csv_free(csv);
+        nqm_free(cut);
+    }
+}
+
+static void test_files(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    nqm_error err = {0};
+    assert_int_equal(nqm_csv_load("/nowhere/t.csv", &csv, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "/nowhere/t.csv"));
+    assert_int_equal(nqm_csv_load("/", &csv, NULL), NQM_ERR_IO);
+    assert_int_equal(nqm_csv_load(test_vector("stats_expected.csv"), &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_column(csv, "pearson"), 1);
+    nqm_csv_free(csv);
+}
+
+static void test_out_of_memory(void **state) {
+    (void)state;
+    nqm_status status = NQM_ERR_NOMEM;
+    long n = 0;
+    for (; status == NQM_ERR_NOMEM && n < 50; ++n) {
+        nqm_csv *csv;
+        nqm_alloc_fail_after(n);
+        status = parse("a,b\n1,2\n", &csv, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true((status == NQM_OK) == (csv != NULL));
+        nqm_csv_free(csv);
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(n > 3);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_plain),
+        cmocka_unit_test(test_quotes),
+        cmocka_unit_test(test_byte_order_mark),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_numbers_name_their_place),
+        cmocka_unit_test(test_every_cut_is_safe),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Frames and half-vector coordinates: against the rotations that define them (tests/vectors/coordinates.py), and round
+ * trips at random pairs and at the corners: mirror, retro-reflection, grazing, highlights of a thousandth of a degree.
+ */
+#include "io/io.h"
+#include "math/math.h"
+#include "support/check.h"
+
+#include <math.h>
+
+static double number(const nqm_csv *csv, size_t row, int column) {
+    double value;
+    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
+    return value;
+}
+
+static void test_coordinates_by_rotation(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("coordinates.csv"), &csv, NULL), NQM_OK);
+    assert_true(nqm_csv_rows(csv) > 50);
+    for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
+        double v[9], hd[3];
+        for (int k = 0; k < 9; ++k)
+            v[k] = number(csv, row, k);
+        nqm_half_diff_from_pair(v, v + 3, hd);
+        assert_near(hd[0], v[6], 1e-15);
+        assert_near(hd[1], v[7], 1e-15);
+        /* the azimuth loses its meaning with sin(theta_d); pi and 0 are the same azimuth */
+        double turn = fabs(hd[2] - v[8]);
+        assert_near(fmin(turn, NQM_PI - turn) * sin(hd[1]), 0, 1e-15);
+    }
+    nqm_csv_free(csv);
+}
+
+static void check_pair(const double *hd) {
+    double wi[3], wo[3], h[3];
+    nqm_half_diff_to_pair(hd, wi, wo);
+    assert_near(nqm_dot3(wi, wi), 1, 1e-15);
+    assert_near(nqm_dot3(wo, wo), 1, 1e-15);
+    for (int k = 0; k < 3; ++k)
+        h[k] = wi[k] + wo[k];
+    nqm_normalize3(h);
+    if (hd[1] < 1.5) { /* at 90 degrees of theta_d light and viewer are opposite: no half vector */
+        assert_near(h[0], sin(hd[0]), 1e-14);
+        assert_near(h[1], 0, 1e-14);
+        assert_near(nqm_dot3(wi, h), cos(hd[1]), 1e-14);
+    }
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    const uint64_t seed = 5;
+    print_message("seed %d\n", (int)seed);
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    for (int i = 0; i < 20000; ++i) {
+        double hd[3] = {1.57 * pow(nqm_rng_uniform(&rng), 3), 1.55 * nqm_rng_uniform(&rng),
+                        NQM_PI * nqm_rng_uniform(&rng)};
+        double wi[3], wo[3], back[3], swapped[3];
+        check_pair(hd);
+        nqm_half_diff_to_pair(hd, wi, wo);
+        nqm_half_diff_from_pair(wi, wo, back);
+        nqm_half_diff_from_pair(wo, wi, swapped);
+        double cos_d = cos(hd[1]), sin_d = sin(hd[1]), turn = fabs(back[2] - hd[2]);
+        /* near 90 degrees of theta_d the half vector is the difference of almost opposite vectors */
+        assert_near(back[0], hd[0], 1e-15 / cos_d);
+        assert_near(back[1], hd[1], 1e-15 / cos_d);
+        assert_near(fmin(turn, NQM_PI - turn) * sin_d * cos_d * sin(hd[0]), 0, 2e-15);
+        assert_true(back[2] >= 0 && back[2] < NQM_PI);
+        turn = fabs(swapped[2] - back[2]);
+        assert_near(swapped[0], back[0], 1e-15 / cos_d);
+        assert_near(swapped[1], back[1], 1e-15 / cos_d);
+        assert_near(fmin(turn, NQM_PI - turn) * sin_d * cos_d * sin(hd[0]), 0, 2e-15);
+    }
+}
+
+static void test_corners(void **state) {
+    (void)state;
+    const double normal[3] = {0, 0, 1};
+    double hd[3];
+    nqm_half_diff_from_pair(normal, normal, hd);
+    assert_near(hd[0], 0, 0);
+    assert_near(hd[1], 0, 0);
+    assert_near(hd[2], 0, 0);
+    double wi[3], wo[3];
+    nqm_spherical(0.9, 0.4, wi);
+    nqm_spherical(0.9, 0.4 + NQM_PI, wo);
+    nqm_half_diff_from_pair(wi, wo, hd); /* mirror */
+    assert_near(hd[0], 0, 1e-15);
+    assert_near(hd[1], 0.9, 1e-15);
+    nqm_half_diff_from_pair(wi, wi, hd); /* back to the light */
+    assert_near(hd[0], 0.9, 1e-15);
+    assert_near(hd[1], 0, 1e-15);
+    const double tiny[3] = {1e-5, 0.6, 1.1};
+    nqm_half_diff_to_pair(tiny, wi, wo);
+    nqm_half_diff_from_pair(wi, wo, hd);
+    assert_near(hd[0], 1e-5, 1e-15); /* acos would have kept five digits */
+    assert_near(hd[1], 0.6, 1e-15);
+    assert_near(hd[2], 1.1, 1e-10);
+}
+
+static void test_frames(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(9, 0);
+    for (int i = 0; i < 2000; ++i) {
+        double n[3] = {nqm_rng_normal(&rng), nqm_rng_normal(&rng), nqm_rng_normal(&rng)}, t[3], b[3], cross[3];
+        if (i < 2) {
+            n[0] = n[1] = 0;
+            n[2] = i ? -1 : 1;
+        }
+        nqm_normalize3(n);
+        nqm_frame(n, t, b);
+        nqm_cross3(t, b, cross);
+        assert_near(nqm_dot3(t, t), 1, 1e-14);
+        assert_near(nqm_dot3(b, b), 1, 1e-14);
+        for (int k = 0; k < 3; ++k)
+            assert_near(cross[k], n[k], 1e-14); /* right-handed */
+    }
+    double zero[3] = {0, 0, 0};
+    nqm_normalize3(zero);
+    assert_near(zero[2], 1, 0);
+    const double white[3] = {1, 1, 1};
+    assert_near(nqm_luminance(white), 1, 1e-15);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_coordinates_by_rotation),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_corners),
+        cmocka_unit_test(test_frames),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

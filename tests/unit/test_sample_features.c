@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The network's input against NumPy (tests/vectors/metrics.py): transform, whitening, dropped directions, both layouts.
+ */
+#include "io/io.h"
+#include "sample/sample.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/train.h>
+#include <string.h>
+
+enum { N = 60 };
+
+static float ref[3 * N], test[3 * N];
+static uint8_t used[N];
+
+static double number(const nqm_csv *csv, size_t row, int column) {
+    double value;
+    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
+    return value;
+}
+
+static int read_pair(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("metrics_pair.csv"), &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), N);
+    for (size_t i = 0; i < N; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            ref[3 * i + (size_t)k] = (float)number(csv, i, 3 + k);
+            test[3 * i + (size_t)k] = (float)number(csv, i, 6 + k);
+        }
+        used[i] = number(csv, i, 9) != 0;
+    }
+    nqm_csv_free(csv);
+    return 0;
+}
+
+static void test_transform(void **state) {
+    (void)state;
+    const float rho[4] = {0, 1, 8, 0.001f};
+    float t[4];
+    nqm_features_transform(4, rho, t);
+    assert_near(t[0], 0, 0);
+    assert_near(t[1], log(2), 1e-7);
+    assert_near(t[2], log(3), 1e-7);
+    assert_near(t[3], log(1.1), 1e-8);
+    nqm_features_transform(4, t, t); /* in place */
+    assert_near(t[1], log(cbrt(log(2)) + 1), 1e-7);
+}
+
+static void test_layouts(void **state) {
+    (void)state;
+    float ref_t[3 * N], test_t[3 * N], x[9 * N];
+    nqm_features_transform(3 * N, ref, ref_t);
+    nqm_features_transform(3 * N, test, test_t);
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("features_expected.csv"), &csv, NULL), NQM_OK);
+    size_t row = 0;
+    for (int layout = NQM_LAYOUT_REF_TEST; layout <= NQM_LAYOUT_REF_DIFF_ABSDIFF; ++layout) {
+        nqm_features features = {
+            .layout = layout, .difference_scale = 3, .mean = {0.31f, 0.42f, 0.53f}, .std = {0.2f, 0.25f, 0.3f}};
+        size_t width = nqm_features_width(layout, N);
+        assert_int_equal(width, layout == NQM_LAYOUT_REF_TEST ? 6 * N : 9 * N);
+        nqm_features_compose(&features, N, ref_t, test_t, used, x);
+        for (size_t i = 0; i < width; ++i, ++row) {
+            assert_int_equal((int)number(csv, row, 0), layout);
+            assert_near(x[i], number(csv, row, 1), 4e-6);
+        }
+    }
+    assert_int_equal(row, nqm_csv_rows(csv));
+    nqm_csv_free(csv);
+}
+
+static void test_equal_members_do_not_differ(void **state) {
+    (void)state;
+    float t[3 * N], x[9 * N];
+    nqm_features_transform(3 * N, ref, t);
+    nqm_features features = {.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF,
+                             .difference_scale = 3,
+                             .mean = {0.3f, 0.4f, 0.5f},
+                             .std = {0.7f, 0.7f, 0.7f}};
+    nqm_features_compose(&features, N, t, t, NULL, x);
+    for (size_t i = 3 * N; i < 9 * N; ++i)
+        assert_true(x[i] == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_transform),
+        cmocka_unit_test(test_layouts),
+        cmocka_unit_test(test_equal_members_do_not_differ),
+    };
+    return cmocka_run_group_tests(tests, read_pair, NULL);
+}
