@@ -164,3 +164,13 @@ nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
                               .delta_e = d->delta_e[i],
                               .jod = d->jod[i]};
 }
+
+const uint8_t *nqm_dataset_pair_used(const nqm_dataset *d, size_t pair, uint8_t *scratch) {
+    if (!d->ref_used && !d->test_used)
+        return NULL;
+    const uint8_t *ref = d->ref_used ? d->ref_used + d->pair_ref[pair] * d->n_directions : NULL;
+    const uint8_t *test = d->test_used ? d->test_used + pair * d->n_directions : NULL;
+    for (size_t i = 0; i < d->n_directions; ++i)
+        scratch[i] = (!ref || ref[i]) && (!test || test[i]);
+    return scratch;
+}

@@ -7,6 +7,9 @@
 #define NQM_SRC_TRAIN_H
 
 #include "base/base.h"
+#include "net/net.h"
+#include "sample/sample.h"
+#include <jansson.h>
 #include <nqm/train.h>
 
 enum { NQM_DATASET_MAX_BLOCKS = 24 };
@@ -66,5 +69,89 @@ void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size);
 static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_t pair) {
     return (nqm_split)dataset->group_split[dataset->ref_group[dataset->pair_ref[pair]]];
 }
+
+/** The directions of a pair that count, ref_used and test_used: NULL when all do, else `scratch` (n_directions),
+ * filled. */
+const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
+
+/* ---- options (recipes.c)
+ * --------------------------------------------------------------------------------------------- */
+
+/** NQM_ERR_ARG names the option that is out of its range. */
+NQM_MUST_CHECK nqm_status nqm_train_options_check(const nqm_train_options *options, nqm_error *err);
+/** Everything that decides the outcome except `epochs`, as JSON; NULL when out of memory. json_decref(). */
+json_t *nqm_train_options_json(const nqm_train_options *options);
+/** The same as text with all digits; nqm_free(). */
+char *nqm_train_options_text(const nqm_train_options *options);
+
+/** What the random numbers of a training are for: each purpose has a stream of the seed of its own. */
+enum {
+    NQM_STREAM_INIT,    /* first weights */
+    NQM_STREAM_SPLIT,   /* validation pairs or groups */
+    NQM_STREAM_NOISE,   /* noisy copies */
+    NQM_STREAM_SCALE,   /* scaled copies */
+    NQM_STREAM_SHUFFLE, /* order of an epoch */
+    NQM_STREAM_DROPOUT
+};
+
+/* ---- augmentation and splits (augment.c)
+ * ----------------------------------------------------------------------------- */
+
+enum { NQM_BALANCE_BINS = 7 };
+
+/** One training or validation example: a pair as it is (copy 0), or its copy-th noisy copy. */
+typedef struct nqm_row {
+    uint32_t pair, copy;
+} nqm_row;
+
+/** Class balancing (paper, section 3.1): the label range is cut into 7 equal bins, and every bin that is not empty is
+ * filled up to the fullest by cycling through its members. copies (n) receives how many copies each example gets.
+ * Returns their sum. */
+size_t nqm_balance(size_t n, const double *label, uint32_t *copies);
+
+/** The examples of a training, without the scale copies: rows [0, n_train) are trained on, the rest validated. */
+typedef struct nqm_rows {
+    size_t n_train, n_validation;
+    nqm_row *row;         /* (n_train + n_validation), by pair and copy inside each part */
+    size_t n_noisy;       /* rows with copy > 0 */
+    uint32_t *first_copy; /* (n_pairs) number of a pair's first noisy copy, in [0, n_noisy) */
+} nqm_rows;
+
+/** Balance and split as the options say; no test pair is touched. NQM_ERR_INCOMPATIBLE when a part stays empty. */
+NQM_MUST_CHECK nqm_status nqm_rows_create(const nqm_dataset *dataset, const nqm_train_options *options,
+                                          nqm_rows *rows_ret, nqm_error *err);
+void nqm_rows_free(nqm_rows *rows);
+
+/** The noisy copy of a pair: gaussian noise, the same for both members, then clamped at 0. All arrays: (n). */
+void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, nqm_rng *rng, float *noisy_ref,
+                   float *noisy_test);
+
+/* ---- examples as numbers for the network (examples.c)
+ * ---------------------------------------------------------------- */
+
+/** The examples of a training with everything that is computed once: transformed samples, whitening, normalised
+ * targets. */
+typedef struct nqm_examples {
+    const nqm_dataset *dataset;
+    const nqm_train_options *options;
+    nqm_rows rows;
+    size_t n_train;        /* training examples with the scale copies, which stand behind the unscaled ones */
+    float *ref_t, *test_t; /* (n_refs, n_directions, 3), (n_pairs, n_directions, 3) */
+    float *noisy_t;        /* (n_noisy, 2, n_directions, 3) reference and test of each noisy copy */
+    nqm_features features;
+    double target_mean, target_std, out_lo, out_hi;
+    float *target;         /* (rows.n_train + rows.n_validation) normalised, in the order of rows */
+    float *scratch;        /* (max_batch, 2, n_directions, 3) */
+    uint8_t *used_scratch; /* (max_batch, n_directions) */
+    size_t max_batch, width;
+} nqm_examples;
+
+NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const nqm_train_options *options,
+                                              size_t max_batch, nqm_examples *examples_ret, nqm_error *err);
+void nqm_examples_free(nqm_examples *examples);
+/** Inputs x (n, width) and targets (n) of the training examples index[0..n), n <= max_batch. */
+void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, float *x, float *target);
+/** The same for the validation examples [first, first + n). */
+void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, float *x, float *target);
 
 #endif

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * From rows to what the network sees: transformed samples kept in memory, whitening and target normalisation from the
+ * training examples, and the gathering of batches, with the scaled copies made on the fly. Every random number comes
+ * from a counter (seed, stream, example), so that neither order nor threads matter.
+ */
+#include "train/train.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double max_noise_bytes = 4294967296.0; /* 4 GiB of noisy copies; beyond, somebody has made a mistake */
+
+/* ---- samples
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static size_t n_columns(const nqm_examples *e) {
+    return 3 * e->dataset->n_directions;
+}
+
+static void transform_ref(void *user, size_t i) {
+    nqm_examples *e = user;
+    nqm_features_transform(n_columns(e), e->dataset->ref_rgb + i * n_columns(e), e->ref_t + i * n_columns(e));
+}
+
+static void transform_test(void *user, size_t i) {
+    nqm_examples *e = user;
+    nqm_features_transform(n_columns(e), e->dataset->test_rgb + i * n_columns(e), e->test_t + i * n_columns(e));
+}
+
+static float *noisy_ref_t(const nqm_examples *e, const nqm_row *row) {
+    return e->noisy_t + (e->rows.first_copy[row->pair] + row->copy - 1) * 2 * n_columns(e);
+}
+
+static void transform_noisy(void *user, size_t i) {
+    nqm_examples *e = user;
+    const nqm_row *row = &e->rows.row[i];
+    if (row->copy == 0)
+        return;
+    size_t n = n_columns(e);
+    float *out = noisy_ref_t(e, row);
+    nqm_rng rng = nqm_rng_make(nqm_hash_u64(e->options->seed, NQM_STREAM_NOISE), (uint64_t)row->pair << 32 | row->copy);
+    nqm_add_noise(n, e->dataset->ref_rgb + e->dataset->pair_ref[row->pair] * n, e->dataset->test_rgb + row->pair * n,
+                  e->options->balance_sigma, &rng, out, out + n);
+    nqm_features_transform(2 * n, out, out);
+}
+
+/* ---- scaled copies
+ * ---------------------------------------------------------------------------------------------------- */
+
+/* f_r scaled by s, 0.95 <= s <= 1.05, in terms of t = log(c + 1), c = cbrt(f_r): with k = cbrt(s),
+ * log(k c + 1) = t + log(1 + (k - 1) c / (c + 1)) and c / (c + 1) = 1 - exp(-t). The argument's magnitude is below
+ * 0.0173, so that four terms of the logarithm's series leave less than 4e-10. */
+static void scale_reflectance(size_t n, double s, const float *t, float *out) {
+    const float k1 = (float)(cbrt(s) - 1);
+    for (size_t i = 0; i < n; ++i) {
+        float a = k1 * (1 - expf(-t[i]));
+        out[i] = t[i] + a * (1 - a * (0.5f - a * (1.0f / 3 - a * 0.25f)));
+    }
+}
+
+static double uniform_factor(uint64_t seed, uint64_t counter) {
+    return 0.95 + 0.1 * ((double)(nqm_hash_u64(seed, counter) >> 11) * 0x1p-53);
+}
+
+static void scale_elements(size_t n, uint64_t seed, const float *ref_t, const float *test_t, float *out) {
+    for (size_t i = 0; i < n; ++i) {
+        float factor = (float)uniform_factor(seed, i);
+        out[i] = ref_t[i] * factor;
+        out[n + i] = test_t[i] * factor;
+    }
+}
+
+/* A row's transformed samples; the scaled copy of training row i is made in `scratch` (2, n_directions, 3). */
+static void row_samples(const nqm_examples *e, size_t i, bool scaled, float *scratch, const float **ref_t,
+                        const float **test_t) {
+    size_t n = n_columns(e);
+    const nqm_row *row = &e->rows.row[i];
+    *ref_t = row->copy ? noisy_ref_t(e, row) : e->ref_t + e->dataset->pair_ref[row->pair] * n;
+    *test_t = row->copy ? *ref_t + n : e->test_t + row->pair * n;
+    if (!scaled)
+        return;
+    uint64_t seed = nqm_hash_u64(e->options->seed, NQM_STREAM_SCALE);
+    if (e->options->scale_copy == NQM_SCALE_ELEMENT_TRANSFORMED) {
+        scale_elements(n, nqm_hash_u64(seed, i), *ref_t, *test_t, scratch);
+    } else {
+        double s = uniform_factor(seed, i);
+        scale_reflectance(n, s, *ref_t, scratch);
+        scale_reflectance(n, s, *test_t, scratch + n);
+    }
+    *ref_t = scratch;
+    *test_t = scratch + n;
+}
+
+/* ---- whitening
+ * -------------------------------------------------------------------------------------------------------- */
+
+typedef struct moment_job {
+    const nqm_examples *e;
+    size_t first;
+    double *sums; /* (max_batch, 9) per channel: count, sum, sum of squares */
+} moment_job;
+
+static void row_moments(void *user, size_t r) {
+    const moment_job *job = user;
+    const nqm_examples *e = job->e;
+    size_t i = job->first + r, n_base = e->rows.n_train, n_directions = e->dataset->n_directions;
+    const float *ref_t, *test_t;
+    row_samples(e, i % n_base, i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
+    const uint8_t *used =
+        nqm_dataset_pair_used(e->dataset, e->rows.row[i % n_base].pair, e->used_scratch + r * n_directions);
+    double *sums = memset(job->sums + 9 * r, 0, 9 * sizeof(double));
+    for (size_t k = 0; k < n_columns(e); ++k) {
+        if (used && !used[k / 3])
+            continue;
+        double t = (double)ref_t[k], *sum = sums + 3 * (k % 3);
+        sum[0] += 1;
+        sum[1] += t;
+        sum[2] += t * t;
+    }
+}
+
+/* Mean and standard deviation (n - 1, as torch.std) of the references of all training examples. */
+static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
+    double total[9] = {0};
+    double *sums = nqm_alloc(e->max_batch, 9 * sizeof *sums);
+    if (!sums)
+        return nqm_fail_nomem(err, e->max_batch * 9 * sizeof *sums);
+    for (size_t first = 0; first < e->n_train; first += e->max_batch) {
+        size_t n = e->n_train - first < e->max_batch ? e->n_train - first : e->max_batch;
+        moment_job job = {e, first, sums};
+        nqm_parallel_for(n, row_moments, &job);
+        for (size_t i = 0; i < n * 9; ++i)
+            total[i % 9] += sums[i];
+    }
+    nqm_free(sums);
+    if (e->options->whitening == NQM_WHITEN_SCALAR)
+        for (size_t i = 0; i < 3; ++i)
+            total[i] = total[3 + i] = total[6 + i] = total[i] + total[3 + i] + total[6 + i];
+    for (size_t k = 0; k < 3; ++k) {
+        const double *sum = total + 3 * k;
+        double mean = sum[1] / sum[0], variance = (sum[2] - sum[1] * mean) / (sum[0] - 1);
+        if (!(sum[0] > 1) || !(variance > 1e-12))
+            return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                            "the training references do not differ: nothing can be learnt");
+        e->features.mean[k] = (float)mean;
+        e->features.std[k] = (float)sqrt(variance);
+    }
+    return NQM_OK;
+}
+
+/* ---- targets
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static double raw_target(const nqm_examples *e, size_t row) {
+    uint32_t pair = e->rows.row[row].pair;
+    if (e->options->target == NQM_TARGET_JOD)
+        return e->dataset->jod[pair];
+    return log(fmax(e->dataset->delta_e[pair], e->options->min_delta_e));
+}
+
+/* z-score by the training examples; the sigmoid spans their range. */
+static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
+    size_t n_base = e->rows.n_train, n_rows = n_base + e->rows.n_validation;
+    double copies = (double)e->n_train / (double)n_base, sum = 0, squares = 0, lo = INFINITY, hi = -INFINITY;
+    for (size_t i = 0; i < n_base; ++i)
+        sum += raw_target(e, i);
+    e->target_mean = sum / (double)n_base;
+    for (size_t i = 0; i < n_base; ++i) {
+        double d = raw_target(e, i) - e->target_mean;
+        squares += d * d;
+        lo = fmin(lo, d);
+        hi = fmax(hi, d);
+    }
+    e->target_std = sqrt(copies * squares / ((double)e->n_train - 1));
+    if (!(e->target_std > 1e-9))
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the training labels do not differ: nothing can be learnt");
+    e->out_lo = lo / e->target_std;
+    e->out_hi = hi / e->target_std;
+    for (size_t i = 0; i < n_rows; ++i)
+        e->target[i] = (float)((raw_target(e, i) - e->target_mean) / e->target_std);
+    return NQM_OK;
+}
+
+/* ---- the whole
+ * -------------------------------------------------------------------------------------------------------- */
+
+static nqm_status allocate(nqm_examples *e, nqm_error *err) {
+    const nqm_dataset *d = e->dataset;
+    size_t n = n_columns(e), n_rows = e->rows.n_train + e->rows.n_validation;
+    double noise_bytes = (double)e->rows.n_noisy * 2 * (double)n * sizeof(float);
+    if (noise_bytes > max_noise_bytes)
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "balancing asks for %zu noisy copies, %.1f GB: train without balancing",
+                        e->rows.n_noisy, noise_bytes * 1e-9);
+    e->ref_t = nqm_alloc(d->n_refs, n * sizeof(float));
+    e->test_t = nqm_alloc(d->n_pairs, n * sizeof(float));
+    e->noisy_t = nqm_alloc(e->rows.n_noisy, 2 * n * sizeof(float));
+    e->target = nqm_alloc(n_rows, sizeof(float));
+    e->scratch = nqm_alloc(e->max_batch, 2 * n * sizeof(float));
+    e->used_scratch = nqm_alloc(e->max_batch, d->n_directions);
+    if (e->ref_t && e->test_t && e->noisy_t && e->target && e->scratch && e->used_scratch)
+        return NQM_OK;
+    return nqm_fail_nomem(err, (d->n_refs + d->n_pairs + 2 * e->rows.n_noisy) * n * sizeof(float));
+}
+
+nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o, size_t max_batch, nqm_examples *e,
+                               nqm_error *err) {
+    *e = (nqm_examples){.dataset = d, .options = o, .max_batch = max_batch};
+    e->features = (nqm_features){.layout = o->layout, .difference_scale = o->difference_scale};
+    e->width = nqm_features_width(o->layout, d->n_directions);
+    nqm_status status = nqm_rows_create(d, o, &e->rows, err);
+    if (status == NQM_OK)
+        status = allocate(e, err);
+    if (status == NQM_OK) {
+        e->n_train = e->rows.n_train * (o->scale_copy == NQM_SCALE_NONE ? 1 : 2);
+        nqm_parallel_for(d->n_refs, transform_ref, e);
+        nqm_parallel_for(d->n_pairs, transform_test, e);
+        nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
+        status = find_whitening(e, err);
+    }
+    if (status == NQM_OK)
+        status = find_targets(e, err);
+    if (status != NQM_OK)
+        nqm_examples_free(e);
+    return status;
+}
+
+void nqm_examples_free(nqm_examples *e) {
+    nqm_rows_free(&e->rows);
+    nqm_free(e->ref_t);
+    nqm_free(e->test_t);
+    nqm_free(e->noisy_t);
+    nqm_free(e->target);
+    nqm_free(e->scratch);
+    nqm_free(e->used_scratch);
+    *e = (nqm_examples){0};
+}
+
+/* ---- batches
+ * ---------------------------------------------------------------------------------------------------------- */
+
+typedef struct gather_job {
+    const nqm_examples *e;
+    const size_t *index; /* NULL: the rows from `first` on, unscaled */
+    size_t first;
+    float *x, *target;
+} gather_job;
+
+static void gather_row(void *user, size_t r) {
+    const gather_job *job = user;
+    const nqm_examples *e = job->e;
+    size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
+    size_t row = job->index ? i % n_base : i;
+    const float *ref_t, *test_t;
+    row_samples(e, row, job->index && i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
+    const uint8_t *used =
+        nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
+    nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, job->x + r * e->width);
+    job->target[r] = e->target[row];
+}
+
+void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, float *x, float *target) {
+    gather_job job = {.e = e, .index = index, .x = x, .target = target};
+    nqm_parallel_for(n, gather_row, &job);
+}
+
+void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, float *x, float *target) {
+    gather_job job = {.e = e, .first = e->rows.n_train + first, .x = x, .target = target};
+    nqm_parallel_for(n, gather_row, &job);
+}
