@@ -112,17 +112,25 @@ struct nqm_model {
     char sha256[65];  /* checksum of the file it came from or was saved to */
     void *directions; /* nqm_directions made by the sample layer; see metric/model.c */
     void (*directions_free)(void *);
-    const void *file; /* a mapped file that `params` may point into, or NULL */
+    nqm_map *file; /* of nqm_alloc(): the mapping that `params` point into, closed by nqm_model_destroy(); or NULL */
 };
 
-/** Parse a model file that lies in memory (a mapped file or an embedded one); `name` is for messages. */
-NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name,
-                                          bool verify_checksum, struct nqm_model **model_ret, nqm_error *err);
+/**
+ * Parse a model file that lies in memory (a mapped file or an embedded one). The bytes must outlive the model: where
+ * they are aligned for floats the parameters are used in place (params.block is NULL then).
+ *
+ * @param name     for messages
+ * @param verify   false leaves out what reads every byte, the checksum and the search for non-finite parameters: for
+ * the embedded models, which the tests check
+ * @return NQM_ERR_FORMAT: not safetensors; NQM_ERR_MODEL: not a model, wrong checksum, or a tensor missing, surplus,
+ * misshapen or not finite
+ */
+NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
+                                          struct nqm_model **model_ret, nqm_error *err);
 /** Write a model file; sets model->sha256. */
 NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
 void nqm_model_destroy(struct nqm_model *model);
-/** JOD for the network's raw output z; *delta_e_ret (NULL allowed) gets the Delta-E it stands for, NaN for JOD targets.
- */
+/** JOD for the network's raw output z; *delta_e_ret (NULL allowed) gets the Delta-E it stands for (NaN: none). */
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
 
 #endif

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The network against PyTorch (tests/vectors/net.py): forward pass, loss, every gradient tensor, ten Adam steps, without
+ * dropout, with given masks and with the first LayerNorm frozen; the learning-rate schedule; the parameter count. All must
+ * agree to 1e-5, in the norm of each tensor and at its largest difference relative to its largest value.
+ */
+#include "io/io.h"
+#include "kernel/kernel.h"
+#include "net/net.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BATCH = 12, STEPS = 10, INPUTS = 30, N_LAYERS = 4 };
+static const nqm_net_shape shape = {N_LAYERS, {INPUTS, 16, 11, 8, 1}};
+static const double dropout_p = 0.2, lo = -2.5, hi = 1.25;
+static const double lr_first = 1e-3, lr_deeper = 1e-2, weight_decay = 1e-2;
+
+static nqm_map map;
+static nqm_safetensors *vectors;
+static float x[BATCH * INPUTS], target[BATCH];
+
+/* ---- the stored vectors, which are not aligned ------------------------------------------------------------------------ */
+
+static const nqm_tensor *stored(const char *name, size_t n_bytes) {
+    const nqm_tensor *tensor = nqm_safetensors_find(vectors, name);
+    if (!tensor)
+        print_error("no vector %s\n", name);
+    assert_non_null(tensor);
+    assert_int_equal(tensor->n_bytes, n_bytes);
+    return tensor;
+}
+
+static void get_floats(const char *name, size_t n, float *out) {
+    const nqm_tensor *tensor = stored(name, n * sizeof *out);
+    assert_int_equal(tensor->dtype, NQM_F32);
+    memcpy(out, tensor->data, n * sizeof *out);
+}
+
+static void get_doubles(const char *name, size_t n, double *out) {
+    const nqm_tensor *tensor = stored(name, n * sizeof *out);
+    assert_int_equal(tensor->dtype, NQM_F64);
+    memcpy(out, tensor->data, n * sizeof *out);
+}
+
+static void compare(const char *name, size_t n, const float *actual) {
+    double *expected = nqm_alloc(n, sizeof *expected);
+    get_doubles(name, n, expected);
+    double difference2 = 0, norm2 = 0, largest = 0, largest_difference = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double difference = (double)actual[i] - expected[i];
+        difference2 += difference * difference;
+        norm2 += expected[i] * expected[i];
+        largest = fmax(largest, fabs(expected[i]));
+        largest_difference = fmax(largest_difference, fabs(difference));
+    }
+    nqm_free(expected);
+    bool agrees = sqrt(difference2) <= 1e-5 * sqrt(norm2) && largest_difference <= 1e-5 * largest;
+    if (!agrees)
+        print_error("%s: norm-wise %.3g, max-wise %.3g\n", name, sqrt(difference2 / norm2),
+                    largest_difference / largest);
+    assert_true(agrees);
+}
+
+/* Visit every parameter tensor: its full name and its place in `params`. */
+static void each_tensor(const char *prefix, const nqm_params *params, void (*visit)(const char *, size_t, float *)) {
+    static const char *const suffixes[] = {"weight", "bias", "norm.weight", "norm.bias"};
+    for (size_t l = 0; l < N_LAYERS; ++l) {
+        const nqm_layer *layer = &params->layer[l];
+        float *const parts[] = {layer->w, layer->b, layer->gamma, layer->beta};
+        for (size_t i = 0; i < 4 && parts[i]; ++i) {
+            char name[80];
+            snprintf(name, sizeof name, "%slayers.%zu.%s", prefix, l, suffixes[i]);
+            visit(name, shape.sizes[l + 1] * (i == 0 ? shape.sizes[l] : 1), parts[i]);
+        }
+    }
+}
+
+static void compare_tensor(const char *name, size_t n, float *values) {
+    compare(name, n, values);
+}
+
+/* ---- one network under test -------------------------------------------------------------------------------------------- */
+
+typedef struct fixture {
+    nqm_params params, grads;
+    nqm_adam adam;
+    nqm_net_work *work;
+    nqm_dropout dropout;
+    uint8_t *masks[N_LAYERS - 1]; /* (steps, batch, width) */
+} fixture;
+
+static int make_fixture(void **state) {
+    fixture *f = nqm_alloc(1, sizeof *f);
+    assert_int_equal(nqm_params_create(&shape, &f->params, NULL), NQM_OK);
+    assert_int_equal(nqm_params_create(&shape, &f->grads, NULL), NQM_OK);
+    assert_int_equal(nqm_adam_create(&shape, &f->adam, NULL), NQM_OK);
+    assert_int_equal(nqm_net_work_create(&shape, BATCH, true, &f->work, NULL), NQM_OK);
+    each_tensor("start.", &f->params, get_floats);
+    f->dropout.p = dropout_p;
+    for (size_t l = 0; l + 1 < N_LAYERS; ++l) {
+        char name[32];
+        snprintf(name, sizeof name, "masks.%zu", l);
+        size_t n = STEPS * BATCH * shape.sizes[l + 1];
+        f->masks[l] = nqm_alloc(n, 1);
+        memcpy(f->masks[l], stored(name, n)->data, n);
+    }
+    *state = f;
+    return 0;
+}
+
+static int free_fixture(void **state) {
+    fixture *f = *state;
+    for (size_t l = 0; l + 1 < N_LAYERS; ++l)
+        nqm_free(f->masks[l]);
+    nqm_params_free(&f->params);
+    nqm_params_free(&f->grads);
+    nqm_adam_free(&f->adam);
+    nqm_net_work_free(f->work);
+    nqm_free(f);
+    nqm_kernels_use(NULL);
+    return 0;
+}
+
+static const nqm_dropout *masks_of_step(fixture *f, size_t step) {
+    for (size_t l = 0; l + 1 < N_LAYERS; ++l)
+        f->dropout.given[l] = f->masks[l] + step * BATCH * shape.sizes[l + 1];
+    return &f->dropout;
+}
+
+static double loss_and_gradients(fixture *f, const nqm_dropout *dropout, float *z, float *dx) {
+    float dz[BATCH];
+    nqm_net_forward(&f->params, f->work, BATCH, x, dropout, z);
+    double loss = nqm_logcosh_loss(BATCH, z, target, lo, hi, dz);
+    nqm_net_backward(&f->params, f->work, BATCH, x, dz, &f->grads, dx);
+    return loss;
+}
+
+static void check_one_pass(fixture *f, const char *kind, const nqm_dropout *dropout) {
+    float z[BATCH], dx[BATCH * INPUTS];
+    double loss = loss_and_gradients(f, dropout, z, dx), expected;
+    char name[64];
+    snprintf(name, sizeof name, "%s.loss", kind);
+    get_doubles(name, 1, &expected);
+    assert_relative(loss, expected, 1e-6);
+    snprintf(name, sizeof name, "%s.z", kind);
+    compare(name, BATCH, z);
+    snprintf(name, sizeof name, "%s.dx", kind);
+    compare(name, BATCH * INPUTS, dx);
+    snprintf(name, sizeof name, "%s.grad.", kind);
+    each_tensor(name, &f->grads, compare_tensor);
+}
+
+static void check_adam(fixture *f, const char *kind, bool with_masks, bool freeze_first_layernorm) {
+    double losses[STEPS];
+    char name[64];
+    snprintf(name, sizeof name, "%s.adam.losses", kind);
+    get_doubles(name, STEPS, losses);
+    for (size_t step = 0; step < STEPS; ++step) {
+        float z[BATCH];
+        assert_relative(loss_and_gradients(f, with_masks ? masks_of_step(f, step) : NULL, z, NULL), losses[step], 1e-5);
+        nqm_adam_step(&f->adam, &f->params, &f->grads, lr_first, lr_deeper, weight_decay, freeze_first_layernorm);
+    }
+    snprintf(name, sizeof name, "%s.adam.", kind);
+    each_tensor(name, &f->params, compare_tensor);
+}
+
+static void pass_without_dropout(void **state) {
+    check_one_pass(*state, "plain", NULL);
+}
+
+static void pass_with_masks(void **state) {
+    check_one_pass(*state, "masked", masks_of_step(*state, 0));
+}
+
+static void pass_of_the_scalar_reference(void **state) {
+    nqm_kernels_use(&nqm_kernels_scalar);
+    check_one_pass(*state, "plain", NULL);
+}
+
+static void adam_without_dropout(void **state) {
+    check_adam(*state, "plain", false, false);
+}
+
+static void adam_with_masks(void **state) {
+    check_adam(*state, "masked", true, false);
+}
+
+static void adam_with_frozen_layernorm(void **state) {
+    check_adam(*state, "frozen", false, true);
+}
+
+static void schedule(void **state) {
+    (void)state;
+    enum { EPOCHS = 80 };
+    double losses[EPOCHS], rates[EPOCHS][2], lr[2] = {1e-4, 1e-3};
+    get_doubles("plateau.losses", EPOCHS, losses);
+    get_doubles("plateau.rates", 2 * EPOCHS, &rates[0][0]);
+    nqm_plateau plateau = {.factor = 0.1, .patience = 3, .best = INFINITY};
+    for (size_t i = 0; i < EPOCHS; ++i) {
+        double factor = nqm_plateau_step(&plateau, losses[i]);
+        for (size_t k = 0; k < 2; ++k) {
+            lr[k] = nqm_plateau_rate(lr[k], factor);
+            assert_relative(lr[k], rates[i][k], 1e-12);
+        }
+    }
+    assert_true(lr[0] < 1e-7); /* the sequence did step down, to where PyTorch stops */
+}
+
+static void parameter_count(void **state) {
+    (void)state;
+    int64_t expected;
+    memcpy(&expected, stored("paper.parameters", sizeof expected)->data, sizeof expected);
+    assert_int_equal(expected, 4171125);
+    assert_int_equal(nqm_params_count(&(nqm_net_shape){4, {3000, 1024, 716, 501, 1}}), expected);
+}
+
+static int open_vectors(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    if (nqm_map_open(test_vector("net.safetensors"), &map, &err) != NQM_OK ||
+        nqm_safetensors_parse(map.data, map.n_bytes, "net.safetensors", &vectors, &err) != NQM_OK) {
+        print_error("%s\n", err.message);
+        return -1;
+    }
+    get_floats("x", BATCH * INPUTS, x);
+    get_floats("target", BATCH, target);
+    return 0;
+}
+
+static int close_vectors(void **state) {
+    (void)state;
+    nqm_safetensors_free(vectors);
+    nqm_map_close(&map);
+    return 0;
+}
+
+#define WITH_FIXTURE(test) cmocka_unit_test_setup_teardown(test, make_fixture, free_fixture)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        WITH_FIXTURE(pass_without_dropout),
+        WITH_FIXTURE(pass_with_masks),
+        WITH_FIXTURE(pass_of_the_scalar_reference),
+        WITH_FIXTURE(adam_without_dropout),
+        WITH_FIXTURE(adam_with_masks),
+        WITH_FIXTURE(adam_with_frozen_layernorm),
+        cmocka_unit_test(schedule),
+        cmocka_unit_test(parameter_count),
+    };
+    return cmocka_run_group_tests(tests, open_vectors, close_vectors);
+}

@@ -1,0 +1,133 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Vectors of the network's mathematics from PyTorch: writes net.safetensors beside this script.
+
+A reduced MLP (30-16-11-8-1: LayerNorm, erf GELU, dropout) with random parameters; one forward pass, every gradient and ten
+Adam steps, without dropout, with given masks, and with the first LayerNorm left out of the optimiser; a learning-rate
+schedule; the parameter count of the paper's network. PyTorch computes in float64 from values that floats hold exactly, so that
+the comparison shows nqm's rounding only. The file is written by the few lines at the end, header unpadded and data therefore
+unaligned, as other writers may do.
+"""
+import json
+import struct
+import sys
+
+import numpy as np
+import torch
+
+SIZES = [30, 16, 11, 8, 1]
+BATCH, STEPS, DROPOUT = 12, 10, 0.2
+LO, HI = -2.5, 1.25
+LR_FIRST, LR_DEEPER, WEIGHT_DECAY = 1e-3, 1e-2, 1e-2
+
+torch.manual_seed(20250)
+torch.set_default_dtype(torch.float64)
+
+
+def representable(tensor):
+    return tensor.float().double()
+
+
+class Mlp(torch.nn.Module):
+    def __init__(self, sizes):
+        super().__init__()
+        pairs = list(zip(sizes, sizes[1:]))
+        self.linear = torch.nn.ModuleList(torch.nn.Linear(i, o) for i, o in pairs)
+        self.norm = torch.nn.ModuleList(torch.nn.LayerNorm(o) for _, o in pairs[:-1])
+
+    def forward(self, x, masks=None):
+        for layer, (linear, norm) in enumerate(zip(self.linear, self.norm)):
+            x = torch.nn.functional.gelu(norm(linear(x)))
+            if masks is not None:  # torch.nn.Dropout with its mask given
+                x = x * masks[layer] / (1 - DROPOUT)
+        return self.linear[-1](x)[:, 0]
+
+    def named(self):
+        for layer, linear in enumerate(self.linear):
+            yield f"layers.{layer}.weight", linear.weight
+            yield f"layers.{layer}.bias", linear.bias
+            if layer < len(self.norm):
+                yield f"layers.{layer}.norm.weight", self.norm[layer].weight
+                yield f"layers.{layer}.norm.bias", self.norm[layer].bias
+
+
+def loss_of(z, target):
+    prediction = LO + (HI - LO) * torch.sigmoid(z)
+    return torch.log(torch.cosh(prediction - target)).mean()
+
+
+def groups_of(net, with_first_norm=True):
+    first = [net.linear[0].weight, net.linear[0].bias]
+    deeper = [p for _, p in net.named() if not any(p is q for q in first)]
+    if not with_first_norm:
+        deeper = [p for p in deeper if p is not net.norm[0].weight and p is not net.norm[0].bias]
+    return [{"params": first, "lr": LR_FIRST}, {"params": deeper, "lr": LR_DEEPER}]
+
+
+net = Mlp(SIZES)
+with torch.no_grad():
+    for _, p in net.named():
+        p.copy_(representable(p + 0.2 * torch.randn_like(p)))
+start = {name: p.detach().clone() for name, p in net.named()}
+x = representable(torch.randn(BATCH, SIZES[0]))
+target = representable(torch.randn(BATCH))
+masks = [[(torch.rand(BATCH, n) >= DROPOUT).double() for n in SIZES[1:-1]] for _ in range(STEPS)]
+
+out = {"x": x.float(), "target": target.float()}
+out.update({f"start.{name}": p.float() for name, p in start.items()})
+for layer in range(len(SIZES) - 2):
+    out[f"masks.{layer}"] = torch.stack([m[layer] for m in masks]).to(torch.uint8)
+
+for case, given in (("plain", None), ("masked", masks[0])):
+    inputs = x.clone().requires_grad_(True)
+    net.zero_grad()
+    z = net(inputs, given)
+    loss = loss_of(z, target)
+    loss.backward()
+    out[f"{case}.z"] = z
+    out[f"{case}.loss"] = loss.reshape(1)
+    out[f"{case}.dx"] = inputs.grad
+    out.update({f"{case}.grad.{name}": p.grad.clone() for name, p in net.named()})
+
+for case, given, first_norm in (("plain", None, True), ("masked", masks, True), ("frozen", None, False)):
+    with torch.no_grad():
+        for name, p in net.named():
+            p.copy_(start[name])
+    adam = torch.optim.Adam(groups_of(net, first_norm), weight_decay=WEIGHT_DECAY)
+    losses = []
+    for step in range(STEPS):
+        adam.zero_grad()
+        loss = loss_of(net(x, given[step] if given else None), target)
+        loss.backward()
+        adam.step()
+        losses.append(loss.detach())
+    out[f"{case}.adam.losses"] = torch.stack(losses)
+    out.update({f"{case}.adam.{name}": p.detach().clone() for name, p in net.named()})
+
+group = torch.optim.SGD([{"params": [torch.zeros(1)], "lr": 1e-4}, {"params": [torch.zeros(1)], "lr": 1e-3}], lr=1)
+plateau = torch.optim.lr_scheduler.ReduceLROnPlateau(group, factor=0.1, patience=3)
+rng = np.random.default_rng(7)
+losses = np.concatenate([1 / np.arange(1, 12) + 0.01 * rng.standard_normal(11),
+                         0.1 * (1 - 0.99e-4 * np.arange(8)),  # each within the threshold of the first, not of it all
+                         0.09 + 0.01 * rng.standard_normal(61)])
+rates = []
+for value in losses:
+    plateau.step(value)
+    rates.append([g["lr"] for g in group.param_groups])
+out["plateau.losses"] = torch.tensor(losses)
+out["plateau.rates"] = torch.tensor(rates)
+out["paper.parameters"] = torch.tensor([sum(p.numel() for p in Mlp([3000, 1024, 716, 501, 1]).parameters())])
+
+NAMES = {"float32": "F32", "float64": "F64", "uint8": "U8", "int64": "I64"}
+header = {"__metadata__": {"made_by": f"tests/vectors/net.py, PyTorch {torch.__version__}, NumPy {np.__version__}, "
+                                      f"Python {sys.version.split()[0]}"}}
+data = b""
+for name, tensor in out.items():
+    array = tensor.detach().numpy()
+    raw = array.tobytes()
+    header[name] = {"dtype": NAMES[str(array.dtype)], "shape": list(array.shape),
+                    "data_offsets": [len(data), len(data) + len(raw)]}
+    data += raw
+text = json.dumps(header).encode()
+with open(__file__.replace("net.py", "net.safetensors"), "wb") as file:
+    file.write(struct.pack("<Q", len(text)) + text + data)
