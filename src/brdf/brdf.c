@@ -73,6 +73,11 @@ static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_
         status = ask_for_member(path, err);
         goto done;
     }
+    if (nqm_nps_probe(&map)) {
+        status = nqm_fail(err, NQM_ERR_ARG, -1,
+                          "%s: name one material of this decoder's nps_latents.csv, '%s:MATERIAL'", path, path);
+        goto done;
+    }
     for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
         if (formats[i].probe(&map)) {
             status = formats[i].open(&map, name, brdf_ret, err);
@@ -95,11 +100,14 @@ static nqm_status open_member(const char *path, const char *material, const char
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)
         return status;
-    bool zip = is_zip(&map);
+    bool zip = is_zip(&map), decoder = nqm_nps_probe(&map);
     nqm_map_close(&map);
     if (zip)
         return nqm_nbrdf_zip_open(path, material, name, brdf_ret, err);
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no zip, so '%s' cannot be named in it", path, material);
+    if (decoder)
+        return nqm_nps_open(path, material, name, brdf_ret, err);
+    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: neither a zip nor a decoder (byte 0), so '%s' cannot be named in it",
+                    path, material);
 }
 
 static bool exists(const char *path) {
@@ -112,20 +120,16 @@ nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_erro
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
-    if (colon && !exists(path_or_spec)) {
-        char *path = nqm_strdup(path_or_spec);
-        if (!path)
-            return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
-        path[colon - path_or_spec] = 0;
-        nqm_status status = NQM_OK;
-        bool found = exists(path);
-        if (found)
-            status = open_member(path, colon + 1, path_or_spec, brdf_ret, err);
-        nqm_free(path);
-        if (found)
-            return status;
-    }
-    return open_file(path_or_spec, path_or_spec, brdf_ret, err);
+    if (!colon || exists(path_or_spec))
+        return open_file(path_or_spec, path_or_spec, brdf_ret, err);
+    char *path = nqm_strdup(path_or_spec);
+    if (!path)
+        return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
+    path[colon - path_or_spec] = 0;
+    nqm_status status = exists(path) ? open_member(path, colon + 1, path_or_spec, brdf_ret, err)
+                                     : open_file(path_or_spec, path_or_spec, brdf_ret, err);
+    nqm_free(path);
+    return status;
 }
 
 void nqm_brdf_free(nqm_brdf *brdf) {

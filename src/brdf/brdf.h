@@ -2,8 +2,8 @@
  *
  * brdf.h - the one vtable behind every BRDF, and the list of formats and models that can make one.
  *
- * A format lives in its own file and offers one constructor. brdf.c owns everything that is common: opening by bytes or by
- * spec, clamping and flagging of values, conversion of coordinates, information.
+ * A format lives in its own file and offers one constructor. brdf.c owns everything that is common: opening by bytes or
+ * by spec, clamping and flagging of values, conversion of coordinates, information.
  */
 #ifndef NQM_SRC_BRDF_H
 #define NQM_SRC_BRDF_H
@@ -16,13 +16,13 @@ typedef struct nqm_brdf_class {
     const char *format; /**< short name, as in nqm_brdf_info.format */
     int reciprocal;     /**< 1 when reciprocal by construction */
 
-    /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut) or not
-     *  finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats kept in half-vector coordinates:
-     *  brdf.c converts and calls eval_half_diff. */
+    /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut)
+     * or not finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats kept in half-vector
+     * coordinates: brdf.c converts and calls eval_half_diff. */
     void (*eval)(const void *self, size_t n, const double *wi, const double *wo, double *rgb);
 
-    /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians, phi_d in [0, pi)). NULL: brdf.c
-     *  converts to vectors and calls eval. */
+    /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians, phi_d in [0, pi)). NULL:
+     * brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
     /** Release `self`. */
@@ -40,17 +40,18 @@ struct nqm_brdf {
     size_t n_bytes;
 };
 
-/** Make a BRDF object around `self`, which it owns from now on (also when this fails, `self` is freed). `spec` and `layout`
- *  are copied and may be NULL. */
+/** Make a BRDF object around `self`, which it owns from now on (also when this fails, `self` is freed). `spec` and
+ * `layout` are copied and may be NULL. */
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                                         const char *layout, nqm_brdf **brdf_ret, nqm_error *err);
 
-/* ---- constructors, one a format ---------------------------------------------------------------------------------------
- * Files: `map` holds the whole file. The constructor takes the map over when it succeeds (it keeps it or closes it); when it
- * fails the caller still owns it. */
+/* ---- constructors, one a format -------------------------------------------------------------------------------- */
 
-/** true when the first bytes look like the format (a short or damaged file of that format must still be recognised where
- *  possible, so that its message can name the fault). */
+/* Files: `map` holds the whole file. The constructor takes the map over when it succeeds (it keeps it or closes it);
+ * when it fails the caller still owns it. */
+
+/** true when the first bytes look like the format (a short or damaged file of that format must still be recognised
+ * where possible, so that its message can name the fault). */
 bool nqm_merl_probe(const nqm_map *map);
 bool nqm_rgl_probe(const nqm_map *map);
 bool nqm_nbrdf_probe(const nqm_map *map);
@@ -62,6 +63,9 @@ nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const 
                               nqm_error *err);
 nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
                         nqm_error *err);
+
+/** true when the file has the size of the neural processes' decoder. */
+bool nqm_nps_probe(const nqm_map *map);
 
 /** true when `text` starts with the name of an analytic model and a colon ("ggx:..."). */
 bool nqm_spec_probe(const char *text);

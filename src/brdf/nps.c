@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Neural-process BRDFs (Zheng et al. 2021, DOI 10.1145/3490385): one decoder network for all materials, and a latent
+ * vector of seven numbers for each. The decoder file holds 808,003 little-endian float32: per layer the weights (in,
+ * out), then the biases; the latents are the columns mean0..mean6 of nps_latents.csv beside it. Input: (cos, sin)(2
+ * phi_d) / 2 + 1/2, theta_h and theta_d over pi/2, latents. All seven layers end in ReLU; the output is 0.15 y put four
+ * times through exp(x) - 1.
+ */
+#include "brdf/brdf.h"
+
+#include "io/io.h"
+#include "kernel/kernel.h"
+#include "math/math.h"
+#include <math.h>
+#include <string.h>
+
+enum { N_LATENTS = 7, N_IN = 4 + N_LATENTS, N_HIDDEN = 400, N_OUT = 3, N_LAYERS = 7 };
+enum { N_NUMBERS = (N_IN + 1) * N_HIDDEN + (N_LAYERS - 2) * (N_HIDDEN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_OUT };
+
+typedef struct nps {
+    float latent[N_LATENTS];
+    float weights[N_NUMBERS];
+} nps;
+
+/* ---- evaluation
+ * -------------------------------------------------------------------------------------------------------- */
+
+/* Pairs that go through the network at once: enough to reuse the weights, little enough for the stack. */
+enum { TILE = 32 };
+
+/* y (n, n_out) = relu(x (n, n_in) w + b); returns what follows the layer's numbers. */
+static const float *apply_layer(size_t n, size_t n_in, size_t n_out, const float *w, const float *x, float *y) {
+    const float *b = w + n_in * n_out;
+    for (size_t i = 0; i < n; ++i)
+        memcpy(y + i * n_out, b, n_out * sizeof *y);
+    nqm_gemm g = {.m = n, .n = n_out, .k = n_in, .alpha = 1, .beta = 1, .a = x, .b = w, .c = y};
+    g.lda = n_in;
+    g.ldb = g.ldc = n_out;
+    nqm_kernels_get()->gemm(&g);
+    for (size_t i = 0; i < n * n_out; ++i)
+        y[i] = y[i] > 0 ? y[i] : 0;
+    return b + n_out;
+}
+
+static void eval_tile(const nps *net, size_t n, const double *hd, double *rgb) {
+    float buffer[2][TILE * N_HIDDEN];
+    float *x = buffer[0], *y = buffer[1];
+    for (size_t i = 0; i < n; ++i) {
+        float *row = x + i * N_IN;
+        row[0] = (float)(0.5 * cos(2 * hd[3 * i + 2]) + 0.5);
+        row[1] = (float)(0.5 * sin(2 * hd[3 * i + 2]) + 0.5);
+        row[2] = (float)(hd[3 * i] / (NQM_PI / 2));
+        row[3] = (float)(hd[3 * i + 1] / (NQM_PI / 2));
+        memcpy(row + 4, net->latent, sizeof net->latent);
+    }
+    const float *w = net->weights;
+    for (size_t layer = 0; layer < N_LAYERS; ++layer) {
+        w = apply_layer(n, layer == 0 ? N_IN : N_HIDDEN, layer == N_LAYERS - 1 ? N_OUT : N_HIDDEN, w, x, y);
+        float *swap = x;
+        x = y;
+        y = swap;
+    }
+    for (size_t i = 0; i < n * N_OUT; ++i)
+        rgb[i] = expm1(expm1(expm1(expm1(0.15 * (double)x[i]))));
+}
+
+static void nps_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
+    for (size_t i = 0; i < n; i += TILE)
+        eval_tile(self, n - i < TILE ? n - i : TILE, hd + 3 * i, rgb + 3 * i);
+}
+
+static const nqm_brdf_class nps_class = {
+    .format = "nps", .reciprocal = 1, .eval_half_diff = nps_eval_half_diff, .free = nqm_free};
+
+/* ---- reading
+ * ----------------------------------------------------------------------------------------------------------- */
+
+bool nqm_nps_probe(const nqm_map *map) {
+    return map->n_bytes == (size_t)N_NUMBERS * 4;
+}
+
+static nqm_status read_weights(const char *path, nps *net, nqm_error *err) {
+    nqm_map map;
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status != NQM_OK)
+        return status;
+    if (!nqm_nps_probe(&map))
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map.n_bytes,
+                          "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map.n_bytes);
+    for (size_t i = 0; i < N_NUMBERS && status == NQM_OK; ++i) {
+        net->weights[i] = nqm_load_f32(map.data + 4 * i);
+        if (!isfinite(net->weights[i]))
+            status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)(4 * i), "%s: the weight at byte %zu is not finite", path,
+                              4 * i);
+    }
+    nqm_map_close(&map);
+    return status;
+}
+
+static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *material, nps *net, nqm_error *err) {
+    int name_column = nqm_csv_column(csv, "material");
+    size_t row = 0;
+    while (name_column >= 0 && row < nqm_csv_rows(csv) && strcmp(nqm_csv_text(csv, row, name_column), material) != 0)
+        ++row;
+    if (name_column < 0 || row == nqm_csv_rows(csv))
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: has no material '%s'", path, material);
+    for (int k = 0; k < N_LATENTS; ++k) {
+        char column_name[8];
+        snprintf(column_name, sizeof column_name, "mean%d", k);
+        int column = nqm_csv_column(csv, column_name);
+        if (column < 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: has no column '%s' (byte 0)", path, column_name);
+        double value;
+        nqm_status status = nqm_csv_number(csv, row, column, &value, err);
+        if (status != NQM_OK)
+            return status;
+        net->latent[k] = (float)value;
+    }
+    return NQM_OK;
+}
+
+static nqm_status read_latent(const char *decoder_path, const char *material, nps *net, nqm_error *err) {
+    static const char file_name[] = "nps_latents.csv";
+    const char *slash = strrchr(decoder_path, '/');
+    size_t n_folder = slash ? (size_t)(slash + 1 - decoder_path) : 0;
+    char *path = nqm_alloc(n_folder + sizeof file_name, 1);
+    if (!path)
+        return nqm_fail_nomem(err, n_folder + sizeof file_name);
+    memcpy(path, decoder_path, n_folder);
+    memcpy(path + n_folder, file_name, sizeof file_name);
+    nqm_csv *csv;
+    nqm_status status = nqm_csv_load(path, &csv, err);
+    if (status == NQM_OK)
+        status = find_latent(csv, path, material, net, err);
+    nqm_csv_free(csv);
+    nqm_free(path);
+    return status;
+}
+
+nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
+                        nqm_error *err) {
+    nps *net = nqm_alloc(1, sizeof *net);
+    if (!net)
+        return nqm_fail_nomem(err, sizeof *net);
+    nqm_status status = read_latent(decoder_path, material, net, err);
+    if (status == NQM_OK)
+        status = read_weights(decoder_path, net, err);
+    if (status != NQM_OK) {
+        nqm_free(net);
+        return status;
+    }
+    status = nqm_brdf_wrap(&nps_class, net, name, NULL, "7 latents, shared decoder 11-400x6-3", brdf_ret, err);
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->source_doi = "10.1145/3490385";
+    (*brdf_ret)->n_values = N_NUMBERS + N_LATENTS;
+    (*brdf_ret)->n_bytes = sizeof net->weights;
+    return NQM_OK;
+}
