@@ -1,14 +1,29 @@
 # SPDX-License-Identifier: MIT
-# cmake -DOUTPUT=file.c -DINPUTS=a.csv;b.csv -P embed_text.cmake: write the text of each input as a C string literal a line,
-# in an array of {name, text} pairs that ends with {NULL, NULL}.
-set(code "/* Generated from presets/ by cmake/embed_text.cmake: do not edit. */\n#include \"brdf/presets_data.h\"\n\nconst nqm_preset_table nqm_preset_tables[] = {\n")
+# cmake -DOUTPUT=file.c "-DINPUTS=a.csv;b.csv" -P embed_text.cmake: write the text of each input as C string literals, a line
+# each, in an array of {name, text} pairs that ends with {NULL, NULL}; and the names of all rows as "TABLE:ROW".
+set(tables "")
+set(names "")
 foreach(input IN LISTS INPUTS)
-  get_filename_component(name ${input} NAME_WE)
+  get_filename_component(table ${input} NAME_WE)
   file(READ ${input} text)
+  string(REGEX MATCHALL "\n[^#,\n]+," rows "${text}")
+  list(POP_FRONT rows) # the header
+  foreach(row IN LISTS rows)
+    string(REGEX REPLACE "[\n,]" "" row "${row}")
+    string(APPEND names "    \"${table}:${row}\",\n")
+  endforeach()
   string(REPLACE "\\" "\\\\" text "${text}")
   string(REPLACE "\"" "\\\"" text "${text}")
   string(REPLACE "\n" "\\n\"\n     \"" text "${text}")
-  string(APPEND code "    {\"${name}\",\n     \"${text}\"},\n")
+  string(APPEND tables "    {\"${table}\",\n     \"${text}\"},\n")
 endforeach()
-string(APPEND code "    {0, 0}};\n")
-file(WRITE ${OUTPUT} "${code}")
+file(WRITE ${OUTPUT} "/* Generated from presets/ by cmake/embed_text.cmake: do not edit. */
+#include \"brdf/presets_data.h\"
+
+const nqm_preset_table nqm_preset_tables[] = {
+${tables}    {0, 0}};
+
+const char *const nqm_preset_names[] = {
+${names}};
+const size_t nqm_preset_name_count = sizeof nqm_preset_names / sizeof *nqm_preset_names;
+")

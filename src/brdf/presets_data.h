@@ -5,11 +5,17 @@
 #ifndef NQM_SRC_BRDF_PRESETS_DATA_H
 #define NQM_SRC_BRDF_PRESETS_DATA_H
 
+#include <stddef.h>
+
 typedef struct nqm_preset_table {
     const char *model; /**< file name without ending = model name: "sgd", "ward"; NULL ends the array */
-    const char *text;  /**< the CSV */
+    const char *text;  /**< the CSV: '#' lines, a header, rows of a name and numbers; no quoting */
 } nqm_preset_table;
 
 extern const nqm_preset_table nqm_preset_tables[];
+
+/** Every row as "MODEL:NAME", in the order of the tables. */
+extern const char *const nqm_preset_names[];
+extern const size_t nqm_preset_name_count;
 
 #endif

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Published parameters of measured materials by name. The tables of presets/ are embedded as text and only the row that
+ * is asked for is parsed.
+ */
+#include "brdf/presets_data.h"
+#include "brdf/spec.h"
+
+#include <string.h>
+
+size_t nqm_brdf_preset_count(void) {
+    return nqm_preset_name_count;
+}
+
+const char *nqm_brdf_preset_name(size_t i) {
+    return nqm_preset_names[i];
+}
+
+static const char *table_of(const char *model) {
+    for (const nqm_preset_table *t = nqm_preset_tables; t->model; ++t)
+        if (strcmp(t->model, model) == 0)
+            return t->text;
+    return NULL;
+}
+
+/* The numbers of a material's row, behind "NAME,"; NULL when there is no such row. */
+static const char *row_of(const char *table, const char *material) {
+    size_t n = strlen(material);
+    for (const char *line = table; line; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        if (n && strncmp(line, material, n) == 0 && line[n] == ',')
+            return line + n + 1;
+    }
+    return NULL;
+}
+
+/* ---- suggestions
+ * ----------------------------------------------------------------------------------------------------- */
+
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' || c == ' ' ? '-' : c;
+}
+
+/* Dice's coefficient of the letter pairs: finds misspelt words and words in another order ("acrylic-blue") alike. */
+static double likeness(const char *a, const char *b) {
+    size_t n_a = strlen(a), n_b = strlen(b), common = 0;
+    for (size_t i = 0; i + 1 < n_a; ++i)
+        for (size_t j = 0; j + 1 < n_b; ++j)
+            if (lower(a[i]) == lower(b[j]) && lower(a[i + 1]) == lower(b[j + 1])) {
+                ++common;
+                break;
+            }
+    return n_a + n_b > 2 ? 2 * (double)common / (double)(n_a + n_b - 2) : 0;
+}
+
+/* The preset of `model` most like `material` whose likeness is below `below`; NULL when none is like it at all. */
+static const char *most_alike(const char *model, const char *material, double below, double *likeness_ret) {
+    const char *best = NULL;
+    double best_likeness = 0.3;
+    size_t n_model = strlen(model);
+    for (size_t i = 0; i < nqm_preset_name_count; ++i) {
+        const char *name = nqm_preset_names[i];
+        if (strncmp(name, model, n_model) != 0 || name[n_model] != ':')
+            continue;
+        double l = likeness(material, name + n_model + 1);
+        if (l > best_likeness && l < below) {
+            best_likeness = l;
+            best = name;
+        }
+    }
+    *likeness_ret = best_likeness;
+    return best;
+}
+
+static nqm_status fail_unknown(const char *model, const char *material, nqm_error *err) {
+    char near_names[160] = "";
+    size_t used = 0;
+    double below = 2;
+    for (int i = 0; i < 3; ++i) {
+        const char *name = most_alike(model, material, below, &below);
+        if (!name)
+            break;
+        used += (size_t)snprintf(near_names + used, sizeof near_names - used, "%s%s", i ? ", " : "; near it: ", name);
+    }
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no preset '%.80s'%s (`nqm info list` names all)", model,
+                    material, near_names);
+}
+
+nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
+                           nqm_error *err) {
+    const char *table = table_of(schema->model);
+    if (!table)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: needs parameters, %s:key=value;..., not '%.80s'", schema->model,
+                        schema->model, material);
+    const char *text = row_of(table, material);
+    if (!text)
+        return fail_unknown(schema->model, material, err);
+    *values = (nqm_spec_values){.given = ~0u};
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        double *v = values->v[k];
+        for (size_t c = 0; c < schema->keys[k].n; ++c) {
+            if (!nqm_parse_double(text, &text, &v[c]))
+                return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s:%s: a number is missing in the table", schema->model,
+                                material);
+            text += *text == ',';
+        }
+        if (schema->keys[k].n == 1)
+            v[1] = v[2] = v[0];
+    }
+    return NQM_OK;
+}

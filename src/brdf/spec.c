@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Specs: parsing against a model's list of keys, the canonical form, and making a BRDF from a spec or the name of a
+ * preset.
+ */
+#include "brdf/spec.h"
+
+#include <string.h>
+
+static const nqm_analytic_model *const models[] = {&nqm_lambert_model, &nqm_ggx_model, &nqm_ward_model, &nqm_sgd_model};
+enum { N_MODELS = sizeof models / sizeof *models };
+
+/* What follows "MODEL:", or NULL when `text` begins otherwise. */
+static const char *after_model(const char *text, const char *model) {
+    size_t n = strlen(model);
+    return strncmp(text, model, n) == 0 && text[n] == ':' ? text + n + 1 : NULL;
+}
+
+/* ---- parsing
+ * --------------------------------------------------------------------------------------------------------- */
+
+static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, int n_key, nqm_error *err) {
+    char known[256] = "";
+    size_t used = 0;
+    for (size_t k = 0; k < schema->n_keys && used < sizeof known; ++k)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", schema->keys[k].name);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no key '%.*s'; the keys are %s", schema->model, n_key, key,
+                    known);
+}
+
+static nqm_status fail_value(const nqm_spec_schema *schema, const nqm_spec_key *key, const char *text, nqm_error *err) {
+    char low[32], high[32];
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s needs %s from %s to %s, not '%.*s'", schema->model, key->name,
+                    key->n == 3 ? "one number or three separated by commas, each" : "one number",
+                    nqm_format_double(low, sizeof low, key->low), nqm_format_double(high, sizeof high, key->high),
+                    (int)strcspn(text, ";") < 40 ? (int)strcspn(text, ";") : 40, text);
+}
+
+/* Read "v" or "v,v,v" up to the end of the setting; false when it is anything else. */
+static bool parse_values(const nqm_spec_key *key, const char *text, const char **end, double v[3]) {
+    size_t n = 0;
+    do {
+        if (n == key->n || !nqm_parse_double(text, &text, &v[n]) || v[n] < key->low || v[n] > key->high)
+            return false;
+        ++n;
+    } while (*text++ == ',');
+    *end = text - 1;
+    if (n == 1)
+        v[1] = v[2] = v[0];
+    return (n == 1 || n == key->n) && (**end == ';' || **end == 0);
+}
+
+/* One setting at `text`; *end points at its end. */
+static nqm_status parse_setting(const nqm_spec_schema *schema, const char *text, const char **end,
+                                nqm_spec_values *values, nqm_error *err) {
+    size_t n_name = strcspn(text, "=;");
+    if (text[n_name] != '=')
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: expected key=value, not '%.*s'", schema->model,
+                        n_name < 40 ? (int)n_name : 40, text);
+    size_t k = 0;
+    while (k < schema->n_keys &&
+           !(strlen(schema->keys[k].name) == n_name && !strncmp(schema->keys[k].name, text, n_name)))
+        ++k;
+    if (k == schema->n_keys)
+        return fail_unknown(schema, text, n_name < 40 ? (int)n_name : 40, err);
+    if (values->given >> k & 1)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s is given twice", schema->model, schema->keys[k].name);
+    if (!parse_values(&schema->keys[k], text + n_name + 1, end, values->v[k]))
+        return fail_value(schema, &schema->keys[k], text + n_name + 1, err);
+    values->given |= 1u << k;
+    return NQM_OK;
+}
+
+nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_spec_values *values, nqm_error *err) {
+    *values = (nqm_spec_values){.given = 0};
+    while (*text) {
+        nqm_status status = parse_setting(schema, text, &text, values, err);
+        if (status != NQM_OK)
+            return status;
+        text += *text == ';'; /* a final semicolon does no harm */
+    }
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        const nqm_spec_key *key = &schema->keys[k];
+        if (values->given >> k & 1)
+            continue;
+        if (key->required)
+            return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s is missing", schema->model, key->name);
+        values->v[k][0] = values->v[k][1] = values->v[k][2] = key->fallback;
+    }
+    return NQM_OK;
+}
+
+/* ---- canonical form
+ * -------------------------------------------------------------------------------------------------- */
+
+enum { NUMBER_SIZE = 32, KEY_SIZE = 3 * NUMBER_SIZE + 16 };
+
+static size_t format_setting(char *text, size_t n_text, const nqm_spec_key *key, const double v[3]) {
+    char number[3][NUMBER_SIZE];
+    for (int c = 0; c < 3; ++c)
+        nqm_format_double(number[c], NUMBER_SIZE, v[c]);
+    int n = v[0] == v[1] && v[0] == v[2]
+                ? snprintf(text, n_text, "%s=%s", key->name, number[0])
+                : snprintf(text, n_text, "%s=%s,%s,%s", key->name, number[0], number[1], number[2]);
+    return (size_t)n;
+}
+
+char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values) {
+    size_t size = strlen(schema->model) + 2 + schema->n_keys * KEY_SIZE;
+    char *text = nqm_alloc(size, 1);
+    if (!text)
+        return NULL;
+    size_t used = (size_t)snprintf(text, size, "%s:", schema->model);
+    const char *separator = "";
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        if (!(values->given >> k & 1))
+            continue;
+        used += (size_t)snprintf(text + used, size - used, "%s", separator);
+        used += format_setting(text + used, size - used, &schema->keys[k], values->v[k]);
+        separator = ";";
+    }
+    return text;
+}
+
+/* ---- opening
+ * --------------------------------------------------------------------------------------------------------- */
+
+/* "kd 3, ks 3, alpha 1" */
+static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_layout) {
+    size_t n_values = 0, used = 0;
+    for (size_t k = 0; k < schema->n_keys && used < n_layout; ++k) {
+        const nqm_spec_key *key = &schema->keys[k];
+        used += (size_t)snprintf(layout + used, n_layout - used, "%s%s%s", k ? ", " : "", key->name,
+                                 key->n == 3 ? " (RGB)" : "");
+        n_values += key->n;
+    }
+    return n_values;
+}
+
+static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values *values, const char *name,
+                                nqm_brdf **brdf_ret, nqm_error *err) {
+    char layout[256];
+    size_t n_values = describe(&model->schema, layout, sizeof layout);
+    values->given = ~0u; /* the canonical form names every key, so that it outlives a change of defaults */
+    char *spec = nqm_spec_format(&model->schema, values);
+    void *state = nqm_alloc(1, model->state_size);
+    if (!spec || !state) {
+        nqm_free(spec);
+        nqm_free(state);
+        return nqm_fail_nomem(err, model->state_size);
+    }
+    model->prepare(values, state);
+    nqm_status status = nqm_brdf_wrap(&model->class_, state, name, spec, layout, brdf_ret, err);
+    nqm_free(spec);
+    if (status == NQM_OK) {
+        (*brdf_ret)->source_doi = model->doi;
+        (*brdf_ret)->n_values = n_values;
+    }
+    return status;
+}
+
+bool nqm_spec_probe(const char *text) {
+    for (size_t m = 0; m < N_MODELS; ++m)
+        if (after_model(text, models[m]->schema.model))
+            return true;
+    return false;
+}
+
+nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    const nqm_analytic_model *model = NULL;
+    const char *settings = NULL;
+    for (size_t m = 0; m < N_MODELS && !settings; ++m) {
+        model = models[m];
+        settings = after_model(spec, model->schema.model);
+    }
+    if (!settings)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
+    nqm_spec_values values;
+    nqm_status status = strchr(settings, '=') ? nqm_spec_parse(&model->schema, settings, &values, err)
+                                              : nqm_preset_find(&model->schema, settings, &values, err);
+    return status == NQM_OK ? open_analytic(model, &values, spec, brdf_ret, err) : status;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * spec.h - the text form of BRDFs that are given by parameters: `MODEL:key=value;key=value`, values separated by commas
+ * for RGB. A model lists its keys with their ranges and defaults; parsing, messages and the canonical form come from
+ * that list.
+ */
+#ifndef NQM_SRC_BRDF_SPEC_H
+#define NQM_SRC_BRDF_SPEC_H
+
+#include "brdf/brdf.h"
+
+enum { NQM_SPEC_MAX_KEYS = 16 };
+
+/** One key of a spec. */
+typedef struct nqm_spec_key {
+    const char *name;
+    size_t n;         /**< values: 1, or 3 for RGB, where a single value stands for all three */
+    double low, high; /**< closed range of each value */
+    bool required;
+    double fallback; /**< value where an optional key is absent */
+} nqm_spec_key;
+
+/** The keys of one model, in the order of the canonical form. */
+typedef struct nqm_spec_schema {
+    const char *model; /**< the word before the colon */
+    size_t n_keys;
+    nqm_spec_key keys[NQM_SPEC_MAX_KEYS];
+} nqm_spec_schema;
+
+/** Parsed values; a key with n = 1 has its value in all three places. */
+typedef struct nqm_spec_values {
+    double v[NQM_SPEC_MAX_KEYS][3]; /**< (key, channel) */
+    unsigned given;                 /**< bit k: key k was in the text */
+} nqm_spec_values;
+
+/** Parse `key=value;...` (what follows the colon). NQM_ERR_ARG names the key at fault and its range. */
+NQM_MUST_CHECK nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_spec_values *values,
+                                         nqm_error *err);
+/** The canonical text, "MODEL:key=value;...", of the given keys; parses back to the same bits. nqm_free(); NULL when
+ * out of memory. */
+char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values);
+
+/** A model with a closed formula. */
+typedef struct nqm_analytic_model {
+    nqm_spec_schema schema;
+    const char *doi; /**< NULL: none */
+    nqm_brdf_class class_;
+    size_t state_size;                                           /**< bytes that `prepare` fills */
+    void (*prepare)(const nqm_spec_values *values, void *state); /**< constants of the evaluation */
+} nqm_analytic_model;
+
+extern const nqm_analytic_model nqm_lambert_model, nqm_ggx_model, nqm_ward_model, nqm_sgd_model;
+
+/** Values of a published material; NQM_ERR_ARG suggests names that look alike. */
+NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
+                                          nqm_error *err);
+
+#endif
