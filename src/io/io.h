@@ -120,4 +120,19 @@ typedef struct nqm_image {
     float *rgb; /* (height, width, 3), first row on top; nqm_free */
 } nqm_image;
 
+enum { NQM_IMAGE_MAX_WIDTH = 8192, NQM_IMAGE_MAX_HEIGHT = 4096 };
+
+/** Read a high-dynamic-range picture: OpenEXR (R, G, B or Y), Radiance HDR, or RGBE packed in an 8-bit RGBA PNG (as Pixar
+ *  Campus). The format is found by the bytes. Negative values (out of gamut) become 0; a value that is not finite is refused. */
+NQM_MUST_CHECK nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err);
+
+/** The decoders behind it, for a file whose format is known. */
+NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
+/** Whether a width and height that a header claims can be true of a file of map->n_bytes that packs at most `per_byte` pixels
+ *  into a byte, and are within the limits; allocates the pixels when so. */
+NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
+                                          nqm_image *image_ret, nqm_error *err);
+
 #endif

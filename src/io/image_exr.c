@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * OpenEXR pictures through OpenEXRCore: the first part, scanlines or the finest level of tiles, channels R, G, B, or Y alone;
+ * half or float. The data window is the picture. Deep pictures and subsampled channels are refused.
+ */
+#include "io/io.h"
+
+#include <openexr.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Deflate packs at most 1032 bytes into one, and a pixel has two at least. */
+static const double max_pixels_per_byte = 1032.0 / 2;
+
+enum { MAX_ALLOCATION = 256 << 20 };
+
+typedef struct exr_file {
+    const nqm_map *map;
+    exr_context_t context;
+    char message[200]; /* the library's last complaint */
+    nqm_error *err;
+} exr_file;
+
+static nqm_status fail_exr(exr_file *file, const char *what) {
+    return nqm_fail(file->err, NQM_ERR_FORMAT, -1, "%s: OpenEXR: %s%s%s", file->map->path, what,
+                    file->message[0] ? ": " : "", file->message);
+}
+
+static exr_file *file_of(exr_const_context_t context) {
+    void *user = NULL;
+    return exr_get_user_data(context, &user) == EXR_ERR_SUCCESS ? user : NULL;
+}
+
+static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
+    (void)code;
+    exr_file *file = context ? file_of(context) : NULL;
+    if (!file)
+        return;
+    /* The library puts the path before its words, and so do we. */
+    size_t n = strlen(file->map->path);
+    if (strncmp(message, file->map->path, n) == 0)
+        message += n + strspn(message + n, "': ");
+    snprintf(file->message, sizeof file->message, "%s", message);
+}
+
+static int64_t on_read(exr_const_context_t context, void *user, void *buffer, uint64_t n, uint64_t offset,
+                       exr_stream_error_func_ptr_t error_fn) {
+    const nqm_map *map = ((exr_file *)user)->map;
+    if (offset > map->n_bytes || n > map->n_bytes - offset) {
+        (void)error_fn(context, EXR_ERR_READ_IO, "the file ends before byte %llu", (unsigned long long)(offset + n));
+        return -1;
+    }
+    memcpy(buffer, map->data + offset, (size_t)n);
+    return (int64_t)n;
+}
+
+static int64_t on_size(exr_const_context_t context, void *user) {
+    (void)context;
+    return (int64_t)((exr_file *)user)->map->n_bytes;
+}
+
+static void *limited_malloc(size_t n) {
+    return n <= MAX_ALLOCATION ? malloc(n) : NULL;
+}
+
+/* Send the channels of a chunk to their places in the picture; (x, y) is the chunk's corner in it. */
+static nqm_status place_channels(exr_file *file, exr_decode_pipeline_t *pipeline, const nqm_image *image, size_t x,
+                                 size_t y) {
+    unsigned found = 0;
+    for (int i = 0; i < pipeline->channel_count; ++i) {
+        exr_coding_channel_info_t *channel = &pipeline->channels[i];
+        const char *place = strlen(channel->channel_name) == 1 ? strchr("RGBY", channel->channel_name[0]) : NULL;
+        if (!place)
+            continue;
+        if (channel->x_samples != 1 || channel->y_samples != 1)
+            return fail_exr(file, "subsampled channels are not read");
+        size_t k = *place == 'Y' ? 0 : (size_t)(strchr("RGB", *place) - "RGB");
+        found |= *place == 'Y' ? 8u : 1u << k;
+        channel->decode_to_ptr = (uint8_t *)(image->rgb + 3 * (y * image->width + x) + k);
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = 3 * sizeof(float);
+        channel->user_line_stride = (int32_t)(3 * sizeof(float) * image->width);
+    }
+    return found == 7 || found == 8 ? NQM_OK : fail_exr(file, "the channels are neither R, G, B nor Y");
+}
+
+static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const exr_attr_box2i_t *window,
+                               const nqm_image *image) {
+    int64_t x = (int64_t)chunk->start_x, y = (int64_t)chunk->start_y;
+    if (chunk->type == EXR_STORAGE_SCANLINE) { /* scanlines count from the data window, tiles from 0 */
+        x -= window->min.x;
+        y -= window->min.y;
+    }
+    bool inside = x >= 0 && y >= 0 && chunk->width >= 0 && chunk->height >= 0 &&
+                  x + chunk->width <= (int64_t)image->width && y + chunk->height <= (int64_t)image->height;
+    if (!inside)
+        return fail_exr(file, "a chunk lies outside the data window");
+    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+    if (exr_decoding_initialize(file->context, 0, chunk, &pipeline) != EXR_ERR_SUCCESS)
+        return fail_exr(file, "a chunk cannot be read");
+    nqm_status status = place_channels(file, &pipeline, image, (size_t)x, (size_t)y);
+    if (status == NQM_OK && (exr_decoding_choose_default_routines(file->context, 0, &pipeline) != EXR_ERR_SUCCESS ||
+                             exr_decoding_run(file->context, 0, &pipeline) != EXR_ERR_SUCCESS))
+        status = fail_exr(file, "a chunk is damaged");
+    exr_decoding_destroy(file->context, &pipeline);
+    return status;
+}
+
+static nqm_status read_scanlines(exr_file *file, const exr_attr_box2i_t *window, const nqm_image *image) {
+    int32_t n_lines;
+    nqm_status status = NQM_OK;
+    if (exr_get_scanlines_per_chunk(file->context, 0, &n_lines) != EXR_ERR_SUCCESS || n_lines < 1)
+        return fail_exr(file, "the chunks have no height");
+    for (int64_t y = window->min.y; status == NQM_OK && y <= window->max.y; y += n_lines) {
+        exr_chunk_info_t chunk;
+        if (exr_read_scanline_chunk_info(file->context, 0, (int)y, &chunk) != EXR_ERR_SUCCESS)
+            return fail_exr(file, "a chunk is missing or damaged");
+        status = decode_chunk(file, &chunk, window, image);
+    }
+    return status;
+}
+
+static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, const nqm_image *image) {
+    uint32_t tile_width, tile_height;
+    exr_tile_level_mode_t level;
+    exr_tile_round_mode_t round;
+    if (exr_get_tile_descriptor(file->context, 0, &tile_width, &tile_height, &level, &round) != EXR_ERR_SUCCESS ||
+        tile_width < 1 || tile_height < 1)
+        return fail_exr(file, "the tiles have no size");
+    nqm_status status = NQM_OK;
+    for (size_t y = 0; status == NQM_OK && y * tile_height < image->height; ++y)
+        for (size_t x = 0; status == NQM_OK && x * tile_width < image->width; ++x) {
+            exr_chunk_info_t chunk;
+            if (exr_read_tile_chunk_info(file->context, 0, (int)x, (int)y, 0, 0, &chunk) != EXR_ERR_SUCCESS)
+                return fail_exr(file, "a tile is missing or damaged");
+            chunk.start_x = (int32_t)(x * tile_width);
+            chunk.start_y = (int32_t)(y * tile_height);
+            status = decode_chunk(file, &chunk, window, image);
+        }
+    return status;
+}
+
+static bool has_colour(exr_file *file) {
+    const exr_attr_chlist_t *channels = NULL;
+    if (exr_get_channels(file->context, 0, &channels) != EXR_ERR_SUCCESS)
+        return false;
+    for (int i = 0; i < channels->num_channels; ++i)
+        if (strcmp(channels->entries[i].name.str, "R") == 0)
+            return true;
+    return false;
+}
+
+static nqm_status read_picture(exr_file *file, nqm_image *image) {
+    exr_storage_t storage;
+    exr_attr_box2i_t window;
+    if (exr_get_storage(file->context, 0, &storage) != EXR_ERR_SUCCESS ||
+        exr_get_data_window(file->context, 0, &window) != EXR_ERR_SUCCESS)
+        return fail_exr(file, "the header is damaged");
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return fail_exr(file, "deep pictures are not read");
+    int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
+    if (width < 1 || height < 1)
+        return fail_exr(file, "the data window is empty");
+    nqm_status status =
+        nqm_image_alloc(file->map, (uint64_t)width, (uint64_t)height, max_pixels_per_byte, image, file->err);
+    if (status == NQM_OK)
+        status =
+            storage == EXR_STORAGE_SCANLINE ? read_scanlines(file, &window, image) : read_tiles(file, &window, image);
+    if (status == NQM_OK && !has_colour(file))
+        for (size_t i = 0; i < image->width * image->height; ++i)
+            image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
+    return status;
+}
+
+nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
+    exr_file file = {.map = map, .err = err};
+    nqm_image image = {0};
+    *image_ret = (nqm_image){0};
+    exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    start.error_handler_fn = on_error;
+    start.alloc_fn = limited_malloc;
+    start.free_fn = free;
+    start.user_data = &file;
+    start.read_fn = on_read;
+    start.size_fn = on_size;
+    start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    if (exr_start_read(&file.context, map->path, &start) != EXR_ERR_SUCCESS)
+        return fail_exr(&file, "the header is damaged");
+    nqm_status status = read_picture(&file, &image);
+    exr_finish(&file.context);
+    if (status == NQM_OK)
+        *image_ret = image;
+    else
+        nqm_free(image.rgb);
+    return status;
+}

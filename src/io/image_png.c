@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * RGBE packed in an 8-bit RGBA PNG: linear rgb = (r, g, b)/255 * 2^(a - 128).
+ */
+#include "io/io.h"
+
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <string.h>
+
+/* Deflate packs at most 1032 bytes into one; a pixel has four. */
+static const double max_pixels_per_byte = 1032 / 4;
+
+typedef struct png_file {
+    const nqm_map *map;
+    size_t position;
+    char message[120];
+    nqm_image image;
+    unsigned char *rgba; /* (height, width, 4) */
+    nqm_status status;
+    nqm_error *err;
+} png_file;
+
+static void on_error(png_structp png, png_const_charp message) {
+    png_file *file = png_get_error_ptr(png);
+    snprintf(file->message, sizeof file->message, "%s", message);
+    longjmp(png_jmpbuf(png), 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png;
+    (void)message;
+}
+
+static void on_read(png_structp png, png_bytep out, size_t n) {
+    png_file *file = png_get_io_ptr(png);
+    if (n > file->map->n_bytes - file->position)
+        png_error(png, "the file ends too early");
+    memcpy(out, file->map->data + file->position, n);
+    file->position += n;
+}
+
+/* Everything that libpng may leave by longjmp. What must survive lives in `file`. */
+static void read_png(png_structp png, png_infop info, png_file *file) {
+    if (setjmp(png_jmpbuf(png))) {
+        if (file->status == NQM_OK)
+            file->status = nqm_fail(file->err, NQM_ERR_FORMAT, (int64_t)file->position, "%s: PNG at byte %zu: %s",
+                                    file->map->path, file->position, file->message);
+        return;
+    }
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* nqm_image_alloc() judges the size */
+    png_set_chunk_malloc_max(png, 1 << 20);
+    png_set_chunk_cache_max(png, 64);
+    png_read_info(png, info);
+    if (png_get_bit_depth(png, info) != 8 || png_get_color_type(png, info) != PNG_COLOR_TYPE_RGB_ALPHA) {
+        file->status =
+            nqm_fail(file->err, NQM_ERR_FORMAT, 24,
+                     "%s: a light map in a PNG holds RGBE in 8-bit RGBA; this one does not", file->map->path);
+        return;
+    }
+    size_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
+    file->status = nqm_image_alloc(file->map, width, height, max_pixels_per_byte, &file->image, file->err);
+    if (file->status != NQM_OK)
+        return;
+    file->rgba = nqm_alloc(width * height, 4);
+    if (!file->rgba) {
+        file->status = nqm_fail_nomem(file->err, width * height * 4);
+        return;
+    }
+    int n_passes = png_set_interlace_handling(png);
+    png_read_update_info(png, info);
+    for (int pass = 0; pass < n_passes; ++pass)
+        for (size_t y = 0; y < height; ++y)
+            png_read_row(png, file->rgba + 4 * width * y, NULL);
+    png_read_end(png, NULL);
+}
+
+nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
+    *image_ret = (nqm_image){0};
+    png_file file = {.map = map, .err = err};
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &file, on_error, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    if (info) {
+        png_set_read_fn(png, &file, on_read);
+        read_png(png, info, &file);
+    } else {
+        file.status = nqm_fail_nomem(err, sizeof(void *));
+    }
+    png_destroy_read_struct(&png, &info, NULL);
+    if (file.status == NQM_OK) {
+        for (size_t i = 0; i < file.image.width * file.image.height; ++i) {
+            double unit = ldexp(1.0 / 255, file.rgba[4 * i + 3] - 128);
+            for (size_t k = 0; k < 3; ++k)
+                file.image.rgb[3 * i + k] = (float)(file.rgba[4 * i + k] * unit);
+        }
+        *image_ret = file.image;
+    } else {
+        nqm_free(file.image.rgb);
+    }
+    nqm_free(file.rgba);
+    return file.status;
+}
