@@ -78,7 +78,7 @@ static nqm_status read_dtype(const place *at, const json_t *entry, nqm_tensor *t
 static nqm_status read_shape(const place *at, const json_t *entry, nqm_tensor *tensor) {
     const json_t *shape = json_object_get(entry, "shape");
     if (!json_is_array(shape) || json_array_size(shape) > NQM_MAX_DIMS)
-        return bad_tensor(at, HEADER_AT, "shape is not a list of at most 4 numbers");
+        return bad_tensor(at, HEADER_AT, "shape is not a list of sizes, or has too many");
     tensor->n_dims = json_array_size(shape);
     for (size_t i = 0; i < tensor->n_dims; ++i)
         if (!size_from_json(json_array_get(shape, i), &tensor->dims[i]))

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * safetensors files: what is written comes back, aligned and under a checksum that holds; and every way in which a header can
+ * lie is refused with a place. tests/unit/test_net_pytorch.c reads a file of another writer.
+ */
+#include "base/memory_test.h"
+#include "io/io.h"
+#include "support/check.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- writing and reading back ------------------------------------------------------------------------------------------- */
+
+static const char *path_of_output(void) {
+    static char path[64];
+    snprintf(path, sizeof path, "test_io_safetensors.%ld.tmp", (long)getpid());
+    return path;
+}
+
+static const float weights[2][16] = {{1, 2, 3}, {-1}};
+static const double odd[3] = {0.5, -1e300, 3};
+static const uint8_t bytes[5] = {1, 2, 3, 4, 255};
+static const int64_t scalar = -7;
+static const nqm_tensor tensors[] = {
+    {.name = "bytes", .dtype = NQM_U8, .n_dims = 1, .dims = {5}, .n_bytes = 5, .data = bytes},
+    {.name = "odd", .dtype = NQM_F64, .n_dims = 2, .dims = {3, 1}, .n_bytes = 24, .data = odd},
+    {.name = "weights", .dtype = NQM_F32, .n_dims = 2, .dims = {2, 16}, .n_bytes = 128, .data = weights},
+    {.name = "scalar", .dtype = NQM_I64, .n_dims = 0, .n_bytes = 8, .data = &scalar},
+    {.name = "empty", .dtype = NQM_F32, .n_dims = 2, .dims = {0, 4}, .n_bytes = 0, .data = weights},
+};
+enum { N_TENSORS = sizeof tensors / sizeof *tensors };
+static const nqm_meta meta[] = {{"card", "A \"quoted\" card,\nwith lines and \xc3\xbc. \"sha256\":\"0000\""},
+                                {"id", ""}};
+
+/* A valid file as bytes; nqm_free() them. */
+static unsigned char *valid_file(size_t *n_bytes, char sha256[65]) {
+    nqm_map map;
+    assert_int_equal(nqm_safetensors_write(path_of_output(), N_TENSORS, tensors, 2, meta, sha256, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(path_of_output(), &map, NULL), NQM_OK);
+    unsigned char *copy = nqm_alloc(map.n_bytes, 1);
+    memcpy(copy, map.data, map.n_bytes);
+    *n_bytes = map.n_bytes;
+    nqm_map_close(&map);
+    unlink(path_of_output());
+    return copy;
+}
+
+static void round_trip(void **state) {
+    (void)state;
+    size_t n_bytes;
+    char sha256[65], again[65];
+    bool matches;
+    unsigned char *file = valid_file(&n_bytes, sha256);
+    nqm_safetensors *st;
+    assert_int_equal(nqm_safetensors_parse(file, n_bytes, "f", &st, NULL), NQM_OK);
+    assert_int_equal(nqm_safetensors_count(st), N_TENSORS);
+    for (size_t i = 0; i < N_TENSORS; ++i) {
+        const nqm_tensor *t = nqm_safetensors_find(st, tensors[i].name);
+        assert_non_null(t);
+        assert_int_equal(t->dtype, tensors[i].dtype);
+        assert_int_equal(t->n_dims, tensors[i].n_dims);
+        assert_memory_equal(t->dims, tensors[i].dims, t->n_dims * sizeof *t->dims);
+        assert_int_equal(t->n_bytes, tensors[i].n_bytes);
+        assert_memory_equal(t->data, tensors[i].data, t->n_bytes);
+        assert_ptr_equal(t->data, file + t->byte_offset);
+    }
+    assert_int_equal(nqm_safetensors_find(st, "weights")->byte_offset % 64, 0);
+    assert_string_equal(nqm_safetensors_at(st, 0)->name, "weights"); /* a multiple of 64 goes first */
+    assert_null(nqm_safetensors_find(st, "none"));
+    assert_string_equal(nqm_safetensors_meta(st, "card"), meta[0].value);
+    assert_string_equal(nqm_safetensors_meta(st, "id"), "");
+    assert_null(nqm_safetensors_meta(st, "none"));
+    assert_true(nqm_safetensors_checksum(st, again, &matches));
+    assert_true(matches);
+    assert_string_equal(again, sha256);
+    nqm_safetensors_free(st);
+    nqm_free(file);
+}
+
+/* The checksum is SHA-256 of the file with its own digits as zeros, and notices every changed bit. */
+static void checksum(void **state) {
+    (void)state;
+    size_t n_bytes;
+    char sha256[65], hex[65];
+    unsigned char *file = valid_file(&n_bytes, sha256), *zeroed = nqm_alloc(n_bytes, 1);
+    memcpy(zeroed, file, n_bytes);
+    bool found = false;
+    for (size_t i = 0; i + 64 <= n_bytes; ++i)
+        if (memcmp(zeroed + i, sha256, 64) == 0) {
+            assert_false(found);
+            found = true;
+            memset(zeroed + i, '0', 64);
+        }
+    assert_true(found);
+    nqm_sha256 sha;
+    assert_true(nqm_sha256_begin(&sha));
+    nqm_sha256_add(&sha, zeroed, n_bytes);
+    nqm_sha256_end(&sha, hex);
+    assert_string_equal(hex, sha256);
+    for (size_t i = 0; i < n_bytes; ++i) {
+        nqm_safetensors *st;
+        bool matches = false;
+        file[i] ^= 1;
+        if (nqm_safetensors_parse(file, n_bytes, "f", &st, NULL) == NQM_OK) {
+            if (nqm_safetensors_checksum(st, hex, &matches))
+                assert_false(matches);
+            nqm_safetensors_free(st);
+        }
+        file[i] ^= 1;
+    }
+    nqm_free(zeroed);
+    nqm_free(file);
+}
+
+/* Cut off anywhere, each copy in a block of exactly its size. */
+static void truncated_anywhere(void **state) {
+    (void)state;
+    size_t n_bytes;
+    unsigned char *file = valid_file(&n_bytes, NULL);
+    for (size_t n = 0; n < n_bytes; ++n) {
+        unsigned char *part = malloc(n ? n : 1);
+        nqm_safetensors *st;
+        nqm_error err = {0};
+        memcpy(part, file, n);
+        assert_int_equal(nqm_safetensors_parse(part, n, "cut.file", &st, &err), NQM_ERR_FORMAT);
+        assert_null(st);
+        assert_non_null(strstr(err.message, "cut.file"));
+        assert_true(err.byte_offset >= 0);
+        free(part);
+    }
+    nqm_free(file);
+}
+
+/* ---- headers that lie --------------------------------------------------------------------------------------------------- */
+
+static nqm_status parse_header(const char *json, size_t n_data, nqm_error *err) {
+    size_t n_json = strlen(json), n = 8 + n_json + n_data;
+    unsigned char *file = malloc(n);
+    memset(file, 0, n);
+    nqm_store_u64(file, n_json);
+    memcpy(file + 8, json, n_json);
+    nqm_safetensors *st;
+    nqm_status status = nqm_safetensors_parse(file, n, "lie", &st, err);
+    assert_true((status == NQM_OK) == (st != NULL));
+    nqm_safetensors_free(st);
+    free(file);
+    return status;
+}
+
+#define A(shape, from, to) "\"a\":{\"dtype\":\"F32\",\"shape\":" shape ",\"data_offsets\":[" from "," to "]}"
+
+static void false_headers(void **state) {
+    (void)state;
+    static const struct {
+        const char *json;
+        size_t n_data;
+        const char *says;
+    } bad[] = {
+        {"", 0, "header"},
+        {"[]", 0, "not an object"},
+        {"{\"a\":", 0, "header"},
+        {"{} x", 0, "header"},
+        {"{\"a\":3}", 0, "not an object"},
+        {"{\"a\":{}}", 0, "no dtype"},
+        {"{\"a\":{\"dtype\":\"F16\",\"shape\":[2],\"data_offsets\":[0,4]}}", 4, "other than"},
+        {"{" A("3", "0", "4") "}", 4, "list of sizes"},
+        {"{" A("[1,1,1,1,1,1]", "0", "4") "}", 4, "list of sizes"},
+        {"{" A("[-1]", "0", "4") "}", 4, "not a size"},
+        {"{" A("[1.0]", "0", "4") "}", 4, "not a size"},
+        {"{" A("[1]", "-4", "0") "}", 4, "two sizes"},
+        {"{\"a\":{\"dtype\":\"F32\",\"shape\":[1],\"data_offsets\":[0]}}", 4, "two sizes"},
+        {"{\"a\":{\"dtype\":\"F32\",\"shape\":[1]}}", 4, "two sizes"},
+        {"{" A("[1]", "4", "0") "}", 4, "outside"},
+        {"{" A("[2]", "0", "8") "}", 4, "outside"},
+        {"{" A("[1]", "9223372036854775803", "9223372036854775807") "}", 4, "outside"},
+        {"{" A("[2]", "0", "4") "}", 4, "shape does not match"},
+        {"{" A("[2147483648,2147483648]", "0", "4") "}", 4, "shape does not match"},
+        {"{" A("[4611686018427387905]", "0", "4") "}", 4, "shape does not match"}, /* 4 n wraps to 4 */
+        {"{" A("[1]", "0", "4") "," A("[1]", "4", "8") "}", 8, "header"},          /* the same name twice */
+        {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[2],\"data_offsets\":[3,5]}}", 5, "overlaps"},
+        {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[1],\"data_offsets\":[5,6]}}", 6, "hole"},
+        {"{" A("[1]", "1", "5") "}", 5, "hole"},
+        {"{" A("[1]", "0", "4") "}", 5, "behind the last"},
+        {"{}", 1, "behind the last"},
+        {"{\"__metadata__\":[]}", 0, "not an object"},
+        {"{\"__metadata__\":{\"k\":1}}", 0, "not a string"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        nqm_error err = {0};
+        nqm_status status = parse_header(bad[i].json, bad[i].n_data, &err);
+        if (status != NQM_ERR_FORMAT || !strstr(err.message, bad[i].says))
+            print_error("%s: %s\n", bad[i].json, err.message);
+        assert_int_equal(status, NQM_ERR_FORMAT);
+        assert_non_null(strstr(err.message, bad[i].says));
+        assert_non_null(strstr(err.message, "lie: "));
+        assert_true(err.byte_offset >= 0);
+    }
+    assert_int_equal(parse_header("{}", 0, NULL), NQM_OK);
+    assert_int_equal(parse_header("{" A("[1]", "0", "4") "}  ", 4, NULL), NQM_OK);
+}
+
+/* A header length beyond the file or the format's limit must not cost memory: nothing is allocated. */
+static void claimed_header_lengths(void **state) {
+    (void)state;
+    static const uint64_t claims[] = {9, 100000001, (uint64_t)1 << 62, UINT64_MAX};
+    for (size_t i = 0; i < sizeof claims / sizeof *claims; ++i) {
+        unsigned char file[16] = {0};
+        nqm_safetensors *st;
+        nqm_error err = {0};
+        nqm_store_u64(file, claims[i]);
+        nqm_alloc_fail_after(0);
+        assert_int_equal(nqm_safetensors_parse(file, sizeof file, "f", &st, &err), NQM_ERR_FORMAT);
+        nqm_alloc_fail_after(-1);
+        assert_int_equal(err.byte_offset, 0);
+    }
+}
+
+/* ---- writing what cannot be written ------------------------------------------------------------------------------------- */
+
+static void refused_contents(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    nqm_tensor twice[2] = {tensors[0], tensors[0]}, wrong = tensors[0];
+    wrong.dims[0] = 6;
+    const nqm_meta reserved = {"sha256", "x"}, not_utf8 = {"k", "\xff"}, same[2] = {{"k", "1"}, {"k", "2"}};
+    const char *path = path_of_output();
+    assert_int_equal(nqm_safetensors_write(path, 2, twice, 0, NULL, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_safetensors_write(path, 1, &wrong, 0, NULL, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_safetensors_write(path, 1, tensors, 1, &reserved, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_safetensors_write(path, 1, tensors, 1, &not_utf8, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_safetensors_write(path, 1, tensors, 2, same, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(access(path, F_OK), -1);
+    assert_int_equal(nqm_safetensors_write("no/such/folder/f", 1, tensors, 0, NULL, NULL, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "no/such/folder/f"));
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    size_t n_bytes;
+    unsigned char *file = valid_file(&n_bytes, NULL);
+    for (long n = 0; n < 3; ++n) {
+        nqm_safetensors *st;
+        nqm_alloc_fail_after(n);
+        assert_int_equal(nqm_safetensors_parse(file, n_bytes, "f", &st, NULL), NQM_ERR_NOMEM);
+        assert_null(st);
+    }
+    for (long n = 0; n < 4; ++n) {
+        nqm_alloc_fail_after(n);
+        assert_int_equal(nqm_safetensors_write(path_of_output(), N_TENSORS, tensors, 2, meta, NULL, NULL),
+                         NQM_ERR_NOMEM);
+        assert_int_equal(access(path_of_output(), F_OK), -1);
+    }
+    nqm_alloc_fail_after(-1);
+    nqm_free(file);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_trip),       cmocka_unit_test(checksum),
+        cmocka_unit_test(false_headers),    cmocka_unit_test(truncated_anywhere),
+        cmocka_unit_test(refused_contents), cmocka_unit_test(claimed_header_lengths),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

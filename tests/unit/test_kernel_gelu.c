@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * GELU and its slope against erf and exp of the C library in double, over the whole range, at the far ends, in place; and
+ * the build's description.
+ */
+#include "kernel/kernel.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+static double distribution(double x) {
+    return 0.5 * erfc(-x / sqrt(2));
+}
+
+static double density(double x) {
+    return exp(-0.5 * x * x) / sqrt(2 * acos(-1));
+}
+
+static void whole_range(void **state) {
+    (void)state;
+    enum { N = 200001 };
+    static float x[N], y[N], slope[N];
+    for (size_t i = 0; i < N; ++i)
+        x[i] = -20.0f + 40.0f * (float)i / (N - 1);
+    nqm_gelu(N, x, y, slope);
+    double worst = 0;
+    for (size_t i = 0; i < N; ++i) {
+        double at = (double)x[i], expected = at * distribution(at);
+        /* the distribution within 3e-7, and the rounding of the product */
+        assert_near((double)y[i], expected, 3e-7 * fabs(at) + 1e-7 * fabs(expected));
+        assert_near((double)slope[i], distribution(at) + at * density(at), 6e-7);
+        worst = fmax(worst, fabs((double)y[i] - expected));
+    }
+    print_message("largest difference from the exact GELU: %.2g\n", worst);
+}
+
+static void far_ends(void **state) {
+    (void)state;
+    const float x[] = {0, -0.0f, 1e-30f, -1e-30f, 100, -100, 1e18f, -1e18f};
+    float y[8], slope[8];
+    nqm_gelu(8, x, y, slope);
+    for (size_t i = 0; i < 8; ++i) {
+        double at = (double)x[i], expected = fabs(at) < 1 ? at / 2 : fmax(at, 0);
+        assert_near((double)y[i], expected, 1e-6 * fabs(expected) + 1e-37);
+        assert_near((double)slope[i], fabs(at) < 1 ? 0.5 : at > 0 ? 1 : 0, 1e-6);
+    }
+    const float nan = NAN;
+    nqm_gelu(1, &nan, y, slope);
+    assert_true(isnan(y[0]) && isnan(slope[0]));
+}
+
+static void in_place_and_without_slope(void **state) {
+    (void)state;
+    float x[37], y[37], slope[37], alone[37];
+    for (size_t i = 0; i < 37; ++i)
+        x[i] = 0.3f * (float)i - 5;
+    nqm_gelu(37, x, y, slope);
+    nqm_gelu(37, x, alone, NULL);
+    assert_memory_equal(y, alone, sizeof y);
+    nqm_gelu(37, x, x, slope);
+    assert_memory_equal(y, x, sizeof y);
+}
+
+static void build_info(void **state) {
+    (void)state;
+    const char *line = nqm_build_info();
+    print_message("%s\n", line);
+    assert_non_null(strstr(line, "oneDNN 2."));
+    assert_non_null(strstr(line, "HDF5 1."));
+    assert_null(strchr(line, '\n'));
+    assert_ptr_equal(line, nqm_build_info());
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(whole_range), cmocka_unit_test(far_ends),
+                                       cmocka_unit_test(in_place_and_without_slope), cmocka_unit_test(build_info)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
