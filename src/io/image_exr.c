@@ -43,13 +43,16 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     snprintf(file->message, sizeof file->message, "%s", message);
 }
 
+/* Like pread: fewer bytes at the end of the file, for the library reads ahead. */
 static int64_t on_read(exr_const_context_t context, void *user, void *buffer, uint64_t n, uint64_t offset,
                        exr_stream_error_func_ptr_t error_fn) {
+    (void)context;
+    (void)error_fn;
     const nqm_map *map = ((exr_file *)user)->map;
-    if (offset > map->n_bytes || n > map->n_bytes - offset) {
-        (void)error_fn(context, EXR_ERR_READ_IO, "the file ends before byte %llu", (unsigned long long)(offset + n));
-        return -1;
-    }
+    if (offset >= map->n_bytes)
+        return 0;
+    if (n > map->n_bytes - offset)
+        n = map->n_bytes - offset;
     memcpy(buffer, map->data + offset, (size_t)n);
     return (int64_t)n;
 }

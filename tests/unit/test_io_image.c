@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Light maps: small pictures written byte by byte (vectors/images.py) give their pixels back; cut, spoilt and lying ones are
+ * refused with a message, without a large allocation.
+ */
+#include "base/memory_test.h"
+#include "io/io.h"
+#include "support/check.h"
+#include "vectors/images_vectors.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct sample {
+    const char *name;
+    nqm_status (*decode)(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
+    const unsigned char *data;
+    size_t n_bytes;
+    const double *pixels;
+} sample;
+
+static const sample samples[] = {
+    {"rgbe.png", nqm_image_decode_png, file_png, sizeof file_png, pixels_png},
+    {"flat.hdr", nqm_image_decode_hdr, file_hdr_flat, sizeof file_hdr_flat, pixels_hdr},
+    {"newer.hdr", nqm_image_decode_hdr, file_hdr_newer, sizeof file_hdr_newer, pixels_hdr},
+    {"older.hdr", nqm_image_decode_hdr, file_hdr_older, sizeof file_hdr_older, pixels_hdr},
+    {"float.exr", nqm_image_decode_exr, file_exr_float, sizeof file_exr_float, pixels_exr},
+    {"half.exr", nqm_image_decode_exr, file_exr_zip_half, sizeof file_exr_zip_half, pixels_exr},
+    {"tiled.exr", nqm_image_decode_exr, file_exr_tiled, sizeof file_exr_tiled, pixels_exr},
+    {"grey.exr", nqm_image_decode_exr, file_exr_grey, sizeof file_exr_grey, pixels_exr_grey},
+};
+enum { N_SAMPLES = sizeof samples / sizeof *samples };
+
+static nqm_status decode(const sample *s, const unsigned char *data, size_t n_bytes, nqm_error *err) {
+    const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = s->name};
+    nqm_image image;
+    *err = (nqm_error){0};
+    nqm_status status = s->decode(&map, &image, err);
+    if (status != NQM_OK) {
+        assert_null(image.rgb);
+        assert_int_equal(err->status, status);
+        assert_non_null(strstr(err->message, status == NQM_ERR_NOMEM ? "memory" : s->name));
+    }
+    nqm_free(image.rgb);
+    return status;
+}
+
+static void pixels(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_SAMPLES; ++i) {
+        const sample *s = &samples[i];
+        const nqm_map map = {.data = s->data, .n_bytes = s->n_bytes, .path = s->name};
+        nqm_image image;
+        nqm_error err = {0};
+        if (s->decode(&map, &image, &err) != NQM_OK)
+            fail_msg("%s", err.message);
+        assert_int_equal(image.width, VECTOR_WIDTH);
+        assert_int_equal(image.height, VECTOR_HEIGHT);
+        for (size_t k = 0; k < (size_t)3 * VECTOR_WIDTH * VECTOR_HEIGHT; ++k)
+            assert_relative((double)image.rgb[k], s->pixels[k], 1e-7);
+        nqm_free(image.rgb);
+    }
+}
+
+/* A file cut anywhere is malformed, never read beyond its end (the copy has exactly its bytes, for ASan). */
+static void cut_anywhere(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_SAMPLES; ++i)
+        for (size_t n = 0; n < samples[i].n_bytes; ++n) {
+            unsigned char *copy = malloc(n ? n : 1);
+            assert_non_null(copy);
+            memcpy(copy, samples[i].data, n);
+            nqm_error err;
+            assert_int_equal(decode(&samples[i], copy, n, &err), NQM_ERR_FORMAT);
+            free(copy);
+        }
+}
+
+static void spoilt_anywhere(void **state) {
+    (void)state;
+    static const unsigned char spoil[] = {0xff, 0x80, 0x01};
+    for (size_t i = 0; i < N_SAMPLES; ++i)
+        for (size_t n = 0; n < samples[i].n_bytes; ++n)
+            for (size_t k = 0; k < sizeof spoil; ++k) {
+                unsigned char *copy = malloc(samples[i].n_bytes);
+                assert_non_null(copy);
+                memcpy(copy, samples[i].data, samples[i].n_bytes);
+                copy[n] ^= spoil[k];
+                nqm_error err;
+                nqm_status status = decode(&samples[i], copy, samples[i].n_bytes, &err);
+                assert_true(status == NQM_OK || status == NQM_ERR_FORMAT || status == NQM_ERR_LIMIT);
+                free(copy);
+            }
+}
+
+/* Find `what` in a copy of the sample and put `with` there. */
+static void decode_patched(const sample *s, const void *what, size_t n_what, const void *with, nqm_status expected) {
+    unsigned char *copy = malloc(s->n_bytes);
+    assert_non_null(copy);
+    memcpy(copy, s->data, s->n_bytes);
+    size_t at = 0;
+    while (at + n_what <= s->n_bytes && memcmp(copy + at, what, n_what) != 0)
+        ++at;
+    assert_true(at + n_what <= s->n_bytes);
+    memcpy(copy + at, with, n_what);
+    nqm_error err;
+    assert_int_equal(decode(s, copy, s->n_bytes, &err), expected);
+    free(copy);
+}
+
+static void lying_sizes(void **state) {
+    (void)state;
+    decode_patched(&samples[0], "IHDR\0\0\0\x0b\0\0\0\x06", 12, "IHDR\x7f\xff\xff\xff\x7f\xff\xff\xff", NQM_ERR_FORMAT);
+    decode_patched(&samples[1], "-Y 6 +X 11\n", 11, "-Y 9 +X999\n", NQM_ERR_FORMAT);
+    static const char huge[] = "#?RGBE\n\n-Y 2147483648 +X 2147483648\nxxxx";
+    const sample lie = {.name = "huge.hdr", .decode = nqm_image_decode_hdr};
+    nqm_error err;
+    assert_int_equal(decode(&lie, (const unsigned char *)huge, sizeof huge - 1, &err), NQM_ERR_FORMAT);
+    assert_non_null(strstr(err.message, "2147483648 x 2147483648"));
+    /* The EXR's data window: from (-3, 7) to (7, 12). */
+    static const unsigned char window[16] = {253, 255, 255, 255, 7, 0, 0, 0, 7, 0, 0, 0, 12, 0, 0, 0};
+    static const unsigned char wide[16] = {0, 0, 0, 128, 0, 0, 0, 128, 255, 255, 255, 127, 255, 255, 255, 127};
+    static const unsigned char upside_down[16] = {253, 255, 255, 255, 12, 0, 0, 0, 7, 0, 0, 0, 7, 0, 0, 0};
+    decode_patched(&samples[4], window, 16, wide, NQM_ERR_FORMAT);
+    decode_patched(&samples[4], window, 16, upside_down, NQM_ERR_FORMAT);
+}
+
+static void over_the_limit(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    nqm_image image;
+    const nqm_map map = {.data = file_png, .n_bytes = (size_t)1 << 30, .path = "large.exr"};
+    assert_int_equal(nqm_image_alloc(&map, NQM_IMAGE_MAX_WIDTH + 1, 4, 1, &image, &err), NQM_ERR_LIMIT);
+    assert_int_equal(nqm_image_alloc(&map, 4, NQM_IMAGE_MAX_HEIGHT + 1, 1, &image, &err), NQM_ERR_LIMIT);
+    assert_int_equal(nqm_image_alloc(&map, 0, 4, 1, &image, &err), NQM_ERR_FORMAT);
+}
+
+static void write_file(const char *path, const void *data, size_t n_bytes) {
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(data, 1, n_bytes, f), n_bytes);
+    assert_int_equal(fclose(f), 0);
+}
+
+static nqm_status load(const char *path, nqm_image *image, nqm_error *err) {
+    *err = (nqm_error){0};
+    nqm_status status = nqm_image_load(path, image, err);
+    if (status != NQM_OK) {
+        assert_null(image->rgb);
+        assert_non_null(strstr(err->message, path));
+    }
+    return status;
+}
+
+static void loading(void **state) {
+    (void)state;
+    char dir[] = "/tmp/nqm-image-XXXXXX", path[64];
+    assert_non_null(mkdtemp(dir));
+    snprintf(path, sizeof path, "%s/picture", dir);
+    nqm_image image;
+    nqm_error err;
+    for (size_t i = 0; i < N_SAMPLES; ++i) { /* by the bytes: the name says nothing */
+        write_file(path, samples[i].data, samples[i].n_bytes);
+        assert_int_equal(load(path, &image, &err), NQM_OK);
+        nqm_free(image.rgb);
+    }
+    /* 0.25 becomes NaN, infinity, -1 in turn. */
+    static const unsigned char quarter[4] = {0, 0, 0x80, 0x3e};
+    static const unsigned char bad[3][4] = {{0, 0, 0xc0, 0x7f}, {0, 0, 0x80, 0x7f}, {0, 0, 0x80, 0xbf}};
+    unsigned char copy[sizeof file_exr_float];
+    for (int i = 0; i < 3; ++i) {
+        memcpy(copy, file_exr_float, sizeof copy);
+        size_t at = sizeof copy - 4;
+        while (memcmp(copy + at, quarter, 4) != 0)
+            --at;
+        memcpy(copy + at, bad[i], 4);
+        write_file(path, copy, sizeof copy);
+        assert_int_equal(load(path, &image, &err), i < 2 ? NQM_ERR_FORMAT : NQM_OK);
+        for (size_t k = 0; i == 2 && k < (size_t)3 * VECTOR_WIDTH * VECTOR_HEIGHT; ++k)
+            assert_true(image.rgb[k] >= 0);
+        nqm_free(image.rgb);
+    }
+    write_file(path, "", 0);
+    assert_int_equal(load(path, &image, &err), NQM_ERR_FORMAT);
+    write_file(path, "no picture", 10);
+    assert_int_equal(load(path, &image, &err), NQM_ERR_FORMAT);
+    unlink(path);
+    assert_int_equal(load(path, &image, &err), NQM_ERR_IO);
+    assert_int_equal(load(dir, &image, &err), NQM_ERR_IO);
+    rmdir(dir);
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_SAMPLES; ++i) {
+        nqm_status status = NQM_ERR_NOMEM;
+        nqm_error err;
+        for (long n = 0; status != NQM_OK; ++n) {
+            nqm_alloc_fail_after(n);
+            status = decode(&samples[i], samples[i].data, samples[i].n_bytes, &err);
+            nqm_alloc_fail_after(-1);
+            assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
+            assert_true(n < 10);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels),        cmocka_unit_test(cut_anywhere), cmocka_unit_test(spoilt_anywhere),
+        cmocka_unit_test(lying_sizes),   cmocka_unit_test(loading),      cmocka_unit_test(over_the_limit),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
