@@ -107,11 +107,9 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
         shape->sizes[l + 1] = w->dims[0];
         shape->n_layers = l + 1;
     }
-    if (shape->n_layers == 0)
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.0.weight' is missing", r->name);
-    if (shape->sizes[shape->n_layers] != 1)
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: the last layer has %zu outputs, not 1", r->name,
-                        shape->sizes[shape->n_layers]);
+    size_t n = shape->n_layers;
+    if (n == 0 || shape->sizes[n] != 1) /* the last layer has one output */
+        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.%zu.weight' is missing", r->name, n);
     return NQM_OK;
 }
 
