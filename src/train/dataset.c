@@ -44,6 +44,20 @@ static nqm_status check_used(size_t n, const uint8_t *used, const char *what, co
     return NQM_OK;
 }
 
+static nqm_status check_pairs_used(const nqm_dataset *d, const char *name, nqm_error *err) {
+    const size_t n = d->n_directions;
+    for (size_t pair = 0; (d->ref_used || d->test_used) && pair < d->n_pairs; ++pair) {
+        const uint8_t *ref = d->ref_used ? d->ref_used + d->pair_ref[pair] * n : NULL;
+        const uint8_t *test = d->test_used ? d->test_used + pair * n : NULL;
+        size_t k = 0;
+        while (k < n && !((!ref || ref[k]) && (!test || test[k])))
+            ++k;
+        if (k == n)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: pair %zu has no direction with a value", name, pair);
+    }
+    return NQM_OK;
+}
+
 static nqm_status check_indices(size_t n, const uint32_t *index, size_t limit, const char *what, const char *name,
                                 nqm_error *err) {
     for (size_t i = 0; i < n; ++i)
@@ -84,6 +98,8 @@ nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_erro
         status = check_used(d->n_refs * d->n_directions, d->ref_used, "ref_used", name, err);
     if (status == NQM_OK)
         status = check_used(d->n_pairs * d->n_directions, d->test_used, "test_used", name, err);
+    if (status == NQM_OK)
+        status = check_pairs_used(d, name, err);
     if (status == NQM_OK)
         status = check_rgb(d->n_refs, n_columns, d->ref_rgb, "reference", name, err);
     if (status == NQM_OK)

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What models and the nine scalar metrics predict for the pairs of a dataset; how well that agrees with the labels is counted in
+ * agreement.c.
+ */
+#include "train/agreement.h"
+#include "train/train.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BATCH = 256 };
+
+struct nqm_evaluation {
+    const nqm_dataset *dataset;
+    size_t n_models, n_predictors;
+    const nqm_model *const *models;
+    nqm_split split;
+    double *values;     /* (n_predictors, n_pairs of the dataset) NaN where not predicted */
+    const char **names; /* (n_predictors) */
+};
+
+nqm_eval_options nqm_eval_options_default(void) {
+    return (nqm_eval_options){.split = NQM_SPLIT_ALL, .jod_to = INFINITY, .n_bootstrap = 1000, .seed = 1};
+}
+
+static bool in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
+    return split == NQM_SPLIT_ALL || nqm_dataset_pair_split(d, pair) == split;
+}
+
+/* ---- the scalar metrics ----------------------------------------------------------------------------------------------- */
+
+typedef struct metric_job {
+    nqm_evaluation *ev;
+    const size_t *pairs;
+    uint8_t *used; /* (BATCH, n_directions) */
+} metric_job;
+
+static void pair_metrics(void *user, size_t i) {
+    const metric_job *job = user;
+    const nqm_dataset *d = job->ev->dataset;
+    size_t pair = job->pairs[i], n_columns = 3 * d->n_directions;
+    double metrics[NQM_METRIC_COUNT];
+    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
+    nqm_metrics_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n_columns, d->test_rgb + pair * n_columns, used,
+                        metrics);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
+}
+
+/* ---- models ----------------------------------------------------------------------------------------------------------- */
+
+/* Memory for a model's batch. */
+typedef struct model_job {
+    const nqm_dataset *dataset;
+    const size_t *pairs;
+    nqm_features features;
+    nqm_net_work *work;
+    size_t width;
+    float *samples; /* (BATCH, 2, n_directions, 3) transformed */
+    float *x;       /* (BATCH, width) */
+    float z[BATCH];
+    uint8_t *used; /* (BATCH, n_directions) */
+} model_job;
+
+static void compose_pair(void *user, size_t i) {
+    const model_job *job = user;
+    const nqm_dataset *d = job->dataset;
+    size_t pair = job->pairs[i], n = 3 * d->n_directions;
+    float *ref_t = job->samples + i * 2 * n, *test_t = ref_t + n;
+    nqm_features_transform(n, d->ref_rgb + d->pair_ref[pair] * n, ref_t);
+    nqm_features_transform(n, d->test_rgb + pair * n, test_t);
+    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
+    nqm_features_compose(&job->features, d->n_directions, ref_t, test_t, used, job->x + i * job->width);
+}
+
+static nqm_status begin_model(model_job *job, const nqm_dataset *d, const struct nqm_model *m, nqm_error *err) {
+    *job = (model_job){.dataset = d, .width = m->params.shape.sizes[0]};
+    job->features.layout = m->layout;
+    job->features.difference_scale = m->difference_scale;
+    memcpy(job->features.mean, m->mean, sizeof m->mean);
+    memcpy(job->features.std, m->std, sizeof m->std);
+    if (m->n_directions != d->n_directions ||
+        memcmp(m->directions_deg, d->directions_deg, 3 * d->n_directions * sizeof *d->directions_deg) != 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "model '%s' looks at other directions (%zu) than those of the dataset (%zu)", m->id,
+                        m->n_directions, d->n_directions);
+    job->samples = nqm_alloc(BATCH, 6 * d->n_directions * sizeof(float));
+    job->x = nqm_alloc(BATCH, job->width * sizeof(float));
+    job->used = nqm_alloc(BATCH, d->n_directions);
+    if (!job->samples || !job->x || !job->used)
+        return nqm_fail_nomem(err, BATCH * (6 * d->n_directions + job->width) * sizeof(float));
+    return nqm_net_work_create(&m->params.shape, BATCH, false, &job->work, err);
+}
+
+static void end_model(model_job *job) {
+    nqm_net_work_free(job->work);
+    nqm_free(job->samples);
+    nqm_free(job->x);
+    nqm_free(job->used);
+}
+
+static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job, size_t n, nqm_error *err) {
+    const struct nqm_model *m = ev->models[model];
+    nqm_parallel_for(n, compose_pair, job);
+    nqm_net_forward(&m->params, job->work, n, job->x, NULL, job->z);
+    for (size_t i = 0; i < n; ++i) {
+        double jod = nqm_model_jod(m, (double)job->z[i], NULL);
+        if (!isfinite(jod))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu", m->id,
+                            job->pairs[i]);
+        ev->values[model * ev->dataset->n_pairs + job->pairs[i]] = jod;
+    }
+    return NQM_OK;
+}
+
+/* ---- all predictors ---------------------------------------------------------------------------------------------------- */
+
+typedef struct predict_run {
+    nqm_evaluation *ev;
+    size_t n;      /* pairs to predict */
+    size_t *pairs; /* (n) */
+    nqm_ticker ticker;
+    double done; /* pairs times predictors' passes */
+} predict_run;
+
+static nqm_status tick(predict_run *run, size_t n, nqm_error *err) {
+    run->done += (double)n;
+    if (nqm_tick(&run->ticker, "evaluate", run->done, (double)run->n * (double)(run->ev->n_models + 1)))
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
+    return NQM_OK;
+}
+
+static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
+    model_job job;
+    nqm_status status = begin_model(&job, run->ev->dataset, run->ev->models[model], err);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += BATCH) {
+        size_t n = run->n - first < BATCH ? run->n - first : BATCH;
+        job.pairs = run->pairs + first;
+        status = predict_batch(run->ev, model, &job, n, err);
+        if (status == NQM_OK)
+            status = tick(run, n, err);
+    }
+    end_model(&job);
+    return status;
+}
+
+static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
+    metric_job job = {.ev = run->ev, .used = nqm_alloc(BATCH, run->ev->dataset->n_directions)};
+    nqm_status status = job.used ? NQM_OK : nqm_fail_nomem(err, BATCH * run->ev->dataset->n_directions);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += BATCH) {
+        size_t n = run->n - first < BATCH ? run->n - first : BATCH;
+        job.pairs = run->pairs + first;
+        nqm_parallel_for(n, pair_metrics, &job);
+        status = tick(run, n, err);
+    }
+    nqm_free(job.used);
+    return status;
+}
+
+static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    predict_run run = {.ev = ev, .pairs = nqm_alloc(d->n_pairs, sizeof *run.pairs)};
+    run.ticker = (nqm_ticker){.fn = o->progress, .user = o->progress_user};
+    nqm_status status = run.pairs ? NQM_OK : nqm_fail_nomem(err, d->n_pairs * sizeof *run.pairs);
+    for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
+        if (in_split(d, i, o->split))
+            run.pairs[run.n++] = i;
+    if (status == NQM_OK && run.n == 0)
+        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no pair in this split");
+    for (size_t m = 0; status == NQM_OK && m < ev->n_models; ++m)
+        status = predict_model(&run, m, err);
+    if (status == NQM_OK)
+        status = predict_metrics(&run, err);
+    nqm_free(run.pairs);
+    return status;
+}
+
+nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
+                                 const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
+    *evaluation_ret = NULL;
+    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    nqm_status status = NQM_OK;
+    nqm_evaluation *ev = nqm_alloc(1, sizeof *ev);
+    if (!ev)
+        return nqm_fail_nomem(err, sizeof *ev);
+    ev->dataset = dataset;
+    ev->n_models = n_models;
+    ev->models = models;
+    ev->split = o.split;
+    ev->n_predictors = n_models + NQM_METRIC_COUNT;
+    ev->values = nqm_alloc(ev->n_predictors, dataset->n_pairs * sizeof *ev->values);
+    ev->names = nqm_alloc(ev->n_predictors, sizeof *ev->names);
+    if (!ev->values || !ev->names) {
+        status = nqm_fail_nomem(err, ev->n_predictors * dataset->n_pairs * sizeof *ev->values);
+        goto fail;
+    }
+    for (size_t i = 0; i < ev->n_predictors * dataset->n_pairs; ++i)
+        ev->values[i] = NAN;
+    for (size_t i = 0; i < ev->n_predictors; ++i)
+        ev->names[i] = i < n_models ? models[i]->id : nqm_metric_name((nqm_metric)(i - n_models));
+    status = predict_all(ev, &o, err);
+    if (status != NQM_OK)
+        goto fail;
+    *evaluation_ret = ev;
+    return NQM_OK;
+fail:
+    nqm_evaluation_free(ev);
+    return status;
+}
+
+void nqm_evaluation_free(nqm_evaluation *ev) {
+    if (!ev)
+        return;
+    nqm_free(ev->values);
+    nqm_free(ev->names);
+    nqm_free(ev);
+}
+
+size_t nqm_evaluation_count(const nqm_evaluation *ev) {
+    return ev->n_predictors;
+}
+
+const char *nqm_evaluation_name(const nqm_evaluation *ev, size_t i) {
+    return ev->names[i];
+}
+
+const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
+    return ev->values + i * ev->dataset->n_pairs;
+}
+
+/* ---- judging ---------------------------------------------------------------------------------------------------------- */
+
+static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t pair) {
+    const nqm_dataset *d = ev->dataset;
+    return in_split(d, pair, o->split) && in_split(d, pair, ev->split) && d->jod[pair] >= o->jod_from &&
+           d->jod[pair] < o->jod_to && (!o->kind || strcmp(d->kind_names[d->pair_kind[pair]], o->kind) == 0);
+}
+
+/* Memory of one judgement; the chosen pairs by group. */
+typedef struct selection {
+    size_t n;
+    size_t *group_begin; /* (n_groups + 1) */
+    size_t *pairs;       /* (n) */
+    double *label;       /* (n) */
+    double *prediction;  /* (n_predictors, n) */
+} selection;
+
+/* Counting sort of the chosen pairs by group. */
+static nqm_status select_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, selection *s, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    size_t *next = nqm_alloc(d->n_groups, sizeof *next);
+    s->group_begin = nqm_alloc(d->n_groups + 1, sizeof *s->group_begin);
+    s->pairs = nqm_alloc(d->n_pairs, sizeof *s->pairs);
+    bool ok = next && s->group_begin && s->pairs;
+    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
+        s->group_begin[d->ref_group[d->pair_ref[pair]] + 1] += selected(ev, o, pair);
+    for (size_t g = 0; ok && g < d->n_groups; ++g) {
+        next[g] = s->group_begin[g];
+        s->group_begin[g + 1] += s->group_begin[g];
+    }
+    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
+        if (selected(ev, o, pair))
+            s->pairs[next[d->ref_group[d->pair_ref[pair]]]++] = pair;
+    nqm_free(next);
+    s->n = ok ? s->group_begin[d->n_groups] : 0;
+    return ok ? NQM_OK : nqm_fail_nomem(err, (2 * d->n_groups + d->n_pairs) * sizeof *next);
+}
+
+static nqm_status collect(const nqm_evaluation *ev, selection *s, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    s->label = nqm_alloc(s->n, sizeof *s->label);
+    s->prediction = nqm_alloc(ev->n_predictors, s->n * sizeof *s->prediction);
+    if (!s->label || !s->prediction)
+        return nqm_fail_nomem(err, ev->n_predictors * s->n * sizeof *s->prediction);
+    for (size_t k = 0; k < s->n; ++k)
+        s->label[k] = d->jod[s->pairs[k]];
+    for (size_t i = 0; i < ev->n_predictors; ++i) {
+        double sign = i < ev->n_models ? 1 : -1; /* a metric is a distance */
+        for (size_t k = 0; k < s->n; ++k)
+            s->prediction[i * s->n + k] = sign * ev->values[i * d->n_pairs + s->pairs[k]];
+    }
+    return NQM_OK;
+}
+
+nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_agreement *results,
+                                nqm_error *err) {
+    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    selection s = {0};
+    nqm_status status = select_pairs(ev, &o, &s, err);
+    if (status == NQM_OK && s.n == 0)
+        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair is left to judge on");
+    if (status == NQM_OK)
+        status = collect(ev, &s, err);
+    if (status == NQM_OK) {
+        nqm_judgement j = {.n = s.n,
+                           .n_groups = ev->dataset->n_groups,
+                           .n_predictors = ev->n_predictors,
+                           .group_begin = s.group_begin,
+                           .label = s.label,
+                           .prediction = s.prediction};
+        status = nqm_judge(&j, o.n_bootstrap, o.seed, results, err);
+    }
+    for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
+        results[i].name = ev->names[i];
+        if (i >= ev->n_models)
+            results[i].mae = results[i].rmse = results[i].r2 = NAN;
+    }
+    nqm_free(s.group_begin);
+    nqm_free(s.pairs);
+    nqm_free(s.label);
+    nqm_free(s.prediction);
+    return status;
+}
+
+nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset, const nqm_eval_options *options,
+                        nqm_agreement *results, nqm_error *err) {
+    nqm_evaluation *ev;
+    nqm_status status = nqm_evaluation_create(dataset, 1, &model, options, &ev, err);
+    if (status == NQM_OK)
+        status = nqm_evaluation_judge(ev, options, results, err);
+    nqm_evaluation_free(ev);
+    return status;
+}
