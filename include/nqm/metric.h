@@ -64,7 +64,8 @@ NQM_API const char *nqm_metric_name(nqm_metric metric);
 /** Options of nqm_score(). */
 typedef struct nqm_score_options {
     nqm_invalid_policy invalid; /**< default NQM_INVALID_DROP */
-    double min_valid_fraction;  /**< fewer valid directions of a pair are refused; 0..1; default 0.9 */
+    double min_valid_fraction;  /**< a pair with fewer directions at which both hold a value is refused, under every policy:
+                                     NQM_ERR_INCOMPATIBLE in its result; 0..1; default 0.9 */
 } nqm_score_options;
 
 NQM_API nqm_score_options nqm_score_options_default(void);
@@ -76,15 +77,19 @@ typedef struct nqm_score_result {
     double delta_e;          /**< the Delta-E ITP that the JOD stands for, by the model's curve; NaN if the model has none */
     int identical;           /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
-    size_t n_valid;          /**< directions used */
-    size_t n_clamped_ref, n_clamped_test;
-    size_t n_invalid_ref, n_invalid_test;
+    size_t n_valid;          /**< directions at which both BRDFs hold a value */
+    size_t n_unusual;        /**< directions at which one of them is brighter than the training references by more than 6
+                                  standard deviations (of the transformed values): the score is an extrapolation there */
+    size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, taken as 0 */
+    size_t n_invalid_ref, n_invalid_test; /**< directions without a value, filled as the policy says */
 } nqm_score_result;
 
 /**
- * Score n_tests approximations against one reference. The reference is sampled once.
+ * Score n_tests approximations against one reference. The reference is sampled once. How many tests are scored together
+ * changes a JOD by rounding only (below 1e-5).
  *
  * @param tests    (n_tests)
+ * @param options  NULL: the defaults
  * @param results  (n_tests) receives a result each
  * @return the first failure that concerns the reference or the model; faults of single tests stand in their result
  */

@@ -87,7 +87,8 @@ enum { NQM_TRAIN_MAX_HIDDEN = 7 };
 /** Everything that distinguishes one training from another. Take one from nqm_train_options_recipe(). */
 typedef struct nqm_train_options {
     const char *recipe;                  /**< the name the options came from; stored in the model */
-    const char *id;                      /**< model id; default the recipe's name */
+    const char *id;      /**< model id; default the recipe's name */
+    const char *licence; /**< SPDX identifier for the model; NULL: not stated */
     nqm_layout layout;                   /**< paper: REF_TEST; nqm: REF_DIFF_ABSDIFF */
     double difference_scale;             /**< s of the layout; paper: unused; nqm: 3 */
     size_t n_hidden;                     /**< hidden layers; 1..NQM_TRAIN_MAX_HIDDEN; default 3 */

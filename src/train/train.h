@@ -154,4 +154,33 @@ void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *i
 /** The same for the validation examples [first, first + n). */
 void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, float *x, float *target);
 
+/* ---- the state of a training, and its file (checkpoint.c) ------------------------------------------------------------ */
+
+/** Losses and rate of one finished epoch. */
+typedef struct nqm_epoch {
+    double train_loss, validation_loss, lr_first;
+} nqm_epoch;
+
+/** Everything that the next step depends on. */
+typedef struct nqm_training {
+    nqm_params params;
+    nqm_adam adam;
+    nqm_plateau plateau;
+    double lr_first, lr_deeper;
+    size_t epoch;       /* finished ones */
+    nqm_epoch *history; /* (max_epochs) */
+    size_t max_epochs;
+} nqm_training;
+
+/** Write the state, with the options and the dataset that it belongs to. */
+NQM_MUST_CHECK nqm_status nqm_checkpoint_write(const nqm_training *training, const nqm_train_options *options,
+                                               const char *dataset_sha256, nqm_error *err);
+/** Read it back into a created training of the same shape. NQM_ERR_INCOMPATIBLE when options or dataset are others. */
+NQM_MUST_CHECK nqm_status nqm_checkpoint_read(nqm_training *training, const nqm_train_options *options,
+                                              const char *dataset_sha256, nqm_error *err);
+
+/** The model card: what the model was trained and judged on, from facts; nqm_free(). NULL when out of memory. */
+char *nqm_model_card(const nqm_dataset *dataset, const nqm_train_options *options, const nqm_train_report *report,
+                     const struct nqm_model *model);
+
 #endif

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * metric.h - inside the metric module: making a parsed model usable, and prediction for sampled pairs in batches.
+ */
+#ifndef NQM_SRC_METRIC_H
+#define NQM_SRC_METRIC_H
+
+#include "net/net.h"
+#include "sample/sample.h"
+#include <nqm/metric.h>
+
+/** Give a model whose directions_deg are set its direction set; nqm_model_destroy() frees it with the model. */
+NQM_MUST_CHECK nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err);
+
+/** Pairs that are sampled at the model's directions. */
+typedef struct nqm_sampled_pairs {
+    size_t n;
+    bool one_ref;        /* the same reference for all */
+    const float *ref;    /* (n, n_directions, 3) f_r >= 0, or (n_directions, 3) if one_ref */
+    const float *test;   /* (n, n_directions, 3) */
+    const uint8_t *used; /* (n, n_directions) 0: the direction is dropped; NULL: none is */
+} nqm_sampled_pairs;
+
+enum { NQM_PREDICT_BATCH = 256 };
+
+/** Memory for predictions; belongs to one thread at a time, the model is lent. */
+typedef struct nqm_predictor nqm_predictor;
+
+/** max_batch: 1..NQM_PREDICT_BATCH */
+NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_predictor **predictor_ret,
+                                               nqm_error *err);
+void nqm_predictor_free(nqm_predictor *predictor);
+/**
+ * Predict pairs->n (at most max_batch) pairs. How pairs are grouped changes a JOD by rounding only (below 1e-5).
+ *
+ * @param jod      (n)
+ * @param delta_e  (n) NULL allowed; NaN where the model has no curve
+ */
+void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
+
+#endif

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The score of approximations against one reference: sample, compare, predict, in batches of tests.
+ */
+#include "metric/metric.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Beyond this many standard deviations of the training references a value counts as unusual. */
+static const float unusual_sigma = 6;
+
+/* Everything one call works with; arrays of tests hold one batch. */
+typedef struct scorer {
+    const nqm_model *model;
+    const nqm_directions *directions;
+    nqm_score_options options;
+    size_t batch;
+    float *ref, *test;     /* (n_directions, 3), (batch, n_directions, 3) */
+    uint8_t *ref_flag;     /* (n_directions) nqm_value_flag */
+    uint8_t *used;         /* (batch, n_directions) directions that count */
+    double *jod, *delta_e; /* (batch) */
+    nqm_sample_report ref_report;
+    nqm_predictor *predictor;
+    const nqm_brdf *const *tests; /* of this batch */
+    nqm_score_result *results;    /* of this batch */
+} scorer;
+
+nqm_score_options nqm_score_options_default(void) {
+    return (nqm_score_options){.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.9};
+}
+
+static bool has_value(uint8_t flag) {
+    return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED;
+}
+
+static nqm_score_result no_score(nqm_status status) {
+    nqm_score_result result = {.status = status, .jod = NAN, .delta_e = NAN};
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        result.metrics[m] = NAN;
+    return result;
+}
+
+/* Directions at which either member lies far outside what the model was trained on. */
+static size_t count_unusual(const scorer *s, const float *test, const uint8_t *used) {
+    const nqm_model *model = s->model;
+    float limit[3]; /* in reflectance: the transform is monotone, so nothing has to be transformed */
+    for (size_t k = 0; k < 3; ++k) {
+        float root = expm1f(model->mean[k] + unusual_sigma * model->std[k]);
+        limit[k] = root * root * root;
+    }
+    size_t n_unusual = 0;
+    for (size_t i = 0; i < s->directions->n; ++i) {
+        bool unusual = false;
+        for (size_t k = 0; k < 3; ++k)
+            unusual = unusual || s->ref[3 * i + k] > limit[k] || test[3 * i + k] > limit[k];
+        n_unusual += unusual && used[i];
+    }
+    return n_unusual;
+}
+
+/* Sample test i of the batch and compare it with the reference, all but the JOD. */
+static void compare(void *user, size_t i) {
+    scorer *s = user;
+    size_t n = s->directions->n;
+    float *test = s->test + 3 * n * i;
+    uint8_t *used = s->used + n * i; /* holds the test's flags first */
+    nqm_score_result *result = &s->results[i];
+    nqm_sample_report report = {0};
+    *result = no_score(nqm_sample(s->tests[i], s->directions, s->options.invalid, test, used, &report, NULL));
+    result->n_clamped_ref = s->ref_report.n_clamped;
+    result->n_invalid_ref = s->ref_report.n_invalid;
+    result->n_clamped_test = report.n_clamped;
+    result->n_invalid_test = report.n_invalid;
+    bool equal = true;
+    for (size_t k = 0; k < n; ++k) {
+        bool valid = has_value(s->ref_flag[k]) && has_value(used[k]);
+        result->n_valid += valid;
+        equal = equal && (!valid || memcmp(s->ref + 3 * k, test + 3 * k, 3 * sizeof *test) == 0);
+        used[k] = valid || s->options.invalid != NQM_INVALID_DROP;
+    }
+    if (result->status == NQM_OK &&
+        (result->n_valid == 0 || (double)result->n_valid < s->options.min_valid_fraction * (double)n))
+        result->status = NQM_ERR_INCOMPATIBLE;
+    if (result->status != NQM_OK) {
+        memset(used, 0, n); /* the network sees a neutral pair; its answer is not used */
+        memset(test, 0, 3 * n * sizeof *test);
+        return;
+    }
+    result->identical = equal;
+    result->n_unusual = count_unusual(s, test, used);
+    nqm_metrics_compute(s->directions, s->ref, test, used, result->metrics);
+}
+
+static void score_batch(scorer *s, size_t n) {
+    if (n == 1)
+        compare(s, 0);
+    else
+        nqm_parallel_for(n, compare, s);
+    nqm_sampled_pairs pairs = {.n = n, .one_ref = true, .ref = s->ref, .test = s->test, .used = s->used};
+    nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
+    for (size_t i = 0; i < n; ++i) {
+        nqm_score_result *result = &s->results[i];
+        if (result->status != NQM_OK)
+            continue;
+        if (!isfinite(s->jod[i])) {
+            *result = no_score(NQM_ERR_NUMERIC);
+            continue;
+        }
+        result->jod = s->jod[i];
+        result->delta_e = s->delta_e[i];
+    }
+}
+
+static nqm_status make_room(scorer *s, nqm_error *err) {
+    size_t n = s->directions->n;
+    s->ref = nqm_alloc(n, 3 * sizeof *s->ref);
+    s->ref_flag = nqm_alloc(n, sizeof *s->ref_flag);
+    s->test = nqm_alloc(s->batch, 3 * n * sizeof *s->test);
+    s->used = nqm_alloc(s->batch, n * sizeof *s->used);
+    s->jod = nqm_alloc(s->batch, sizeof *s->jod);
+    s->delta_e = nqm_alloc(s->batch, sizeof *s->delta_e);
+    if (!s->ref || !s->ref_flag || !s->test || !s->used || !s->jod || !s->delta_e)
+        return nqm_fail_nomem(err, (s->batch + 1) * n * (3 * sizeof(float) + 1));
+    return nqm_predictor_create(s->model, s->batch, &s->predictor, err);
+}
+
+static void release(scorer *s) {
+    void *blocks[] = {s->ref, s->ref_flag, s->test, s->used, s->jod, s->delta_e};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
+        nqm_free(blocks[i]);
+    nqm_predictor_free(s->predictor);
+}
+
+nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
+                     const nqm_score_options *options, nqm_score_result *results, nqm_error *err) {
+    scorer s = {.model = model,
+                .directions = model->directions,
+                .options = options ? *options : nqm_score_options_default(),
+                .batch = n_tests < NQM_PREDICT_BATCH ? n_tests : NQM_PREDICT_BATCH};
+    if (!(s.options.min_valid_fraction >= 0 && s.options.min_valid_fraction <= 1))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
+                        s.options.min_valid_fraction);
+    if (n_tests == 0)
+        return NQM_OK;
+    nqm_status status = make_room(&s, err);
+    if (status == NQM_OK)
+        status = nqm_sample(ref, s.directions, s.options.invalid, s.ref, s.ref_flag, &s.ref_report, err);
+    for (size_t begin = 0; status == NQM_OK && begin < n_tests; begin += s.batch) {
+        s.tests = tests + begin;
+        s.results = results + begin;
+        score_batch(&s, n_tests - begin < s.batch ? n_tests - begin : s.batch);
+    }
+    release(&s);
+    return status;
+}

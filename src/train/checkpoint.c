@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The state of a training in a file (safetensors), so that an interrupted training goes on to the same bits: parameters, both
+ * moments of Adam, step, rates, the schedule's memory and the losses so far. The order of an epoch, dropout and augmentation
+ * come from counters and need no state. A checkpoint names the options and the dataset it belongs to.
+ */
+#include "io/io.h"
+#include "train/train.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char format_name[] = "nqm-checkpoint", schema[] = "1";
+
+enum { STATE_EPOCH, STATE_STEP, STATE_LR_FIRST, STATE_LR_DEEPER, STATE_BEST, STATE_BAD_EPOCHS, N_STATE };
+
+enum { PARAMS, ADAM_M, ADAM_V, STATE, HISTORY, N_TENSORS };
+
+static void list_tensors(const nqm_training *t, const double state[N_STATE], nqm_tensor tensors[N_TENSORS]) {
+    size_t n = t->params.n;
+    const nqm_tensor list[N_TENSORS] = {
+        [PARAMS] =
+            {.name = "params", .dtype = NQM_F32, .n_dims = 1, .dims = {n}, .n_bytes = n * 4, .data = t->params.block},
+        [ADAM_M] =
+            {.name = "adam_m", .dtype = NQM_F32, .n_dims = 1, .dims = {n}, .n_bytes = n * 4, .data = t->adam.m.block},
+        [ADAM_V] =
+            {.name = "adam_v", .dtype = NQM_F32, .n_dims = 1, .dims = {n}, .n_bytes = n * 4, .data = t->adam.v.block},
+        [STATE] =
+            {.name = "state", .dtype = NQM_F64, .n_dims = 1, .dims = {N_STATE}, .n_bytes = N_STATE * 8, .data = state},
+        [HISTORY] = {.name = "history",
+                     .dtype = NQM_F64,
+                     .n_dims = 2,
+                     .dims = {t->epoch, sizeof(nqm_epoch) / 8},
+                     .n_bytes = t->epoch * sizeof(nqm_epoch),
+                     .data = t->history},
+    };
+    memcpy(tensors, list, sizeof list);
+}
+
+nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *o, const char *dataset_sha256,
+                                nqm_error *err) {
+    const double state[N_STATE] = {
+        [STATE_EPOCH] = (double)t->epoch, [STATE_STEP] = (double)t->adam.step,
+        [STATE_LR_FIRST] = t->lr_first,   [STATE_LR_DEEPER] = t->lr_deeper,
+        [STATE_BEST] = t->plateau.best,   [STATE_BAD_EPOCHS] = (double)t->plateau.bad_epochs};
+    nqm_tensor tensors[N_TENSORS];
+    list_tensors(t, state, tensors);
+    char *options = nqm_train_options_text(o);
+    if (!options)
+        return nqm_fail_nomem(err, 0);
+    const nqm_meta meta[] = {
+        {"format", format_name}, {"schema", schema}, {"options", options}, {"dataset_sha256", dataset_sha256}};
+    nqm_status status =
+        nqm_safetensors_write(o->checkpoint, N_TENSORS, tensors, sizeof meta / sizeof meta[0], meta, NULL, err);
+    nqm_free(options);
+    return status;
+}
+
+/* ---- reading ---------------------------------------------------------------------------------------------------------- */
+
+static nqm_status check_format(const nqm_safetensors *st, const char *path, nqm_error *err) {
+    const char *format = nqm_safetensors_meta(st, "format"), *version = nqm_safetensors_meta(st, "schema");
+    char hex[65];
+    bool matches = false;
+    if (!format || strcmp(format, format_name) != 0 || !version || strcmp(version, schema) != 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: no checkpoint of this version of nqm", path);
+    if (!nqm_safetensors_checksum(st, hex, &matches) || !matches)
+        return nqm_fail(err, NQM_ERR_FORMAT, -1,
+                        "%s: the SHA-256 of the content is not the stored one: the file is damaged", path);
+    return NQM_OK;
+}
+
+/* Equal, or a message that names the first option that differs. */
+static nqm_status compare_options(json_t *theirs, json_t *ours, const char *path, nqm_error *err) {
+    const char *key;
+    json_t *value;
+    json_object_foreach(ours, key, value) {
+        if (json_equal(value, json_object_get(theirs, key)))
+            continue;
+        char *was = json_dumps(json_object_get(theirs, key), JSON_COMPACT | JSON_ENCODE_ANY);
+        char *is = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY);
+        nqm_status status =
+            nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                     "%s: this checkpoint was made with %s %.60s, not %.60s; start anew or give the same options", path,
+                     key, was ? was : "unset", is ? is : "unset");
+        free(was);
+        free(is);
+        return status;
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_origin(const nqm_safetensors *st, const nqm_train_options *o, const char *dataset_sha256,
+                               nqm_error *err) {
+    const char *options = nqm_safetensors_meta(st, "options"), *dataset = nqm_safetensors_meta(st, "dataset_sha256");
+    if (!dataset || strcmp(dataset, dataset_sha256) != 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "%s: this checkpoint is of another dataset (%.16s..., not %.16s...)", o->checkpoint,
+                        dataset ? dataset : "none", dataset_sha256);
+    char *text = nqm_train_options_text(o);
+    json_t *theirs = options ? json_loads(options, 0, NULL) : NULL;
+    json_t *ours = text ? json_loads(text, 0, NULL) : NULL;
+    nqm_status status = ours ? compare_options(theirs, ours, o->checkpoint, err) : nqm_fail_nomem(err, 0);
+    json_decref(theirs);
+    json_decref(ours);
+    nqm_free(text);
+    return status;
+}
+
+/* Copy a tensor of exactly n_bytes. */
+static nqm_status copy_tensor(const nqm_safetensors *st, const nqm_tensor *like, void *to, const char *path,
+                              nqm_error *err) {
+    const nqm_tensor *tensor = nqm_safetensors_find(st, like->name);
+    if (!tensor || tensor->dtype != like->dtype || tensor->n_bytes != like->n_bytes)
+        return nqm_fail(err, NQM_ERR_FORMAT, tensor ? tensor->byte_offset : -1,
+                        "%s: tensor '%s' is missing or of another type or size", path, like->name);
+    memcpy(to, tensor->data, like->n_bytes);
+    return NQM_OK;
+}
+
+static nqm_status read_state(const nqm_safetensors *st, nqm_training *t, const char *path, nqm_error *err) {
+    double state[N_STATE] = {0};
+    nqm_tensor tensors[N_TENSORS];
+    list_tensors(t, state, tensors);
+    nqm_status status = copy_tensor(st, &tensors[STATE], state, path, err);
+    if (status != NQM_OK)
+        return status;
+    if (!(state[STATE_EPOCH] >= 1 && state[STATE_EPOCH] <= (double)t->max_epochs))
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: this checkpoint has %g epochs behind it, %zu are asked for",
+                        path, state[STATE_EPOCH], t->max_epochs);
+    if (!(state[STATE_STEP] >= 1 && state[STATE_STEP] < 1e15 && state[STATE_BAD_EPOCHS] >= 0 &&
+          state[STATE_BAD_EPOCHS] < 1e9))
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the state is out of range", path);
+    t->epoch = (size_t)state[STATE_EPOCH];
+    t->adam.step = (uint64_t)state[STATE_STEP];
+    t->lr_first = state[STATE_LR_FIRST];
+    t->lr_deeper = state[STATE_LR_DEEPER];
+    t->plateau.best = state[STATE_BEST];
+    t->plateau.bad_epochs = (size_t)state[STATE_BAD_EPOCHS];
+    list_tensors(t, state, tensors); /* the history's length is known now */
+    void *const to[N_TENSORS] = {t->params.block, t->adam.m.block, t->adam.v.block, state, t->history};
+    for (size_t i = 0; status == NQM_OK && i < N_TENSORS; ++i)
+        status = copy_tensor(st, &tensors[i], to[i], path, err);
+    return status;
+}
+
+nqm_status nqm_checkpoint_read(nqm_training *t, const nqm_train_options *o, const char *dataset_sha256,
+                               nqm_error *err) {
+    nqm_map map;
+    nqm_safetensors *st = NULL;
+    nqm_status status = nqm_map_open(o->checkpoint, &map, err);
+    if (status == NQM_OK)
+        status = nqm_safetensors_parse(map.data, map.n_bytes, o->checkpoint, &st, err);
+    if (status == NQM_OK)
+        status = check_format(st, o->checkpoint, err);
+    if (status == NQM_OK)
+        status = check_origin(st, o, dataset_sha256, err);
+    if (status == NQM_OK)
+        status = read_state(st, t, o->checkpoint, err);
+    nqm_safetensors_free(st);
+    nqm_map_close(&map);
+    return status;
+}

@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The training loop (paper, section 3.2): log-cosh loss, Adam with L2, two learning rates, dropout, plateau schedule. The same
+ * dataset, options and seed give the same model, in one run or in several, on any number of threads.
+ */
+#include "train/train.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The memory of one call of nqm_train(). */
+typedef struct run {
+    const nqm_dataset *dataset;
+    const nqm_train_options *options;
+    nqm_examples examples;
+    nqm_training state;
+    nqm_params grads;
+    nqm_net_work *work;
+    size_t *order; /* (n_train) */
+    float *x;      /* (batch, width) */
+    float *target; /* (batch) */
+    float *z, *dz; /* (batch) */
+    nqm_ticker ticker;
+    size_t steps_per_epoch, epochs_resumed;
+    uint64_t dropout_seed;
+} run;
+
+static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs) {
+    nqm_net_shape shape = {.n_layers = o->n_hidden + 1, .sizes = {n_inputs}};
+    for (size_t i = 0; i < o->n_hidden; ++i)
+        shape.sizes[i + 1] = o->hidden[i];
+    shape.sizes[o->n_hidden + 1] = 1;
+    return shape;
+}
+
+static nqm_status allocate(run *r, nqm_error *err) {
+    const nqm_train_options *o = r->options;
+    nqm_net_shape shape = shape_of(o, r->examples.width);
+    nqm_status status = nqm_params_create(&shape, &r->state.params, err);
+    if (status == NQM_OK)
+        status = nqm_params_create(&shape, &r->grads, err);
+    if (status == NQM_OK)
+        status = nqm_adam_create(&shape, &r->state.adam, err);
+    if (status == NQM_OK)
+        status = nqm_net_work_create(&shape, o->batch, true, &r->work, err);
+    if (status != NQM_OK)
+        return status;
+    r->order = nqm_alloc(r->examples.n_train, sizeof *r->order);
+    r->x = nqm_alloc(o->batch, r->examples.width * sizeof(float));
+    r->target = nqm_alloc(o->batch, sizeof(float));
+    r->z = nqm_alloc(o->batch, sizeof(float));
+    r->dz = nqm_alloc(o->batch, sizeof(float));
+    r->state.history = nqm_alloc(o->epochs, sizeof *r->state.history);
+    r->state.max_epochs = o->epochs;
+    if (r->order && r->x && r->target && r->z && r->dz && r->state.history)
+        return NQM_OK;
+    return nqm_fail_nomem(err, o->batch * r->examples.width * sizeof(float));
+}
+
+static void release(run *r) {
+    nqm_examples_free(&r->examples);
+    nqm_params_free(&r->state.params);
+    nqm_params_free(&r->grads);
+    nqm_adam_free(&r->state.adam);
+    nqm_net_work_free(r->work);
+    nqm_free(r->state.history);
+    nqm_free(r->order);
+    nqm_free(r->x);
+    nqm_free(r->target);
+    nqm_free(r->z);
+    nqm_free(r->dz);
+}
+
+static void begin_state(run *r) {
+    const nqm_train_options *o = r->options;
+    nqm_params_init(&r->state.params, nqm_hash_u64(o->seed, NQM_STREAM_INIT));
+    r->state.plateau = (nqm_plateau){.factor = o->plateau_factor, .patience = o->plateau_patience, .best = INFINITY};
+    r->state.lr_first = o->lr_first;
+    r->state.lr_deeper = o->lr_deeper;
+}
+
+/* ---- epochs ----------------------------------------------------------------------------------------------------------- */
+
+/* The order of an epoch depends on its number alone. */
+static void shuffle(run *r) {
+    for (size_t i = 0; i < r->examples.n_train; ++i)
+        r->order[i] = i;
+    nqm_rng rng = nqm_rng_make(nqm_hash_u64(r->options->seed, NQM_STREAM_SHUFFLE), r->state.epoch);
+    nqm_rng_shuffle(&rng, r->examples.n_train, r->order);
+}
+
+/* One step on n examples; returns their mean loss. */
+static double step(run *r, size_t n, const size_t *index) {
+    const nqm_train_options *o = r->options;
+    nqm_training *s = &r->state;
+    const nqm_dropout dropout = {.p = o->dropout, .seed = r->dropout_seed, .step = s->adam.step};
+    nqm_examples_gather(&r->examples, n, index, r->x, r->target);
+    nqm_net_forward(&s->params, r->work, n, r->x, &dropout, r->z);
+    double loss = nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, r->dz);
+    nqm_net_backward(&s->params, r->work, n, r->x, r->dz, &r->grads, NULL);
+    nqm_adam_step(&s->adam, &s->params, &r->grads, s->lr_first, s->lr_deeper, o->weight_decay,
+                  o->freeze_first_layernorm != 0);
+    return loss;
+}
+
+static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
+    size_t n_train = r->examples.n_train, batch = r->options->batch;
+    double sum = 0;
+    shuffle(r);
+    for (size_t first = 0, k = 1; first < n_train; first += batch, ++k) {
+        size_t n = n_train - first < batch ? n_train - first : batch;
+        double loss = step(r, n, r->order + first);
+        if (!isfinite(loss))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1,
+                            "the loss stopped being finite in epoch %zu, step %zu; try a lower learning rate",
+                            r->state.epoch + 1, k);
+        sum += loss * (double)n;
+        double done = (double)(r->state.epoch * r->steps_per_epoch + k);
+        if (nqm_tick(&r->ticker, "train", done, (double)(r->steps_per_epoch * r->options->epochs)))
+            return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted in epoch %zu%s%s", r->state.epoch + 1,
+                            r->options->checkpoint ? "; go on with the checkpoint " : "",
+                            r->options->checkpoint ? r->options->checkpoint : "");
+    }
+    *loss_ret = sum / (double)n_train;
+    return NQM_OK;
+}
+
+/* Mean loss of the validation examples; z_ret (n_validation) receives the network's outputs, NULL allowed. */
+static double validate(run *r, float *z_ret) {
+    size_t n_validation = r->examples.rows.n_validation, batch = r->options->batch;
+    double sum = 0;
+    for (size_t first = 0; first < n_validation; first += batch) {
+        size_t n = n_validation - first < batch ? n_validation - first : batch;
+        nqm_examples_gather_validation(&r->examples, first, n, r->x, r->target);
+        nqm_net_forward(&r->state.params, r->work, n, r->x, NULL, r->z);
+        sum += (double)n * nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, NULL);
+        if (z_ret)
+            memcpy(z_ret + first, r->z, n * sizeof *z_ret);
+    }
+    return sum / (double)n_validation;
+}
+
+static void report_epoch(const run *r, size_t epoch) {
+    const nqm_train_options *o = r->options;
+    const nqm_epoch *e = &r->state.history[epoch];
+    if (o->epoch_done)
+        o->epoch_done(o->epoch_user, epoch + 1, e->train_loss, e->validation_loss, e->lr_first);
+}
+
+static nqm_status run_epoch(run *r, nqm_error *err) {
+    nqm_training *s = &r->state;
+    double loss = 0;
+    nqm_status status = train_epoch(r, &loss, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_epoch *e = &s->history[s->epoch];
+    *e = (nqm_epoch){.train_loss = loss, .validation_loss = validate(r, NULL), .lr_first = s->lr_first};
+    if (!isfinite(e->validation_loss))
+        return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the validation loss stopped being finite in epoch %zu",
+                        s->epoch + 1);
+    double factor = nqm_plateau_step(&s->plateau, e->validation_loss);
+    s->lr_first = nqm_plateau_rate(s->lr_first, factor);
+    s->lr_deeper = nqm_plateau_rate(s->lr_deeper, factor);
+    s->epoch++;
+    if (r->options->checkpoint)
+        status = nqm_checkpoint_write(s, r->options, r->dataset->sha256, err);
+    report_epoch(r, s->epoch - 1);
+    return status;
+}
+
+static nqm_status run_epochs(run *r, nqm_error *err) {
+    const nqm_train_options *o = r->options;
+    nqm_status status = NQM_OK;
+    if (o->resume)
+        status = nqm_checkpoint_read(&r->state, o, r->dataset->sha256, err);
+    r->epochs_resumed = r->state.epoch;
+    for (size_t i = 0; status == NQM_OK && i < r->state.epoch; ++i)
+        report_epoch(r, i);
+    while (status == NQM_OK && r->state.epoch < o->epochs)
+        status = run_epoch(r, err);
+    return status;
+}
+
+/* ---- the model -------------------------------------------------------------------------------------------------------- */
+
+static void free_directions(void *directions) {
+    nqm_directions_free(directions);
+}
+
+/* Everything but the texts. The parameters move from the run into the model. */
+static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
+    const nqm_examples *e = &r->examples;
+    size_t n = r->dataset->n_directions;
+    m->params = r->state.params;
+    r->state.params = (nqm_params){0};
+    m->n_directions = n;
+    m->directions_deg = nqm_alloc(3 * n, sizeof(double));
+    if (!m->directions_deg)
+        return nqm_fail_nomem(err, 3 * n * sizeof(double));
+    memcpy(m->directions_deg, r->dataset->directions_deg, 3 * n * sizeof(double));
+    memcpy(m->mean, e->features.mean, sizeof m->mean);
+    memcpy(m->std, e->features.std, sizeof m->std);
+    m->layout = (int)r->options->layout;
+    m->difference_scale = r->options->difference_scale;
+    m->target = (int)r->options->target;
+    m->target_mean = e->target_mean;
+    m->target_std = e->target_std;
+    m->out_lo = e->out_lo;
+    m->out_hi = e->out_hi;
+    m->curve = nqm_jod_curve_published;
+    nqm_directions *directions;
+    nqm_status status = nqm_directions_from_degrees(n, m->directions_deg, &directions, err);
+    m->directions = directions;
+    m->directions_free = free_directions;
+    return status;
+}
+
+/* Spearman of predicted JOD with the labels over the validation pairs that are no noisy copies. */
+static double validation_spearman(const run *r, const struct nqm_model *m, const float *z) {
+    const nqm_rows *rows = &r->examples.rows;
+    double *values = nqm_alloc(rows->n_validation, 2 * sizeof *values), rho = NAN;
+    if (!values)
+        return NAN;
+    double *labels = values + rows->n_validation;
+    size_t n = 0;
+    for (size_t i = 0; i < rows->n_validation; ++i) {
+        const nqm_row *row = &rows->row[rows->n_train + i];
+        if (row->copy)
+            continue;
+        values[n] = nqm_model_jod(m, (double)z[i], NULL);
+        labels[n++] = r->dataset->jod[row->pair];
+    }
+    rho = nqm_spearman(n, values, labels);
+    nqm_free(values);
+    return rho;
+}
+
+/* The facts of the training as JSON, without times, so that equal trainings make equal files. */
+static char *training_text(const run *r, const nqm_train_report *report) {
+    json_t *json = json_pack("{s:s, s:o, s:I, s:I, s:I, s:I, s:f, s:f, s:s}", "nqm", nqm_version(), "options",
+                             nqm_train_options_json(r->options), "epochs", (json_int_t)report->epochs, "steps",
+                             (json_int_t)report->n_steps, "n_train", (json_int_t)report->n_train, "n_validation",
+                             (json_int_t)report->n_validation, "train_loss", report->train_loss, "validation_loss",
+                             report->validation_loss, "dataset_sha256", r->dataset->sha256);
+    if (json && isfinite(report->validation_spearman))
+        json_object_set_new(json, "validation_spearman", json_real(report->validation_spearman));
+    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
+    char *text = dump ? nqm_strdup(dump) : NULL;
+    free(dump);
+    json_decref(json);
+    return text;
+}
+
+static nqm_status name_model(const run *r, struct nqm_model *m, const nqm_train_report *report, nqm_error *err) {
+    const nqm_train_options *o = r->options;
+    m->id = nqm_strdup(o->id);
+    m->recipe = nqm_strdup(o->recipe);
+    m->licence = nqm_strdup(o->licence ? o->licence : "");
+    m->manifest_sha256 = nqm_strdup(r->dataset->sha256);
+    m->training = training_text(r, report);
+    m->card = m->id && m->recipe ? nqm_model_card(r->dataset, o, report, m) : NULL;
+    bool ok = m->licence && m->manifest_sha256 && m->training && m->card;
+    return ok ? NQM_OK : nqm_fail_nomem(err, 0);
+}
+
+static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret, nqm_error *err) {
+    struct nqm_model *m = nqm_alloc(1, sizeof *m);
+    float *z = nqm_alloc(r->examples.rows.n_validation, sizeof *z);
+    nqm_status status = m && z ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
+    if (status == NQM_OK) {
+        validate(r, z);
+        status = fill_model(r, m, err);
+    }
+    if (status == NQM_OK) {
+        const nqm_epoch *last = &r->state.history[r->state.epoch - 1];
+        report->n_train = r->examples.n_train;
+        report->n_validation = r->examples.rows.n_validation;
+        report->n_steps = (size_t)r->state.adam.step;
+        report->epochs = r->state.epoch;
+        report->epochs_resumed = r->epochs_resumed;
+        report->train_loss = last->train_loss;
+        report->validation_loss = last->validation_loss;
+        report->validation_spearman = validation_spearman(r, m, z);
+        status = name_model(r, m, report, err);
+    }
+    nqm_free(z);
+    if (status == NQM_OK)
+        *model_ret = m;
+    else if (m)
+        nqm_model_destroy(m);
+    return status;
+}
+
+nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *options, nqm_model **model_ret,
+                     nqm_train_report *report_ret, nqm_error *err) {
+    *model_ret = NULL;
+    double begin_s = nqm_clock_s();
+    nqm_status status = nqm_train_options_check(options, err);
+    if (status != NQM_OK)
+        return status;
+    run r = {.dataset = dataset, .options = options};
+    nqm_train_report report = {0};
+    r.ticker = (nqm_ticker){.fn = options->progress, .user = options->progress_user};
+    r.dropout_seed = nqm_hash_u64(options->seed, NQM_STREAM_DROPOUT);
+    status = nqm_examples_create(dataset, options, options->batch, &r.examples, err);
+    if (status == NQM_OK)
+        status = allocate(&r, err);
+    if (status == NQM_OK) {
+        r.steps_per_epoch = (r.examples.n_train + options->batch - 1) / options->batch;
+        begin_state(&r);
+        status = run_epochs(&r, err);
+    }
+    if (status == NQM_OK)
+        status = finish(&r, &report, model_ret, err);
+    release(&r);
+    report.seconds = nqm_clock_s() - begin_s;
+    if (status == NQM_OK && report_ret)
+        *report_ret = report;
+    return status;
+}
