@@ -5,10 +5,12 @@
  */
 #include "brdf/spec.h"
 
+#include <math.h>
 #include <string.h>
 
 static const nqm_analytic_model *const models[] = {&nqm_lambert_model, &nqm_ggx_model, &nqm_ward_model, &nqm_sgd_model};
 enum { N_MODELS = sizeof models / sizeof *models };
+static const char perturb_prefix[] = "perturb:";
 
 /* What follows "MODEL:", or NULL when `text` begins otherwise. */
 static const char *after_model(const char *text, const char *model) {
@@ -31,16 +33,22 @@ static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, i
 static nqm_status fail_value(const nqm_spec_schema *schema, const nqm_spec_key *key, const char *text, nqm_error *err) {
     char low[32], high[32];
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s needs %s from %s to %s, not '%.*s'", schema->model, key->name,
-                    key->n == 3 ? "one number or three separated by commas, each" : "one number",
+                    key->n == 3  ? "one number or three separated by commas, each"
+                    : key->whole ? "a whole number"
+                                 : "one number",
                     nqm_format_double(low, sizeof low, key->low), nqm_format_double(high, sizeof high, key->high),
                     (int)strcspn(text, ";") < 40 ? (int)strcspn(text, ";") : 40, text);
+}
+
+static bool in_range(const nqm_spec_key *key, double v) {
+    return v >= key->low && v <= key->high && (!key->whole || v == floor(v));
 }
 
 /* Read "v" or "v,v,v" up to the end of the setting; false when it is anything else. */
 static bool parse_values(const nqm_spec_key *key, const char *text, const char **end, double v[3]) {
     size_t n = 0;
     do {
-        if (n == key->n || !nqm_parse_double(text, &text, &v[n]) || v[n] < key->low || v[n] > key->high)
+        if (n == key->n || !nqm_parse_double(text, &text, &v[n]) || !in_range(key, v[n]))
             return false;
         ++n;
     } while (*text++ == ',');
@@ -163,11 +171,13 @@ bool nqm_spec_probe(const char *text) {
     for (size_t m = 0; m < N_MODELS; ++m)
         if (after_model(text, models[m]->schema.model))
             return true;
-    return false;
+    return strncmp(text, perturb_prefix, strlen(perturb_prefix)) == 0;
 }
 
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
+    if (strncmp(spec, perturb_prefix, strlen(perturb_prefix)) == 0)
+        return nqm_perturb_open(spec + strlen(perturb_prefix), spec, brdf_ret, err);
     const nqm_analytic_model *model = NULL;
     const char *settings = NULL;
     for (size_t m = 0; m < N_MODELS && !settings; ++m) {

@@ -17,6 +17,7 @@ typedef struct nqm_spec_key {
     size_t n;         /**< values: 1, or 3 for RGB, where a single value stands for all three */
     double low, high; /**< closed range of each value */
     bool required;
+    bool whole;      /**< no fractions */
     double fallback; /**< value where an optional key is absent */
 } nqm_spec_key;
 
@@ -54,5 +55,8 @@ extern const nqm_analytic_model nqm_lambert_model, nqm_ggx_model, nqm_ward_model
 /** Values of a published material; NQM_ERR_ARG suggests names that look alike. */
 NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
                                           nqm_error *err);
+
+/** `settings` is what follows "perturb:"; `name` is the whole argument. */
+NQM_MUST_CHECK nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 #endif

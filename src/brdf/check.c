@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Physical plausibility of a BRDF: directional albedo by quadrature, reciprocity over random pairs, and the counts of clamped
+ * and missing values.
+ *
+ * The albedo sums over several sets of directions of the viewer, one drawn like the cosine and one for each of eight widths of a
+ * half-vector lobe (the GGX density of normals, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206), and weights every
+ * value by the density of all sets together (balance heuristic, Veach and Guibas 1995, DOI 10.1145/218380.218498). Some set
+ * fits any lobe from 0.006 to 40 degrees.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+
+#include <math.h>
+
+enum {
+    N_WIDTHS = 8,
+    LATTICE_COSINE = 987, /* Fibonacci numbers: their lattices cover the square evenly */
+    LATTICE_COSINE_STEP = 610,
+    LATTICE_LOBE = 377,
+    LATTICE_LOBE_STEP = 233,
+    BLOCK = 128,
+    N_PAIRS = 8192,
+    N_ANGLES = 6
+};
+static const double widths[N_WIDTHS] = {1e-4, 3.5e-4, 1.2e-3, 4.2e-3, 0.015, 0.05, 0.18, 0.65};
+
+/* ---- albedo ---------------------------------------------------------------------------------------------------------- */
+
+/* Samples of all sets per unit solid angle around wo: the sum of n p. A lobe's set has the GGX density of normals times the cosine
+ * of the normal; the mirror map's Jacobian is 4 cos theta_d = 2 |h|. */
+static double mixture_density(const double *wi, const double *wo) {
+    double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
+    double xy = x * x + y * y, length2 = xy + z * z;
+    double sum = 0;
+    for (int k = 0; k < N_WIDTHS; ++k) {
+        double w2 = widths[k] * widths[k];
+        double spread = (w2 * z * z + xy) / length2; /* cos^2 theta_h (alpha^2 + tan^2 theta_h) */
+        sum += w2 / (spread * spread);
+    }
+    return LATTICE_LOBE * sum * z / (NQM_PI * 2 * length2) + LATTICE_COSINE * wo[2] / NQM_PI;
+}
+
+/* A direction of the viewer for a point (u, v) of the unit square; false below the horizon. set 0: cosine; k: width k - 1. */
+static bool place_viewer(int set, const double *wi, double u, double v, double *wo) {
+    double phi = 2 * NQM_PI * v;
+    if (set == 0) {
+        double r = sqrt(u);
+        wo[0] = r * cos(phi);
+        wo[1] = r * sin(phi);
+        wo[2] = sqrt(1 - u);
+        return wo[2] > 0;
+    }
+    double tan_h = widths[set - 1] * sqrt(u / (1 - u)), cos_h = 1 / sqrt(1 + tan_h * tan_h);
+    double h[3] = {tan_h * cos_h * cos(phi), tan_h * cos_h * sin(phi), cos_h};
+    double d = 2 * nqm_dot3(wi, h);
+    for (int a = 0; a < 3; ++a)
+        wo[a] = d * h[a] - wi[a];
+    return wo[2] > 0 && d > 0;
+}
+
+/* Directions waiting for one call of the BRDF. */
+typedef struct batch {
+    const nqm_brdf *brdf;
+    size_t n;
+    double wi[3 * BLOCK], wo[3 * BLOCK], rgb[3 * BLOCK];
+    double sum[3];
+    double lambert;   /* the same sum for a Lambert BRDF of albedo 1: how far from 1 tells the error */
+    double lowest[3]; /* smallest f_r met: the Lambertian part */
+} batch;
+
+static void flush(batch *b) {
+    nqm_brdf_eval(b->brdf, b->n, b->wi, b->wo, b->rgb, NULL);
+    for (size_t i = 0; i < b->n; ++i) {
+        double weight = b->wo[3 * i + 2] / mixture_density(b->wi + 3 * i, b->wo + 3 * i);
+        b->lambert += weight / NQM_PI;
+        for (size_t c = 0; c < 3; ++c) {
+            b->sum[c] += weight * b->rgb[3 * i + c];
+            b->lowest[c] = fmin(b->lowest[c], b->rgb[3 * i + c]);
+        }
+    }
+    b->n = 0;
+}
+
+void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, double *rgb) {
+    batch b = {.brdf = brdf, .lowest = {INFINITY, INFINITY, INFINITY}};
+    double wi[3];
+    nqm_spherical(theta_i_rad, 0, wi);
+    for (int set = 0; set <= N_WIDTHS; ++set) {
+        nqm_rng rng = nqm_rng_make(seed, (uint64_t)set);
+        double turn = nqm_rng_uniform(&rng);
+        size_t n = set ? LATTICE_LOBE : LATTICE_COSINE, step = set ? LATTICE_LOBE_STEP : LATTICE_COSINE_STEP;
+        for (size_t i = 0; i < n; ++i) {
+            double u = ((double)i + 0.5) / (double)n, v = (double)(i * step % n) / (double)n + turn;
+            if (!place_viewer(set, wi, u, v, b.wo + 3 * b.n))
+                continue;
+            for (size_t a = 0; a < 3; ++a)
+                b.wi[3 * b.n + a] = wi[a];
+            if (++b.n == BLOCK)
+                flush(&b);
+        }
+    }
+    flush(&b);
+    for (int c = 0; c < 3; ++c) /* the Lambertian part is known: a control variate */
+        rgb[c] = b.sum[c] + NQM_PI * b.lowest[c] * (1 - b.lambert);
+}
+
+/* ---- check ----------------------------------------------------------------------------------------------------------- */
+
+/* Half of the pairs fill the hemispheres, half lie near the mirror direction. Polar angles stay below 85 degrees. */
+static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
+    const double lowest = cos(85 * NQM_PI / 180);
+    do {
+        double u = nqm_rng_uniform(rng), v = nqm_rng_uniform(rng), w = nqm_rng_uniform(rng);
+        if (i % 2) {
+            double hd[3] = {0.5 * NQM_PI * u * u, 0.5 * NQM_PI * v, NQM_PI * w};
+            nqm_half_diff_to_pair(hd, wi, wo);
+        } else {
+            double r_i = sqrt(u), r_o = sqrt(v);
+            double pair[2][3] = {{r_i, 0, sqrt(1 - u)},
+                                 {r_o * cos(2 * NQM_PI * w), r_o * sin(2 * NQM_PI * w), sqrt(1 - v)}};
+            for (int a = 0; a < 3; ++a) {
+                wi[a] = pair[0][a];
+                wo[a] = pair[1][a];
+            }
+        }
+    } while (wi[2] < lowest || wo[2] < lowest);
+}
+
+/* Counts what `brdf` holds at the pairs of a block, and appends |f(a,b) - f(b,a)| / mean of the luminances to difference. */
+static size_t compare_block(const nqm_brdf *brdf, nqm_rng *rng, nqm_brdf_check_report *report, double *difference) {
+    double wi[3 * BLOCK], wo[3 * BLOCK], forward[3 * BLOCK], backward[3 * BLOCK];
+    uint8_t flag[BLOCK], flag_back[BLOCK];
+    size_t n = 0;
+    for (size_t i = 0; i < BLOCK; ++i)
+        draw_pair(rng, i, wi + 3 * i, wo + 3 * i);
+    nqm_brdf_eval(brdf, BLOCK, wi, wo, forward, flag);
+    nqm_brdf_eval(brdf, BLOCK, wo, wi, backward, flag_back);
+    for (size_t i = 0; i < BLOCK; ++i) {
+        report->n_clamped += flag[i] == NQM_VALUE_CLAMPED;
+        report->n_invalid += flag[i] == NQM_VALUE_INVALID;
+        double a = nqm_luminance(forward + 3 * i), b = nqm_luminance(backward + 3 * i), mean = 0.5 * (a + b);
+        if (flag[i] != NQM_VALUE_INVALID && flag_back[i] != NQM_VALUE_INVALID && mean > 1e-4)
+            difference[n++] = fabs(a - b) / mean;
+    }
+    report->n_pairs += BLOCK;
+    return n;
+}
+
+static void find_largest_albedo(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report) {
+    double largest = -1;
+    for (int k = 0; k < N_ANGLES; ++k) {
+        double theta = k * 15 * NQM_PI / 180, rgb[3];
+        nqm_brdf_albedo(brdf, theta, seed, rgb);
+        for (int c = 0; c < 3; ++c) {
+            report->albedo_max[c] = fmax(report->albedo_max[c], rgb[c]);
+            if (rgb[c] > largest) {
+                largest = rgb[c];
+                report->albedo_max_theta_rad = theta;
+            }
+        }
+    }
+}
+
+nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report_ret, nqm_error *err) {
+    nqm_brdf_check_report report = {.n_pairs = 0};
+    double *difference = nqm_alloc(N_PAIRS, sizeof *difference);
+    if (!difference)
+        return nqm_fail_nomem(err, N_PAIRS * sizeof *difference);
+    nqm_rng rng = nqm_rng_make(seed, N_WIDTHS + 1);
+    size_t n = 0;
+    while (report.n_pairs < N_PAIRS)
+        n += compare_block(brdf, &rng, &report, difference + n);
+    if (n > 0) {
+        report.reciprocity_median = nqm_quantile(n, difference, 0.5);
+        report.reciprocity_p95 = nqm_quantile(n, difference, 0.95);
+    }
+    nqm_free(difference);
+    find_largest_albedo(brdf, seed, &report);
+    *report_ret = report;
+    return NQM_OK;
+}
