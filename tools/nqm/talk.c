@@ -86,7 +86,8 @@ int show_progress(void *user, const char *stage, double done, double total) {
         }
         double left = done > 0 && total > done ? (now - begin_s) * (total - done) / done : 0;
         if (total > 0)
-            fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left \033[K", stage, done, total, 100 * done / total, left);
+            fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left \033[K", stage, done, total, 100 * done / total,
+                    left);
         else
             fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
         progress_shown = true;
@@ -129,4 +130,9 @@ void print_csv_text(FILE *out, const char *text) {
         fputc(*text, out);
     }
     fputc('"', out);
+}
+
+void print_csv_number(FILE *out, double value) {
+    if (isfinite(value))
+        fprintf(out, "%.9g", value);
 }

@@ -60,6 +60,15 @@ typedef struct command {
  */
 bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code);
 
+/* ---- inputs ---------------------------------------------------------------------------------------------------------- */
+
+/** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and its
+ *  exit code returned. */
+int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
+/** Open directions from a CSV, from a model file or from a built-in model's name; NULL: those of the built-in model
+ *  "default", or freshly made default ones when no model is built in. As open_model(). */
+int open_directions(const char *verb, const char *name_or_path, nqm_directions **directions_ret);
+
 /* ---- talking --------------------------------------------------------------------------------------------------------- */
 
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
@@ -85,6 +94,8 @@ json_t *json_number(double value);
 json_t *json_tool(void);
 /** One CSV field on standard output, quoted when needed. */
 void print_csv_text(FILE *out, const char *text);
+/** A number with 9 digits, or nothing when it is not finite. */
+void print_csv_number(FILE *out, double value);
 
 /* ---- verbs ----------------------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm score - how good approximations look beside their reference. score_print.c prints the results.
+ */
+#include "score.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* "all" or a list of names with commas. */
+static bool choose_metrics(const char *text, bool *chosen) {
+    if (strcmp(text, "all") == 0) {
+        for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+            chosen[m] = true;
+        return true;
+    }
+    while (*text) {
+        size_t n = strcspn(text, ",");
+        int m = 0;
+        while (m < NQM_METRIC_COUNT &&
+               (strlen(nqm_metric_name((nqm_metric)m)) != n || memcmp(nqm_metric_name((nqm_metric)m), text, n) != 0))
+            ++m;
+        if (m == NQM_METRIC_COUNT)
+            return false;
+        chosen[m] = true;
+        text += n + (text[n] == ',');
+    }
+    return true;
+}
+
+static int report_metric_names(const char *given) {
+    char names[256] = "";
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+        size_t n = strlen(names);
+        snprintf(names + n, sizeof names - n, ", %s", nqm_metric_name((nqm_metric)m));
+    }
+    return report("score", EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'", names, given);
+}
+
+/* Why a test that could be opened has no score. */
+static void explain(const score_run *run, score_row *row) {
+    const nqm_score_result *r = &row->result;
+    row->err.status = r->status;
+    if (r->status == NQM_ERR_INCOMPATIBLE && run->options.invalid == NQM_INVALID_ERROR && r->n_invalid_test)
+        snprintf(row->err.message, sizeof row->err.message, "%s: no value at %zu of %zu directions", row->name,
+                 r->n_invalid_test, run->n_directions);
+    else if (r->status == NQM_ERR_INCOMPATIBLE)
+        snprintf(row->err.message, sizeof row->err.message,
+                 "%s: only at %zu of %zu directions have both BRDFs a value (--min-valid asks for %.0f)", row->name,
+                 r->n_valid, run->n_directions, ceil(run->options.min_valid_fraction * (double)run->n_directions));
+    else
+        snprintf(row->err.message, sizeof row->err.message, "%s: %s", row->name, nqm_status_text(r->status));
+}
+
+/* Open every test, score those that open, leave the reason in the rows of the others. */
+static nqm_status score_tests(score_run *run, nqm_error *err) {
+    const nqm_brdf **tests = calloc(run->n_rows, sizeof *tests);
+    nqm_score_result *results = calloc(run->n_rows, sizeof *results);
+    nqm_status status = NQM_OK;
+    if (!tests || !results) {
+        status = err->status = NQM_ERR_NOMEM;
+        goto done;
+    }
+    size_t n = 0;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        if (nqm_brdf_open(run->rows[i].name, &run->rows[i].brdf, &run->rows[i].err) == NQM_OK)
+            tests[n++] = run->rows[i].brdf;
+    status = nqm_score(run->model, run->ref, n, tests, &run->options, results, err);
+    n = 0;
+    for (size_t i = 0; status == NQM_OK && i < run->n_rows; ++i) {
+        score_row *row = &run->rows[i];
+        if (!row->brdf)
+            continue;
+        row->result = results[n++];
+        if (row->result.status != NQM_OK)
+            explain(run, row);
+    }
+done:
+    free(tests);
+    free(results);
+    return status;
+}
+
+/* The first fault of a test decides; then the gate. */
+static int settle_exit_code(const score_run *run, double fail_under) {
+    for (size_t i = 0; i < run->n_rows; ++i)
+        if (run->rows[i].err.status != NQM_OK)
+            return exit_code_of(run->rows[i].err.status);
+    for (size_t i = 0; i < run->n_rows; ++i)
+        if (run->rows[i].result.jod < fail_under)
+            return EXIT_GATE;
+    return EXIT_OK;
+}
+
+static int run_score(score_run *run, const char *model_name, double fail_under) {
+    nqm_error err = {0};
+    int exit_code;
+    run->rows = calloc(run->n_rows, sizeof *run->rows);
+    if (!run->rows)
+        return report("score", EXIT_LIMIT, "out of memory");
+    for (size_t i = 0; i < run->n_rows; ++i)
+        run->rows[i].name = run->test_names[i];
+    exit_code = open_model("score", model_name, &run->model);
+    if (exit_code != EXIT_OK)
+        goto done;
+    run->n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
+    if (nqm_brdf_open(run->ref_name, &run->ref, &err) != NQM_OK || score_tests(run, &err) != NQM_OK) {
+        exit_code = report_error("score", &err);
+        goto done;
+    }
+    exit_code = print_scores(run);
+    for (size_t i = 0; i < run->n_rows; ++i)
+        if (run->rows[i].err.status != NQM_OK)
+            report_error("score", &run->rows[i].err);
+    if (exit_code == EXIT_OK)
+        exit_code = settle_exit_code(run, fail_under);
+done:
+    for (size_t i = 0; i < run->n_rows; ++i)
+        nqm_brdf_free(run->rows[i].brdf);
+    free(run->rows);
+    nqm_brdf_free(run->ref);
+    nqm_model_free(run->model);
+    return exit_code;
+}
+
+int cmd_score(int argc, char **argv) {
+    bool json = false, csv = false, quiet = false;
+    const char *metrics = NULL, *model = "default", *invalid = "drop";
+    double fail_under = (double)-INFINITY;
+    score_run run = {.options = nqm_score_options_default()};
+    const option options[] = {
+        {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
+         "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
+        {"fail-under", 0, OPTION_NUMBER, &fail_under, "JOD", "exit with 1 when a score is below this", 0, 10},
+        {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "where a BRDF has no value: drop, zero, nearest, error", 0, 0},
+        {"min-valid", 0, OPTION_NUMBER, &run.options.min_valid_fraction, "F",
+         "refuse pairs with fewer valid directions than this fraction", 0, 1},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+        {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
+        {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
+        {0}};
+    const command cmd = {
+        .name = "score",
+        .usage = "REF TEST... [options]",
+        .about =
+            "Predict how good each TEST looks beside REF, in JOD: 10 is no visible difference, and one less means "
+            "that\n"
+            "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets.\n"
+            "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
+        .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
+                   "nqm score old.binary new.binary --fail-under 9.5 -q",
+        .options = options,
+        .min_arguments = 2,
+        .max_arguments = -1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    if (json + csv + quiet > 1)
+        return report("score", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
+    if (!nqm_invalid_policy_parse(invalid, &run.options.invalid))
+        return report("score", EXIT_USAGE, "--invalid is drop, zero, nearest or error, not '%s'", invalid);
+    run.format = json ? SCORE_JSON : csv ? SCORE_CSV : quiet ? SCORE_QUIET : SCORE_TEXT;
+    const char *shown = metrics ? metrics : json || csv ? "all" : "";
+    if (!choose_metrics(shown, run.metrics))
+        return report_metric_names(shown);
+    run.ref_name = argv[0];
+    run.n_rows = (size_t)n_arguments - 1;
+    run.test_names = argv + 1;
+    return run_score(&run, model, fail_under);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Models and directions as arguments: a built-in name, or a file.
+ */
+#include "tool.h"
+
+#include <string.h>
+#include <unistd.h>
+
+static bool is_builtin(const char *name) {
+    for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
+        if (strcmp(nqm_model_builtin_name(i), name) == 0)
+            return true;
+    return false;
+}
+
+/* No such built-in model and no such file. */
+static int report_unknown_model(const char *verb, const char *name) {
+    if (nqm_model_builtin_count() == 0)
+        return report(
+            verb, EXIT_MODEL,
+            "there is no model '%s': none is built into this nqm, give the file of one (`nqm train` makes them)", name);
+    char known[256] = "";
+    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+        size_t n = strlen(known);
+        snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", nqm_model_builtin_name(i));
+    }
+    return report(verb, EXIT_MODEL, "there is no model '%s': built in are %s; or give the path of a model file", name,
+                  known);
+}
+
+int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret) {
+    *model_ret = NULL;
+    const char *name = name_or_path ? name_or_path : "default";
+    nqm_error err = {0};
+    bool builtin = is_builtin(name);
+    if (!builtin && !strpbrk(name, "/.") && access(name, F_OK) != 0)
+        return report_unknown_model(verb, name);
+    nqm_status status = builtin ? nqm_model_builtin(name, model_ret, &err) : nqm_model_load(name, model_ret, &err);
+    return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
+}
+
+/* A model file is safetensors: eight bytes of length, then a JSON object. No CSV of directions has a '{' there. */
+static bool looks_like_model(const char *path) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return false;
+    char head[9] = {0};
+    size_t n = fread(head, 1, sizeof head, file);
+    fclose(file);
+    return n == sizeof head && head[8] == '{';
+}
+
+int open_directions(const char *verb, const char *name_or_path, nqm_directions **directions_ret) {
+    *directions_ret = NULL;
+    nqm_error err = {0};
+    nqm_status status;
+    const char *name = name_or_path ? name_or_path : "default";
+    if (is_builtin(name) || (name_or_path && looks_like_model(name))) {
+        nqm_model *model;
+        int exit_code = open_model(verb, name, &model);
+        if (exit_code != EXIT_OK)
+            return exit_code;
+        const nqm_directions *lent = nqm_model_get_info(model).directions;
+        status =
+            nqm_directions_from_degrees(nqm_directions_count(lent), nqm_directions_degrees(lent), directions_ret, &err);
+        nqm_model_free(model);
+    } else if (name_or_path) {
+        status = nqm_directions_load_csv(name, directions_ret, &err);
+    } else {
+        status = nqm_directions_create(NULL, 0, NULL, directions_ret, &err);
+    }
+    return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * score.h - what `nqm score` computes and how it prints it.
+ */
+#ifndef NQM_TOOL_SCORE_H
+#define NQM_TOOL_SCORE_H
+
+#include "tool.h"
+
+/** A test and its score, or why it has none. */
+typedef struct score_row {
+    const char *name;
+    nqm_brdf *brdf; /* NULL: it could not be opened */
+    nqm_error err;  /* status NQM_OK: scored */
+    nqm_score_result result;
+} score_row;
+
+typedef enum score_format { SCORE_TEXT, SCORE_JSON, SCORE_CSV, SCORE_QUIET } score_format;
+
+typedef struct score_run {
+    const char *ref_name;
+    char **test_names; /* (n_rows) */
+    nqm_brdf *ref;
+    nqm_model *model;
+    size_t n_directions;
+    nqm_score_options options;
+    bool metrics[NQM_METRIC_COUNT]; /* which to print */
+    score_format format;
+    size_t n_rows;
+    score_row *rows; /* (n_rows) in the order of the arguments */
+} score_run;
+
+/** Print the results on standard output, remarks on standard error. EXIT_OK or EXIT_OPEN. */
+int print_scores(const score_run *run);
+
+#endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The results of `nqm score` as a table for people, as bare numbers, as JSON (doc/cli.md) and as CSV.
+ */
+#include "score.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+/* ---- remarks --------------------------------------------------------------------------------------------------------- */
+
+__attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, const char *format, ...) {
+    char text[300];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    json_array_append_new(remarks, json_string(text));
+}
+
+/* What sampling met in one BRDF; `who` is "reference" or "test". */
+static void remark_on_samples(const score_run *run, const char *who, size_t n_clamped, size_t n_invalid,
+                              json_t *remarks) {
+    static const char *const remedy[] = {"these directions are left out", "taken as 0",
+                                         "filled from the nearest direction", "refused"};
+    if (n_clamped)
+        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, n_clamped,
+                   run->n_directions);
+    if (n_invalid)
+        add_remark(remarks, "%s: no value at %zu of %zu directions: %s", who, n_invalid, run->n_directions,
+                   remedy[run->options.invalid]);
+}
+
+static void remark_on_reference(const score_run *run, const score_row *row, json_t *remarks) {
+    remark_on_samples(run, "reference", row->result.n_clamped_ref, row->result.n_invalid_ref, remarks);
+}
+
+static void remark_on_test(const score_run *run, const score_row *row, json_t *remarks) {
+    remark_on_samples(run, "test", row->result.n_clamped_test, row->result.n_invalid_test, remarks);
+    if (row->result.n_unusual)
+        add_remark(remarks, "far brighter than the model's training references at %zu of %zu directions: less certain",
+                   row->result.n_unusual, run->n_directions);
+}
+
+static void print_remarks(const char *about, const json_t *remarks) {
+    for (size_t i = 0; i < json_array_size(remarks); ++i)
+        fprintf(stderr, "nqm score: %s%s%s\n", about, *about ? ": " : "",
+                json_string_value(json_array_get(remarks, i)));
+}
+
+/* On standard error, those about the reference once. */
+static void print_all_remarks(const score_run *run) {
+    bool reference_done = false;
+    fflush(stdout);
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const score_row *row = &run->rows[i];
+        if (row->err.status != NQM_OK)
+            continue;
+        json_t *of_reference = json_array(), *of_test = json_array();
+        remark_on_reference(run, row, of_reference);
+        remark_on_test(run, row, of_test);
+        if (!reference_done)
+            print_remarks("", of_reference);
+        print_remarks(row->name, of_test);
+        reference_done = true;
+        json_decref(of_reference);
+        json_decref(of_test);
+    }
+}
+
+/* ---- text ------------------------------------------------------------------------------------------------------------ */
+
+/* Share of people who would say that the reference looks better, in percent: the JOD scale is made so that one unit is 75 %
+ * and no difference is 50 %, guessing (Thurstone's model, case V). */
+static double noticed_percent(double jod) {
+    const double z75 = 0.6744897501960817;
+    return 50 * erfc(-z75 * fmax(0, 10 - jod) / sqrt(2));
+}
+
+static const char *verdict(const nqm_score_result *result) {
+    if (result->identical)
+        return "identical";
+    if (result->jod >= 9.5)
+        return "practically the same";
+    if (result->jod >= 9)
+        return "hardly visible";
+    if (result->jod >= 8)
+        return "visible";
+    return result->jod >= 6 ? "clearly different" : "another material";
+}
+
+static int metric_width(int m) {
+    int n = (int)strlen(nqm_metric_name((nqm_metric)m));
+    return n > 9 ? n : 9;
+}
+
+static void print_text(const score_run *run) {
+    printf("reference  %s\nmodel      %s\n\n", run->ref_name, nqm_model_get_info(run->model).id);
+    printf("  %5s  %7s  %-20s", "JOD", "noticed", "verdict");
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (run->metrics[m])
+            printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
+    puts("  test");
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const score_row *row = &run->rows[i];
+        const nqm_score_result *r = &row->result;
+        bool scored = row->err.status == NQM_OK;
+        if (scored)
+            printf("  %5.2f  %5.0f %%  %-20s", r->jod, r->identical ? 50 : noticed_percent(r->jod), verdict(r));
+        else
+            printf("  %5s  %7s  %-20s", "-", "-", "no score");
+        for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+            if (run->metrics[m] && scored)
+                printf("  %*.3e", metric_width(m), r->metrics[m]);
+            else if (run->metrics[m])
+                printf("  %*s", metric_width(m), "-");
+        }
+        printf("  %s\n", row->name);
+    }
+    puts("\nJOD 10: no visible difference; above 9.5: practically the same; one JOD less: 75 % of people notice.\n"
+         "noticed: people who would say that the reference looks better (50 % is guessing).");
+}
+
+static void print_quiet(const score_run *run) {
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        if (run->rows[i].err.status == NQM_OK)
+            printf("%.4f\n", run->rows[i].result.jod);
+        else
+            puts("nan");
+    }
+}
+
+/* ---- JSON and CSV ---------------------------------------------------------------------------------------------------- */
+
+/* A number of the result; NaN, which becomes null or nothing, when the test has no score. */
+static double number_of(const score_row *row, double value) {
+    return row->err.status == NQM_OK ? value : (double)NAN;
+}
+
+static json_t *row_json(const score_run *run, const score_row *row) {
+    const nqm_score_result *r = &row->result;
+    bool scored = row->err.status == NQM_OK;
+    json_t *metrics = json_object(), *warnings = json_array();
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (run->metrics[m])
+            json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(number_of(row, r->metrics[m])));
+    if (scored) {
+        remark_on_reference(run, row, warnings);
+        remark_on_test(run, row, warnings);
+    }
+    json_t *object =
+        json_pack("{s:s,s:o,s:o,s:b,s:I,s:o,s:o}", "test", row->name, "jod", json_number(number_of(row, r->jod)),
+                  "delta_e_itp", json_number(number_of(row, r->delta_e)), "identical", scored && r->identical,
+                  "n_valid", (json_int_t)r->n_valid, "metrics", metrics, "warnings", warnings);
+    if (!scored)
+        json_object_set_new(object, "error", json_string(row->err.message));
+    return object;
+}
+
+static int print_scores_json(const score_run *run) {
+    nqm_model_info info = nqm_model_get_info(run->model);
+    json_t *results = json_array();
+    for (size_t i = 0; i < run->n_rows; ++i)
+        json_array_append_new(results, row_json(run, &run->rows[i]));
+    return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:s,s:o}", "schema", 1, "tool", json_tool(), "model", "id",
+                                info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters,
+                                "reference", run->ref_name, "results", results));
+}
+
+static void print_scores_csv(const score_run *run) {
+    printf("reference,test,jod,delta_e_itp,identical,n_valid");
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (run->metrics[m])
+            printf(",%s", nqm_metric_name((nqm_metric)m));
+    puts(",error");
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const score_row *row = &run->rows[i];
+        const nqm_score_result *r = &row->result;
+        print_csv_text(stdout, run->ref_name);
+        putchar(',');
+        print_csv_text(stdout, row->name);
+        putchar(',');
+        print_csv_number(stdout, number_of(row, r->jod));
+        putchar(',');
+        print_csv_number(stdout, number_of(row, r->delta_e));
+        printf(",%d,%zu", row->err.status == NQM_OK && r->identical, r->n_valid);
+        for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+            if (run->metrics[m]) {
+                putchar(',');
+                print_csv_number(stdout, number_of(row, r->metrics[m]));
+            }
+        putchar(',');
+        print_csv_text(stdout, row->err.status == NQM_OK ? "" : row->err.message);
+        putchar('\n');
+    }
+}
+
+int print_scores(const score_run *run) {
+    switch (run->format) {
+    case SCORE_JSON: /* the remarks stand in it */
+        return print_scores_json(run);
+    case SCORE_CSV:
+        print_scores_csv(run);
+        break;
+    case SCORE_QUIET:
+        print_quiet(run);
+        break;
+    case SCORE_TEXT:
+        print_text(run);
+        break;
+    }
+    bool bad = fflush(stdout) != 0;
+    print_all_remarks(run);
+    return bad ? report("score", EXIT_OPEN, "standard output: cannot write") : EXIT_OK;
+}
