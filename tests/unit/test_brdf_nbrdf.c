@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The two neural formats, NBRDF networks (plain and in zips) and neural processes: values against numpy
+ * (tests/vectors/brdf.py), and broken files.
+ */
+#include "base/memory_test.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+#include "vectors/brdf_vectors.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+
+static nqm_brdf *open_ok(const char *argument) {
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return brdf;
+}
+
+/* Compare with values as the network gives them, before clamping. Frees the BRDF. */
+static void compare(nqm_brdf *brdf, const double (*expected)[3], double tolerance) {
+    for (size_t i = 0; i < N_PAIRS; ++i) {
+        double rgb[3], exchanged[3], by_angles[3], hd[3];
+        uint8_t flag;
+        const double *wi = pair_vector[i], *wo = wi + 3, *e = expected[i];
+        nqm_brdf_eval(brdf, 1, wi, wo, rgb, &flag);
+        nqm_brdf_eval(brdf, 1, wo, wi, exchanged, NULL);
+        nqm_directions_to_half_diff(wi, wo, hd);
+        nqm_brdf_eval_half_diff(brdf, 1, hd, by_angles, NULL);
+        assert_int_equal(flag, e[0] < 0 || e[1] < 0 || e[2] < 0 ? NQM_VALUE_CLAMPED : NQM_VALUE_OK);
+        for (size_t c = 0; c < 3; ++c) {
+            assert_near(rgb[c], fmax(e[c], 0), tolerance * (1 + fabs(e[c])));
+            assert_near(by_angles[c], rgb[c], 1e-12);
+            assert_near(exchanged[c], rgb[c], 1e-5); /* equal, but for the rounding of float inputs */
+        }
+    }
+    nqm_brdf_free(brdf);
+}
+
+static void network_agrees_with_numpy(void **state) {
+    (void)state;
+    const char *path = scratch_path("network.h5");
+    blob_put(make_nbrdf(NBRDF_VALID), path);
+    nqm_brdf *brdf = open_ok(path);
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, "nbrdf");
+    assert_string_equal(info.source_doi, "10.1111/cgf.14335");
+    assert_int_equal(info.n_values, 675);
+    assert_int_equal(info.reciprocal, 1);
+    compare(brdf, nbrdf_vector, 1e-12);
+}
+
+static void network_comes_out_of_a_zip(void **state) {
+    (void)state;
+    const char *path = scratch_path("archive.zip");
+    char argument[400];
+    blob network = make_nbrdf(NBRDF_VALID);
+    blob_put(make_zip("folder/gold-paint.h5", &network), path);
+    blob_free(&network);
+    snprintf(argument, sizeof argument, "%s:gold-paint", path);
+    compare(open_ok(argument), nbrdf_vector, 1e-12);
+    snprintf(argument, sizeof argument, "%s:gold-paint.h5", path);
+    compare(open_ok(argument), nbrdf_vector, 1e-12);
+}
+
+static nqm_error expect(const char *argument, nqm_status status, const char *words) {
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(argument, &brdf, &err), status);
+    assert_null(brdf);
+    if (!strstr(err.message, words))
+        fail_msg("message: %s", err.message);
+    return err;
+}
+
+static void zip_faults_are_told(void **state) {
+    (void)state;
+    const char *path = scratch_path("archive.zip");
+    char argument[400];
+    blob network = make_nbrdf(NBRDF_VALID), zip = make_zip("steel.h5", &network);
+    blob_save(&zip, path);
+    expect(path, NQM_ERR_ARG, "steel");
+    snprintf(argument, sizeof argument, "%s:", path);
+    expect(argument, NQM_ERR_IO, "no member");
+    snprintf(argument, sizeof argument, "%s:gold", path);
+    expect(argument, NQM_ERR_IO, "no member 'gold.h5'");
+    snprintf(argument, sizeof argument, "%s:steel", path);
+    for (size_t n = 4; n < zip.n_bytes; n += 13) { /* without its last bytes a zip has no directory */
+        blob part = {zip.data, n};
+        blob_save(&part, path);
+        expect(argument, NQM_ERR_FORMAT, path);
+    }
+    zip.data[30 + strlen("steel.h5") + 300] ^= 1; /* inside the packed bytes */
+    blob_save(&zip, path);
+    expect(argument, NQM_ERR_FORMAT, "steel.h5");
+    blob_free(&zip);
+    blob text = {network.data, 100};
+    blob_put(make_zip("readme.txt", &text), path);
+    expect(path, NQM_ERR_FORMAT, "no NBRDF");
+    blob_put(make_zip("steel.h5", &text), path);
+    expect(argument, NQM_ERR_FORMAT, argument);
+    blob_free(&network);
+}
+
+static void refuses_a_member_that_is_too_large(void **state) {
+    (void)state;
+    const char *path = scratch_path("archive.zip");
+    char argument[400];
+    const char *large_path = scratch_path("large.h5");
+    blob network = make_nbrdf(NBRDF_VALID);
+    blob_save_sparse(&network, 5 << 20, large_path);
+    blob_free(&network);
+    expect(large_path, NQM_ERR_LIMIT, large_path);
+    blob large = blob_load(large_path);
+    blob_put(make_zip("large.h5", &large), path); /* packs to a few kilobytes */
+    blob_free(&large);
+    snprintf(argument, sizeof argument, "%s:large", path);
+    expect(argument, NQM_ERR_LIMIT, "large.h5");
+}
+
+static void refuses_broken_networks(void **state) {
+    (void)state;
+    static const char *const words[NBRDF_KINDS] = {
+        [NBRDF_MISSING] = "missing",        [NBRDF_SHAPE] = "shape",    [NBRDF_DOUBLE] = "float32",
+        [NBRDF_NAN] = "not finite",         [NBRDF_CHUNKED] = "packed", [NBRDF_EXTERNAL_LINK] = "missing",
+        [NBRDF_EXTERNAL_STORAGE] = "packed"};
+    const char *path = scratch_path("broken.h5");
+    for (int kind = NBRDF_MISSING; kind < NBRDF_KINDS; ++kind) {
+        blob_put(make_nbrdf((nbrdf_kind)kind), path);
+        nqm_error err = expect(path, NQM_ERR_FORMAT, words[kind]);
+        assert_non_null(strstr(err.message, path));
+        assert_non_null(strstr(err.message, "dense_3/dense_3/kernel:0"));
+        if (kind == NBRDF_NAN) {
+            blob b = blob_load(path);
+            float value;
+            memcpy(&value, b.data + err.byte_offset, sizeof value);
+            assert_true(isnan(value));
+            blob_free(&b);
+        }
+    }
+}
+
+static void refuses_every_truncation(void **state) {
+    (void)state;
+    blob b = make_nbrdf(NBRDF_VALID);
+    const char *path = scratch_path("short.h5");
+    for (size_t n = 0; n < b.n_bytes; n += n < 100 ? 1 : 29) {
+        blob part = {b.data, n};
+        blob_save(&part, path);
+        nqm_error err = expect(path, NQM_ERR_FORMAT, path);
+        assert_true(err.byte_offset == 0 || err.byte_offset == (int64_t)n);
+    }
+    blob_free(&b);
+}
+
+static void refuses_odd_superblocks(void **state) {
+    (void)state;
+    static const struct {
+        size_t at;
+        unsigned char value;
+    } changes[] = {{8, 4}, {13, 4}, {14, 2}, {24, 1}, {46, 1}};
+    const char *path = scratch_path("broken.h5");
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; ++i) {
+        blob b = make_nbrdf(NBRDF_VALID);
+        b.data[changes[i].at] = changes[i].value;
+        blob_put(b, path);
+        expect(path, NQM_ERR_FORMAT, path);
+    }
+}
+
+static void processes_agree_with_numpy(void **state) {
+    (void)state;
+    const char *path = scratch_path("decoder.bin");
+    char argument[400];
+    blob_put(make_nps_decoder(), path);
+    blob_put(make_nps_latents(), scratch_path("nps_latents.csv"));
+    snprintf(argument, sizeof argument, "%s:second", path);
+    nqm_brdf *brdf = open_ok(argument);
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, "nps");
+    assert_string_equal(info.source_doi, "10.1145/3490385");
+    assert_int_equal(info.n_values, 808010);
+    compare(brdf, nps_vector, 1e-4); /* float32 in seven layers */
+}
+
+static void process_faults_are_told(void **state) {
+    (void)state;
+    const char *path = scratch_path("decoder.bin"), *latents = scratch_path("nps_latents.csv");
+    char argument[400];
+    blob decoder = make_nps_decoder();
+    blob_save(&decoder, path);
+    blob_put(make_nps_latents(), latents);
+    expect(path, NQM_ERR_ARG, "name one material");
+    snprintf(argument, sizeof argument, "%s:third", path);
+    expect(argument, NQM_ERR_IO, "no material 'third'");
+    memset(decoder.data + 4000, 0xff, 4);
+    blob_save(&decoder, path);
+    snprintf(argument, sizeof argument, "%s:first", path);
+    assert_int_equal(expect(argument, NQM_ERR_FORMAT, "byte 4000").byte_offset, 4000);
+    remove(latents);
+    expect(argument, NQM_ERR_IO, latents);
+    decoder.n_bytes -= 4;
+    blob_put(decoder, path);
+    expect(argument, NQM_ERR_FORMAT, "neither a zip nor a decoder");
+}
+
+static void survives_failing_allocations(void **state) {
+    (void)state;
+    char arguments[2][400];
+    blob network = make_nbrdf(NBRDF_VALID);
+    blob_put(make_zip("steel.h5", &network), scratch_path("archive.zip"));
+    blob_free(&network);
+    blob_put(make_nps_decoder(), scratch_path("decoder.bin"));
+    blob_put(make_nps_latents(), scratch_path("nps_latents.csv"));
+    snprintf(arguments[0], sizeof arguments[0], "%s:steel", scratch_path("archive.zip"));
+    snprintf(arguments[1], sizeof arguments[1], "%s:first", scratch_path("decoder.bin"));
+    for (size_t k = 0; k < 2; ++k) {
+        nqm_status status = NQM_ERR_NOMEM;
+        int n = 0;
+        for (; status != NQM_OK && n < 100; ++n) {
+            nqm_brdf *brdf;
+            nqm_alloc_fail_after(n);
+            status = nqm_brdf_open(arguments[k], &brdf, NULL);
+            nqm_alloc_fail_after(-1);
+            assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && brdf == NULL));
+            nqm_brdf_free(brdf);
+        }
+        assert_int_equal(status, NQM_OK);
+        assert_true(n > 4);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(network_agrees_with_numpy), cmocka_unit_test(network_comes_out_of_a_zip),
+        cmocka_unit_test(zip_faults_are_told),       cmocka_unit_test(refuses_a_member_that_is_too_large),
+        cmocka_unit_test(refuses_broken_networks),   cmocka_unit_test(refuses_every_truncation),
+        cmocka_unit_test(refuses_odd_superblocks),   cmocka_unit_test(processes_agree_with_numpy),
+        cmocka_unit_test(process_faults_are_told),   cmocka_unit_test(survives_failing_allocations)};
+    return cmocka_run_group_tests_name("brdf_nbrdf", tests, NULL, NULL);
+}

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * RGL materials: values against numpy (tests/vectors/brdf.py), and every way in which a file can be broken.
+ */
+#include "base/base.h"
+#include "base/memory_test.h"
+#include "io/io.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+#include "vectors/brdf_vectors.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+
+static const char *save(blob b) {
+    const char *path = scratch_path("material.bsdf");
+    blob_put(b, path);
+    return path;
+}
+
+static void agrees_with_numpy(void **state) {
+    (void)state;
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
+    size_t n_clamped = 0;
+    for (size_t i = 0; i < N_PAIRS; ++i) {
+        double rgb[3];
+        uint8_t flag;
+        nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, &flag);
+        bool clamped = false;
+        for (size_t c = 0; c < 3; ++c) {
+            clamped = clamped || rgl_vector[i][c] < 0;
+            assert_near(rgb[c], fmax(rgl_vector[i][c], 0), 1e-11 * (1 + fabs(rgl_vector[i][c])));
+        }
+        assert_int_equal(flag, clamped ? NQM_VALUE_CLAMPED : NQM_VALUE_OK);
+        n_clamped += clamped;
+    }
+    assert_true(n_clamped > 3 && n_clamped < N_PAIRS - 3);
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, "rgl");
+    assert_string_equal(info.layout, "4 angles of incidence x 5 x 7 samples, warp 6 x 8");
+    assert_string_equal(info.source_doi, "10.1145/3272127.3275059");
+    assert_int_equal(info.n_values, 420 + 192 + 18 + 14);
+    assert_int_equal(info.reciprocal, 0);
+    nqm_brdf_free(brdf);
+}
+
+/* A material turned about its normal is the same; half-vector coordinates keep light and viewer apart. */
+static void is_isotropic(void **state) {
+    (void)state;
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
+    for (size_t i = 4; i < N_PAIRS; ++i) {
+        double rgb[3], turned_rgb[3], hd[3], hd_rgb[3], turned[6];
+        for (size_t k = 0; k < 6; k += 3) {
+            turned[k] = 0.6 * pair_vector[i][k] - 0.8 * pair_vector[i][k + 1];
+            turned[k + 1] = 0.8 * pair_vector[i][k] + 0.6 * pair_vector[i][k + 1];
+            turned[k + 2] = pair_vector[i][k + 2];
+        }
+        nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, NULL);
+        nqm_brdf_eval(brdf, 1, turned, turned + 3, turned_rgb, NULL);
+        /* The coordinates fold phi_d by reciprocity, which measured data lack: undo it where the vectors say so. */
+        double wi[3], wo[3];
+        nqm_directions_to_half_diff(pair_vector[i], pair_vector[i] + 3, hd);
+        nqm_half_diff_to_directions(hd, wi, wo);
+        if (fabs(wi[2] - pair_vector[i][2]) > 1e-9)
+            hd[2] += 3.14159265358979323846;
+        nqm_brdf_eval_half_diff(brdf, 1, hd, hd_rgb, NULL);
+        for (size_t c = 0; c < 3; ++c) {
+            assert_near(turned_rgb[c], rgb[c], 1e-10 * (1 + rgb[c]));
+            assert_near(hd_rgb[c], rgb[c], 1e-10 * (1 + rgb[c]));
+        }
+    }
+    nqm_brdf_free(brdf);
+}
+
+/* The material must be refused, with the file named and a byte that the message repeats. */
+static void expect_refused(blob b, const char *words) {
+    const char *path = save(b);
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
+    assert_null(brdf);
+    char at[32];
+    snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
+    if (!strstr(err.message, path) || !strstr(err.message, words) || !strstr(err.message, at))
+        fail_msg("message: %s (%s)", err.message, at);
+}
+
+static void refuses_unfit_tensors(void **state) {
+    (void)state;
+    static const char *const needed[] = {"phi_i", "theta_i", "sigma", "ndf", "vndf", "rgb"};
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; ++i) {
+        expect_refused(make_rgl(&(rgl_change){.name = needed[i], .omit = true}), "holds no tensor");
+        expect_refused(make_rgl(&(rgl_change){.name = needed[i], .type = 1, .n_dims = 1, .dims = {4}}),
+                       "type or shape");
+        expect_refused(make_rgl(&(rgl_change){.name = needed[i], .type = 10, .n_dims = 3, .dims = {1, 1, 4}}),
+                       "type or shape");
+    }
+    expect_refused(make_rgl(&(rgl_change){.name = "phi_i", .type = 10, .n_dims = 1, .dims = {8}}), "anisotropic");
+    expect_refused(make_rgl(&(rgl_change){.name = "theta_i", .type = 10, .n_dims = 1, .dims = {1}}), "two angles");
+    expect_refused(make_rgl(&(rgl_change){.name = "theta_i", .type = 10, .n_dims = 1, .dims = {5}}), "each theta_i");
+    expect_refused(make_rgl(&(rgl_change){.name = "sigma", .type = 10, .n_dims = 2, .dims = {1, 7}}), "2 x 2");
+    expect_refused(make_rgl(&(rgl_change){.name = "ndf", .type = 10, .n_dims = 2, .dims = {9, 1}}), "2 x 2");
+    expect_refused(make_rgl(&(rgl_change){.name = "vndf", .type = 10, .n_dims = 4, .dims = {1, 4, 6, 0}}), "2 x 2");
+    expect_refused(make_rgl(&(rgl_change){.name = "vndf", .type = 10, .n_dims = 4, .dims = {1, 3, 6, 8}}),
+                   "each theta_i");
+    expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 5, .dims = {1, 4, 1, 5, 7}}),
+                   "channels");
+    expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 6, .dims = {1, 1, 1, 1, 1, 1}}),
+                   "6 dim");
+}
+
+static void refuses_unfit_numbers(void **state) {
+    (void)state;
+    static const float falling[4] = {0, 1.1F, 0.6F, 1.5F};
+    static const float flat_sigma[4] = {1, 1, 0, 1}, negative_ndf[4] = {1, 1, 1, -1};
+    static const float no_density[4 * 4] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const float not_finite[4] = {1, NAN, 1, 1}, infinite[4] = {1, INFINITY, 1, 1};
+    expect_refused(make_rgl(&(rgl_change){"theta_i", false, 10, 1, {4}, falling}), "rise");
+    expect_refused(make_rgl(&(rgl_change){"sigma", false, 10, 2, {2, 2}, flat_sigma}), "holds 0");
+    expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, negative_ndf}), "holds -1");
+    expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, not_finite}), "nan");
+    expect_refused(make_rgl(&(rgl_change){"sigma", false, 10, 2, {2, 2}, infinite}), "inf");
+    expect_refused(make_rgl(&(rgl_change){"vndf", false, 10, 4, {1, 4, 2, 2}, no_density}), "without any density");
+}
+
+/* A change of one number of the header. */
+static blob with_byte(size_t at, unsigned char value) {
+    blob b = make_rgl(NULL);
+    b.data[at] = value;
+    return b;
+}
+
+static void refuses_a_broken_container(void **state) {
+    (void)state;
+    expect_refused(with_byte(5, 'X'), "byte 0");
+    expect_refused(with_byte(12, 2), "version 2");
+    expect_refused(with_byte(16, 1), "65545 fields");
+    expect_refused(with_byte(14, 200), "byte"); /* more fields than there are: the data are read as entries */
+    expect_refused(with_byte(18, 200), "200 bytes of name");
+    const size_t first = 18 + 2 + strlen("description");
+    expect_refused(with_byte(first, 9), "9 dimensions");
+    expect_refused(with_byte(first + 2, 0), "type 0");
+    expect_refused(with_byte(first + 2, 12), "type 12");
+    expect_refused(with_byte(first + 3 + 7, 0x80), "ends at byte"); /* an offset of 2^63 */
+    expect_refused(with_byte(first + 11 + 7, 0x80), "ends at byte");
+    blob b = make_rgl(NULL); /* two dimensions of 2^31 and more: their product is beyond 64 bits */
+    const unsigned char name[] = "\5\0phi_i";
+    unsigned char *entry = b.data + 18;
+    while (memcmp(entry, name, 7) != 0)
+        ++entry;
+    nqm_store_u64(entry + 7 + 11, UINT64_MAX / 2);
+    expect_refused(b, "impossible");
+}
+
+static void refuses_every_truncation(void **state) {
+    (void)state;
+    blob b = make_rgl(NULL);
+    const char *path = scratch_path("short.bsdf");
+    for (size_t n = 0; n < b.n_bytes; ++n) {
+        nqm_error err = {0};
+        nqm_brdf *brdf;
+        blob part = {b.data, n};
+        blob_save(&part, path);
+        assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
+        assert_null(brdf);
+        assert_true(err.byte_offset == 0 || err.byte_offset == (int64_t)n);
+    }
+    blob_free(&b);
+}
+
+static void survives_failing_allocations(void **state) {
+    (void)state;
+    const char *path = save(make_rgl(NULL));
+    nqm_status status = NQM_ERR_NOMEM;
+    int n = 0;
+    for (; status != NQM_OK && n < 100; ++n) {
+        nqm_brdf *brdf;
+        nqm_alloc_fail_after(n);
+        status = nqm_brdf_open(path, &brdf, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && brdf == NULL));
+        nqm_brdf_free(brdf);
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(n > 10);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(agrees_with_numpy),           cmocka_unit_test(is_isotropic),
+        cmocka_unit_test(refuses_unfit_tensors),       cmocka_unit_test(refuses_unfit_numbers),
+        cmocka_unit_test(refuses_a_broken_container),  cmocka_unit_test(refuses_every_truncation),
+        cmocka_unit_test(survives_failing_allocations)};
+    return cmocka_run_group_tests_name("brdf_rgl", tests, NULL, NULL);
+}

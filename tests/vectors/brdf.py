@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: MIT
+"""f_r of the made-up materials of tests/support/brdf_files*.c, computed by numpy from the formats' papers: RGL (Dupuy and
+Jakob 2018) by building the warp's integrals of the mixed density for each pair, NBRDF (Sztrajman et al. 2021) and neural
+processes (Zheng et al. 2021) as matrix products in float64. The materials' numbers are made by the same rule as there.
+Writes brdf_vectors.h beside itself. Usage: python3 brdf.py"""
+import os
+import sys
+
+import numpy as np
+
+SEED = 20250612
+N = 60
+# The other direction must stay clear of the horizon: the stored cosine is divided out.
+MIN_COS = 0.05
+
+
+def noise(n, row, start=0):
+    x = (np.arange(start, start + n, dtype=np.uint64) + np.uint64(row) * np.uint64(0x9E3779B9)) & np.uint64(0xFFFFFFFF)
+    m = np.uint64(0xFFFFFFFF)
+    x = ((x ^ (x >> np.uint64(16))) * np.uint64(0x85EBCA6B)) & m
+    x = ((x ^ (x >> np.uint64(13))) * np.uint64(0xC2B2AE35)) & m
+    return ((x ^ (x >> np.uint64(16))) >> np.uint64(8)).astype(np.float64) / 16777216
+
+
+def pairs(rng):
+    """Unit vectors over the hemisphere."""
+    w = []
+    while len(w) < 2 * N:
+        v = rng.normal(size=3)
+        v /= np.linalg.norm(v)
+        v[2] = abs(v[2])
+        if v[2] > MIN_COS:
+            w.append(v)
+    return np.array(w[:N]), np.array(w[N:])
+
+
+def half_diff(wi, wo):
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    phi = -np.arctan2(h[:, 1], h[:, 0])
+    theta = np.arccos(h[:, 2])
+    x = np.cos(phi) * wi[:, 0] - np.sin(phi) * wi[:, 1]
+    y = np.sin(phi) * wi[:, 0] + np.cos(phi) * wi[:, 1]
+    d = np.stack([np.cos(theta) * x - np.sin(theta) * wi[:, 2], y, np.sin(theta) * x + np.cos(theta) * wi[:, 2]], 1)
+    return np.stack([theta, np.arccos(np.clip(d[:, 2], -1, 1)), np.arctan2(d[:, 1], d[:, 0]) % np.pi], 1)
+
+
+def float32(x):
+    return x.astype(np.float32).astype(np.float64)
+
+
+class Rgl:
+    def __init__(self):
+        self.theta_i = float32(np.array([0, 0.6, 1.1, 1.5707964]))
+        self.sigma = float32(noise(14, ord("s")) + 0.125).reshape(2, 7)
+        self.ndf = float32(2 * noise(18, ord("n")) + 0.25).reshape(2, 9)
+        self.vndf = float32(noise(192, ord("v"))).reshape(4, 6, 8)
+        self.vndf[:2, :2] = 0
+        self.rgb = float32(4 * noise(420, ord("r")) - 1).reshape(4, 3, 5, 7)
+
+    @staticmethod
+    def bilinear(table, u, v):
+        h, w = table.shape[-2:]
+        x, y = u * (w - 1), v * (h - 1)
+        i, j = min(int(x), w - 2), min(int(y), h - 2)
+        x, y = x - i, y - j
+        return ((1 - y) * ((1 - x) * table[..., j, i] + x * table[..., j, i + 1]) + y *
+                ((1 - x) * table[..., j + 1, i] + x * table[..., j + 1, i + 1]))
+
+    @staticmethod
+    def integral(f, x):
+        """The integral of a piecewise linear function with values f at 0, 1, 2... from 0 to x."""
+        whole = int(x)
+        total = sum((f[i] + f[i + 1]) / 2 for i in range(whole))
+        if whole < len(f) - 1:
+            at_x = f[whole] + (x - whole) * (f[whole + 1] - f[whole])
+            total += (x - whole) * (f[whole] + at_x) / 2
+        return total
+
+    def mixed(self, table, theta):
+        k = min(max(np.searchsorted(self.theta_i, theta, side="right") - 1, 0), len(self.theta_i) - 2)
+        t = min(max((theta - self.theta_i[k]) / (self.theta_i[k + 1] - self.theta_i[k]), 0), 1)
+        return (1 - t) * table[k] + t * table[k + 1]
+
+    def eval(self, viewer, light):
+        h = viewer + light
+        h /= np.linalg.norm(h)
+        theta_i, theta_h = np.arccos(viewer[2]), np.arccos(h[2])
+        phi = np.arctan2(h[1], h[0]) - np.arctan2(viewer[1], viewer[0])
+        u, v = np.sqrt(theta_h * 2 / np.pi), ((phi + np.pi) / (2 * np.pi)) % 1
+        unit = np.array([self.integral(np.array([self.integral(row, 7) for row in s]), 5) for s in self.vndf])
+        density = self.mixed(self.vndf / unit[:, None, None], theta_i)
+        # The density along the half vector's row, and the integrals of all rows.
+        y = v * 5
+        j = min(int(y), 4)
+        row = (1 - (y - j)) * density[j] + (y - j) * density[j + 1]
+        rows = np.array([self.integral(r, 7) for r in density])
+        s_u = self.integral(row, u * 7) / self.integral(row, 7) if self.integral(row, 7) > 0 else u
+        s_v = self.integral(rows, y)
+        value = self.bilinear(self.mixed(self.rgb, theta_i), min(s_u, 1), min(s_v, 1))
+        d = self.bilinear(self.ndf, u, v)
+        sigma = self.bilinear(self.sigma, np.sqrt(theta_i * 2 / np.pi), 0.5)
+        return value * d / (4 * sigma) / light[2]
+
+
+def dense(shapes, row):
+    for i, (n_in, n_out) in enumerate(shapes):
+        scale = float32(np.array(1 / np.sqrt(n_in)))
+        w = float32(float32(2 * noise(n_in * n_out, row + 2 * i) - 1) * scale).reshape(n_in, n_out)
+        b = float32(float32(2 * noise(n_out, row + 2 * i + 1) - 1) * scale)
+        yield w, b
+
+
+def nbrdf(hd):
+    h, d, p = hd.T
+    x = np.stack([np.sin(h), 0 * h, np.cos(h), np.sin(d) * np.cos(p), np.sin(d) * np.sin(p), np.cos(d)], 1)
+    for i, (w, b) in enumerate(dense([(6, 21), (21, 21), (21, 3)], 1)):
+        x = x @ w + b
+        x = np.maximum(x, 0) if i < 2 else np.expm1(x)
+    return x
+
+
+def nps(hd, latent):
+    h, d, p = hd.T
+    x = np.stack([np.cos(2 * p) / 2 + 0.5, np.sin(2 * p) / 2 + 0.5, h * 2 / np.pi, d * 2 / np.pi], 1)
+    x = np.concatenate([x, np.broadcast_to(latent, (len(x), 7))], 1)
+    at = 0
+    widths = [11] + [400] * 6 + [3]
+    for n_in, n_out in zip(widths[:-1], widths[1:]):
+        scale = float32(np.array(np.sqrt(6 / n_in)))
+        w = float32(float32(2 * noise(n_in * n_out, 23, at) - 1) * scale).reshape(n_in, n_out)
+        b = noise(n_out, 23, at + n_in * n_out)
+        at += n_in * n_out + n_out
+        x = np.maximum(x @ w + b, 0)
+    x *= 0.15
+    for _ in range(4):
+        x = np.expm1(x)
+    return x
+
+
+def table(out, name, comment, rows):
+    out.write("\n/* %s */\nstatic const double %s[][%d] = {\n" % (comment, name, len(rows[0])))
+    for row in rows:
+        out.write("    {" + ", ".join("%.17g" % v for v in row) + "},\n")
+    out.write("};\n")
+
+
+def main():
+    rng = np.random.default_rng(SEED)
+    wi, wo = pairs(rng)
+    wi[0], wo[0] = [0, 0, 1], [0.6, 0, 0.8]  # light along the normal
+    wi[1], wo[1] = [0.6, 0, 0.8], [0, 0, 1]  # viewer along the normal
+    wi[2], wo[2] = [0.6, 0, 0.8], [-0.28, 0, 0.96]  # in one plane, on both sides of the normal
+    wi[3], wo[3] = [0.6, 0, 0.8], [0.8, 0, 0.6]  # almost back to the light
+    hd = half_diff(wi, wo)
+    rgl = Rgl()
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "brdf_vectors.h"), "w") as out:
+        out.write("/* SPDX-License-Identifier: MIT\n *\n * Made by brdf.py: numpy %s, Python %s, seed %d.\n */\n" %
+                  (np.__version__, sys.version.split()[0], SEED))
+        out.write("/* clang-format off */\n")
+        table(out, "pair_vector", "light (3), viewer (3)", np.concatenate([wi, wo], 1))
+        table(out, "rgl_vector", "f_r of the RGL material, negative where its data are", [rgl.eval(o, i) for i, o in zip(wi, wo)])
+        table(out, "nbrdf_vector", "f_r of the NBRDF, negative where the network is", nbrdf(hd))
+        table(out, "nps_vector", "f_r of the neural process, material 'second'",
+              nps(hd, np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])))
+
+
+main()
