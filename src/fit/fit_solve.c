@@ -12,7 +12,7 @@
 #include <string.h>
 
 enum { N_REFINED = 2, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
-static const double MIN_ALBEDO = 1e-7, MAX_ALBEDO = 1e3;
+static const double MIN_ALBEDO = 1e-7, MAX_KD = 10, MAX_KS = 1e4; /* what specs allow, and more than any surface */
 static const double START_F0[] = {0.04, 0.5};
 enum { N_START_F0 = sizeof START_F0 / sizeof *START_F0 };
 
@@ -117,6 +117,8 @@ static void solve_albedos(const search *s, nqm_fit_values *v) {
                 sums[4] += ww * b * y;
             }
             solve_two(sums, &v->kd[c], &v->ks[c]);
+            v->kd[c] = fmin(v->kd[c], MAX_KD);
+            v->ks[c] = fmin(v->ks[c], MAX_KS);
         }
 }
 
@@ -152,8 +154,8 @@ static void from_free(const nqm_fit_model *model, const double *x, nqm_fit_value
                                          : shape->low + (shape->high - shape->low) * p;
     }
     for (size_t c = 0; c < 3; ++c) {
-        v->kd[c] = exp(clamp(x[c], log(MIN_ALBEDO), log(MAX_ALBEDO)));
-        v->ks[c] = exp(clamp(x[3 + c], log(MIN_ALBEDO), log(MAX_ALBEDO)));
+        v->kd[c] = exp(clamp(x[c], log(MIN_ALBEDO), log(MAX_KD)));
+        v->ks[c] = exp(clamp(x[3 + c], log(MIN_ALBEDO), log(MAX_KS)));
     }
 }
 

@@ -26,13 +26,14 @@ typedef struct nqm_corpus_ref {
 typedef struct nqm_corpus_group {
     const char *name;
     nqm_split split;
+    size_t first_ref, n_refs; /* its references in the list */
 } nqm_corpus_group;
 
 /** A material list, whole; strings are lent by its CSV. */
 typedef struct nqm_corpus_list {
     nqm_csv *csv;
     size_t n_refs, n_groups;
-    nqm_corpus_ref *refs;     /* (n_refs) in the order of the list */
+    nqm_corpus_ref *refs;     /* (n_refs) group by group, else in the order of the list */
     nqm_corpus_group *groups; /* (n_groups) in the order of their first reference */
 } nqm_corpus_list;
 
@@ -41,8 +42,10 @@ typedef struct nqm_corpus_list {
 NQM_MUST_CHECK nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm_corpus_list *list_ret,
                                                nqm_error *err);
 void nqm_corpus_list_free(nqm_corpus_list *list);
-/** true when the reference belongs to the part of the corpus that is being made. */
-bool nqm_corpus_list_in_part(const nqm_corpus_list *list, size_t ref, nqm_corpus_part part);
+/** SHA-256 of a file's bytes. */
+NQM_MUST_CHECK nqm_status nqm_corpus_hash_file(const char *path, char hex[65], nqm_error *err);
+/** true when the group belongs to the part of the corpus that is being made. */
+bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part);
 /** "train", "validation" or "test" */
 const char *nqm_corpus_split_name(nqm_split split);
 
@@ -83,65 +86,85 @@ typedef struct nqm_corpus_fit {
     nqm_fit_loss loss;
     nqm_corpus_kind kind;
 } nqm_corpus_fit;
-enum { NQM_CORPUS_N_FITS = 4, NQM_CORPUS_MAX_FORMS = 8 };
+enum { NQM_CORPUS_N_FITS = 4 };
 extern const nqm_corpus_fit nqm_corpus_fits[NQM_CORPUS_N_FITS];
+
+/** A form of a material: a reference of the list, or a preset that is a test only. */
+typedef struct nqm_corpus_form {
+    const char *brdf;     /* as listed */
+    const char *path;     /* as opened */
+    nqm_corpus_kind kind; /* as a test */
+} nqm_corpus_form;
+enum { NQM_CORPUS_MAX_PRESETS = 2 };
 
 /** What a test starts from: the reference, one of its fits, or another form of its material. */
 typedef enum nqm_corpus_base { NQM_BASE_REF, NQM_BASE_FIT, NQM_BASE_FORM } nqm_corpus_base;
 
 /** One test of a reference: a base and up to two perturbations of it. */
 typedef struct nqm_corpus_test {
+    size_t ref; /* within the group */
     nqm_corpus_kind kind;
     nqm_corpus_base base;
-    size_t fit;                   /* NQM_BASE_FIT: index into nqm_corpus_fits */
-    const char *form, *form_path; /* NQM_BASE_FORM: as listed, and as opened */
-    char perturbation[2][80];     /* "gloss=0.8"; the first is applied first; "" for none */
+    size_t which;             /* of nqm_corpus_fits, or of the plan's forms */
+    char perturbation[2][80]; /* "gloss=0.8"; the first is applied first; "" for none */
 } nqm_corpus_test;
 
-/** The tests of a reference, at most `n_tests_max`. Depends on the seed, the reference's name and the options only. */
-size_t nqm_corpus_plan(const nqm_corpus_list *list, size_t ref, const nqm_corpus_options *options,
-                       nqm_corpus_test *tests, size_t n_tests_max);
-/** An upper bound of what nqm_corpus_plan() returns. */
-size_t nqm_corpus_plan_max(const nqm_corpus_options *options);
+/** All that is to be done for one material group. */
+typedef struct nqm_corpus_plan {
+    size_t group;
+    size_t n_refs, n_forms; /* the first n_refs forms are the references of the group */
+    nqm_corpus_form *forms;
+    size_t n_tests;
+    nqm_corpus_test *tests; /* by reference */
+} nqm_corpus_plan;
 
-/* ---- the work on one reference
- * --------------------------------------------------------------------------------------- */
+/** Plan a group: depends on the list, the seed and the options only. Free with nqm_corpus_plan_free(). */
+NQM_MUST_CHECK nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group,
+                                               const nqm_corpus_options *options, nqm_corpus_plan *plan_ret,
+                                               nqm_error *err);
+void nqm_corpus_plan_free(nqm_corpus_plan *plan);
 
-/** What all references share. */
+/* ---- the work on one group
+ * ------------------------------------------------------------------------------------------- */
+
+/** What all groups share. */
 typedef struct nqm_corpus_context {
     const nqm_corpus_list *list;
     const nqm_corpus_options *options;
     const nqm_directions *directions;
     const nqm_scene *scene;
+    nqm_scene_options scene_options;
     char light_sha256[65];    /* "" for the built-in sky */
-    bool (*stop)(void *user); /* asked after each test */
-    void *stop_user;
+    bool (*step)(void *user); /* called after each test; true: stop */
+    void *step_user;
 } nqm_corpus_context;
 
-/** A reference with its tests, sampled and labelled. The arrays belong to the corpus. */
+/** A group, sampled and labelled. */
 typedef struct nqm_corpus_item {
-    size_t ref;
-    size_t n_tests;
-    const nqm_corpus_test *tests; /* (n_tests) */
-    float *ref_rgb;               /* (n_directions, 3) */
-    uint8_t *ref_used;            /* (n_directions) */
-    float *test_rgb;              /* (n_tests, n_directions, 3) */
-    uint8_t *test_used;           /* (n_tests, n_directions) */
-    double *delta_e;              /* (n_tests) */
-    char **names;                 /* (n_tests) each test as a spec; owned */
+    nqm_corpus_plan plan;
+    /* Views into the arrays of the dataset: n = n_directions */
+    float *ref_rgb;     /* (n_refs, n, 3) */
+    uint8_t *ref_used;  /* (n_refs, n) */
+    float *test_rgb;    /* (n_tests, n, 3) */
+    uint8_t *test_used; /* (n_tests, n) */
+    double *delta_e;    /* (n_tests) */
+    char **names;       /* (n_tests) each test as a spec; the strings are owned */
 } nqm_corpus_item;
 
 /** Fit, sample, render. */
 NQM_MUST_CHECK nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_item *item,
                                                nqm_error *err);
 
-/** The work file of a reference: everything that its results depend on is hashed into its name. */
+/** The work file of a group: all that its results depend on is hashed into its name. Free the path with nqm_free(). */
 NQM_MUST_CHECK nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_corpus_item *item,
                                                char **path_ret, nqm_error *err);
 /** true when `path` holds the finished item; false when there is none or it is damaged (it is then made again). */
 bool nqm_corpus_item_load(const char *path, size_t n_directions, nqm_corpus_item *item);
 NQM_MUST_CHECK nqm_status nqm_corpus_item_save(const char *path, size_t n_directions, const nqm_corpus_item *item,
                                                nqm_error *err);
+
+/** `brdf` as a table; see corpus_table.c. */
+NQM_MUST_CHECK nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
 
 /* ---- the manifest
  * ---------------------------------------------------------------------------------------------------- */

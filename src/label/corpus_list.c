@@ -14,9 +14,8 @@ const char *nqm_corpus_split_name(nqm_split split) {
     return split_names[split];
 }
 
-bool nqm_corpus_list_in_part(const nqm_corpus_list *list, size_t ref, nqm_corpus_part part) {
-    bool is_test = list->groups[list->refs[ref].group].split == NQM_SPLIT_TEST;
-    return is_test == (part == NQM_CORPUS_TEST);
+bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part) {
+    return (group->split == NQM_SPLIT_TEST) == (part == NQM_CORPUS_TEST);
 }
 
 /* `brdf` as nqm_brdf_open() takes it: specs as they are, relative paths behind the root. */
@@ -43,7 +42,7 @@ static size_t file_length(const char *path) {
     return stat(path, &st) == 0 || !colon ? strlen(path) : (size_t)(colon - path);
 }
 
-static nqm_status hash_file(const char *path, char hex[65], nqm_error *err) {
+nqm_status nqm_corpus_hash_file(const char *path, char hex[65], nqm_error *err) {
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)
@@ -76,7 +75,7 @@ static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     if (!file)
         return nqm_fail_nomem(err, n);
     file[n] = 0;
-    nqm_status status = hash_file(file, ref->file_sha256, err);
+    nqm_status status = nqm_corpus_hash_file(file, ref->file_sha256, err);
     nqm_free(file);
     return status;
 }
@@ -127,7 +126,7 @@ static nqm_status place_in_group(nqm_corpus_list *list, size_t i, const char *gr
         return NQM_OK;
     }
     list->refs[i].group = list->n_groups;
-    list->groups[list->n_groups++] = (nqm_corpus_group){group, split};
+    list->groups[list->n_groups++] = (nqm_corpus_group){.name = group, .split = split};
     return NQM_OK;
 }
 
@@ -145,6 +144,26 @@ static nqm_status read_row(nqm_corpus_list *list, size_t i, const columns *c, co
     nqm_split split = NQM_SPLIT_TRAIN;
     nqm_status status = parse_split(nqm_csv_text(list->csv, i, c->split), path, ref->name, &split, err);
     return status == NQM_OK ? place_in_group(list, i, group, split, path, err) : status;
+}
+
+/* Bring the references of each group together. */
+static nqm_status sort_by_group(nqm_corpus_list *list, nqm_error *err) {
+    nqm_corpus_ref *sorted = nqm_alloc(list->n_refs, sizeof *sorted);
+    if (!sorted)
+        return nqm_fail_nomem(err, list->n_refs * sizeof *sorted);
+    for (size_t i = 0; i < list->n_refs; ++i)
+        ++list->groups[list->refs[i].group].n_refs;
+    for (size_t g = 1; g < list->n_groups; ++g)
+        list->groups[g].first_ref = list->groups[g - 1].first_ref + list->groups[g - 1].n_refs;
+    for (size_t g = 0; g < list->n_groups; ++g)
+        list->groups[g].n_refs = 0;
+    for (size_t i = 0; i < list->n_refs; ++i) {
+        nqm_corpus_group *group = &list->groups[list->refs[i].group];
+        sorted[group->first_ref + group->n_refs++] = list->refs[i];
+    }
+    nqm_free(list->refs);
+    list->refs = sorted;
+    return NQM_OK;
 }
 
 nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm_corpus_list *list_ret,
@@ -181,6 +200,9 @@ nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm
         if (status != NQM_OK)
             goto fail;
     }
+    status = sort_by_group(&list, err);
+    if (status != NQM_OK)
+        goto fail;
     *list_ret = list;
     return NQM_OK;
 fail:
