@@ -21,11 +21,11 @@ typedef enum nqm_fit_loss {
 
 typedef struct nqm_fit_options {
     nqm_fit_loss loss;      /**< default NQM_FIT_LOG */
-    size_t n_directions;    /**< direction pairs; default 4000 */
+    size_t n_directions;    /**< direction pairs; default 6000 */
     double max_polar_rad;   /**< both directions stay below it; default 80 degrees */
     double highlight_fraction; /**< share of the pairs with theta_h = max u^2, theta_d and phi_d uniform (u uniform): dense
                                     around the mirror direction, so that the sharpest lobes count; the others are uniform
-                                    by solid angle; 0..1; default 0.5 */
+                                    by solid angle; 0..1; default 0.05: more of them brighten the dark base of metals */
     size_t n_starts;        /**< starting values of the lobe width, spaced evenly in its logarithm; default 12 */
     uint64_t seed;          /**< default 1 */
     nqm_progress_fn progress; /**< NULL: silent */

@@ -78,6 +78,8 @@ void nqm_store_f64(unsigned char *p, double v);
 bool nqm_parse_double(const char *text, const char **end, double *value);
 /** Print with the fewest digits that read back to the same double ("0.1"). Returns `buffer` (32 bytes at least). */
 char *nqm_format_double(char *buffer, size_t n_buffer, double value);
+/** The double nearest to `value` with so many significant decimal digits (1..15), which then prints with no more. */
+double nqm_round_digits(double value, int n_digits);
 
 /* ---- random numbers (xoshiro256**, Blackman and Vigna 2018, DOI 10.1145/3460772) -------------------------------------- */
 

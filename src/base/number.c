@@ -43,3 +43,11 @@ char *nqm_format_double(char *buffer, size_t n_buffer, double value) {
     uselocale(before);
     return buffer;
 }
+
+double nqm_round_digits(double value, int n_digits) {
+    if (value == 0 || !isfinite(value))
+        return value;
+    int exponent = n_digits - 1 - (int)floor(log10(fabs(value)));
+    double power = pow(10, abs(exponent)); /* exact up to 1e22 */
+    return exponent >= 0 ? nearbyint(value * power) / power : nearbyint(value / power) * power;
+}

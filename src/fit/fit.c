@@ -5,7 +5,6 @@
 #include "fit/fit.h"
 #include "math/math.h"
 
-#include <math.h>
 #include <string.h>
 
 static const nqm_fit_model models[] = {
@@ -42,27 +41,20 @@ const char *nqm_fit_loss_name(nqm_fit_loss loss) {
 
 nqm_fit_options nqm_fit_options_default(void) {
     return (nqm_fit_options){.loss = NQM_FIT_LOG,
-                             .n_directions = 4000,
+                             .n_directions = 6000,
                              .max_polar_rad = 80 * NQM_PI / 180,
-                             .highlight_fraction = 0.5,
+                             .highlight_fraction = 0.05,
                              .n_starts = 12,
                              .seed = 1};
 }
 
-/* Six digits say all that a fit knows, and keep specs short. */
-static double round_digits(double x) {
-    if (!(x > 0))
-        return 0;
-    double power = pow(10, fabs(5 - floor(log10(x)))); /* exact below 1e22 */
-    return x < 1e6 ? nearbyint(x * power) / power : nearbyint(x / power) * power;
-}
-
 void nqm_fit_round(const nqm_fit_model *model, nqm_fit_values *values) {
+    const int n_digits = 6; /* more than a fit knows */
     for (size_t s = 0; s < model->n_shape; ++s)
-        values->shape[s] = round_digits(values->shape[s]);
+        values->shape[s] = nqm_round_digits(values->shape[s], n_digits);
     for (size_t c = 0; c < 3; ++c) {
-        values->kd[c] = round_digits(values->kd[c]);
-        values->ks[c] = round_digits(values->ks[c]);
+        values->kd[c] = nqm_round_digits(values->kd[c], n_digits);
+        values->ks[c] = nqm_round_digits(values->ks[c], n_digits);
     }
 }
 

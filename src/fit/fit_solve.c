@@ -66,8 +66,7 @@ static double loss_of(const search *s, const nqm_fit_values *v) {
     return sqrt(sum / (3 * (double)t->n));
 }
 
-/* ---- albedos for a given shape
- * --------------------------------------------------------------------------------------- */
+/* ---- albedos for a given shape ----------------------------------------------------------------------------------- */
 
 /* Minimise |w (kd a + ks b - y)| over kd, ks >= 0 from the sums of the normal equations. */
 static void solve_two(const double sums[5], double *kd, double *ks) {
@@ -122,8 +121,7 @@ static void solve_albedos(const search *s, nqm_fit_values *v) {
         }
 }
 
-/* ---- refinement
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- refinement -------------------------------------------------------------------------------------------------- */
 
 static double logit(double p) {
     return log(p / (1 - p));
@@ -205,8 +203,7 @@ static nqm_status refine(search *s, candidate *best) {
     return NQM_OK;
 }
 
-/* ---- starts
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- starts ------------------------------------------------------------------------------------------------------ */
 
 static nqm_status score_start(search *s, candidate *start) {
     nqm_status status = set_shape(s, start->values.shape);

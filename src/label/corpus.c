@@ -37,8 +37,7 @@ nqm_corpus_options nqm_corpus_options_default(void) {
     return (nqm_corpus_options){.part = NQM_CORPUS_TRAINING, .n_perturbations = 26, .seed = 1};
 }
 
-/* ---- preparation
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- preparation ------------------------------------------------------------------------------------------------- */
 
 static nqm_status make_scene(corpus *c, nqm_error *err) {
     nqm_scene_options *scene = &c->context.scene_options;
@@ -98,8 +97,7 @@ static nqm_status make_arrays(corpus *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- the work
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- the work ---------------------------------------------------------------------------------------------------- */
 
 /* Count finished tests; from the caller's thread, report them. true: stop. */
 static bool advance(corpus *c, size_t n_tests) {
@@ -163,8 +161,7 @@ static nqm_status work(corpus *c, nqm_error *err) {
     return c->status;
 }
 
-/* ---- the dataset
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- the dataset ------------------------------------------------------------------------------------------------- */
 
 /* Index tables and names of the dataset, in one place to free them. */
 typedef struct tables {

@@ -11,8 +11,7 @@
 #include <nqm/fit.h>
 #include <nqm/label.h>
 
-/* ---- references
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- references -------------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_corpus_ref {
     const char *name;   /* unique in the list */
@@ -49,8 +48,7 @@ bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part);
 /** "train", "validation" or "test" */
 const char *nqm_corpus_split_name(nqm_split split);
 
-/* ---- the plan of tests
- * ----------------------------------------------------------------------------------------------- */
+/* ---- the plan of tests ------------------------------------------------------------------------------------------- */
 
 /** Kinds of test; the dataset holds their names. */
 typedef enum nqm_corpus_kind {
@@ -124,8 +122,7 @@ NQM_MUST_CHECK nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size
                                                nqm_error *err);
 void nqm_corpus_plan_free(nqm_corpus_plan *plan);
 
-/* ---- the work on one group
- * ------------------------------------------------------------------------------------------- */
+/* ---- the work on one group --------------------------------------------------------------------------------------- */
 
 /** What all groups share. */
 typedef struct nqm_corpus_context {
@@ -163,11 +160,13 @@ bool nqm_corpus_item_load(const char *path, size_t n_directions, nqm_corpus_item
 NQM_MUST_CHECK nqm_status nqm_corpus_item_save(const char *path, size_t n_directions, const nqm_corpus_item *item,
                                                nqm_error *err);
 
-/** `brdf` as a table; see corpus_table.c. */
+/** `brdf` as a table; see corpus_forms.c. */
 NQM_MUST_CHECK nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
+/** `brdf` read in half-vector coordinates with phi_d in [0, pi) only, so that it is reciprocal. It is owned by the result
+ *  (freed with it, also when this fails) or only lent to it. */
+NQM_MUST_CHECK nqm_status nqm_corpus_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
-/* ---- the manifest
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- the manifest ------------------------------------------------------------------------------------------------ */
 
 /** How the corpus was made, as JSON text (nqm_free); NULL when out of memory. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items);

@@ -3,6 +3,7 @@
  * The work on one material group: open its forms, fit each reference, sample and render everything once, and label
  * every test by the Delta-E ITP between its picture and that of its reference.
  */
+#include "brdf/brdf.h"
 #include "label/corpus.h"
 
 #include <math.h>
@@ -51,15 +52,20 @@ static nqm_status look(const job *j, view *v) {
     return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, j->err) : status;
 }
 
-/* Decoders of neural processes are tabulated: as references, as forms and below every perturbation alike. */
+/* The form as the corpus reads it, as reference, as test and below every perturbation alike: decoders of neural processes as
+ * tables, because dozens of copies are rendered; forms that are not reciprocal in one half of their pairs, as the sampling
+ * directions and perturbations read them. */
 static nqm_status open_form(const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_status status = nqm_brdf_open(path, brdf_ret, err);
-    if (status != NQM_OK || strcmp(nqm_brdf_get_info(*brdf_ret).format, "nps") != 0)
+    nqm_brdf *form;
+    nqm_status status = nqm_brdf_open(path, &form, err);
+    if (status != NQM_OK)
         return status;
-    nqm_brdf *decoder = *brdf_ret;
-    status = nqm_corpus_tabulate(decoder, brdf_ret, err);
-    nqm_brdf_free(decoder);
-    return status;
+    if (strcmp(nqm_brdf_get_info(form).format, "nps") == 0) {
+        status = nqm_corpus_tabulate(form, brdf_ret, err);
+        nqm_brdf_free(form);
+        return status;
+    }
+    return nqm_corpus_fold(form, true, brdf_ret, err);
 }
 
 static nqm_status open_forms(job *j) {
@@ -101,8 +107,7 @@ static nqm_status make_fits(job *j, size_t ref) {
     return NQM_OK;
 }
 
-/* ---- one test
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- one test ---------------------------------------------------------------------------------------------------- */
 
 static const view *base_view(const job *j, const nqm_corpus_test *test) {
     switch (test->base) {
@@ -136,8 +141,17 @@ static char *test_name(const job *j, const nqm_corpus_test *test) {
     return name;
 }
 
-/* Put the test's perturbations over its base. *brdf_ret owns what it is made of, but not the base. */
-static nqm_status perturb(const nqm_corpus_test *test, const nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
+/* Put the test's perturbations over its base, which is lent. */
+static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_brdf *brdf;
+    *brdf_ret = NULL;
+    nqm_status status = nqm_corpus_fold(base, false, &brdf, err);
+    for (int k = 0; status == NQM_OK && k < 2 && *test->perturbation[k]; ++k)
+        status = nqm_perturb_wrap(test->perturbation[k], brdf, &brdf, err);
+    if (status == NQM_OK)
+        *brdf_ret = brdf;
+    return status;
+}
 
 /* The view of a test: its base's own, or the perturbed one. */
 static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret) {

@@ -29,8 +29,7 @@ static char *resolve(const char *brdf, const char *root, size_t n_root) {
     return path;
 }
 
-/* ---- checksums of the files
- * ------------------------------------------------------------------------------------------ */
+/* ---- checksums of the files -------------------------------------------------------------------------------------- */
 
 /* The length of the file's part of a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs.
  */
@@ -80,8 +79,7 @@ static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     return status;
 }
 
-/* ---- rows
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 typedef struct columns {
     int name, group, brdf, source, split;

@@ -91,8 +91,7 @@ static void put_row(scan *s, const char *source, const char *material, const cha
     ++s->n_rows;
 }
 
-/* ---- the held-out materials
- * ------------------------------------------------------------------------------------------ */
+/* ---- the held-out materials -------------------------------------------------------------------------------------- */
 
 /* "aluminium_7" is the 7th encoding of aluminium. */
 static size_t length_without_number(const char *text) {
@@ -120,8 +119,7 @@ static nqm_status read_held_out(scan *s, nqm_error *err) {
     return status == NQM_OK && s->held_out.failed ? nqm_fail_nomem(err, 64) : status;
 }
 
-/* ---- the folders
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- the folders ------------------------------------------------------------------------------------------------- */
 
 /* Files that match DIR/pattern, sorted; none is fine. */
 static nqm_status find_files(const scan *s, const char *pattern, glob_t *found, nqm_error *err) {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF tabulated in half-vector coordinates, for references whose own evaluation is too slow to render dozens of
- * perturbed copies (the decoder of a neural process: 806,000 multiplications a pair). theta_h is spaced as in MERL's
- * tables, phi_d has period pi: for reciprocal BRDFs only. Linear between nodes; nodes without a value are left out of
- * the mean.
+ * How a corpus reads the forms of a material. Folded: in half-vector coordinates with phi_d in [0, pi), the half of all
+ * pairs that sampling directions and perturbations see, so that a measurement that is not reciprocal (up to 39 % in the RGL
+ * data) does not differ from its own perturbed copy in the other half. Tabulated, besides, where the form's own evaluation
+ * is too slow to render dozens of perturbed copies (the decoder of a neural process: 806,000 multiplications a pair):
+ * theta_h spaced as in MERL's tables, linear between nodes; nodes without a value are left out of the mean.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -86,4 +87,46 @@ nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_e
     for (size_t h = 0; h < N_THETA_H; ++h)
         fill_slice(brdf, h, t);
     return nqm_brdf_wrap(&table_class, t, nqm_brdf_get_info(brdf).name, NULL, "90x46x24 nodes", table_ret, err);
+}
+
+/* ---- folded ---------------------------------------------------------------------------------------------------------- */
+
+typedef struct fold {
+    nqm_brdf *brdf;
+    bool owned;
+} fold;
+
+static void fold_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
+    enum { BLOCK = 128 };
+    const fold *f = self;
+    uint8_t flag[BLOCK];
+    for (size_t first = 0; first < n; first += BLOCK) {
+        size_t m = n - first < BLOCK ? n - first : BLOCK;
+        nqm_brdf_eval_half_diff(f->brdf, m, hd + 3 * first, rgb + 3 * first, flag);
+        for (size_t i = 0; i < m; ++i)
+            if (flag[i] >= NQM_VALUE_INVALID)
+                rgb[3 * (first + i)] = NAN;
+    }
+}
+
+static void fold_free(void *self) {
+    fold *f = self;
+    if (f->owned)
+        nqm_brdf_free(f->brdf);
+    nqm_free(f);
+}
+
+static const nqm_brdf_class fold_class = {
+    .format = "folded", .reciprocal = 1, .eval_half_diff = fold_eval_half_diff, .free = fold_free};
+
+nqm_status nqm_corpus_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err) {
+    *folded_ret = NULL;
+    fold *f = nqm_alloc(1, sizeof *f);
+    if (!f) {
+        if (owned)
+            nqm_brdf_free(brdf);
+        return nqm_fail_nomem(err, sizeof *f);
+    }
+    *f = (fold){brdf, owned};
+    return nqm_brdf_wrap(&fold_class, f, nqm_brdf_get_info(brdf).name, NULL, NULL, folded_ret, err);
 }

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits give known parameters back, whatever the width of the lobe and the loss; a model fitted to another keeps highlight and
+ * base; the same seed gives the same spec; bad arguments are refused.
+ */
+#include "brdf/brdf.h"
+#include "fit/fit.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static nqm_brdf *open_brdf(const char *spec) {
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return brdf;
+}
+
+static nqm_fit_report fit(const char *spec, const char *model, const nqm_fit_options *options) {
+    nqm_error err = {0};
+    nqm_fit_report report;
+    nqm_brdf *ref = open_brdf(spec);
+    if (nqm_fit(ref, model, options, &report, &err) != NQM_OK)
+        fail_msg("%s: %s", spec, err.message);
+    nqm_brdf_free(ref);
+    return report;
+}
+
+/* The values behind "key=" in a spec, up to three. */
+static void values_of(const char *spec, const char *key, double v[3]) {
+    char pattern[16];
+    snprintf(pattern, sizeof pattern, "%s=", key);
+    const char *at = strstr(spec, pattern);
+    assert_non_null(at);
+    int n = sscanf(at + strlen(pattern), "%lf,%lf,%lf", &v[0], &v[1], &v[2]);
+    assert_true(n >= 1);
+    if (n == 1)
+        v[1] = v[2] = v[0];
+}
+
+static void check_values(const char *fitted, const char *truth, const char *key, double tolerance) {
+    double found[3], expected[3];
+    values_of(fitted, key, found);
+    values_of(truth, key, expected);
+    for (int c = 0; c < 3; ++c)
+        if (!(fabs(found[c] - expected[c]) <= tolerance * expected[c] + 1e-4))
+            fail_msg("%s of %s: %s gave %s", key, truth, key, fitted);
+}
+
+static void ward_gives_itself_back(void **state) {
+    (void)state;
+    static const double alphas[] = {0.002, 0.01, 0.05, 0.2, 0.6};
+    for (size_t i = 0; i < sizeof alphas / sizeof *alphas; ++i) {
+        char truth[200];
+        snprintf(truth, sizeof truth, "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=%g", alphas[i]);
+        nqm_fit_report r = fit(truth, "ward", NULL);
+        check_values(r.spec, truth, "alpha", 1e-3);
+        check_values(r.spec, truth, "kd", 2e-3);
+        check_values(r.spec, truth, "ks", 2e-3);
+        assert_true(r.loss < 1e-4);
+        assert_int_equal(r.n_directions, 6000);
+    }
+}
+
+static void ggx_gives_itself_back(void **state) {
+    (void)state;
+    static const double alphas[] = {0.002, 0.01, 0.05, 0.2, 0.6}, f0s[] = {0.04, 0.3, 0.9};
+    for (size_t i = 0; i < 15; ++i) {
+        char truth[200];
+        snprintf(truth, sizeof truth, "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=%g;f0=%g", alphas[i / 3], f0s[i % 3]);
+        nqm_fit_report r = fit(truth, "ggx", NULL);
+        check_values(r.spec, truth, "alpha", 5e-3);
+        check_values(r.spec, truth, "f0", 2e-2);
+        check_values(r.spec, truth, "kd", 5e-3);
+        check_values(r.spec, truth, "ks", 2e-2);
+        assert_true(r.loss < 1e-3);
+    }
+}
+
+static void every_loss_finds_the_truth(void **state) {
+    (void)state;
+    static const char *const names[] = {"log", "log-cos", "cube-root", "linear"};
+    const char *truth = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.1";
+    for (int k = 0; k < 4; ++k) {
+        nqm_fit_options options = nqm_fit_options_default();
+        assert_int_equal(nqm_fit_loss_parse(names[k], &options.loss), 1);
+        assert_string_equal(nqm_fit_loss_name(options.loss), names[k]);
+        nqm_fit_report r = fit(truth, "ward", &options);
+        check_values(r.spec, truth, "alpha", 5e-3);
+        check_values(r.spec, truth, "kd", 1e-2);
+        check_values(r.spec, truth, "ks", 1e-2);
+    }
+}
+
+/* Mirror peak of Ward's model at theta_d (Ward 1992, eq. 5a with theta_h = 0). */
+static double ward_peak(double kd, double ks, double alpha, double theta_d) {
+    const double pi = acos(-1);
+    return kd / pi + ks / (4 * pi * alpha * alpha * cos(theta_d));
+}
+
+static void sharp_metal_keeps_highlight_and_base(void **state) {
+    (void)state;
+    static const double alphas[] = {0.003, 0.02};
+    const double pi = acos(-1), theta_d = 20 * pi / 180;
+    for (int i = 0; i < 2; ++i) {
+        char truth[100];
+        snprintf(truth, sizeof truth, "ward:kd=0.01;ks=0.6;alpha=%g", alphas[i]);
+        nqm_fit_report r = fit(truth, "ggx", NULL);
+        nqm_brdf *ggx = open_brdf(r.spec);
+        const double mirror[3] = {0, theta_d, pi / 2}, off[3] = {40 * pi / 180, theta_d, pi / 2};
+        double rgb[3];
+        nqm_brdf_eval_half_diff(ggx, 1, mirror, rgb, NULL);
+        double ratio = rgb[1] / ward_peak(0.01, 0.6, alphas[i], theta_d);
+        assert_true(ratio > 0.5 && ratio < 2.5);
+        nqm_brdf_eval_half_diff(ggx, 1, off, rgb, NULL);
+        assert_true(rgb[1] < 0.01 / pi + 0.01);
+        nqm_brdf_free(ggx);
+    }
+}
+
+static void a_seed_is_a_result(void **state) {
+    (void)state;
+    nqm_fit_options options = nqm_fit_options_default();
+    nqm_fit_report a = fit("sgd:blue-rubber", "ggx", &options), b = fit("sgd:blue-rubber", "ggx", &options);
+    assert_string_equal(a.spec, b.spec);
+    options.seed = 2;
+    nqm_fit_report c = fit("sgd:blue-rubber", "ggx", &options);
+    assert_string_not_equal(a.spec, c.spec);
+    check_values(c.spec, a.spec, "alpha", 0.05);
+}
+
+static void a_spec_says_what_was_fitted(void **state) {
+    (void)state;
+    nqm_fit_report r = fit("sgd:red-plastic", "ward", NULL);
+    nqm_brdf *brdf = open_brdf(r.spec);
+    assert_string_equal(nqm_brdf_get_info(brdf).format, "ward");
+    nqm_brdf_free(brdf);
+}
+
+/* ---- failures --------------------------------------------------------------------------------------------------------- */
+
+static void nothing_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    (void)self;
+    (void)wi;
+    (void)wo;
+    for (size_t i = 0; i < 3 * n; ++i)
+        rgb[i] = NAN;
+}
+
+static void nothing_free(void *self) {
+    (void)self;
+}
+
+static void a_brdf_without_values_is_refused(void **state) {
+    (void)state;
+    static const nqm_brdf_class nothing = {.format = "nothing", .eval = nothing_eval, .free = nothing_free};
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    nqm_fit_report report = {.loss = -1};
+    assert_int_equal(nqm_brdf_wrap(&nothing, NULL, "nothing.bsdf", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_fit(brdf, "ward", NULL, &report, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "nothing.bsdf"));
+    assert_true(report.loss == -1);
+    nqm_brdf_free(brdf);
+}
+
+static void bad_arguments_are_refused(void **state) {
+    (void)state;
+    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+    nqm_fit_report report;
+    nqm_error err = {0};
+    nqm_fit_loss loss;
+    assert_int_equal(nqm_fit(brdf, "phong", NULL, &report, &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, "phong"));
+    assert_int_equal(nqm_fit_loss_parse("square", &loss), 0);
+    for (int k = 0; k < 5; ++k) {
+        nqm_fit_options options = nqm_fit_options_default();
+        options.n_directions = k == 0 ? 10 : options.n_directions;
+        options.max_polar_rad = k == 1 ? 2 : options.max_polar_rad;
+        options.highlight_fraction = k == 2 ? 1.5 : options.highlight_fraction;
+        options.n_starts = k == 3 ? 0 : options.n_starts;
+        options.loss = k == 4 ? (nqm_fit_loss)9 : options.loss;
+        assert_int_equal(nqm_fit(brdf, "ward", &options, &report, &err), NQM_ERR_ARG);
+    }
+    nqm_brdf_free(brdf);
+}
+
+static int stop(void *user, const char *stage, double done, double total) {
+    (void)user;
+    (void)stage;
+    (void)done;
+    (void)total;
+    return 1;
+}
+
+static void a_fit_can_be_stopped(void **state) {
+    (void)state;
+    nqm_brdf *brdf = open_brdf("sgd:nickel");
+    nqm_fit_options options = nqm_fit_options_default();
+    nqm_fit_report report;
+    options.progress = stop;
+    assert_int_equal(nqm_fit(brdf, "ggx", &options, &report, NULL), NQM_ERR_CANCELLED);
+    nqm_brdf_free(brdf);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ward_gives_itself_back),
+        cmocka_unit_test(ggx_gives_itself_back),
+        cmocka_unit_test(every_loss_finds_the_truth),
+        cmocka_unit_test(sharp_metal_keeps_highlight_and_base),
+        cmocka_unit_test(a_seed_is_a_result),
+        cmocka_unit_test(a_spec_says_what_was_fitted),
+        cmocka_unit_test(a_brdf_without_values_is_refused),
+        cmocka_unit_test(bad_arguments_are_refused),
+        cmocka_unit_test(a_fit_can_be_stopped),
+    };
+    return cmocka_run_group_tests_name("fit: recover", tests, NULL, NULL);
+}
