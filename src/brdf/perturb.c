@@ -308,42 +308,58 @@ static size_t nested_levels(const char *base) {
     return n;
 }
 
-nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
-    const char *base = NULL;
-    nqm_spec_values values;
-    nqm_status status = parse(settings, &base, &values, err);
-    if (status != NQM_OK)
-        return status;
-    if (nested_levels(base) >= MAX_NESTED)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "perturb: at most %d perturbations may be nested", MAX_NESTED);
-    char *spec = NULL;
+/* Make the BRDF of `values` over `base`, which it takes over. */
+static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char *name, nqm_brdf **brdf_ret,
+                       nqm_error *err) {
     char layout[128];
+    char *spec = NULL;
     perturbation *self = nqm_alloc(1, sizeof *self);
-    if (!self)
+    if (!self) {
+        nqm_brdf_free(base);
         return nqm_fail_nomem(err, sizeof *self);
-    status = nqm_brdf_open(base, &self->base, err);
+    }
+    self->base = base;
+    nqm_status status = prepare(self, values, err);
     if (status != NQM_OK)
         goto fail;
-    status = prepare(self, &values, err);
-    if (status != NQM_OK)
-        goto fail;
-    spec = canonical_spec(&values, self->base);
+    spec = canonical_spec(values, base);
     if (!spec) {
-        status = nqm_fail_nomem(err, strlen(name));
+        status = nqm_fail_nomem(err, strlen(base->name));
         goto fail;
     }
-    const nqm_brdf *of = self->base;
-    snprintf(layout, sizeof layout, "of %s: %.100s", of->class_->format, of->layout ? of->layout : "");
-    status = nqm_brdf_wrap(&perturb_class, self, name, spec, layout, brdf_ret, err);
+    const char *doi = base->source_doi;
+    snprintf(layout, sizeof layout, "over %s, %.100s", base->class_->format, base->layout ? base->layout : "");
+    status = nqm_brdf_wrap(&perturb_class, self, name ? name : spec, spec, layout, brdf_ret, err);
     nqm_free(spec);
-    if (status == NQM_OK) {
-        (*brdf_ret)->source_doi = of->source_doi;
-        (*brdf_ret)->n_values = of->n_values;
-        (*brdf_ret)->n_bytes = of->n_bytes;
-    }
+    if (status == NQM_OK)
+        (*brdf_ret)->source_doi = doi;
     return status;
 fail:
     perturb_free(self);
     return status;
+}
+
+nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    const char *of = NULL;
+    nqm_spec_values values;
+    nqm_brdf *base;
+    nqm_status status = parse(settings, &of, &values, err);
+    if (status != NQM_OK)
+        return status;
+    if (nested_levels(of) >= MAX_NESTED)
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "perturb: at most %d perturbations may be nested", MAX_NESTED);
+    status = nqm_brdf_open(of, &base, err);
+    return status == NQM_OK ? wrap(&values, base, name, brdf_ret, err) : status;
+}
+
+nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    nqm_spec_values values;
+    nqm_status status = nqm_spec_parse(&schema, settings, &values, err);
+    if (status != NQM_OK) {
+        nqm_brdf_free(base);
+        return status;
+    }
+    return wrap(&values, base, NULL, brdf_ret, err);
 }
