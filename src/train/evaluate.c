@@ -3,13 +3,12 @@
  * What models and the nine scalar metrics predict for the pairs of a dataset; how well that agrees with the labels is counted in
  * agreement.c.
  */
+#include "metric/metric.h"
 #include "train/agreement.h"
 #include "train/train.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { BATCH = 256 };
 
 struct nqm_evaluation {
     const nqm_dataset *dataset;
@@ -33,7 +32,7 @@ static bool in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
 typedef struct metric_job {
     nqm_evaluation *ev;
     const size_t *pairs;
-    uint8_t *used; /* (BATCH, n_directions) */
+    uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
 } metric_job;
 
 static void pair_metrics(void *user, size_t i) {
@@ -50,66 +49,53 @@ static void pair_metrics(void *user, size_t i) {
 
 /* ---- models ----------------------------------------------------------------------------------------------------------- */
 
-/* Memory for a model's batch. */
+/* The samples of a batch, side by side as nqm_predictor_run() takes them. */
 typedef struct model_job {
-    const nqm_dataset *dataset;
-    const size_t *pairs;
-    nqm_features features;
-    nqm_net_work *work;
-    size_t width;
-    float *samples; /* (BATCH, 2, n_directions, 3) transformed */
-    float *x;       /* (BATCH, width) */
-    float z[BATCH];
-    uint8_t *used; /* (BATCH, n_directions) */
+    nqm_predictor *predictor;
+    float *ref, *test; /* (NQM_PREDICT_BATCH, n_directions, 3) */
+    uint8_t *used;     /* (NQM_PREDICT_BATCH, n_directions) */
+    double jod[NQM_PREDICT_BATCH];
 } model_job;
 
-static void compose_pair(void *user, size_t i) {
-    const model_job *job = user;
-    const nqm_dataset *d = job->dataset;
-    size_t pair = job->pairs[i], n = 3 * d->n_directions;
-    float *ref_t = job->samples + i * 2 * n, *test_t = ref_t + n;
-    nqm_features_transform(n, d->ref_rgb + d->pair_ref[pair] * n, ref_t);
-    nqm_features_transform(n, d->test_rgb + pair * n, test_t);
-    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
-    nqm_features_compose(&job->features, d->n_directions, ref_t, test_t, used, job->x + i * job->width);
-}
-
-static nqm_status begin_model(model_job *job, const nqm_dataset *d, const struct nqm_model *m, nqm_error *err) {
-    *job = (model_job){.dataset = d, .width = m->params.shape.sizes[0]};
-    job->features.layout = m->layout;
-    job->features.difference_scale = m->difference_scale;
-    memcpy(job->features.mean, m->mean, sizeof m->mean);
-    memcpy(job->features.std, m->std, sizeof m->std);
-    if (m->n_directions != d->n_directions ||
-        memcmp(m->directions_deg, d->directions_deg, 3 * d->n_directions * sizeof *d->directions_deg) != 0)
+static nqm_status begin_model(model_job *job, const nqm_dataset *d, const nqm_model *m, nqm_error *err) {
+    *job = (model_job){0};
+    size_t n = d->n_directions, n_bytes = 3 * n * sizeof(float);
+    if (m->n_directions != n || memcmp(m->directions_deg, d->directions_deg, 3 * n * sizeof(double)) != 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                         "model '%s' looks at other directions (%zu) than those of the dataset (%zu)", m->id,
-                        m->n_directions, d->n_directions);
-    job->samples = nqm_alloc(BATCH, 6 * d->n_directions * sizeof(float));
-    job->x = nqm_alloc(BATCH, job->width * sizeof(float));
-    job->used = nqm_alloc(BATCH, d->n_directions);
-    if (!job->samples || !job->x || !job->used)
-        return nqm_fail_nomem(err, BATCH * (6 * d->n_directions + job->width) * sizeof(float));
-    return nqm_net_work_create(&m->params.shape, BATCH, false, &job->work, err);
+                        m->n_directions, n);
+    job->ref = nqm_alloc(NQM_PREDICT_BATCH, n_bytes);
+    job->test = nqm_alloc(NQM_PREDICT_BATCH, n_bytes);
+    job->used = nqm_alloc(NQM_PREDICT_BATCH, n);
+    if (!job->ref || !job->test || !job->used)
+        return nqm_fail_nomem(err, NQM_PREDICT_BATCH * 2 * n_bytes);
+    return nqm_predictor_create(m, NQM_PREDICT_BATCH, &job->predictor, err);
 }
 
 static void end_model(model_job *job) {
-    nqm_net_work_free(job->work);
-    nqm_free(job->samples);
-    nqm_free(job->x);
+    nqm_predictor_free(job->predictor);
+    nqm_free(job->ref);
+    nqm_free(job->test);
     nqm_free(job->used);
 }
 
-static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job, size_t n, nqm_error *err) {
-    const struct nqm_model *m = ev->models[model];
-    nqm_parallel_for(n, compose_pair, job);
-    nqm_net_forward(&m->params, job->work, n, job->x, NULL, job->z);
+static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job, size_t n, const size_t *pairs,
+                                nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    size_t n_columns = 3 * d->n_directions;
+    bool masked = d->ref_used || d->test_used;
     for (size_t i = 0; i < n; ++i) {
-        double jod = nqm_model_jod(m, (double)job->z[i], NULL);
-        if (!isfinite(jod))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu", m->id,
-                            job->pairs[i]);
-        ev->values[model * ev->dataset->n_pairs + job->pairs[i]] = jod;
+        memcpy(job->ref + i * n_columns, d->ref_rgb + d->pair_ref[pairs[i]] * n_columns, n_columns * sizeof(float));
+        memcpy(job->test + i * n_columns, d->test_rgb + pairs[i] * n_columns, n_columns * sizeof(float));
+        nqm_dataset_pair_used(d, pairs[i], job->used + i * d->n_directions);
+    }
+    const nqm_sampled_pairs batch = {.n = n, .ref = job->ref, .test = job->test, .used = masked ? job->used : NULL};
+    nqm_predictor_run(job->predictor, &batch, job->jod, NULL);
+    for (size_t i = 0; i < n; ++i) {
+        if (!isfinite(job->jod[i]))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu",
+                            ev->models[model]->id, pairs[i]);
+        ev->values[model * d->n_pairs + pairs[i]] = job->jod[i];
     }
     return NQM_OK;
 }
@@ -134,10 +120,9 @@ static nqm_status tick(predict_run *run, size_t n, nqm_error *err) {
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
     model_job job;
     nqm_status status = begin_model(&job, run->ev->dataset, run->ev->models[model], err);
-    for (size_t first = 0; status == NQM_OK && first < run->n; first += BATCH) {
-        size_t n = run->n - first < BATCH ? run->n - first : BATCH;
-        job.pairs = run->pairs + first;
-        status = predict_batch(run->ev, model, &job, n, err);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
+        size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
+        status = predict_batch(run->ev, model, &job, n, run->pairs + first, err);
         if (status == NQM_OK)
             status = tick(run, n, err);
     }
@@ -146,10 +131,10 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
 }
 
 static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
-    metric_job job = {.ev = run->ev, .used = nqm_alloc(BATCH, run->ev->dataset->n_directions)};
-    nqm_status status = job.used ? NQM_OK : nqm_fail_nomem(err, BATCH * run->ev->dataset->n_directions);
-    for (size_t first = 0; status == NQM_OK && first < run->n; first += BATCH) {
-        size_t n = run->n - first < BATCH ? run->n - first : BATCH;
+    metric_job job = {.ev = run->ev, .used = nqm_alloc(NQM_PREDICT_BATCH, run->ev->dataset->n_directions)};
+    nqm_status status = job.used ? NQM_OK : nqm_fail_nomem(err, NQM_PREDICT_BATCH * run->ev->dataset->n_directions);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
+        size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
         job.pairs = run->pairs + first;
         nqm_parallel_for(n, pair_metrics, &job);
         status = tick(run, n, err);

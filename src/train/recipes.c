@@ -3,6 +3,7 @@
  * The three recipes - the paper as printed, the authors' notebook where it differs, and ours - as one struct of
  * options; their check, and their text in a model file and a checkpoint.
  */
+#include "net/model_file.h"
 #include "train/train.h"
 
 #include <jansson.h>
@@ -119,10 +120,8 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
 /* ---- text
  * ------------------------------------------------------------------------------------------------------------- */
 
-static const char *const layout_names[] = {"ref,test", "ref,diff,absdiff"};
-static const char *const target_names[] = {"jod", "log-delta-e"};
 static const char *const whitening_names[] = {"channel", "scalar"};
-static const char *const scale_copy_names[] = {"pair-reflectance", "element-transformed", "none"};
+static const char *const scale_copy_names[] = {"pair_reflectance", "element_transformed", "none"};
 
 json_t *nqm_train_options_json(const nqm_train_options *o) {
     json_t *hidden = json_array();
@@ -132,8 +131,8 @@ json_t *nqm_train_options_json(const nqm_train_options *o) {
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)o->seed);
     json_t *json = json_pack(
         "{s:s, s:s, s:f, s:o, s:s, s:f, s:s, s:s, s:b, s:f, s:b, s:f, s:b, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:s}",
-        "recipe", o->recipe, "layout", layout_names[o->layout], "difference_scale", o->difference_scale, "hidden",
-        hidden, "target", target_names[o->target], "min_delta_e", o->min_delta_e, "whitening",
+        "recipe", o->recipe, "layout", nqm_layout_names[o->layout], "difference_scale", o->difference_scale, "hidden",
+        hidden, "target", nqm_target_names[o->target], "min_delta_e", o->min_delta_e, "whitening",
         whitening_names[o->whitening], "scale_copy", scale_copy_names[o->scale_copy], "split_by_pair",
         o->split_by_pair != 0, "validation_fraction", o->validation_fraction, "balance", o->balance != 0,
         "balance_sigma", o->balance_sigma, "freeze_first_layernorm", o->freeze_first_layernorm != 0, "dropout",

@@ -4,6 +4,7 @@
  * dataset, options and seed give the same model, in one run or in several, on any number of threads.
  */
 #include "train/train.h"
+#include "metric/metric.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -184,10 +185,6 @@ static nqm_status run_epochs(run *r, nqm_error *err) {
 
 /* ---- the model -------------------------------------------------------------------------------------------------------- */
 
-static void free_directions(void *directions) {
-    nqm_directions_free(directions);
-}
-
 /* Everything but the texts. The parameters move from the run into the model. */
 static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     const nqm_examples *e = &r->examples;
@@ -209,11 +206,7 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     m->out_lo = e->out_lo;
     m->out_hi = e->out_hi;
     m->curve = nqm_jod_curve_published;
-    nqm_directions *directions;
-    nqm_status status = nqm_directions_from_degrees(n, m->directions_deg, &directions, err);
-    m->directions = directions;
-    m->directions_free = free_directions;
-    return status;
+    return nqm_model_attach_directions(m, err);
 }
 
 /* Spearman of predicted JOD with the labels over the validation pairs that are no noisy copies. */
@@ -318,4 +311,9 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
     if (status == NQM_OK && report_ret)
         *report_ret = report;
     return status;
+}
+
+nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err) {
+    struct nqm_model copy = *model; /* models are immutable: the checksum of the new file is not theirs */
+    return nqm_model_write(&copy, path, err);
 }

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Dataset files: what is written is what is read; everything a dataset promises is refused when broken; damage at every place of
+ * a file is noticed; splits belong to materials.
+ */
+#include "base/memory_test.h"
+#include "support/check.h"
+#include "support/toy_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char path[] = "test_train_dataset.safetensors";
+
+static nqm_dataset *toy;
+
+static int make_toy(void **state) {
+    (void)state;
+    toy_options o = toy_options_default();
+    o.with_masks = true;
+    o.n_groups = 4;
+    o.pairs_per_ref = 3;
+    toy = toy_dataset(&o);
+    return 0;
+}
+
+static int drop_toy(void **state) {
+    (void)state;
+    nqm_dataset_free(toy);
+    unlink(path);
+    return 0;
+}
+
+static void round_trip(void **state) {
+    (void)state;
+    char sha256[65];
+    nqm_dataset *d;
+    assert_int_equal(nqm_dataset_write(toy, path, sha256, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    nqm_dataset_info info = nqm_dataset_get_info(d);
+    assert_int_equal(info.n_directions, 16);
+    assert_int_equal(info.n_refs, 8);
+    assert_int_equal(info.n_groups, 4);
+    assert_int_equal(info.n_pairs, 24);
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_TRAIN], 12);
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_VALIDATION], 6);
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_TEST], 6);
+    assert_string_equal(info.sha256, sha256);
+    assert_string_equal(info.manifest, toy->manifest);
+    assert_string_equal(nqm_directions_id(info.directions), nqm_directions_id(toy->directions));
+    assert_int_equal(nqm_dataset_kind_count(d), 2);
+    assert_string_equal(nqm_dataset_kind_name(d, 1), "gloss");
+    assert_null(nqm_dataset_kind_name(d, 2));
+    char before[65], after[65]; /* of all arrays */
+    assert_int_equal(nqm_dataset_hash(toy, before, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_hash(d, after, NULL), NQM_OK);
+    assert_string_equal(before, after);
+    for (size_t i = 0; i < info.n_pairs; ++i) {
+        nqm_dataset_pair a = nqm_dataset_get_pair(toy, i), b = nqm_dataset_get_pair(d, i);
+        assert_string_equal(a.ref, b.ref);
+        assert_string_equal(a.group, b.group);
+        assert_string_equal(a.test, b.test);
+        assert_string_equal(a.kind, b.kind);
+        assert_int_equal(a.split, b.split);
+    }
+    nqm_dataset_free(d);
+}
+
+/* Two references of a material, whatever the file says of them, are on the same side. */
+static void splits_belong_to_materials(void **state) {
+    (void)state;
+    for (size_t i = 0; i < toy->n_pairs; ++i)
+        for (size_t k = 0; k < toy->n_pairs; ++k) {
+            nqm_dataset_pair a = nqm_dataset_get_pair(toy, i), b = nqm_dataset_get_pair(toy, k);
+            if (strcmp(a.group, b.group) == 0)
+                assert_int_equal(a.split, b.split);
+        }
+}
+
+/* A copy of the toy whose arrays can be spoilt one at a time. */
+static void refuse(const nqm_dataset *broken, const char *words) {
+    nqm_error err = {0};
+    nqm_status status = nqm_dataset_validate(broken, "toy", &err);
+    assert_true(status == NQM_ERR_FORMAT || status == NQM_ERR_LIMIT);
+    assert_non_null(strstr(err.message, words));
+    assert_non_null(strstr(err.message, "toy"));
+}
+
+static void broken_promises(void **state) {
+    (void)state;
+    assert_int_equal(nqm_dataset_validate(toy, "toy", NULL), NQM_OK);
+    float *rgb = malloc(toy->n_refs * toy->n_directions * 3 * sizeof *rgb);
+    assert_non_null(rgb);
+    const float bad[] = {-1e-9f, INFINITY, NAN};
+    for (size_t i = 0; i < 3; ++i) {
+        memcpy(rgb, toy->ref_rgb, toy->n_refs * toy->n_directions * 3 * sizeof *rgb);
+        rgb[17] = bad[i];
+        nqm_dataset d = *toy;
+        d.ref_rgb = rgb;
+        refuse(&d, "direction 5");
+    }
+    free(rgb);
+    uint32_t index[24] = {[23] = 8};
+    nqm_dataset d = *toy;
+    d.pair_ref = index;
+    refuse(&d, "pair_ref[23]");
+    d = *toy;
+    d.pair_kind = index;
+    refuse(&d, "pair_kind[23]");
+    d = *toy;
+    d.n_groups = 3;
+    refuse(&d, "ref_group");
+    double label[24] = {[3] = 11.5};
+    d = *toy;
+    d.jod = label;
+    refuse(&d, "JOD of pair 3");
+    label[3] = -1;
+    d = *toy;
+    d.delta_e = label;
+    refuse(&d, "Delta-E of pair 3");
+    const uint8_t split[4] = {0, 1, 3, 0};
+    d = *toy;
+    d.group_split = split;
+    refuse(&d, "group_split[2]");
+    uint8_t none[24 * 16] = {1};
+    d = *toy;
+    d.test_used = none;
+    refuse(&d, "pair 1 has no direction");
+    none[5] = 2;
+    refuse(&d, "test_used[5]");
+    d = *toy;
+    d.n_pairs = 0;
+    refuse(&d, "no pairs");
+}
+
+/* Every byte changed, and the file cut at every byte, must be noticed: the checksum covers all of it. */
+static void damage_is_noticed(void **state) {
+    (void)state;
+    nqm_map map;
+    assert_int_equal(nqm_dataset_write(toy, path, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    void *block = NULL;
+    assert_int_equal(posix_memalign(&block, 64, map.n_bytes), 0);
+    unsigned char *bytes = block;
+    size_t step = map.n_bytes / 300 + 1;
+    for (size_t at = 0; at < map.n_bytes; at += step) {
+        nqm_dataset *d;
+        memcpy(bytes, map.data, map.n_bytes);
+        bytes[at] ^= 0x10;
+        assert_int_not_equal(nqm_dataset_parse(bytes, map.n_bytes, "changed", true, &d, NULL), NQM_OK);
+        assert_null(d);
+        memcpy(bytes, map.data, map.n_bytes);
+        assert_int_not_equal(nqm_dataset_parse(bytes, at, "cut", true, &d, NULL), NQM_OK);
+        assert_null(d);
+    }
+    memcpy(bytes, map.data, map.n_bytes);
+    nqm_dataset *d;
+    assert_int_equal(nqm_dataset_parse(bytes, map.n_bytes, "whole", true, &d, NULL), NQM_OK);
+    nqm_dataset_free(d);
+    free(block);
+    nqm_map_close(&map);
+}
+
+static void foreign_files(void **state) {
+    (void)state;
+    nqm_dataset *d;
+    nqm_error err = {0};
+    assert_int_equal(nqm_dataset_load("no such file", &d, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "no such file"));
+    assert_int_equal(nqm_dataset_load("/", &d, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_dataset_load(test_vector("net.safetensors"), &d, &err), NQM_ERR_FORMAT);
+    assert_non_null(strstr(err.message, "no nqm dataset"));
+    assert_null(d);
+}
+
+static void memory_runs_out(void **state) {
+    (void)state;
+    assert_int_equal(nqm_dataset_write(toy, path, NULL, NULL), NQM_OK);
+    nqm_status status = NQM_ERR_NOMEM;
+    for (long n = 0; status != NQM_OK && n < 1000; ++n) {
+        nqm_dataset *d;
+        nqm_alloc_fail_after(n);
+        status = nqm_dataset_load(path, &d, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
+        assert_true((status == NQM_OK) == (d != NULL));
+        nqm_dataset_free(d);
+    }
+    assert_int_equal(status, NQM_OK);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_trip),      cmocka_unit_test(splits_belong_to_materials),
+        cmocka_unit_test(broken_promises), cmocka_unit_test(damage_is_noticed),
+        cmocka_unit_test(foreign_files),   cmocka_unit_test(memory_runs_out),
+    };
+    return cmocka_run_group_tests(tests, make_toy, drop_toy);
+}
