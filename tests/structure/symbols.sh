@@ -11,11 +11,11 @@ fail() {
     bad=1
 }
 
-strangers=$(nm --defined-only --extern-only "$build/libnqm_all.a" | awk 'NF == 3 && $3 !~ /^nqm_/ {print $3}')
+strangers=$(nm --defined-only --extern-only "$build/libnqm_all.a" 2>/dev/null | awk 'NF == 3 && $3 !~ /^nqm_/ {print $3}')
 [ -z "$strangers" ] || fail "symbols without the nqm_ prefix: $strangers"
 
 # Declared names: the identifier before the first "(" after NQM_API.
-declared() { tr '\n' ' ' <"$1" | sed 's/NQM_API/\n&/g' | sed -n 's/^NQM_API[^(;]*[ *]\(nqm_[a-z0-9_]*\)(.*/\1/p'; }
+declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^NQM_API[^(;]*[ *]\(nqm_[a-z0-9_]*\)(.*/\1/p'; }
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
 core_headers="base brdf samples metric train"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
