@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # cmake -DOUTPUT=file.c "-DINPUTS=a.csv;b.csv" -P embed_text.cmake: write the text of each input as C string literals, a line
-# each, in an array of {name, text} pairs that ends with {NULL, NULL}; and the names of all rows as "TABLE:ROW".
+# each, in an array of {name, doi, text} that ends with NULL; and the names of all rows as "TABLE:ROW". The DOI is the word
+# behind "DOI" in the comments of the table.
 set(tables "")
 set(names "")
 foreach(input IN LISTS INPUTS)
@@ -12,16 +13,18 @@ foreach(input IN LISTS INPUTS)
     string(REGEX REPLACE "[\n,]" "" row "${row}")
     string(APPEND names "    \"${table}:${row}\",\n")
   endforeach()
+  string(REGEX MATCH "DOI ([^ \n]+)" doi "${text}")
+  set(doi "${CMAKE_MATCH_1}")
   string(REPLACE "\\" "\\\\" text "${text}")
   string(REPLACE "\"" "\\\"" text "${text}")
   string(REPLACE "\n" "\\n\"\n     \"" text "${text}")
-  string(APPEND tables "    {\"${table}\",\n     \"${text}\"},\n")
+  string(APPEND tables "    {\"${table}\", \"${doi}\",\n     \"${text}\"},\n")
 endforeach()
 file(WRITE ${OUTPUT} "/* Generated from presets/ by cmake/embed_text.cmake: do not edit. */
 #include \"brdf/presets_data.h\"
 
 const nqm_preset_table nqm_preset_tables[] = {
-${tables}    {0, 0}};
+${tables}    {0, 0, 0}};
 
 const char *const nqm_preset_names[] = {
 ${names}};

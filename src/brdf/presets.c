@@ -16,10 +16,10 @@ const char *nqm_brdf_preset_name(size_t i) {
     return nqm_preset_names[i];
 }
 
-static const char *table_of(const char *model) {
+static const nqm_preset_table *table_of(const char *model) {
     for (const nqm_preset_table *t = nqm_preset_tables; t->model; ++t)
         if (strcmp(t->model, model) == 0)
-            return t->text;
+            return t;
     return NULL;
 }
 
@@ -87,12 +87,12 @@ static nqm_status fail_unknown(const char *model, const char *material, nqm_erro
 }
 
 nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
-                           nqm_error *err) {
-    const char *table = table_of(schema->model);
+                           const char **doi_ret, nqm_error *err) {
+    const nqm_preset_table *table = table_of(schema->model);
     if (!table)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: needs parameters, %s:key=value;..., not '%.80s'", schema->model,
                         schema->model, material);
-    const char *text = row_of(table, material);
+    const char *text = row_of(table->text, material);
     if (!text)
         return fail_unknown(schema->model, material, err);
     *values = (nqm_spec_values){.given = ~0u};
@@ -107,5 +107,6 @@ nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, 
         if (schema->keys[k].n == 1)
             v[1] = v[2] = v[0];
     }
+    *doi_ret = table->doi;
     return NQM_OK;
 }

@@ -9,6 +9,7 @@
 
 typedef struct nqm_preset_table {
     const char *model; /**< file name without ending = model name: "sgd", "ward"; NULL ends the array */
+    const char *doi;   /**< where the parameters were published */
     const char *text;  /**< the CSV: '#' lines, a header, rows of a name and numbers; no quoting */
 } nqm_preset_table;
 

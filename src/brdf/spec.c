@@ -160,10 +160,8 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
     model->prepare(values, state);
     nqm_status status = nqm_brdf_wrap(&model->class_, state, name, spec, layout, brdf_ret, err);
     nqm_free(spec);
-    if (status == NQM_OK) {
-        (*brdf_ret)->source_doi = model->doi;
+    if (status == NQM_OK)
         (*brdf_ret)->n_values = n_values;
-    }
     return status;
 }
 
@@ -186,8 +184,13 @@ nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) 
     }
     if (!settings)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
+    const char *doi = model->doi;
     nqm_spec_values values;
     nqm_status status = strchr(settings, '=') ? nqm_spec_parse(&model->schema, settings, &values, err)
-                                              : nqm_preset_find(&model->schema, settings, &values, err);
-    return status == NQM_OK ? open_analytic(model, &values, spec, brdf_ret, err) : status;
+                                              : nqm_preset_find(&model->schema, settings, &values, &doi, err);
+    if (status == NQM_OK)
+        status = open_analytic(model, &values, spec, brdf_ret, err);
+    if (status == NQM_OK)
+        (*brdf_ret)->source_doi = doi;
+    return status;
 }
