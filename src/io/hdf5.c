@@ -156,38 +156,47 @@ static bool has_shape(hid_t space, size_t n_dims, const size_t *dims) {
     return true;
 }
 
-/* Fill out from an open dataset; *offset_ret receives where its bytes lie in the file. */
-static const char *read_dataset(const nqm_hdf5 *file, const dataset *d, size_t n, float *out, haddr_t *offset_ret) {
+/* Check an open dataset and fill out; returns what is wrong, or NULL. *offset: where its numbers lie, HADDR_UNDEF for
+ * nowhere. */
+static const char *read_dataset(const nqm_hdf5 *file, const dataset *d, size_t n_dims, const size_t *dims, float *out,
+                                haddr_t *offset) {
+    size_t n = 1;
+    for (size_t i = 0; i < n_dims; ++i)
+        n *= dims[i];
+    *offset = H5Dget_offset(d->data);
+    if (!has_shape(d->space, n_dims, dims))
+        return "has another shape";
     if (H5Tequal(d->type, H5T_IEEE_F32LE) <= 0)
         return "is not little-endian float32";
     if (H5Pget_layout(d->creation) != H5D_CONTIGUOUS || H5Pget_external_count(d->creation) != 0)
         return "is packed or lies in another file";
-    *offset_ret = H5Dget_offset(d->data);
-    if (*offset_ret == HADDR_UNDEF || *offset_ret > file->n_bytes || n > (file->n_bytes - *offset_ret) / 4)
+    if (*offset == HADDR_UNDEF || *offset > file->n_bytes || n > (file->n_bytes - *offset) / 4)
         return "lies outside the file";
     if (H5Dread(d->data, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0)
         return "cannot be read";
+    for (size_t i = 0; i < n; ++i) {
+        if (!isfinite(out[i])) {
+            *offset += 4 * i;
+            return "is not finite";
+        }
+    }
     return NULL;
 }
 
 nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *path, size_t n_dims, const size_t *dims, float *out,
                              nqm_error *err) {
-    size_t n = 1;
-    for (size_t i = 0; i < n_dims; ++i)
-        n *= dims[i];
     dataset d;
-    haddr_t offset = 0;
-    silence host = silence_begin();
+    haddr_t offset = HADDR_UNDEF;
     const char *fault = "is missing or unreadable";
+    silence host = silence_begin();
     if (dataset_open(file->file, path, &d))
-        fault = has_shape(d.space, n_dims, dims) ? read_dataset(file, &d, n, out, &offset) : "has another shape";
+        fault = read_dataset(file, &d, n_dims, dims, out, &offset);
     dataset_close(&d);
     silence_end(host);
-    if (fault)
+    if (!fault)
+        return NQM_OK;
+    if (offset == HADDR_UNDEF)
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: dataset %s %s", file->name, path, fault);
-    for (size_t i = 0; i < n; ++i)
-        if (!isfinite(out[i]))
-            return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)(offset + 4 * i), "%s: dataset %s is not finite at byte %llu",
-                            file->name, path, (unsigned long long)(offset + 4 * i));
-    return NQM_OK;
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)offset, "%s: dataset %s at byte %llu %s", file->name, path,
+                    (unsigned long long)offset, fault);
 }

@@ -1,0 +1,62 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Broken BRDF files of every format, folders and missing files: each is refused with exit code 3 or 4 within a second, in
+# little memory, with a message that names the file and, where bytes are at fault, the byte.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+"${NQM_BUILD:?}/tests/make_brdf_files" "$dir"
+mkdir "$dir/folder.binary"
+
+fail() {
+    echo "$1"
+    exit 1
+}
+
+# Sanitizers map terabytes and start slowly.
+if [ -n "${NQM_SANITIZE:-}" ]; then limit=unlimited seconds=20; else limit=400000 seconds=1; fi
+
+# info FILE: the exit code of `nqm info FILE` is left in $got, the message in $dir/err.
+info() {
+    got=0
+    (ulimit -v "$limit" && exec timeout "$seconds" "$tool" info "$1") >"$dir/out" 2>"$dir/err" || got=$?
+}
+
+# refused CODE ARGUMENT FILE
+refused() {
+    info "$2"
+    [ "$got" = "$1" ] || fail "$2: exit code $got, not $1: $(cat "$dir/err")"
+    [ ! -s "$dir/out" ] || fail "$2: results on failure"
+    grep -qF "$3" "$dir/err" || fail "$2: the message does not name the file: $(cat "$dir/err")"
+    [ "$(wc -l <"$dir/err")" = 1 ] || fail "$2: more than one line: $(cat "$dir/err")"
+}
+
+for file in valid.binary valid.bsdf valid.h5 valid.zip:valid valid.bin:first; do
+    info "$dir/$file"
+    [ "$got" = 0 ] || fail "$file: exit code $got: $(cat "$dir/err")"
+done
+
+n=0
+for file in "$dir"/merl-* "$dir"/rgl-* "$dir"/nbrdf-*.h5 "$dir"/nbrdf-*.zip:short "$dir"/nps-*; do
+    case $file in
+    *.zip:short) argument=$dir/nbrdf-truncated.zip:short file=$dir/nbrdf-truncated.zip ;;
+    *.bin) argument=$file:first ;;
+    *) argument=$file ;;
+    esac
+    refused 4 "$argument" "$file"
+    grep -q 'byte [0-9]' "$dir/err" || fail "$argument: the message names no byte: $(cat "$dir/err")"
+    n=$((n + 1))
+done
+[ "$n" -ge 20 ] || fail "only $n broken files"
+
+refused 3 "$dir/folder.binary" folder.binary
+refused 3 "$dir/missing.binary" missing.binary
+refused 3 "$dir/missing.zip:steel" missing.zip
+refused 3 "$dir/valid.zip:missing" valid.zip
+refused 3 "$dir/valid.bin:missing" nps_latents.csv
+if [ "$(id -u)" != 0 ]; then
+    chmod a-r "$dir/valid.bsdf"
+    refused 3 "$dir/valid.bsdf" valid.bsdf
+fi
+echo "$n broken files refused"
