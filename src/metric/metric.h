@@ -38,4 +38,16 @@ void nqm_predictor_free(nqm_predictor *predictor);
  */
 void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
 
+/**
+ * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They cover
+ * the whole chain (evaluation, sampling, features, network, curve), so that a later build or another machine can tell
+ * whether it still computes what the maker of the model saw.
+ *
+ * @param json_ret  receives the text; free with nqm_free()
+ */
+NQM_MUST_CHECK nqm_status nqm_golden_make(const nqm_model *model, char **json_ret, nqm_error *err);
+/** Score the pairs again: NQM_OK when all are within 0.001 JOD, NQM_ERR_NUMERIC when one is not, NQM_ERR_MODEL when the
+ *  model has no golden scores or they cannot be read. */
+NQM_MUST_CHECK nqm_status nqm_golden_check(const nqm_model *model, nqm_error *err);
+
 #endif

@@ -210,6 +210,8 @@ static nqm_status read_texts(const reader *r, struct nqm_model *model) {
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < sizeof texts / sizeof *texts; ++i)
         status = read_text(r, texts[i].key, texts[i].text);
+    if (status == NQM_OK && nqm_safetensors_meta(r->st, "golden"))
+        status = read_text(r, "golden", &model->golden);
     const char *sha256 = nqm_safetensors_meta(r->st, "sha256");
     snprintf(model->sha256, sizeof model->sha256, "%s", sha256 ? sha256 : "");
     return status;

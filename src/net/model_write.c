@@ -79,7 +79,8 @@ nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error 
                              {"licence", text_or_empty(model->licence)},
                              {"card", text_or_empty(model->card)},
                              {"training", text_or_empty(model->training)},
-                             {"manifest_sha256", text_or_empty(model->manifest_sha256)}};
+                             {"manifest_sha256", text_or_empty(model->manifest_sha256)},
+                             {"golden", text_or_empty(model->golden)}};
     nqm_status status =
         nqm_safetensors_write(path, c->n, c->tensor, sizeof meta / sizeof *meta, meta, model->sha256, err);
     nqm_free(c);

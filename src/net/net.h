@@ -109,6 +109,7 @@ struct nqm_model {
     nqm_jod_curve curve;            /* for NQM_TARGET_LOG_DELTA_E */
     char *id, *recipe, *card, *licence, *manifest_sha256;
     char *training;   /* JSON: options and report of the training */
+    char *golden;     /* JSON: pairs of specs and the JOD each had when the model was saved; NULL: none */
     char sha256[65];  /* checksum of the file it came from or was saved to */
     void *directions; /* nqm_directions made by the sample layer; see metric/model.c */
     void (*directions_free)(void *);

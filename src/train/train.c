@@ -314,6 +314,12 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
 }
 
 nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err) {
-    struct nqm_model copy = *model; /* models are immutable: the checksum of the new file is not theirs */
-    return nqm_model_write(&copy, path, err);
+    struct nqm_model copy =
+        *model; /* models are immutable: checksum and golden scores of the new file are not theirs */
+    nqm_status status = nqm_golden_make(model, &copy.golden, err);
+    if (status == NQM_OK) {
+        status = nqm_model_write(&copy, path, err);
+        nqm_free(copy.golden);
+    }
+    return status;
 }

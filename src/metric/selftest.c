@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The self-test: what a wrong compiler flag, library or processor would break, in about a second. The expected values of
+ * BRDFs and of the JOD curve were computed by NumPy (tests/vectors/selftest.py), those of the models when they were made.
+ */
+#include "kernel/kernel.h"
+#include "metric/metric.h"
+#include "metric/selftest_golden.h"
+#include "net/models_table.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct session {
+    void (*report)(void *user, const char *name, int passed);
+    void *user;
+    size_t n_failed;
+    nqm_error first; /* why the first check failed */
+} session;
+
+static void settle(session *s, const char *name, nqm_status status, const nqm_error *err) {
+    bool passed = status == NQM_OK;
+    if (!passed && s->n_failed++ == 0)
+        nqm_fail(&s->first, NQM_ERR_NUMERIC, -1, "%s: %s", name, err->message);
+    if (s->report)
+        s->report(s->user, name, passed);
+}
+
+static bool near(double actual, double expected, double relative) {
+    return fabs(actual - expected) <= relative * fabs(expected);
+}
+
+/* ---- arithmetic ------------------------------------------------------------------------------------------------------ */
+
+static nqm_status check_product(const nqm_gemm *shape, const float *a, const float *b, float *c, nqm_error *err) {
+    nqm_gemm fast = *shape, plain = *shape;
+    fast.a = plain.a = a;
+    fast.b = plain.b = b;
+    fast.c = c;
+    plain.c = c + shape->m * shape->n;
+    nqm_kernels_get()->gemm(&fast);
+    nqm_kernels_scalar.gemm(&plain);
+    double bound =
+        (double)shape->k * (double)FLT_EPSILON; /* partial sums of k random terms within 1 stay near sqrt(k) */
+    for (size_t i = 0; i < shape->m * shape->n; ++i)
+        if (!(fabs((double)fast.c[i] - (double)plain.c[i]) <= bound))
+            return nqm_fail(
+                err, NQM_ERR_NUMERIC, -1, "%s differs from plain loops: %zu x %zu x %zu, element %zu: %g, %g",
+                nqm_kernels_get()->name, shape->m, shape->n, shape->k, i, (double)fast.c[i], (double)plain.c[i]);
+    return NQM_OK;
+}
+
+static nqm_status check_products(nqm_error *err) {
+    static const size_t sizes[][3] = {{1, 17, 33}, {2, 64, 300}, {33, 50, 129}, {70, 1, 501}, {65, 130, 64}};
+    enum { ROOM = 65536 };
+    float *block = nqm_alloc(3, ROOM * sizeof *block);
+    if (!block)
+        return nqm_fail_nomem(err, 3 * ROOM * sizeof *block);
+    nqm_rng rng = nqm_rng_make(1, 0);
+    for (size_t i = 0; i < 2 * ROOM; ++i)
+        block[i] = (float)(2 * nqm_rng_uniform(&rng) - 1);
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < 2 * sizeof sizes / sizeof *sizes; ++i) {
+        const size_t *d = sizes[i / 2];
+        bool trans = i % 2;
+        nqm_gemm shape = {.m = d[0], .n = d[1], .k = d[2], .alpha = 1, .trans_b = trans, .lda = d[2], .ldc = d[1]};
+        shape.ldb = trans ? d[2] : d[1];
+        status = check_product(&shape, block, block + ROOM, block + 2 * ROOM, err);
+    }
+    nqm_free(block);
+    return status;
+}
+
+static nqm_status check_gelu(nqm_error *err) {
+    /* x Phi(x), from tables of the normal distribution */
+    static const double known[][2] = {
+        {-3, -0.00404969409489}, {-1, -0.15865525393146}, {-0.5, -0.15426876936299}, {0, 0},
+        {0.5, 0.34573123063700}, {1, 0.84134474606854},   {3, 2.99595030590511}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+        float x = (float)known[i][0], y;
+        nqm_gelu(1, &x, &y, NULL);
+        if (!(fabs((double)y - known[i][1]) <= 2e-6))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "GELU of %g is %.9g, not %.9g", known[i][0], (double)y,
+                            known[i][1]);
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_coordinates(nqm_error *err) {
+    nqm_rng rng = nqm_rng_make(2, 0);
+    for (int i = 0; i < 10000; ++i) {
+        double hd[3] = {1.3 * nqm_rng_uniform(&rng), 1.3 * nqm_rng_uniform(&rng), NQM_PI * nqm_rng_uniform(&rng)};
+        double wi[3], wo[3], back[3];
+        nqm_half_diff_to_directions(hd, wi, wo);
+        nqm_directions_to_half_diff(wi, wo, back);
+        double turn = fabs(back[2] - hd[2]); /* 0 and pi are one azimuth; it means nothing where sin is 0 */
+        double azimuth = fmin(turn, NQM_PI - turn) * sin(hd[0]) * sin(hd[1]);
+        if (!(fabs(back[0] - hd[0]) <= 1e-13 && fabs(back[1] - hd[1]) <= 1e-13 && azimuth <= 1e-13))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "theta_h %g, theta_d %g, phi_d %g comes back as %g, %g, %g",
+                            hd[0], hd[1], hd[2], back[0], back[1], back[2]);
+    }
+    return NQM_OK;
+}
+
+/* ---- published values ------------------------------------------------------------------------------------------------ */
+
+static nqm_status check_curve(nqm_error *err) {
+    double top = nqm_jod_from_delta_e(&nqm_jod_curve_published, 0);
+    if (top != 10)
+        return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E 0 has JOD %.17g, not 10", top);
+    for (size_t i = 0; i < sizeof golden_jod / sizeof *golden_jod; ++i) {
+        double jod = nqm_jod_from_delta_e(&nqm_jod_curve_published, golden_jod[i][0]);
+        if (!near(jod, golden_jod[i][1], 1e-12))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E %g has JOD %.15g, not %.15g", golden_jod[i][0], jod,
+                            golden_jod[i][1]);
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_brdfs(nqm_error *err) {
+    for (size_t i = 0; i < sizeof golden_brdfs / sizeof *golden_brdfs; ++i) {
+        nqm_brdf *brdf;
+        nqm_status status = nqm_brdf_open(golden_brdfs[i].spec, &brdf, err);
+        if (status != NQM_OK)
+            return status;
+        double hd[3], rgb[3];
+        for (int k = 0; k < 3; ++k)
+            hd[k] = golden_brdfs[i].hd_deg[k] * (NQM_PI / 180);
+        nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, NULL);
+        nqm_brdf_free(brdf);
+        for (int k = 0; k < 3; ++k)
+            if (!near(rgb[k], golden_brdfs[i].rgb[k], 1e-9))
+                return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s, golden value %zu, channel %d: %.15g, not %.15g",
+                                golden_brdfs[i].spec, i, k, rgb[k], golden_brdfs[i].rgb[k]);
+    }
+    return NQM_OK;
+}
+
+/* ---- built-in models ------------------------------------------------------------------------------------------------- */
+
+/* The forward pass of the kernels in use beside that of the plain loops, on noise. */
+static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
+    enum { BATCH = 3 };
+    size_t width = model->params.shape.sizes[0];
+    float *x = nqm_alloc(BATCH, width * sizeof *x), fast[BATCH], plain[BATCH];
+    nqm_net_work *work = NULL;
+    nqm_status status = x ? nqm_net_work_create(&model->params.shape, BATCH, false, &work, err)
+                          : nqm_fail_nomem(err, BATCH * width * sizeof *x);
+    if (status == NQM_OK) {
+        nqm_rng rng = nqm_rng_make(3, 0);
+        for (size_t i = 0; i < BATCH * width; ++i)
+            x[i] = (float)nqm_rng_normal(&rng);
+        nqm_net_forward(&model->params, work, BATCH, x, NULL, fast);
+        const nqm_kernels *in_use = nqm_kernels_get();
+        nqm_kernels_use(&nqm_kernels_scalar); /* other threads compute the same meanwhile, only slower */
+        nqm_net_forward(&model->params, work, BATCH, x, NULL, plain);
+        nqm_kernels_use(in_use);
+        for (size_t i = 0; i < BATCH && status == NQM_OK; ++i)
+            if (!(fabs((double)fast[i] - (double)plain[i]) <= 1e-4 * fmax(1, fabs((double)plain[i]))))
+                status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s': output %g, by plain loops %g", model->id,
+                                  (double)fast[i], (double)plain[i]);
+    }
+    nqm_net_work_free(work);
+    nqm_free(x);
+    return status;
+}
+
+static void check_model(session *s, const nqm_embedded_model *embedded) {
+    char name[120];
+    nqm_error err = {0};
+    nqm_model *model = NULL;
+    /* with the checksum and the search for non-finite weights, which opening a built-in model leaves out */
+    nqm_status status =
+        nqm_model_parse(embedded->begin, (size_t)(embedded->end - embedded->begin), embedded->name, true, &model, &err);
+    if (status == NQM_OK)
+        status = nqm_model_attach_directions(model, &err);
+    snprintf(name, sizeof name, "model %s: checksum and tensors", embedded->name);
+    settle(s, name, status, &err);
+    if (status == NQM_OK) {
+        snprintf(name, sizeof name, "model %s: network by plain loops", embedded->name);
+        settle(s, name, check_forward(model, &err), &err);
+        snprintf(name, sizeof name, "model %s: golden scores", embedded->name);
+        settle(s, name, nqm_golden_check(model, &err), &err);
+    }
+    nqm_model_destroy(model);
+}
+
+nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed), void *user, nqm_error *err) {
+    static const struct {
+        const char *name;
+        nqm_status (*check)(nqm_error *err);
+    } checks[] = {{"matrix products by plain loops", check_products},
+                  {"GELU", check_gelu},
+                  {"half-vector coordinates there and back", check_coordinates},
+                  {"JOD curve", check_curve},
+                  {"BRDF presets by NumPy", check_brdfs}};
+    session s = {.report = report, .user = user};
+    for (size_t i = 0; i < sizeof checks / sizeof *checks; ++i) {
+        nqm_error inner = {0};
+        settle(&s, checks[i].name, checks[i].check(&inner), &inner);
+    }
+    for (const nqm_embedded_model *m = nqm_embedded_models; m->name; ++m)
+        check_model(&s, m);
+    return s.n_failed ? nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s", s.first.message) : NQM_OK;
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The nine scalar metrics against NumPy (tests/vectors/metrics.py), with and without dropped directions, and at the corners.
+ */
+#include "io/io.h"
+#include "sample/sample.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/metric.h>
+#include <string.h>
+
+enum { N = 60 };
+
+static nqm_directions *directions;
+static float ref[3 * N], test[3 * N];
+static uint8_t used[N];
+
+static double number(const nqm_csv *csv, size_t row, int column) {
+    double value;
+    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
+    return value;
+}
+
+static int read_pair(void **state) {
+    (void)state;
+    assert_int_equal(nqm_directions_load_csv(test_vector("metrics_pair.csv"), &directions, NULL), NQM_OK);
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("metrics_pair.csv"), &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), N);
+    for (size_t i = 0; i < N; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            ref[3 * i + (size_t)k] = (float)number(csv, i, 3 + k);
+            test[3 * i + (size_t)k] = (float)number(csv, i, 6 + k);
+        }
+        used[i] = number(csv, i, 9) != 0;
+    }
+    nqm_csv_free(csv);
+    return 0;
+}
+
+static int free_pair(void **state) {
+    (void)state;
+    nqm_directions_free(directions);
+    return 0;
+}
+
+static void test_against_numpy(void **state) {
+    (void)state;
+    double all[NQM_METRIC_COUNT], kept[NQM_METRIC_COUNT];
+    nqm_metrics_compute(directions, ref, test, NULL, all);
+    nqm_metrics_compute(directions, ref, test, used, kept);
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("metrics_expected.csv"), &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), NQM_METRIC_COUNT);
+    for (size_t row = 0; row < NQM_METRIC_COUNT; ++row) {
+        assert_string_equal(nqm_csv_text(csv, row, 0), nqm_metric_name((nqm_metric)row));
+        assert_relative(all[row], number(csv, row, 1), 1e-13);
+        assert_relative(kept[row], number(csv, row, 2), 1e-13);
+    }
+    nqm_csv_free(csv);
+}
+
+static void test_equal_and_empty(void **state) {
+    (void)state;
+    double metrics[NQM_METRIC_COUNT];
+    nqm_metrics_compute(directions, ref, ref, NULL, metrics);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        assert_near(metrics[m], 0, 0);
+    const uint8_t none[N] = {0};
+    nqm_metrics_compute(directions, ref, test, none, metrics);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        assert_true(isnan(metrics[m]));
+}
+
+static void test_symmetry(void **state) {
+    (void)state;
+    double there[NQM_METRIC_COUNT], back[NQM_METRIC_COUNT];
+    nqm_metrics_compute(directions, ref, test, NULL, there);
+    nqm_metrics_compute(directions, test, ref, NULL, back);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        assert_relative(there[m], back[m], 1e-15);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_against_numpy),
+        cmocka_unit_test(test_equal_and_empty),
+        cmocka_unit_test(test_symmetry),
+    };
+    return cmocka_run_group_tests(tests, read_pair, free_pair);
+}
