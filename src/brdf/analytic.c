@@ -83,7 +83,8 @@ static void ggx_eval(const void *state, size_t n, const double *wi, const double
         double sec2_h = 1 + h.tan2_h;
         double spread = (1 + h.tan2_h / self->alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
         double d = 1 / (NQM_PI * self->alpha2 * spread * spread);
-        double lobe = d * ggx_visibility(wi[3 * i + 2], self->alpha2) * ggx_visibility(wo[3 * i + 2], self->alpha2);
+        double visibility = ggx_visibility(wi[3 * i + 2], self->alpha2) * ggx_visibility(wo[3 * i + 2], self->alpha2);
+        double lobe = d * visibility; /* so grouped that light and viewer trade places to the last bit */
         double m = 1 - h.cos_d;
         double schlick = m * m * m * m * m;
         for (size_t c = 0; c < 3; ++c)

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Specs and presets: values and defaults, messages of every kind of mistake, the canonical form that opens the same BRDF to
+ * the last bit, the tables of presets.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "support/check.h"
+
+#include <locale.h>
+#include <string.h>
+
+static nqm_brdf *open_brdf(const char *spec) {
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
+        fail_msg("%s: %s", spec, err.message);
+    return brdf;
+}
+
+static void assert_spec(const char *text, const char *canonical) {
+    nqm_brdf *brdf = open_brdf(text);
+    assert_string_equal(nqm_brdf_get_info(brdf).spec, canonical);
+    assert_string_equal(nqm_brdf_get_info(brdf).name, text);
+    nqm_brdf_free(brdf);
+}
+
+static void test_defaults_and_single_values(void **state) {
+    (void)state;
+    assert_spec("lambert:kd=.5", "lambert:kd=0.5");
+    assert_spec("lambert:kd=.5,.25,5e-1;", "lambert:kd=0.5,0.25,0.5");
+    assert_spec("ggx:alpha=0.25", "ggx:kd=0;ks=1;alpha=0.25;f0=0.04");
+    assert_spec("ggx:f0=.9,.8,.7;alpha=.1;ks=1,1,1;kd=.2,.1,.05", "ggx:kd=0.2,0.1,0.05;ks=1;alpha=0.1;f0=0.9,0.8,0.7");
+    assert_spec("ward:alpha=.1;ks=.2", "ward:kd=0;ks=0.2;alpha=0.1");
+    assert_spec("perturb:gloss=.5;of=ward:alpha=.1;ks=.2", "perturb:gloss=0.5;of=ward:kd=0;ks=0.2;alpha=0.1");
+    assert_spec("perturb:tint=1,2,3;scale=.5;of=lambert:kd=.1", "perturb:tint=1,2,3;scale=0.5;of=lambert:kd=0.1");
+}
+
+/* Every mistake gives NQM_ERR_ARG and a message with these words. */
+static void test_mistakes(void **state) {
+    (void)state;
+    static const struct {
+        const char *spec, *words[2];
+    } mistakes[] = {
+        {"ggx:alpha=.1;roughness=.2", {"'roughness'", "kd, ks, alpha, f0"}},
+        {"ggx:alpha=.1;alpha=.2", {"alpha", "twice"}},
+        {"ggx:kd=.1", {"alpha", "missing"}},
+        {"ggx:alpha=0", {"alpha", "from 0.0001 to 10"}},
+        {"ggx:alpha=11", {"alpha", "'11'"}},
+        {"ggx:alpha=.1,.2,.3", {"alpha", "one number"}},
+        {"ggx:alpha=.1;kd=.1,.2", {"kd", "three"}},
+        {"ggx:alpha=.1;kd=.1,.2,.3,.4", {"kd", "three"}},
+        {"ggx:alpha=.1;kd=-.1", {"kd", "from 0 to 10"}},
+        {"ggx:alpha=nan", {"alpha", "'nan'"}},
+        {"ggx:alpha=1e999", {"alpha", "'1e999'"}},
+        {"ggx:alpha=", {"alpha", "''"}},
+        {"ggx:alpha=.1x", {"alpha", "'.1x'"}},
+        {"ggx:alpha=.1;kd", {"key=value", "'kd'"}},
+        {"ggx:alpha=.1;;kd=.1", {"key=value", "''"}},
+        {"ggx:alp=.1", {"'alp'", "keys"}},
+        {"lambert:", {"lambert", "parameters"}},
+        {"lambert:grey", {"lambert", "'grey'"}},
+        {"sgd:nickle", {"'nickle'", "sgd:nickel"}},
+        {"sgd:Nickel", {"'Nickel'", "sgd:nickel"}},
+        {"sgd:nicke", {"'nicke'", "sgd:nickel"}},
+        {"sgd:nickel2", {"'nickel2'", "sgd:nickel"}},
+        {"sgd:", {"''", "list"}},
+        {"ward:acrylic_blue", {"'acrylic_blue'", "ward:blue-acrylic"}},
+        {"ward:white-marble", {"'white-marble'", "ward:white-"}},
+        {"sgd:kd=1", {"ks", "missing"}},
+        {"perturb:scale=2", {"perturb", "of="}},
+        {"perturb:of=lambert:kd=.1", {"perturb", "nothing is changed"}},
+        {"perturb:seed=3;of=lambert:kd=.1", {"perturb", "nothing is changed"}},
+        {"perturb:seed=1.5;noise=1;of=lambert:kd=.1", {"seed", "whole"}},
+        {"perturb:scale=2;of=lambert:kd=x", {"lambert", "kd"}},
+        {"perturb:scale=2;scale=2;of=lambert:kd=1", {"scale", "twice"}},
+    };
+    for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; ++i) {
+        nqm_brdf *brdf = (nqm_brdf *)&brdf;
+        nqm_error err = {0};
+        nqm_status status = nqm_brdf_open(mistakes[i].spec, &brdf, &err);
+        if (status != NQM_ERR_ARG || err.status != NQM_ERR_ARG || brdf)
+            fail_msg("%s: status %d", mistakes[i].spec, status);
+        for (int w = 0; w < 2; ++w)
+            if (!strstr(err.message, mistakes[i].words[w]))
+                fail_msg("%s: no \"%s\" in: %s", mistakes[i].spec, mistakes[i].words[w], err.message);
+        assert_int_equal(nqm_brdf_open(mistakes[i].spec, &brdf, NULL), NQM_ERR_ARG);
+    }
+}
+
+static void test_long_nonsense(void **state) {
+    (void)state;
+    char spec[4096] = "ggx:";
+    memset(spec + 4, 'a', sizeof spec - 5);
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    assert_int_equal(nqm_brdf_open(spec, &brdf, &err), NQM_ERR_ARG);
+    spec[2000] = '=';
+    assert_int_equal(nqm_brdf_open(spec, &brdf, &err), NQM_ERR_ARG);
+    memcpy(spec, "ggx:alpha=", 10);
+    assert_int_equal(nqm_brdf_open(spec, &brdf, &err), NQM_ERR_ARG);
+    memcpy(spec, "sgd:", 4);
+    assert_int_equal(nqm_brdf_open(spec, &brdf, &err), NQM_ERR_ARG);
+}
+
+/* The canonical form of `name` opens a BRDF with the same canonical form and the same values. */
+static void assert_reopens(const char *name) {
+    nqm_brdf *brdf = open_brdf(name), *again = open_brdf(nqm_brdf_get_info(brdf).spec);
+    assert_string_equal(nqm_brdf_get_info(brdf).spec, nqm_brdf_get_info(again).spec);
+    nqm_rng rng = nqm_rng_make(1, 0);
+    for (int i = 0; i < 20; ++i) {
+        double u = nqm_rng_uniform(&rng);
+        double hd[3] = {1.4 * u * u, 1.4 * nqm_rng_uniform(&rng), 3 * nqm_rng_uniform(&rng)}, a[3], b[3];
+        nqm_brdf_eval_half_diff(brdf, 1, hd, a, NULL);
+        nqm_brdf_eval_half_diff(again, 1, hd, b, NULL);
+        assert_memory_equal(a, b, sizeof a);
+    }
+    nqm_brdf_free(brdf);
+    nqm_brdf_free(again);
+}
+
+static void test_canonical_form_reopens(void **state) {
+    (void)state;
+    const uint64_t seed = 17;
+    print_message("seed %d\n", (int)seed);
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    for (int i = 0; i < 50; ++i) {
+        char spec[400];
+        snprintf(spec, sizeof spec,
+                 "perturb:noise=%.17g;peak=%.17g;of=ggx:kd=%.17g,%.17g,.3;ks=%.17g;alpha=%.17g;f0=%.17g",
+                 nqm_rng_uniform(&rng), nqm_rng_uniform(&rng), nqm_rng_uniform(&rng), nqm_rng_uniform(&rng),
+                 1e5 * nqm_rng_uniform(&rng), 1e-4 + nqm_rng_uniform(&rng), nqm_rng_uniform(&rng));
+        assert_reopens(spec);
+    }
+}
+
+static void test_presets(void **state) {
+    (void)state;
+    size_t n = nqm_brdf_preset_count(), n_sgd = 0, n_ward = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const char *name = nqm_brdf_preset_name(i);
+        assert_null(strchr(name, '='));
+        bool sgd = strncmp(name, "sgd:", 4) == 0;
+        n_sgd += sgd;
+        n_ward += strncmp(name, "ward:", 5) == 0;
+        for (size_t j = 0; j < i; ++j)
+            assert_string_not_equal(name, nqm_brdf_preset_name(j));
+        nqm_brdf *brdf = open_brdf(name);
+        nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        assert_string_equal(info.name, name);
+        assert_string_equal(info.source_doi, sgd ? "10.1111/j.1467-8659.2012.03147.x" : "10.2312/EGWR/EGSR05/117-126");
+        assert_int_equal(info.n_values, sgd ? 33 : 7);
+        nqm_brdf_free(brdf);
+        assert_reopens(name);
+    }
+    assert_int_equal(n_sgd, 100);
+    assert_int_equal(n_ward, 86);
+    assert_int_equal(n, 186);
+}
+
+/* Numbers as printed in the publications (Ward: green and blue times the colour scale). */
+static void test_published_numbers(void **state) {
+    (void)state;
+    assert_spec("ward:nickel", "ward:kd=0.0221,0.02047,0.017762;ks=0.204,0.1771,0.157036;alpha=0.0432");
+    assert_spec("sgd:chrome", "sgd:kd=0.00697189,0.00655268,0.0101854;ks=0.0930656,0.041946,0.104558;"
+                              "alpha=0.000155335,0.000156872,7.39851e-05;p=0.353854,0.3327,0.300437;"
+                              "f0=0.256314,0.819565,3.22085e-13;f1=-0.743686,-0.180435,-1;K=4642.1,4726.66,10421.9;"
+                              "lambda=3.8545,4.44817,5.40959;c=5.30781e-08,1.04045e-07,1.79834e+66;"
+                              "k=354.965,349.356,272.736;theta0=0.526796,0.528469,1.00293");
+}
+
+static void test_decimal_comma_locale(void **state) {
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8"))
+        skip();
+    assert_spec("lambert:kd=.5,.25,.125", "lambert:kd=0.5,0.25,0.125");
+    setlocale(LC_ALL, "C");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_defaults_and_single_values),
+        cmocka_unit_test(test_mistakes),
+        cmocka_unit_test(test_long_nonsense),
+        cmocka_unit_test(test_canonical_form_reopens),
+        cmocka_unit_test(test_presets),
+        cmocka_unit_test(test_published_numbers),
+        cmocka_unit_test(test_decimal_comma_locale),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

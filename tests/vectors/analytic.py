@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: MIT
+"""The analytic BRDFs and presets from their published formulas, in 80-bit floats and in angles (the library works from vectors).
+analytic.csv: spec, wi, wo, r, g, b. analytic_albedo.csv: directional albedos by adaptive quadrature: spec, theta_deg, albedo."""
+import csv
+import pathlib
+
+import numpy
+import scipy
+from scipy import integrate
+
+SEED = 11
+real = numpy.longdouble
+pi = numpy.arctan2(real(0), real(-1))
+rng = numpy.random.default_rng(SEED)
+
+
+def angles(wi, wo):
+    """theta_h, theta_d, theta_i, theta_o of float vectors."""
+    wi, wo = wi.astype(real), wo.astype(real)
+    wi, wo = wi / numpy.sqrt(wi @ wi), wo / numpy.sqrt(wo @ wo)
+    h = wi + wo
+    h = h / numpy.sqrt(h @ h)
+    d = (wi - wo) / 2
+    polar = lambda v: numpy.arctan2(numpy.hypot(v[0], v[1]), v[2])
+    return polar(h), numpy.arctan2(numpy.sqrt(d @ d), (wi @ h)), polar(wi), polar(wo)
+
+
+def lambert(a, kd):
+    return kd / pi
+
+
+def ggx(a, kd, ks, alpha, f0):
+    """Walter et al. 2007, equations 33 and 34; Schlick 1994; G as a product."""
+    theta_h, theta_d, theta_i, theta_o = a
+    d = alpha**2 / (pi * numpy.cos(theta_h)**4 * (alpha**2 + numpy.tan(theta_h)**2)**2)
+    g1 = lambda t: 2 / (1 + numpy.sqrt(1 + alpha**2 * numpy.tan(t)**2))
+    fresnel = f0 + (1 - f0) * (1 - numpy.cos(theta_d))**5
+    return kd / pi + ks * d * g1(theta_i) * g1(theta_o) * fresnel / (4 * numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def ward(a, kd, ks, alpha):
+    """Ward 1992, equation 5a with one alpha."""
+    theta_h, _, theta_i, theta_o = a
+    lobe = numpy.exp(-numpy.tan(theta_h)**2 / alpha**2) / (4 * pi * alpha**2)
+    return kd / pi + ks * lobe / numpy.sqrt(numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def sgd(a, kd, ks, alpha, p, f0, f1, K, lam, c, k, theta0):
+    """Bagher et al. 2012, section 3 and supplemental table."""
+    theta_h, theta_d, theta_i, theta_o = a
+    x = alpha + numpy.tan(theta_h)**2 / alpha
+    d = K * numpy.exp(-x) / x**p / (pi * numpy.cos(theta_h)**4)
+    fresnel = f0 - f1 * numpy.cos(theta_d) + (1 - f0) * (1 - numpy.cos(theta_d))**5
+
+    def g1(theta):
+        reach = numpy.maximum(theta - theta0, 0)
+        with numpy.errstate(over="ignore"):
+            return numpy.maximum(0, 1 + lam * (1 - numpy.exp(c * reach**k)))
+    g = g1(theta_i) * g1(theta_o)
+    return kd / pi + ks / pi * d * fresnel * g / (numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def presets(model):
+    path = pathlib.Path("../../presets") / f"{model}.csv"
+    rows = csv.reader(line for line in path.open() if not line.startswith("#"))
+    next(rows)
+    return {row[0]: [real(x) for x in row[1:]] for row in rows}
+
+
+def rgb(*values):
+    return numpy.array(values, dtype=real)
+
+
+cases = [("lambert:kd=0.3,0.5,0.8", lambert, [rgb("0.3", "0.5", "0.8")]),
+         ("ggx:kd=0.2,0.1,0.05;ks=0.04;alpha=0.1;f0=0.04", ggx, [rgb("0.2", "0.1", "0.05"), real("0.04"), real("0.1"), real("0.04")]),
+         ("ggx:ks=1,0.8,0.6;alpha=0.003;f0=0.9,0.8,0.7", ggx,
+          [real(0), rgb("1", "0.8", "0.6"), real("0.003"), rgb("0.9", "0.8", "0.7")]),
+         ("ggx:alpha=0.8", ggx, [real(0), real(1), real("0.8"), real("0.04")]),
+         ("ward:kd=0.1;ks=0.2,0.1,0.05;alpha=0.01", ward, [real("0.1"), rgb("0.2", "0.1", "0.05"), real("0.01")]),
+         ("ward:ks=0.3;alpha=0.4", ward, [real(0), real("0.3"), real("0.4")])]
+table = presets("sgd")
+for name in ("nickel", "chrome", "alum-bronze", "beige-fabric", "red-specular-plastic", "specular-orange-phenolic", "white-fabric2",
+             "two-layer-gold"):
+    cases.append((f"sgd:{name}", sgd, [numpy.array(table[name][i:i + 3]) for i in range(0, 33, 3)]))
+table = presets("ward")
+for name in ("nickel", "orange-paint"):
+    cases.append((f"ward:{name}", ward, [numpy.array(table[name][0:3]), numpy.array(table[name][3:6]), table[name][6]]))
+
+
+def direction(theta, phi):
+    return numpy.array([numpy.sin(theta) * numpy.cos(phi), numpy.sin(theta) * numpy.sin(phi), numpy.cos(theta)])
+
+
+def draw_pair(kind):
+    theta_i = numpy.radians(85) * rng.uniform()
+    wi = direction(theta_i, rng.uniform(0, 2 * numpy.pi))
+    if kind == 0:
+        return wi, direction(numpy.radians(85) * rng.uniform(), rng.uniform(0, 2 * numpy.pi))
+    while True:  # near the mirror direction
+        h = direction(10 ** rng.uniform(-5, -0.5), rng.uniform(0, 2 * numpy.pi))
+        wo = 2 * (wi @ h) * h - wi
+        if wo[2] > 0.05:
+            return wi, wo
+
+
+note = f"# made by analytic.py: numpy {numpy.__version__}, {numpy.finfo(real).nmant + 1} bit floats, seed {SEED}\n"
+with open("analytic.csv", "w") as out:
+    out.write(note + "spec,wix,wiy,wiz,wox,woy,woz,r,g,b\n")
+    for spec, model, parameters in cases:
+        for i in range(12):
+            wi, wo = draw_pair(i % 2)
+            f = numpy.broadcast_to(model(angles(wi, wo), *parameters), 3)
+            values = [*wi, *wo, *(float(x) for x in f)]
+            out.write(f'"{spec}",' + ",".join(repr(float(x)) for x in values) + "\n")
+
+
+def albedo(lobe, width, theta):
+    """Integral of f_r cos(theta_o) over the viewer's hemisphere, by half vectors: dwo = 4 cos(theta_d) dwh."""
+    wi = direction(theta, 0)
+
+    def integrand(log_tan, phi):
+        tan_h = numpy.exp(log_tan)
+        cos_h = 1 / numpy.sqrt(1 + tan_h**2)
+        h = numpy.array([tan_h * cos_h * numpy.cos(phi), tan_h * cos_h * numpy.sin(phi), cos_h])
+        cos_d = wi @ h
+        wo = 2 * cos_d * h - wi
+        if wo[2] <= 0 or cos_d <= 0:
+            return 0.0
+        a = numpy.arctan(tan_h), numpy.arccos(min(1.0, cos_d)), theta, numpy.arccos(min(1.0, wo[2]))
+        return float(lobe(a) * wo[2] * 4 * cos_d * tan_h**2 * cos_h**3)  # sin(theta_h) dtheta_h/dlog_tan
+    bounds = numpy.log(width * 1e-4), numpy.log(1e4)
+    return 2 * integrate.dblquad(integrand, 0, numpy.pi, *bounds, epsabs=1e-6, epsrel=1e-5)[0]
+
+
+with open("analytic_albedo.csv", "w") as out:
+    out.write(note.replace("numpy", f"scipy {scipy.__version__}, numpy", 1) + "spec,theta_deg,albedo\n")
+    for alpha in (0.001, 0.05, 0.5):
+        for theta in (0, 60):
+            value = albedo(lambda a: ggx(a, 0, 1, alpha, 1), alpha, numpy.radians(theta))
+            out.write(f'"ggx:f0=1;alpha={alpha}",{theta},{value:.7f}\n')
+    for theta in (0, 60):
+        value = albedo(lambda a: ward(a, 0.0, 0.5, 0.1), 0.1, numpy.radians(theta))
+        out.write(f'"ward:ks=0.5;alpha=0.1",{theta},{value:.7f}\n')
