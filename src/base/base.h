@@ -100,6 +100,8 @@ uint64_t nqm_rng_below(nqm_rng *rng, uint64_t n);
 void nqm_rng_shuffle(nqm_rng *rng, size_t n, size_t *idx);
 /** A counter-based hash: 64 well-mixed bits of (seed, counter); the same whatever the order of calls (splitmix64). */
 uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter);
+/** values[i] = nqm_hash_u64(seed, first + i) for n values, faster than one by one. */
+void nqm_hash_fill(uint64_t seed, uint64_t first, size_t n, uint64_t *values);
 
 /* ---- parallel loops -------------------------------------------------------------------------------------------------- */
 

@@ -14,9 +14,16 @@ static uint64_t mix(uint64_t z) {
     return z ^ (z >> 31);
 }
 
+static const uint64_t golden = 0x9e3779b97f4a7c15u;
+
 uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter) {
-    const uint64_t golden = 0x9e3779b97f4a7c15u;
     return mix(mix(seed + golden) + (counter + 1) * golden);
+}
+
+void nqm_hash_fill(uint64_t seed, uint64_t first, size_t n, uint64_t *values) {
+    const uint64_t key = mix(seed + golden);
+    for (size_t i = 0; i < n; ++i)
+        values[i] = mix(key + (first + i + 1) * golden);
 }
 
 nqm_rng nqm_rng_make(uint64_t seed, uint64_t stream) {

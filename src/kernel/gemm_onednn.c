@@ -7,6 +7,9 @@
 #include "kernel/kernel.h"
 
 #include <dnnl.h>
+#include <omp.h>
+
+enum { MIN_PARALLEL = 1 << 18 }; /* multiplications; below, waking a thread costs more than it saves */
 
 typedef struct blocks {
     size_t rows, cols; /* of a block; those at the right and lower edge may be smaller */
@@ -46,10 +49,13 @@ static void gemm(const nqm_gemm *g) {
     blocks size = choose_blocks(g);
     size_t n_down = ceil_div(g->m, size.rows);
     size_t n_blocks = n_down * ceil_div(g->n, size.cols);
-    /* No if() clause: inside a team of several threads oneDNN runs serially, outside of one it would start its own. */
-#pragma omp parallel for schedule(dynamic, 1)
-    for (size_t i = 0; i < n_blocks; ++i)
-        gemm_block(g, size, i % n_down * size.rows, i / n_down * size.cols);
+#pragma omp parallel if (g->m * g->n * g->k >= MIN_PARALLEL)
+    {
+        omp_set_num_threads(1); /* for this thread within this region: oneDNN asks, and starts no threads of its own */
+#pragma omp for schedule(dynamic, 1)
+        for (size_t i = 0; i < n_blocks; ++i)
+            gemm_block(g, size, i % n_down * size.rows, i / n_down * size.cols);
+    }
 }
 
 const nqm_kernels nqm_kernels_onednn = {"onednn", gemm};

@@ -55,7 +55,7 @@ static void step_segment(nqm_adam *adam, nqm_params *params, const nqm_params *g
                       .step_size = (float)(part->lr / correction1),
                       .denominator_scale = (float)(1 / sqrt(correction2))};
     enum { CHUNK = 16384 };
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (part->to - part->from > CHUNK)
     for (size_t i = part->from; i < part->to; i += CHUNK) {
         size_t n = part->to - i < CHUNK ? part->to - i : CHUNK;
         step_chunk(n, &s, grads->block + i, adam->m.block + i, adam->v.block + i, params->block + i);

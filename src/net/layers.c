@@ -9,10 +9,12 @@
 #include "kernel/kernel.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
-    LANES = 16, /* partial sums of a row; fixed, so that every instruction set adds in the same order */
-    STRIP = 64  /* columns that one thread sums down at a time */
+    LANES = 16,          /* partial sums of a row; fixed, so that every instruction set adds in the same order */
+    STRIP = 64,          /* columns that one thread sums down at a time */
+    MIN_PARALLEL = 16384 /* numbers; below, waking a thread costs more than it saves */
 };
 
 static const float layernorm_eps = 1e-5f;
@@ -31,6 +33,7 @@ static double row_mean(size_t n, const float *x) {
     float lane[LANES] = {0};
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)
+#pragma omp simd
         for (size_t j = 0; j < LANES; ++j)
             lane[j] += x[i + j];
     for (size_t j = 0; i < n; ++i, ++j)
@@ -42,6 +45,7 @@ static double row_variance(size_t n, const float *x, float mean) {
     float lane[LANES] = {0};
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)
+#pragma omp simd
         for (size_t j = 0; j < LANES; ++j)
             lane[j] += (x[i + j] - mean) * (x[i + j] - mean);
     for (size_t j = 0; i < n; ++i, ++j)
@@ -53,6 +57,7 @@ static double row_mean_product(size_t n, const float *x, const float *y) {
     float lane[LANES] = {0};
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)
+#pragma omp simd
         for (size_t j = 0; j < LANES; ++j)
             lane[j] += x[i + j] * y[i + j];
     for (size_t j = 0; i < n; ++i, ++j)
@@ -63,8 +68,9 @@ static double row_mean_product(size_t n, const float *x, const float *y) {
 /* ---- dropout
  * ---------------------------------------------------------------------------------------------------------- */
 
-/* Multiply y and slope by 0 or by `scale` where the mask (n) says so. */
+/* Multiply y and slope by `scale` where the mask (n) keeps, by 0 elsewhere. */
 static void apply_mask(size_t n, const uint8_t *keep, float scale, float *y, float *slope) {
+#pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         float factor = keep[i] ? scale : 0.0f;
         y[i] *= factor;
@@ -72,20 +78,23 @@ static void apply_mask(size_t n, const uint8_t *keep, float scale, float *y, flo
     }
 }
 
-/* The same with the mask of row `row`: 16 bits of a hash for each element, dropped when below p. */
+/* The same by hashes: element i of row r is dropped when its 16 bits of hash r ceil(n/4) + i/4 are below p. */
 static void apply_hashed_mask(const nqm_hidden *h, size_t row, const nqm_dropout *dropout, float *y, float *slope) {
-    uint64_t layer_key = nqm_hash_u64(dropout->seed, dropout->step * NQM_NET_MAX_LAYERS + h->index);
-    uint64_t row_key = nqm_hash_u64(layer_key, row);
-    uint64_t threshold = (uint64_t)lrint(dropout->p * 65536.0);
-    float scale = (float)(1.0 / (1.0 - dropout->p));
-    for (size_t first = 0; first < h->n; first += 4) {
-        uint64_t bits = nqm_hash_u64(row_key, first / 4);
-        size_t end = first + 4 < h->n ? first + 4 : h->n;
-        for (size_t i = first; i < end; ++i, bits >>= 16) {
-            float factor = (bits & 0xffff) >= threshold ? scale : 0.0f;
-            y[i] *= factor;
-            slope[i] *= factor;
-        }
+    enum { HASHES = 16, ELEMENTS = 4 * HASHES };
+    uint64_t key = nqm_hash_u64(dropout->seed, dropout->step * NQM_NET_MAX_LAYERS + h->index);
+    uint64_t counter = row * ((h->n + 3) / 4);
+    long threshold = lrint(dropout->p * 65536.0);
+    for (size_t first = 0; first < h->n; first += ELEMENTS, counter += HASHES) {
+        uint64_t hashes[HASHES];
+        uint16_t bits[ELEMENTS];
+        uint8_t keep[ELEMENTS];
+        nqm_hash_fill(key, counter, HASHES, hashes);
+        memcpy(bits, hashes, sizeof bits);
+#pragma omp simd
+        for (size_t i = 0; i < ELEMENTS; ++i)
+            keep[i] = bits[i] >= threshold;
+        size_t n = h->n - first < ELEMENTS ? h->n - first : ELEMENTS;
+        apply_mask(n, keep, (float)(1.0 / (1.0 - dropout->p)), y + first, slope + first);
     }
 }
 
@@ -102,10 +111,12 @@ static void drop(const nqm_hidden *h, size_t row, const nqm_dropout *dropout, fl
 
 /* x = (x + b - mean) rstd; returns rstd. */
 static float normalise_row(size_t n, const float *b, float *x) {
+#pragma omp simd
     for (size_t i = 0; i < n; ++i)
         x[i] += b[i];
     float mean = (float)row_mean(n, x);
     float rstd = (float)(1.0 / sqrt(row_variance(n, x, mean) + (double)layernorm_eps));
+#pragma omp simd
     for (size_t i = 0; i < n; ++i)
         x[i] = (x[i] - mean) * rstd;
     return rstd;
@@ -118,6 +129,7 @@ static void forward_row(const nqm_hidden *h, size_t row, const nqm_dropout *drop
     float *x = h->xhat ? h->xhat + row * n : y;
     float *slope = h->slope ? h->slope + row * n : NULL;
     float rstd = normalise_row(n, h->layer->b, x);
+#pragma omp simd
     for (size_t i = 0; i < n; ++i)
         y[i] = gamma[i] * x[i] + beta[i];
     nqm_gelu(n, y, y, slope);
@@ -128,7 +140,7 @@ static void forward_row(const nqm_hidden *h, size_t row, const nqm_dropout *drop
 }
 
 void nqm_hidden_forward(const nqm_hidden *hidden, size_t batch, const nqm_dropout *dropout) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (batch * hidden->n >= MIN_PARALLEL)
     for (size_t row = 0; row < batch; ++row)
         forward_row(hidden, row, dropout);
 }
@@ -143,6 +155,7 @@ static void backward_row(const nqm_hidden *h, size_t row, float *dy) {
     const float *gamma = h->layer->gamma, *xhat = h->xhat + row * n;
     float *da = h->slope + row * n;
     float *g = dy + row * n;
+#pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         da[i] *= g[i];
         g[i] = gamma[i] * da[i];
@@ -150,6 +163,7 @@ static void backward_row(const nqm_hidden *h, size_t row, float *dy) {
     float mean = (float)row_mean(n, g);
     float along = (float)row_mean_product(n, g, xhat);
     float rstd = h->rstd[row];
+#pragma omp simd
     for (size_t i = 0; i < n; ++i)
         g[i] = rstd * (g[i] - mean - xhat[i] * along);
 }
@@ -160,6 +174,7 @@ static void sum_strip(const nqm_hidden *h, size_t batch, const float *dz, const 
     size_t width = h->n - from < STRIP ? h->n - from : STRIP;
     for (size_t row = 0; row < batch; ++row) {
         size_t at = row * h->n + from;
+#pragma omp simd
         for (size_t j = 0; j < width; ++j) {
             float da = h->slope[at + j];
             db[j] += (double)dz[at + j];
@@ -175,10 +190,10 @@ static void sum_strip(const nqm_hidden *h, size_t batch, const float *dz, const 
 }
 
 void nqm_hidden_backward(const nqm_hidden *hidden, size_t batch, float *dy, const nqm_layer *grad) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (batch * hidden->n >= MIN_PARALLEL)
     for (size_t row = 0; row < batch; ++row)
         backward_row(hidden, row, dy);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (batch * hidden->n >= MIN_PARALLEL)
     for (size_t from = 0; from < hidden->n; from += STRIP)
         sum_strip(hidden, batch, dy, grad, from);
 }
