@@ -160,8 +160,44 @@ fail:
     return status;
 }
 
+static nqm_status read_standard_input(char **text_ret, size_t *n_ret, nqm_error *err) {
+    enum { MAX_BYTES = 1 << 30 };
+    char *text = NULL;
+    size_t n = 0, room = 0;
+    for (;;) {
+        if (n == room) {
+            size_t more = room ? 2 * room : 65536;
+            char *larger = more <= MAX_BYTES ? nqm_alloc(more, 1) : NULL;
+            if (larger && n)
+                memcpy(larger, text, n);
+            nqm_free(text);
+            text = larger;
+            room = more;
+            if (!text)
+                return nqm_fail(err, NQM_ERR_LIMIT, (int64_t)n, "standard input: more than %zu bytes do not fit", n);
+        }
+        size_t n_read = fread(text + n, 1, room - n, stdin);
+        if (n_read == 0)
+            break;
+        n += n_read;
+    }
+    *text_ret = text;
+    *n_ret = n;
+    return NQM_OK;
+}
+
 nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
     *csv_ret = NULL;
+    if (strcmp(path, "-") == 0) {
+        char *text = NULL;
+        size_t n = 0;
+        nqm_status status = read_standard_input(&text, &n, err);
+        if (status == NQM_OK) {
+            status = nqm_csv_parse(text, n, "standard input", csv_ret, err);
+            nqm_free(text);
+        }
+        return status;
+    }
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)

@@ -38,6 +38,16 @@ static double fraction(double x) {
     return x - floor(x);
 }
 
+/* The digits of i in the base, mirrored at the point. */
+static double radical_inverse(size_t i, size_t base) {
+    double digit = 1, sum = 0;
+    for (; i > 0; i /= base) {
+        digit /= (double)base;
+        sum += digit * (double)(i % base);
+    }
+    return sum;
+}
+
 static bool is_admissible(const double *hd_deg, double max_polar_rad) {
     double hd[3], wi[3], wo[3];
     for (int k = 0; k < 3; ++k)
@@ -48,8 +58,7 @@ static bool is_admissible(const double *hd_deg, double max_polar_rad) {
 }
 
 static void make_candidates(const nqm_directions_options *options, size_t n, candidate *candidates) {
-    const double g = 1.2207440846057596;
-    const double step[3] = {1 / g, 1 / (g * g), 1 / (g * g * g)};
+    static const size_t bases[3] = {2, 3, 5};
     const double max_deg = options->max_polar_rad * (180 / NQM_PI);
     nqm_rng rng = nqm_rng_make(options->seed, 0);
     double shift[3];
@@ -59,7 +68,7 @@ static void make_candidates(const nqm_directions_options *options, size_t n, can
     for (size_t i = 0; made < n; ++i) {
         double u[3];
         for (int k = 0; k < 3; ++k)
-            u[k] = fraction(shift[k] + (double)i * step[k]);
+            u[k] = fraction(shift[k] + radical_inverse(i, bases[k]));
         candidate c = {.hd_deg = {max_deg * pow(u[0], options->theta_h_power), max_deg * u[1], 180 * u[2]}};
         for (int k = 0; k < 3; ++k)
             c.hd_deg[k] = floor(c.hd_deg[k] * 1e6) / 1e6;

@@ -8,6 +8,7 @@
 #include "support/check.h"
 
 #include <string.h>
+#include <unistd.h>
 
 static nqm_status parse(const char *text, nqm_csv **csv, nqm_error *err) {
     return nqm_csv_parse(text, strlen(text), "t.csv", csv, err);
@@ -129,6 +130,24 @@ static void test_files(void **state) {
     nqm_csv_free(csv);
 }
 
+static void test_standard_input(void **state) {
+    (void)state;
+    enum { ROWS = 30000 }; /* more than the first block that is read */
+    FILE *file = tmpfile();
+    assert_non_null(file);
+    fputs("i\n", file);
+    for (int i = 0; i < ROWS; ++i)
+        fprintf(file, "%d\n", i);
+    rewind(file);
+    assert_true(dup2(fileno(file), STDIN_FILENO) == STDIN_FILENO);
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load("-", &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), ROWS);
+    assert_string_equal(nqm_csv_text(csv, ROWS - 1, 0), "29999");
+    nqm_csv_free(csv);
+    fclose(file);
+}
+
 static void test_out_of_memory(void **state) {
     (void)state;
     nqm_status status = NQM_ERR_NOMEM;
@@ -154,6 +173,7 @@ int main(void) {
         cmocka_unit_test(test_numbers_name_their_place),
         cmocka_unit_test(test_every_cut_is_safe),
         cmocka_unit_test(test_files),
+        cmocka_unit_test(test_standard_input),
         cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

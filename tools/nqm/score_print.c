@@ -87,7 +87,7 @@ static const char *verdict(const nqm_score_result *result) {
         return "hardly visible";
     if (result->jod >= 8)
         return "visible";
-    return result->jod >= 6 ? "clearly different" : "another material";
+    return result->jod >= 6 ? "clearly visible" : "very different";
 }
 
 static int metric_width(int m) {
@@ -112,7 +112,7 @@ static void print_text(const score_run *run) {
             printf("  %5s  %7s  %-20s", "-", "-", "no score");
         for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
             if (run->metrics[m] && scored)
-                printf("  %*.3e", metric_width(m), r->metrics[m]);
+                printf("  %*.4g", metric_width(m), r->metrics[m]);
             else if (run->metrics[m])
                 printf("  %*s", metric_width(m), "-");
         }
