@@ -19,7 +19,7 @@ typedef struct source {
 } source;
 
 static const source sources[] = {
-    {-55, 24, 2.0, 1.0, {700, 560, 380}}, /* the sun */
+    {-55, 24, 2.0, 1.0, {520, 415, 280}}, /* the sun */
     {70, 35, 6, 14, {3.4, 3.7, 4.2}},     /* a cool soft box to the right */
     {-150, 12, 4, 18, {2.4, 1.9, 1.3}},   /* a warm one at the left, behind the shape */
 };

@@ -1,0 +1,443 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The scene against closed forms and independent quadratures: white furnace, one small lamp, microfacets under a constant
+ * light (vectors/render.py) and under the built-in sky, and what a label maker must promise: equal BRDFs give exactly 0,
+ * other seeds and more samples the same label, one thread and two the same bits.
+ */
+#include "base/memory_test.h"
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "render/render.h"
+#include "support/check.h"
+#include "vectors/render_vectors.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- BRDFs of our own ------------------------------------------------------------------------------------------------- */
+
+/* A white-ish Lambert part and a GGX lobe (Smith, separate shadowing and masking; Schlick with f0 = 0.5). */
+typedef struct gloss {
+    double albedo, specular, alpha;
+} gloss;
+
+static double smith(double alpha, double cosine) {
+    return 2 / (1 + sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)));
+}
+
+static void gloss_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    const gloss *g = self;
+    for (size_t i = 0; i < n; ++i) {
+        const double *l = wi + 3 * i, *v = wo + 3 * i;
+        double h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]};
+        nqm_normalize3(h);
+        double a2 = g->alpha * g->alpha, t = h[2] * h[2] * a2 + h[0] * h[0] + h[1] * h[1];
+        double d = a2 / (NQM_PI * t * t), fresnel = 0.5 + 0.5 * pow(1 - nqm_dot3(v, h), 5);
+        double f = g->albedo / NQM_PI +
+                   g->specular * d * fresnel * smith(g->alpha, l[2]) * smith(g->alpha, v[2]) / (4 * l[2] * v[2]);
+        rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = f;
+    }
+}
+
+static const nqm_brdf_class gloss_class = {.format = "gloss", .reciprocal = 1, .eval = gloss_eval, .free = nqm_free};
+
+static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
+    gloss *g = nqm_alloc(1, sizeof *g);
+    assert_non_null(g);
+    *g = (gloss){albedo, specular, alpha};
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_wrap(&gloss_class, g, "gloss", NULL, NULL, &brdf, NULL), NQM_OK);
+    return brdf;
+}
+
+/* ---- lights and scenes ------------------------------------------------------------------------------------------------ */
+
+/* A light of one colour as big as the map's cells, with one brighter cell. */
+static nqm_light make_light(float grey, size_t bright_cell, float bright) {
+    nqm_image image = {.width = NQM_LIGHT_WIDTH, .height = NQM_LIGHT_HEIGHT};
+    image.rgb = nqm_alloc(NQM_LIGHT_CELLS, 3 * sizeof *image.rgb);
+    assert_non_null(image.rgb);
+    for (size_t i = 0; i < 3 * (size_t)NQM_LIGHT_CELLS; ++i)
+        image.rgb[i] = i / 3 == bright_cell ? bright : grey;
+    nqm_light light;
+    assert_int_equal(nqm_light_create(&image, &light, NULL), NQM_OK);
+    nqm_free(image.rgb);
+    return light;
+}
+
+static nqm_scene *make_scene(const char *path, size_t n_points, size_t n_lights, uint64_t seed) {
+    nqm_scene_options o = nqm_scene_options_default();
+    o.light = path;
+    o.n_points = n_points;
+    o.n_lights = n_lights;
+    o.seed = seed;
+    nqm_scene *scene;
+    nqm_error err = {0};
+    if (nqm_scene_create(&o, &scene, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return scene;
+}
+
+/* A Radiance file of 8 x 4 equal pixels (flat: rows are shorter than the new coding needs). */
+static void write_constant_map(char *path, unsigned char mantissa) {
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    FILE *f = fdopen(fd, "wb");
+    assert_non_null(f);
+    fputs("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n", f);
+    const unsigned char pixel[4] = {mantissa, mantissa, mantissa, 130};
+    for (int i = 0; i < 32; ++i)
+        fwrite(pixel, 1, 4, f);
+    fclose(f);
+}
+
+static double *render(const nqm_scene *scene, const nqm_brdf *brdf) {
+    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
+    assert_non_null(rgb);
+    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL), NQM_OK);
+    return rgb;
+}
+
+static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf *test) {
+    double *a = render(scene, ref), *b = render(scene, test);
+    double delta_e = nqm_scene_delta_e(scene, a, b);
+    nqm_free(a);
+    nqm_free(b);
+    return delta_e;
+}
+
+/* ---- the light map ---------------------------------------------------------------------------------------------------- */
+
+static void cells_and_directions(void **state) {
+    (void)state;
+    nqm_light light = make_light(2, SIZE_MAX, 0);
+    double sphere = 0, power = 0;
+    for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell) {
+        double w[3], rgb[3];
+        nqm_light_direction(cell, (double)(cell % 7) / 7.1, (double)(cell % 11) / 11.1, w);
+        assert_near(nqm_dot3(w, w), 1, 1e-12);
+        if (cell % 7 && cell % 11) /* off the cell's edges */
+            assert_int_equal(nqm_light_cell(w), cell);
+        nqm_light_eval(&light, w, rgb);
+        assert_near(rgb[1], 2, 1e-12);
+        sphere += light.solid_angle[cell / NQM_LIGHT_WIDTH];
+        power += light.power[cell];
+    }
+    assert_near(sphere, 4 * NQM_PI, 1e-10);
+    assert_near(power, 8 * NQM_PI, 1e-10);
+    nqm_light_clear(&light);
+    /* The axes as the header states them: middle of the map is -z, up is +y, the right edge of the middle row's centre +x. */
+    double w[3];
+    nqm_map_direction(0.5, 0.5, w);
+    assert_near(w[2], -1, 1e-12);
+    nqm_map_direction(0.75, 0.5, w);
+    assert_near(w[0], 1, 1e-12);
+    nqm_map_direction(0.3, 0, w);
+    assert_near(w[1], 1, 1e-12);
+}
+
+static void filtering_keeps_the_power(void **state) {
+    (void)state;
+    static const size_t size[][2] = {{1, 1}, {3, 2}, {300, 170}, {700, 401}};
+    for (size_t s = 0; s < sizeof size / sizeof *size; ++s) {
+        nqm_image image = {.width = size[s][0], .height = size[s][1]};
+        image.rgb = nqm_alloc(image.width * image.height, 3 * sizeof *image.rgb);
+        assert_non_null(image.rgb);
+        double expected = 0, power = 0;
+        for (size_t y = 0; y < image.height; ++y)
+            for (size_t x = 0; x < image.width; ++x) {
+                float value = (float)((7 * x + 13 * y) % 29);
+                for (size_t k = 0; k < 3; ++k)
+                    image.rgb[3 * (y * image.width + x) + k] = value;
+                double h = (double)image.height, band = cos(NQM_PI * (double)y / h) - cos(NQM_PI * (double)(y + 1) / h);
+                expected += (double)value * band * 2 * NQM_PI / (double)image.width;
+            }
+        nqm_light light;
+        assert_int_equal(nqm_light_create(&image, &light, NULL), NQM_OK);
+        for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell)
+            power += nqm_luminance(light.rgb + 3 * cell) * light.solid_angle[cell / NQM_LIGHT_WIDTH];
+        assert_near(power, expected, 1e-9 * expected + 1e-12);
+        nqm_light_clear(&light);
+        nqm_free(image.rgb);
+    }
+}
+
+static void sky_has_the_contrast_of_a_real_one(void **state) {
+    (void)state;
+    nqm_image image;
+    assert_int_equal(nqm_sky_draw(&image, NULL), NQM_OK);
+    double sum = 0, area = 0, max = 0, sun = 0;
+    for (size_t y = 0; y < image.height; ++y)
+        for (size_t x = 0; x < image.width; ++x) {
+            const float *p = image.rgb + 3 * (y * image.width + x);
+            const double rgb[3] = {(double)p[0], (double)p[1], (double)p[2]};
+            double luminance = nqm_luminance(rgb), weight = sin(NQM_PI * ((double)y + 0.5) / (double)image.height);
+            assert_true(p[0] > 0 && p[1] > 0 && p[2] > 0);
+            sum += weight * luminance;
+            area += weight;
+            max = fmax(max, luminance);
+            sun += luminance > 30 ? weight * luminance : 0;
+        }
+    assert_true(max / (sum / area) > 500 && max / (sum / area) < 2000);
+    assert_true(sun / sum > 0.3 && sun / sum < 0.5);
+    nqm_free(image.rgb);
+}
+
+/* ---- pictures against closed forms -------------------------------------------------------------------------------------- */
+
+static void white_furnace(void **state) {
+    (void)state;
+    char path[] = "/tmp/nqm-white-XXXXXX";
+    write_constant_map(path, 77);
+    nqm_scene *scene = make_scene(path, 300, 384, 5);
+    nqm_brdf *white = make_gloss(1, 0, 1);
+    double *rgb = render(scene, white);
+    for (size_t i = 0; i < 3 * nqm_scene_count(scene); ++i)
+        assert_relative(rgb[i], nqm_scene_options_default().exposure_cdm2, 0.005);
+    nqm_free(rgb);
+    nqm_brdf_free(white);
+    nqm_scene_free(scene);
+    unlink(path);
+}
+
+static void sphere_under_a_small_lamp(void **state) {
+    (void)state;
+    nqm_scene *scene = make_scene(NULL, 200, 16, 1); /* lends its points */
+    size_t cell = 40 * NQM_LIGHT_WIDTH + 30;         /* high, to the left, behind the viewer */
+    nqm_light lamp = make_light(0, cell, 1000);
+    double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but keeps its light */
+    nqm_light_direction(cell, 0.5, 0.5, towards);
+    for (size_t i = 0; i < scene->n_points; ++i) {
+        double wi[3 * 384], weight[3 * 384], irradiance[3], sum = 0;
+        size_t n = nqm_choose_directions(&lamp, &scene->point[i], 3, i, 384, wi, weight, irradiance);
+        assert_true(n <= 384);
+        for (size_t j = 0; j < n; ++j)
+            sum += weight[3 * j + 1];
+        double expected = flux * fmax(nqm_dot3(scene->point[i].frame + 6, towards), 0);
+        assert_near(sum, expected,
+                    0.01 * expected + 0.005 * flux); /* the lamp is 3 degrees wide: the terminator is soft */
+        assert_near(irradiance[1], sum, 1e-9 * flux);
+    }
+    nqm_light_clear(&lamp);
+    nqm_scene_free(scene);
+}
+
+/* A surface point seen at theta; its normal is the world's z. */
+static nqm_surface_point point_seen_at(double theta) {
+    return (nqm_surface_point){.frame = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .wo = {sin(theta), 0, cos(theta)}};
+}
+
+static double shade(const nqm_light *light, const nqm_surface_point *point, const nqm_brdf *brdf, uint64_t seed,
+                    size_t n) {
+    double *wi = nqm_alloc(n, 3 * sizeof *wi), *weight = nqm_alloc(n, 3 * sizeof *weight);
+    double *wo = nqm_alloc(n, 3 * sizeof *wo), *f = nqm_alloc(n, 3 * sizeof *f), irradiance[3], sum = 0;
+    assert_true(wi && weight && wo && f);
+    n = nqm_choose_directions(light, point, seed, 0, n, wi, weight, irradiance);
+    for (size_t j = 0; j < n; ++j)
+        memcpy(wo + 3 * j, point->wo, sizeof point->wo);
+    nqm_brdf_eval(brdf, n, wi, wo, f, NULL);
+    for (size_t j = 0; j < n; ++j)
+        sum += f[3 * j] * weight[3 * j];
+    nqm_free(wi);
+    nqm_free(weight);
+    nqm_free(wo);
+    nqm_free(f);
+    return sum;
+}
+
+static void microfacets_under_constant_light(void **state) {
+    (void)state;
+    nqm_light white = make_light(1, SIZE_MAX, 0);
+    for (size_t i = 0; i < sizeof albedo_vector / sizeof *albedo_vector; ++i) {
+        const double *row = albedo_vector[i];
+        nqm_brdf *brdf = make_gloss(0, 1, row[0]);
+        nqm_surface_point point = point_seen_at(row[1] * NQM_PI / 180);
+        double sum = 0;
+        for (uint64_t seed = 0; seed < 8; ++seed) {
+            double value = shade(&white, &point, brdf, seed, 384);
+            assert_relative(value, row[2], 0.05);
+            sum += value;
+        }
+        assert_relative(sum / 8, row[2], 0.01);
+        nqm_brdf_free(brdf);
+    }
+    nqm_light_clear(&white);
+}
+
+/* Light reflected by the BRDF, as a plain sum over the map with every cell split. */
+static double dense_sum(const nqm_light *light, const nqm_surface_point *point, const nqm_brdf *brdf) {
+    enum { SPLIT = 6 };
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)NQM_LIGHT_CELLS * SPLIT * SPLIT; ++i) {
+        size_t cell = i / (SPLIT * SPLIT), part = i % (SPLIT * SPLIT);
+        double world[3], wi[3], f[3], rgb[3];
+        nqm_light_direction(cell, ((double)(part % SPLIT) + 0.5) / SPLIT, ((double)(part / SPLIT) + 0.5) / SPLIT,
+                            world);
+        for (int k = 0; k < 3; ++k)
+            wi[k] = nqm_dot3(point->frame + 3 * k, world);
+        if (!(wi[2] > 0))
+            continue;
+        nqm_light_eval(light, world, rgb);
+        nqm_brdf_eval(brdf, 1, wi, point->wo, f, NULL);
+        sum += rgb[0] * f[0] * wi[2] * light->solid_angle[cell / NQM_LIGHT_WIDTH] / (SPLIT * SPLIT);
+    }
+    return sum;
+}
+
+static void microfacets_under_the_sky(void **state) {
+    (void)state;
+    nqm_image image;
+    nqm_light sky;
+    assert_int_equal(nqm_sky_draw(&image, NULL), NQM_OK);
+    assert_int_equal(nqm_light_create(&image, &sky, NULL), NQM_OK);
+    nqm_free(image.rgb);
+    nqm_scene *scene = make_scene(NULL, 40, 16, 1); /* lends its points */
+    static const double alphas[] = {0.02, 0.06, 0.2};
+    for (size_t a = 0; a < 3; ++a) {
+        nqm_brdf *brdf = make_gloss(0.1, 1, alphas[a]);
+        for (size_t i = 1; i < scene->n_points; i += 13) {
+            double expected = dense_sum(&sky, &scene->point[i], brdf), sum = 0;
+            for (uint64_t seed = 0; seed < 8; ++seed)
+                sum += shade(&sky, &scene->point[i], brdf, seed, 384) / 8;
+            assert_relative(sum, expected, 0.02);
+        }
+        nqm_brdf_free(brdf);
+    }
+    nqm_light_clear(&sky);
+    nqm_scene_free(scene);
+}
+
+/* ---- labels --------------------------------------------------------------------------------------------------------------- */
+
+static void equal_brdfs_give_exactly_zero(void **state) {
+    (void)state;
+    nqm_scene *scene = make_scene(NULL, 200, 100, 9);
+    nqm_brdf *a = make_gloss(0.2, 1, 0.01), *b = make_gloss(0.2, 1, 0.01);
+    assert_true(label(scene, a, b) == 0);
+    nqm_brdf_free(a);
+    nqm_brdf_free(b);
+    nqm_scene_free(scene);
+}
+
+static void labels_repeat(void **state) {
+    (void)state;
+    static const double pair[][6] = {
+        {0.1, 1, 0.004, 0.1, 1, 0.03}, {0.05, 1, 0.05, 0.05, 1, 0.07}, {0.3, 0.1, 0.2, 0.4, 0.1, 0.3}};
+    nqm_scene_options standard = nqm_scene_options_default();
+    nqm_scene *first = make_scene(NULL, standard.n_points, standard.n_lights, 1);
+    nqm_scene *second = make_scene(NULL, standard.n_points, standard.n_lights, 2);
+    nqm_scene *finer = make_scene(NULL, 2 * standard.n_points, 2 * standard.n_lights, 3);
+    for (size_t i = 0; i < sizeof pair / sizeof *pair; ++i) {
+        const double *p = pair[i];
+        nqm_brdf *ref = make_gloss(p[0], p[1], p[2]), *test = make_gloss(p[3], p[4], p[5]);
+        double delta_e = label(first, ref, test);
+        assert_true(delta_e > 2);
+        assert_relative(label(second, ref, test), delta_e, 0.02);
+        assert_relative(label(finer, ref, test), delta_e, 0.02);
+        nqm_brdf_free(ref);
+        nqm_brdf_free(test);
+    }
+    nqm_scene_free(first);
+    nqm_scene_free(second);
+    nqm_scene_free(finer);
+}
+
+static void threads_change_nothing(void **state) {
+    (void)state;
+    nqm_brdf *brdf = make_gloss(0.2, 1, 0.02);
+    double *rgb[2];
+    int n_threads = omp_get_max_threads();
+    for (int i = 0; i < 2; ++i) {
+        omp_set_num_threads(i + 1);
+        nqm_scene *scene = make_scene(NULL, 150, 384, 4);
+        rgb[i] = render(scene, brdf);
+        nqm_scene_free(scene);
+    }
+    omp_set_num_threads(n_threads);
+    assert_memory_equal(rgb[0], rgb[1], 150 * 3 * sizeof(double));
+    nqm_free(rgb[0]);
+    nqm_free(rgb[1]);
+    nqm_brdf_free(brdf);
+}
+
+static void brighter_than_the_display_is_clipped(void **state) {
+    (void)state;
+    nqm_scene_options o = nqm_scene_options_default();
+    o.n_points = 50;
+    o.n_lights = 64;
+    o.exposure_cdm2 = 10000;
+    o.peak_cdm2 = 100;
+    nqm_scene *scene;
+    assert_int_equal(nqm_scene_create(&o, &scene, NULL), NQM_OK);
+    nqm_brdf *a = make_gloss(0.9, 0, 1), *b = make_gloss(1, 0, 1);
+    assert_true(label(scene, a, b) == 0);
+    nqm_brdf_free(a);
+    nqm_brdf_free(b);
+    nqm_scene_free(scene);
+}
+
+/* ---- refusals ------------------------------------------------------------------------------------------------------------- */
+
+static void expect_refusal(nqm_scene_options o, nqm_status expected) {
+    nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */
+    nqm_error err = {0};
+    assert_int_equal(nqm_scene_create(&o, &scene, &err), expected);
+    assert_null(scene);
+    assert_true(err.message[0] != 0);
+}
+
+static void bad_options_and_lights(void **state) {
+    (void)state;
+    nqm_scene_options good = nqm_scene_options_default(), o;
+    o = good, o.n_points = 0, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.n_points = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.n_lights = 3, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.n_lights = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.exposure_cdm2 = NAN, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.peak_cdm2 = 0, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.light = "/nowhere/light.exr", expect_refusal(o, NQM_ERR_IO);
+    char path[] = "/tmp/nqm-black-XXXXXX";
+    write_constant_map(path, 0);
+    o = good, o.light = path, o.n_points = 20, expect_refusal(o, NQM_ERR_FORMAT);
+    unlink(path);
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    nqm_scene_options o = nqm_scene_options_default();
+    o.n_points = 3;
+    o.n_lights = 16;
+    nqm_status status = NQM_ERR_NOMEM;
+    for (long n = 0; status != NQM_OK; ++n) {
+        nqm_scene *scene;
+        nqm_alloc_fail_after(n);
+        status = nqm_scene_create(&o, &scene, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !scene));
+        assert_true(n < 50);
+        nqm_scene_free(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cells_and_directions),
+        cmocka_unit_test(filtering_keeps_the_power),
+        cmocka_unit_test(sky_has_the_contrast_of_a_real_one),
+        cmocka_unit_test(white_furnace),
+        cmocka_unit_test(sphere_under_a_small_lamp),
+        cmocka_unit_test(microfacets_under_constant_light),
+        cmocka_unit_test(microfacets_under_the_sky),
+        cmocka_unit_test(equal_brdfs_give_exactly_zero),
+        cmocka_unit_test(labels_repeat),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(brighter_than_the_display_is_clipped),
+        cmocka_unit_test(bad_options_and_lights),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""Directional albedo of a microfacet BRDF (GGX, Smith's G with separate shadowing and masking, Schlick's Fresnel term with
+f0 = 0.5) by midpoint sums over half vectors. Writes render_vectors.h beside itself.
+Usage: python3 render.py"""
+import os
+import sys
+
+import numpy as np
+
+N = 3000
+F0 = 0.5
+
+
+def g1(alpha, cosine):
+    tan2 = 1 / cosine**2 - 1
+    return 2 / (1 + np.sqrt(1 + alpha**2 * tan2))
+
+
+def albedo(alpha, theta):
+    """Integral of f cos(theta_i) over the light's hemisphere, for a viewer at theta."""
+    u, v = np.meshgrid((np.arange(N) + 0.5) / N, (np.arange(N) + 0.5) / N)
+    tan = alpha * np.sqrt(u / (1 - u))  # D(h) cos(theta_h) is even over (u, v)
+    cos_h = 1 / np.sqrt(1 + tan**2)
+    sin_h = tan * cos_h
+    phi = np.pi * v  # half of it: the other is its mirror image
+    h = np.stack([sin_h * np.cos(phi), sin_h * np.sin(phi), cos_h])
+    wo = np.array([np.sin(theta), 0, np.cos(theta)])
+    d = np.tensordot(wo, h, 1)
+    cos_i = 2 * d * h[2] - wo[2]
+    up = (cos_i > 0) & (d > 0)
+    d, cos_h, cos_i = d[up], cos_h[up], cos_i[up]
+    fresnel = F0 + (1 - F0) * (1 - d) ** 5
+    return np.sum(fresnel * g1(alpha, cos_i) * g1(alpha, wo[2]) * d / (wo[2] * cos_h)) / N**2
+
+
+def main():
+    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "render_vectors.h")
+    with open(path, "w", encoding="ascii") as f:
+        f.write("/* SPDX-License-Identifier: MIT\n *\n * Made by render.py: numpy %s, Python %s.\n */\n/* clang-format off */\n"
+                "/* alpha, theta of the viewer in degrees, albedo */\nstatic const double albedo_vector[][3] = {\n"
+                % (np.__version__, sys.version.split()[0]))
+        for alpha in (0.002, 0.01, 0.05, 0.2, 0.6):
+            for theta in (0, 20, 45, 65, 80):
+                f.write("    {%g, %d, %.7f},\n" % (alpha, theta, albedo(alpha, np.radians(theta))))
+        f.write("};\n")
+
+
+main()
