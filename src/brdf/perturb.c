@@ -94,7 +94,7 @@ static double scaled_bessel_i0(double x) {
  * is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the distance r from the normal. The
  * taps lie denser toward r = 0, where a sharp lobe is. */
 static void smooth_taps(double centre, double sigma, double largest, double *theta_h, double *weight) {
-    double from = fmax(0, centre - 3 * sigma), to = fmin(centre + 3 * sigma, largest), sum = 0;
+    double from = fmax(0, centre - 4 * sigma), to = fmin(centre + 4 * sigma, largest), sum = 0;
     for (int k = 0; k < SMOOTH_TAPS; ++k) {
         double u = (k + 0.5) / SMOOTH_TAPS;
         double r = from + (to - from) * u * u, z = (r - centre) / sigma;
