@@ -1,0 +1,48 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm models and nqm selftest: lists, facts of a file and of whatever is built in, refusals; the self-test passes.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
+
+fail() {
+    echo "$1"
+    exit 1
+}
+expect() {
+    code=$1
+    shift
+    got=0
+    "$tool" "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*: $(cat "$dir/err")"
+}
+
+expect 0 models show "$dir/model.safetensors" --json
+for word in '"id": "tiny"' '"parameters": 36033' '"sha256": "[0-9a-f]\{64\}"' '"n": 500' '"card": "Random'; do
+    grep -q "$word" "$dir/out" || fail "JSON lacks $word"
+done
+expect 0 models show "$dir/model.safetensors"
+grep -q '4500-8-1' "$dir/out" && grep -q 'Random weights' "$dir/out" || fail "text of a model"
+expect 6 models show nonsense
+expect 3 models show "$dir/nowhere.safetensors"
+expect 2 models show
+expect 2 models delete default
+
+expect 0 models --json
+names=$(sed -n 's/^ *"id": "\([a-z0-9-]*\)",$/\1/p' "$dir/out" | grep -v '^[0-9a-f]\{16\}$' || true)
+for name in $names; do
+    expect 0 models show "$name" --json
+    grep -q '"card": "..*"' "$dir/out" || fail "$name: no card"
+    expect 0 score sgd:nickel sgd:nickel ward:nickel --model "$name" --json
+    [ "$(grep -c '"identical": true' "$dir/out")" = 1 ] || fail "$name: identical"
+    expect 0 directions show "$name"
+    [ "$(wc -l <"$dir/out")" = 501 ] || fail "$name: 500 directions"
+done
+
+expect 0 selftest
+grep -q '0 failed' "$dir/out" || fail "selftest"
+grep -q 'FAILED' "$dir/out" && fail "selftest says FAILED and ends with 0"
+expect 0 selftest --json
+grep -q '"failed": 0' "$dir/out" || fail "selftest JSON"

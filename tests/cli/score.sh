@@ -1,0 +1,116 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm score: order and forms of the results, --metrics, --fail-under, tests that cannot be scored beside those that can, and
+# the exit codes of the contract. With a model of random weights; what the shipped ones score is tested elsewhere.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
+
+fail() {
+    echo "$1"
+    [ ! -f "$dir/err" ] || cat "$dir/err"
+    exit 1
+}
+# score CODE ARGUMENTS...: run with the model; results in out, talk in err.
+score() {
+    code=$1
+    shift
+    got=0
+    "$tool" score --model "$dir/model.safetensors" "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: score $*"
+}
+# number KEY N: the N-th value of "KEY" in out.
+number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; }
+
+ref=sgd:nickel
+ward=ward:nickel
+gloss='perturb:gloss=0.9;of=sgd:nickel'
+
+# Quiet: one number a line, in the order of the arguments, whatever the order.
+score 0 $ref $ward "$gloss" $ref -q
+[ "$(wc -l <"$dir/out")" = 3 ] || fail "three lines"
+[ ! -s "$dir/err" ] || fail "talk without need"
+cp "$dir/out" "$dir/forward"
+score 0 -q $ref $ref "$gloss" $ward
+sed -n '3p;2p;1p' "$dir/out" | sort >"$dir/a"
+sort "$dir/forward" | diff - "$dir/a" || fail "scores change with the order"
+[ "$(sed -n 1p "$dir/out")" = "$(sed -n 3p "$dir/forward")" ] || fail "the order of the results is not that of the arguments"
+
+# JSON: the contract's members; identical pairs; all metrics unless some are chosen.
+score 0 $ref $ward $ref --json
+for word in '"schema": 1' '"name": "nqm"' '"version"' '"id": "tiny"' '"sha256"' '"parameters": 36033' '"results"' '"test": "ward:nickel"' \
+    '"warnings"' '"log_diff"' '"rmse"'; do
+    grep -q "$word" "$dir/out" || fail "JSON lacks $word"
+done
+[ "$(number identical 1)" = false ] || fail "ward is not sgd"
+[ "$(number identical 2)" = true ] || fail "equal BRDFs are identical"
+[ "$(number rmse 2)" = 0.0 ] || fail "equal BRDFs differ by 0"
+[ "$(number n_valid 1)" = 500 ] || fail "n_valid"
+score 0 $ref $ward --json --metrics mae,log_diff
+[ "$(grep -c '"rmse"' "$dir/out")" = 0 ] && grep -q '"mae"' "$dir/out" && grep -q '"log_diff"' "$dir/out" || fail "--metrics LIST"
+
+# Text: a row a test, legend; metrics when asked for.
+score 0 $ref $ward $ref --metrics all
+grep -q '^model  *tiny$' "$dir/out" || fail "the text names the model"
+grep -q 'identical  .*sgd:nickel$' "$dir/out" || fail "the text says identical"
+grep -q 'ma_logwe' "$dir/out" || fail "the text holds the metrics"
+grep -q '75 % of people' "$dir/out" || fail "legend"
+score 0 $ref $ward
+grep -q 'rmse' "$dir/out" && fail "metrics without being asked"
+
+# CSV: a header and as many fields in every row; names with commas are quoted.
+score 0 $ref $ward 'perturb:tint=1.2,1,1;of=sgd:nickel' --csv
+grep -q '^reference,test,jod,delta_e_itp,identical,n_valid,rmse,' "$dir/out" || fail "CSV header"
+grep -q '"perturb:tint=1.2,1,1;of=sgd:nickel"' "$dir/out" || fail "CSV quoting"
+[ "$(sed 's/"[^"]*"/x/g' "$dir/out" | awk -F, '{print NF}' | sort -u | wc -l)" = 1 ] || fail "CSV fields"
+
+# Thresholds.
+jod=$(sed -n 1p "$dir/forward")
+score 0 $ref $ward -q --fail-under "$(awk -v j="$jod" 'BEGIN {print j - 0.01}')"
+score 1 $ref $ward -q --fail-under "$(awk -v j="$jod" 'BEGIN {print j + 0.01}')"
+[ "$(sed -n 1p "$dir/out")" = "$jod" ] || fail "the gate must not swallow the results"
+
+# Tests that cannot be scored: the others are; the exit code is that of the first fault, before that of the gate.
+score 3 $ref "$dir/nowhere.binary" $ward -q
+[ "$(sed -n 1p "$dir/out")" = nan ] && [ "$(sed -n 2p "$dir/out")" = "$jod" ] || fail "faults of one test"
+grep -q 'nowhere.binary' "$dir/err" || fail "the message names the file"
+echo nothing >"$dir/odd.binary"
+score 4 $ref "$dir/odd.binary" "$dir/nowhere.binary" $ward --fail-under 10 --json
+[ "$(number jod 1)" = null ] && [ "$(number jod 3)" != null ] || fail "JSON of faults"
+grep -q '"error": ".*odd.binary' "$dir/out" || fail "JSON error"
+score 2 $ref 'ggx:nonsense=1' -q
+score 3 "$dir/nowhere.binary" $ward -q
+[ ! -s "$dir/out" ] || fail "results without a reference"
+
+# Too few values: the model looks where this reference, a Lambert that knows angles of incidence below 30 degrees, has none.
+if [ -x "${NQM_BUILD:?}/tests/make_brdf_files" ]; then
+    "$NQM_BUILD/tests/make_brdf_files" "$dir" >/dev/null
+    score 5 "$dir/valid.binary" $ward -q --min-valid 1
+    grep -q 'have both BRDFs a value' "$dir/err" || fail "too few values"
+    score 5 "$dir/valid.binary" $ward -q --invalid error
+    score 0 "$dir/valid.binary" $ward --json --min-valid 0
+    grep -q 'reference: no value at' "$dir/out" || fail "a warning of missing values"
+    for policy in drop zero nearest; do score 0 "$dir/valid.binary" $ward -q --min-valid 0 --invalid $policy; done
+fi
+
+# Usage, models.
+score 2 $ref
+score 2 $ref $ward --json --csv
+score 2 $ref $ward --metrics rmse,nonsense
+grep -q 'log_diff' "$dir/err" || fail "names of the metrics"
+score 2 $ref $ward --fail-under eleven
+score 2 $ref $ward --invalid maybe
+score 2 $ref $ward --unknown
+score 6 $ref $ward --model nonsense
+score 3 $ref $ward --model "$dir/nowhere.safetensors"
+score 4 $ref $ward --model "$dir/odd.binary"
+head -c 100000 "$dir/model.safetensors" >"$dir/cut.safetensors"
+score 4 $ref $ward --model "$dir/cut.safetensors"
+size=$(wc -c <"$dir/model.safetensors")
+head -c $((size - 100)) "$dir/model.safetensors" >"$dir/changed.safetensors"
+head -c 100 /dev/zero >>"$dir/changed.safetensors"
+score 6 $ref $ward --model "$dir/changed.safetensors"
+grep -q 'checksum' "$dir/err" || fail "a damaged model"
+"$tool" score --help | grep -q 'nqm score sgd:nickel ward:nickel' || fail "help with an example"
