@@ -24,7 +24,7 @@ for word in '"id": "tiny"' '"parameters": 36033' '"sha256": "[0-9a-f]\{64\}"' '"
     grep -q "$word" "$dir/out" || fail "JSON lacks $word"
 done
 expect 0 models show "$dir/model.safetensors"
-grep -q '4500-8-1' "$dir/out" && grep -q 'Random weights' "$dir/out" || fail "text of a model"
+{ grep -q '4500-8-1' "$dir/out" && grep -q 'Random weights' "$dir/out"; } || fail "text of a model"
 expect 6 models show nonsense
 expect 3 models show "$dir/nowhere.safetensors"
 expect 2 models show

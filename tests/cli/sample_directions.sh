@@ -49,7 +49,7 @@ awk -F, 'function off(a, b) {a = a / b * 3.14159265358979 - 1; return a < -1e-6 
 cp "$dir/out" "$dir/lambert.csv"
 "$tool" sample lambert:kd=.5,.25,.125 -d - <"$dir/drawn.csv" | diff "$dir/lambert.csv" - || fail "directions from a pipe"
 expect 0 sample sgd:nickel -d "$dir/model.safetensors" --json
-grep -q '"n": 40' "$dir/out" && [ "$(grep -c '"theta_h"' "$dir/out")" = 40 ] || fail "JSON of samples"
+{ grep -q '"n": 40' "$dir/out" && [ "$(grep -c '"theta_h"' "$dir/out")" = 40 ]; } || fail "JSON of samples"
 
 # Below the horizon there is no value: an empty field, null, or what the policy says.
 printf 'theta_h,theta_d,phi_d\n10,20,30\n89,80,0\n' >"$dir/horizon.csv"

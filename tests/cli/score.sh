@@ -49,7 +49,7 @@ done
 [ "$(number rmse 2)" = 0.0 ] || fail "equal BRDFs differ by 0"
 [ "$(number n_valid 1)" = 500 ] || fail "n_valid"
 score 0 $ref $ward --json --metrics mae,log_diff
-[ "$(grep -c '"rmse"' "$dir/out")" = 0 ] && grep -q '"mae"' "$dir/out" && grep -q '"log_diff"' "$dir/out" || fail "--metrics LIST"
+{ [ "$(grep -c '"rmse"' "$dir/out")" = 0 ] && grep -q '"mae"' "$dir/out" && grep -q '"log_diff"' "$dir/out"; } || fail "--metrics LIST"
 
 # Text: a row a test, legend; metrics when asked for.
 score 0 $ref $ward $ref --metrics all
@@ -74,11 +74,11 @@ score 1 $ref $ward -q --fail-under "$(awk -v j="$jod" 'BEGIN {print j + 0.01}')"
 
 # Tests that cannot be scored: the others are; the exit code is that of the first fault, before that of the gate.
 score 3 $ref "$dir/nowhere.binary" $ward -q
-[ "$(sed -n 1p "$dir/out")" = nan ] && [ "$(sed -n 2p "$dir/out")" = "$jod" ] || fail "faults of one test"
+{ [ "$(sed -n 1p "$dir/out")" = nan ] && [ "$(sed -n 2p "$dir/out")" = "$jod" ]; } || fail "faults of one test"
 grep -q 'nowhere.binary' "$dir/err" || fail "the message names the file"
 echo nothing >"$dir/odd.binary"
 score 4 $ref "$dir/odd.binary" "$dir/nowhere.binary" $ward --fail-under 10 --json
-[ "$(number jod 1)" = null ] && [ "$(number jod 3)" != null ] || fail "JSON of faults"
+{ [ "$(number jod 1)" = null ] && [ "$(number jod 3)" != null ]; } || fail "JSON of faults"
 grep -q '"error": ".*odd.binary' "$dir/out" || fail "JSON error"
 score 2 $ref 'ggx:nonsense=1' -q
 score 3 "$dir/nowhere.binary" $ward -q
