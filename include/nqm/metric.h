@@ -78,10 +78,10 @@ typedef struct nqm_score_result {
     int identical;           /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
     size_t n_valid;          /**< directions at which both BRDFs hold a value */
-    size_t n_unusual;        /**< directions at which one of them is brighter than the training references by more than 6
-                                  standard deviations (of the transformed values): the score is an extrapolation there */
     size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, taken as 0 */
     size_t n_invalid_ref, n_invalid_test; /**< directions without a value, filled as the policy says */
+    size_t n_unusual_ref, n_unusual_test; /**< directions at which it is brighter than the training references by more than
+                                               6 standard deviations (of the transformed values): extrapolation */
 } nqm_score_result;
 
 /**

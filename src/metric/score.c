@@ -21,6 +21,7 @@ typedef struct scorer {
     uint8_t *used;         /* (batch, n_directions) directions that count */
     double *jod, *delta_e; /* (batch) */
     nqm_sample_report ref_report;
+    size_t n_unusual_ref;
     nqm_predictor *predictor;
     const nqm_brdf *const *tests; /* of this batch */
     nqm_score_result *results;    /* of this batch */
@@ -41,21 +42,16 @@ static nqm_score_result no_score(nqm_status status) {
     return result;
 }
 
-/* Directions at which either member lies far outside what the model was trained on. */
-static size_t count_unusual(const scorer *s, const float *test, const uint8_t *used) {
-    const nqm_model *model = s->model;
+/* Directions at which a BRDF lies far outside what the model was trained on. */
+static size_t count_unusual(const nqm_model *model, const float *rgb) {
     float limit[3]; /* in reflectance: the transform is monotone, so nothing has to be transformed */
     for (size_t k = 0; k < 3; ++k) {
         float root = expm1f(model->mean[k] + unusual_sigma * model->std[k]);
         limit[k] = root * root * root;
     }
     size_t n_unusual = 0;
-    for (size_t i = 0; i < s->directions->n; ++i) {
-        bool unusual = false;
-        for (size_t k = 0; k < 3; ++k)
-            unusual = unusual || s->ref[3 * i + k] > limit[k] || test[3 * i + k] > limit[k];
-        n_unusual += unusual && used[i];
-    }
+    for (size_t i = 0; i < model->n_directions; ++i, rgb += 3)
+        n_unusual += rgb[0] > limit[0] || rgb[1] > limit[1] || rgb[2] > limit[2];
     return n_unusual;
 }
 
@@ -70,6 +66,7 @@ static void compare(void *user, size_t i) {
     *result = no_score(nqm_sample(s->tests[i], s->directions, s->options.invalid, test, used, &report, NULL));
     result->n_clamped_ref = s->ref_report.n_clamped;
     result->n_invalid_ref = s->ref_report.n_invalid;
+    result->n_unusual_ref = s->n_unusual_ref;
     result->n_clamped_test = report.n_clamped;
     result->n_invalid_test = report.n_invalid;
     bool equal = true;
@@ -88,7 +85,7 @@ static void compare(void *user, size_t i) {
         return;
     }
     result->identical = equal;
-    result->n_unusual = count_unusual(s, test, used);
+    result->n_unusual_test = count_unusual(s->model, test);
     nqm_metrics_compute(s->directions, s->ref, test, used, result->metrics);
 }
 
@@ -146,6 +143,8 @@ nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests
     nqm_status status = make_room(&s, err);
     if (status == NQM_OK)
         status = nqm_sample(ref, s.directions, s.options.invalid, s.ref, s.ref_flag, &s.ref_report, err);
+    if (status == NQM_OK)
+        s.n_unusual_ref = count_unusual(model, s.ref);
     for (size_t begin = 0; status == NQM_OK && begin < n_tests; begin += s.batch) {
         s.tests = tests + begin;
         s.results = results + begin;

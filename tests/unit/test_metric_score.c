@@ -232,8 +232,9 @@ static void test_faults_stay_with_their_test(void **state) {
         assert_int_equal(results[i].identical, 0);
     }
     assert_int_equal(results[3].identical, 1);
-    assert_int_equal(results[0].n_unusual, 0);
-    assert_int_equal(results[4].n_unusual, N);
+    assert_int_equal(results[0].n_unusual_test, 0);
+    assert_int_equal(results[4].n_unusual_test, N);
+    assert_int_equal(results[4].n_unusual_ref, 0);
     assert_int_equal(nqm_score(model, b_plain, 1, tests, NULL, &alone, NULL), NQM_OK);
     assert_near(alone.jod, results[0].jod, 1e-5);
     nqm_model_free(model);

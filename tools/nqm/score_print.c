@@ -11,7 +11,7 @@
 /* ---- remarks --------------------------------------------------------------------------------------------------------- */
 
 __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, const char *format, ...) {
-    char text[300];
+    char text[600];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -19,54 +19,49 @@ __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, co
     json_array_append_new(remarks, json_string(text));
 }
 
-/* What sampling met in one BRDF; `who` is "reference" or "test". */
-static void remark_on_samples(const score_run *run, const char *who, size_t n_clamped, size_t n_invalid,
-                              json_t *remarks) {
-    static const char *const remedy[] = {"these directions are left out", "taken as 0",
-                                         "filled from the nearest direction", "refused"};
-    if (n_clamped)
-        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, n_clamped,
+/* What one BRDF gave cause for. */
+typedef struct causes {
+    const char *who;
+    size_t n_clamped, n_invalid, n_unusual;
+} causes;
+
+static void remark(const score_run *run, const causes *c, json_t *remarks) {
+    static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
+    if (c->n_clamped)
+        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", c->who, c->n_clamped,
                    run->n_directions);
-    if (n_invalid)
-        add_remark(remarks, "%s: no value at %zu of %zu directions: %s", who, n_invalid, run->n_directions,
+    if (c->n_invalid)
+        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", c->who, c->n_invalid, run->n_directions,
                    remedy[run->options.invalid]);
+    if (c->n_unusual)
+        add_remark(remarks, "%s: far brighter at %zu of %zu directions than what the model was trained on", c->who,
+                   c->n_unusual, run->n_directions);
 }
 
-static void remark_on_reference(const score_run *run, const score_row *row, json_t *remarks) {
-    remark_on_samples(run, "reference", row->result.n_clamped_ref, row->result.n_invalid_ref, remarks);
+static void remark_on_reference(const score_run *run, const char *who, const nqm_score_result *r, json_t *remarks) {
+    remark(run, &(causes){who, r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref}, remarks);
 }
 
-static void remark_on_test(const score_run *run, const score_row *row, json_t *remarks) {
-    remark_on_samples(run, "test", row->result.n_clamped_test, row->result.n_invalid_test, remarks);
-    if (row->result.n_unusual)
-        add_remark(remarks, "far brighter than the model's training references at %zu of %zu directions: less certain",
-                   row->result.n_unusual, run->n_directions);
-}
-
-static void print_remarks(const char *about, const json_t *remarks) {
-    for (size_t i = 0; i < json_array_size(remarks); ++i)
-        fprintf(stderr, "nqm score: %s%s%s\n", about, *about ? ": " : "",
-                json_string_value(json_array_get(remarks, i)));
+static void remark_on_test(const score_run *run, const char *who, const nqm_score_result *r, json_t *remarks) {
+    remark(run, &(causes){who, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test}, remarks);
 }
 
 /* On standard error, those about the reference once. */
-static void print_all_remarks(const score_run *run) {
+static void print_remarks(const score_run *run) {
+    json_t *remarks = json_array();
     bool reference_done = false;
-    fflush(stdout);
     for (size_t i = 0; i < run->n_rows; ++i) {
         const score_row *row = &run->rows[i];
         if (row->err.status != NQM_OK)
             continue;
-        json_t *of_reference = json_array(), *of_test = json_array();
-        remark_on_reference(run, row, of_reference);
-        remark_on_test(run, row, of_test);
         if (!reference_done)
-            print_remarks("", of_reference);
-        print_remarks(row->name, of_test);
+            remark_on_reference(run, run->ref_name, &row->result, remarks);
         reference_done = true;
-        json_decref(of_reference);
-        json_decref(of_test);
+        remark_on_test(run, row->name, &row->result, remarks);
     }
+    for (size_t i = 0; i < json_array_size(remarks); ++i)
+        fprintf(stderr, "nqm score: %s\n", json_string_value(json_array_get(remarks, i)));
+    json_decref(remarks);
 }
 
 /* ---- text ------------------------------------------------------------------------------------------------------------ */
@@ -146,8 +141,8 @@ static json_t *row_json(const score_run *run, const score_row *row) {
         if (run->metrics[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(number_of(row, r->metrics[m])));
     if (scored) {
-        remark_on_reference(run, row, warnings);
-        remark_on_test(run, row, warnings);
+        remark_on_reference(run, "reference", r, warnings);
+        remark_on_test(run, "test", r, warnings);
     }
     json_t *object =
         json_pack("{s:s,s:o,s:o,s:b,s:I,s:o,s:o}", "test", row->name, "jod", json_number(number_of(row, r->jod)),
@@ -211,6 +206,6 @@ int print_scores(const score_run *run) {
         break;
     }
     bool bad = fflush(stdout) != 0;
-    print_all_remarks(run);
+    print_remarks(run);
     return bad ? report("score", EXIT_OPEN, "standard output: cannot write") : EXIT_OK;
 }
