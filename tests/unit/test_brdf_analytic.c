@@ -67,7 +67,7 @@ static void test_horizon(void **state) {
 
 /* ---- presets against another source of the same measurements ----------------------------------------------------------- */
 
-enum { N_PAIRS = 400 };
+enum { N_PAIRS = 250 };
 
 static int compare_doubles(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
