@@ -109,7 +109,8 @@ static void smooth_taps(double centre, double sigma, double largest, double *the
 /* The rows of the base that the value at hd needs. rows: (n_rows, 3); weight: (n_taps). */
 static void place_rows(const perturbation *self, const double *hd, double *rows, double *weight) {
     double theta_h[SMOOTH_TAPS + 1];
-    double largest = largest_theta_h(hd);
+    bool moves = self->n_rows > 1 || self->shift_rad != 0 || self->gloss != 1;
+    double largest = moves ? largest_theta_h(hd) : 0;
     if (self->n_taps > 1) {
         smooth_taps(hd[0], self->smooth_rad, largest, theta_h, weight);
     } else {
@@ -176,8 +177,7 @@ static void noise_at(const perturbation *self, const double *hd, double z[3]) {
 
 /* rgb: the averaged base, changed in place; off: the base off the highlight, or NULL where it has no value. */
 static void distort_value(const perturbation *self, const double *hd, const double *off, double *rgb) {
-    double m = 1 - cos(hd[1]);
-    double grazing = 1 + (self->fresnel - 1) * (m * m * m * m * m);
+    double m = 1 - cos(hd[1]), grazing = 1 + (self->fresnel - 1) * (m * m * m * m * m);
     for (size_t c = 0; c < 3; ++c) {
         if (off)
             rgb[c] += (self->peak - 1) * fmax(0, rgb[c] - off[c]);
@@ -189,7 +189,9 @@ static void distort_value(const perturbation *self, const double *hd, const doub
     if (self->lattice)
         noise_at(self, hd, z);
     for (size_t c = 0; c < 3; ++c) {
-        rgb[c] = fmax(0, rgb[c] + self->desaturate * (grey - rgb[c])) * self->colour[c] * exp(self->sigma * z[c]);
+        rgb[c] = fmax(0, rgb[c] + self->desaturate * (grey - rgb[c])) * self->colour[c];
+        if (self->lattice)
+            rgb[c] *= exp(self->sigma * z[c]);
         if (self->quantise > 0 && rgb[c] > 0)
             rgb[c] = pow(10, nearbyint(log10(rgb[c]) * self->quantise) / self->quantise);
     }
