@@ -1,202 +1,256 @@
 /* SPDX-License-Identifier: MIT
  *
- * Float datasets of an HDF5 file in memory, through libhdf5. The superblock is checked here first, because libhdf5
- * trusts sizes and addresses in damaged files more than it should; links to other files, external storage and packed
- * (chunked) datasets are refused. libhdf5 keeps global state: one lock guards it, and its own error printing is off in
- * each call.
+ * Float datasets of an HDF5 file in memory: the part of the format (HDF5 File Format Specification 2.0) that h5py and Keras
+ * write by default, which is superblock 0 or 1, groups as symbol tables, version 1 object headers and contiguous datasets.
+ *
+ * Written here and not left to libhdf5 because NBRDF files come from anywhere and libhdf5 is no parser for damaged
+ * files: 1.10.8 crashes, leaks and asks for exabytes within seconds of fuzzing. This reader never allocates by what a
+ * file says, follows no links, and every access goes through bytes_at(). Newer layouts, packed datasets and data in other
+ * files are refused.
  */
 #include "io/io.h"
 
-#include <hdf5.h>
 #include <math.h>
-#include <pthread.h>
 #include <string.h>
 
-static pthread_mutex_t hdf5_lock = PTHREAD_MUTEX_INITIALIZER;
-
 struct nqm_hdf5 {
-    hid_t file;
-    const char *name;
+    const unsigned char *data;
     size_t n_bytes;
+    const char *name;
+    uint64_t root; /* address of the root group's object header */
 };
 
-/* libhdf5's error printing is switched off between silence_begin and silence_end, and put back as the host had it. */
-typedef struct silence {
-    H5E_auto2_t print;
-    void *user;
-} silence;
-
-static silence silence_begin(void) {
-    silence host = {0};
-    pthread_mutex_lock(&hdf5_lock);
-    H5Eget_auto2(H5E_DEFAULT, &host.print, &host.user);
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    return host;
+/* n bytes of the file at an address, or NULL where they are not all present. */
+static const unsigned char *bytes_at(const nqm_hdf5 *f, uint64_t address, uint64_t n) {
+    if (address > f->n_bytes || n > f->n_bytes - address)
+        return NULL;
+    return f->data + address;
 }
 
-static void silence_end(silence host) {
-    H5Eset_auto2(H5E_DEFAULT, host.print, host.user);
-    pthread_mutex_unlock(&hdf5_lock);
-}
+/* ---- superblock -------------------------------------------------------------------------------------------------------- */
 
-/* Offsets of the superblock's fields, HDF5 File Format Specification III.A. */
-static nqm_status check_superblock(const unsigned char *data, size_t n_bytes, const char *name, nqm_error *err) {
+static nqm_status read_superblock(nqm_hdf5 *f, nqm_error *err) {
     static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
-    if (n_bytes < 48 || memcmp(data, signature, sizeof signature) != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no complete HDF5 superblock", name);
-    unsigned version = data[8];
-    if (version > 3)
-        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: HDF5 superblock version %u at byte 8 is unknown", name, version);
-    size_t sizes_at = version < 2 ? 13 : 9;
-    size_t base_at = version == 0 ? 24 : version == 1 ? 28 : 12;
-    size_t end_at = base_at + 16;
-    if (end_at + 8 > n_bytes)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes, "%s: the superblock ends at byte %zu", name, n_bytes);
-    if (data[sizes_at] != 8 || data[sizes_at + 1] != 8)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)sizes_at,
-                        "%s: addresses and lengths must have 8 bytes (byte %zu)", name, sizes_at);
-    uint64_t base = nqm_load_u64(data + base_at), end = nqm_load_u64(data + end_at);
+    const unsigned char *p = f->data;
+    if (f->n_bytes < 100 || memcmp(p, signature, sizeof signature) != 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no complete HDF5 superblock", f->name);
+    unsigned version = p[8];
+    if (version > 1)
+        return nqm_fail(
+            err, NQM_ERR_FORMAT, 8,
+            "%s: superblock version %u (byte 8) is not read, only 0 and 1, which h5py and Keras write by default",
+            f->name, version);
+    if (p[13] != 8 || p[14] != 8)
+        return nqm_fail(err, NQM_ERR_FORMAT, 13, "%s: addresses and lengths must have 8 bytes (byte 13)", f->name);
+    size_t base_at = version == 0 ? 24 : 28; /* version 1 has four bytes more before */
+    uint64_t base = nqm_load_u64(p + base_at), end = nqm_load_u64(p + base_at + 16);
     if (base != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)base_at, "%s: the base address at byte %zu is not 0", name,
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)base_at, "%s: the base address at byte %zu is not 0", f->name,
                         base_at);
-    if (end > n_bytes)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes,
-                        "%s: ends at byte %zu, but its superblock claims %llu bytes (byte %zu)", name, n_bytes,
-                        (unsigned long long)end, end_at);
+    if (end > f->n_bytes)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)f->n_bytes,
+                        "%s: ends at byte %zu, but its superblock claims %llu bytes (byte %zu)", f->name, f->n_bytes,
+                        (unsigned long long)end, base_at + 16);
+    f->root = nqm_load_u64(p + base_at + 40);
     return NQM_OK;
-}
-
-/* A file that exists in memory only: the core driver without backing store, begun with a copy of the bytes. */
-static hid_t open_image(const unsigned char *data, size_t n_bytes) {
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    if (access < 0)
-        return -1;
-    hid_t file = -1;
-    if (H5Pset_fapl_core(access, 65536, 0) >= 0 && H5Pset_file_image(access, (void *)(uintptr_t)data, n_bytes) >= 0)
-        file = H5Fopen("image", H5F_ACC_RDONLY, access);
-    H5Pclose(access);
-    return file;
 }
 
 nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 **file_ret,
                          nqm_error *err) {
     *file_ret = NULL;
-    nqm_status status = check_superblock(data, n_bytes, name, err);
+    nqm_hdf5 file = {.data = data, .n_bytes = n_bytes, .name = name};
+    nqm_status status = read_superblock(&file, err);
     if (status != NQM_OK)
         return status;
-    nqm_hdf5 *h5 = nqm_alloc(1, sizeof *h5);
-    if (!h5)
-        return nqm_fail_nomem(err, sizeof *h5);
-    silence host = silence_begin();
-    *h5 = (nqm_hdf5){.file = open_image(data, n_bytes), .name = name, .n_bytes = n_bytes};
-    silence_end(host);
-    if (h5->file < 0) {
-        nqm_free(h5);
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: libhdf5 finds no valid file behind the superblock (byte 0)", name);
-    }
-    *file_ret = h5;
+    nqm_hdf5 *f = nqm_alloc(1, sizeof *f);
+    if (!f)
+        return nqm_fail_nomem(err, sizeof *f);
+    *f = file;
+    *file_ret = f;
     return NQM_OK;
 }
 
 void nqm_hdf5_close(nqm_hdf5 *file) {
-    if (!file)
-        return;
-    silence host = silence_begin();
-    H5Fclose(file->file);
-    silence_end(host);
     nqm_free(file);
 }
 
-/** An open dataset and what describes it; negative where not open. */
-typedef struct dataset {
-    hid_t data, space, type, creation;
-} dataset;
+/* ---- object headers ---------------------------------------------------------------------------------------------------- */
 
-static void dataset_close(const dataset *d) {
-    if (d->creation >= 0)
-        H5Pclose(d->creation);
-    if (d->type >= 0)
-        H5Tclose(d->type);
-    if (d->space >= 0)
-        H5Sclose(d->space);
-    if (d->data >= 0)
-        H5Dclose(d->data);
+enum message_type {
+    MESSAGE_DATASPACE = 0x01,
+    MESSAGE_DATATYPE = 0x03,
+    MESSAGE_EXTERNAL = 0x07,
+    MESSAGE_LAYOUT = 0x08,
+    MESSAGE_CONTINUATION = 0x10,
+    MESSAGE_SYMBOL_TABLE = 0x11
+};
+
+/* The data of an object's first message of a type, with at least n bytes of it; NULL when there is none. */
+static const unsigned char *find_message(const nqm_hdf5 *f, uint64_t object, enum message_type type, size_t n) {
+    enum { MAX_BLOCKS = 16, SHARED = 2 };
+    struct {
+        uint64_t address, n_bytes;
+    } blocks[MAX_BLOCKS];
+    const unsigned char *head = bytes_at(f, object, 16);
+    if (!head || head[0] != 1)
+        return NULL;
+    size_t n_blocks = 1;
+    blocks[0].address = object + 16;
+    blocks[0].n_bytes = nqm_load_u32(head + 8);
+    for (size_t i = 0; i < n_blocks; ++i) {
+        const unsigned char *p = bytes_at(f, blocks[i].address, blocks[i].n_bytes);
+        uint64_t left = p ? blocks[i].n_bytes : 0;
+        while (left >= 8) {
+            unsigned this_type = nqm_load_u16(p), flags = p[4];
+            size_t size = nqm_load_u16(p + 2);
+            if (size > left - 8)
+                return NULL;
+            if (this_type == (unsigned)type)
+                return size >= n && !(flags & SHARED) ? p + 8 : NULL;
+            if (this_type == MESSAGE_CONTINUATION && size >= 16 && n_blocks < MAX_BLOCKS) {
+                blocks[n_blocks].address = nqm_load_u64(p + 8);
+                blocks[n_blocks++].n_bytes = nqm_load_u64(p + 16);
+            }
+            p += 8 + size;
+            left -= 8 + size;
+        }
+    }
+    return NULL;
 }
 
-static herr_t refuse_external_link(const char *parent_file, const char *parent_group, const char *child_file,
-                                   const char *child_object, unsigned *flags, hid_t access, void *user) {
-    (void)parent_file, (void)parent_group, (void)child_file, (void)child_object, (void)flags, (void)access, (void)user;
-    return -1;
+/* ---- groups ------------------------------------------------------------------------------------------------------------ */
+
+/** A search for one name in a group. */
+typedef struct search {
+    const nqm_hdf5 *file;
+    uint64_t names, n_names; /* address and size of the bytes that hold the group's names */
+    const char *name;        /* not NUL-terminated */
+    size_t n_name;
+    unsigned n_steps_left; /* ends the search in a tree that bites its tail */
+} search;
+
+static bool is_name(const search *s, uint64_t offset) {
+    if (offset > s->n_names || s->n_name >= s->n_names - offset)
+        return false;
+    const unsigned char *p = bytes_at(s->file, s->names + offset, s->n_name + 1);
+    return p && memcmp(p, s->name, s->n_name) == 0 && p[s->n_name] == 0;
 }
 
-static bool dataset_open(hid_t file, const char *path, dataset *d) {
-    *d = (dataset){-1, -1, -1, -1};
-    hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
-    if (access >= 0 && H5Pset_elink_cb(access, refuse_external_link, NULL) >= 0)
-        d->data = H5Dopen2(file, path, access);
-    if (access >= 0)
-        H5Pclose(access);
-    if (d->data < 0)
+/* Look through a node of symbols, the leaves of a group. */
+static bool search_symbols(search *s, uint64_t address, uint64_t *object) {
+    enum { ENTRY_BYTES = 40, SYMBOLIC_LINK = 2 };
+    const unsigned char *head = bytes_at(s->file, address, 8);
+    if (!head || memcmp(head, "SNOD", 4) != 0)
         return false;
-    d->space = H5Dget_space(d->data);
-    d->type = H5Dget_type(d->data);
-    d->creation = H5Dget_create_plist(d->data);
-    return d->space >= 0 && d->type >= 0 && d->creation >= 0;
+    size_t n = nqm_load_u16(head + 6);
+    const unsigned char *entry = bytes_at(s->file, address + 8, n * ENTRY_BYTES);
+    for (size_t i = 0; entry && i < n && s->n_steps_left; ++i, entry += ENTRY_BYTES) {
+        --s->n_steps_left;
+        if (nqm_load_u32(entry + 16) != SYMBOLIC_LINK && is_name(s, nqm_load_u64(entry))) {
+            *object = nqm_load_u64(entry + 8);
+            return true;
+        }
+    }
+    return false;
 }
 
-static bool has_shape(hid_t space, size_t n_dims, const size_t *dims) {
-    hsize_t extent[NQM_MAX_DIMS];
-    if (n_dims > NQM_MAX_DIMS || H5Sget_simple_extent_ndims(space) != (int)n_dims)
+/* Look through the B-tree of a group; `level` is that which the parent promises. */
+static bool search_tree(search *s, uint64_t address, unsigned level, uint64_t *object) {
+    const unsigned char *head = bytes_at(s->file, address, 24);
+    if (!head || memcmp(head, "TREE", 4) != 0 || head[4] != 0 || head[5] != level)
         return false;
-    if (H5Sget_simple_extent_dims(space, extent, NULL) < 0)
+    size_t n = nqm_load_u16(head + 6);
+    const unsigned char *children = bytes_at(s->file, address + 24, n * 16); /* each behind its key */
+    for (size_t i = 0; children && i < n && s->n_steps_left; ++i) {
+        --s->n_steps_left;
+        uint64_t child = nqm_load_u64(children + 16 * i + 8);
+        if (level == 0 ? search_symbols(s, child, object) : search_tree(s, child, level - 1, object))
+            return true;
+    }
+    return false;
+}
+
+/* The object header of a group's member. */
+static bool find_member(const nqm_hdf5 *f, uint64_t group, const char *name, size_t n_name, uint64_t *object) {
+    enum { MAX_STEPS = 1 << 16, MAX_LEVEL = 8 };
+    const unsigned char *table = find_message(f, group, MESSAGE_SYMBOL_TABLE, 16);
+    const unsigned char *heap = table ? bytes_at(f, nqm_load_u64(table + 8), 32) : NULL;
+    if (!heap || memcmp(heap, "HEAP", 4) != 0)
         return false;
-    for (size_t i = 0; i < n_dims; ++i)
-        if (extent[i] != dims[i])
+    uint64_t tree = nqm_load_u64(table);
+    const unsigned char *root = bytes_at(f, tree, 24);
+    search s = {.file = f, .name = name, .n_name = n_name, .n_steps_left = MAX_STEPS};
+    s.n_names = nqm_load_u64(heap + 8);
+    s.names = nqm_load_u64(heap + 24);
+    if (!root || root[5] > MAX_LEVEL || !bytes_at(f, s.names, s.n_names))
+        return false;
+    return search_tree(&s, tree, root[5], object);
+}
+
+/* ---- datasets ---------------------------------------------------------------------------------------------------------- */
+
+static bool has_shape(const nqm_hdf5 *f, uint64_t object, size_t n_dims, const size_t *dims) {
+    const unsigned char *p = find_message(f, object, MESSAGE_DATASPACE, 4);
+    if (!p || (p[0] != 1 && p[0] != 2) || p[1] != n_dims)
+        return false;
+    size_t head = p[0] == 1 ? 8 : 4;
+    p = find_message(f, object, MESSAGE_DATASPACE, head + 8 * n_dims);
+    for (size_t i = 0; p && i < n_dims; ++i)
+        if (nqm_load_u64(p + head + 8 * i) != dims[i])
             return false;
-    return true;
+    return p != NULL;
 }
 
-/* Check an open dataset and fill out; returns what is wrong, or NULL. *offset: where its numbers lie, HADDR_UNDEF for
- * nowhere. */
-static const char *read_dataset(const nqm_hdf5 *file, const dataset *d, size_t n_dims, const size_t *dims, float *out,
-                                haddr_t *offset) {
+static bool is_f32(const nqm_hdf5 *f, uint64_t object) {
+    /* Class 1; sign at bit 31, implied leading bit; 4 bytes; 32 bits from 0; exponent of 8 from 23, mantissa of 23; bias. */
+    static const unsigned char ieee_f32le[20] = {1, 0x20, 31, 0, 4, 0, 0, 0, 0, 0, 32, 0, 23, 8, 0, 23, 127};
+    const unsigned char *p = find_message(f, object, MESSAGE_DATATYPE, sizeof ieee_f32le);
+    return p && (p[0] & 15) == ieee_f32le[0] && memcmp(p + 1, ieee_f32le + 1, sizeof ieee_f32le - 1) == 0;
+}
+
+/* Check a dataset and fill out; returns what is wrong, or NULL. *at_ret: the byte at fault. */
+static const char *read_dataset(const nqm_hdf5 *f, uint64_t object, size_t n_dims, const size_t *dims, float *out,
+                                uint64_t *at_ret) {
+    enum { LAYOUT_VERSION = 3, CONTIGUOUS = 1 };
     size_t n = 1;
     for (size_t i = 0; i < n_dims; ++i)
         n *= dims[i];
-    *offset = H5Dget_offset(d->data);
-    if (!has_shape(d->space, n_dims, dims))
+    *at_ret = object;
+    if (!has_shape(f, object, n_dims, dims))
         return "has another shape";
-    if (H5Tequal(d->type, H5T_IEEE_F32LE) <= 0)
+    if (!is_f32(f, object))
         return "is not little-endian float32";
-    if (H5Pget_layout(d->creation) != H5D_CONTIGUOUS || H5Pget_external_count(d->creation) != 0)
+    const unsigned char *layout = find_message(f, object, MESSAGE_LAYOUT, 18);
+    if (!layout || layout[0] != LAYOUT_VERSION || layout[1] != CONTIGUOUS ||
+        find_message(f, object, MESSAGE_EXTERNAL, 0))
         return "is packed or lies in another file";
-    if (*offset == HADDR_UNDEF || *offset > file->n_bytes || n > (file->n_bytes - *offset) / 4)
+    uint64_t address = nqm_load_u64(layout + 2);
+    const unsigned char *p = bytes_at(f, address, 4 * n);
+    if (!p || nqm_load_u64(layout + 10) != 4 * n)
         return "lies outside the file";
-    if (H5Dread(d->data, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0)
-        return "cannot be read";
     for (size_t i = 0; i < n; ++i) {
-        if (!isfinite(out[i])) {
-            *offset += 4 * i;
+        out[i] = nqm_load_f32(p + 4 * i);
+        *at_ret = address + 4 * i;
+        if (!isfinite(out[i]))
             return "is not finite";
-        }
     }
     return NULL;
 }
 
 nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *path, size_t n_dims, const size_t *dims, float *out,
                              nqm_error *err) {
-    dataset d;
-    haddr_t offset = HADDR_UNDEF;
-    const char *fault = "is missing or unreadable";
-    silence host = silence_begin();
-    if (dataset_open(file->file, path, &d))
-        fault = read_dataset(file, &d, n_dims, dims, out, &offset);
-    dataset_close(&d);
-    silence_end(host);
+    uint64_t at = file->root;
+    const char *fault = NULL;
+    for (const char *part = path; *part && !fault;) {
+        size_t n = strcspn(part, "/");
+        if (!find_member(file, at, part, n, &at))
+            fault = "is missing or unreadable";
+        part += n + (part[n] == '/');
+    }
+    if (!fault)
+        fault = read_dataset(file, at, n_dims, dims, out, &at);
     if (!fault)
         return NQM_OK;
-    if (offset == HADDR_UNDEF)
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: dataset %s %s", file->name, path, fault);
-    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)offset, "%s: dataset %s at byte %llu %s", file->name, path,
-                    (unsigned long long)offset, fault);
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: dataset %s %s (byte %llu)", file->name, path, fault,
+                    (unsigned long long)at);
 }

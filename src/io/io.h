@@ -88,10 +88,10 @@ NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suf
 NQM_MUST_CHECK nqm_status nqm_zip_each(const char *zip_path, const char *suffix,
                                        void (*visit)(void *user, const char *name), void *user, nqm_error *err);
 
-/* ---- HDF5 float datasets (libhdf5) ------------------------------------------------------------------------------------ */
+/* ---- HDF5 float datasets (as h5py and Keras write them) ------------------------------------------------------------------------------------ */
 
 typedef struct nqm_hdf5 nqm_hdf5;
-/** Open an HDF5 image in memory; `name` is for messages and must outlive it. */
+/** Open an HDF5 image in memory; the bytes and `name`, which is for messages, must outlive it. */
 NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 **file_ret,
                                         nqm_error *err);
 /** Read a float32 dataset of exactly these dimensions into out (product of dims); values that are not finite are refused. */

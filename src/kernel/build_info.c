@@ -6,9 +6,9 @@
 #include <nqm/base.h>
 
 #include <dnnl.h>
-#include <hdf5.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <zip.h>
 
 static char line[256];
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -38,15 +38,13 @@ static const char *isa_name(void) {
 
 static void make_line(void) {
     const dnnl_version_t *dnnl = dnnl_version();
-    unsigned major = 0, minor = 0, release = 0;
-    H5get_libversion(&major, &minor, &release);
 #ifdef _OPENMP
     const long openmp = _OPENMP;
 #else
     const long openmp = 0;
 #endif
-    snprintf(line, sizeof line, "oneDNN %d.%d.%d (%s), HDF5 %u.%u.%u, OpenMP %ld", dnnl->major, dnnl->minor,
-             dnnl->patch, isa_name(), major, minor, release, openmp);
+    snprintf(line, sizeof line, "oneDNN %d.%d.%d (%s), libzip %s, OpenMP %ld", dnnl->major, dnnl->minor, dnnl->patch,
+             isa_name(), zip_libzip_version(), openmp);
 }
 
 const char *nqm_build_info(void) {

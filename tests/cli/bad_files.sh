@@ -20,6 +20,7 @@ if [ -n "${NQM_SANITIZE:-}" ]; then limit=unlimited seconds=20; else limit=40000
 # info FILE: the exit code of `nqm info FILE` is left in $got, the message in $dir/err.
 info() {
     got=0
+    # shellcheck disable=SC3045 # dash has it, though POSIX does not ask for it
     (ulimit -v "$limit" && exec timeout "$seconds" "$tool" info "$1") >"$dir/out" 2>"$dir/err" || got=$?
 }
 

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Any bytes as a BRDF file: through a file in memory into the public interface.
+ */
+#define _GNU_SOURCE /* memfd_create */
+#include "fuzz.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+static void need(bool ok, const char *what) {
+    if (ok)
+        return;
+    fprintf(stderr, "broken: %s\n", what);
+    abort();
+}
+
+static void evaluate(const nqm_brdf *brdf) {
+    enum { N = 64 };
+    double hd[3 * N], rgb[3 * N];
+    uint8_t flag[N];
+    for (uint32_t i = 0; i < N; ++i) {
+        hd[3 * i] = noise(i, 1) * noise(i, 1) * 1.5707963;
+        hd[3 * i + 1] = noise(i, 2) * 1.5707963;
+        hd[3 * i + 2] = noise(i, 3) * 6.2831853;
+    }
+    hd[0] = hd[4] = hd[8] = 0;
+    nqm_brdf_eval_half_diff(brdf, N, hd, rgb, flag);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        need(isfinite(rgb[i]) && rgb[i] >= 0, "a value is negative or not finite");
+        need(flag[i / 3] <= NQM_VALUE_CLAMPED || rgb[i] == 0, "a value where there is none");
+    }
+}
+
+void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *member) {
+    char argument[64];
+    int fd = memfd_create("fuzz", MFD_CLOEXEC);
+    need(fd >= 0 && write(fd, data, n_bytes) == (ssize_t)n_bytes, "memory file");
+    need(n_file <= n_bytes || ftruncate(fd, (off_t)n_file) == 0, "memory file");
+    snprintf(argument, sizeof argument, "/proc/self/fd/%d%s", fd, member);
+    nqm_brdf *brdf = NULL;
+    nqm_error err = {0};
+    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
+    close(fd);
+    need((status == NQM_OK) == (brdf != NULL), "object and status disagree");
+    need(status == NQM_OK || (err.status == status && err.message[0]), "failure without a message");
+    need(status != NQM_ERR_NOMEM, "more memory asked for than the bytes justify");
+    if (brdf)
+        evaluate(brdf);
+    nqm_brdf_free(brdf);
+}

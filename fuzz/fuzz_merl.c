@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: MERL tables. The input is the beginning of the file; inputs of odd length are filled up to the right size.
+ */
+#include "fuzz.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    fuzz_brdf(data, n_bytes, n_bytes % 2 ? MERL_BYTES : n_bytes, "");
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    blob b = make_merl();
+    b.n_bytes = 1001;
+    return b;
+}

@@ -1,0 +1,31 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# run.sh [SECONDS] [TARGET...] - build the fuzz targets with clang's libFuzzer, AddressSanitizer and UBSan in build-fuzz/ and run
+# each for SECONDS (default 60), from a corpus that is kept. The first crash ends the run; its input lies in build-fuzz/.
+set -eu
+cd "$(dirname "$0")/.."
+seconds=${1:-60}
+[ $# = 0 ] || shift
+if ! command -v clang >/dev/null 2>&1; then
+    echo "fuzzing needs clang with libFuzzer and OpenMP (Debian: clang libomp-dev)" >&2
+    exit 1
+fi
+[ -f build-fuzz/build.ninja ] || cmake -S . -B build-fuzz -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_FUZZ=ON \
+    -DNQM_SANITIZE=address,undefined,fuzzer-no-link >/dev/null
+cmake --build build-fuzz --target fuzz
+
+[ $# != 0 ] || set -- fuzz/fuzz_*.c
+for target; do
+    name=$(basename "$target" .c)
+    corpus=build-fuzz/corpus/$name
+    mkdir -p "$corpus"
+    "build-fuzz/tests/seed_$name" --seed "$corpus/seed"
+    echo "== $name, $seconds s"
+    # Huge claims must fail without memory: 256 MB is far above what any of these inputs needs.
+    OMP_NUM_THREADS=1 "build-fuzz/tests/$name" -max_total_time="$seconds" -max_len=32768 -malloc_limit_mb=256 \
+        -artifact_prefix=build-fuzz/ -print_final_stats=1 -verbosity=1 "$corpus" 2>build-fuzz/"$name".log || {
+        tail -n 40 build-fuzz/"$name".log
+        exit 1
+    }
+    grep -E '^stat::number_of_executed_units|^Done' build-fuzz/"$name".log
+done
