@@ -169,6 +169,41 @@ static void test_published_numbers(void **state) {
                               "k=354.965,349.356,272.736;theta0=0.526796,0.528469,1.00293");
 }
 
+/* Texts put together from pieces of specs: each opens and can be evaluated, or is refused with a message. */
+static void test_random_texts(void **state) {
+    (void)state;
+    static const char *const pieces[] = {
+        "ggx:",  "ward:",     "lambert:", "sgd:",      "perturb:",         "kd=.1;", "ks=1;", "alpha=.1;",
+        "f0=1;", "noise=.2;", "cells=2;", "smooth=1;", "of=lambert:kd=.1", "of=",    "kd=",   ";",
+        ",",     ".5",        "-1",       "1e400",     "0x1p-3",           "inf",    "=",     "nickel"};
+    const uint64_t seed = 23;
+    print_message("seed %d\n", (int)seed);
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    size_t n_opened = 0;
+    for (int i = 0; i < 20000; ++i) {
+        char text[256];
+        size_t used = (size_t)snprintf(text, sizeof text, "%s", pieces[nqm_rng_below(&rng, 5)]);
+        for (uint64_t n = nqm_rng_below(&rng, 14); n > 0; --n)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s",
+                                     pieces[nqm_rng_below(&rng, sizeof pieces / sizeof *pieces)]);
+        nqm_brdf *brdf;
+        nqm_error err = {0};
+        nqm_status status = nqm_brdf_open(text, &brdf, &err);
+        if (status != NQM_OK) {
+            assert_null(brdf);
+            assert_true(err.status == status && err.message[0]);
+            continue;
+        }
+        const double hd[3] = {0.1, 0.7, 1};
+        double rgb[3];
+        nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, NULL);
+        assert_true(rgb[0] >= 0 && rgb[0] < 1e300);
+        nqm_brdf_free(brdf);
+        ++n_opened;
+    }
+    assert_true(n_opened > 50);
+}
+
 static void test_decimal_comma_locale(void **state) {
     (void)state;
     if (!setlocale(LC_ALL, "de_DE.UTF-8"))
@@ -185,6 +220,7 @@ int main(void) {
         cmocka_unit_test(test_canonical_form_reopens),
         cmocka_unit_test(test_presets),
         cmocka_unit_test(test_published_numbers),
+        cmocka_unit_test(test_random_texts),
         cmocka_unit_test(test_decimal_comma_locale),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
