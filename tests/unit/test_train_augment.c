@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Class balancing, splits, noise, whitening and the gathering of batches; the paper's numbers on the authors' own labels.
+ */
+#include "io/io.h"
+#include "support/check.h"
+#include "support/toy_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static nqm_train_options recipe(const char *name) {
+    nqm_train_options o;
+    assert_int_equal(nqm_train_options_recipe(name, &o, NULL), NQM_OK);
+    return o;
+}
+
+static void fills_every_bin(void **state) {
+    (void)state;
+    /* Range 0..7: bins of width 1. Counts 1, 2, 0, 3, 0, 0, 1: the four filled bins come to 3 each. */
+    const double label[] = {0, 1.1, 1.2, 3.1, 3.2, 3.3, 7};
+    const uint32_t expected[] = {2, 1, 0, 0, 0, 0, 2};
+    uint32_t copies[7];
+    assert_int_equal(nqm_balance(7, label, copies), 5);
+    assert_memory_equal(copies, expected, sizeof expected);
+    const double equal[] = {5, 5, 5};
+    assert_int_equal(nqm_balance(3, equal, copies), 0);
+}
+
+/* The 1,242 distinct pairs of the authors' label file come to 7 bins of 477, 3,339 rows, as in that file. */
+static void authors_counts(void **state) {
+    (void)state;
+    const char *path = shared_data("labels/labels_balanced_train.csv");
+    if (!path)
+        skip();
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(path, &csv, NULL), NQM_OK);
+    size_t n_rows = nqm_csv_rows(csv), n = 0;
+    assert_int_equal(n_rows, 3339);
+    int columns[3] = {nqm_csv_column(csv, "material"), nqm_csv_column(csv, "model"), nqm_csv_column(csv, "level")};
+    char(*keys)[128] = calloc(n_rows, sizeof *keys);
+    double *label = calloc(n_rows, sizeof *label);
+    uint32_t *copies = calloc(n_rows, sizeof *copies);
+    size_t *bin = calloc(n_rows, sizeof *bin);
+    for (size_t i = 0; i < n_rows; ++i) {
+        const char *name = nqm_csv_text(csv, i, columns[0]);
+        int stem = (int)(strrchr(name, '_') - name);
+        snprintf(keys[n], sizeof *keys, "%.*s %s %s", stem, name, nqm_csv_text(csv, i, columns[1]),
+                 nqm_csv_text(csv, i, columns[2]));
+        assert_int_equal(nqm_csv_number(csv, i, nqm_csv_column(csv, "JOD"), &label[n], NULL), NQM_OK);
+        bin[n] = (size_t)atoi(nqm_csv_text(csv, i, nqm_csv_column(csv, "class")));
+        size_t k = 0;
+        while (strcmp(keys[k], keys[n]) != 0)
+            ++k;
+        n += k == n;
+    }
+    assert_int_equal(n, 1242);
+    assert_int_equal(n + nqm_balance(n, label, copies), 3339);
+    size_t count[7] = {0};
+    for (size_t i = 0; i < n; ++i) /* their own bins */
+        count[bin[i]] += 1 + copies[i];
+    for (size_t k = 0; k < 7; ++k)
+        assert_int_equal(count[k], 477);
+    free(keys);
+    free(label);
+    free(copies);
+    free(bin);
+    nqm_csv_free(csv);
+}
+
+static void noise_keeps_the_difference(void **state) {
+    (void)state;
+    enum { N = 20000 };
+    float *v = calloc(4 * N, sizeof *v);
+    float *ref = v, *test = v + N, *noisy_ref = v + 2 * N, *noisy_test = v + 3 * N;
+    for (size_t i = 0; i < N; ++i) {
+        ref[i] = i < N / 2 ? 1 : 0;
+        test[i] = i < N / 2 ? 0.75f : 0;
+    }
+    nqm_rng rng = nqm_rng_make(3, 0);
+    nqm_add_noise(N, ref, test, 0.01, &rng, noisy_ref, noisy_test);
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < N / 2; ++i) {
+        assert_near((double)noisy_ref[i] - (double)noisy_test[i], 0.25, 1e-6);
+        sum += (double)noisy_ref[i] - 1;
+        squares += pow((double)noisy_ref[i] - 1, 2);
+    }
+    assert_near(sum / (N / 2), 0, 4 * 0.01 / sqrt(N / 2));
+    assert_near(sqrt(squares / (N / 2)), 0.01, 4 * 0.01 / sqrt(N));
+    for (size_t i = N / 2; i < N; ++i)
+        assert_true(noisy_ref[i] >= 0 && noisy_ref[i] == noisy_test[i]);
+    free(v);
+}
+
+/* No material on both sides; no test pair anywhere; every other pair once, with its copies. */
+static void group_splits(void **state) {
+    (void)state;
+    for (int own_split = 0; own_split < 2; ++own_split) {
+        toy_options toy = toy_options_default();
+        toy.splits = own_split != 0;
+        nqm_dataset *d = toy_dataset(&toy);
+        nqm_train_options o = recipe("notebook");
+        nqm_rows rows;
+        assert_int_equal(nqm_rows_create(d, &o, &rows, NULL), NQM_OK);
+        uint8_t side[24] = {0}; /* of each material: 1 training, 2 validation */
+        size_t n_originals = 0, n_noisy = 0;
+        for (size_t i = 0; i < rows.n_train + rows.n_validation; ++i) {
+            uint32_t group = d->ref_group[d->pair_ref[rows.row[i].pair]];
+            side[group] |= i < rows.n_train ? 1 : 2;
+            n_originals += rows.row[i].copy == 0;
+            n_noisy += rows.row[i].copy != 0;
+            assert_int_not_equal(d->group_split[group], NQM_SPLIT_TEST);
+        }
+        assert_int_equal(n_originals, own_split ? d->n_pairs * 3 / 4 : d->n_pairs);
+        assert_int_equal(n_noisy, rows.n_noisy);
+        size_t n_validation_groups = 0;
+        for (size_t g = 0; g < 24; ++g) {
+            assert_int_not_equal(side[g], 3);
+            n_validation_groups += side[g] == 2;
+            if (own_split && side[g])
+                assert_int_equal(side[g] == 2, d->group_split[g] == NQM_SPLIT_VALIDATION);
+        }
+        assert_int_equal(n_validation_groups, own_split ? 6 : 5); /* round(0.2 * 24) */
+        nqm_rows_free(&rows);
+        nqm_dataset_free(d);
+    }
+}
+
+static void pair_splits(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    nqm_dataset *d = toy_dataset(&toy);
+    nqm_train_options o = recipe("paper");
+    nqm_rows a, b;
+    assert_int_equal(nqm_rows_create(d, &o, &a, NULL), NQM_OK);
+    size_t n = a.n_train + a.n_validation;
+    assert_int_equal(n, d->n_pairs * 3 / 4 + a.n_noisy);
+    assert_int_equal(a.n_validation, (size_t)round(0.2 * (double)n));
+    o.seed = 2;
+    assert_int_equal(nqm_rows_create(d, &o, &b, NULL), NQM_OK);
+    assert_int_equal(b.n_train, a.n_train);
+    assert_memory_not_equal(a.row, b.row, n * sizeof *a.row);
+    nqm_rows_free(&a);
+    nqm_rows_free(&b);
+    nqm_dataset_free(d);
+}
+
+static void too_little_to_split(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    toy.n_groups = 1;
+    toy.splits = false;
+    nqm_dataset *d = toy_dataset(&toy);
+    nqm_train_options o = recipe("nqm");
+    nqm_rows rows;
+    nqm_error err = {0};
+    assert_int_equal(nqm_rows_create(d, &o, &rows, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "too few"));
+    nqm_dataset_free(d);
+}
+
+/* Inputs of the unscaled training examples are whitened: mean 0, standard deviation 1 over the reference half; targets too. */
+static void whitening(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    nqm_dataset *d = toy_dataset(&toy);
+    nqm_train_options o = recipe("paper");
+    for (int scalar = 0; scalar < 2; ++scalar) {
+        o.whitening = scalar ? NQM_WHITEN_SCALAR : NQM_WHITEN_CHANNEL;
+        o.scale_copy = NQM_SCALE_NONE;
+        nqm_examples e;
+        assert_int_equal(nqm_examples_create(d, &o, 7, &e, NULL), NQM_OK);
+        assert_int_equal(e.n_train, e.rows.n_train);
+        double sum[3] = {0}, squares[3] = {0}, target_sum = 0, lo = INFINITY, hi = -INFINITY;
+        float *x = calloc(e.width, sizeof *x), target;
+        for (size_t i = 0; i < e.n_train; ++i) {
+            nqm_examples_gather(&e, 1, &i, x, &target);
+            for (size_t k = 0; k < 48; ++k) {
+                sum[k % 3] += (double)x[k];
+                squares[k % 3] += (double)x[k] * (double)x[k];
+            }
+            target_sum += (double)target;
+            lo = fmin(lo, (double)target);
+            hi = fmax(hi, (double)target);
+        }
+        double n = (double)e.n_train * 16;
+        if (scalar) {
+            assert_near((sum[0] + sum[1] + sum[2]) / (3 * n), 0, 1e-5);
+            assert_near((squares[0] + squares[1] + squares[2]) / (3 * n), 1, 1e-3);
+            assert_true(e.features.mean[0] == e.features.mean[2] && e.features.std[0] == e.features.std[1]);
+        }
+        for (size_t k = 0; k < 3 && !scalar; ++k) {
+            assert_near(sum[k] / n, 0, 1e-5);
+            assert_near(squares[k] / n, 1, 1e-3);
+        }
+        assert_near(target_sum / (double)e.n_train, 0, 1e-5);
+        assert_near(lo, e.out_lo, 1e-6);
+        assert_near(hi, e.out_hi, 1e-6);
+        free(x);
+        nqm_examples_free(&e);
+    }
+    nqm_dataset_free(d);
+}
+
+/* Back from an input to reflectance: the scaled copy is the reflectance times one factor, for both members. */
+static double reflectance(const nqm_examples *e, float x, size_t channel) {
+    double t = (double)x * (double)e->features.std[channel] + (double)e->features.mean[channel];
+    return pow(expm1(t), 3);
+}
+
+static void scaled_by_pair(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    nqm_dataset *d = toy_dataset(&toy);
+    nqm_train_options o = recipe("paper");
+    nqm_examples e;
+    assert_int_equal(nqm_examples_create(d, &o, 2, &e, NULL), NQM_OK);
+    assert_int_equal(e.n_train, 2 * e.rows.n_train);
+    float x[2 * 96], target[2];
+    double lowest = 2, highest = 0;
+    for (size_t i = 0; i < e.rows.n_train; ++i) {
+        const size_t index[2] = {i, i + e.rows.n_train};
+        nqm_examples_gather(&e, 2, index, x, target);
+        assert_true(target[0] == target[1]);
+        double first = reflectance(&e, x[96], 0) / reflectance(&e, x[0], 0);
+        for (size_t k = 0; k < 96; ++k) {
+            double base = reflectance(&e, x[k], k % 3);
+            if (base > 1e-3)
+                assert_relative(reflectance(&e, x[96 + k], k % 3) / base, first, 1e-4);
+        }
+        lowest = fmin(lowest, first);
+        highest = fmax(highest, first);
+    }
+    assert_true(lowest > 0.9499 && lowest < 0.955 && highest < 1.0501 && highest > 1.045);
+    nqm_examples_free(&e);
+    nqm_dataset_free(d);
+}
+
+static void scaled_by_element(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    nqm_dataset *d = toy_dataset(&toy);
+    nqm_train_options o = recipe("notebook");
+    nqm_examples e;
+    assert_int_equal(nqm_examples_create(d, &o, 2, &e, NULL), NQM_OK);
+    float x[2 * 96], target[2];
+    const size_t index[2] = {3, 3 + e.rows.n_train};
+    nqm_examples_gather(&e, 2, index, x, target);
+    double std = (double)e.features.std[0], mean = (double)e.features.mean[0];
+    double previous = 0;
+    for (size_t k = 0; k < 48; ++k) {
+        double ref = ((double)x[96 + k] * std + mean) / ((double)x[k] * std + mean);
+        double test = ((double)x[144 + k] * std + mean) / ((double)x[48 + k] * std + mean);
+        assert_near(ref, test, 1e-4);
+        assert_true(ref > 0.9499 && ref < 1.0501 && ref != previous);
+        previous = ref;
+    }
+    nqm_examples_free(&e);
+    nqm_dataset_free(d);
+}
+
+/* A dropped direction is the mean in both members; log Delta-E targets are clamped below. */
+static void masks_and_log_targets(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    toy.with_masks = true;
+    nqm_dataset *d = toy_dataset(&toy);
+    double *delta_e = malloc(d->n_pairs * sizeof *delta_e);
+    memcpy(delta_e, d->delta_e, d->n_pairs * sizeof *delta_e);
+    nqm_train_options o = recipe("nqm");
+    nqm_examples e;
+    nqm_dataset with_identity = *d;
+    with_identity.delta_e = delta_e;
+    for (size_t i = 0; i < d->n_pairs; i += 12)
+        delta_e[i] = 0;
+    assert_int_equal(nqm_examples_create(&with_identity, &o, 1, &e, NULL), NQM_OK);
+    assert_int_equal(e.width, 9 * 16);
+    assert_near(e.target_mean + e.target_std * e.out_lo, log(0.05), 1e-9);
+    for (size_t i = 0; i < e.rows.n_train; ++i) {
+        float x[9 * 16], target;
+        uint8_t used[16];
+        nqm_examples_gather(&e, 1, &i, x, &target);
+        uint32_t pair = e.rows.row[i].pair;
+        assert_near(e.target_mean + e.target_std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
+        assert_non_null(nqm_dataset_pair_used(d, pair, used));
+        for (size_t k = 0; k < 48; ++k)
+            if (!used[k / 3])
+                assert_true(x[k] == 0 && x[48 + k] == 0 && x[96 + k] == 0);
+    }
+    free(delta_e);
+    nqm_examples_free(&e);
+    nqm_dataset_free(d);
+}
+
+static void recipes_are_as_published(void **state) {
+    (void)state;
+    nqm_train_options paper = recipe("paper"), notebook = recipe("notebook"), nqm;
+    assert_int_equal(paper.batch, 512);
+    assert_int_equal(paper.epochs, 100);
+    assert_near(paper.lr_first, 1e-4, 0);
+    assert_near(paper.lr_deeper, 1e-3, 0);
+    assert_true(paper.split_by_pair && paper.balance && !paper.freeze_first_layernorm);
+    assert_true(!notebook.split_by_pair && notebook.freeze_first_layernorm);
+    assert_int_equal(notebook.whitening, NQM_WHITEN_SCALAR);
+    assert_int_equal(notebook.scale_copy, NQM_SCALE_ELEMENT_TRANSFORMED);
+    nqm_net_shape shape = {
+        .n_layers = 4,
+        .sizes = {nqm_features_width(paper.layout, 500), paper.hidden[0], paper.hidden[1], paper.hidden[2], 1}};
+    assert_int_equal(nqm_params_count(&shape), 4171125);
+    nqm = recipe("nqm");
+    shape.sizes[0] = nqm_features_width(nqm.layout, 500);
+    assert_int_equal(nqm_params_count(&shape), 4171125 + 1500 * 1024);
+    nqm_error err = {0};
+    assert_int_equal(nqm_train_options_recipe("best", &nqm, &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, "notebook"));
+}
+
+static void options_out_of_range(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    nqm_train_options o = recipe("nqm");
+    assert_int_equal(nqm_train_options_check(&o, NULL), NQM_OK);
+    o.dropout = 1;
+    assert_int_equal(nqm_train_options_check(&o, &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, "dropout"));
+    o = recipe("nqm");
+    o.batch = 0;
+    assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
+    o = recipe("nqm");
+    o.lr_deeper = NAN;
+    assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
+    o = recipe("nqm");
+    o.hidden[2] = 0;
+    assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
+    o = recipe("nqm");
+    o.resume = 1;
+    assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fills_every_bin),
+        cmocka_unit_test(authors_counts),
+        cmocka_unit_test(noise_keeps_the_difference),
+        cmocka_unit_test(group_splits),
+        cmocka_unit_test(pair_splits),
+        cmocka_unit_test(too_little_to_split),
+        cmocka_unit_test(whitening),
+        cmocka_unit_test(scaled_by_pair),
+        cmocka_unit_test(scaled_by_element),
+        cmocka_unit_test(masks_and_log_targets),
+        cmocka_unit_test(recipes_are_as_published),
+        cmocka_unit_test(options_out_of_range),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

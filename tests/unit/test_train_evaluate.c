@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap against one that repeats the pairs for real,
+ * and the evaluation of models and metrics on a dataset against single predictions.
+ */
+#include "io/io.h"
+#include "support/check.h"
+#include "support/toy_dataset.h"
+#include "train/agreement.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- agreement -------------------------------------------------------------------------------------------------------- */
+
+enum { MAX_PAIRS = 200, N_GROUPS = 14, N_PREDICTORS = 2 };
+
+static double label[MAX_PAIRS], prediction[N_PREDICTORS * MAX_PAIRS];
+static size_t group_begin[N_GROUPS + 1];
+static nqm_judgement judgement;
+
+static double number(const nqm_csv *csv, size_t row, const char *column) {
+    double value;
+    assert_int_equal(nqm_csv_number(csv, row, nqm_csv_column(csv, column), &value, NULL), NQM_OK);
+    return value;
+}
+
+static int read_pairs(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("train_agreement.csv"), &csv, NULL), NQM_OK);
+    size_t n = nqm_csv_rows(csv);
+    assert_true(n <= MAX_PAIRS);
+    for (size_t i = 0; i < n; ++i) {
+        label[i] = number(csv, i, "label");
+        prediction[i] = number(csv, i, "first");
+        prediction[n + i] = number(csv, i, "second");
+        ++group_begin[(size_t)number(csv, i, "group") + 1];
+    }
+    for (size_t g = 0; g < N_GROUPS; ++g)
+        group_begin[g + 1] += group_begin[g];
+    judgement = (nqm_judgement){.n = n,
+                                .n_groups = N_GROUPS,
+                                .n_predictors = N_PREDICTORS,
+                                .group_begin = group_begin,
+                                .label = label,
+                                .prediction = prediction};
+    nqm_csv_free(csv);
+    return 0;
+}
+
+static void figures_are_scipys(void **state) {
+    (void)state;
+    nqm_agreement a[N_PREDICTORS];
+    nqm_csv *csv;
+    assert_int_equal(nqm_judge(&judgement, 0, 1, a, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_load(test_vector("train_agreement_expected.csv"), &csv, NULL), NQM_OK);
+    for (size_t p = 0; p < N_PREDICTORS; ++p) {
+        assert_int_equal(a[p].n, judgement.n);
+        assert_int_equal(a[p].n_materials, 13);
+        assert_near(a[p].spearman, number(csv, p, "spearman"), 1e-9);
+        assert_near(a[p].spearman_mean_by_material, number(csv, p, "spearman_mean_by_material"), 1e-9);
+        assert_near(a[p].pearson, number(csv, p, "pearson"), 1e-9);
+        assert_near(a[p].kendall, number(csv, p, "kendall"), 1e-9);
+        assert_near(a[p].mae, number(csv, p, "mae"), 1e-9);
+        assert_near(a[p].rmse, number(csv, p, "rmse"), 1e-9);
+        assert_near(a[p].r2, number(csv, p, "r2"), 1e-9);
+        assert_true(isnan(a[p].spearman_ci95[0]) && isnan(a[p].spearman_mean_by_material_ci95[1]));
+    }
+    nqm_csv_free(csv);
+}
+
+/* One resample with its pairs repeated in memory: Spearman over all, and the mean over the drawn groups. */
+static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double *pooled, double *by_group) {
+    enum { MAX_REPEATED = 13 * MAX_PAIRS };
+    static double x[MAX_REPEATED], y[MAX_REPEATED];
+    size_t occurring[N_GROUPS], n_occurring = 0, n = 0, n_rho = 0;
+    double sum = 0;
+    for (size_t g = 0; g < N_GROUPS; ++g)
+        if (group_begin[g + 1] > group_begin[g])
+            occurring[n_occurring++] = g;
+    nqm_rng rng = nqm_rng_make(seed, index);
+    for (size_t k = 0; k < n_occurring; ++k) {
+        size_t g = occurring[nqm_rng_below(&rng, n_occurring)], first = n;
+        for (size_t i = group_begin[g]; i < group_begin[g + 1]; ++i) {
+            x[n] = prediction[predictor * judgement.n + i];
+            y[n++] = label[i];
+        }
+        if (n - first >= 3) {
+            sum += nqm_spearman(n - first, x + first, y + first);
+            ++n_rho;
+        }
+    }
+    *pooled = nqm_spearman(n, x, y);
+    *by_group = sum / (double)n_rho;
+}
+
+static void bootstrap_repeats_groups(void **state) {
+    (void)state;
+    enum { N_RESAMPLES = 101 };
+    nqm_agreement a[N_PREDICTORS];
+    assert_int_equal(nqm_judge(&judgement, N_RESAMPLES, 5, a, NULL), NQM_OK);
+    for (size_t p = 0; p < N_PREDICTORS; ++p) {
+        double pooled[N_RESAMPLES], by_group[N_RESAMPLES];
+        for (size_t i = 0; i < N_RESAMPLES; ++i)
+            repeat_pairs(5, i, p, &pooled[i], &by_group[i]);
+        assert_near(a[p].spearman_ci95[0], nqm_quantile(N_RESAMPLES, pooled, 0.025), 1e-12);
+        assert_near(a[p].spearman_ci95[1], nqm_quantile(N_RESAMPLES, pooled, 0.975), 1e-12);
+        assert_near(a[p].spearman_mean_by_material_ci95[0], nqm_quantile(N_RESAMPLES, by_group, 0.025), 1e-12);
+        assert_near(a[p].spearman_mean_by_material_ci95[1], nqm_quantile(N_RESAMPLES, by_group, 0.975), 1e-12);
+        assert_true(a[p].spearman_ci95[0] < a[p].spearman && a[p].spearman < a[p].spearman_ci95[1]);
+    }
+}
+
+/* ---- evaluation ------------------------------------------------------------------------------------------------------- */
+
+static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
+    nqm_train_options o;
+    nqm_model *model;
+    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
+    o.n_hidden = 1;
+    o.hidden[0] = 32;
+    o.batch = 64;
+    o.epochs = 5;
+    assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
+    return model;
+}
+
+static void predictions_are_those_of_single_pairs(void **state) {
+    (void)state;
+    toy_options t = toy_options_default();
+    nqm_dataset *d = toy_dataset(&t);
+    nqm_model *models[2] = {train_small(d, "paper"), train_small(d, "nqm")};
+    nqm_eval_options o = nqm_eval_options_default();
+    o.split = NQM_SPLIT_TEST;
+    nqm_evaluation *ev;
+    assert_int_equal(nqm_evaluation_create(d, 2, (const nqm_model *const *)models, &o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_count(ev), 2 + NQM_METRIC_COUNT);
+    assert_string_equal(nqm_evaluation_name(ev, 1), "nqm");
+    assert_string_equal(nqm_evaluation_name(ev, 2), "rmse");
+    size_t n = 3 * d->n_directions;
+    for (size_t pair = 0; pair < d->n_pairs; ++pair) {
+        const float *ref = d->ref_rgb + d->pair_ref[pair] * n, *test = d->test_rgb + pair * n;
+        double metrics[NQM_METRIC_COUNT], jod;
+        nqm_metrics_compute(d->directions, ref, test, NULL, metrics);
+        bool in_test = nqm_dataset_get_pair(d, pair).split == NQM_SPLIT_TEST;
+        for (size_t i = 0; i < 2 + NQM_METRIC_COUNT; ++i) {
+            double value = nqm_evaluation_values(ev, i)[pair];
+            assert_true(isnan(value) == !in_test);
+            if (i < 2)
+                assert_int_equal(nqm_model_predict(models[i], 1, ref, test, &jod, NULL), NQM_OK);
+            if (in_test)
+                assert_near(value, i < 2 ? jod : metrics[i - 2], 1e-5);
+        }
+    }
+    nqm_evaluation_free(ev);
+    nqm_model_free(models[0]);
+    nqm_model_free(models[1]);
+    nqm_dataset_free(d);
+}
+
+static void selections(void **state) {
+    (void)state;
+    toy_options t = toy_options_default();
+    t.with_masks = true;
+    nqm_dataset *d = toy_dataset(&t);
+    nqm_model *model = train_small(d, "nqm");
+    nqm_agreement a[1 + NQM_METRIC_COUNT];
+    nqm_eval_options o = nqm_eval_options_default();
+    o.n_bootstrap = 50;
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, 576);
+    assert_int_equal(a[0].n_materials, 24);
+    for (size_t i = 0; i < 1 + NQM_METRIC_COUNT; ++i) {
+        assert_true(a[i].spearman > 0.3 && a[i].spearman <= 1); /* distances are turned round */
+        assert_true(a[i].spearman_ci95[0] <= a[i].spearman_ci95[1]);
+        assert_true(isnan(a[i].mae) == (i > 0));
+    }
+    assert_true(a[1 + NQM_METRIC_LOG_DIFF].spearman > 0.97); /* the toy's label is that metric, but for the masks */
+    o.split = NQM_SPLIT_TEST;
+    o.kind = "gloss";
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, 576 / 4 / 2);
+    assert_int_equal(a[0].n_materials, 6);
+    size_t n_high = 0, n_low = 0;
+    for (size_t i = 0; i < d->n_pairs; ++i)
+        n_high += d->jod[i] >= 9.5;
+    o = nqm_eval_options_default();
+    o.n_bootstrap = 0;
+    o.jod_from = 9.5;
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, n_high);
+    n_low = d->n_pairs - n_high;
+    o.jod_from = 0;
+    o.jod_to = 9.5;
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, n_low);
+    o.kind = "rust";
+    nqm_error err = {0};
+    assert_int_equal(nqm_evaluate(model, d, &o, a, &err), NQM_ERR_INCOMPATIBLE);
+    t.seed = 2;
+    nqm_dataset *elsewhere = toy_dataset(&t);
+    assert_int_equal(nqm_evaluate(model, elsewhere, NULL, a, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "directions"));
+    nqm_dataset_free(elsewhere);
+    nqm_model_free(model);
+    nqm_dataset_free(d);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(figures_are_scipys),
+        cmocka_unit_test(bootstrap_repeats_groups),
+        cmocka_unit_test(predictions_are_those_of_single_pairs),
+        cmocka_unit_test(selections),
+    };
+    return cmocka_run_group_tests(tests, read_pairs, NULL);
+}

@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Training: it learns what can be learnt, repeats itself to the bit - again, on other threads, resumed -, refuses checkpoints of
+ * others, stops when told to, and notices divergence.
+ */
+#include "base/memory_test.h"
+#include "support/check.h"
+#include "support/toy_dataset.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char checkpoint[] = "test_train_loop.checkpoint", model_path[] = "test_train_loop.model";
+
+static nqm_dataset *toy;
+
+static int make_toy(void **state) {
+    (void)state;
+    toy_options o = toy_options_default();
+    toy = toy_dataset(&o);
+    omp_set_num_threads(1); /* these networks are too small to share */
+    return 0;
+}
+
+static int drop_toy(void **state) {
+    (void)state;
+    nqm_dataset_free(toy);
+    unlink(checkpoint);
+    unlink(model_path);
+    return 0;
+}
+
+/* A small network that trains in a blink. */
+static nqm_train_options small(const char *recipe) {
+    nqm_train_options o;
+    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
+    o.n_hidden = 2;
+    o.hidden[0] = 48;
+    o.hidden[1] = 24;
+    o.batch = 32;
+    o.epochs = 4;
+    o.lr_first = 1e-3;
+    return o;
+}
+
+static nqm_model *train(const nqm_train_options *o, nqm_train_report *report) {
+    nqm_model *model;
+    nqm_error err = {0};
+    if (nqm_train(toy, o, &model, report, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return model;
+}
+
+/* The bytes of the file that a model makes; free(). */
+static unsigned char *model_bytes(const nqm_model *model, size_t *n_ret) {
+    nqm_map map;
+    assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(model_path, &map, NULL), NQM_OK);
+    unsigned char *bytes = malloc(map.n_bytes);
+    assert_non_null(bytes);
+    memcpy(bytes, map.data, map.n_bytes);
+    *n_ret = map.n_bytes;
+    nqm_map_close(&map);
+    return bytes;
+}
+
+static void assert_same_model(const nqm_model *a, const nqm_model *b) {
+    size_t n_a, n_b;
+    unsigned char *bytes_a = model_bytes(a, &n_a), *bytes_b = model_bytes(b, &n_b);
+    assert_int_equal(n_a, n_b);
+    assert_memory_equal(bytes_a, bytes_b, n_a);
+    free(bytes_a);
+    free(bytes_b);
+}
+
+/* On materials never seen: far better than guessing the mean, whose log-cosh is near 0.37. */
+static void learns(void **state) {
+    (void)state;
+    const char *const recipes[] = {"paper", "notebook", "nqm"};
+    for (size_t i = 0; i < 3; ++i) {
+        nqm_train_options o = small(recipes[i]);
+        o.epochs = 40;
+        o.dropout = 0.05;
+        o.split_by_pair = 0;
+        nqm_train_report report;
+        nqm_model *model = train(&o, &report);
+        assert_int_equal(report.epochs, 40);
+        assert_int_equal(report.n_steps, 40 * ((report.n_train + 31) / 32));
+        assert_true(report.validation_loss < (i == 2 ? 0.05 : 0.15));
+        assert_true(report.validation_spearman > (i == 2 ? 0.95 : 0.85));
+        nqm_model_info info = nqm_model_get_info(model);
+        assert_string_equal(info.recipe, recipes[i]);
+        assert_int_equal(info.n_layers, 3);
+        assert_string_equal(info.manifest_sha256, toy->sha256);
+        assert_non_null(strstr(info.card, "## Not good for"));
+        nqm_model_free(model);
+    }
+}
+
+/* A saved and loaded model predicts the same; a perfect copy gets the top of the range from our recipe. */
+static void saved_and_loaded(void **state) {
+    (void)state;
+    nqm_train_options o = small("nqm");
+    o.epochs = 20;
+    o.card = "Made by a test.";
+    nqm_model *model = train(&o, NULL), *loaded;
+    assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(model_path, &loaded, NULL), NQM_OK);
+    assert_int_equal(strlen(nqm_model_get_info(loaded).sha256), 64);
+    assert_non_null(strstr(nqm_model_get_info(loaded).card, "Made by a test."));
+    double a[2], b[2];
+    float pairs[2][2][48];
+    memcpy(pairs[0][0], toy->ref_rgb, sizeof pairs[0][0]);
+    memcpy(pairs[0][1], toy->ref_rgb + 48, sizeof pairs[0][1]);
+    memcpy(pairs[1][0], toy->test_rgb, sizeof pairs[1][0]);
+    memcpy(pairs[1][1], toy->ref_rgb + 48, sizeof pairs[1][1]);
+    assert_int_equal(nqm_model_predict(model, 2, pairs[0][0], pairs[1][0], a, NULL), NQM_OK);
+    assert_int_equal(nqm_model_predict(loaded, 2, pairs[0][0], pairs[1][0], b, NULL), NQM_OK);
+    assert_memory_equal(a, b, sizeof a);
+    assert_true(a[1] > 9.9);
+    nqm_model_free(model);
+    nqm_model_free(loaded);
+}
+
+static void repeats_itself_on_any_threads(void **state) {
+    (void)state;
+    const char *const recipes[] = {"notebook", "nqm"};
+    for (size_t i = 0; i < 2; ++i) {
+        nqm_train_options o = small(recipes[i]);
+        o.n_hidden = 1;
+        o.hidden[0] = 512; /* large enough that the work is shared out */
+        o.batch = 256;
+        o.epochs = 1;
+        nqm_model *one = train(&o, NULL);
+        omp_set_num_threads(2);
+        nqm_model *two = train(&o, NULL);
+        omp_set_num_threads(1);
+        assert_same_model(one, two);
+        o.seed = 2;
+        nqm_model *other = train(&o, NULL);
+        assert_true(memcmp(one->params.block, other->params.block, one->params.n * sizeof(float)) != 0);
+        nqm_model_free(one);
+        nqm_model_free(two);
+        nqm_model_free(other);
+    }
+}
+
+/* ---- checkpoints ------------------------------------------------------------------------------------------------------ */
+
+typedef struct losses {
+    size_t n;
+    double value[32][3];
+} losses;
+
+static void note_losses(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
+    losses *l = user;
+    assert_int_equal(epoch, l->n + 1);
+    const double value[3] = {train_loss, validation_loss, lr_first};
+    memcpy(l->value[l->n++], value, sizeof value);
+}
+
+/* Stops the work at the n-th call. */
+static int stop_at(void *user, const char *stage, double done, double total) {
+    int *calls_left = user;
+    assert_string_equal(stage, "train");
+    assert_true(done > 0 && done <= total);
+    return --*calls_left <= 0;
+}
+
+static void stop_during(nqm_train_options *o) {
+    nqm_model *model;
+    nqm_error err = {0};
+    int calls_left = 2; /* calls are thinned by time: the second one comes in the last step at the latest */
+    o->progress = stop_at;
+    o->progress_user = &calls_left;
+    assert_int_equal(nqm_train(toy, o, &model, NULL, &err), NQM_ERR_CANCELLED);
+    assert_null(model);
+    o->progress = NULL;
+}
+
+static void resumes_to_the_same_bits(void **state) {
+    (void)state;
+    const char *const recipes[] = {"paper", "notebook", "nqm"};
+    for (size_t i = 0; i < 3; ++i) {
+        nqm_train_options o = small(recipes[i]);
+        losses whole = {0}, parts = {0};
+        o.epochs = 9;
+        o.plateau_patience = 0; /* so that the schedule acts within a few epochs */
+        o.lr_deeper = 0.02;
+        o.epoch_done = note_losses;
+        o.epoch_user = &whole;
+        nqm_train_report a, b;
+        nqm_model *uninterrupted = train(&o, &a);
+        o.checkpoint = checkpoint;
+        o.epoch_done = NULL;
+        o.epochs = 3;
+        nqm_model_free(train(&o, NULL));
+        o.resume = 1;
+        o.epochs = 5;
+        nqm_model_free(train(&o, NULL));
+        o.epochs = 9;
+        o.epoch_done = note_losses;
+        o.epoch_user = &parts;
+        nqm_model *resumed = train(&o, &b);
+        assert_same_model(uninterrupted, resumed);
+        assert_int_equal(b.epochs_resumed, 5);
+        assert_int_equal(a.n_steps, b.n_steps);
+        assert_int_equal(parts.n, 9);
+        assert_memory_equal(&whole, &parts, sizeof whole);
+        assert_true(whole.value[8][2] < whole.value[0][2]);
+        nqm_model_free(resumed);
+        parts.n = 0;
+        resumed = train(&o, NULL); /* nothing left to do: the model at once */
+        assert_same_model(uninterrupted, resumed);
+        nqm_model_free(uninterrupted);
+        nqm_model_free(resumed);
+    }
+}
+
+static void stopped_and_resumed(void **state) {
+    (void)state;
+    nqm_train_options o = small("nqm");
+    o.epochs = 60; /* about a second: the ticker calls more than once */
+    nqm_model *uninterrupted = train(&o, NULL);
+    unlink(checkpoint);
+    o.checkpoint = checkpoint;
+    stop_during(&o);
+    o.resume = access(checkpoint, F_OK) == 0;
+    nqm_model *resumed = train(&o, NULL);
+    assert_same_model(uninterrupted, resumed);
+    nqm_model_free(uninterrupted);
+    nqm_model_free(resumed);
+}
+
+static void refuse(const nqm_dataset *d, const nqm_train_options *o, nqm_status status, const char *words) {
+    nqm_model *model;
+    nqm_error err = {0};
+    assert_int_equal(nqm_train(d, o, &model, NULL, &err), status);
+    assert_null(model);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' is not in '%s'", words, err.message);
+}
+
+static void checkpoints_of_others(void **state) {
+    (void)state;
+    nqm_train_options o = small("nqm");
+    o.checkpoint = checkpoint;
+    nqm_model_free(train(&o, NULL));
+    o.resume = 1;
+    nqm_train_options other = o;
+    other.batch = 64;
+    refuse(toy, &other, NQM_ERR_INCOMPATIBLE, "batch 32, not 64");
+    other = o;
+    other.seed = 7;
+    refuse(toy, &other, NQM_ERR_INCOMPATIBLE, "seed");
+    other = o;
+    other.epochs = 2;
+    refuse(toy, &other, NQM_ERR_INCOMPATIBLE, "4 epochs");
+    toy_options t = toy_options_default();
+    t.seed = 9;
+    nqm_dataset *another = toy_dataset(&t);
+    refuse(another, &o, NQM_ERR_INCOMPATIBLE, "another dataset");
+    nqm_dataset_free(another);
+    other = o;
+    other.checkpoint = "no such checkpoint";
+    refuse(toy, &other, NQM_ERR_IO, "no such checkpoint");
+    other.checkpoint = test_vector("net.safetensors");
+    refuse(toy, &other, NQM_ERR_FORMAT, "no checkpoint");
+    FILE *f = fopen(checkpoint, "r+b");
+    assert_non_null(f);
+    assert_int_equal(fseek(f, -100, SEEK_END), 0);
+    fputc(0x55, f);
+    fclose(f);
+    refuse(toy, &o, NQM_ERR_FORMAT, "SHA-256");
+}
+
+/* ---- trouble ---------------------------------------------------------------------------------------------------------- */
+
+static void divergence_is_noticed(void **state) {
+    (void)state;
+    nqm_dataset broken = *toy; /* as no loader would let it pass */
+    double *jod = malloc(toy->n_pairs * sizeof *jod);
+    assert_non_null(jod);
+    float *rgb = malloc(toy->n_pairs * 48 * sizeof *rgb);
+    assert_non_null(rgb);
+    memcpy(rgb, toy->test_rgb, toy->n_pairs * 48 * sizeof *rgb);
+    rgb[5] = NAN; /* pair 0 is a training pair */
+    broken.test_rgb = rgb;
+    nqm_train_options o = small("nqm");
+    refuse(&broken, &o, NQM_ERR_NUMERIC, "epoch 1");
+    for (size_t i = 0; i < toy->n_pairs; ++i)
+        jod[i] = 5;
+    broken = *toy;
+    broken.jod = jod;
+    o.target = NQM_TARGET_JOD;
+    refuse(&broken, &o, NQM_ERR_INCOMPATIBLE, "labels do not differ");
+    free(jod);
+    free(rgb);
+}
+
+static void memory_runs_out(void **state) {
+    (void)state;
+    nqm_train_options o = small("nqm");
+    o.epochs = 1;
+    o.batch = 512;
+    nqm_status status = NQM_ERR_NOMEM;
+    long n = 0;
+    for (; status != NQM_OK && n < 2000; ++n) {
+        nqm_model *model;
+        nqm_alloc_fail_after(n);
+        status = nqm_train(toy, &o, &model, NULL, NULL);
+        nqm_alloc_fail_after(-1);
+        if (status != NQM_OK && status != NQM_ERR_NOMEM)
+            fail_msg("allocation %ld: %s", n, nqm_status_text(status));
+        assert_true((status == NQM_OK) == (model != NULL));
+        nqm_model_free(model);
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(n > 20);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(learns),
+        cmocka_unit_test(saved_and_loaded),
+        cmocka_unit_test(repeats_itself_on_any_threads),
+        cmocka_unit_test(resumes_to_the_same_bits),
+        cmocka_unit_test(stopped_and_resumed),
+        cmocka_unit_test(checkpoints_of_others),
+        cmocka_unit_test(divergence_is_noticed),
+        cmocka_unit_test(memory_runs_out),
+    };
+    return cmocka_run_group_tests(tests, make_toy, drop_toy);
+}
