@@ -183,7 +183,7 @@ static void test_random_texts(void **state) {
     for (int i = 0; i < 20000; ++i) {
         char text[256];
         size_t used = (size_t)snprintf(text, sizeof text, "%s", pieces[nqm_rng_below(&rng, 5)]);
-        for (uint64_t n = nqm_rng_below(&rng, 14); n > 0; --n)
+        for (uint64_t n = 1 + nqm_rng_below(&rng, 4); n > 0; --n)
             used += (size_t)snprintf(text + used, sizeof text - used, "%s",
                                      pieces[nqm_rng_below(&rng, sizeof pieces / sizeof *pieces)]);
         nqm_brdf *brdf;
@@ -201,7 +201,8 @@ static void test_random_texts(void **state) {
         nqm_brdf_free(brdf);
         ++n_opened;
     }
-    assert_true(n_opened > 50);
+    print_message("%zu opened\n", n_opened);
+    assert_true(n_opened > 100);
 }
 
 static void test_decimal_comma_locale(void **state) {
