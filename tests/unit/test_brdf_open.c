@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What all BRDFs share: how an argument finds its format, clamping and flags, blocks, and the two coordinate systems.
+ */
+#include "base/memory_test.h"
+#include "brdf/brdf.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* ---- opening ----------------------------------------------------------------------------------------------------------- */
+
+static void expect(const char *argument, nqm_status status, const char *words) {
+    nqm_error err = {0};
+    nqm_brdf *brdf = (nqm_brdf *)&err;
+    assert_int_equal(nqm_brdf_open(argument, &brdf, &err), status);
+    assert_null(brdf);
+    assert_int_equal(err.status, status);
+    if (!strstr(err.message, words))
+        fail_msg("message: %s", err.message);
+    assert_int_equal(nqm_brdf_open(argument, &brdf, NULL), status);
+}
+
+static void expect_format(const char *argument, const char *format) {
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, format);
+    assert_string_equal(info.name, argument);
+    nqm_brdf_free(brdf);
+}
+
+/* Names say nothing: each file is found by its bytes. */
+static void finds_formats_by_bytes(void **state) {
+    (void)state;
+    const char *path = scratch_path("file.txt");
+    blob_put(make_rgl(NULL), path);
+    expect_format(path, "rgl");
+    blob_put(make_nbrdf(NBRDF_VALID), path);
+    expect_format(path, "nbrdf");
+    blob_put(make_merl(), path);
+    expect_format(path, "merl");
+    expect_format("lambert:kd=.5", "lambert");
+}
+
+static void refuses_what_is_no_brdf(void **state) {
+    (void)state;
+    const char *path = scratch_path("file.binary");
+    expect(path, NQM_ERR_IO, path);
+    expect("/tmp", NQM_ERR_IO, "directory");
+    expect("", NQM_ERR_IO, "");
+    expect("no such thing", NQM_ERR_IO, "no such thing");
+    blob text = {(unsigned char[]){"what is this?"}, 13};
+    for (size_t n = 1; n <= 13; ++n) {
+        text.n_bytes = n;
+        blob_save(&text, path);
+        expect(path, NQM_ERR_FORMAT, "byte 0");
+    }
+    text.n_bytes = 0;
+    blob_save(&text, path);
+    expect(path, NQM_ERR_FORMAT, "empty");
+    chmod(path, 0);
+    if (access(path, R_OK) != 0) /* root may read everything */
+        expect(path, NQM_ERR_IO, path);
+}
+
+/* A colon names a member only when what stands before it is a file and the whole is none. */
+static void splits_at_the_last_colon(void **state) {
+    (void)state;
+    const char *path = scratch_path("a:b.bsdf");
+    char argument[400];
+    blob_put(make_rgl(NULL), path);
+    expect_format(path, "rgl");
+    snprintf(argument, sizeof argument, "%s:steel", path);
+    expect(argument, NQM_ERR_FORMAT, "neither a zip nor a decoder");
+    expect("nowhere.zip:steel", NQM_ERR_IO, "nowhere.zip:steel");
+    blob network = make_nbrdf(NBRDF_VALID);
+    path = scratch_path("c:d.zip");
+    blob_put(make_zip("x/steel.h5", &network), path);
+    blob_free(&network);
+    snprintf(argument, sizeof argument, "%s:steel", path);
+    expect_format(argument, "nbrdf");
+}
+
+/* ---- evaluation -------------------------------------------------------------------------------------------------------- */
+
+/* f_r = (wi.x, wo.y + 2, 1): red of any sign; not a number where wi.y > 0.5, infinite where wi.y < -0.5. */
+static void ramp_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    size_t *n_most = *(size_t *const *)self;
+    *n_most = n > *n_most ? n : *n_most;
+    for (size_t i = 0; i < n; ++i) {
+        assert_true(wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0);
+        rgb[3 * i] = wi[3 * i + 1] > 0.5 ? NAN : wi[3 * i];
+        rgb[3 * i + 1] = wo[3 * i + 1] + 2;
+        rgb[3 * i + 2] = wi[3 * i + 1] < -0.5 ? INFINITY : 1;
+    }
+}
+
+static int n_freed;
+
+static void ramp_free(void *self) {
+    ++n_freed;
+    nqm_free(self);
+}
+
+static const nqm_brdf_class ramp_class = {.format = "ramp", .eval = ramp_eval, .free = ramp_free};
+
+static nqm_brdf *open_ramp(size_t *n_most) {
+    size_t **self = nqm_alloc(1, sizeof *self);
+    assert_non_null(self);
+    *self = n_most;
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_wrap(&ramp_class, self, "ramp", "ramp:", "made up", &brdf, NULL), NQM_OK);
+    return brdf;
+}
+
+enum { N = 1000 };
+
+static void draw_pairs(double *wi, double *wo) {
+    for (uint32_t i = 0; i < N; ++i) {
+        for (uint32_t side = 0; side < 2; ++side) {
+            double *w = (side ? wo : wi) + 3 * i;
+            double z = 1.2 * noise(i, 2 * side) - 0.2, phi = 2 * pi * noise(i, 2 * side + 1); /* a sixth lies below */
+            w[0] = sqrt(1 - z * z) * cos(phi);
+            w[1] = sqrt(1 - z * z) * sin(phi);
+            w[2] = z;
+        }
+    }
+}
+
+static void clamps_and_flags(void **state) {
+    (void)state;
+    static double wi[3 * N], wo[3 * N], rgb[3 * N], unflagged[3 * N];
+    static uint8_t flag[N];
+    size_t n_most = 0, n_of[4] = {0};
+    draw_pairs(wi, wo);
+    wi[2] = 0;
+    wi[3 + 2] = NAN;
+    wo[6 + 2] = -0.0;
+    nqm_brdf *brdf = open_ramp(&n_most);
+    nqm_brdf_eval(brdf, N, wi, wo, rgb, flag);
+    for (size_t i = 0; i < N; ++i) {
+        const double *l = wi + 3 * i, *v = wo + 3 * i, *f = rgb + 3 * i;
+        bool above = l[2] > 0 && v[2] > 0, valid = above && fabs(l[1]) <= 0.5;
+        nqm_value_flag expected = !above ? NQM_VALUE_HORIZON : !valid ? NQM_VALUE_INVALID : NQM_VALUE_OK;
+        if (valid && l[0] < 0)
+            expected = NQM_VALUE_CLAMPED;
+        assert_int_equal(flag[i], expected);
+        assert_true(f[0] == (valid ? fmax(l[0], 0) : 0));
+        assert_true(f[1] == (valid ? v[1] + 2 : 0));
+        assert_true(f[2] == (valid ? 1 : 0));
+        ++n_of[expected];
+    }
+    assert_true(n_of[0] > 50 && n_of[1] > 50 && n_of[2] > 50 && n_of[3] > 50);
+    assert_true(n_most > 10 && n_most < N); /* in blocks */
+    nqm_brdf_eval(brdf, N, wi, wo, unflagged, NULL);
+    assert_memory_equal(unflagged, rgb, sizeof rgb);
+    nqm_brdf_eval(brdf, 0, NULL, NULL, NULL, NULL);
+    nqm_brdf_free(brdf);
+}
+
+/* Half-vector coordinates keep light and viewer apart over the whole turn of phi_d. */
+static void evaluates_half_vector_coordinates(void **state) {
+    (void)state;
+    size_t n_most = 0;
+    nqm_brdf *brdf = open_ramp(&n_most);
+    static double hd[3 * N], wi[3 * N], wo[3 * N], rgb[3 * N], expected[3 * N];
+    static uint8_t flag[N], expected_flag[N];
+    for (uint32_t i = 0; i < N; ++i) {
+        hd[3 * i] = noise(i, 1) * pi / 2;
+        hd[3 * i + 1] = noise(i, 2) * pi / 2;
+        hd[3 * i + 2] = (noise(i, 3) - 0.5) * 6 * pi;
+        nqm_half_diff_to_directions(hd + 3 * i, wi + 3 * i, wo + 3 * i);
+    }
+    nqm_brdf_eval_half_diff(brdf, N, hd, rgb, flag);
+    nqm_brdf_eval(brdf, N, wi, wo, expected, expected_flag);
+    assert_memory_equal(rgb, expected, sizeof rgb);
+    assert_memory_equal(flag, expected_flag, sizeof flag);
+    for (size_t i = 0; i < N; ++i) {
+        double again[3];
+        nqm_directions_to_half_diff(wi + 3 * i, wo + 3 * i, again);
+        double turns = (hd[3 * i + 2] - again[2]) / pi;
+        assert_near(again[0], hd[3 * i], 1e-9);
+        assert_near(again[1], hd[3 * i + 1], 1e-9);
+        assert_near(turns, round(turns), 1e-6 / sin(hd[3 * i + 1]));
+        assert_true(again[2] >= 0 && again[2] < pi);
+    }
+    nqm_brdf_free(brdf);
+}
+
+/* Whatever happens, self is freed once. */
+static void wrap_owns_self(void **state) {
+    (void)state;
+    size_t n_most = 0;
+    n_freed = 0;
+    nqm_brdf_free(open_ramp(&n_most));
+    assert_int_equal(n_freed, 1);
+    for (int n = 0; n < 4; ++n) {
+        void *self = nqm_alloc(1, sizeof(size_t *));
+        nqm_brdf *brdf;
+        nqm_alloc_fail_after(n);
+        nqm_status status = nqm_brdf_wrap(&ramp_class, self, "ramp", "ramp:", "made up", &brdf, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_int_equal(status, NQM_ERR_NOMEM);
+        assert_null(brdf);
+        assert_int_equal(n_freed, n + 2);
+    }
+    nqm_brdf_free(NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_formats_by_bytes),   cmocka_unit_test(refuses_what_is_no_brdf),
+        cmocka_unit_test(splits_at_the_last_colon), cmocka_unit_test(clamps_and_flags),
+        cmocka_unit_test(wrap_owns_self),           cmocka_unit_test(evaluates_half_vector_coordinates)};
+    return cmocka_run_group_tests_name("brdf_open", tests, NULL, NULL);
+}
