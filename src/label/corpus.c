@@ -169,6 +169,7 @@ typedef struct tables {
     uint8_t *group_split;
     double *jod;
     const char **ref_names, **group_names, *kind_names[NQM_KIND_COUNT];
+    size_t n_kinds; /* that occur */
     char *manifest, *manifest_path;
 } tables;
 
@@ -199,11 +200,24 @@ static void free_tables(tables *t) {
     nqm_free(t->manifest_path);
 }
 
+/* Number the kinds that occur. */
+static void fill_kinds(const corpus *c, tables *t, uint32_t index[NQM_KIND_COUNT]) {
+    bool occurs[NQM_KIND_COUNT] = {false};
+    for (size_t i = 0; i < c->n_items; ++i)
+        for (size_t k = 0; k < c->items[i].plan.n_tests; ++k)
+            occurs[c->items[i].plan.tests[k].kind] = true;
+    for (int k = 0; k < NQM_KIND_COUNT; ++k) {
+        index[k] = (uint32_t)t->n_kinds;
+        if (occurs[k])
+            t->kind_names[t->n_kinds++] = nqm_corpus_kind_name((nqm_corpus_kind)k);
+    }
+}
+
 static void fill_tables(const corpus *c, tables *t) {
     nqm_curve curve = nqm_curve_default();
     size_t ref = 0, pair = 0;
-    for (int k = 0; k < NQM_KIND_COUNT; ++k)
-        t->kind_names[k] = nqm_corpus_kind_name((nqm_corpus_kind)k);
+    uint32_t kind_index[NQM_KIND_COUNT];
+    fill_kinds(c, t, kind_index);
     for (size_t i = 0; i < c->n_items; ++i) {
         const nqm_corpus_plan *plan = &c->items[i].plan;
         const nqm_corpus_group *group = &c->list.groups[plan->group];
@@ -211,7 +225,7 @@ static void fill_tables(const corpus *c, tables *t) {
         t->group_split[i] = (uint8_t)group->split;
         for (size_t k = 0; k < plan->n_tests; ++k, ++pair) {
             t->pair_ref[pair] = (uint32_t)(ref + plan->tests[k].ref);
-            t->pair_kind[pair] = (uint32_t)plan->tests[k].kind;
+            t->pair_kind[pair] = kind_index[plan->tests[k].kind];
             t->jod[pair] = nqm_curve_jod(&curve, c->delta_e[pair]);
         }
         for (size_t r = 0; r < plan->n_refs; ++r, ++ref) {
@@ -244,7 +258,7 @@ static nqm_status write_dataset(const corpus *c, const char *path, nqm_error *er
             .n_directions = c->n_directions,
             .n_refs = c->n_refs,
             .n_groups = c->n_items,
-            .n_kinds = NQM_KIND_COUNT,
+            .n_kinds = t.n_kinds,
             .n_pairs = c->n_tests,
             .directions_deg = nqm_directions_degrees(c->context.directions),
             .ref_rgb = c->ref_rgb,

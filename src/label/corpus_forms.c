@@ -98,11 +98,15 @@ typedef struct fold {
 
 static void fold_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
     enum { BLOCK = 128 };
-    const fold *f = self;
+    const nqm_brdf *brdf = ((const fold *)self)->brdf;
     uint8_t flag[BLOCK];
+    if (brdf->class_->eval_half_diff) { /* the caller has sorted out the horizon already */
+        brdf->class_->eval_half_diff(brdf->self, n, hd, rgb);
+        return;
+    }
     for (size_t first = 0; first < n; first += BLOCK) {
         size_t m = n - first < BLOCK ? n - first : BLOCK;
-        nqm_brdf_eval_half_diff(f->brdf, m, hd + 3 * first, rgb + 3 * first, flag);
+        nqm_brdf_eval_half_diff(brdf, m, hd + 3 * first, rgb + 3 * first, flag);
         for (size_t i = 0; i < m; ++i)
             if (flag[i] >= NQM_VALUE_INVALID)
                 rgb[3 * (first + i)] = NAN;

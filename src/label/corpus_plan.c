@@ -71,17 +71,17 @@ typedef struct strength {
 } strength;
 
 static const strength strengths[NQM_KIND_COUNT] = {
-    [NQM_KIND_GLOSS] = {"gloss", 0.02, 1.2, FACTOR},
-    [NQM_KIND_SCALE] = {"scale", 0.01, 0.9, FACTOR},
-    [NQM_KIND_FRESNEL] = {"fresnel", 0.1, 3, FACTOR},
-    [NQM_KIND_SMOOTH] = {"smooth", 0.3, 12, PLAIN}, /* degrees */
-    [NQM_KIND_MIX] = {"mix", 0.01, 0.6, PLAIN},
-    [NQM_KIND_PEAK] = {"peak", 0.03, 1.5, FACTOR},
+    [NQM_KIND_GLOSS] = {"gloss", 0.02, 1.6, FACTOR},
+    [NQM_KIND_SCALE] = {"scale", 0.01, 1.2, FACTOR},
+    [NQM_KIND_FRESNEL] = {"fresnel", 0.3, 4.5, FACTOR},
+    [NQM_KIND_SMOOTH] = {"smooth", 0.4, 15, PLAIN}, /* degrees */
+    [NQM_KIND_MIX] = {"mix", 0.01, 0.9, PLAIN},
+    [NQM_KIND_PEAK] = {"peak", 0.03, 2, FACTOR},
     [NQM_KIND_DESATURATE] = {"desaturate", 0.03, 1, SIGNED},
-    [NQM_KIND_QUANTISE] = {"quantise", 2, 60, PLAIN}, /* steps a decade: fewer are worse */
-    [NQM_KIND_SHIFT] = {"shift", 0.1, 8, SIGNED},     /* degrees */
-    [NQM_KIND_TINT] = {"tint", 0.01, 0.5, FACTOR},
-    [NQM_KIND_NOISE] = {"noise", 0.01, 0.6, PLAIN}, /* of log f_r */
+    [NQM_KIND_QUANTISE] = {"quantise", 1, 40, PLAIN}, /* steps a decade: fewer are worse */
+    [NQM_KIND_SHIFT] = {"shift", 0.2, 12, SIGNED},    /* degrees */
+    [NQM_KIND_TINT] = {"tint", 0.01, 0.8, FACTOR},
+    [NQM_KIND_NOISE] = {"noise", 0.02, 1.2, PLAIN}, /* of log f_r */
 };
 
 static size_t put_number(char *text, size_t n_text, double value) {
@@ -135,39 +135,59 @@ static size_t single_kinds(bool with_unseen, nqm_corpus_kind *kinds) {
     return n;
 }
 
+/* Kinds for compositions and perturbed fits: smoothing reads its base 27 times a value and stays alone. */
+static size_t quick_kinds(nqm_corpus_kind *kinds) {
+    size_t n_single = single_kinds(false, kinds), n = 0;
+    for (size_t k = 0; k < n_single; ++k)
+        if (kinds[k] != NQM_KIND_SMOOTH)
+            kinds[n++] = kinds[k];
+    return n;
+}
+
 static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, nqm_corpus_kind kind) {
     nqm_corpus_test test = {.ref = ref, .kind = kind, .base = NQM_BASE_REF};
-    nqm_corpus_kind seen[NQM_KIND_COUNT];
-    size_t n_seen = single_kinds(false, seen), first = (size_t)nqm_rng_below(rng, n_seen);
+    nqm_corpus_kind quick[NQM_KIND_COUNT];
+    size_t n_quick = quick_kinds(quick), first = (size_t)nqm_rng_below(rng, n_quick);
     if (kind == NQM_KIND_REFIT) {
         test.base = NQM_BASE_FIT;
         test.which = (size_t)nqm_rng_below(rng, NQM_CORPUS_N_FITS);
-        draw_perturbation(rng, seen[first], test.perturbation[0]);
+        draw_perturbation(rng, quick[first], test.perturbation[0]);
     } else if (kind == NQM_KIND_COMPOSED) {
-        size_t second = (first + 1 + (size_t)nqm_rng_below(rng, n_seen - 1)) % n_seen;
-        draw_perturbation(rng, seen[first], test.perturbation[0]);
-        draw_perturbation(rng, seen[second], test.perturbation[1]);
+        size_t second = (first + 1 + (size_t)nqm_rng_below(rng, n_quick - 1)) % n_quick;
+        draw_perturbation(rng, quick[first], test.perturbation[0]);
+        draw_perturbation(rng, quick[second], test.perturbation[1]);
     } else {
         draw_perturbation(rng, kind, test.perturbation[0]);
     }
     return test;
 }
 
-/* n tests that go through all kinds in turn, in a new order each round. */
-static size_t draw_tests(nqm_rng *rng, size_t ref, const nqm_corpus_options *options, nqm_corpus_test *tests) {
-    nqm_corpus_kind round[NQM_KIND_COUNT + 4];
-    size_t n_round = single_kinds(options->part == NQM_CORPUS_TEST, round), order[NQM_KIND_COUNT + 4];
+/* A round of kinds, each once; smoothing, the slowest by far, every other round; twice the two that mix all kinds. */
+static size_t make_round(const nqm_corpus_options *options, size_t round, nqm_corpus_kind *kinds) {
+    size_t n_single = single_kinds(options->part == NQM_CORPUS_TEST, kinds), n = 0;
+    for (size_t k = 0; k < n_single; ++k)
+        if (kinds[k] != NQM_KIND_SMOOTH || round % 2 == 0)
+            kinds[n++] = kinds[k];
     for (int k = 0; k < 2; ++k) {
-        round[n_round++] = NQM_KIND_COMPOSED;
-        round[n_round++] = NQM_KIND_REFIT;
+        kinds[n++] = NQM_KIND_COMPOSED;
+        kinds[n++] = NQM_KIND_REFIT;
     }
-    for (size_t i = 0; i < options->n_perturbations; ++i) {
-        if (i % n_round == 0) {
+    return n;
+}
+
+/* Perturbed copies that go through all kinds in turn, in a new order each round. */
+static size_t draw_tests(nqm_rng *rng, size_t ref, const nqm_corpus_options *options, nqm_corpus_test *tests) {
+    nqm_corpus_kind kinds[NQM_KIND_COUNT + 4];
+    size_t order[NQM_KIND_COUNT + 4], n_round = 0, at = 0, round = 0;
+    for (size_t i = 0; i < options->n_perturbations; ++i, ++at) {
+        if (at == n_round) {
+            n_round = make_round(options, round++, kinds);
             for (size_t k = 0; k < n_round; ++k)
                 order[k] = k;
             nqm_rng_shuffle(rng, n_round, order);
+            at = 0;
         }
-        tests[i] = draw_test(rng, ref, round[order[i % n_round]]);
+        tests[i] = draw_test(rng, ref, kinds[order[at]]);
     }
     return options->n_perturbations;
 }
