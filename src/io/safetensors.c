@@ -289,13 +289,17 @@ typedef struct outgoing {
     size_t index; /* as given */
 } outgoing;
 
-/* Sizes that are multiples of 64 bytes first, then larger before smaller, then as given. */
+/* Sizes that are multiples of 64 bytes first, the rest by size of element, so that each stays aligned to its own; then larger
+ * before smaller, then as given. */
 static int by_alignment(const void *a, const void *b) {
     const outgoing *left = a, *right = b;
     size_t n_l = left->tensor->n_bytes, n_r = right->tensor->n_bytes;
     bool odd_l = n_l % ALIGNMENT != 0, odd_r = n_r % ALIGNMENT != 0;
     if (odd_l != odd_r)
         return odd_l ? 1 : -1;
+    size_t element_l = dtypes[left->tensor->dtype].n_bytes, element_r = dtypes[right->tensor->dtype].n_bytes;
+    if (odd_l && element_l != element_r)
+        return element_l > element_r ? -1 : 1;
     if (n_l != n_r)
         return n_l > n_r ? -1 : 1;
     return (left->index > right->index) - (left->index < right->index);
