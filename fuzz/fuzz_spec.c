@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: specs of analytic models, presets and perturbations. The input is the text, up to its first zero byte.
+ */
+#include "fuzz.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    char *text = calloc(n_bytes + 1, 1);
+    if (!text)
+        abort();
+    memcpy(text, data, n_bytes);
+    nqm_brdf *brdf = NULL;
+    nqm_error err = {0};
+    /* with its colon, so that it is taken for a spec and not for the name of a file */
+    nqm_status status = strchr(text, ':') ? nqm_brdf_open(text, &brdf, &err) : NQM_OK;
+    if (status != NQM_OK && (brdf || err.status != status || !err.message[0]))
+        abort();
+    if (brdf) {
+        const double hd[6] = {0.1, 0.7, 1, 0, 1.2, 2};
+        double rgb[6];
+        nqm_brdf_eval_half_diff(brdf, 2, hd, rgb, NULL);
+        for (int i = 0; i < 6; ++i)
+            if (!isfinite(rgb[i]) || rgb[i] < 0)
+                abort();
+        const char *spec = nqm_brdf_get_info(brdf).spec; /* NULL for a file */
+        nqm_brdf *again = NULL;
+        if (spec && nqm_brdf_open(spec, &again, &err) != NQM_OK) {
+            fprintf(stderr, "the canonical form does not open: %s: %s\n", spec, err.message);
+            abort();
+        }
+        nqm_brdf_free(again);
+    }
+    nqm_brdf_free(brdf);
+    free(text);
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    static const char spec[] =
+        "perturb:gloss=.8;tint=1.1,1,1;noise=.1;seed=2;cells=4;of=ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04";
+    blob b = {.data = malloc(sizeof spec - 1), .n_bytes = sizeof spec - 1};
+    if (!b.data)
+        abort();
+    memcpy(b.data, spec, b.n_bytes);
+    return b;
+}
