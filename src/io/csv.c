@@ -221,6 +221,10 @@ size_t nqm_csv_rows(const nqm_csv *csv) {
     return csv->n_records - 1;
 }
 
+size_t nqm_csv_columns(const nqm_csv *csv) {
+    return csv->n_columns;
+}
+
 static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }

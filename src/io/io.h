@@ -68,6 +68,7 @@ NQM_MUST_CHECK nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const 
                                         nqm_error *err);
 void nqm_csv_free(nqm_csv *csv);
 size_t nqm_csv_rows(const nqm_csv *csv);
+size_t nqm_csv_columns(const nqm_csv *csv);
 /** Column number of a name (ASCII case ignored), or -1. */
 int nqm_csv_column(const nqm_csv *csv, const char *column_name);
 const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
