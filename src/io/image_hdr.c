@@ -9,8 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/* The tightest coding of a row of 8192 equal pixels: one pixel and two runs of the older coding, 12 bytes. */
-static const double max_pixels_per_byte = 8192.0 / 12;
+/* The older coding packs 255 pixels into 4 bytes; the newer one is never tighter than 16 a byte. (Longer runs of the older one
+ * are possible, but not in a picture worth a light.) */
+static const double max_pixels_per_byte = 64;
 
 typedef struct hdr_file {
     const nqm_map *map;
