@@ -147,7 +147,7 @@ static void refuses_broken_networks(void **state) {
     }
 }
 
-static void refuses_every_truncation(void **state) {
+static void refuses_truncated_files(void **state) {
     (void)state;
     blob b = make_nbrdf(NBRDF_VALID);
     const char *path = scratch_path("short.h5");
@@ -241,7 +241,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(network_agrees_with_numpy), cmocka_unit_test(network_comes_out_of_a_zip),
         cmocka_unit_test(zip_faults_are_told),       cmocka_unit_test(refuses_a_member_that_is_too_large),
-        cmocka_unit_test(refuses_broken_networks),   cmocka_unit_test(refuses_every_truncation),
+        cmocka_unit_test(refuses_broken_networks),   cmocka_unit_test(refuses_truncated_files),
         cmocka_unit_test(refuses_odd_superblocks),   cmocka_unit_test(processes_agree_with_numpy),
         cmocka_unit_test(process_faults_are_told),   cmocka_unit_test(survives_failing_allocations)};
     return cmocka_run_group_tests_name("brdf_nbrdf", tests, NULL, NULL);
