@@ -4,6 +4,7 @@
  */
 #ifndef NQM_SRC_METRIC_SELFTEST_GOLDEN_H
 #define NQM_SRC_METRIC_SELFTEST_GOLDEN_H
+/* clang-format off */
 
 /* f_r of presets; theta_h, theta_d, phi_d in degrees. */
 static const struct {
@@ -24,8 +25,13 @@ static const struct {
 
 /* The published curve: Delta-E ITP, JOD. */
 static const double golden_jod[][2] = {
-    {0.1, 9.99999928760737}, {1, 9.99405934797479},   {3, 9.88587036370212},    {10, 8.72327551475414},
-    {30, 5.28153022370546},  {100, 1.92149432805161}, {300, 0.731523901647547},
+    {0.1, 9.99999928760737},
+    {1, 9.99405934797479},
+    {3, 9.88587036370212},
+    {10, 8.72327551475414},
+    {30, 5.28153022370546},
+    {100, 1.92149432805161},
+    {300, 0.731523901647547},
 };
 
 #endif

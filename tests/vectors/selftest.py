@@ -50,7 +50,7 @@ B = (-14.11196939758611, -0.47364347065458806, -0.21479944748134167)
 with open("../../src/metric/selftest_golden.h", "w") as out:
     out.write("/* SPDX-License-Identifier: MIT\n *\n * Golden values of the self-test. "
               f"Made by tests/vectors/selftest.py (numpy {numpy.__version__}): do not edit.\n */\n"
-              "#ifndef NQM_SRC_METRIC_SELFTEST_GOLDEN_H\n#define NQM_SRC_METRIC_SELFTEST_GOLDEN_H\n\n"
+              "#ifndef NQM_SRC_METRIC_SELFTEST_GOLDEN_H\n#define NQM_SRC_METRIC_SELFTEST_GOLDEN_H\n/* clang-format off */\n\n"
               "/* f_r of presets; theta_h, theta_d, phi_d in degrees. */\n"
               "static const struct {\n    const char *spec;\n    double hd_deg[3], rgb[3];\n} golden_brdfs[] = {\n")
     for model, f in (("sgd", sgd), ("ward", ward)):
