@@ -74,15 +74,7 @@ static double noticed_percent(double jod) {
 }
 
 static const char *verdict(const nqm_score_result *result) {
-    if (result->identical)
-        return "identical";
-    if (result->jod >= 9.5)
-        return "practically the same";
-    if (result->jod >= 9)
-        return "hardly visible";
-    if (result->jod >= 8)
-        return "visible";
-    return result->jod >= 6 ? "clearly visible" : "very different";
+    return result->identical ? "identical" : jod_words(result->jod);
 }
 
 static int metric_width(int m) {

@@ -136,3 +136,13 @@ void print_csv_number(FILE *out, double value) {
     if (isfinite(value))
         fprintf(out, "%.9g", value);
 }
+
+const char *jod_words(double jod) {
+    if (jod >= 9.5)
+        return "practically the same";
+    if (jod >= 9)
+        return "hardly visible";
+    if (jod >= 8)
+        return "visible";
+    return jod >= 6 ? "clearly visible" : "very different";
+}

@@ -92,6 +92,8 @@ int print_json(json_t *value);
 json_t *json_number(double value);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
 json_t *json_tool(void);
+/** What a JOD below 10 means, in words; doc/cli.md has the table. */
+const char *jod_words(double jod);
 /** One CSV field on standard output, quoted when needed. */
 void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing when it is not finite. */

@@ -1,0 +1,87 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm label: greys under a white light give the Delta-E that the PQ curve says; equal BRDFs give exactly 0; the same output for 1
+# and 2 threads; forms of the output; broken lights give the contract's exit codes.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+fail() {
+    echo "$1"
+    [ ! -f "$dir/err" ] || cat "$dir/err"
+    exit 1
+}
+# label CODE ARGUMENTS...
+label() {
+    code=$1
+    shift
+    got=0
+    "$tool" label "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: label $*"
+}
+number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; }
+
+# A white light of 8 x 4 pixels. Lambert at half and quarter show as greys of 100 and 50 cd/m2; ITP of greys is (PQ, 0, 0).
+header='#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n'
+# pixels N BYTES
+pixels() {
+    i=0
+    while [ $i -lt "$1" ]; do
+        printf '%b' "$2"
+        i=$((i + 1))
+    done
+}
+{ printf '%b' "$header"; pixels 32 '\0200\0200\0200\0201'; } >"$dir/white.hdr"
+label 0 lambert:kd=.5,.5,.5 lambert:kd=.25,.25,.25 lambert:kd=.5,.5,.5 --light "$dir/white.hdr" --exposure 200 --json
+awk -v got="$(number delta_e_itp 1)" 'BEGIN {
+    y1 = exp(2610 / 16384 * log(100 / 10000)); y2 = exp(2610 / 16384 * log(50 / 10000))
+    p1 = exp(2523 / 32 * log((3424 / 4096 + 2413 / 128 * y1) / (1 + 2392 / 128 * y1)))
+    p2 = exp(2523 / 32 * log((3424 / 4096 + 2413 / 128 * y2) / (1 + 2392 / 128 * y2)))
+    error = got - 720 * (p1 - p2)
+    exit !(error < 0.01 && error > -0.01)}' || fail "Delta-E of two greys is $(number delta_e_itp 1)"
+[ "$(number delta_e_itp 2)" = 0.0 ] || fail "equal BRDFs differ"
+[ "$(number jod 2)" = 10.0 ] || fail "equal BRDFs have no JOD of 10"
+
+# The same bytes for 1 and 2 threads; text, CSV and bare numbers; a seed that changes little but something.
+small="--points 200 --lights 100"
+# shellcheck disable=SC2086
+{
+    OMP_NUM_THREADS=1 "$tool" label sgd:nickel ward:nickel $small --json >"$dir/one"
+    OMP_NUM_THREADS=2 "$tool" label sgd:nickel ward:nickel $small --json >"$dir/two"
+    cmp "$dir/one" "$dir/two" || fail "the number of threads changes the label"
+    label 0 sgd:nickel ward:nickel $small
+    grep -q 'Delta-E.*JOD.*sgd:nickel' "$dir/out" || fail "no head line"
+    label 0 sgd:nickel ward:nickel $small --csv
+    [ "$(wc -l <"$dir/out")" = 2 ] || fail "CSV: two lines"
+    label 0 sgd:nickel ward:nickel ward:nickel $small -q
+    [ "$(wc -l <"$dir/out")" = 2 ] || fail "quiet: two lines"
+    label 0 sgd:nickel ward:nickel $small --seed 2 --json
+    ! cmp -s "$dir/one" "$dir/out" || fail "the seed changes nothing"
+}
+
+# A test that cannot be opened does not stop the others.
+label 3 sgd:nickel "$dir/nowhere.bsdf" sgd:nickel --points 50 --lights 50 --json
+[ "$(number delta_e_itp 1)" = null ] || fail "a missing test has a label"
+[ "$(number delta_e_itp 2)" = 0.0 ] || fail "the test behind a missing one has no label"
+grep -q 'nowhere.bsdf' "$dir/err" || fail "the message does not name the file"
+
+# Refusals.
+label 2 sgd:nickel
+label 2 sgd:nickel ward:nickel --exposure 0
+label 2 sgd:nickel ward:nickel --points 1000000 --lights 60000
+label 2 sgd:nickel ward:nickel --json -q
+label 2 sgd:nickel sgd:nosuchmetal
+label 3 "$dir/nowhere.bsdf" sgd:nickel
+label 3 sgd:nickel ward:nickel --light "$dir/nowhere.hdr"
+label 3 sgd:nickel ward:nickel --light "$dir"
+: >"$dir/empty"
+label 4 sgd:nickel ward:nickel --light "$dir/empty"
+echo 'no picture at all' >"$dir/text"
+label 4 sgd:nickel ward:nickel --light "$dir/text"
+head -c 100 "$dir/white.hdr" >"$dir/cut.hdr"
+label 4 sgd:nickel ward:nickel --light "$dir/cut.hdr"
+grep -q 'cut.hdr: Radiance HDR at byte [0-9]' "$dir/err" || fail "the message does not name file and byte"
+printf '#?RADIANCE\n\n-Y 2147483648 +X 2147483648\n' >"$dir/huge.hdr"
+label 4 sgd:nickel ward:nickel --light "$dir/huge.hdr"
+{ printf '%b' "$header"; pixels 32 '\0000\0000\0000\0000'; } >"$dir/black.hdr"
+label 4 sgd:nickel ward:nickel --light "$dir/black.hdr"
