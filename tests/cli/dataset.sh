@@ -1,0 +1,68 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm dataset: a small corpus from analytic materials is the same for one and two threads and from its work files; test
+# materials go to a file of their own; a data folder becomes a list; bad arguments give the contract's exit codes.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+fail() {
+    echo "$1"
+    exit 1
+}
+cat >"$dir/materials.csv" <<'END'
+name,group,brdf,source,split
+m-sgd,brass,sgd:brass,sgd,train
+n-ggx,n,ggx:kd=0.2;alpha=0.3,ggx,validation
+o-ggx,o,ggx:kd=0.1;alpha=0.1,ggx,test
+END
+"$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
+make() { "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 2 "$@" 2>"$dir/err"; }
+
+OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/work" >"$dir/out" || fail "$(cat "$dir/err")"
+grep -q '13 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
+OMP_NUM_THREADS=2 make -o "$dir/two.safetensors" >/dev/null
+cmp "$dir/one.safetensors" "$dir/two.safetensors" || fail "two threads give another file"
+make -o "$dir/again.safetensors" --work "$dir/work" --json >"$dir/out"
+cmp "$dir/one.safetensors" "$dir/again.safetensors" || fail "work files give another file"
+grep -q '"manifest"' "$dir/out" || fail "--json"
+grep -q '"brass"' "$dir/one.safetensors.json" || fail "the manifest does not name the material"
+grep -q '"o-ggx"' "$dir/one.safetensors.json" && fail "a test material is in the training file"
+if grep -qF "$dir" "$dir/one.safetensors.json"; then fail "the manifest names a folder"; fi
+[ -z "$(find "$dir" -name '*.part')" ] || fail "left-over files"
+
+# A damaged work file is made again.
+for file in "$dir"/work/*.safetensors; do
+    head -c 3000 "$file" >"$dir/cut"
+    mv "$dir/cut" "$file"
+done
+make -o "$dir/mended.safetensors" --work "$dir/work" >/dev/null
+cmp "$dir/one.safetensors" "$dir/mended.safetensors" || fail "a damaged work file changed the result"
+
+# A data folder: names, groups and splits.
+mkdir -p "$dir/data/labels" "$dir/data/rgl"
+printf 'material,model,level,DeltaE,JOD,class\nbrass_1,ward,0,1,9,1\nfelt_rgb_12,ggx,0,1,9,1\n' >"$dir/data/labels/labels_real.csv"
+: >"$dir/data/rgl/felt_rgb.bsdf"
+: >"$dir/data/rgl/paper_rgb.bsdf"
+"$tool" dataset --scan "$dir/data/" >"$dir/list.csv"
+grep -qx 'rgl-felt_rgb,felt_rgb,rgl/felt_rgb.bsdf,rgl,test' "$dir/list.csv" || fail "felt: $(cat "$dir/list.csv")"
+grep -q '^rgl-paper_rgb,paper_rgb,rgl/paper_rgb.bsdf,rgl,[tv][^e]' "$dir/list.csv" || fail "paper"
+grep -qx 'sgd-brass,brass,sgd:brass,sgd,test' "$dir/list.csv" || fail "brass"
+[ "$(grep -c '^sgd-' "$dir/list.csv")" = 100 ] || fail "100 presets"
+
+# expect CODE PATTERN ARGUMENTS...
+expect() {
+    code=$1 pattern=$2
+    shift 2
+    got=0
+    "$tool" dataset "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: dataset $*: $(cat "$dir/err")"
+    grep -q -- "$pattern" "$dir/err" || fail "message: $(cat "$dir/err")"
+}
+expect 2 'directions' "$dir/materials.csv" -o "$dir/x"
+expect 2 '-o FILE' "$dir/materials.csv" --directions "$dir/directions.csv"
+expect 2 'validation' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
+expect 3 'missing.csv' "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"
+expect 3 'labels_real.csv' --scan "$dir"
+printf 'name,group\n' >"$dir/bad.csv"
+expect 4 "'brdf'" "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"

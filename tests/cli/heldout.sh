@@ -1,0 +1,49 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The 20 materials of the human study (Kavoosighafi et al. 2025) are in no training artefact: no reference, group or test of
+# the manifests of the shipped training corpus names one, nor does a list made from the shared data give one to training.
+set -eu
+tool=${NQM_TOOL:?}
+source=${NQM_SOURCE:?}
+data=${NQM_DATA:-$source/../shared/data}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+fail() {
+    echo "$1"
+    exit 1
+}
+held_out='acrylic_felt_green_rgb aluminium blue-fabric blue-metallic-paint bluebook cardboard cc_amber_citrine_rgb
+color-changing-paint1 gold-metallic-paint2 green-metallic-paint2 ilm_l3_37_dark_green_rgb ilm_solo_m_68_rgb light-red-paint
+notebook red-metallic-paint silver-metallic-paint2 specular-green-phenolic vch_dragon_eye_red_rgb vch_golden_yellow_rgb
+violet-acrylic'
+checked=0
+
+# absent FILE: no reference of this manifest is a held-out material, by its group, its name (SOURCE-MATERIAL) or its BRDF.
+absent() {
+    grep -q '"references"' "$1" || fail "$1 is no manifest"
+    if grep -q '"split": "test"' "$1"; then fail "$1 holds references of the test split"; fi
+    for material in $held_out; do
+        if grep -E "\"group\": \"$material\"|\"name\": \"[a-z]*-$material\"|\"brdf\": \"(.*[:/])?$material(\.bsdf)?\"" "$1"; then
+            fail "$1 holds $material"
+        fi
+    done
+    checked=$((checked + 1))
+}
+
+for manifest in "$source"/models/*train*.json; do
+    if [ -f "$manifest" ]; then absent "$manifest"; fi
+done
+
+if [ -f "$data/labels/labels_real.csv" ]; then
+    awk -F, 'NR > 1 {sub(/_[0-9]+$/, "", $1); print $1}' "$data/labels/labels_real.csv" | sort -u >"$dir/names"
+    for material in $held_out; do echo "$material"; done | sort >"$dir/expected"
+    cmp "$dir/names" "$dir/expected" || fail "the list of this test is not that of labels_real.csv"
+    "$tool" dataset --scan "$data" -o "$dir/materials.csv"
+    for material in $held_out; do
+        awk -F, -v m="$material" '$2 == m && $5 != "test" {exit 1}' "$dir/materials.csv" || fail "$material is not held out"
+        awk -F, -v m="$material" '$2 == m {n++} END {exit !n}' "$dir/materials.csv" || fail "$material is not listed"
+    done
+    [ "$(awk -F, '$5 == "test" {print $2}' "$dir/materials.csv" | sort -u | wc -l)" = 20 ] || fail "not 20 test groups"
+    checked=$((checked + 1))
+fi
+[ "$checked" -gt 0 ] || exit 77

@@ -1,0 +1,394 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Corpora: lists that must be refused; plans that keep unseen kinds out of training and depend on the seed and the names
+ * only; forms as they are read; and a small corpus of analytic materials, made, interrupted, resumed and read back.
+ */
+#include "brdf/brdf.h"
+#include "label/corpus.h"
+#include "support/check.h"
+#include "train/train.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/nqm-test-XXXXXX";
+
+static const char *in_folder(const char *name) {
+    static char path[2][256];
+    static int which;
+    which = !which;
+    snprintf(path[which], sizeof path[which], "%s/%s", folder, name);
+    return path[which];
+}
+
+static const char *write_text(const char *name, const char *text) {
+    const char *path = in_folder(name);
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fputs(text, f);
+    fclose(f);
+    return path;
+}
+
+static const char materials[] = "name,group,brdf,source,split\n"
+                                "a-ggx,a,ggx:kd=0.2;alpha=0.2,ggx,train\n"
+                                "b-ggx,b,ggx:kd=0.1;alpha=0.4,ggx,validation\n"
+                                "a-ward,a,ward:kd=0.2;ks=0.04;alpha=0.2,ward,train\n"
+                                "nickel-sgd,nickel,sgd:nickel,sgd,test\n";
+
+/* ---- lists ------------------------------------------------------------------------------------------------------------ */
+
+static void list_goes_by_group(void **state) {
+    (void)state;
+    nqm_corpus_list list;
+    assert_int_equal(nqm_corpus_list_load(write_text("list.csv", materials), NULL, &list, NULL), NQM_OK);
+    assert_int_equal(list.n_refs, 4);
+    assert_int_equal(list.n_groups, 3);
+    assert_string_equal(list.refs[0].name, "a-ggx");
+    assert_string_equal(list.refs[1].name, "a-ward");
+    assert_string_equal(list.refs[2].name, "b-ggx");
+    assert_int_equal(list.groups[0].n_refs, 2);
+    assert_int_equal(list.groups[1].first_ref, 2);
+    assert_int_equal(list.groups[2].split, NQM_SPLIT_TEST);
+    assert_true(nqm_corpus_in_part(&list.groups[0], NQM_CORPUS_TRAINING));
+    assert_true(nqm_corpus_in_part(&list.groups[1], NQM_CORPUS_TRAINING));
+    assert_false(nqm_corpus_in_part(&list.groups[2], NQM_CORPUS_TRAINING));
+    nqm_corpus_list_free(&list);
+}
+
+static void paths_start_at_the_root(void **state) {
+    (void)state;
+    nqm_corpus_list list;
+    write_text("one.bsdf", "content");
+    const char *csv = write_text("list.csv", "name,group,brdf,source,split\n"
+                                             "m,m,one.bsdf,rgl,train\n"
+                                             "n,m,one.bsdf:inside,nbrdf,train\n");
+    assert_int_equal(nqm_corpus_list_load(csv, NULL, &list, NULL), NQM_OK);
+    assert_string_equal(list.refs[0].path, in_folder("one.bsdf"));
+    /* sha256sum of the seven bytes "content" */
+    static const char sha[] = "ed7002b439e9ac845f22357d822bac1444730fbdb6016d3ec9432297b9ec9f73";
+    assert_string_equal(list.refs[0].file_sha256, sha);
+    assert_string_equal(list.refs[1].file_sha256, sha);
+    nqm_corpus_list_free(&list);
+    assert_int_equal(nqm_corpus_list_load(csv, "/nowhere", &list, NULL), NQM_ERR_IO);
+    assert_null(list.refs);
+}
+
+static void bad_lists_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"name,group,brdf,source,split\n", "no material"},
+        {"name,group,brdf,split\na,a,sgd:nickel,train\n", "'source'"},
+        {"name,group,brdf,source,split\na,a,sgd:nickel,sgd,train\na,b,sgd:brass,sgd,train\n", "twice"},
+        {"name,group,brdf,source,split\na,m,sgd:nickel,sgd,train\nb,m,ward:nickel,ward,test\n", "one split"},
+        {"name,group,brdf,source,split\na,m,sgd:nickel,sgd,training\n", "'training'"},
+        {"name,group,brdf,source,split\na,,sgd:nickel,sgd,train\n", "lacks"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_corpus_list list;
+        nqm_error err = {0};
+        assert_int_equal(nqm_corpus_list_load(write_text("bad.csv", cases[i].text), NULL, &list, &err), NQM_ERR_FORMAT);
+        if (!strstr(err.message, cases[i].message) || !strstr(err.message, "bad.csv"))
+            fail_msg("case %zu: %s", i, err.message);
+    }
+}
+
+/* ---- plans ------------------------------------------------------------------------------------------------------------ */
+
+static void plan_of(nqm_corpus_part part, uint64_t seed, size_t group, nqm_corpus_plan *plan) {
+    nqm_corpus_list list;
+    nqm_corpus_options options = nqm_corpus_options_default();
+    options.part = part;
+    options.seed = seed;
+    assert_int_equal(nqm_corpus_list_load(write_text("list.csv", materials), NULL, &list, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_plan_make(&list, group, &options, plan, NULL), NQM_OK);
+    nqm_corpus_list_free(&list);
+}
+
+static void training_never_sees_the_unseen_kinds(void **state) {
+    (void)state;
+    for (uint64_t seed = 1; seed <= 20; ++seed) {
+        nqm_corpus_plan plan;
+        plan_of(NQM_CORPUS_TRAINING, seed, 0, &plan);
+        for (size_t t = 0; t < plan.n_tests; ++t) {
+            assert_false(nqm_corpus_kind_unseen(plan.tests[t].kind));
+            for (int k = 0; k < 2; ++k) {
+                assert_null(strstr(plan.tests[t].perturbation[k], "quantise"));
+                assert_null(strstr(plan.tests[t].perturbation[k], "shift"));
+            }
+        }
+        nqm_corpus_plan_free(&plan);
+    }
+}
+
+static void every_kind_gets_its_turn(void **state) {
+    (void)state;
+    size_t n[NQM_KIND_COUNT] = {0};
+    nqm_corpus_plan plan;
+    plan_of(NQM_CORPUS_TEST, 1, 2, &plan);
+    assert_int_equal(plan.n_forms, 2); /* sgd:nickel, and ward:nickel of the presets */
+    assert_int_equal(plan.n_tests, 4 + 1 + 26);
+    for (size_t t = 0; t < plan.n_tests; ++t)
+        ++n[plan.tests[t].kind];
+    nqm_corpus_plan_free(&plan);
+    assert_int_equal(n[NQM_KIND_WARD], 2);
+    assert_int_equal(n[NQM_KIND_GGX], 2);
+    assert_int_equal(n[NQM_KIND_PRESET], 1);
+    for (int k = NQM_KIND_GLOSS; k <= NQM_KIND_SHIFT; ++k)
+        assert_in_range(n[k], 1, 2);
+    assert_in_range(n[NQM_KIND_COMPOSED], 2, 4);
+    assert_in_range(n[NQM_KIND_REFIT], 2, 4);
+}
+
+static void a_seed_is_a_plan(void **state) {
+    (void)state;
+    nqm_corpus_plan a, b, c;
+    plan_of(NQM_CORPUS_TRAINING, 1, 0, &a);
+    plan_of(NQM_CORPUS_TRAINING, 1, 0, &b);
+    plan_of(NQM_CORPUS_TRAINING, 2, 0, &c);
+    size_t n_different = 0;
+    assert_int_equal(a.n_tests, b.n_tests);
+    for (size_t t = 0; t < a.n_tests; ++t) {
+        assert_string_equal(a.tests[t].perturbation[0], b.tests[t].perturbation[0]);
+        assert_string_equal(a.tests[t].perturbation[1], b.tests[t].perturbation[1]);
+        n_different += strcmp(a.tests[t].perturbation[0], c.tests[t].perturbation[0]) != 0;
+    }
+    assert_true(n_different > 40); /* of 2 x 26 */
+    nqm_corpus_plan_free(&a);
+    nqm_corpus_plan_free(&b);
+    nqm_corpus_plan_free(&c);
+}
+
+/* ---- forms ------------------------------------------------------------------------------------------------------------ */
+
+static nqm_brdf *open_brdf(const char *spec) {
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(spec, &brdf, NULL), NQM_OK);
+    return brdf;
+}
+
+static void a_table_reads_like_its_source(void **state) {
+    (void)state;
+    nqm_brdf *source = open_brdf("ggx:kd=0.3,0.1,0;ks=1;alpha=0.1;f0=0.04"), *table;
+    assert_int_equal(nqm_corpus_tabulate(source, &table, NULL), NQM_OK);
+    nqm_rng rng = nqm_rng_make(7, 0);
+    double sum = 0;
+    size_t n = 0;
+    while (n < 2000) {
+        double u = nqm_rng_uniform(&rng), a[3], b[3], wi[3], wo[3];
+        const double hd[3] = {1.3 * u * u, 1.3 * nqm_rng_uniform(&rng), 6.28 * nqm_rng_uniform(&rng) - 3.14};
+        nqm_half_diff_to_directions(hd, wi, wo);
+        if (fmin(wi[2], wo[2]) < cos(75 * acos(-1) / 180)) /* beyond, f_r rises too steeply for the nodes */
+            continue;
+        nqm_brdf_eval_half_diff(source, 1, hd, a, NULL);
+        nqm_brdf_eval_half_diff(table, 1, hd, b, NULL);
+        assert_near(b[0], a[0], 0.08 * a[0] + 1e-4);
+        sum += fabs(b[0] / a[0] - 1);
+        ++n;
+    }
+    assert_true(sum / (double)n < 0.005);
+    nqm_brdf_free(table);
+    nqm_brdf_free(source);
+}
+
+/* f_r = z of the light: not reciprocal. */
+static void lopsided_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    (void)self;
+    (void)wo;
+    for (size_t i = 0; i < 3 * n; ++i)
+        rgb[i] = wi[3 * (i / 3) + 2];
+}
+
+static void keep(void *self) {
+    (void)self;
+}
+
+static void folding_makes_reciprocal(void **state) {
+    (void)state;
+    static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = keep};
+    nqm_brdf *brdf, *folded;
+    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, "lopsided", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_fold(brdf, true, &folded, NULL), NQM_OK);
+    nqm_rng rng = nqm_rng_make(3, 0);
+    for (int i = 0; i < 200; ++i) {
+        const double hd[3] = {0.7 * nqm_rng_uniform(&rng), 0.7 * nqm_rng_uniform(&rng), 3.1 * nqm_rng_uniform(&rng)};
+        double wi[3], wo[3], forth[3], back[3];
+        nqm_half_diff_to_directions(hd, wi, wo);
+        nqm_brdf_eval(folded, 1, wi, wo, forth, NULL);
+        nqm_brdf_eval(folded, 1, wo, wi, back, NULL);
+        assert_near(forth[0], wi[2], 1e-9); /* phi_d in [0, pi): the half that is read */
+        assert_near(back[0], forth[0], 1e-9);
+    }
+    nqm_brdf_free(folded);
+}
+
+/* ---- a corpus --------------------------------------------------------------------------------------------------------- */
+
+static nqm_directions *directions(void) {
+    nqm_directions *made;
+    nqm_directions_options options = nqm_directions_options_default();
+    options.n = 50;
+    assert_int_equal(nqm_directions_create(&options, 0, NULL, &made, NULL), NQM_OK);
+    return made;
+}
+
+static nqm_corpus_options small_corpus(nqm_corpus_part part) {
+    nqm_corpus_options options = nqm_corpus_options_default();
+    options.part = part;
+    options.n_perturbations = 3;
+    return options;
+}
+
+static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
+    nqm_error err = {0};
+    nqm_dataset *dataset;
+    nqm_directions *d = directions();
+    char csv[256];
+    snprintf(csv, sizeof csv, "%s", write_text("list.csv", materials));
+    if (nqm_corpus_build(csv, d, options, in_folder(name), &err) != NQM_OK ||
+        nqm_dataset_load(in_folder(name), &dataset, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    nqm_directions_free(d);
+    return dataset;
+}
+
+/* The training part, made once. */
+static nqm_dataset *training_part(void) {
+    nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
+    nqm_dataset *dataset;
+    if (access(in_folder("training.safetensors"), F_OK) != 0)
+        return build(&options, "training.safetensors");
+    assert_int_equal(nqm_dataset_load(in_folder("training.safetensors"), &dataset, NULL), NQM_OK);
+    return dataset;
+}
+
+static void parts_hold_their_splits(void **state) {
+    (void)state;
+    nqm_dataset *training = training_part();
+    nqm_dataset_info info = nqm_dataset_get_info(training);
+    assert_int_equal(info.n_groups, 2);
+    assert_int_equal(info.n_refs, 3);
+    assert_int_equal(info.n_pairs, 3 * (4 + 3) + 2); /* and each of the two forms of a as a test of the other */
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_TEST], 0);
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_VALIDATION], 4 + 3);
+    assert_non_null(strstr(info.manifest, "\"unseen_kinds\""));
+    assert_null(strstr(info.manifest, "nickel"));
+    for (size_t i = 0; i < info.n_pairs; ++i) {
+        assert_null(strstr(training->pair_names[i], "nickel"));
+        nqm_curve curve = nqm_curve_default();
+        assert_near(training->jod[i], nqm_curve_jod(&curve, training->delta_e[i]), 0);
+    }
+    nqm_dataset_free(training);
+
+    nqm_corpus_options options = small_corpus(NQM_CORPUS_TEST);
+    nqm_dataset *test = build(&options, "test.safetensors");
+    info = nqm_dataset_get_info(test);
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_TEST], info.n_pairs);
+    assert_int_equal(info.n_refs, 1);
+    nqm_dataset_free(test);
+}
+
+static void a_fit_of_its_own_model_is_near_perfect(void **state) {
+    (void)state;
+    nqm_dataset *d = training_part();
+    for (size_t i = 0; i < d->n_pairs; ++i) {
+        const char *kind = d->kind_names[d->pair_kind[i]], *ref = d->ref_names[d->pair_ref[i]];
+        if (strcmp(ref, "a-ggx") == 0 && strcmp(kind, "ggx") == 0)
+            assert_true(d->delta_e[i] < 0.1);
+        if (strcmp(ref, "a-ggx") == 0 && strcmp(kind, "ward") == 0)
+            assert_true(d->delta_e[i] > 0.5);
+    }
+    nqm_dataset_free(d);
+}
+
+static int stop_soon(void *user, const char *stage, double done, double total) {
+    (void)user;
+    (void)stage;
+    return done >= 10 && done < total;
+}
+
+static void remove_folder(const char *path) {
+    DIR *dir = opendir(path);
+    for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
+        char file[512];
+        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
+        remove(file);
+    }
+    if (dir)
+        closedir(dir);
+    rmdir(path);
+}
+
+static void an_interrupted_corpus_goes_on(void **state) {
+    (void)state;
+    char work[256], csv[256];
+    snprintf(work, sizeof work, "%s", in_folder("work"));
+    nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
+    nqm_dataset *whole = training_part();
+    char sha256[65];
+    snprintf(sha256, sizeof sha256, "%s", nqm_dataset_get_info(whole).sha256);
+    nqm_dataset_free(whole);
+
+    nqm_directions *d = directions();
+    options.checkpoint = work;
+    options.progress = stop_soon;
+    snprintf(csv, sizeof csv, "%s", write_text("list.csv", materials));
+    assert_int_equal(nqm_corpus_build(csv, d, &options, in_folder("never.safetensors"), NULL), NQM_ERR_CANCELLED);
+    assert_int_not_equal(access(in_folder("never.safetensors"), F_OK), 0);
+    nqm_directions_free(d);
+
+    options.progress = NULL;
+    for (int round = 0; round < 2; ++round) { /* the second takes all from the work files */
+        nqm_dataset *resumed = build(&options, "resumed.safetensors");
+        assert_string_equal(nqm_dataset_get_info(resumed).sha256, sha256);
+        nqm_dataset_free(resumed);
+    }
+    remove_folder(work);
+}
+
+static void a_part_without_materials_is_refused(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    nqm_directions *d = directions();
+    nqm_corpus_options options = small_corpus(NQM_CORPUS_TEST);
+    char csv[256];
+    snprintf(csv, sizeof csv, "%s", write_text("train.csv", "name,group,brdf,source,split\na,a,sgd:brass,sgd,train\n"));
+    assert_int_equal(nqm_corpus_build(csv, d, &options, in_folder("x.safetensors"), &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "train.csv"));
+    nqm_directions_free(d);
+}
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int clean_up(void **state) {
+    (void)state;
+    remove_folder(folder);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(list_goes_by_group),
+        cmocka_unit_test(paths_start_at_the_root),
+        cmocka_unit_test(bad_lists_are_refused),
+        cmocka_unit_test(training_never_sees_the_unseen_kinds),
+        cmocka_unit_test(every_kind_gets_its_turn),
+        cmocka_unit_test(a_seed_is_a_plan),
+        cmocka_unit_test(a_table_reads_like_its_source),
+        cmocka_unit_test(folding_makes_reciprocal),
+        cmocka_unit_test(parts_hold_their_splits),
+        cmocka_unit_test(a_fit_of_its_own_model_is_near_perfect),
+        cmocka_unit_test(an_interrupted_corpus_goes_on),
+        cmocka_unit_test(a_part_without_materials_is_refused),
+    };
+    return cmocka_run_group_tests_name("label: corpus", tests, make_folder, clean_up);
+}
