@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The authors' dataset layout: a tiny one by SciPy (tests/vectors/authors.py) is read as it is meant, and what is missing or does not
+ * fit is named.
+ */
+#include "io/io.h"
+#include "support/check.h"
+#include "support/toy_dataset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char csv_path[] = "test_train_authors.csv";
+
+static char root[512];
+
+static int find_root(void **state) {
+    (void)state;
+    snprintf(root, sizeof root, "%s", test_vector("authors"));
+    return 0;
+}
+
+static nqm_dataset *load(const char *labels, nqm_split split) {
+    nqm_dataset *d;
+    nqm_error err = {0};
+    if (nqm_dataset_load_authors(root, labels, split, &d, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return d;
+}
+
+static void reads_the_layout(void **state) {
+    (void)state;
+    nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);
+    nqm_dataset_info info = nqm_dataset_get_info(d);
+    assert_int_equal(info.n_directions, 7);
+    assert_int_equal(info.n_pairs, 5);
+    assert_int_equal(info.n_groups, 2);
+    assert_int_equal(info.n_refs, 3); /* brass_1 and brass_2 are equal, brass_10 is noisy; felt stands once */
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_TRAIN], 5);
+    assert_non_null(strstr(info.manifest, "\"negative_values_read_as_0\": 1"));
+    assert_int_equal(strlen(info.sha256), 64);
+    const struct {
+        const char *ref, *group, *test, *kind;
+        double delta_e, jod;
+    } expected[] = {{"brass_1", "brass", "brass_1", "ward", 22.5, 6.5},
+                    {"brass_1", "brass", "brass_2", "sbrdf.2", 9.25, 8.75},
+                    {"brass_10", "brass", "brass_10", "sbrdf.2", 9.25, 8.75},
+                    {"felt_m_68_rgb_1", "felt_m_68_rgb", "felt_m_68_rgb_1", "ggx", 3.5, 9.875},
+                    {"felt_m_68_rgb_1", "felt_m_68_rgb", "felt_m_68_rgb_2", "ggx", 4.5, 10.25}};
+    for (size_t i = 0; i < 5; ++i) {
+        nqm_dataset_pair pair = nqm_dataset_get_pair(d, i);
+        assert_string_equal(pair.ref, expected[i].ref);
+        assert_string_equal(pair.group, expected[i].group);
+        assert_string_equal(pair.test, expected[i].test);
+        assert_string_equal(pair.kind, expected[i].kind);
+        assert_near(pair.delta_e, expected[i].delta_e, 0);
+        assert_near(pair.jod, expected[i].jod, 0);
+    }
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("authors_expected.csv"), &csv, NULL), NQM_OK);
+    for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
+        size_t pair = (size_t)atoi(nqm_csv_text(csv, row, 0)), direction = (size_t)atoi(nqm_csv_text(csv, row, 2));
+        bool is_ref = strcmp(nqm_csv_text(csv, row, 1), "ref") == 0;
+        const float *rgb = (is_ref ? d->ref_rgb + d->pair_ref[pair] * 21 : d->test_rgb + pair * 21) + 3 * direction;
+        for (int k = 0; k < 3; ++k) {
+            double value;
+            assert_int_equal(nqm_csv_number(csv, row, 3 + k, &value, NULL), NQM_OK);
+            assert_near((double)rgb[k], value, 0);
+        }
+    }
+    nqm_csv_free(csv);
+    nqm_dataset_free(d);
+}
+
+static void split_as_asked(void **state) {
+    (void)state;
+    nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_TEST);
+    assert_int_equal(nqm_dataset_get_info(d).n_pairs_in[NQM_SPLIT_TEST], 5);
+    nqm_dataset_free(d);
+}
+
+/* It can be written as a dataset file, and trained on. */
+static void goes_on_from_there(void **state) {
+    (void)state;
+    nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);
+    nqm_train_options o;
+    nqm_train_report report;
+    nqm_model *model;
+    assert_int_equal(nqm_train_options_recipe("notebook", &o, NULL), NQM_OK);
+    o.n_hidden = 1;
+    o.hidden[0] = 8;
+    o.epochs = 2;
+    assert_int_equal(nqm_train(d, &o, &model, &report, NULL), NQM_OK);
+    assert_int_equal(nqm_model_get_info(model).n_parameters, 42 * 8 + 8 + 8 + 8 + 8 + 1);
+    nqm_model_free(model);
+    nqm_dataset_free(d);
+}
+
+static void refuse(const char *labels, nqm_status status, const char *words) {
+    FILE *f = fopen(csv_path, "w");
+    assert_non_null(f);
+    fputs(labels, f);
+    fclose(f);
+    nqm_dataset *d;
+    nqm_error err = {0};
+    assert_int_equal(nqm_dataset_load_authors(root, csv_path, NQM_SPLIT_ALL, &d, &err), status);
+    assert_null(d);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' is not in '%s'", words, err.message);
+}
+
+static void names_what_is_wrong(void **state) {
+    (void)state;
+    refuse("material,model,level,DeltaE,JOD,class\nglass_3,ward,0,1,9,6\n", NQM_ERR_IO, "neither glass_3.mat nor");
+    refuse("material,model,level,DeltaE,JOD,class\nbrass_3,ward,0,1,9,6\n", NQM_ERR_IO, "row 'brass_3'");
+    refuse("material,model,level,DeltaE,JOD,class\n../ref/brass_1,ward,0,1,9,6\n", NQM_ERR_FORMAT, "'/'");
+    refuse("material,model,level,DeltaE\nbrass_1,ward,0,1\n", NQM_ERR_FORMAT, "'JOD'");
+    refuse("material,model,level,DeltaE,JOD\nbrass_1,ward,0,many,9\n", NQM_ERR_FORMAT, csv_path);
+    refuse("material,model,level,DeltaE,JOD\nbrass_1,ward,0,1,12\n", NQM_ERR_FORMAT, "JOD of pair 0");
+    refuse("material,model,level,DeltaE,JOD\n", NQM_ERR_FORMAT, "no rows");
+    nqm_dataset *d;
+    assert_int_equal(nqm_dataset_load_authors(root, "no such file", NQM_SPLIT_ALL, &d, NULL), NQM_ERR_IO);
+    unlink(csv_path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_the_layout),
+        cmocka_unit_test(split_as_asked),
+        cmocka_unit_test(goes_on_from_there),
+        cmocka_unit_test(names_what_is_wrong),
+    };
+    return cmocka_run_group_tests(tests, find_root, NULL);
+}
