@@ -1,25 +1,22 @@
 /* SPDX-License-Identifier: MIT
  *
- * Real matrices out of MAT v5 files, by matio. The file is looked at before matio sees it, so that what matio cannot
- * open gets a message of ours, and so that the HDF5-based v7.3 is refused here.
+ * Real matrices out of MAT v5 files, by matio. The file is looked at before matio sees it (mat_check.c), because matio trusts
+ * the sizes in it; the HDF5-based v7.3 is refused.
  */
-#include "io/io.h"
+#include "io/mat_check.h"
 
 #include <math.h>
 #include <matio.h>
 #include <string.h>
 
-enum {
-    HEADER_BYTES = 128,
-    MAX_ELEMENTS = 1 << 24 /* of one variable */
-};
+enum { MAX_ELEMENTS = 1 << 24 }; /* of one variable */
 
 struct nqm_mat {
     mat_t *file;
     const char *path;
 };
 
-static nqm_status check_header(const char *path, nqm_error *err) {
+static nqm_status check_file(const char *path, nqm_error *err) {
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)
@@ -27,16 +24,18 @@ static nqm_status check_header(const char *path, nqm_error *err) {
     static const char v5[] = "MATLAB 5.0 MAT-file", v73[] = "MATLAB 7.3 MAT-file";
     if (map.n_bytes >= sizeof v73 && memcmp(map.data, v73, sizeof v73 - 1) == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a MAT v7.3 file; save it with '-v7'", path);
-    else if (map.n_bytes < HEADER_BYTES || memcmp(map.data, v5, sizeof v5 - 1) != 0)
+    else if (map.n_bytes < NQM_MAT_HEADER_BYTES || memcmp(map.data, v5, sizeof v5 - 1) != 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no MAT v5 file: its first %d bytes are not such a header", path,
-                          HEADER_BYTES);
+                          NQM_MAT_HEADER_BYTES);
+    else
+        status = nqm_mat_check(&map, err);
     nqm_map_close(&map);
     return status;
 }
 
 nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err) {
     *mat_ret = NULL;
-    nqm_status status = check_header(path, err);
+    nqm_status status = check_file(path, err);
     if (status != NQM_OK)
         return status;
     nqm_mat *mat = nqm_alloc(1, sizeof *mat);
