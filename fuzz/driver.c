@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A main() for fuzz targets built without libFuzzer: the valid input, cut at many places, and with bytes changed at random,
- * from a fixed seed and for a fixed number of inputs. With arguments: run these files instead (a crash from libFuzzer);
- * `--seed FILE` writes the valid input.
+ * A main() for fuzz targets built without libFuzzer: the valid input, cut at many places, and with bytes changed at
+ * random, from a fixed seed and for a fixed number of inputs. With arguments: run these files instead (a crash from
+ * libFuzzer); `--seed FILE` writes the valid input.
  */
 #include "fuzz.h"
 

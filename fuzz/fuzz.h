@@ -14,8 +14,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes);
 blob fuzz_seed(void);
 
 /**
- * Open the bytes as a BRDF file and, when they are one, evaluate it all over the hemisphere: values must be finite and not
- * negative, failures must leave no object and a message.
+ * Open the bytes as a BRDF file and, when they are one, evaluate it all over the hemisphere: values must be finite and
+ * not negative, failures must leave no object and a message.
  *
  * @param n_file  size of the file; what goes beyond n_bytes are zeros
  * @param member  what follows behind the path (":steel"), or ""

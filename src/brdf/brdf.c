@@ -12,8 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- opening
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 typedef struct file_format {
     bool (*probe)(const nqm_map *map);
@@ -153,11 +152,10 @@ nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
                            .reciprocal = brdf->class_->reciprocal};
 }
 
-/* ---- evaluation
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 /* Pairs are gathered in blocks of this many, so that a format sees dense arrays and nothing is allocated. */
-enum { BLOCK = 128 };
+enum { BLOCK = 512 };
 
 /* Make one raw value fit for use: (3) in and out. */
 static nqm_value_flag settle_value(double *rgb) {

@@ -12,8 +12,10 @@
 
 #include "math/math.h"
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 enum { N_THETA_H = 90, N_THETA_D = 90, N_PHI_D = 180, N_CELLS = N_THETA_H * N_THETA_D * N_PHI_D };
 enum { HEADER_BYTES = 12, FILE_BYTES = HEADER_BYTES + 3 * N_CELLS * 8 };
@@ -22,24 +24,46 @@ static const double channel_scale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 static const unsigned char header[HEADER_BYTES] = {N_THETA_H, 0, 0, 0, N_THETA_D, 0, 0, 0, N_PHI_D, 0, 0, 0};
 
-/* ---- reading
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 typedef struct merl {
     nqm_map map;
+    size_t page_bytes;
+    atomic_int hints;       /* pages that may still be announced to the system */
+    atomic_int *hints_left; /* that counter, for evaluations, to which the table is const */
 } merl;
 
 static size_t cell_index(double position, size_t n) {
     return position >= (double)n ? n - 1 : (size_t)fmax(position, 0);
 }
 
+/* The cell at hd (3), in the first channel's plane. */
+static size_t find_cell(const double *hd) {
+    size_t h = cell_index(sqrt(hd[0] / (NQM_PI / 2)) * N_THETA_H, N_THETA_H);
+    size_t d = cell_index(hd[1] / (NQM_PI / 2) * N_THETA_D, N_THETA_D);
+    size_t p = cell_index(hd[2] / NQM_PI * N_PHI_D, N_PHI_D);
+    return (h * N_THETA_D + d) * N_PHI_D + p;
+}
+
+/* Ask the system for all pages of a batch before the first is read: from a disk they then come side by side, not one
+ * after the other. Advice only, failure is harmless. */
+static void announce_pages(const merl *table, size_t n, const double *hd) {
+    unsigned char *begin = (unsigned char *)(uintptr_t)table->map.data;
+    for (size_t i = 0; i < n && atomic_fetch_sub(table->hints_left, 3) > 0; ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            size_t at = HEADER_BYTES + 8 * (c * N_CELLS + find_cell(hd + 3 * i));
+            (void)posix_madvise(begin + at / table->page_bytes * table->page_bytes, 1, POSIX_MADV_WILLNEED);
+        }
+    }
+}
+
 static void merl_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
-    const unsigned char *cells = ((const merl *)self)->map.data + HEADER_BYTES;
+    const merl *table = self;
+    const unsigned char *cells = table->map.data + HEADER_BYTES;
+    if (atomic_load_explicit(table->hints_left, memory_order_relaxed) > 0)
+        announce_pages(table, n, hd);
     for (size_t i = 0; i < n; ++i) {
-        size_t h = cell_index(sqrt(hd[3 * i] / (NQM_PI / 2)) * N_THETA_H, N_THETA_H);
-        size_t d = cell_index(hd[3 * i + 1] / (NQM_PI / 2) * N_THETA_D, N_THETA_D);
-        size_t p = cell_index(hd[3 * i + 2] / NQM_PI * N_PHI_D, N_PHI_D);
-        size_t cell = (h * N_THETA_D + d) * N_PHI_D + p;
+        size_t cell = find_cell(hd + 3 * i);
         for (size_t c = 0; c < 3; ++c) {
             double stored = nqm_load_f64(cells + 8 * (c * N_CELLS + cell));
             rgb[3 * i + c] = stored >= 0 ? stored * channel_scale[c] : NAN;
@@ -73,6 +97,19 @@ static bool any_cell_finite(const nqm_map *map) {
     return false;
 }
 
+/* How many pages are worth announcing: none when the file is in memory already. Later batches find most of their pages
+ * there, so a few thousand are enough. */
+static int count_hints(const nqm_map *map, size_t page_bytes) {
+    enum { MAX_HINTS = 6000 };
+    size_t n_pages = (map->n_bytes + page_bytes - 1) / page_bytes, n_absent = 0;
+    unsigned char *present = nqm_alloc(n_pages, 1);
+    if (present && mincore((void *)(uintptr_t)map->data, map->n_bytes, present) == 0)
+        for (size_t i = 0; i < n_pages; ++i)
+            n_absent += !(present[i] & 1);
+    nqm_free(present);
+    return n_absent < MAX_HINTS ? (int)n_absent : MAX_HINTS;
+}
+
 nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     if (map->n_bytes < HEADER_BYTES || memcmp(map->data, header, HEADER_BYTES) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0,
@@ -92,6 +129,9 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
     /* Cells are met in no order: reading ahead would load most of the file. Advice only, failure is harmless. */
     (void)posix_madvise((void *)(uintptr_t)map->data, map->n_bytes, POSIX_MADV_RANDOM);
     table->map = *map;
+    table->page_bytes = (size_t)sysconf(_SC_PAGESIZE);
+    table->hints = count_hints(map, table->page_bytes);
+    table->hints_left = &table->hints;
     nqm_status status = nqm_brdf_wrap(&merl_class, table, name, NULL, "90 x 90 x 180 cells", brdf_ret, err);
     *map = (nqm_map){0};
     if (status != NQM_OK)
@@ -102,8 +142,7 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
     return NQM_OK;
 }
 
-/* ---- writing
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 enum { N_LINES = N_THETA_H * N_THETA_D }; /* a line: the cells of one theta_h and theta_d, over phi_d */
 

@@ -22,8 +22,7 @@ typedef struct nps {
     float weights[N_NUMBERS];
 } nps;
 
-/* ---- evaluation
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 /* Pairs that go through the network at once: enough to reuse the weights, little enough for the stack. */
 enum { TILE = 32 };
@@ -72,8 +71,7 @@ static void nps_eval_half_diff(const void *self, size_t n, const double *hd, dou
 static const nqm_brdf_class nps_class = {
     .format = "nps", .reciprocal = 1, .eval_half_diff = nps_eval_half_diff, .free = nqm_free};
 
-/* ---- reading
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 bool nqm_nps_probe(const nqm_map *map) {
     return map->n_bytes == (size_t)N_NUMBERS * 4;

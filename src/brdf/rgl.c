@@ -37,8 +37,7 @@ typedef struct rgl {
     bool jacobian;       /* values are divided by D / (4 sigma) */
 } rgl;
 
-/* ---- evaluation
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 /** A point between four neighbours of a grid: the lower corner's index and the weights of the upper ones. */
 typedef struct spot {
@@ -174,8 +173,7 @@ static void rgl_free(void *self) {
 
 static const nqm_brdf_class rgl_class = {.format = "rgl", .reciprocal = 0, .eval = rgl_eval, .free = rgl_free};
 
-/* ---- reading
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /** The tensors that are needed, as found in the file. */
 typedef struct contents {

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * Float datasets of an HDF5 file in memory: the part of the format (HDF5 File Format Specification 2.0) that h5py and Keras
- * write by default, which is superblock 0 or 1, groups as symbol tables, version 1 object headers and contiguous datasets.
+ * Float datasets of an HDF5 file in memory: the part of the format (HDF5 File Format Specification 2.0) that h5py and
+ * Keras write by default, which is superblock 0 or 1, groups as symbol tables, version 1 object headers and contiguous
+ * datasets.
  *
  * Written here and not left to libhdf5 because NBRDF files come from anywhere and libhdf5 is no parser for damaged
  * files: 1.10.8 crashes, leaks and asks for exabytes within seconds of fuzzing. This reader never allocates by what a
- * file says, follows no links, and every access goes through bytes_at(). Newer layouts, packed datasets and data in other
- * files are refused.
+ * file says, follows no links, and every access goes through bytes_at(). Newer layouts, packed datasets and data in
+ * other files are refused.
  */
 #include "io/io.h"
 
@@ -27,7 +28,7 @@ static const unsigned char *bytes_at(const nqm_hdf5 *f, uint64_t address, uint64
     return f->data + address;
 }
 
-/* ---- superblock -------------------------------------------------------------------------------------------------------- */
+/* ---- superblock -------------------------------------------------------------------------------------------------- */
 
 static nqm_status read_superblock(nqm_hdf5 *f, nqm_error *err) {
     static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
@@ -74,7 +75,7 @@ void nqm_hdf5_close(nqm_hdf5 *file) {
     nqm_free(file);
 }
 
-/* ---- object headers ---------------------------------------------------------------------------------------------------- */
+/* ---- object headers ---------------------------------------------------------------------------------------------- */
 
 enum message_type {
     MESSAGE_DATASPACE = 0x01,
@@ -118,7 +119,7 @@ static const unsigned char *find_message(const nqm_hdf5 *f, uint64_t object, enu
     return NULL;
 }
 
-/* ---- groups ------------------------------------------------------------------------------------------------------------ */
+/* ---- groups ------------------------------------------------------------------------------------------------------ */
 
 /** A search for one name in a group. */
 typedef struct search {
@@ -187,7 +188,7 @@ static bool find_member(const nqm_hdf5 *f, uint64_t group, const char *name, siz
     return search_tree(&s, tree, root[5], object);
 }
 
-/* ---- datasets ---------------------------------------------------------------------------------------------------------- */
+/* ---- datasets ---------------------------------------------------------------------------------------------------- */
 
 static bool has_shape(const nqm_hdf5 *f, uint64_t object, size_t n_dims, const size_t *dims) {
     const unsigned char *p = find_message(f, object, MESSAGE_DATASPACE, 4);
@@ -202,7 +203,8 @@ static bool has_shape(const nqm_hdf5 *f, uint64_t object, size_t n_dims, const s
 }
 
 static bool is_f32(const nqm_hdf5 *f, uint64_t object) {
-    /* Class 1; sign at bit 31, implied leading bit; 4 bytes; 32 bits from 0; exponent of 8 from 23, mantissa of 23; bias. */
+    /* Class 1; sign at bit 31, implied leading bit; 4 bytes; 32 bits from 0; exponent of 8 from 23, mantissa of 23;
+     * bias. */
     static const unsigned char ieee_f32le[20] = {1, 0x20, 31, 0, 4, 0, 0, 0, 0, 0, 32, 0, 23, 8, 0, 23, 127};
     const unsigned char *p = find_message(f, object, MESSAGE_DATATYPE, sizeof ieee_f32le);
     return p && (p[0] & 15) == ieee_f32le[0] && memcmp(p + 1, ieee_f32le + 1, sizeof ieee_f32le - 1) == 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * brdf_files.h - small BRDF files of every format, made in memory: valid ones, whose numbers tests/vectors/brdf.py makes
- * again by the same rule, and broken ones. Nothing here is measured data. Whatever fails aborts the test.
+ * brdf_files.h - small BRDF files of every format, made in memory: valid ones, whose numbers tests/vectors/brdf.py
+ * makes again by the same rule, and broken ones. Nothing here is measured data. Whatever fails aborts the test.
  */
 #ifndef NQM_TESTS_BRDF_FILES_H
 #define NQM_TESTS_BRDF_FILES_H
@@ -24,7 +24,8 @@ void blob_put(blob b, const char *path);
 void blob_save_sparse(const blob *b, size_t n_bytes, const char *path);
 blob blob_load(const char *path);
 
-/** PATH of a file with this name in a folder of this process, which is removed with its files at exit. Lent until exit. */
+/** PATH of a file with this name in a folder of this process, which is removed with its files at exit. Lent until
+ * exit. */
 const char *scratch_path(const char *name);
 
 /** The i-th of a row of numbers in [0, 1) with 24 bits: exact in float32 and the same in numpy. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes NBRDF networks with libhdf5 in the layout that Keras gives them, whole or broken in one place, and zip archives.
+ * Writes NBRDF networks with libhdf5 in the layout that Keras gives them, whole or broken in one place, and zip
+ * archives.
  */
 #include "support/brdf_files.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * make_brdf_files FOLDER - write BRDF files of every format into an existing folder: `valid.*` and, for the command-line
- * tests, broken ones, `FORMAT-FAULT.*`. Large ones are sparse.
+ * make_brdf_files FOLDER - write BRDF files of every format into an existing folder: `valid.*` and, for the
+ * command-line tests, broken ones, `FORMAT-FAULT.*`. Large ones are sparse.
  */
 #include "base/base.h"
 #include "support/brdf_files.h"

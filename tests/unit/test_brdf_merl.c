@@ -167,7 +167,7 @@ static void flags_cells_that_are_not_finite(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* ---- writing ----------------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static nqm_brdf *open_network(void) {
     const char *path = scratch_path("network.h5");

@@ -16,7 +16,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- opening ----------------------------------------------------------------------------------------------------------- */
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 static void expect(const char *argument, nqm_status status, const char *words) {
     nqm_error err = {0};
@@ -92,7 +92,7 @@ static void splits_at_the_last_colon(void **state) {
     expect_format(argument, "nbrdf");
 }
 
-/* ---- evaluation -------------------------------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 /* f_r = (wi.x, wo.y + 2, 1): red of any sign; not a number where wi.y > 0.5, infinite where wi.y < -0.5. */
 static void ramp_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
