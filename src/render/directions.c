@@ -10,7 +10,6 @@
 #include "render/render.h"
 
 #include <math.h>
-#include <stdint.h>
 
 static const double lobe_alpha[] = {0.002, 0.008, 0.03, 0.1, 0.3};
 enum { N_LOBES = sizeof lobe_alpha / sizeof *lobe_alpha, LIGHT = N_LOBES, COSINE, N_TECHNIQUES };
@@ -143,44 +142,45 @@ static void sample(const sampler *s, size_t technique, double u, double v, doubl
 
 /* Scale each channel so that a Lambert surface receives its exact irradiance: that removes the noise (1 % at 384 directions)
  * which all surfaces share. */
-static void calibrate(size_t n_used, double *weight, const double *irradiance) {
+static void calibrate(nqm_direction_set *set) {
     double sum[3] = {0};
-    for (size_t i = 0; i < 3 * n_used; ++i)
-        sum[i % 3] += weight[i];
-    for (size_t i = 0; i < 3 * n_used; ++i)
-        weight[i] *= sum[i % 3] > 0 ? irradiance[i % 3] / sum[i % 3] : 1;
+    for (size_t i = 0; i < 3 * set->n_used; ++i)
+        sum[i % 3] += set->weight[i];
+    for (size_t i = 0; i < 3 * set->n_used; ++i)
+        set->weight[i] *= sum[i % 3] > 0 ? set->irradiance[i % 3] / sum[i % 3] : 1;
 }
 
-size_t nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed, size_t index,
-                             size_t n, double *wi, double *weight, double *irradiance) {
+/* Append the directions of one technique. */
+static void add_technique(const sampler *s, size_t technique, uint64_t seed, nqm_direction_set *set) {
+    size_t n = s->n[technique];
+    uint64_t shift_u = nqm_hash_u64(seed, 2 * technique), shift_v = nqm_hash_u64(seed, 2 * technique + 1);
+    for (size_t i = 0; i < n; ++i) {
+        double *wi = set->wi + 3 * set->n_used, *weight = set->weight + 3 * set->n_used, world[3];
+        double u = shifted(((double)i + 0.5) / (double)n, shift_u);
+        sample(s, technique, u, shifted(radical_inverse(i), shift_v), wi);
+        if (!(wi[2] > 0))
+            continue;
+        to_world(s->point, wi, world);
+        nqm_light_eval(s->light, world, weight);
+        double scale = wi[2] / density(s, wi, world);
+        for (int k = 0; k < 3; ++k)
+            weight[k] *= scale;
+        ++set->n_used;
+    }
+}
+
+bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
+                           nqm_direction_set *set) {
     sampler s = {.light = light, .point = point, .cumulative = nqm_alloc(NQM_LIGHT_CELLS + 1, sizeof(double))};
     if (!s.cumulative)
-        return SIZE_MAX;
-    share_out(&s, n);
-    gather_light(&s, irradiance);
-    if (!(s.cumulative[NQM_LIGHT_CELLS] > 0)) { /* no light reaches the point */
-        nqm_free(s.cumulative);
-        return 0;
-    }
-    size_t n_used = 0;
-    for (size_t t = 0; t < N_TECHNIQUES; ++t) {
-        uint64_t shift_u = nqm_hash_u64(seed, 2 * (index * N_TECHNIQUES + t));
-        uint64_t shift_v = nqm_hash_u64(seed, 2 * (index * N_TECHNIQUES + t) + 1);
-        for (size_t i = 0; i < s.n[t]; ++i) {
-            double *w = wi + 3 * n_used, *out = weight + 3 * n_used, world[3];
-            double u = shifted(((double)i + 0.5) / (double)s.n[t], shift_u);
-            sample(&s, t, u, shifted(radical_inverse(i), shift_v), w);
-            if (!(w[2] > 0))
-                continue;
-            to_world(point, w, world);
-            nqm_light_eval(light, world, out);
-            double scale = w[2] / density(&s, w, world);
-            for (int k = 0; k < 3; ++k)
-                out[k] *= scale;
-            ++n_used;
-        }
-    }
+        return false;
+    share_out(&s, set->n_max);
+    gather_light(&s, set->irradiance);
+    set->n_used = 0;
+    if (s.cumulative[NQM_LIGHT_CELLS] > 0) /* else no light reaches the point */
+        for (size_t t = 0; t < N_TECHNIQUES; ++t)
+            add_technique(&s, t, seed, set);
     nqm_free(s.cumulative);
-    calibrate(n_used, weight, irradiance);
-    return n_used;
+    calibrate(set);
+    return true;
 }

@@ -59,10 +59,18 @@ struct nqm_scene {
     double *weight;           /* (n_points, n_lights, 3) radiance times cosine times solid angle, scaled to cd/m2 */
 };
 
-/** Choose the directions of one point and their weights (in the light's unit): at most n of them. wi, weight: (n, 3).
- *  irradiance: (3) receives the sum over all cells of the map. Returns how many directions are above the horizon, or SIZE_MAX
- *  when out of memory. The same (seed, index) gives the same directions. */
-size_t nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed, size_t index,
-                             size_t n, double *wi, double *weight, double *irradiance);
+/** Light directions of one point and their weights: radiance times cosine times solid angle, in the light's unit. */
+typedef struct nqm_direction_set {
+    size_t n_max;         /* room for this many */
+    size_t n_used;        /* of them above the horizon */
+    double *wi;           /* (n_max, 3) local */
+    double *weight;       /* (n_max, 3) */
+    double irradiance[3]; /* the sum over all cells of the map; the weights sum to it */
+} nqm_direction_set;
+
+/** Fill a set whose n_max, wi and weight are given. The same seed gives the same directions; points that shall not share their
+ *  noise need seeds of their own. false when out of memory. */
+bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
+                           nqm_direction_set *set);
 
 #endif

@@ -62,13 +62,13 @@ static void create_point(void *user, size_t i) {
     nqm_scene *scene = c->scene;
     double turn = 2 * NQM_PI * (double)(nqm_hash_u64(c->seed, UINT64_MAX) >> 11) * 0x1p-53;
     place_point(i, scene->n_points, turn, &scene->point[i]);
-    size_t first = 3 * i * scene->n_lights;
-    size_t n_used = nqm_choose_directions(c->light, &scene->point[i], c->seed, i, scene->n_lights, scene->wi + first,
-                                          scene->weight + first, c->irradiance + 3 * i);
-    if (n_used == SIZE_MAX)
+    nqm_direction_set set = {.n_max = scene->n_lights,
+                             .wi = scene->wi + 3 * i * scene->n_lights,
+                             .weight = scene->weight + 3 * i * scene->n_lights};
+    if (!nqm_choose_directions(c->light, &scene->point[i], nqm_hash_u64(c->seed, i), &set))
         atomic_store(&c->out_of_memory, true);
-    else
-        scene->n_used[i] = n_used;
+    scene->n_used[i] = set.n_used;
+    memcpy(c->irradiance + 3 * i, set.irradiance, sizeof set.irradiance);
 }
 
 /* Scale the weights so that a white Lambert surface (f_r = 1/pi) shows at exposure_cdm2 on average. */

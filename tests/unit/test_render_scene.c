@@ -212,15 +212,16 @@ static void sphere_under_a_small_lamp(void **state) {
     double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but keeps its light */
     nqm_light_direction(cell, 0.5, 0.5, towards);
     for (size_t i = 0; i < scene->n_points; ++i) {
-        double wi[3 * 384], weight[3 * 384], irradiance[3], sum = 0;
-        size_t n = nqm_choose_directions(&lamp, &scene->point[i], 3, i, 384, wi, weight, irradiance);
-        assert_true(n <= 384);
-        for (size_t j = 0; j < n; ++j)
+        double wi[3 * 384], weight[3 * 384], sum = 0;
+        nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
+        assert_true(nqm_choose_directions(&lamp, &scene->point[i], i, &set));
+        assert_true(set.n_used <= 384);
+        for (size_t j = 0; j < set.n_used; ++j)
             sum += weight[3 * j + 1];
         double expected = flux * fmax(nqm_dot3(scene->point[i].frame + 6, towards), 0);
         assert_near(sum, expected,
                     0.01 * expected + 0.005 * flux); /* the lamp is 3 degrees wide: the terminator is soft */
-        assert_near(irradiance[1], sum, 1e-9 * flux);
+        assert_near(set.irradiance[1], sum, 1e-9 * flux);
     }
     nqm_light_clear(&lamp);
     nqm_scene_free(scene);
@@ -234,9 +235,11 @@ static nqm_surface_point point_seen_at(double theta) {
 static double shade(const nqm_light *light, const nqm_surface_point *point, const nqm_brdf *brdf, uint64_t seed,
                     size_t n) {
     double *wi = nqm_alloc(n, 3 * sizeof *wi), *weight = nqm_alloc(n, 3 * sizeof *weight);
-    double *wo = nqm_alloc(n, 3 * sizeof *wo), *f = nqm_alloc(n, 3 * sizeof *f), irradiance[3], sum = 0;
+    double *wo = nqm_alloc(n, 3 * sizeof *wo), *f = nqm_alloc(n, 3 * sizeof *f), sum = 0;
     assert_true(wi && weight && wo && f);
-    n = nqm_choose_directions(light, point, seed, 0, n, wi, weight, irradiance);
+    nqm_direction_set set = {.n_max = n, .wi = wi, .weight = weight};
+    assert_true(nqm_choose_directions(light, point, seed, &set));
+    n = set.n_used;
     for (size_t j = 0; j < n; ++j)
         memcpy(wo + 3 * j, point->wo, sizeof point->wo);
     nqm_brdf_eval(brdf, n, wi, wo, f, NULL);
