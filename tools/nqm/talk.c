@@ -13,6 +13,7 @@
 
 static volatile sig_atomic_t interrupt_count;
 static bool progress_shown;
+static char progress_note[100];
 
 int exit_code_of(nqm_status status) {
     switch (status) {
@@ -86,13 +87,22 @@ int show_progress(void *user, const char *stage, double done, double total) {
         }
         double left = done > 0 && total > done ? (now - begin_s) * (total - done) / done : 0;
         if (total > 0)
-            fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left \033[K", stage, done, total, 100 * done / total,
-                    left);
+            fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left%s \033[K", stage, done, total,
+                    100 * done / total, left, progress_note);
         else
             fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
         progress_shown = true;
     }
     return interrupt_count != 0;
+}
+
+void note_progress(const char *format, ...) {
+    progress_note[0] = ',';
+    progress_note[1] = ' ';
+    va_list args;
+    va_start(args, format);
+    vsnprintf(progress_note + 2, sizeof progress_note - 2, format, args);
+    va_end(args);
 }
 
 void end_progress(void) {

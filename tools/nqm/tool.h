@@ -69,6 +69,20 @@ int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret
  *  "default", or freshly made default ones when no model is built in. As open_model(). */
 int open_directions(const char *verb, const char *name_or_path, nqm_directions **directions_ret);
 
+/** Open a dataset: nqm's own file, or the folder of the authors' layout with its labels CSV (`labels`, else NULL), whose rows
+ *  all get `split`. As open_model(). */
+int open_dataset(const char *verb, const char *path, const char *labels, nqm_split split, nqm_dataset **dataset_ret);
+
+/** A word of an option and the value that it stands for; a NULL name ends the list. */
+typedef struct choice {
+    const char *name;
+    int value;
+} choice;
+/** The value of `word`, or a usage error that lists the choices. EXIT_OK or EXIT_USAGE. */
+int choose(const char *verb, const char *option_name, const choice *choices, const char *word, int *value_ret);
+/** The name of a value. */
+const char *choice_name(const choice *choices, int value);
+
 /* ---- talking --------------------------------------------------------------------------------------------------------- */
 
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
@@ -79,6 +93,8 @@ int exit_code_of(nqm_status status);
 
 /** A progress callback: one line rewritten on standard error when that is a terminal; nonzero once Ctrl-C was pressed. */
 int show_progress(void *user, const char *stage, double done, double total);
+/** A few words that the progress line shows from now on. */
+__attribute__((format(printf, 1, 2))) void note_progress(const char *format, ...);
 /** End the progress line, if there is one. */
 void end_progress(void);
 /** Install the Ctrl-C handler (main does). */

@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm eval - compare models and the scalar metrics with the labels of a dataset. eval_print.c prints the tables.
+ */
+#include "eval.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const choice splits[] = {{"test", NQM_SPLIT_TEST},
+                                {"validation", NQM_SPLIT_VALIDATION},
+                                {"train", NQM_SPLIT_TRAIN},
+                                {"all", NQM_SPLIT_ALL},
+                                {0}};
+
+enum { BY_NONE, BY_KIND, BY_RANGE, BY_BOTH };
+static const choice bys[] = {{"none", BY_NONE}, {"kind", BY_KIND}, {"range", BY_RANGE}, {"both", BY_BOTH}, {0}};
+
+/* Above this the labels say "hardly visible": where a quality metric is needed most and has it hardest. */
+static const double range_edge = 9.5;
+
+/* ---- models ----------------------------------------------------------------------------------------------------------- */
+
+/* "default,my.safetensors"; "none": the scalar metrics only. The list is cut up in place. */
+static int open_models(eval_run *run, char *list) {
+    size_t n = 1;
+    for (const char *p = list; *p; ++p)
+        n += *p == ',';
+    run->models = calloc(n, sizeof *run->models);
+    if (!run->models)
+        return report("eval", EXIT_LIMIT, "out of memory");
+    int exit_code = EXIT_OK;
+    for (char *name = strtok(list, ","); exit_code == EXIT_OK && name; name = strtok(NULL, ","))
+        if (strcmp(name, "none") != 0) {
+            exit_code = open_model("eval", name, &run->models[run->n_models]);
+            run->n_models += exit_code == EXIT_OK;
+        }
+    return exit_code;
+}
+
+/* ---- tables ----------------------------------------------------------------------------------------------------------- */
+
+/* Judge one selection; a selection without pairs leaves results NULL, unless it is that of all pairs. */
+static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by, const char *name, nqm_error *err) {
+    eval_table *table = &run->tables[run->n_tables++];
+    table->by = by;
+    snprintf(table->name, sizeof table->name, "%s", name);
+    table->results = calloc(run->n_predictors, sizeof *table->results);
+    if (!table->results)
+        return err->status = NQM_ERR_NOMEM;
+    nqm_status status = nqm_evaluation_judge(run->evaluation, o, table->results, err);
+    if (status == NQM_ERR_INCOMPATIBLE && run->n_tables > 1) {
+        free(table->results);
+        table->results = NULL;
+        status = NQM_OK;
+    }
+    return status;
+}
+
+static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
+    size_t n_kinds = nqm_dataset_kind_count(run->dataset);
+    run->tables = calloc(3 + n_kinds, sizeof *run->tables);
+    if (!run->tables)
+        return err->status = NQM_ERR_NOMEM;
+    nqm_status status = judge(run, options, "all", "all", err);
+    for (size_t i = 0; status == NQM_OK && (by & BY_KIND) && i < n_kinds; ++i) {
+        nqm_eval_options o = *options;
+        o.kind = nqm_dataset_kind_name(run->dataset, i);
+        status = judge(run, &o, "kind", o.kind, err);
+    }
+    for (int high = 0; status == NQM_OK && (by & BY_RANGE) && high < 2; ++high) {
+        nqm_eval_options o = *options;
+        char name[40];
+        *(high ? &o.jod_from : &o.jod_to) = range_edge;
+        snprintf(name, sizeof name, "JOD %s %.1f", high ? ">=" : "<", range_edge);
+        status = judge(run, &o, "range", name, err);
+    }
+    return status;
+}
+
+static void release(eval_run *run) {
+    for (size_t i = 0; i < run->n_tables; ++i)
+        free(run->tables[i].results);
+    free(run->tables);
+    nqm_evaluation_free(run->evaluation);
+    for (size_t i = 0; i < run->n_models; ++i)
+        nqm_model_free(run->models[i]);
+    free(run->models);
+    nqm_dataset_free(run->dataset);
+}
+
+static int evaluate(eval_run *run, const nqm_eval_options *o, int by) {
+    nqm_error err = {0};
+    run->n_predictors = run->n_models + NQM_METRIC_COUNT;
+    nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o,
+                                              &run->evaluation, &err);
+    if (status == NQM_OK)
+        status = judge_all(run, o, by, &err);
+    return status == NQM_OK ? EXIT_OK : report_error("eval", &err);
+}
+
+typedef struct eval_arguments {
+    const char *models, *labels, *split, *by, *pairs;
+    bool json, csv;
+    uint64_t n_bootstrap;
+    nqm_eval_options options;
+} eval_arguments;
+
+static int run_eval(const eval_arguments *a, const char *dataset_path) {
+    eval_run run = {.dataset_path = dataset_path, .split_name = a->split};
+    nqm_eval_options o = a->options;
+    int split = 0, by = 0;
+    int exit_code = choose("eval", "split", splits, a->split, &split);
+    if (exit_code == EXIT_OK)
+        exit_code = choose("eval", "by", bys, a->by, &by);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    o.split = (nqm_split)split;
+    o.n_bootstrap = (size_t)a->n_bootstrap;
+    o.progress = show_progress;
+    char *list = strdup(a->models);
+    exit_code = list ? open_models(&run, list) : report("eval", EXIT_LIMIT, "out of memory");
+    free(list);
+    if (exit_code == EXIT_OK)
+        exit_code = open_dataset("eval", dataset_path, a->labels, NQM_SPLIT_TEST, &run.dataset);
+    if (exit_code == EXIT_OK)
+        exit_code = evaluate(&run, &o, by);
+    if (exit_code == EXIT_OK && a->pairs)
+        exit_code = write_pairs(&run, a->pairs);
+    if (exit_code == EXIT_OK)
+        exit_code = print_evaluation(&run, a->json ? EVAL_JSON : a->csv ? EVAL_CSV : EVAL_TEXT);
+    release(&run);
+    return exit_code;
+}
+
+int cmd_eval(int argc, char **argv) {
+    eval_arguments a = {.models = "default", .split = "test", .by = "none", .options = nqm_eval_options_default()};
+    a.n_bootstrap = a.options.n_bootstrap;
+    const option options[] = {
+        {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
+        {"split", 0, OPTION_TEXT, &a.split, "WORD", "test, validation, train or all", 0, 0},
+        {"by", 0, OPTION_TEXT, &a.by, "WORD", "further tables: by kind of distortion, by JOD range, both or none", 0,
+         0},
+        {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
+        {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
+         1e6},
+        {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
+        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label and predictions of every pair", 0, 0},
+        {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
+        {"csv", 0, OPTION_FLAG, &a.csv, NULL, "print CSV", 0, 0},
+        {0}};
+    const command cmd = {
+        .name = "eval",
+        .usage = "DATASET [options]",
+        .about =
+            "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
+            "folder with --labels, all of which counts as test pairs): rank and other correlations, over all pairs "
+            "and\n"
+            "as the mean over materials, with 95 % intervals; errors of the models in JOD.",
+        .example = "nqm eval corpus.safetensors --by both\n"
+                   "nqm eval corpus.safetensors --model default,paper,my.safetensors --split validation --json\n"
+                   "nqm eval test_brdfs --labels labels_real.csv --model paper",
+        .options = options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    if (a.json && a.csv)
+        return report("eval", EXIT_USAGE, "--json and --csv exclude each other");
+    return run_eval(&a, argv[0]);
+}
