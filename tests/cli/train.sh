@@ -1,0 +1,161 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm train and nqm eval, from a small dataset to a model to tables: forms of the results, options of the recipes, interrupted and
+# resumed training, the authors' layout, exit codes of the contract.
+set -eu
+tool=${NQM_TOOL:?}
+source=${NQM_SOURCE:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+OMP_NUM_THREADS=1 # these networks are too small to share
+export OMP_NUM_THREADS
+"${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors"
+
+fail() {
+    echo "$1"
+    [ ! -f "$dir/err" ] || cat "$dir/err"
+    exit 1
+}
+# run CODE ARGUMENTS...: results in out, talk in err.
+run() {
+    code=$1
+    shift
+    got=0
+    "$tool" "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
+}
+# says PATTERN: on standard error, with nothing on standard output.
+says() {
+    grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
+    [ ! -s "$dir/out" ] || fail "results on failure"
+}
+# number KEY: the first value of "KEY" in out.
+number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n 1p; }
+small="--hidden 32,16 --batch 64 --lr-first 0.001"
+
+# Training: text, JSON, log, model file; the same command gives the same file.
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/a.safetensors" $small --epochs 6 --log "$dir/a.csv"
+grep -q 'validated on 144' "$dir/out" || fail "text"
+[ "$(wc -l <"$dir/a.csv")" = 7 ] || fail "the log has a line an epoch"
+[ "$(head -n 1 "$dir/a.csv")" = "epoch,train_loss,validation_loss,lr_first" ] || fail "head of the log"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/b.safetensors" $small --epochs 6 --json
+cmp -s "$dir/a.safetensors" "$dir/b.safetensors" || fail "equal commands, different models"
+[ "$(number schema)" = 1 ] || fail "schema"
+[ "$(number n_train)" = 576 ] || fail "n_train"
+[ "$(number steps)" = 54 ] || fail "steps"
+[ "$(number recipe)" = '"nqm"' ] || fail "recipe"
+[ "$(number epochs_resumed)" = 0 ] || fail "epochs_resumed"
+grep -q '"validation_spearman": 0\.' "$dir/out" || fail "validation_spearman"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o - $small --epochs 6
+cmp -s "$dir/a.safetensors" "$dir/out" || fail "the model on standard output"
+
+# Stopped after 2 of 6 epochs and resumed: the same file, the same log; a checkpoint is not overwritten by accident.
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --epochs 2 --checkpoint "$dir/c.checkpoint"
+# shellcheck disable=SC2086
+run 2 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --epochs 6 --checkpoint "$dir/c.checkpoint"
+says 'resume'
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --epochs 6 --checkpoint "$dir/c.checkpoint" --resume \
+    --log "$dir/c.csv" --json
+[ "$(number epochs_resumed)" = 2 ] || fail "epochs_resumed"
+cmp -s "$dir/a.safetensors" "$dir/c.safetensors" || fail "a resumed training gave another model"
+cmp -s "$dir/a.csv" "$dir/c.csv" || fail "a resumed training gave another log"
+# shellcheck disable=SC2086
+run 5 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --dropout 0.1 --checkpoint "$dir/c.checkpoint" --resume
+says 'dropout 0.2'
+"$NQM_BUILD/tests/tiny_dataset" "$dir/other.safetensors" 2
+# shellcheck disable=SC2086
+run 5 train "$dir/other.safetensors" -o "$dir/c.safetensors" $small --checkpoint "$dir/c.checkpoint" --resume
+says 'another dataset'
+
+# Ctrl-C: exit code 130, no model, the checkpoint is good, and from it comes the model of an undisturbed run.
+# shellcheck disable=SC2086
+"$tool" train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs 100000 --checkpoint "$dir/d.checkpoint" \
+    >"$dir/out" 2>"$dir/err" &
+pid=$!
+i=0
+while [ ! -s "$dir/d.checkpoint" ] && [ $i -lt 100 ]; do
+    sleep 0.1
+    i=$((i + 1))
+done
+kill -INT $pid
+got=0
+wait $pid || got=$?
+# A shell without job control starts background commands with SIGINT ignored; the tool installs its handler nevertheless.
+[ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+says 'interrupted'
+[ ! -e "$dir/d.safetensors" ] || fail "a model from an interrupted training"
+for file in "$dir"/*.part; do
+    [ ! -e "$file" ] || fail "unfinished files lie about"
+done
+
+# Recipes: paper and notebook; the card says what happened.
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/paper.safetensors" --recipe paper $small --epochs 2 --id mine --json
+[ "$(number recipe)" = '"paper"' ] || fail "recipe paper"
+[ "$(number id)" = '"mine"' ] || fail "--id"
+run 0 models show "$dir/paper.safetensors"
+grep -q 'Validation examples were drawn over pairs' "$dir/out" || fail "card of the paper's recipe"
+grep -q '| gloss | 144 | 72 | 72 |' "$dir/out" || fail "kinds in the card"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/notebook.safetensors" --recipe=notebook $small --epochs 2 --no-balance
+run 0 train --recipe paper --help
+grep -q -- '--batch N .*512' "$dir/out" || fail "help shows the recipe's defaults"
+
+# Evaluation: several models beside the metrics, tables by kind and range, JSON, CSV, pairs.
+run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors,$dir/paper.safetensors" --by both --bootstrap 100 --pairs "$dir/pairs.csv"
+grep -q '^all: 144 pairs of 6 materials' "$dir/out" || fail "text of eval"
+for word in '^nqm  ' '^mine  ' '^log_diff  ' '^gloss: 72' '^JOD < 9.5'; do
+    grep -q "$word" "$dir/out" || fail "eval lacks $word"
+done
+[ "$(wc -l <"$dir/pairs.csv")" = 145 ] || fail "a line a pair"
+head -n 1 "$dir/pairs.csv" | grep -q '^ref,material,test,kind,split,delta_e,jod,nqm,mine,rmse,' || fail "head of the pairs"
+run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors" --by kind --json --bootstrap 100
+cp "$dir/out" "$dir/first"
+for word in '"schema": 1' '"spearman"' '"ci95": \[' '"spearman_mean_by_material"' '"by_kind"' '"gain"' '"split": "test"' '"n": 144' \
+    '"r2"' '"type": "metric"'; do
+    grep -q "$word" "$dir/out" || fail "JSON lacks $word"
+done
+run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors" --by kind --json --bootstrap 100
+cmp -s "$dir/out" "$dir/first" || fail "equal commands, different intervals"
+run 0 eval "$dir/toy.safetensors" --model none --split all --csv --bootstrap 0
+[ "$(wc -l <"$dir/out")" = 10 ] || fail "a line a metric"
+grep -q '^all,all,rmse,metric,576,24,0\.' "$dir/out" || fail "CSV"
+
+# The authors' layout: straight into training and judging.
+run 0 train "$source/tests/vectors/authors" --labels "$source/tests/vectors/authors/labels.csv" --recipe notebook \
+    -o "$dir/authors.safetensors" --epochs 2 --hidden 8
+run 0 eval "$source/tests/vectors/authors" --labels "$source/tests/vectors/authors/labels.csv" --model "$dir/authors.safetensors"
+grep -q '^all: 5 pairs of 2 materials' "$dir/out" || fail "eval of the authors' layout"
+
+# Faults.
+run 2 train "$dir/toy.safetensors"
+says '-o'
+run 2 train "$dir/toy.safetensors" -o "$dir/x" --recipe best
+says 'notebook'
+run 2 train "$dir/toy.safetensors" -o "$dir/x" --target pain
+says 'log_delta_e'
+run 2 train "$dir/toy.safetensors" -o "$dir/x" --hidden 10,,2
+says 'hidden'
+run 2 train "$dir/toy.safetensors" -o "$dir/x" --batch 0
+run 2 train "$source/tests/vectors/authors" -o "$dir/x"
+says '--labels'
+run 3 train "$dir/nowhere" -o "$dir/x"
+says 'nowhere'
+run 3 train "$dir/toy.safetensors" -o "$dir/no/such/folder/x"
+says 'cannot write'
+run 4 train "$dir/a.safetensors" -o "$dir/x"
+says 'no nqm dataset'
+run 4 train "$dir/a.csv" -o "$dir/x"
+run 2 eval "$dir/toy.safetensors" --model none --split rest
+run 3 eval "$dir/nowhere" --model none
+run 6 eval "$dir/toy.safetensors" --model "$dir/toy.safetensors"
+run 5 eval "$dir/other.safetensors" --model "$dir/a.safetensors"
+says 'directions'
+head -c 3000 "$dir/toy.safetensors" >"$dir/cut.safetensors"
+run 4 eval "$dir/cut.safetensors" --model none
+says 'cut.safetensors'

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * tiny_dataset FILE [SEED]: write a small labelled dataset from a few formulas (support/toy_dataset.h), for the command-line tests.
+ */
+#include "support/toy_dataset.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        fputs("usage: tiny_dataset FILE [SEED]\n", stderr);
+        return 2;
+    }
+    toy_options options = toy_options_default();
+    options.seed = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
+    nqm_dataset *dataset = toy_dataset(&options);
+    nqm_error err = {0};
+    nqm_status status = nqm_dataset_write(dataset, argv[1], NULL, &err);
+    if (status != NQM_OK)
+        fprintf(stderr, "tiny_dataset: %s\n", err.message);
+    nqm_dataset_free(dataset);
+    return status != NQM_OK;
+}
