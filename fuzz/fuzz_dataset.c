@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: the dataset reader, with and without its checksum. A dataset that it accepts keeps its promises: every pair can be
+ * looked at and judged.
+ */
+#include "fuzz.h"
+#include "support/toy_dataset.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void look_at(const nqm_dataset *d) {
+    size_t n_chars = 0;
+    for (size_t i = 0; i < d->n_pairs; ++i) {
+        nqm_dataset_pair pair = nqm_dataset_get_pair(d, i);
+        n_chars += strlen(pair.ref) + strlen(pair.group) + strlen(pair.test) + strlen(pair.kind);
+        if (!(pair.jod >= 0 && pair.jod <= 11))
+            abort();
+    }
+    nqm_evaluation *ev;
+    nqm_status status = nqm_evaluation_create(d, 0, NULL, NULL, &ev, NULL);
+    if (status != NQM_OK && n_chars < SIZE_MAX)
+        abort();
+    nqm_evaluation_free(ev);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    void *block; /* as mapped files are, so that tensors can be aligned */
+    if (posix_memalign(&block, 64, n_bytes + 1) != 0)
+        abort();
+    memcpy(block, data, n_bytes);
+    for (int verify = 0; verify < 2; ++verify) {
+        nqm_dataset *d;
+        nqm_error err = {0};
+        nqm_status status = nqm_dataset_parse(block, n_bytes, "fuzz", verify, &d, &err);
+        if ((status == NQM_OK) != (d != NULL) || (status != NQM_OK && err.message[0] == '\0'))
+            abort();
+        if (d)
+            look_at(d);
+        nqm_dataset_free(d);
+    }
+    free(block);
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    toy_options o = {
+        .n_directions = 2, .n_groups = 3, .pairs_per_ref = 1, .with_masks = true, .splits = true, .seed = 1};
+    nqm_dataset *d = toy_dataset(&o);
+    const char *path = scratch_path("dataset");
+    if (nqm_dataset_write(d, path, NULL, NULL) != NQM_OK)
+        abort();
+    nqm_dataset_free(d);
+    return blob_load(path);
+}
