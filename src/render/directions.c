@@ -32,15 +32,23 @@ static void to_local(const nqm_surface_point *point, const double *world, double
         local[k] = nqm_dot3(point->frame + 3 * k, world);
 }
 
+/* A cell is 1.4 degrees wide: one whose centre is at or below the horizon may still have a part above, and the sun may stand
+ * there. Such cells get a small share; without it the other techniques would meet them by chance, with weights as bright as
+ * fireflies. */
+static double cell_importance(double cosine) {
+    const double reach = 0.02; /* sine of the half diagonal of a cell, and a little more */
+    return cosine > -reach ? fmax(cosine, reach) : 0;
+}
+
 /* Sum the map over the hemisphere: the table to draw cells from, and the irradiance. */
 static void gather_light(sampler *s, double *irradiance) {
     const double *normal = s->point->frame + 6;
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     s->cumulative[0] = 0;
     for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell) {
-        double cosine = fmax(nqm_dot3(normal, s->light->direction + 3 * cell), 0);
-        s->cumulative[cell + 1] = s->cumulative[cell] + cosine * s->light->power[cell];
-        double area = cosine * s->light->solid_angle[cell / NQM_LIGHT_WIDTH];
+        double cosine = nqm_dot3(normal, s->light->direction + 3 * cell);
+        s->cumulative[cell + 1] = s->cumulative[cell] + cell_importance(cosine) * s->light->power[cell];
+        double area = fmax(cosine, 0) * s->light->solid_angle[cell / NQM_LIGHT_WIDTH];
         for (size_t k = 0; k < 3; ++k)
             irradiance[k] += area * s->light->rgb[3 * cell + k];
     }

@@ -56,13 +56,13 @@ static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
 
 /* ---- lights and scenes ------------------------------------------------------------------------------------------------ */
 
-/* A light of one colour as big as the map's cells, with one brighter cell. */
-static nqm_light make_light(float grey, size_t bright_cell, float bright) {
+/* A light of one grey, with n_cells from first_cell on of another. */
+static nqm_light make_light(float grey, size_t first_cell, size_t n_cells, float bright) {
     nqm_image image = {.width = NQM_LIGHT_WIDTH, .height = NQM_LIGHT_HEIGHT};
     image.rgb = nqm_alloc(NQM_LIGHT_CELLS, 3 * sizeof *image.rgb);
     assert_non_null(image.rgb);
     for (size_t i = 0; i < 3 * (size_t)NQM_LIGHT_CELLS; ++i)
-        image.rgb[i] = i / 3 == bright_cell ? bright : grey;
+        image.rgb[i] = i / 3 - first_cell < n_cells ? bright : grey; /* wraps below first_cell */
     nqm_light light;
     assert_int_equal(nqm_light_create(&image, &light, NULL), NQM_OK);
     nqm_free(image.rgb);
@@ -114,7 +114,7 @@ static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf 
 
 static void cells_and_directions(void **state) {
     (void)state;
-    nqm_light light = make_light(2, SIZE_MAX, 0);
+    nqm_light light = make_light(2, 0, 0, 0);
     double sphere = 0, power = 0;
     for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell) {
         double w[3], rgb[3];
@@ -208,7 +208,7 @@ static void sphere_under_a_small_lamp(void **state) {
     (void)state;
     nqm_scene *scene = make_scene(NULL, 200, 16, 1); /* lends its points */
     size_t cell = 40 * NQM_LIGHT_WIDTH + 30;         /* high, to the left, behind the viewer */
-    nqm_light lamp = make_light(0, cell, 1000);
+    nqm_light lamp = make_light(0, cell, 1, 1000);
     double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but keeps its light */
     nqm_light_direction(cell, 0.5, 0.5, towards);
     for (size_t i = 0; i < scene->n_points; ++i) {
@@ -254,7 +254,7 @@ static double shade(const nqm_light *light, const nqm_surface_point *point, cons
 
 static void microfacets_under_constant_light(void **state) {
     (void)state;
-    nqm_light white = make_light(1, SIZE_MAX, 0);
+    nqm_light white = make_light(1, 0, 0, 0);
     for (size_t i = 0; i < sizeof albedo_vector / sizeof *albedo_vector; ++i) {
         const double *row = albedo_vector[i];
         nqm_brdf *brdf = make_gloss(0, 1, row[0]);
@@ -312,6 +312,33 @@ static void microfacets_under_the_sky(void **state) {
     }
     nqm_light_clear(&sky);
     nqm_scene_free(scene);
+}
+
+/* The largest share of a point's light that one of 384 directions carries. */
+static double largest_share(const nqm_light *light, const nqm_surface_point *point, uint64_t seed) {
+    double wi[3 * 384], weight[3 * 384], sum = 0, max = 0;
+    nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
+    assert_true(nqm_choose_directions(light, point, seed, &set));
+    for (size_t j = 0; j < set.n_used; ++j) {
+        sum += weight[3 * j];
+        max = fmax(max, weight[3 * j]);
+    }
+    return max / sum;
+}
+
+/* None may carry much, not even where a bright light stands on the horizon: here a ring of cells whose centres lie just below
+ * it, and their upper edges above. */
+static void no_fireflies(void **state) {
+    (void)state;
+    nqm_light light = make_light(1, 64 * NQM_LIGHT_WIDTH, NQM_LIGHT_WIDTH, 1000);
+    const double tilt = 0.6 * NQM_PI / 180;
+    nqm_surface_point point = {.frame = {1, 0, 0, 0, sin(tilt), -cos(tilt), 0, cos(tilt), sin(tilt)},
+                               .wo = {sin(1.2), 0, cos(1.2)}};
+    double max = 0;
+    for (uint64_t seed = 0; seed < 500; ++seed)
+        max = fmax(max, largest_share(&light, &point, seed));
+    assert_true(max < 0.1);
+    nqm_light_clear(&light);
 }
 
 /* ---- labels --------------------------------------------------------------------------------------------------------------- */
@@ -435,6 +462,7 @@ int main(void) {
         cmocka_unit_test(sphere_under_a_small_lamp),
         cmocka_unit_test(microfacets_under_constant_light),
         cmocka_unit_test(microfacets_under_the_sky),
+        cmocka_unit_test(no_fireflies),
         cmocka_unit_test(equal_brdfs_give_exactly_zero),
         cmocka_unit_test(labels_repeat),
         cmocka_unit_test(threads_change_nothing),
