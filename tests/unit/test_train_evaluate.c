@@ -9,6 +9,7 @@
 #include "train/agreement.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -123,7 +124,10 @@ static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
     o.hidden[0] = 32;
     o.batch = 64;
     o.epochs = 5;
+    int threads = omp_get_max_threads();
+    omp_set_num_threads(1); /* too small to share */
     assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
+    omp_set_num_threads(threads);
     return model;
 }
 
