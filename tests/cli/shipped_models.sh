@@ -1,0 +1,40 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The two models that are built in: what they are, that a BRDF beside itself scores at the top of the range, and that the
+# default model sees more noise as worse. Presets only; shipped_models_rgl.sh does the same on measured files.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+
+fail() {
+    echo "$1"
+    exit 1
+}
+below() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a < b) }'; }
+
+"$tool" models show paper --json >"$dir/paper.json"
+grep -q '"parameters": 4171125' "$dir/paper.json" || fail "paper: the network is not the paper's"
+"$tool" models show default --json >"$dir/default.json"
+grep -q '"card"' "$dir/default.json" || fail "default: no card"
+"$tool" selftest >"$dir/selftest" || fail "selftest: $(cat "$dir/selftest")"
+
+presets=$("$tool" info list | grep -o 'sgd:[^ ]*' | sort -u | awk 'NR % 10 == 1')
+[ "$(echo "$presets" | wc -l)" -ge 10 ] || fail "hardly any preset was found"
+for preset in $presets; do
+    "$tool" score "$preset" "$preset" "perturb:noise=0.03;of=$preset" "perturb:noise=0.1;of=$preset" \
+        "perturb:noise=0.3;of=$preset" "perturb:noise=1;of=$preset" -q | tr '\n' ' '
+    echo
+done >"$dir/noise"
+awk '$1 < 9.9 { print "a preset beside itself scores " $1; bad = 1 } END { exit bad }' "$dir/noise" || fail "identity"
+awk '{ for (i = 1; i <= NF; ++i) sum[i] += $i }
+     END { for (i = 2; i <= 5; ++i) if (!(sum[i] < sum[i - 1])) bad = 1
+           for (i = 1; i <= 5; ++i) printf "%.3f ", sum[i] / NR; exit bad }' "$dir/noise" || fail "noise: means do not fall"
+
+# A strong tint and a blunted highlight are worse than slight ones.
+slight=$("$tool" score sgd:red-plastic "perturb:tint=1.02,1,1;of=sgd:red-plastic" -q)
+strong=$("$tool" score sgd:red-plastic "perturb:tint=1.6,1,1;of=sgd:red-plastic" -q)
+below "$strong" "$slight" || fail "tint: $strong is not below $slight"
+slight=$("$tool" score sgd:nickel "perturb:gloss=0.95;of=sgd:nickel" -q)
+strong=$("$tool" score sgd:nickel "perturb:gloss=0.4;of=sgd:nickel" -q)
+below "$strong" "$slight" || fail "gloss: $strong is not below $slight"
