@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the dataset reader, with and without its checksum. A dataset that it accepts keeps its promises: every pair can be
- * looked at and judged.
+ * Fuzz target: the dataset reader, with and without its checksum. A dataset that it accepts keeps its promises: every
+ * pair can be looked at and judged.
  */
 #include "fuzz.h"
 #include "support/toy_dataset.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: MAT v5 files. What is read is finite; what is refused has a message; nothing asks for much memory (the driver's limit
- * under libFuzzer).
+ * Fuzz target: MAT v5 files. What is read is finite; what is refused has a message; nothing asks for much memory (the
+ * driver's limit under libFuzzer).
  */
 #include "fuzz.h"
 #include "io/io.h"

@@ -151,8 +151,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nq
 /** Write a model file; it appears under its name only when complete. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
 
-/* ---- judging
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- judging ----------------------------------------------------------------------------------------------------- */
 
 /** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {

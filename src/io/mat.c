@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Real matrices out of MAT v5 files, by matio. The file is looked at before matio sees it (mat_check.c), because matio trusts
- * the sizes in it; the HDF5-based v7.3 is refused.
+ * Real matrices out of MAT v5 files, by matio. The file is looked at before matio sees it (mat_check.c), because matio
+ * trusts the sizes in it; the HDF5-based v7.3 is refused.
  */
 #include "io/mat_check.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The structure of MAT v5 files ("MAT-File Format", The MathWorks): a header of 128 bytes, then elements of a tag (type, size) and
- * data; an array is an element of elements: flags, dimensions, name, data. matio 1.5 allocates what the sizes of dimensions and
- * names claim, 8 GB for one changed byte; so they are checked here first, in compressed elements through their first bytes.
+ * The structure of MAT v5 files ("MAT-File Format", The MathWorks): a header of 128 bytes, then elements of a tag
+ * (type, size) and data; an array is an element of elements: flags, dimensions, name, data. matio 1.5 allocates what
+ * the sizes of dimensions and names claim, 8 GB for one changed byte; so they are checked here first, in compressed
+ * elements through their first bytes.
  */
 #include "io/mat_check.h"
 

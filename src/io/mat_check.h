@@ -9,8 +9,9 @@
 
 enum { NQM_MAT_HEADER_BYTES = 128 };
 
-/** Walk over the variables of a file whose header is there: every size must fit the bytes present, dimensions and names must be of
- *  sane length, and the variables plain arrays (no cells, structures or objects, whose insides would have to be walked, too). */
+/** Walk over the variables of a file whose header is there: every size must fit the bytes present, dimensions and names
+ * must be of sane length, and the variables plain arrays (no cells, structures or objects, whose insides would have to
+ * be walked, too). */
 NQM_MUST_CHECK nqm_status nqm_mat_check(const nqm_map *map, nqm_error *err);
 
 #endif

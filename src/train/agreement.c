@@ -3,8 +3,8 @@
  * Agreement of predictions with labels, and its bootstrap over material groups: percentile intervals (Efron 1979, DOI
  * 10.1214/aos/1176344552); whole groups are drawn because the pairs of one material are not independent.
  *
- * A resample that draws group g w_g times holds each of its pairs w_g times. The ranks of such a multiset follow from the weights
- * and the order of the values in the whole, so that nothing is sorted a second time.
+ * A resample that draws group g w_g times holds each of its pairs w_g times. The ranks of such a multiset follow from
+ * the weights and the order of the values in the whole, so that nothing is sorted a second time.
  */
 #include "train/agreement.h"
 
@@ -26,7 +26,7 @@ typedef struct bootstrap {
     atomic_bool out_of_memory;
 } bootstrap;
 
-/* ---- figures of the pairs as they are ---------------------------------------------------------------------------------- */
+/* ---- figures of the pairs as they are ---------------------------------------------------------------------------- */
 
 static void error_figures(const nqm_judgement *j, const double *prediction, nqm_agreement *a) {
     double mean = nqm_mean(j->n, j->label), sum_abs = 0, sum_squares = 0, variance = 0;
@@ -67,7 +67,7 @@ static void plain_figures(const bootstrap *b, size_t predictor, nqm_agreement *a
     error_figures(j, prediction, a);
 }
 
-/* ---- preparation ------------------------------------------------------------------------------------------------------ */
+/* ---- preparation ------------------------------------------------------------------------------------------------- */
 
 static size_t find_levels(size_t n, const double *x, double *rank, size_t *order, uint32_t *level) {
     nqm_ranks(n, x, rank, order);
@@ -116,7 +116,7 @@ static void release(bootstrap *b) {
     nqm_free(b->by_group);
 }
 
-/* ---- one resample ----------------------------------------------------------------------------------------------------- */
+/* ---- one resample ------------------------------------------------------------------------------------------------ */
 
 /* Scratch of a resample. */
 typedef struct resample {

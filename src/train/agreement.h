@@ -17,8 +17,8 @@ typedef struct nqm_judgement {
     const double *prediction;  /* (n_predictors, n) finite */
 } nqm_judgement;
 
-/** results (n_predictors): everything but the name. The intervals are the 2.5 and 97.5 percentiles over n_bootstrap resamples of
- *  the groups that hold pairs, with replacement (0: NaN); every predictor sees the same resamples. */
+/** results (n_predictors): everything but the name. The intervals are the 2.5 and 97.5 percentiles over n_bootstrap
+ * resamples of the groups that hold pairs, with replacement (0: NaN); every predictor sees the same resamples. */
 NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                     nqm_agreement *results, nqm_error *err);
 

@@ -9,8 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- balancing
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- balancing --------------------------------------------------------------------------------------------------- */
 
 /* Equal bins over [lo, hi]; the last is closed. On the authors' 1,242 training labels: 4, 29, 61, 137, 253, 281, 477.
  */
@@ -50,8 +49,7 @@ void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, 
     }
 }
 
-/* ---- split
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- split ------------------------------------------------------------------------------------------------------- */
 
 /* round(n * fraction), but neither part empty. */
 static nqm_status part_size(size_t n, double fraction, const char *what, size_t *part_ret, nqm_error *err) {
@@ -135,8 +133,7 @@ static void partition(nqm_rows *rows, size_t n, const uint8_t *is_validation, nq
     memcpy(rows->row, sorted, n * sizeof *sorted);
 }
 
-/* ---- rows
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 /* All pairs that are not test pairs, each with its noisy copies; *n_ret rows. */
 static nqm_status list_rows(const nqm_dataset *d, const nqm_train_options *o, nqm_rows *rows, size_t *n_ret,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The model card: what a model was trained and judged on, written from the dataset, the options and the result, so that it
- * cannot claim more than happened. What a person adds follows the facts.
+ * The model card: what a model was trained and judged on, written from the dataset, the options and the result, so that
+ * it cannot claim more than happened. What a person adds follows the facts.
  */
 #include "train/train.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The state of a training in a file (safetensors), so that an interrupted training goes on to the same bits: parameters, both
- * moments of Adam, step, rates, the schedule's memory and the losses so far. The order of an epoch, dropout and augmentation
- * come from counters and need no state. A checkpoint names the options and the dataset it belongs to.
+ * The state of a training in a file (safetensors), so that an interrupted training goes on to the same bits:
+ * parameters, both moments of Adam, step, rates, the schedule's memory and the losses so far. The order of an epoch,
+ * dropout and augmentation come from counters and need no state. A checkpoint names the options and the dataset it
+ * belongs to.
  */
 #include "io/io.h"
 #include "train/train.h"
@@ -56,7 +57,7 @@ nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *
     return status;
 }
 
-/* ---- reading ---------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_format(const nqm_safetensors *st, const char *path, nqm_error *err) {
     const char *format = nqm_safetensors_meta(st, "format"), *version = nqm_safetensors_meta(st, "schema");

@@ -36,8 +36,7 @@ typedef struct builder {
     size_t n_clamped; /* negative values, read as 0 */
 } builder;
 
-/* ---- names
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- names ------------------------------------------------------------------------------------------------------- */
 
 /* "brass_12" is of material "brass"; a name without a number is a material of its own. */
 static size_t material_length(const char *name) {
@@ -72,8 +71,7 @@ static uint32_t intern_kind(builder *b, size_t row) {
     return intern_name(b, &b->kinds, kind, strlen(kind));
 }
 
-/* ---- files
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /* Find ROOT/FOLDER/NAME.mat, or the same with the material's name alone. */
 static nqm_status find_file(const builder *b, const char *folder, const char *name, size_t n_material,
@@ -123,8 +121,7 @@ static nqm_status read_rgb(builder *b, const char *path, float *rgb, nqm_error *
     return status;
 }
 
-/* ---- rows
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 /* The reference that has just been read behind the last one: kept, or found to equal an earlier one of its material. */
 static uint32_t intern_reference(builder *b, const char *name, uint32_t group) {
@@ -161,8 +158,7 @@ static nqm_status read_row(builder *b, size_t row, nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- the whole
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static nqm_status open_labels(builder *b, nqm_error *err) {
     const struct {

@@ -15,8 +15,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "tensors are used as t
 
 static const char format_name[] = "nqm-dataset", schema[] = "1";
 
-/* ---- the tensors of the file
- * ------------------------------------------------------------------------------------------ */
+/* ---- the tensors of the file ------------------------------------------------------------------------------------- */
 
 enum {
     DIRECTIONS,
@@ -63,8 +62,7 @@ static size_t dtype_size(nqm_dtype dtype) {
     return dtype == NQM_F64 || dtype == NQM_I64 ? 8 : dtype == NQM_U8 ? 1 : 4;
 }
 
-/* ---- reading
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /* A count is the first dimension of the tensor that has one row for each. */
 static nqm_status read_count(const nqm_safetensors *st, const char *tensor, size_t *n_ret, const char *name,
@@ -248,8 +246,7 @@ nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_err
     return status;
 }
 
-/* ---- writing
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static char *names_to_json(size_t n, const char *const *names) {
     json_t *array = json_array();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What models and the nine scalar metrics predict for the pairs of a dataset; how well that agrees with the labels is counted in
- * agreement.c.
+ * What models and the nine scalar metrics predict for the pairs of a dataset; how well that agrees with the labels is
+ * counted in agreement.c.
  */
 #include "metric/metric.h"
 #include "train/agreement.h"
@@ -27,7 +27,7 @@ static bool in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
     return split == NQM_SPLIT_ALL || nqm_dataset_pair_split(d, pair) == split;
 }
 
-/* ---- the scalar metrics ----------------------------------------------------------------------------------------------- */
+/* ---- the scalar metrics ------------------------------------------------------------------------------------------ */
 
 typedef struct metric_job {
     nqm_evaluation *ev;
@@ -47,7 +47,7 @@ static void pair_metrics(void *user, size_t i) {
         job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
 }
 
-/* ---- models ----------------------------------------------------------------------------------------------------------- */
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* The samples of a batch, side by side as nqm_predictor_run() takes them. */
 typedef struct model_job {
@@ -100,7 +100,7 @@ static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job
     return NQM_OK;
 }
 
-/* ---- all predictors ---------------------------------------------------------------------------------------------------- */
+/* ---- all predictors ---------------------------------------------------------------------------------------------- */
 
 typedef struct predict_run {
     nqm_evaluation *ev;
@@ -214,7 +214,7 @@ const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
     return ev->values + i * ev->dataset->n_pairs;
 }
 
-/* ---- judging ---------------------------------------------------------------------------------------------------------- */
+/* ---- judging ----------------------------------------------------------------------------------------------------- */
 
 static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t pair) {
     const nqm_dataset *d = ev->dataset;

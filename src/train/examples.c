@@ -11,8 +11,7 @@
 
 static const double max_noise_bytes = 4294967296.0; /* 4 GiB of noisy copies; beyond, somebody has made a mistake */
 
-/* ---- samples
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
 static size_t n_columns(const nqm_examples *e) {
     return 3 * e->dataset->n_directions;
@@ -45,8 +44,7 @@ static void transform_noisy(void *user, size_t i) {
     nqm_features_transform(2 * n, out, out);
 }
 
-/* ---- scaled copies
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- scaled copies ----------------------------------------------------------------------------------------------- */
 
 /* f_r scaled by s, 0.95 <= s <= 1.05, in terms of t = log(c + 1), c = cbrt(f_r): with k = cbrt(s),
  * log(k c + 1) = t + log(1 + (k - 1) c / (c + 1)) and c / (c + 1) = 1 - exp(-t). The argument's magnitude is below
@@ -92,8 +90,7 @@ static void row_samples(const nqm_examples *e, size_t i, bool scaled, float *scr
     *test_t = scratch + n;
 }
 
-/* ---- whitening
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- whitening --------------------------------------------------------------------------------------------------- */
 
 typedef struct moment_job {
     const nqm_examples *e;
@@ -149,8 +146,7 @@ static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- targets
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- targets ----------------------------------------------------------------------------------------------------- */
 
 static double raw_target(const nqm_examples *e, size_t row) {
     uint32_t pair = e->rows.row[row].pair;
@@ -182,8 +178,7 @@ static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- the whole
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static nqm_status allocate(nqm_examples *e, nqm_error *err) {
     const nqm_dataset *d = e->dataset;
@@ -236,8 +231,7 @@ void nqm_examples_free(nqm_examples *e) {
     *e = (nqm_examples){0};
 }
 
-/* ---- batches
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- batches ----------------------------------------------------------------------------------------------------- */
 
 typedef struct gather_job {
     const nqm_examples *e;

@@ -73,8 +73,7 @@ nqm_status nqm_train_options_recipe(const char *recipe, nqm_train_options *optio
     return NQM_OK;
 }
 
-/* ---- check
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- check ------------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_range(const char *what, double value, double min, double max, nqm_error *err) {
     if (value >= min && value <= max)
@@ -117,8 +116,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
     return status;
 }
 
-/* ---- text
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- text -------------------------------------------------------------------------------------------------------- */
 
 static const char *const whitening_names[] = {"channel", "scalar"};
 static const char *const scale_copy_names[] = {"pair_reflectance", "element_transformed", "none"};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The training loop (paper, section 3.2): log-cosh loss, Adam with L2, two learning rates, dropout, plateau schedule. The same
- * dataset, options and seed give the same model, in one run or in several, on any number of threads.
+ * The training loop (paper, section 3.2): log-cosh loss, Adam with L2, two learning rates, dropout, plateau schedule.
+ * The same dataset, options and seed give the same model, in one run or in several, on any number of threads.
  */
 #include "train/train.h"
 #include "metric/metric.h"
@@ -81,7 +81,7 @@ static void begin_state(run *r) {
     r->state.lr_deeper = o->lr_deeper;
 }
 
-/* ---- epochs ----------------------------------------------------------------------------------------------------------- */
+/* ---- epochs ------------------------------------------------------------------------------------------------------ */
 
 /* The order of an epoch depends on its number alone. */
 static void shuffle(run *r) {
@@ -183,7 +183,7 @@ static nqm_status run_epochs(run *r, nqm_error *err) {
     return status;
 }
 
-/* ---- the model -------------------------------------------------------------------------------------------------------- */
+/* ---- the model --------------------------------------------------------------------------------------------------- */
 
 /* Everything but the texts. The parameters move from the run into the model. */
 static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {

@@ -74,8 +74,7 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
  * filled. */
 const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
 
-/* ---- options (recipes.c)
- * --------------------------------------------------------------------------------------------- */
+/* ---- options (recipes.c) ----------------------------------------------------------------------------------------- */
 
 /** NQM_ERR_ARG names the option that is out of its range. */
 NQM_MUST_CHECK nqm_status nqm_train_options_check(const nqm_train_options *options, nqm_error *err);
@@ -94,8 +93,7 @@ enum {
     NQM_STREAM_DROPOUT
 };
 
-/* ---- augmentation and splits (augment.c)
- * ----------------------------------------------------------------------------- */
+/* ---- augmentation and splits (augment.c) ------------------------------------------------------------------------- */
 
 enum { NQM_BALANCE_BINS = 7 };
 
@@ -126,8 +124,7 @@ void nqm_rows_free(nqm_rows *rows);
 void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, nqm_rng *rng, float *noisy_ref,
                    float *noisy_test);
 
-/* ---- examples as numbers for the network (examples.c)
- * ---------------------------------------------------------------- */
+/* ---- examples as numbers for the network (examples.c) ------------------------------------------------------------ */
 
 /** The examples of a training with everything that is computed once: transformed samples, whitening, normalised
  * targets. */
@@ -154,7 +151,7 @@ void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *i
 /** The same for the validation examples [first, first + n). */
 void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, float *x, float *target);
 
-/* ---- the state of a training, and its file (checkpoint.c) ------------------------------------------------------------ */
+/* ---- the state of a training, and its file (checkpoint.c) -------------------------------------------------------- */
 
 /** Losses and rate of one finished epoch. */
 typedef struct nqm_epoch {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * toy_dataset.h - a small labelled dataset made from a few formulas, for the tests of datasets, training and evaluation.
+ * toy_dataset.h - a small labelled dataset made from a few formulas, for the tests of datasets, training and
+ * evaluation.
  */
 #ifndef NQM_TESTS_TOY_DATASET_H
 #define NQM_TESTS_TOY_DATASET_H
@@ -17,8 +18,8 @@ typedef struct toy_options {
 /** 24 materials with two references each, 12 pairs a reference, 16 directions. */
 toy_options toy_options_default(void);
 
-/** Each reference is a matte floor and a lobe of its own; each test is scaled ("gain") or has another lobe ("gloss"), and its
- *  Delta-E grows with the mean difference of the logarithms. Free with nqm_dataset_free(). */
+/** Each reference is a matte floor and a lobe of its own; each test is scaled ("gain") or has another lobe ("gloss"),
+ * and its Delta-E grows with the mean difference of the logarithms. Free with nqm_dataset_free(). */
 nqm_dataset *toy_dataset(const toy_options *options);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * MAT v5 matrices: files of scipy.io.savemat (tests/vectors/authors.py) read back, and everything that is no such file, or is one cut
- * off or changed at any byte, refused or read as finite numbers, never more than asked for.
+ * MAT v5 matrices: files of scipy.io.savemat (tests/vectors/authors.py) read back, and everything that is no such file,
+ * or is one cut off or changed at any byte, refused or read as finite numbers, never more than asked for.
  */
 #include "io/io.h"
 #include "support/check.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Class balancing, splits, noise, whitening and the gathering of batches; the paper's numbers on the authors' own labels.
+ * Class balancing, splits, noise, whitening and the gathering of batches; the paper's numbers on the authors' own
+ * labels.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -160,7 +161,8 @@ static void too_little_to_split(void **state) {
     nqm_dataset_free(d);
 }
 
-/* Inputs of the unscaled training examples are whitened: mean 0, standard deviation 1 over the reference half; targets too. */
+/* Inputs of the unscaled training examples are whitened: mean 0, standard deviation 1 over the reference half; targets
+ * too. */
 static void whitening(void **state) {
     (void)state;
     toy_options toy = toy_options_default();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The authors' dataset layout: a tiny one by SciPy (tests/vectors/authors.py) is read as it is meant, and what is missing or does not
- * fit is named.
+ * The authors' dataset layout: a tiny one by SciPy (tests/vectors/authors.py) is read as it is meant, and what is
+ * missing or does not fit is named.
  */
 #include "io/io.h"
 #include "support/check.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Dataset files: what is written is what is read; everything a dataset promises is refused when broken; damage at every place of
- * a file is noticed; splits belong to materials.
+ * Dataset files: what is written is what is read; everything a dataset promises is refused when broken; damage at every
+ * place of a file is noticed; splits belong to materials.
  */
 #include "base/memory_test.h"
 #include "support/check.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap against one that repeats the pairs for real,
- * and the evaluation of models and metrics on a dataset against single predictions.
+ * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap against one that repeats the
+ * pairs for real, and the evaluation of models and metrics on a dataset against single predictions.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- agreement -------------------------------------------------------------------------------------------------------- */
+/* ---- agreement --------------------------------------------------------------------------------------------------- */
 
 enum { MAX_PAIRS = 200, N_GROUPS = 14, N_PREDICTORS = 2 };
 
@@ -114,7 +114,7 @@ static void bootstrap_repeats_groups(void **state) {
     }
 }
 
-/* ---- evaluation ------------------------------------------------------------------------------------------------------- */
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
     nqm_train_options o;

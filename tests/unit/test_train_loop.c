@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training: it learns what can be learnt, repeats itself to the bit - again, on other threads, resumed -, refuses checkpoints of
- * others, stops when told to, and notices divergence.
+ * Training: it learns what can be learnt, repeats itself to the bit - again, on other threads, resumed -, refuses
+ * checkpoints of others, stops when told to, and notices divergence.
  */
 #include "base/memory_test.h"
 #include "support/check.h"
@@ -148,7 +148,7 @@ static void repeats_itself_on_any_threads(void **state) {
     }
 }
 
-/* ---- checkpoints ------------------------------------------------------------------------------------------------------ */
+/* ---- checkpoints ------------------------------------------------------------------------------------------------- */
 
 typedef struct losses {
     size_t n;
@@ -277,7 +277,7 @@ static void checkpoints_of_others(void **state) {
     refuse(toy, &o, NQM_ERR_FORMAT, "SHA-256");
 }
 
-/* ---- trouble ---------------------------------------------------------------------------------------------------------- */
+/* ---- trouble ----------------------------------------------------------------------------------------------------- */
 
 static void divergence_is_noticed(void **state) {
     (void)state;

@@ -20,7 +20,7 @@ static const choice bys[] = {{"none", BY_NONE}, {"kind", BY_KIND}, {"range", BY_
 /* Above this the labels say "hardly visible": where a quality metric is needed most and has it hardest. */
 static const double range_edge = 9.5;
 
-/* ---- models ----------------------------------------------------------------------------------------------------------- */
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* "default,my.safetensors"; "none": the scalar metrics only. The list is cut up in place. */
 static int open_models(eval_run *run, char *list) {
@@ -39,7 +39,7 @@ static int open_models(eval_run *run, char *list) {
     return exit_code;
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 /* Judge one selection; a selection without pairs leaves results NULL, unless it is that of all pairs. */
 static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by, const char *name, nqm_error *err) {

@@ -39,7 +39,7 @@ typedef struct train_run {
     char *card;
 } train_run;
 
-/* ---- options ---------------------------------------------------------------------------------------------------------- */
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
 /* The recipe decides what the other options begin with: it is looked for before they are parsed. */
 static const char *find_recipe(int argc, char **argv) {
@@ -122,7 +122,7 @@ static int settle_options(train_arguments *a) {
     return EXIT_OK;
 }
 
-/* ---- before an hour is spent ------------------------------------------------------------------------------------------ */
+/* ---- before an hour is spent ------------------------------------------------------------------------------------- */
 
 /* A folder that cannot be written, or a checkpoint that would be overwritten, is better known now. */
 static int check_places(const train_arguments *a) {
@@ -171,7 +171,7 @@ static int open_log(const char *path, FILE **log_ret) {
     return EXIT_OK;
 }
 
-/* ---- the run ---------------------------------------------------------------------------------------------------------- */
+/* ---- the run ----------------------------------------------------------------------------------------------------- */
 
 static void on_epoch(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
     train_run *run = user;

@@ -12,7 +12,7 @@ static bool is_model(const eval_run *run, size_t predictor) {
     return predictor < run->n_models;
 }
 
-/* ---- text ------------------------------------------------------------------------------------------------------------- */
+/* ---- text -------------------------------------------------------------------------------------------------------- */
 
 /* "0.943 [0.921, 0.960]", or "-" where there is no such number. */
 static void print_interval(double value, const double ci95[2]) {
@@ -64,7 +64,7 @@ static int print_text(const eval_run *run) {
     return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
 }
 
-/* ---- JSON ------------------------------------------------------------------------------------------------------------- */
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 static json_t *interval_json(const double ci95[2]) {
     return isfinite(ci95[0]) ? json_pack("[o,o]", json_number(ci95[0]), json_number(ci95[1])) : json_null();
@@ -111,7 +111,7 @@ static int print_json_tables(const eval_run *run) {
     return print_json(json);
 }
 
-/* ---- CSV -------------------------------------------------------------------------------------------------------------- */
+/* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
 static int print_csv(const eval_run *run) {
     end_progress();
@@ -152,7 +152,7 @@ int print_evaluation(const eval_run *run, eval_format format) {
     return format == EVAL_JSON ? print_json_tables(run) : format == EVAL_CSV ? print_csv(run) : print_text(run);
 }
 
-/* ---- pairs ------------------------------------------------------------------------------------------------------------ */
+/* ---- pairs ------------------------------------------------------------------------------------------------------- */
 
 static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     static const char *const split_names[] = {"train", "validation", "test"};
