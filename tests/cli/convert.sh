@@ -1,0 +1,49 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm convert: a table opens as the same BRDF; an interrupted or failed conversion leaves what was there before; exit codes.
+set -eu
+tool=${NQM_TOOL:?}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+fail() {
+    echo "$1"
+    exit 1
+}
+
+"$tool" convert 'lambert:kd=.3,.2,.1' -o "$dir/a.binary" >"$dir/out"
+grep -q "$dir/a.binary" "$dir/out" || fail "text: $(cat "$dir/out")"
+[ "$(wc -c <"$dir/a.binary")" = 34992012 ] || fail "size"
+"$tool" info "$dir/a.binary" --json | grep -q '"format": "merl"' || fail "the table is no MERL table"
+"$tool" convert "$dir/a.binary" --output "$dir/b.binary" --json >"$dir/out"
+grep -q '"output": "'"$dir"'/b.binary"' "$dir/out" || fail "json: $(cat "$dir/out")"
+cmp "$dir/a.binary" "$dir/b.binary" || fail "a copy of a table differs"
+"$tool" convert "$dir/a.binary" -o - | cmp - "$dir/a.binary" || fail "standard output"
+
+# expect CODE PATTERN ARGUMENTS...
+expect() {
+    code=$1 pattern=$2
+    shift 2
+    got=0
+    "$tool" convert "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: convert $*: $(cat "$dir/err")"
+    grep -q -- "$pattern" "$dir/err" || fail "message: $(cat "$dir/err")"
+    [ ! -s "$dir/out" ] || fail "results on failure"
+}
+expect 2 'missing' lambert:kd=.5
+expect 2 'arguments' -o "$dir/c.binary"
+expect 3 'missing.bsdf' "$dir/missing.bsdf" -o "$dir/c.binary"
+expect 3 'nowhere' lambert:kd=.5 -o "$dir/nowhere/c.binary"
+
+# A slow BRDF, interrupted: the file that was there stays, and nothing else appears.
+"${NQM_BUILD:?}/tests/make_brdf_files" "$dir"
+rm -f "$dir"/*-*
+cp "$dir/a.binary" "$dir/kept.binary"
+before=$(ls "$dir")
+OMP_NUM_THREADS=1 "$tool" convert "$dir/valid.bin:first" -o "$dir/kept.binary" >"$dir/out" 2>"$dir/err" &
+sleep 1
+kill -INT $!
+got=0
+wait $! || got=$?
+[ "$got" = 130 ] || fail "interrupted: exit code $got: $(cat "$dir/err")"
+cmp "$dir/a.binary" "$dir/kept.binary" || fail "the old file is gone"
+[ "$(ls "$dir")" = "$before" ] || fail "left behind: $(ls "$dir")"
