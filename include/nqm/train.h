@@ -84,8 +84,7 @@ typedef enum nqm_scale_copy {
 
 enum { NQM_TRAIN_MAX_HIDDEN = 7 };
 
-/** Everything that distinguishes one training from another. Take one from nqm_train_options_recipe(). Strings are lent for
- *  the call. */
+/** Everything that distinguishes one training from another, from nqm_train_options_recipe(). Strings are lent. */
 typedef struct nqm_train_options {
     const char *recipe;                  /**< the name the options came from; stored in the model */
     const char *id;                      /**< model id; default the recipe's name */
@@ -95,10 +94,9 @@ typedef struct nqm_train_options {
     size_t n_hidden;                     /**< hidden layers; 1..NQM_TRAIN_MAX_HIDDEN; default 3 */
     size_t hidden[NQM_TRAIN_MAX_HIDDEN]; /**< their widths; 1..16384; default 1024, 716, 501 */
     nqm_target target;                   /**< paper, notebook: JOD; nqm: LOG_DELTA_E */
-    double min_delta_e; /**< NQM_TARGET_LOG_DELTA_E: smaller ones count as this, which still maps to JOD 10 within
+    double min_delta_e;      /**< NQM_TARGET_LOG_DELTA_E: smaller ones count as this, which still maps to JOD 10 within
                              1e-7, so that the log of a perfect copy is finite; > 0; default 0.05 */
-    nqm_whitening
-        whitening; /**< statistics over the references of the training pairs; notebook: SCALAR; else CHANNEL */
+    nqm_whitening whitening; /**< notebook: SCALAR, else CHANNEL; over the references of the training pairs */
     nqm_scale_copy scale_copy; /**< second copy of the training set scaled by U[0.95, 1.05] */
     int split_by_pair; /**< 1: validation pairs drawn over all pairs that are not test pairs (the paper: one material
                             can be on both sides); 0: by material group (notebook, nqm) */
@@ -145,9 +143,9 @@ typedef struct nqm_train_report {
  * Train a model. The same dataset, options and seed give the same model, whatever the number of threads.
  *
  * @param report  NULL allowed
- * @return NQM_ERR_ARG (an option out of range), NQM_ERR_INCOMPATIBLE (too little to split, nothing to learn, a checkpoint
- *         of something else), NQM_ERR_NUMERIC (the loss stopped being finite), NQM_ERR_CANCELLED (the checkpoint is
- *         kept), NQM_ERR_IO, NQM_ERR_FORMAT (checkpoint), NQM_ERR_LIMIT, NQM_ERR_NOMEM
+ * @return NQM_ERR_ARG (an option out of range), NQM_ERR_INCOMPATIBLE (too little to split, nothing to learn, a
+ *         checkpoint of something else), NQM_ERR_NUMERIC (the loss stopped being finite), NQM_ERR_CANCELLED (the
+ *         checkpoint is kept), NQM_ERR_IO, NQM_ERR_FORMAT (checkpoint), NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *options,
                                             nqm_model **model_ret, nqm_train_report *report, nqm_error *err);
