@@ -152,6 +152,9 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nq
 
 /** Write a model file; it appears under its name only when complete. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
+/** The same with `markdown` behind the model's card: what was found out after training, such as results on a test set. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *model, const char *markdown,
+                                                           const char *path, nqm_error *err);
 
 /* ---- judging ----------------------------------------------------------------------------------------------------- */
 

@@ -25,6 +25,17 @@ for word in '"id": "tiny"' '"parameters": 36033' '"sha256": "[0-9a-f]\{64\}"' '"
 done
 expect 0 models show "$dir/model.safetensors"
 { grep -q '4500-8-1' "$dir/out" && grep -q 'Random weights' "$dir/out"; } || fail "text of a model"
+# Notes go behind the card; the copy is another file that passes all checks, and scores the same.
+echo "Judged by nobody." >"$dir/notes.md"
+expect 0 models annotate "$dir/model.safetensors" "$dir/notes.md" -o "$dir/annotated.safetensors"
+expect 0 models show "$dir/annotated.safetensors"
+{ grep -q 'Random weights' "$dir/out" && grep -q 'Judged by nobody' "$dir/out"; } || fail "annotated card"
+expect 0 score sgd:nickel ward:nickel --model "$dir/model.safetensors" -q
+cp "$dir/out" "$dir/before"
+expect 0 score sgd:nickel ward:nickel --model "$dir/annotated.safetensors" -q
+diff "$dir/before" "$dir/out" || fail "notes change scores"
+expect 2 models annotate "$dir/model.safetensors" "$dir/notes.md"
+expect 3 models annotate "$dir/model.safetensors" "$dir/no-notes.md" -o "$dir/annotated.safetensors"
 expect 6 models show nonsense
 expect 3 models show "$dir/nowhere.safetensors"
 expect 2 models show

@@ -9,7 +9,7 @@ data=${NQM_DATA:-${NQM_SOURCE:?}/../shared/data}
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 
-top=$("$tool" models show default --json | sed -n 's/.*"jod_max": *\([0-9.]*\).*/\1/p')
+top=$("$tool" models show default | sed -n 's/^JOD range .* to \([0-9.]*\)$/\1/p')
 [ -n "$top" ] || { echo "the model tells no range"; exit 1; }
 for file in "$data"/rgl/*_rgb.bsdf; do
     "$tool" score "$file" "$file" "perturb:noise=0.03;of=$file" "perturb:noise=0.1;of=$file" "perturb:noise=0.3;of=$file" \

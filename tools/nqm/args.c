@@ -34,7 +34,8 @@ static void print_help(const command *cmd) {
         char letter[8] = "    ";
         if (o->letter)
             snprintf(letter, sizeof letter, "-%c, ", o->letter);
-        snprintf(left, sizeof left, "  %s--%s%s%s", letter, o->name, o->metavar ? " " : "", o->metavar ? o->metavar : "");
+        snprintf(left, sizeof left, "  %s--%s%s%s", letter, o->name, o->metavar ? " " : "",
+                 o->metavar ? o->metavar : "");
         printf("%-30s %s", left, o->help);
         print_default(o);
         putchar('\n');

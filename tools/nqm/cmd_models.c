@@ -4,6 +4,7 @@
  */
 #include "tool.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* "1500-1024-716-501-1" */
@@ -53,6 +54,22 @@ static int show_model(const char *name, bool json) {
     return exit_code;
 }
 
+static int annotate_model(const char *name, const char *notes_path, const char *output) {
+    nqm_model *model;
+    char *notes = NULL;
+    nqm_error err = {0};
+    if (!output)
+        return report("models", EXIT_USAGE, "annotate needs -o FILE");
+    int exit_code = open_model("models", name, &model);
+    if (exit_code == EXIT_OK)
+        exit_code = read_text("models", notes_path, &notes);
+    if (exit_code == EXIT_OK && nqm_model_save_annotated(model, notes, output, &err) != NQM_OK)
+        exit_code = report_error("models", &err);
+    free(notes);
+    nqm_model_free(model);
+    return exit_code;
+}
+
 static int list_models(bool json) {
     json_t *list = json_array();
     if (!json && nqm_model_builtin_count() == 0)
@@ -83,17 +100,23 @@ static int list_models(bool json) {
 
 int cmd_models(int argc, char **argv) {
     bool json = false;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+    const char *output = NULL;
+    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+                              {"output", 'o', OPTION_TEXT, &output, "FILE", "annotate: the model file to write", 0, 0},
+                              {0}};
     const command cmd = {
         .name = "models",
-        .usage = "[show MODEL] [options]",
-        .about = "List the models that are built in, or show one of them, or a model file: size, checksum, directions "
-                 "and the\n"
-                 "model card, which says what it was trained and judged on and what it is not good for.",
-        .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json",
+        .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
+        .about =
+            "List the models that are built in, or show one of them, or a model file: size, checksum, directions "
+            "and the\n"
+            "model card, which says what it was trained and judged on and what it is not good for. annotate writes "
+            "a copy of a model\nwith a text added to its card, such as results on a test set.",
+        .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
+                   "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
         .options = options,
         .min_arguments = 0,
-        .max_arguments = 2,
+        .max_arguments = 3,
     };
     int n_arguments, exit_code;
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
@@ -104,5 +127,8 @@ int cmd_models(int argc, char **argv) {
         return list_models(json);
     if (n_arguments == 2 && strcmp(argv[0], "show") == 0)
         return show_model(argv[1], json);
-    return report("models", EXIT_USAGE, "say `nqm models` or `nqm models show MODEL`");
+    if (n_arguments == 3 && strcmp(argv[0], "annotate") == 0)
+        return annotate_model(argv[1], argv[2], output);
+    return report("models", EXIT_USAGE,
+                  "say `nqm models` `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
 }

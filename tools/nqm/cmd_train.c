@@ -147,22 +147,6 @@ static int check_places(const train_arguments *a) {
     return EXIT_OK;
 }
 
-static int read_card(const char *path, char **card_ret) {
-    enum { MAX_CARD_BYTES = 1 << 20 };
-    FILE *file = fopen(path, "rb");
-    char *text = file ? calloc(MAX_CARD_BYTES + 1, 1) : NULL;
-    size_t n = text ? fread(text, 1, MAX_CARD_BYTES, file) : 0;
-    bool bad = !text || ferror(file) || memchr(text, '\0', n);
-    if (file)
-        fclose(file);
-    if (bad) {
-        free(text);
-        return report("train", EXIT_OPEN, "%s: cannot read a text: %s", path, strerror(errno));
-    }
-    *card_ret = text;
-    return EXIT_OK;
-}
-
 static int open_log(const char *path, FILE **log_ret) {
     *log_ret = fopen(path, "w");
     if (!*log_ret)
@@ -230,7 +214,7 @@ static int run_training(const train_arguments *a, const char *dataset_path) {
     nqm_error err = {0};
     int exit_code = check_places(a);
     if (exit_code == EXIT_OK && a->card)
-        exit_code = read_card(a->card, &run.card);
+        exit_code = read_text("train", a->card, &run.card);
     if (exit_code == EXIT_OK)
         exit_code = open_dataset("train", dataset_path, a->labels, NQM_SPLIT_ALL, &run.dataset);
     if (exit_code == EXIT_OK && a->log)

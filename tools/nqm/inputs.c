@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Models and directions as arguments: a built-in name, or a file.
+ * What arguments name: models and directions (built in, or a file) and short text files.
  */
 #include "tool.h"
 
+#include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -38,6 +40,24 @@ int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret
         return report_unknown_model(verb, name);
     nqm_status status = builtin ? nqm_model_builtin(name, model_ret, &err) : nqm_model_load(name, model_ret, &err);
     return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
+}
+
+int read_text(const char *verb, const char *path, char **text_ret) {
+    enum { MAX_TEXT_BYTES = 1 << 20 };
+    *text_ret = NULL;
+    FILE *file = fopen(path, "rb");
+    char *text = file ? calloc(MAX_TEXT_BYTES + 1, 1) : NULL;
+    size_t n = text ? fread(text, 1, MAX_TEXT_BYTES, file) : 0;
+    bool bad = !text || ferror(file) || memchr(text, '\0', n);
+    int reason = errno;
+    if (file)
+        fclose(file);
+    if (bad) {
+        free(text);
+        return report(verb, EXIT_OPEN, "%s: cannot read a text: %s", path, strerror(reason));
+    }
+    *text_ret = text;
+    return EXIT_OK;
 }
 
 /* A model file is safetensors: eight bytes of length, then a JSON object. No CSV of directions has a '{' there. */
