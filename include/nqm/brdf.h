@@ -46,6 +46,7 @@ typedef struct nqm_brdf_info {
  * reconstruction (its latents lie beside the decoder in nps_latents.csv). A spec is `MODEL:key=value;key=value` (`lambert:`,
  * `ggx:`, `ward:`, `sgd:` with parameters) or a preset `sgd:NAME`, `ward:NAME`, or a perturbation
  * `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with unit, range and default.
+ * RGL data are not quite reciprocal: their parametrised direction (theta_i) is taken as the viewer (doc/files.md).
  * A relative path that begins like a spec is opened as a path when written with `./`.
  *
  * @param path_or_spec  see above
