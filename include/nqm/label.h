@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* ---- colour ---------------------------------------------------------------------------------------------------------- */
+/* ---- colour ------------------------------------------------------------------------------------------------------ */
 
 /** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels count
  *  as 0, channels above 10000 as 10000. rgb_cdm2, itp: (3). */
@@ -21,7 +21,7 @@ NQM_API void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp);
 /** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each. */
 NQM_API double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2);
 
-/* ---- JOD curve ------------------------------------------------------------------------------------------------------- */
+/* ---- JOD curve --------------------------------------------------------------------------------------------------- */
 
 /** JOD = 10 (1 - 1 / (1 + exp(b1 (-(max(Delta-E, 0)^b3) - b2)))) (paper, eq. 1). */
 typedef struct nqm_curve {
@@ -46,7 +46,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_regress(size_t n, const double *delta_e, c
 /** The same for a CSV with columns DeltaE and JOD (any order, any case; others ignored). */
 NQM_API NQM_MUST_CHECK nqm_status nqm_regress_csv(const char *path, nqm_regress_report *report_ret, nqm_error *err);
 
-/* ---- labels ---------------------------------------------------------------------------------------------------------- */
+/* ---- labels ------------------------------------------------------------------------------------------------------ */
 
 /** A scene in which BRDFs are compared: a smooth shape under a light, seen from a fixed view. Immutable. */
 typedef struct nqm_scene nqm_scene;
@@ -71,7 +71,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const
 /** Mean Delta-E ITP over the points of two renderings of the scene; equal pictures give exactly 0. */
 NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
 
-/* ---- corpora --------------------------------------------------------------------------------------------------------- */
+/* ---- corpora ----------------------------------------------------------------------------------------------------- */
 
 /** Which splits a dataset file holds. Test materials never share a file with training materials. */
 typedef enum nqm_corpus_part {

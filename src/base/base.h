@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* ---- errors ---------------------------------------------------------------------------------------------------------- */
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 /** Fill `err` (NULL allowed) and return `status`, so that `return nqm_fail(...)` is the one way to fail. */
 __attribute__((format(printf, 4, 5))) nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset,
@@ -19,7 +19,7 @@ __attribute__((format(printf, 4, 5))) nqm_status nqm_fail(nqm_error *err, nqm_st
 /** The usual out-of-memory failure; says how much was asked for. */
 nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes);
 
-/* ---- memory ---------------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 /** n * size zeroed bytes, 64-byte aligned; NULL when out of memory, when the product overflows, or in a test build when
  *  told to fail. n or size 0 gives a unique non-NULL block. Free with nqm_free(). */
@@ -31,7 +31,7 @@ char *nqm_strdup(const char *text);
 /** true and *product = a * b, or false on overflow. */
 bool nqm_mul_size(size_t a, size_t b, size_t *product);
 
-/* ---- files ----------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /** A file mapped read-only. `data` is NULL for an empty file. */
 typedef struct nqm_map {
@@ -60,7 +60,7 @@ NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
 /** Remove the temporary file; a zeroed or committed outfile is allowed. */
 void nqm_outfile_abort(nqm_outfile *out);
 
-/* ---- little-endian values at any alignment --------------------------------------------------------------------------- */
+/* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 
 uint16_t nqm_load_u16(const unsigned char *p);
 uint32_t nqm_load_u32(const unsigned char *p);
@@ -72,7 +72,7 @@ void nqm_store_u64(unsigned char *p, uint64_t v);
 void nqm_store_f32(unsigned char *p, float v);
 void nqm_store_f64(unsigned char *p, double v);
 
-/* ---- numbers as text, whatever the locale ---------------------------------------------------------------------------- */
+/* ---- numbers as text, whatever the locale ------------------------------------------------------------------------ */
 
 /** Parse a decimal number at `text`; *end points behind it. false when there is none. inf and nan are refused. */
 bool nqm_parse_double(const char *text, const char **end, double *value);
@@ -81,7 +81,7 @@ char *nqm_format_double(char *buffer, size_t n_buffer, double value);
 /** The double nearest to `value` with so many significant decimal digits (1..15), which then prints with no more. */
 double nqm_round_digits(double value, int n_digits);
 
-/* ---- random numbers (xoshiro256**, Blackman and Vigna 2018, DOI 10.1145/3460772) -------------------------------------- */
+/* ---- random numbers (xoshiro256**, Blackman and Vigna 2021, DOI 10.1145/3460772) --------------------------------- */
 
 typedef struct nqm_rng {
     uint64_t s[4];
@@ -103,13 +103,13 @@ uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter);
 /** values[i] = nqm_hash_u64(seed, first + i) for n values, faster than one by one. */
 void nqm_hash_fill(uint64_t seed, uint64_t first, size_t n, uint64_t *values);
 
-/* ---- parallel loops -------------------------------------------------------------------------------------------------- */
+/* ---- parallel loops ---------------------------------------------------------------------------------------------- */
 
 /** Call body(user, i) for i in [0, n) on the threads of OpenMP, dynamically scheduled. Bodies must write to places of
  *  their own, so that results do not depend on the number of threads. */
 void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user);
 
-/* ---- SHA-256 --------------------------------------------------------------------------------------------------------- */
+/* ---- SHA-256 ----------------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_sha256 {
     void *context;
@@ -121,7 +121,7 @@ void nqm_sha256_add(nqm_sha256 *sha, const void *data, size_t n_bytes);
 /** Finish and free: 64 lower-case hex digits and NUL. */
 void nqm_sha256_end(nqm_sha256 *sha, char hex[65]);
 
-/* ---- progress -------------------------------------------------------------------------------------------------------- */
+/* ---- progress ---------------------------------------------------------------------------------------------------- */
 
 /** A progress callback with its user pointer, thinned to a few calls a second. A zeroed one is silent. */
 typedef struct nqm_ticker {

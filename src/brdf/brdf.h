@@ -45,7 +45,7 @@ struct nqm_brdf {
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                                         const char *layout, nqm_brdf **brdf_ret, nqm_error *err);
 
-/* ---- constructors, one a format -------------------------------------------------------------------------------- */
+/* ---- constructors, one a format ---------------------------------------------------------------------------------- */
 
 /* Files: `map` holds the whole file. The constructor takes the map over when it succeeds (it keeps it or closes it);
  * when it fails the caller still owns it. */

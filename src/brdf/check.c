@@ -25,7 +25,7 @@ enum {
 };
 static const double widths[N_WIDTHS] = {1e-4, 3.5e-4, 1.2e-3, 4.2e-3, 0.015, 0.05, 0.18, 0.65};
 
-/* ---- albedo ---------------------------------------------------------------------------------------------------------- */
+/* ---- albedo ------------------------------------------------------------------------------------------------------ */
 
 /* Samples of all sets per unit solid angle around wo: the sum of n p. A lobe's set has the GGX density of normals times the cosine
  * of the normal; the mirror map's Jacobian is 4 cos theta_d = 2 |h|. */
@@ -105,7 +105,7 @@ void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, do
         rgb[c] = b.sum[c] + NQM_PI * b.lowest[c] * (1 - b.lambert);
 }
 
-/* ---- check ----------------------------------------------------------------------------------------------------------- */
+/* ---- check ------------------------------------------------------------------------------------------------------- */
 
 /* Half of the pairs fill the hemispheres, half lie near the mirror direction. Polar angles stay below 85 degrees. */
 static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {

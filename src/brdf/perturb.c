@@ -52,7 +52,7 @@ typedef struct perturbation {
     size_t n_rows;  /* and one off the highlight where `peak` needs it */
 } perturbation;
 
-/* ---- where the base is read ------------------------------------------------------------------------------------------ */
+/* ---- where the base is read -------------------------------------------------------------------------------------- */
 
 /* The theta_h at which light or viewer sinks to the horizon, for given theta_d and phi_d. */
 static double largest_theta_h(const double *hd) {
@@ -143,7 +143,7 @@ static bool average_taps(size_t n, const double *weight, const double *rgb, cons
     return sum > 0;
 }
 
-/* ---- what is done to the value --------------------------------------------------------------------------------------- */
+/* ---- what is done to the value ----------------------------------------------------------------------------------- */
 
 /* Value noise of unit variance at hd, one field a channel. The third coordinate vanishes where phi_d has no meaning (at
  * theta_h = 0 and theta_d = 0), so that the field is continuous over pairs. */
@@ -229,7 +229,7 @@ static void perturb_free(void *state) {
 static const nqm_brdf_class perturb_class = {
     .format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free};
 
-/* ---- opening --------------------------------------------------------------------------------------------------------- */
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 static float *make_lattice(size_t n_cells, uint64_t seed) {
     size_t n = 3 * (n_cells + 1) * (n_cells + 1) * (n_cells + 1);

@@ -34,8 +34,7 @@ static const char *row_of(const char *table, const char *material) {
     return NULL;
 }
 
-/* ---- suggestions
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- suggestions ------------------------------------------------------------------------------------------------- */
 
 static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' || c == ' ' ? '-' : c;

@@ -18,8 +18,7 @@ static const char *after_model(const char *text, const char *model) {
     return strncmp(text, model, n) == 0 && text[n] == ':' ? text + n + 1 : NULL;
 }
 
-/* ---- parsing
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, int n_key, nqm_error *err) {
     char known[256] = "";
@@ -98,8 +97,7 @@ nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_s
     return NQM_OK;
 }
 
-/* ---- canonical form
- * -------------------------------------------------------------------------------------------------- */
+/* ---- canonical form ---------------------------------------------------------------------------------------------- */
 
 enum { NUMBER_SIZE = 32, KEY_SIZE = 3 * NUMBER_SIZE + 16 };
 
@@ -130,8 +128,7 @@ char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *valu
     return text;
 }
 
-/* ---- opening
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* "kd 3, ks 3, alpha 1" */
 static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_layout) {

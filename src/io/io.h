@@ -8,7 +8,7 @@
 
 #include "base/base.h"
 
-/* ---- safetensors (huggingface.co/docs/safetensors): u64 header length, JSON header, raw little-endian tensors ------------ */
+/* ---- safetensors (huggingface.co/docs/safetensors): u64 header length, JSON header, raw little-endian tensors ---- */
 
 typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U32 } nqm_dtype;
 enum { NQM_MAX_DIMS = 5 };
@@ -46,7 +46,7 @@ typedef struct nqm_meta {
 NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_tensor *tensors,
                                                 size_t n_meta, const nqm_meta *meta, char sha256_ret[65], nqm_error *err);
 
-/* ---- tensor container of the RGL material database (Dupuy and Jakob 2018) ---------------------------------------------- */
+/* ---- tensor container of the RGL material database (Dupuy and Jakob 2018) ---------------------------------------- */
 
 /** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_tensor_file nqm_tensor_file;
@@ -57,7 +57,7 @@ void nqm_tensor_file_free(nqm_tensor_file *file);
 /** By name, or NULL; fields of a type that nqm_dtype lacks are not found. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
-/* ---- CSV with a header line ------------------------------------------------------------------------------------------- */
+/* ---- CSV with a header line -------------------------------------------------------------------------------------- */
 
 typedef struct nqm_csv nqm_csv;
 /** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped, blanks around
@@ -75,7 +75,7 @@ const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
 /** The field as a number; NQM_ERR_FORMAT names file, line and byte when it is none. */
 NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
 
-/* ---- zip members (libzip) --------------------------------------------------------------------------------------------- */
+/* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
 
 /** Read the member whose last path component is `member` ("x.h5") into a new block (nqm_free); at most max_bytes. */
 NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes, unsigned char **data_ret,
@@ -89,7 +89,7 @@ NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suf
 NQM_MUST_CHECK nqm_status nqm_zip_each(const char *zip_path, const char *suffix,
                                        void (*visit)(void *user, const char *name), void *user, nqm_error *err);
 
-/* ---- HDF5 float datasets (as h5py and Keras write them) ------------------------------------------------------------------------------------ */
+/* ---- HDF5 float datasets (as h5py and Keras write them) ---------------------------------------------------------- */
 
 typedef struct nqm_hdf5 nqm_hdf5;
 /** Open an HDF5 image in memory; the bytes and `name`, which is for messages, must outlive it. */
@@ -100,7 +100,7 @@ NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *pa
                                             float *out, nqm_error *err);
 void nqm_hdf5_close(nqm_hdf5 *file);
 
-/* ---- MAT v5 (matio) --------------------------------------------------------------------------------------------------- */
+/* ---- MAT v5 (matio) ---------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_mat nqm_mat;
 /** Open a MAT v5 file (MATLAB's -v6 and -v7; scipy.io.savemat). `path` must outlive it. */
@@ -113,7 +113,7 @@ NQM_MUST_CHECK nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_
                                        nqm_error *err);
 void nqm_mat_close(nqm_mat *mat);
 
-/* ---- images ----------------------------------------------------------------------------------------------------------- */
+/* ---- images ------------------------------------------------------------------------------------------------------ */
 
 /** A linear RGB picture. */
 typedef struct nqm_image {

@@ -41,8 +41,7 @@ static bool tensor_size(nqm_dtype dtype, size_t n_dims, const size_t *dims, size
     return true;
 }
 
-/* ---- one tensor of the header
- * ------------------------------------------------------------------------------------------ */
+/* ---- one tensor of the header ------------------------------------------------------------------------------------ */
 
 /* What a message about a tensor needs. */
 typedef struct place {
@@ -114,8 +113,7 @@ static nqm_status read_tensor(const place *at, const json_t *entry, const nqm_sa
     return status;
 }
 
-/* ---- the whole header
- * -------------------------------------------------------------------------------------------------- */
+/* ---- the whole header -------------------------------------------------------------------------------------------- */
 
 static int by_position(const void *a, const void *b) {
     const nqm_tensor *const *left = a, *const *right = b;
@@ -222,8 +220,7 @@ void nqm_safetensors_free(nqm_safetensors *st) {
     nqm_free(st);
 }
 
-/* ---- getters
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- getters ----------------------------------------------------------------------------------------------------- */
 
 size_t nqm_safetensors_count(const nqm_safetensors *st) {
     return st->n_tensors;
@@ -244,8 +241,7 @@ const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key) {
     return json_string_value(json_object_get(st->meta, key));
 }
 
-/* ---- checksum
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- checksum ---------------------------------------------------------------------------------------------------- */
 
 /* Where in the header the digits of the checksum begin, n_header when nowhere. The key with its unescaped quotes cannot
  * be part of a string. */
@@ -280,8 +276,7 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
     return true;
 }
 
-/* ---- writing
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* A tensor on its way to the file. */
 typedef struct outgoing {

@@ -89,7 +89,7 @@ nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_e
     return nqm_brdf_wrap(&table_class, t, nqm_brdf_get_info(brdf).name, NULL, "90x46x24 nodes", table_ret, err);
 }
 
-/* ---- folded ---------------------------------------------------------------------------------------------------------- */
+/* ---- folded ------------------------------------------------------------------------------------------------------ */
 
 typedef struct fold {
     nqm_brdf *brdf;

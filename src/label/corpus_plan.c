@@ -33,7 +33,7 @@ bool nqm_corpus_kind_unseen(nqm_corpus_kind kind) {
     return kind == NQM_KIND_QUANTISE || kind == NQM_KIND_SHIFT;
 }
 
-/* ---- forms of the material ------------------------------------------------------------------------------------------ */
+/* ---- forms of the material --------------------------------------------------------------------------------------- */
 
 static nqm_corpus_kind kind_of_source(const char *source) {
     if (strcmp(source, "nbrdf") == 0)
@@ -57,7 +57,7 @@ static void add_presets(const char *group, nqm_corpus_plan *plan) {
     }
 }
 
-/* ---- perturbations --------------------------------------------------------------------------------------------------- */
+/* ---- perturbations ----------------------------------------------------------------------------------------------- */
 
 /* How strong a kind is: a size log-uniform in [faint, strong]. */
 typedef struct strength {
@@ -192,7 +192,7 @@ static size_t draw_tests(nqm_rng *rng, size_t ref, const nqm_corpus_options *opt
     return options->n_perturbations;
 }
 
-/* ---- the plan -------------------------------------------------------------------------------------------------------- */
+/* ---- the plan ---------------------------------------------------------------------------------------------------- */
 
 /* A stream of random numbers for each reference's name: other materials in the list change nothing. */
 static uint64_t stream_of(const char *name) {

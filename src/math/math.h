@@ -10,7 +10,7 @@
 
 #define NQM_PI 3.14159265358979323846
 
-/* ---- vectors (arrays of 3) ------------------------------------------------------------------------------------------- */
+/* ---- vectors (arrays of 3) --------------------------------------------------------------------------------------- */
 
 double nqm_dot3(const double *a, const double *b);
 void nqm_cross3(const double *a, const double *b, double *c);
@@ -23,12 +23,12 @@ void nqm_spherical(double theta, double phi, double *v);
 /** Mean Rec. 709 luminance weights applied to rgb (3). */
 double nqm_luminance(const double *rgb);
 
-/* ---- Rusinkiewicz coordinates (DOI 10.1007/978-3-7091-6453-2_2); hd (3) = theta_h, theta_d, phi_d ---------------------- */
+/* ---- Rusinkiewicz coordinates (DOI 10.1007/978-3-7091-6453-2_2); hd (3) = theta_h, theta_d, phi_d ---------------- */
 
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
 
-/* ---- statistics ------------------------------------------------------------------------------------------------------ */
+/* ---- statistics -------------------------------------------------------------------------------------------------- */
 
 /** Ranks from 1, ties get their mean rank; x, rank: (n). `order` is scratch (n). */
 void nqm_ranks(size_t n, const double *x, double *rank, size_t *order);
@@ -42,7 +42,7 @@ double nqm_kendall(size_t n, const double *x, const double *y);
 /** The q-quantile (0..1) with linear interpolation; x (n) is sorted in place. */
 double nqm_quantile(size_t n, double *x, double q);
 
-/* ---- the JOD curve (Kavoosighafi et al. 2025, eq. 1) ------------------------------------------------------------------- */
+/* ---- the JOD curve (Kavoosighafi et al. 2025, eq. 1) ------------------------------------------------------------- */
 
 typedef struct nqm_jod_curve {
     double b1, b2, b3;
@@ -55,7 +55,7 @@ double nqm_jod_from_delta_e(const nqm_jod_curve *curve, double delta_e);
 /** The inverse on (0, 10); 0 for jod >= 10. */
 double nqm_delta_e_from_jod(const nqm_jod_curve *curve, double jod);
 
-/* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------------- */
+/* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------- */
 
 typedef struct nqm_lsq_problem {
     size_t n_parameters, n_residuals;

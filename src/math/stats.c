@@ -10,8 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- order
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- order ------------------------------------------------------------------------------------------------------- */
 
 /* Sink order[root] in a heap whose largest x is on top. */
 static void sift_down(const double *x, size_t *order, size_t root, size_t n) {
@@ -68,8 +67,7 @@ double nqm_quantile(size_t n, double *x, double q) {
     return x[below] + (at - (double)below) * (x[below + 1] - x[below]);
 }
 
-/* ---- mean and correlation
- * -------------------------------------------------------------------------------------------- */
+/* ---- mean and correlation ---------------------------------------------------------------------------------------- */
 
 double nqm_mean(size_t n, const double *x) {
     double sum = 0;
@@ -119,8 +117,7 @@ double nqm_spearman(size_t n, const double *x, const double *y) {
     return rho;
 }
 
-/* ---- Kendall
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- Kendall ----------------------------------------------------------------------------------------------------- */
 
 typedef struct point {
     double x, y;

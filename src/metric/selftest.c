@@ -31,7 +31,7 @@ static bool near(double actual, double expected, double relative) {
     return fabs(actual - expected) <= relative * fabs(expected);
 }
 
-/* ---- arithmetic ------------------------------------------------------------------------------------------------------ */
+/* ---- arithmetic -------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_product(const nqm_gemm *shape, const float *a, const float *b, float *c, nqm_error *err) {
     nqm_gemm fast = *shape, plain = *shape;
@@ -103,7 +103,7 @@ static nqm_status check_coordinates(nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- published values ------------------------------------------------------------------------------------------------ */
+/* ---- published values -------------------------------------------------------------------------------------------- */
 
 static nqm_status check_curve(nqm_error *err) {
     double top = nqm_jod_from_delta_e(&nqm_jod_curve_published, 0);
@@ -137,7 +137,7 @@ static nqm_status check_brdfs(nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- built-in models ------------------------------------------------------------------------------------------------- */
+/* ---- built-in models --------------------------------------------------------------------------------------------- */
 
 /* The forward pass of the kernels in use beside that of the plain loops, on noise. */
 static nqm_status check_forward(const nqm_model *model, nqm_error *err) {

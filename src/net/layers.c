@@ -19,8 +19,7 @@ enum {
 
 static const float layernorm_eps = 1e-5f;
 
-/* ---- sums along a row
- * ------------------------------------------------------------------------------------------------- */
+/* ---- sums along a row -------------------------------------------------------------------------------------------- */
 
 static double add_lanes(const float *lane) {
     double sum = 0;
@@ -65,8 +64,7 @@ static double row_mean_product(size_t n, const float *x, const float *y) {
     return add_lanes(lane) / (double)n;
 }
 
-/* ---- dropout
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- dropout ----------------------------------------------------------------------------------------------------- */
 
 /* Multiply y and slope by `scale` where the mask (n) keeps, by 0 elsewhere. */
 static void apply_mask(size_t n, const uint8_t *keep, float scale, float *y, float *slope) {
@@ -106,8 +104,7 @@ static void drop(const nqm_hidden *h, size_t row, const nqm_dropout *dropout, fl
         apply_hashed_mask(h, row, dropout, y, slope);
 }
 
-/* ---- forward
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- forward ----------------------------------------------------------------------------------------------------- */
 
 /* x = (x + b - mean) rstd; returns rstd. */
 static float normalise_row(size_t n, const float *b, float *x) {
@@ -145,8 +142,7 @@ void nqm_hidden_forward(const nqm_hidden *hidden, size_t batch, const nqm_dropou
         forward_row(hidden, row, dropout);
 }
 
-/* ---- backward
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- backward ---------------------------------------------------------------------------------------------------- */
 
 /* slope becomes da = d loss / d (LayerNorm's output); dy becomes
  * d loss / d (LayerNorm's input) = rstd (g - mean(g) - xhat mean(g xhat)), g = gamma da. */

@@ -25,8 +25,7 @@ static nqm_status refuse(const reader *r, const nqm_tensor *tensor, const char *
                     tensor->name, what, (long long)tensor->byte_offset);
 }
 
-/* ---- finite numbers, whatever the alignment
- * ---------------------------------------------------------------------------- */
+/* ---- finite numbers, whatever the alignment ---------------------------------------------------------------------- */
 
 static bool all_finite(const nqm_tensor *tensor) {
     const unsigned char *p = tensor->data;
@@ -46,8 +45,7 @@ static bool all_finite(const nqm_tensor *tensor) {
     return largest < 0x7f800000;
 }
 
-/* ---- tensors
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- tensors ----------------------------------------------------------------------------------------------------- */
 
 /* What a tensor must be. `rows` 0: a vector of `cols`. */
 typedef struct wanted {
@@ -88,8 +86,7 @@ static nqm_status get_floats(reader *r, const char *name, size_t n, float *out) 
     return status;
 }
 
-/* ---- the network
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- the network ------------------------------------------------------------------------------------------------- */
 
 /* Widths, from the weight matrices that are there. */
 static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
@@ -170,8 +167,7 @@ static nqm_status read_network(reader *r, nqm_params *params) {
     return is_aligned(params) ? NQM_OK : copy_params(params, r->err);
 }
 
-/* ---- everything else
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- everything else --------------------------------------------------------------------------------------------- */
 
 static nqm_status check_header(const reader *r) {
     const char *format = nqm_safetensors_meta(r->st, "format"), *schema = nqm_safetensors_meta(r->st, "schema");

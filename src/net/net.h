@@ -92,8 +92,7 @@ double nqm_plateau_step(nqm_plateau *plateau, double loss);
 /** A learning rate times that factor; unchanged when the step would be 1e-8 or less, as PyTorch does. */
 double nqm_plateau_rate(double lr, double factor);
 
-/* ---- model file
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- model file -------------------------------------------------------------------------------------------------- */
 
 /** What a model is, in plain data. Strings are owned by the model (nqm_alloc). */
 struct nqm_model {

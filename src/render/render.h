@@ -14,7 +14,7 @@
 
 #include <nqm/label.h>
 
-/* ---- light ----------------------------------------------------------------------------------------------------------- */
+/* ---- light ------------------------------------------------------------------------------------------------------- */
 
 enum { NQM_LIGHT_WIDTH = 256, NQM_LIGHT_HEIGHT = 128, NQM_LIGHT_CELLS = NQM_LIGHT_WIDTH * NQM_LIGHT_HEIGHT };
 
@@ -42,7 +42,7 @@ void nqm_light_direction(size_t cell, double u, double v, double *w);
 /** Draw the built-in sky into a new picture (nqm_free its rgb). */
 NQM_MUST_CHECK nqm_status nqm_sky_draw(nqm_image *image_ret, nqm_error *err);
 
-/* ---- scene ----------------------------------------------------------------------------------------------------------- */
+/* ---- scene ------------------------------------------------------------------------------------------------------- */
 
 /** One visible point of the shape with its local frame: third axis the normal, wo in the plane of first and third. */
 typedef struct nqm_surface_point {

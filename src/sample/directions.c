@@ -88,8 +88,7 @@ const char *nqm_directions_id(const nqm_directions *directions) {
     return directions->id;
 }
 
-/* ---- CSV
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
 static const char *const column_names[3] = {"theta_h", "theta_d", "phi_d"};
 

@@ -65,7 +65,7 @@ static void test_horizon(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* ---- presets against another source of the same measurements ----------------------------------------------------------- */
+/* ---- presets against another source of the same measurements ----------------------------------------------------- */
 
 enum { N_PAIRS = 250 };
 

@@ -140,7 +140,7 @@ static void a_spec_says_what_was_fitted(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* ---- failures --------------------------------------------------------------------------------------------------------- */
+/* ---- failures ---------------------------------------------------------------------------------------------------- */
 
 static void nothing_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
     (void)self;

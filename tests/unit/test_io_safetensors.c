@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- writing and reading back ------------------------------------------------------------------------------------------- */
+/* ---- writing and reading back ------------------------------------------------------------------------------------ */
 
 static const char *path_of_output(void) {
     static char path[64];
@@ -134,7 +134,7 @@ static void truncated_anywhere(void **state) {
     nqm_free(file);
 }
 
-/* ---- headers that lie --------------------------------------------------------------------------------------------------- */
+/* ---- headers that lie -------------------------------------------------------------------------------------------- */
 
 static nqm_status parse_header(const char *json, size_t n_data, nqm_error *err) {
     size_t n_json = strlen(json), n = 8 + n_json + n_data;
@@ -218,7 +218,7 @@ static void claimed_header_lengths(void **state) {
     }
 }
 
-/* ---- writing what cannot be written ------------------------------------------------------------------------------------- */
+/* ---- writing what cannot be written ------------------------------------------------------------------------------ */
 
 static void refused_contents(void **state) {
     (void)state;

@@ -40,7 +40,7 @@ static const char materials[] = "name,group,brdf,source,split\n"
                                 "a-ward,a,ward:kd=0.2;ks=0.04;alpha=0.2,ward,train\n"
                                 "nickel-sgd,nickel,sgd:nickel,sgd,test\n";
 
-/* ---- lists ------------------------------------------------------------------------------------------------------------ */
+/* ---- lists ------------------------------------------------------------------------------------------------------- */
 
 static void list_goes_by_group(void **state) {
     (void)state;
@@ -99,7 +99,7 @@ static void bad_lists_are_refused(void **state) {
     }
 }
 
-/* ---- plans ------------------------------------------------------------------------------------------------------------ */
+/* ---- plans ------------------------------------------------------------------------------------------------------- */
 
 static void plan_of(nqm_corpus_part part, uint64_t seed, size_t group, nqm_corpus_plan *plan) {
     nqm_corpus_list list;
@@ -165,7 +165,7 @@ static void a_seed_is_a_plan(void **state) {
     nqm_corpus_plan_free(&c);
 }
 
-/* ---- forms ------------------------------------------------------------------------------------------------------------ */
+/* ---- forms ------------------------------------------------------------------------------------------------------- */
 
 static nqm_brdf *open_brdf(const char *spec) {
     nqm_brdf *brdf;
@@ -228,7 +228,7 @@ static void folding_makes_reciprocal(void **state) {
     nqm_brdf_free(folded);
 }
 
-/* ---- a corpus --------------------------------------------------------------------------------------------------------- */
+/* ---- a corpus ---------------------------------------------------------------------------------------------------- */
 
 static nqm_directions *directions(void) {
     nqm_directions *made;

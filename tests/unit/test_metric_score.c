@@ -75,7 +75,7 @@ static double expected_jod(const struct nqm_model *model, const float *ref, cons
     return model->target == NQM_TARGET_JOD ? target : nqm_jod_from_delta_e(&model->curve, exp(target));
 }
 
-/* ---- BRDFs whose values and holes the tests choose --------------------------------------------------------------------- */
+/* ---- BRDFs whose values and holes the tests choose --------------------------------------------------------------- */
 
 typedef struct fake {
     double level;
@@ -136,7 +136,7 @@ static void sample(const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb, 
     assert_int_equal(nqm_sample(brdf, directions, policy, rgb, flag, NULL, NULL), NQM_OK);
 }
 
-/* ---- tests --------------------------------------------------------------------------------------------------------------- */
+/* ---- tests ------------------------------------------------------------------------------------------------------- */
 
 static void test_chain(void **state) {
     (void)state;

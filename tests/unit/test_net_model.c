@@ -166,7 +166,7 @@ static void damage(void **state) {
     nqm_free(file);
 }
 
-/* ---- files with the wrong contents, under a right checksum -------------------------------------------------------------- */
+/* ---- files with the wrong contents, under a right checksum ------------------------------------------------------- */
 
 /* The contents of a valid file, to be changed and written again. */
 typedef struct contents {
@@ -312,7 +312,7 @@ static void out_of_memory(void **state) {
     nqm_free(file);
 }
 
-/* ---- what an output means ------------------------------------------------------------------------------------------------ */
+/* ---- what an output means ---------------------------------------------------------------------------------------- */
 
 static void jod_of_an_output(void **state) {
     (void)state;

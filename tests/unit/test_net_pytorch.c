@@ -21,7 +21,7 @@ static nqm_map map;
 static nqm_safetensors *vectors;
 static float x[BATCH * INPUTS], target[BATCH];
 
-/* ---- the stored vectors, which are not aligned ------------------------------------------------------------------------ */
+/* ---- the stored vectors, which are not aligned ------------------------------------------------------------------- */
 
 static const nqm_tensor *stored(const char *name, size_t n_bytes) {
     const nqm_tensor *tensor = nqm_safetensors_find(vectors, name);
@@ -81,7 +81,7 @@ static void compare_tensor(const char *name, size_t n, float *values) {
     compare(name, n, values);
 }
 
-/* ---- one network under test -------------------------------------------------------------------------------------------- */
+/* ---- one network under test -------------------------------------------------------------------------------------- */
 
 typedef struct fixture {
     nqm_params params, grads;

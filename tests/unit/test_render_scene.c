@@ -18,7 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- BRDFs of our own ------------------------------------------------------------------------------------------------- */
+/* ---- BRDFs of our own -------------------------------------------------------------------------------------------- */
 
 /* A white-ish Lambert part and a GGX lobe (Smith, separate shadowing and masking; Schlick with f0 = 0.5). */
 typedef struct gloss {
@@ -54,7 +54,7 @@ static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
     return brdf;
 }
 
-/* ---- lights and scenes ------------------------------------------------------------------------------------------------ */
+/* ---- lights and scenes ------------------------------------------------------------------------------------------- */
 
 /* A light of one grey, with n_cells from first_cell on of another. */
 static nqm_light make_light(float grey, size_t first_cell, size_t n_cells, float bright) {
@@ -110,7 +110,7 @@ static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf 
     return delta_e;
 }
 
-/* ---- the light map ---------------------------------------------------------------------------------------------------- */
+/* ---- the light map ----------------------------------------------------------------------------------------------- */
 
 static void cells_and_directions(void **state) {
     (void)state;
@@ -187,7 +187,7 @@ static void sky_has_the_contrast_of_a_real_one(void **state) {
     nqm_free(image.rgb);
 }
 
-/* ---- pictures against closed forms -------------------------------------------------------------------------------------- */
+/* ---- pictures against closed forms ------------------------------------------------------------------------------- */
 
 static void white_furnace(void **state) {
     (void)state;
@@ -341,7 +341,7 @@ static void no_fireflies(void **state) {
     nqm_light_clear(&light);
 }
 
-/* ---- labels --------------------------------------------------------------------------------------------------------------- */
+/* ---- labels ------------------------------------------------------------------------------------------------------ */
 
 static void equal_brdfs_give_exactly_zero(void **state) {
     (void)state;
@@ -410,7 +410,7 @@ static void brighter_than_the_display_is_clipped(void **state) {
     nqm_scene_free(scene);
 }
 
-/* ---- refusals ------------------------------------------------------------------------------------------------------------- */
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void expect_refusal(nqm_scene_options o, nqm_status expected) {
     nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- BRDFs ----------------------------------------------------------------------------------------------------------- */
+/* ---- BRDFs ------------------------------------------------------------------------------------------------------- */
 
 static json_t *json_text(const char *text) {
     return text && *text ? json_string(text) : json_null();
@@ -59,7 +59,7 @@ static int info_brdf(const char *argument, bool json) {
     return exit_code;
 }
 
-/* ---- models ---------------------------------------------------------------------------------------------------------- */
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 static json_t *json_directions(const nqm_directions *directions) {
     return json_pack("{s:I,s:s}", "n", (json_int_t)nqm_directions_count(directions), "id",
@@ -106,7 +106,7 @@ static int info_model(const char *path, bool json) {
     return exit_code;
 }
 
-/* ---- datasets -------------------------------------------------------------------------------------------------------- */
+/* ---- datasets ---------------------------------------------------------------------------------------------------- */
 
 static int print_dataset_json(const nqm_dataset_info *info, const char *path) {
     json_t *manifest = json_loads(info->manifest, 0, NULL);
@@ -141,7 +141,7 @@ static int info_dataset(const char *path, bool json) {
     return exit_code;
 }
 
-/* ---- finding out what it is ------------------------------------------------------------------------------------------ */
+/* ---- finding out what it is -------------------------------------------------------------------------------------- */
 
 typedef enum file_kind { KIND_BRDF, KIND_MODEL, KIND_DATASET } file_kind;
 

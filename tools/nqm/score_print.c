@@ -8,7 +8,7 @@
 #include <stdarg.h>
 #include <string.h>
 
-/* ---- remarks --------------------------------------------------------------------------------------------------------- */
+/* ---- remarks ----------------------------------------------------------------------------------------------------- */
 
 __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, const char *format, ...) {
     char text[600];
@@ -64,7 +64,7 @@ static void print_remarks(const score_run *run) {
     json_decref(remarks);
 }
 
-/* ---- text ------------------------------------------------------------------------------------------------------------ */
+/* ---- text -------------------------------------------------------------------------------------------------------- */
 
 /* Share of people who would say that the reference looks better, in percent: the JOD scale is made so that one unit is 75 %
  * and no difference is 50 %, guessing (Thurstone's model, case V). */
@@ -118,7 +118,7 @@ static void print_quiet(const score_run *run) {
     }
 }
 
-/* ---- JSON and CSV ---------------------------------------------------------------------------------------------------- */
+/* ---- JSON and CSV ------------------------------------------------------------------------------------------------ */
 
 /* A number of the result; NaN, which becomes null or nothing, when the test has no score. */
 static double number_of(const score_row *row, double value) {

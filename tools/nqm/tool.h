@@ -26,7 +26,7 @@ enum {
     EXIT_INTERRUPTED = 130
 };
 
-/* ---- options --------------------------------------------------------------------------------------------------------- */
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
 typedef enum option_kind {
     OPTION_FLAG,   /* target: bool */
@@ -60,7 +60,7 @@ typedef struct command {
  */
 bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code);
 
-/* ---- inputs ---------------------------------------------------------------------------------------------------------- */
+/* ---- inputs ------------------------------------------------------------------------------------------------------ */
 
 /** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and its
  *  exit code returned. */
@@ -85,7 +85,7 @@ int choose(const char *verb, const char *option_name, const choice *choices, con
 /** The name of a value. */
 const char *choice_name(const choice *choices, int value);
 
-/* ---- talking --------------------------------------------------------------------------------------------------------- */
+/* ---- talking ----------------------------------------------------------------------------------------------------- */
 
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
 int report_error(const char *verb, const nqm_error *err);
@@ -117,7 +117,7 @@ void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing when it is not finite. */
 void print_csv_number(FILE *out, double value);
 
-/* ---- verbs ----------------------------------------------------------------------------------------------------------- */
+/* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
