@@ -8,10 +8,11 @@
  *  - `wi` points to the light, `wo` to the viewer. BRDF values are f_r in 1/sr, WITHOUT the cosine.
  *  - RGB is linear, with BT.709 primaries. Angles are radians; degrees occur only in files and on the command line.
  *  - Arrays are row-major, the last index fastest; the shape stands beside every array as (rows, columns).
- *  - Every fallible function returns an nqm_status and fills an optional nqm_error (NULL is allowed). When it fails, the
- *    pointers it would have returned are NULL and other outputs are untouched unless its documentation says otherwise.
- *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed there).
- *    Pointers that getters lend are valid until the object is freed.
+ *  - Every fallible function returns an nqm_status and fills an optional nqm_error (NULL is allowed). When it fails,
+ *    the pointers it would have returned are NULL and other outputs are untouched unless its documentation says
+ *    otherwise.
+ *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
+ *    there). Pointers that getters lend are valid until the object is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other
  *    objects belong to one thread at a time.
  *  - The library never prints, never exits, never reads the environment and does not depend on the locale.
@@ -33,7 +34,7 @@ extern "C" {
 #define NQM_VERSION_PATCH 0
 
 #if defined(__GNUC__)
-#define NQM_API __attribute__((visibility("default")))
+#define NQM_API        __attribute__((visibility("default")))
 #define NQM_MUST_CHECK __attribute__((warn_unused_result))
 #else
 #define NQM_API
@@ -67,7 +68,8 @@ NQM_API const char *nqm_status_text(nqm_status status);
 /** "MAJOR.MINOR.PATCH" of the library that is running; static storage. Any thread. */
 NQM_API const char *nqm_version(void);
 
-/** One line on what this build holds: libraries with their versions, instruction set in use; static storage. Any thread. */
+/** One line on what this build holds: libraries with their versions, instruction set in use; static storage. Any
+ *  thread. */
 NQM_API const char *nqm_build_info(void);
 
 /**

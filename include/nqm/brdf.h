@@ -2,9 +2,9 @@
  *
  * nqm/brdf.h - open any isotropic BRDF (measured, neural or analytic) and evaluate it for direction pairs.
  *
- * The half-vector coordinates are those of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2): theta_h, the angle between
- * normal and half vector; theta_d, between half vector and light; phi_d, the azimuth of the light about the half vector.
- * phi_h is 0 (isotropy); phi_d lies in [0, pi) (reciprocity).
+ * The half-vector coordinates are those of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2): theta_h, the angle
+ * between normal and half vector; theta_d, between half vector and light; phi_d, the azimuth of the light about the
+ * half vector. phi_h is 0 (isotropy); phi_d lies in [0, pi) (reciprocity).
  */
 #ifndef NQM_BRDF_H
 #define NQM_BRDF_H
@@ -21,7 +21,7 @@ typedef struct nqm_brdf nqm_brdf;
 /** What an evaluation found, per direction pair. */
 typedef enum nqm_value_flag {
     NQM_VALUE_OK = 0,      /**< finite and not negative */
-    NQM_VALUE_CLAMPED = 1, /**< at least one channel was negative in the data (out of gamut) and is given as 0; usable */
+    NQM_VALUE_CLAMPED = 1, /**< some channel was negative in the data (out of gamut) and is given as 0; usable */
     NQM_VALUE_INVALID = 2, /**< the data hold no value here (empty cell, not finite); rgb is 0,0,0 */
     NQM_VALUE_HORIZON = 3  /**< light or viewer at or below the horizon; rgb is 0,0,0 */
 } nqm_value_flag;
@@ -41,13 +41,13 @@ typedef struct nqm_brdf_info {
 /**
  * Open a BRDF from a path or a spec.
  *
- * A path's format is found by its bytes, never by its name: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic), NBRDF
- * `.h5`; `ARCHIVE.zip:MATERIAL` names an NBRDF inside a zip; `DIR/nps_decoder_f32le.bin:MATERIAL` a neural-process
- * reconstruction (its latents lie beside the decoder in nps_latents.csv). A spec is `MODEL:key=value;key=value` (`lambert:`,
- * `ggx:`, `ward:`, `sgd:` with parameters) or a preset `sgd:NAME`, `ward:NAME`, or a perturbation
- * `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with unit, range and default.
- * RGL data are not quite reciprocal: their parametrised direction (theta_i) is taken as the viewer (doc/files.md).
- * A relative path that begins like a spec is opened as a path when written with `./`.
+ * A path's format is found by its bytes, never by its name: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic),
+ * NBRDF `.h5`; `ARCHIVE.zip:MATERIAL` names an NBRDF inside a zip; `DIR/nps_decoder_f32le.bin:MATERIAL` a
+ * neural-process reconstruction (its latents lie beside the decoder in nps_latents.csv). A spec is
+ * `MODEL:key=value;key=value` (`lambert:`, `ggx:`, `ward:`, `sgd:` with parameters) or a preset `sgd:NAME`,
+ * `ward:NAME`, or a perturbation `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with
+ * unit, range and default. RGL data are not quite reciprocal: their parametrised direction (theta_i) is taken as the
+ * viewer (doc/files.md). A relative path that begins like a spec is opened as a path when written with `./`.
  *
  * @param path_or_spec  see above
  * @param brdf_ret      receives the BRDF; free with nqm_brdf_free()
@@ -74,7 +74,8 @@ NQM_API nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf);
  * @param rgb   (n, 3) receives f_r
  * @param flag  (n) receives an nqm_value_flag each; NULL allowed
  */
-NQM_API void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb, uint8_t *flag);
+NQM_API void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb,
+                           uint8_t *flag);
 
 /**
  * As nqm_brdf_eval(), for half-vector coordinates. Tables and networks stored in these coordinates are read without a
@@ -91,8 +92,8 @@ NQM_API void nqm_half_diff_to_directions(const double *hd, double *wi, double *w
 NQM_API void nqm_directions_to_half_diff(const double *wi, const double *wo, double *hd);
 
 /**
- * Write `brdf` as a MERL `.binary` table (90 x 90 x 180 cells, evaluated at cell centres; cells below the horizon or invalid
- * are -1). The file appears under its name only when complete.
+ * Write `brdf` as a MERL `.binary` table (90 x 90 x 180 cells, evaluated at cell centres; cells below the horizon or
+ * invalid are -1). The file appears under its name only when complete.
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress,
                                                       void *progress_user, nqm_error *err);
@@ -104,13 +105,13 @@ NQM_API const char *nqm_brdf_preset_name(size_t i);
 
 /** Physical plausibility of a BRDF, from nqm_brdf_check(). */
 typedef struct nqm_brdf_check_report {
-    size_t n_pairs;               /**< direction pairs tested */
-    size_t n_clamped;             /**< pairs with a negative channel in the data */
-    size_t n_invalid;             /**< pairs without data */
-    double reciprocity_median;    /**< median of |f(a,b)-f(b,a)| / mean, luminance, over pairs above 1e-4 1/sr */
-    double reciprocity_p95;       /**< 95th percentile of the same */
-    double albedo_max[3];         /**< largest directional-hemispherical albedo over theta_i = 0..75 degrees, per channel */
-    double albedo_max_theta_rad;  /**< the angle of incidence at which the largest of them occurs */
+    size_t n_pairs;              /**< direction pairs tested */
+    size_t n_clamped;            /**< pairs with a negative channel in the data */
+    size_t n_invalid;            /**< pairs without data */
+    double reciprocity_median;   /**< median of |f(a,b)-f(b,a)| / mean, luminance, over pairs above 1e-4 1/sr */
+    double reciprocity_p95;      /**< 95th percentile of the same */
+    double albedo_max[3];        /**< largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel */
+    double albedo_max_theta_rad; /**< the angle of incidence at which the largest of them occurs */
 } nqm_brdf_check_report;
 
 /**
@@ -123,7 +124,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t 
                                                  nqm_error *err);
 
 /**
- * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the viewer's hemisphere, for light at theta_i_rad.
+ * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the viewer's hemisphere, for light at
+ * theta_i_rad.
  *
  * @param rgb  (3) receives the albedo per channel
  */

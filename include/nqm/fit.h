@@ -13,28 +13,30 @@ extern "C" {
 
 /** What a fit minimises: a mean over directions and channels; c = cos(theta_i) cos(theta_o). */
 typedef enum nqm_fit_loss {
-    NQM_FIT_LOG = 0,  /**< squared difference of log(1 + f_r); the default */
-    NQM_FIT_LOG_COS,  /**< squared difference of log(1 + c f_r) */
+    NQM_FIT_LOG = 0,   /**< squared difference of log(1 + f_r); the default */
+    NQM_FIT_LOG_COS,   /**< squared difference of log(1 + c f_r) */
     NQM_FIT_CUBE_ROOT, /**< squared difference of cbrt(f_r) */
-    NQM_FIT_LINEAR    /**< squared difference of f_r */
+    NQM_FIT_LINEAR     /**< squared difference of f_r */
 } nqm_fit_loss;
 
 typedef struct nqm_fit_options {
-    nqm_fit_loss loss;      /**< default NQM_FIT_LOG */
-    size_t n_directions;    /**< direction pairs; default 6000 */
-    double max_polar_rad;   /**< both directions stay below it; default 80 degrees */
-    double highlight_fraction; /**< share of the pairs with theta_h = max u^2, theta_d and phi_d uniform (u uniform): dense
-                                    around the mirror direction, so that the sharpest lobes count; the others are uniform
-                                    by solid angle; 0..1; default 0.05: more of them brighten the dark base of metals */
-    size_t n_starts;        /**< starting values of the lobe width, spaced evenly in its logarithm; default 12 */
-    uint64_t seed;          /**< default 1 */
-    nqm_progress_fn progress; /**< NULL: silent */
+    nqm_fit_loss loss;         /**< default NQM_FIT_LOG */
+    size_t n_directions;       /**< direction pairs; default 6000 */
+    double max_polar_rad;      /**< both directions stay below it; default 80 degrees */
+    double highlight_fraction; /**< share of the pairs with theta_h = max u^2, theta_d and phi_d uniform (u uniform):
+                                    dense around the mirror direction, so that the sharpest lobes count; the others
+                                    are uniform by solid angle; 0..1; default 0.05: more brighten metals' dark base */
+    size_t n_starts;           /**< starting values of the lobe width, spaced evenly in its logarithm; default 12 */
+    uint64_t seed;             /**< default 1 */
+    nqm_progress_fn progress;  /**< NULL: silent */
     void *progress_user;
 } nqm_fit_options;
 
+/** The defaults above. */
 NQM_API nqm_fit_options nqm_fit_options_default(void);
 /** "log", "log-cos", "cube-root" or "linear"; 0 when `text` is none of them. */
 NQM_API int nqm_fit_loss_parse(const char *text, nqm_fit_loss *loss_ret);
+/** The word for a loss; static storage. */
 NQM_API const char *nqm_fit_loss_name(nqm_fit_loss loss);
 
 typedef struct nqm_fit_report {

@@ -15,8 +15,8 @@ extern "C" {
 
 /* ---- colour ------------------------------------------------------------------------------------------------------ */
 
-/** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels count
- *  as 0, channels above 10000 as 10000. rgb_cdm2, itp: (3). */
+/** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels
+ *  count as 0, channels above 10000 as 10000. rgb_cdm2, itp: (3). */
 NQM_API void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp);
 /** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each. */
 NQM_API double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2);
@@ -52,20 +52,25 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_regress_csv(const char *path, nqm_regress_
 typedef struct nqm_scene nqm_scene;
 
 typedef struct nqm_scene_options {
-    const char *light;      /**< latitude-longitude map: RGBE-in-PNG (as Pixar Campus), EXR or Radiance HDR; NULL: the built-in sky */
-    size_t n_points;        /**< visible surface points; default 1024 */
-    size_t n_lights;        /**< light directions a point; default 384 */
-    double exposure_cdm2;   /**< luminance at which a white Lambert surface shows on average; default 200 */
-    double peak_cdm2;       /**< display peak; brighter is clipped; default 1000 */
-    uint64_t seed;          /**< default 1 */
+    const char *light;    /**< latitude-longitude map: RGBE in PNG, OpenEXR or Radiance HDR; NULL: a built-in sky */
+    size_t n_points;      /**< visible surface points; default 1024 */
+    size_t n_lights;      /**< light directions a point; default 384 */
+    double exposure_cdm2; /**< luminance at which a white Lambert surface shows on average; default 200 */
+    double peak_cdm2;     /**< display peak; brighter is clipped; default 1000 */
+    uint64_t seed;        /**< default 1 */
 } nqm_scene_options;
 
+/** The defaults above. */
 NQM_API nqm_scene_options nqm_scene_options_default(void);
-NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret, nqm_error *err);
+/** Make a scene; options NULL: the defaults. NQM_ERR_ARG, or what reading the light map gives. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret,
+                                                   nqm_error *err);
+/** Free a scene; NULL is allowed. */
 NQM_API void nqm_scene_free(nqm_scene *scene);
 /** Number of surface points (pixels). */
 NQM_API size_t nqm_scene_count(const nqm_scene *scene);
-/** Direct light reflected at each point: rgb_cdm2 (n_points, 3), before the clip at the display's peak. Deterministic. */
+/** Direct light reflected at each point: rgb_cdm2 (n_points, 3), before the clip at the display's peak.
+ *  Deterministic. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
                                                    nqm_error *err);
 /** Mean Delta-E ITP over the points of two renderings of the scene; equal pictures give exactly 0. */
@@ -80,22 +85,23 @@ typedef enum nqm_corpus_part {
 } nqm_corpus_part;
 
 typedef struct nqm_corpus_options {
-    nqm_corpus_part part;    /**< default NQM_CORPUS_TRAINING */
-    const char *root;        /**< folder at which relative paths of the list start; NULL: the list's own */
-    const char *light;       /**< as in nqm_scene_options */
-    const char *checkpoint;  /**< folder in which finished references are kept, so that an interrupted run goes on; NULL: none */
-    size_t n_perturbations;  /**< perturbed copies a reference; default 26 */
-    uint64_t seed;           /**< default 1 */
+    nqm_corpus_part part;   /**< default NQM_CORPUS_TRAINING */
+    const char *root;       /**< folder at which relative paths of the list start; NULL: the list's own */
+    const char *light;      /**< as in nqm_scene_options */
+    const char *checkpoint; /**< folder that keeps finished groups, so that an interrupted run goes on; NULL: none */
+    size_t n_perturbations; /**< perturbed copies a reference; default 26 */
+    uint64_t seed;          /**< default 1 */
     nqm_progress_fn progress;
     void *progress_user;
 } nqm_corpus_options;
 
+/** The defaults above. */
 NQM_API nqm_corpus_options nqm_corpus_options_default(void);
 
 /**
- * Make a dataset file from a list of materials: for each reference its own fits, the other forms of the same material that
- * the list or the presets hold, and seeded perturbations; labels by rendering. The manifest is stored in the file and
- * written beside it as PATH.json.
+ * Make a dataset file from a list of materials: for each reference its own fits, the other forms of the same material
+ * that the list or the presets hold, and seeded perturbations; labels by rendering. The manifest is stored in the file
+ * and written beside it as PATH.json.
  *
  * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test); see
  *                       nqm_corpus_scan()
@@ -107,13 +113,14 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_build(const char *materials_csv, co
 
 /**
  * Write the material list of a data folder: DIR/rgl/ *.bsdf, the members of DIR/nbrdf/ *.zip, the rows of
- * DIR/nps/nps_latents.csv, and the presets `sgd:`. Paths are relative to DIR. All forms of one material make one group. The
- * materials of DIR/labels/labels_real.csv are the test split; a seeded 15 % of the other groups are validation.
+ * DIR/nps/nps_latents.csv, and the presets `sgd:`. Paths are relative to DIR. All forms of one material make one group.
+ * The materials of DIR/labels/labels_real.csv are the test split; a seeded 15 % of the other groups are validation.
  *
  * @param data_dir  DIR
  * @param path      the CSV to write ("-" is standard output)
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_scan(const char *data_dir, uint64_t seed, const char *path, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_scan(const char *data_dir, uint64_t seed, const char *path,
+                                                  nqm_error *err);
 
 #ifdef __cplusplus
 }

@@ -2,8 +2,8 @@
  *
  * nqm/metric.h - models, and the score of a pair: JOD from the network, and the scalar BRDF-space metrics beside it.
  *
- * JOD (just-objectionable differences) here run from 0 (nothing alike) to 10 (no visible difference); one JOD less means that
- * 75 % of people would notice that the quality is worse.
+ * JOD (just-objectionable differences) here run from 0 (nothing alike) to 10 (no visible difference); one JOD less
+ * means that 75 % of people would notice that the quality is worse.
  */
 #ifndef NQM_METRIC_H
 #define NQM_METRIC_H
@@ -19,16 +19,16 @@ typedef struct nqm_model nqm_model;
 
 /** Facts about a model; strings are lent by it. */
 typedef struct nqm_model_info {
-    const char *id;            /**< "default", "paper", or as given when trained */
-    const char *recipe;        /**< "paper", "notebook", "nqm" */
-    const char *sha256;        /**< 64 hex digits: the checksum of the model file */
-    const char *card;          /**< the model card, Markdown: trained on, judged on, not good for */
-    const char *licence;       /**< SPDX */
+    const char *id;              /**< "default", "paper", or as given when trained */
+    const char *recipe;          /**< "paper", "notebook", "nqm" */
+    const char *sha256;          /**< 64 hex digits: the checksum of the model file */
+    const char *card;            /**< the model card, Markdown: trained on, judged on, not good for */
+    const char *licence;         /**< SPDX */
     const char *manifest_sha256; /**< hash of the training dataset file; "" if unknown */
-    size_t n_parameters;       /**< trained numbers (weights, biases, LayerNorm) */
-    size_t n_layers;           /**< linear layers */
-    const size_t *layer_sizes; /**< (n_layers + 1) widths, input first */
-    double jod_min, jod_max;   /**< the range that the output can take */
+    size_t n_parameters;         /**< trained numbers (weights, biases, LayerNorm) */
+    size_t n_layers;             /**< linear layers */
+    const size_t *layer_sizes;   /**< (n_layers + 1) widths, input first */
+    double jod_min, jod_max;     /**< the range that the output can take */
     const nqm_directions *directions;
 } nqm_model_info;
 
@@ -40,10 +40,13 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model 
 /** Built-in models: how many, and the name of the i-th. */
 NQM_API size_t nqm_model_builtin_count(void);
 NQM_API const char *nqm_model_builtin_name(size_t i);
+/** Free a model; NULL is allowed. */
 NQM_API void nqm_model_free(nqm_model *model);
+/** Facts about `model`. */
 NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
 
-/** The scalar metrics, on the samples of both BRDFs: mean over directions and channels; c = cos(theta_i) cos(theta_o). */
+/** The scalar metrics, on the samples of both BRDFs: means over directions and channels;
+ *  c = cos(theta_i) cos(theta_o). */
 typedef enum nqm_metric {
     NQM_METRIC_RMSE = 0,  /**< root mean square difference of f_r */
     NQM_METRIC_MAE,       /**< mean absolute difference of f_r */
@@ -53,7 +56,7 @@ typedef enum nqm_metric {
     NQM_METRIC_MA_LOGE,   /**< mean absolute difference of the same */
     NQM_METRIC_RMS_LOGWE, /**< RMS difference of log(1 + c f_r) */
     NQM_METRIC_MA_LOGWE,  /**< mean absolute difference of the same */
-    NQM_METRIC_LOG_DIFF,  /**< mean absolute difference of log(f_r + 0.003): not of the paper, the strongest simple metric */
+    NQM_METRIC_LOG_DIFF,  /**< mean absolute difference of log(f_r + 0.003): not of the paper; the best simple one */
     NQM_METRIC_COUNT
 } nqm_metric;
 enum { NQM_METRIC_BASELINE_COUNT = 8 }; /**< the first eight are the paper's baselines */
@@ -64,24 +67,25 @@ NQM_API const char *nqm_metric_name(nqm_metric metric);
 /** Options of nqm_score(). */
 typedef struct nqm_score_options {
     nqm_invalid_policy invalid; /**< default NQM_INVALID_DROP */
-    double min_valid_fraction;  /**< a pair with fewer directions at which both hold a value is refused, under every policy:
-                                     NQM_ERR_INCOMPATIBLE in its result; 0..1; default 0.9 */
+    double min_valid_fraction;  /**< a pair with fewer directions at which both hold a value is refused, under every
+                                     policy: NQM_ERR_INCOMPATIBLE in its result; 0..1; default 0.9 */
 } nqm_score_options;
 
+/** The defaults above. */
 NQM_API nqm_score_options nqm_score_options_default(void);
 
 /** The score of one test. */
 typedef struct nqm_score_result {
-    nqm_status status;       /**< NQM_OK, or why this test has no score (all numbers are NaN then) */
-    double jod;              /**< predicted quality, jod_min..jod_max of the model */
-    double delta_e;          /**< the Delta-E ITP that the JOD stands for, by the model's curve; NaN if the model has none */
-    int identical;           /**< 1 when both are equal at every valid direction */
+    nqm_status status; /**< NQM_OK, or why this test has no score (all numbers are NaN then) */
+    double jod;        /**< predicted quality, jod_min..jod_max of the model */
+    double delta_e;    /**< the Delta-E ITP that the JOD stands for; NaN if the model does not predict one */
+    int identical;     /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
-    size_t n_valid;          /**< directions at which both BRDFs hold a value */
+    size_t n_valid;                       /**< directions at which both BRDFs hold a value */
     size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, taken as 0 */
     size_t n_invalid_ref, n_invalid_test; /**< directions without a value, filled as the policy says */
-    size_t n_unusual_ref, n_unusual_test; /**< directions at which it is brighter than the training references by more than
-                                               6 standard deviations (of the transformed values): extrapolation */
+    size_t n_unusual_ref, n_unusual_test; /**< directions at which it is brighter than the training references by more
+                                               than 6 standard deviations of the transformed values: extrapolation */
 } nqm_score_result;
 
 /**

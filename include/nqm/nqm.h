@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/nqm.h - all of nqm. Programs that link libnqm (score and train) need base.h, brdf.h, samples.h, metric.h and train.h only;
- * fit.h and label.h are in libnqm-full.
+ * nqm/nqm.h - all of nqm. Programs that link libnqm (score and train) need base.h, brdf.h, samples.h, metric.h and
+ * train.h only; fit.h and label.h are in libnqm-full.
  */
 #ifndef NQM_NQM_H
 #define NQM_NQM_H

@@ -20,20 +20,21 @@ typedef struct nqm_directions_options {
     uint64_t seed;            /**< default 1 */
     double max_polar_rad;     /**< theta_i and theta_o stay at or below this; above 0, at most pi/2; default 75 degrees
                                    (grazing data are noisy) */
-    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; above 0, at most
-                                   100; default 2 */
+    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; above 0, at
+                                   most 100; default 2 */
     double oversampling;      /**< candidates per kept direction when references are given; >= 1; default 4 */
     nqm_progress_fn progress; /**< NULL: silent */
     void *progress_user;
 } nqm_directions_options;
 
+/** The defaults above. */
 NQM_API nqm_directions_options nqm_directions_options_default(void);
 
 /**
- * Make directions (paper, section 3.1): theta_d and phi_d uniform, theta_h denser toward 0, both polar angles bounded; of
- * the candidates those are drawn, with probability in proportion, where the references carry significant energy (mean over
- * the references of the cube-rooted luminance, each reference normalised; stratified in theta_h so that the density above
- * is kept). The set is ordered by theta_h; the same options and references give the same set.
+ * Make directions (paper, section 3.1): theta_d and phi_d uniform, theta_h denser toward 0, both polar angles bounded;
+ * of the candidates those are drawn, with probability in proportion, where the references carry significant energy
+ * (mean over the references of the cube-rooted luminance, each reference normalised; stratified in theta_h so that the
+ * density above is kept). The set is ordered by theta_h; the same options and references give the same set.
  *
  * @param options NULL: the defaults
  * @param refs    (n_refs) BRDFs that decide what "significant energy" is; n_refs 0: every candidate is kept
@@ -42,17 +43,21 @@ NQM_API nqm_directions_options nqm_directions_options_default(void);
 NQM_API NQM_MUST_CHECK nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n_refs,
                                                         const nqm_brdf *const *refs, nqm_directions **directions_ret,
                                                         nqm_error *err);
-/** From n rows of theta_h, theta_d, phi_d in degrees, hd_deg (n, 3), in their order. theta_h in [0,90], theta_d in [0,90],
- *  phi_d in [-360,360]. */
+/** From n rows of theta_h, theta_d, phi_d in degrees, hd_deg (n, 3), in their order. theta_h in [0,90], theta_d in
+ *  [0,90], phi_d in [-360,360]. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg,
                                                               nqm_directions **directions_ret, nqm_error *err);
-/** Read a CSV ("-" is standard input) with a header line that names the columns theta_h, theta_d and phi_d (degrees; others
- *  are ignored). */
-NQM_API NQM_MUST_CHECK nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions_ret, nqm_error *err);
+/** Read a CSV ("-" is standard input) with a header line that names the columns theta_h, theta_d and phi_d (degrees;
+ *  others are ignored). */
+NQM_API NQM_MUST_CHECK nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions_ret,
+                                                          nqm_error *err);
 /** Write such a CSV ("-" is standard output); reading it back gives the same set with the same id. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_directions_save_csv(const nqm_directions *directions, const char *path, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_directions_save_csv(const nqm_directions *directions, const char *path,
+                                                          nqm_error *err);
+/** Free a set; NULL is allowed. */
 NQM_API void nqm_directions_free(nqm_directions *directions);
 
+/** How many. */
 NQM_API size_t nqm_directions_count(const nqm_directions *directions);
 /** (n, 3) theta_h, theta_d, phi_d in degrees; lent. */
 NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);

@@ -44,7 +44,9 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load(const char *path, nqm_dataset
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load_authors(const char *root, const char *labels_csv, nqm_split split,
                                                            nqm_dataset **dataset_ret, nqm_error *err);
+/** Free a dataset; NULL is allowed. */
 NQM_API void nqm_dataset_free(nqm_dataset *dataset);
+/** Facts about `dataset`. */
 NQM_API nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset);
 
 /** The kinds of distortion in a dataset: how many, and the i-th ("ggx", "noise"); lent. */
@@ -152,7 +154,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nq
 
 /** Write a model file; it appears under its name only when complete. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
-/** The same with `markdown` behind the model's card: what was found out after training, such as results on a test set. */
+/** The same with `markdown` behind the model's card: what was found out after training, such as results on a test
+ *  set. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *model, const char *markdown,
                                                            const char *path, nqm_error *err);
 
@@ -179,6 +182,7 @@ typedef struct nqm_eval_options {
     void *progress_user;
 } nqm_eval_options;
 
+/** The defaults above. */
 NQM_API nqm_eval_options nqm_eval_options_default(void);
 
 /**
@@ -198,6 +202,7 @@ typedef struct nqm_evaluation nqm_evaluation;
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models,
                                                         const nqm_model *const *models, const nqm_eval_options *options,
                                                         nqm_evaluation **evaluation_ret, nqm_error *err);
+/** Free an evaluation; NULL is allowed. */
 NQM_API void nqm_evaluation_free(nqm_evaluation *evaluation);
 /** Number of predictors: n_models + NQM_METRIC_COUNT. */
 NQM_API size_t nqm_evaluation_count(const nqm_evaluation *evaluation);

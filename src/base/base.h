@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * base.h - what every module leans on: failing with a message, checked allocation, mapped input files, output files that
- * appear only when complete, little-endian reading, numbers as text in any locale, random numbers with explicit state,
- * parallel loops and SHA-256. Knows nothing of BRDFs.
+ * base.h - what every module leans on: failing with a message, checked allocation, mapped input files, output files
+ * that appear only when complete, little-endian reading, numbers as text in any locale, random numbers with explicit
+ * state, parallel loops and SHA-256. Knows nothing of BRDFs.
  */
 #ifndef NQM_SRC_BASE_H
 #define NQM_SRC_BASE_H
@@ -40,8 +40,8 @@ typedef struct nqm_map {
     const char *path; /**< lent; for messages */
 } nqm_map;
 
-/** Map a regular file. Directories, missing and unreadable files give NQM_ERR_IO with a plain message. The pages are not
- *  read until they are touched. `path` must outlive the map. */
+/** Map a regular file. Directories, missing and unreadable files give NQM_ERR_IO with a plain message. The pages are
+ *  not read until they are touched. `path` must outlive the map. */
 NQM_MUST_CHECK nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err);
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Input files mapped into memory, and output files that appear under their name only when they are complete: a reader never
- * sees half a file, and an interrupted run leaves what was there before.
+ * Input files mapped into memory, and output files that appear under their name only when they are complete: a reader
+ * never sees half a file, and an interrupted run leaves what was there before.
  */
 #include "base/base.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Checked, zeroed and aligned allocation. Every allocation of the library's own code passes here, so that tests can make the
- * n-th one fail (nqm_alloc_fail_after).
+ * Checked, zeroed and aligned allocation. Every allocation of the library's own code passes here, so that tests can
+ * make the n-th one fail (nqm_alloc_fail_after).
  */
 #include "base/base.h"
 #include "base/memory_test.h"

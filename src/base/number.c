@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Numbers as text, the same under every locale: the calling thread is switched to the "C" locale for the one conversion.
+ * Numbers as text, the same under every locale: the calling thread is switched to the "C" locale for the one
+ * conversion.
  */
 #include "base/base.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Random numbers with explicit state: xoshiro256** (Blackman and Vigna 2021, DOI 10.1145/3460772) seeded through splitmix64
- * (Steele, Lea and Flood 2014, DOI 10.1145/2660193.2660195), and a counter-based hash for draws that must not depend on
- * the order of calls.
+ * Random numbers with explicit state: xoshiro256** (Blackman and Vigna 2021, DOI 10.1145/3460772) seeded through
+ * splitmix64 (Steele, Lea and Flood 2014, DOI 10.1145/2660193.2660195), and a counter-based hash for draws that must
+ * not depend on the order of calls.
  */
 #include "base/base.h"
 

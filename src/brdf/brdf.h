@@ -72,8 +72,8 @@ bool nqm_spec_probe(const char *text);
 /** An analytic model, preset or perturbation from its spec. */
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result takes `base` over, also
- *  when this fails. */
+/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result takes `base` over,
+ *  also when this fails. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
 
 #endif

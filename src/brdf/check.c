@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Physical plausibility of a BRDF: directional albedo by quadrature, reciprocity over random pairs, and the counts of clamped
- * and missing values.
+ * Physical plausibility of a BRDF: directional albedo by quadrature, reciprocity over random pairs, and the counts of
+ * clamped and missing values.
  *
- * The albedo sums over several sets of directions of the viewer, one drawn like the cosine and one for each of eight widths of a
- * half-vector lobe (the GGX density of normals, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206), and weights every
- * value by the density of all sets together (balance heuristic, Veach and Guibas 1995, DOI 10.1145/218380.218498). Some set
- * fits any lobe from 0.006 to 40 degrees.
+ * The albedo sums over several sets of directions of the viewer, one drawn like the cosine and one for each of eight
+ * widths of a half-vector lobe (the GGX density of normals, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206), and
+ * weights every value by the density of all sets together (balance heuristic, Veach and Guibas 1995, DOI
+ * 10.1145/218380.218498). Some set fits any lobe from 0.006 to 40 degrees.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -27,8 +27,8 @@ static const double widths[N_WIDTHS] = {1e-4, 3.5e-4, 1.2e-3, 4.2e-3, 0.015, 0.0
 
 /* ---- albedo ------------------------------------------------------------------------------------------------------ */
 
-/* Samples of all sets per unit solid angle around wo: the sum of n p. A lobe's set has the GGX density of normals times the cosine
- * of the normal; the mirror map's Jacobian is 4 cos theta_d = 2 |h|. */
+/* Samples of all sets per unit solid angle around wo: the sum of n p. A lobe's set has the GGX density of normals times
+ * the cosine of the normal; the mirror map's Jacobian is 4 cos theta_d = 2 |h|. */
 static double mixture_density(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y, length2 = xy + z * z;
@@ -41,7 +41,8 @@ static double mixture_density(const double *wi, const double *wo) {
     return LATTICE_LOBE * sum * z / (NQM_PI * 2 * length2) + LATTICE_COSINE * wo[2] / NQM_PI;
 }
 
-/* A direction of the viewer for a point (u, v) of the unit square; false below the horizon. set 0: cosine; k: width k - 1. */
+/* A direction of the viewer for a point (u, v) of the unit square; false below the horizon. set 0: cosine;
+ * k: width k - 1. */
 static bool place_viewer(int set, const double *wi, double u, double v, double *wo) {
     double phi = 2 * NQM_PI * v;
     if (set == 0) {
@@ -127,7 +128,8 @@ static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
     } while (wi[2] < lowest || wo[2] < lowest);
 }
 
-/* Counts what `brdf` holds at the pairs of a block, and appends |f(a,b) - f(b,a)| / mean of the luminances to difference. */
+/* Counts what `brdf` holds at the pairs of a block, and appends |f(a,b) - f(b,a)| / mean of the luminances to
+ * difference. */
 static size_t compare_block(const nqm_brdf *brdf, nqm_rng *rng, nqm_brdf_check_report *report, double *difference) {
     double wi[3 * BLOCK], wo[3 * BLOCK], forward[3 * BLOCK], backward[3 * BLOCK];
     uint8_t flag[BLOCK], flag_back[BLOCK];

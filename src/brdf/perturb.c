@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Distorted copies of any BRDF, with the faults that approximations have: a lobe that is too blunt or misplaced, a weak or strong
- * highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md defines each setting.
+ * Distorted copies of any BRDF, with the faults that approximations have: a lobe that is too blunt or misplaced, a weak
+ * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
+ * defines each setting.
  *
- * Everything is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the base is.
- * First the place is changed where the base is read (shift, gloss, smooth), then the value (the other settings, in the order
- * of the keys below).
+ * Everything is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the
+ * base is. First the place is changed where the base is read (shift, gloss, smooth), then the value (the other
+ * settings, in the order of the keys below).
  */
 #include "brdf/spec.h"
 #include "math/math.h"
@@ -59,8 +60,8 @@ static double largest_theta_h(const double *hd) {
     return atan2(cos(hd[1]), sin(hd[1]) * fabs(cos(hd[2])));
 }
 
-/* `shift` moves the lobe to a ring. `gloss` multiplies theta_h near 0 and leaves 0 and the horizon in place: u -> g u / (1 + (g
- * - 1) u) with u = theta_h over its largest value. */
+/* `shift` moves the lobe to a ring. `gloss` multiplies theta_h near 0 and leaves 0 and the horizon in place:
+ * u -> g u / (1 + (g - 1) u) with u = theta_h over its largest value. */
 static double warp(const perturbation *self, double theta_h, double largest) {
     double t = theta_h;
     if (self->shift_rad != 0) /* not nearer to the horizon than the pair itself, or 5 % of the way */
@@ -72,7 +73,7 @@ static double warp(const perturbation *self, double theta_h, double largest) {
     return t;
 }
 
-/* exp(-|x|) I0(x), the modified Bessel function (Abramowitz and Stegun 1964, 9.8.1 and 9.8.2; relative error below 2e-7). */
+/* exp(-|x|) I0(x), the modified Bessel function (Abramowitz and Stegun 1964, 9.8.1, 9.8.2; relative error < 2e-7). */
 static double scaled_bessel_i0(double x) {
     if (x < 3.75) {
         double t = x / 3.75 * (x / 3.75);
@@ -90,9 +91,9 @@ static double scaled_bessel_i0(double x) {
     return s / sqrt(x);
 }
 
-/* The places and weights over which `smooth` averages: a Gaussian over the plane of half vectors, whose integral over the azimuth
- * is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the distance r from the normal. The
- * taps lie denser toward r = 0, where a sharp lobe is. */
+/* The places and weights over which `smooth` averages: a Gaussian over the plane of half vectors, whose integral over
+ * the azimuth is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the distance r from the
+ * normal. The taps lie denser toward r = 0, where a sharp lobe is. */
 static void smooth_taps(double centre, double sigma, double largest, double *theta_h, double *weight) {
     double from = fmax(0, centre - 4 * sigma), to = fmin(centre + 4 * sigma, largest), sum = 0;
     for (int k = 0; k < SMOOTH_TAPS; ++k) {
@@ -289,7 +290,8 @@ static nqm_status parse(const char *settings, const char **base, nqm_spec_values
     return status;
 }
 
-/* The canonical text: ours, then that of the base, or its name when it is a file. nqm_free(); NULL when out of memory. */
+/* The canonical text: ours, then that of the base, or its name when it is a file. nqm_free(); NULL when out of
+ * memory. */
 static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *base) {
     const char *of = base->spec ? base->spec : base->name;
     char *own = nqm_spec_format(&schema, values);

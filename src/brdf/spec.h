@@ -52,7 +52,8 @@ typedef struct nqm_analytic_model {
 
 extern const nqm_analytic_model nqm_lambert_model, nqm_ggx_model, nqm_ward_model, nqm_sgd_model;
 
-/** Values of a published material and the DOI of the publication (static); NQM_ERR_ARG suggests names that look alike. */
+/** Values of a published material and the DOI of the publication (static); NQM_ERR_ARG suggests names that look
+ *  alike. */
 NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
                                           const char **doi_ret, nqm_error *err);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * OpenEXR pictures through OpenEXRCore: the first part, scanlines or the finest level of tiles, channels R, G, B, or Y alone;
- * half or float. The data window is the picture. Deep pictures and subsampled channels are refused.
+ * OpenEXR pictures through OpenEXRCore: the first part, scanlines or the finest level of tiles, channels R, G, B, or Y
+ * alone; half or float. The data window is the picture. Deep pictures and subsampled channels are refused.
  */
 #include "io/io.h"
 

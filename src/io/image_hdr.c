@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * Radiance HDR (.hdr, .pic; Ward, "Real Pixels", Graphics Gems II, 1991): text lines, a resolution line, then scanlines of
- * RGBE pixels, flat or run-length coded in either of two ways. linear rgb = (r, g, b)/256 * 2^(e - 128), as common readers do;
- * EXPOSURE lines are not undone, for the scene sets its own exposure.
+ * Radiance HDR (.hdr, .pic; Ward, "Real Pixels", Graphics Gems II, 1991): text lines, a resolution line, then scanlines
+ * of RGBE pixels, flat or run-length coded in either of two ways. linear rgb = (r, g, b)/256 * 2^(e - 128), as common
+ * readers do; EXPOSURE lines are not undone, for the scene sets its own exposure.
  */
 #include "io/io.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The older coding packs 255 pixels into 4 bytes; the newer one is never tighter than 16 a byte. (Longer runs of the older one
- * are possible, but not in a picture worth a light.) */
+/* The older coding packs 255 pixels into 4 bytes; the newer one is never tighter than 16 a byte. (Longer runs of the
+ * older one are possible, but not in a picture worth a light.) */
 static const double max_pixels_per_byte = 64;
 
 typedef struct hdr_file {
@@ -95,7 +95,8 @@ static nqm_status read_channel(hdr_file *file, unsigned char *row, size_t width)
     return NQM_OK;
 }
 
-/* A row of plain pixels, among which (1, 1, 1, n) repeats the one before it, each further one in a row 256 times as often. */
+/* A row of plain pixels, among which (1, 1, 1, n) repeats the one before it, each further one in a row 256 times as
+ * often. */
 static nqm_status read_flat_row(hdr_file *file, unsigned char *row, size_t width) {
     unsigned shift = 0;
     for (size_t x = 0; x < width;) {

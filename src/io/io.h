@@ -18,7 +18,7 @@ typedef struct nqm_tensor {
     nqm_dtype dtype;
     size_t n_dims, dims[NQM_MAX_DIMS];
     size_t n_bytes;
-    const void *data; /* aligned as in the file; the writer aligns to 64 bytes */
+    const void *data;    /* aligned as in the file; the writer aligns to 64 bytes */
     int64_t byte_offset; /* of the data in the file */
 } nqm_tensor;
 
@@ -35,16 +35,18 @@ const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);
 const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *tensor_name);
 /** A value of __metadata__, or NULL. */
 const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key);
-/** Recompute the checksum that nqm_safetensors_write() stores under metadata "sha256": SHA-256 of the whole file with those
- *  64 digits replaced by '0'. false when the file has none. `matches` tells whether it is the stored one. */
+/** Recompute the checksum that nqm_safetensors_write() stores under metadata "sha256": SHA-256 of the whole file with
+ *  those 64 digits replaced by '0'. false when the file has none. `matches` tells whether it is the stored one. */
 bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);
 
 typedef struct nqm_meta {
     const char *key, *value;
 } nqm_meta;
-/** Write a file with tensors (their `data`, dtype, dims, n_bytes), metadata, and the checksum; sha256_ret may be NULL. */
+/** Write a file with tensors (their `data`, dtype, dims, n_bytes), metadata, and the checksum; sha256_ret may be
+ *  NULL. */
 NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_tensor *tensors,
-                                                size_t n_meta, const nqm_meta *meta, char sha256_ret[65], nqm_error *err);
+                                                size_t n_meta, const nqm_meta *meta, char sha256_ret[65],
+                                                nqm_error *err);
 
 /* ---- tensor container of the RGL material database (Dupuy and Jakob 2018) ---------------------------------------- */
 
@@ -78,10 +80,10 @@ NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int col
 /* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
 
 /** Read the member whose last path component is `member` ("x.h5") into a new block (nqm_free); at most max_bytes. */
-NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes, unsigned char **data_ret,
-                                       size_t *n_bytes_ret, nqm_error *err);
-/** For messages: the first few members that end with `suffix`, without it, and how many there are ("a, b, ... (9 in all)");
- *  "" when there is none. */
+NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes,
+                                       unsigned char **data_ret, size_t *n_bytes_ret, nqm_error *err);
+/** For messages: the first few members that end with `suffix`, without it, and how many there are ("a, b, ... (9 in
+ *  all)"); "" when there is none. */
 NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text,
                                            nqm_error *err);
 
@@ -93,9 +95,10 @@ NQM_MUST_CHECK nqm_status nqm_zip_each(const char *zip_path, const char *suffix,
 
 typedef struct nqm_hdf5 nqm_hdf5;
 /** Open an HDF5 image in memory; the bytes and `name`, which is for messages, must outlive it. */
-NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 **file_ret,
-                                        nqm_error *err);
-/** Read a float32 dataset of exactly these dimensions into out (product of dims); values that are not finite are refused. */
+NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name,
+                                        nqm_hdf5 **file_ret, nqm_error *err);
+/** Read a float32 dataset of exactly these dimensions into out (product of dims); values that are not finite are
+ *  refused. */
 NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *path, size_t n_dims, const size_t *dims,
                                             float *out, nqm_error *err);
 void nqm_hdf5_close(nqm_hdf5 *file);
@@ -123,16 +126,17 @@ typedef struct nqm_image {
 
 enum { NQM_IMAGE_MAX_WIDTH = 8192, NQM_IMAGE_MAX_HEIGHT = 4096 };
 
-/** Read a high-dynamic-range picture: OpenEXR (R, G, B or Y), Radiance HDR, or RGBE packed in an 8-bit RGBA PNG (as Pixar
- *  Campus). The format is found by the bytes. Negative values (out of gamut) become 0; a value that is not finite is refused. */
+/** Read a high-dynamic-range picture: OpenEXR (R, G, B or Y), Radiance HDR, or RGBE packed in an 8-bit RGBA PNG (as
+ *  Pixar Campus). The format is found by the bytes. Negative values (out of gamut) become 0; a value that is not finite
+ *  is refused. */
 NQM_MUST_CHECK nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err);
 
 /** The decoders behind it, for a file whose format is known. */
 NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
-/** Whether a width and height that a header claims can be true of a file of map->n_bytes that packs at most `per_byte` pixels
- *  into a byte, and are within the limits; allocates the pixels when so. */
+/** Whether a width and height that a header claims can be true of a file of map->n_bytes that packs at most `per_byte`
+ *  pixels into a byte, and are within the limits; allocates the pixels when so. */
 NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
                                           nqm_image *image_ret, nqm_error *err);
 

@@ -284,8 +284,8 @@ typedef struct outgoing {
     size_t index; /* as given */
 } outgoing;
 
-/* Sizes that are multiples of 64 bytes first, the rest by size of element, so that each stays aligned to its own; then larger
- * before smaller, then as given. */
+/* Sizes that are multiples of 64 bytes first, the rest by size of element, so that each stays aligned to its own; then
+ * larger before smaller, then as given. */
 static int by_alignment(const void *a, const void *b) {
     const outgoing *left = a, *right = b;
     size_t n_l = left->tensor->n_bytes, n_r = right->tensor->n_bytes;

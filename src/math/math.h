@@ -62,8 +62,8 @@ typedef struct nqm_lsq_problem {
     /** Residuals (n_residuals) at x (n_parameters); nonzero stops. */
     int (*residuals)(void *user, const double *x, double *residual);
     void *user;
-    double step;      /**< absolute forward-difference step, 0: relative sqrt(eps) */
-    double tolerance; /**< relative, of sum of squares and of x; 0: 1e-12 */
+    double step;         /**< absolute forward-difference step, 0: relative sqrt(eps) */
+    double tolerance;    /**< relative, of sum of squares and of x; 0: 1e-12 */
     int max_evaluations; /**< 0: 200 (n_parameters + 1) */
 } nqm_lsq_problem;
 

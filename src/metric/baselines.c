@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The scalar metrics in BRDF space: the paper's eight baselines (section 4: cube root after Fores et al. 2012, DOI
- * 10.2352/CIC.2012.20.1.art00025; logarithm after Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean absolute log
- * difference. Means run over directions and channels, in double.
+ * 10.2352/CIC.2012.20.1.art00025; logarithm after Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean absolute
+ * log difference. Means run over directions and channels, in double.
  */
 #include "metric/metric.h"
 

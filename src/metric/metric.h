@@ -39,9 +39,9 @@ void nqm_predictor_free(nqm_predictor *predictor);
 void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
 
 /**
- * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They cover
- * the whole chain (evaluation, sampling, features, network, curve), so that a later build or another machine can tell
- * whether it still computes what the maker of the model saw.
+ * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They
+ * cover the whole chain (evaluation, sampling, features, network, curve), so that a later build or another machine can
+ * tell whether it still computes what the maker of the model saw.
  *
  * @param json_ret  receives the text; free with nqm_free()
  */

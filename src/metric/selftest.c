@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The self-test: what a wrong compiler flag, library or processor would break, in about a second. The expected values of
- * BRDFs and of the JOD curve were computed by NumPy (tests/vectors/selftest.py), those of the models when they were made.
+ * The self-test: what a wrong compiler flag, library or processor would break, in about a second. The expected values
+ * of BRDFs and of the JOD curve were computed by NumPy (tests/vectors/selftest.py), those of the models when they were
+ * made.
  */
 #include "kernel/kernel.h"
 #include "metric/metric.h"

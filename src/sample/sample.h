@@ -32,7 +32,8 @@ size_t nqm_features_width(int layout, size_t n_directions);
  * The input vector of one pair, differences taken after whitening.
  *
  * @param ref_t, test_t  (n_directions, 3) transformed, not whitened
- * @param used           (n_directions) 0 where the direction is dropped (both members become the mean: whitened 0); NULL: all
+ * @param used           (n_directions) 0 where the direction is dropped (both members become the mean: whitened 0);
+ *                       NULL: all
  * @param x              (nqm_features_width) receives the input
  */
 void nqm_features_compose(const nqm_features *features, size_t n_directions, const float *ref_t, const float *test_t,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options from tables: parsing, ranges, defaults and help text come from one place. Options may stand anywhere; `--` ends them.
+ * Options from tables: parsing, ranges, defaults and help text come from one place. Options may stand anywhere; `--`
+ * ends them.
  */
 #include "tool.h"
 

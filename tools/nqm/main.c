@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm - how good a BRDF approximation looks beside its reference. This file finds the verb; each verb is a cmd_*.c file.
+ * nqm - how good a BRDF approximation looks beside its reference. This file finds the verb; each is a cmd_*.c file.
  */
 #include "tool.h"
 

@@ -66,8 +66,8 @@ static void print_remarks(const score_run *run) {
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* Share of people who would say that the reference looks better, in percent: the JOD scale is made so that one unit is 75 %
- * and no difference is 50 %, guessing (Thurstone's model, case V). */
+/* Share of people who would say that the reference looks better, in percent: the JOD scale is made so that one unit is
+ * 75 % and no difference is 50 %, guessing (Thurstone's model, case V). */
 static double noticed_percent(double jod) {
     const double z75 = 0.6744897501960817;
     return 50 * erfc(-z75 * fmax(0, 10 - jod) / sqrt(2));

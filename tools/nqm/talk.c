@@ -63,8 +63,8 @@ static void on_interrupt(int signal_number) {
 }
 
 void catch_interrupt(void) {
-    /* The handler needs a stack of its own: oneDNN's generated code lets the stack pointer point into its heap blocks, and
-     * a signal frame written there corrupts them. */
+    /* The handler needs a stack of its own: oneDNN's generated code lets the stack pointer point into its heap blocks,
+     * and a signal frame written there corrupts them. */
     static char handler_stack[1 << 16];
     const stack_t stack = {.ss_sp = handler_stack, .ss_size = sizeof handler_stack};
     sigaltstack(&stack, NULL);

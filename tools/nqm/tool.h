@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * tool.h - what the verbs of the command line share: option tables (parsing and help from one place), exit codes, errors on
- * standard error, progress on a terminal, Ctrl-C, and JSON and CSV on standard output. Uses public headers only.
+ * tool.h - what the verbs of the command line share: option tables (parsing and help from one place), exit codes,
+ * errors on standard error, progress on a terminal, Ctrl-C, and JSON and CSV on standard output. Uses public headers
+ * only.
  */
 #ifndef NQM_TOOL_H
 #define NQM_TOOL_H
@@ -62,8 +63,8 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
 
 /* ---- inputs ------------------------------------------------------------------------------------------------------ */
 
-/** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and its
- *  exit code returned. */
+/** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and
+ *  its exit code returned. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
 /** A text file of at most 1 MiB; free() it. EXIT_OK, or EXIT_OPEN reported. */
 int read_text(const char *verb, const char *path, char **text_ret);
@@ -71,8 +72,8 @@ int read_text(const char *verb, const char *path, char **text_ret);
  *  "default", or freshly made default ones when no model is built in. As open_model(). */
 int open_directions(const char *verb, const char *name_or_path, nqm_directions **directions_ret);
 
-/** Open a dataset: nqm's own file, or the folder of the authors' layout with its labels CSV (`labels`, else NULL), whose rows
- *  all get `split`. As open_model(). */
+/** Open a dataset: nqm's own file, or the folder of the authors' layout with its labels CSV (`labels`, else NULL),
+ *  whose rows all get `split`. As open_model(). */
 int open_dataset(const char *verb, const char *path, const char *labels, nqm_split split, nqm_dataset **dataset_ret);
 
 /** A word of an option and the value that it stands for; a NULL name ends the list. */
@@ -93,7 +94,8 @@ int report_error(const char *verb, const nqm_error *err);
 __attribute__((format(printf, 3, 4))) int report(const char *verb, int exit_code, const char *format, ...);
 int exit_code_of(nqm_status status);
 
-/** A progress callback: one line rewritten on standard error when that is a terminal; nonzero once Ctrl-C was pressed. */
+/** A progress callback: one line rewritten on standard error when that is a terminal; nonzero once Ctrl-C was
+ *  pressed. */
 int show_progress(void *user, const char *stage, double done, double total);
 /** A few words that the progress line shows from now on. */
 __attribute__((format(printf, 1, 2))) void note_progress(const char *format, ...);
