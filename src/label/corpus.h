@@ -162,8 +162,8 @@ NQM_MUST_CHECK nqm_status nqm_corpus_item_save(const char *path, size_t n_direct
 
 /** `brdf` as a table; see corpus_forms.c. */
 NQM_MUST_CHECK nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
-/** `brdf` read in half-vector coordinates with phi_d in [0, pi) only, so that it is reciprocal. It is owned by the result
- *  (freed with it, also when this fails) or only lent to it. */
+/** `brdf` read in half-vector coordinates with phi_d in [0, pi) only, so that it is reciprocal. It is owned by the
+ *  result (freed with it, also when this fails) or only lent to it. */
 NQM_MUST_CHECK nqm_status nqm_corpus_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
 /* ---- the manifest ------------------------------------------------------------------------------------------------ */

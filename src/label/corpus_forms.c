@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * How a corpus reads the forms of a material. Folded: in half-vector coordinates with phi_d in [0, pi), the half of all
- * pairs that sampling directions and perturbations see, so that a measurement that is not reciprocal (up to 39 % in the RGL
- * data) does not differ from its own perturbed copy in the other half. Tabulated, besides, where the form's own evaluation
- * is too slow to render dozens of perturbed copies (the decoder of a neural process: 806,000 multiplications a pair):
- * theta_h spaced as in MERL's tables, linear between nodes; nodes without a value are left out of the mean.
+ * pairs that sampling directions and perturbations see, so that a measurement that is not reciprocal (up to 39 % in the
+ * RGL data) does not differ from its own perturbed copy in the other half. Tabulated, besides, where the form's own
+ * evaluation is too slow to render dozens of perturbed copies (the decoder of a neural process: 806,000 multiplications
+ * a pair): theta_h spaced as in MERL's tables, linear between nodes; nodes without a value are left out of the mean.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"

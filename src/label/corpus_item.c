@@ -52,9 +52,9 @@ static nqm_status look(const job *j, view *v) {
     return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, j->err) : status;
 }
 
-/* The form as the corpus reads it, as reference, as test and below every perturbation alike: decoders of neural processes as
- * tables, because dozens of copies are rendered; forms that are not reciprocal in one half of their pairs, as the sampling
- * directions and perturbations read them. */
+/* The form as the corpus reads it, as reference, as test and below every perturbation alike: decoders of neural
+ * processes as tables, because dozens of copies are rendered; forms that are not reciprocal in one half of their pairs,
+ * as the sampling directions and perturbations read them. */
 static nqm_status open_form(const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_brdf *form;
     nqm_status status = nqm_brdf_open(path, &form, err);

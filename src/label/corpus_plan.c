@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * What is compared with what: the tests of each reference of a material group. Own fits and other forms of the same
- * material are the differences that a metric meets in practice; perturbations fill the range from invisible to gross and
- * take the kinds of fault apart. Strengths are log-uniform, so that faint differences, where metrics fail, are as common as
- * strong ones.
+ * material are the differences that a metric meets in practice; perturbations fill the range from invisible to gross
+ * and take the kinds of fault apart. Strengths are log-uniform, so that faint differences, where metrics fail, are as
+ * common as strong ones.
  */
 #include "label/corpus.h"
 

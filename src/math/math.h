@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, local frames, Rusinkiewicz coordinates, statistics (ranks, correlations, bootstrap), the JOD curve and a
- * front to nonlinear least squares. Knows nothing of BRDFs or files.
+ * math.h - vectors, local frames, Rusinkiewicz coordinates, statistics (ranks, correlations, bootstrap), the JOD curve
+ * and a front to nonlinear least squares. Knows nothing of BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Vectors of three, local frames, and the half-vector coordinates of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2).
+ * Vectors of three, local frames, and the half-vector coordinates of Rusinkiewicz (1998, DOI
+ * 10.1007/978-3-7091-6453-2_2).
  */
 #include "math/math.h"
 
@@ -74,7 +75,8 @@ void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
     double sin_h = sin(hd[0]), cos_h = cos(hd[0]);
     double d[3];
     nqm_spherical(hd[1], hd[2], d);
-    /* wi is the difference vector turned to the half vector; wo is wi mirrored at the half vector (d with x, y negated). */
+    /* wi is the difference vector turned to the half vector; wo is wi mirrored at the half vector (d with x, y
+     * negated). */
     for (int side = 0; side < 2; ++side) {
         double x = side ? -d[0] : d[0], y = side ? -d[1] : d[1];
         double *w = side ? wo : wi;

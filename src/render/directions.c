@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The light directions of one surface point: multiple importance sampling with the balance heuristic (Veach and Guibas 1995,
- * DOI 10.1145/218380.218498) over the light map times the cosine, five lobes of microfacets about the mirror direction (GGX,
- * Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206) and the plain cosine. The lobes' widths are spaced so that a highlight
- * of any width from 0.2 degrees up is met by one of them; which BRDF will be rendered need not be known. Each technique
- * takes a Hammersley set, shifted by a random amount at each point.
+ * The light directions of one surface point: multiple importance sampling with the balance heuristic (Veach and Guibas
+ * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, five lobes of microfacets about the mirror
+ * direction (GGX, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206) and the plain cosine. The lobes' widths are
+ * spaced so that a highlight of any width from 0.2 degrees up is met by one of them; which BRDF will be rendered need
+ * not be known. Each technique takes a Hammersley set, shifted by a random amount at each point.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -32,9 +32,9 @@ static void to_local(const nqm_surface_point *point, const double *world, double
         local[k] = nqm_dot3(point->frame + 3 * k, world);
 }
 
-/* A cell is 1.4 degrees wide: one whose centre is at or below the horizon may still have a part above, and the sun may stand
- * there. Such cells get a small share; without it the other techniques would meet them by chance, with weights as bright as
- * fireflies. */
+/* A cell is 1.4 degrees wide: one whose centre is at or below the horizon may still have a part above, and the sun may
+ * stand there. Such cells get a small share; without it the other techniques would meet them by chance, with weights as
+ * bright as fireflies. */
 static double cell_importance(double cosine) {
     const double reach = 0.02; /* sine of the half diagonal of a cell, and a little more */
     return cosine > -reach ? fmax(cosine, reach) : 0;
@@ -95,7 +95,8 @@ static void sample_lobe(double alpha, const double *wo, double u, double v, doub
         wi[k] = 2 * d * h[k] - wo[k];
 }
 
-/* Density of sample_lobe() in wi, 1/sr. h: (3) unit half vector. sin^2 comes from x and y: 1 - cos^2 cancels in sharp lobes. */
+/* Density of sample_lobe() in wi, 1/sr. h: (3) unit half vector. sin^2 comes from x and y: 1 - cos^2 cancels in sharp
+ * lobes. */
 static double lobe_density(double alpha, const double *wo, const double *h) {
     double sin2 = h[0] * h[0] + h[1] * h[1], a2 = alpha * alpha;
     double t = h[2] * h[2] * a2 + sin2;
@@ -148,8 +149,8 @@ static void sample(const sampler *s, size_t technique, double u, double v, doubl
         sample_lobe(lobe_alpha[technique], s->point->wo, u, v, wi);
 }
 
-/* Scale each channel so that a Lambert surface receives its exact irradiance: that removes the noise (1 % at 384 directions)
- * which all surfaces share. */
+/* Scale each channel so that a Lambert surface receives its exact irradiance: that removes the noise (1 % at 384
+ * directions) which all surfaces share. */
 static void calibrate(nqm_direction_set *set) {
     double sum[3] = {0};
     for (size_t i = 0; i < 3 * set->n_used; ++i)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * render.h - a lit smooth shape: light maps, the directions and weights of its quadrature, rendering of any BRDF. The public
- * half (nqm_scene_create, _free, _count, _render) is declared in <nqm/label.h>.
+ * render.h - a lit smooth shape: light maps, the directions and weights of its quadrature, rendering of any BRDF. The
+ * public half (nqm_scene_create, _free, _count, _render) is declared in <nqm/label.h>.
  *
- * World axes: y is up, the viewer is at infinity on +z, x is to the viewer's right. In a latitude-longitude map the first row
- * is up and the middle column is -z, what the viewer faces; columns run to the right.
+ * World axes: y is up, the viewer is at infinity on +z, x is to the viewer's right. In a latitude-longitude map the
+ * first row is up and the middle column is -z, what the viewer faces; columns run to the right.
  */
 #ifndef NQM_SRC_RENDER_H
 #define NQM_SRC_RENDER_H
@@ -68,8 +68,8 @@ typedef struct nqm_direction_set {
     double irradiance[3]; /* the sum over all cells of the map; the weights sum to it */
 } nqm_direction_set;
 
-/** Fill a set whose n_max, wi and weight are given. The same seed gives the same directions; points that shall not share their
- *  noise need seeds of their own. false when out of memory. */
+/** Fill a set whose n_max, wi and weight are given. The same seed gives the same directions; points that shall not
+ *  share their noise need seeds of their own. false when out of memory. */
 bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                            nqm_direction_set *set);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A sphere under a light map, seen from far away: each visible point stands for a pixel. The light directions of every point
- * and their weights are chosen once, so that a rendering is one pass of BRDF evaluations; all BRDFs share them, so equal
- * BRDFs give equal pictures to the last bit, and differences are not drowned in noise. Direct light only.
+ * A sphere under a light map, seen from far away: each visible point stands for a pixel. The light directions of every
+ * point and their weights are chosen once, so that a rendering is one pass of BRDF evaluations; all BRDFs share them,
+ * so equal BRDFs give equal pictures to the last bit, and differences are not drowned in noise. Direct light only.
  */
 #include "math/math.h"
 #include "render/render.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The built-in light: a low sun in a clear evening sky over reddish ground, with two soft boxes, so that labels can be made
- * with no file at all. Its contrasts follow those of a real outdoor probe with a low sun (Pixar Campus): the sun's disc is
- * about a thousand times the mean radiance and brings two fifths of all light, the rest spans three decades.
+ * The built-in light: a low sun in a clear evening sky over reddish ground, with two soft boxes, so that labels can be
+ * made with no file at all. Its contrasts follow those of a real outdoor probe with a low sun (Pixar Campus): the sun's
+ * disc is about a thousand times the mean radiance and brings two fifths of all light, the rest spans three decades.
  */
 #include "math/math.h"
 #include "render/render.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * tiny_model FILE [N]: write a model of N (default 500) directions with random weights, so that the command-line tests have
- * a model whatever is built in. What it scores means nothing, except that equal pairs are equal.
+ * tiny_model FILE [N]: write a model of N (default 500) directions with random weights, so that the command-line tests
+ * have a model whatever is built in. What it scores means nothing, except that equal pairs are equal.
  */
 #include "metric/metric.h"
 

@@ -160,7 +160,8 @@ static void test_endian(void **state) {
 
 static void test_xoshiro_against_its_authors(void **state) {
     (void)state;
-    /* State 1, 2, 3, 4: the first outputs of the authors' xoshiro256starstar.c, as printed by rand_xoshiro's test suite. */
+    /* State 1, 2, 3, 4: the first outputs of the authors' xoshiro256starstar.c, as printed by rand_xoshiro's test
+     * suite. */
     nqm_rng rng = {{1, 2, 3, 4}};
     const uint64_t expected[] = {11520u, 0u, 1509978240u, 1215971899390074240u};
     for (int i = 0; i < 4; ++i)

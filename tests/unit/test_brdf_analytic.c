@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The analytic models against their published formulas in 80-bit floats (tests/vectors/analytic.py), and the presets against
- * neural-process reconstructions of the same measurements, where the shared data are.
+ * The analytic models against their published formulas in 80-bit floats (tests/vectors/analytic.py), and the presets
+ * against neural-process reconstructions of the same measurements, where the shared data are.
  */
 #include "io/io.h"
 #include "math/math.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Albedo and checks: against closed forms and scipy's adaptive quadrature (tests/vectors/analytic.py), on lobes far below a
- * degree, and on made-up BRDFs whose asymmetry, negative values and gaps are known.
+ * Albedo and checks: against closed forms and scipy's adaptive quadrature (tests/vectors/analytic.py), on lobes far
+ * below a degree, and on made-up BRDFs whose asymmetry, negative values and gaps are known.
  */
 #include "brdf/brdf.h"
 #include "io/io.h"

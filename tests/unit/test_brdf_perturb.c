@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Perturbations against what doc/brdf.md says each setting does, computed here from the base by other means; reciprocity,
- * finiteness and limits for all of them.
+ * Perturbations against what doc/brdf.md says each setting does, computed here from the base by other means;
+ * reciprocity, finiteness and limits for all of them.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -339,8 +339,8 @@ static void test_nesting(void **state) {
     assert_null(brdf);
 }
 
-/* Where the base has no value there is none; `smooth` takes the mean over the neighbours that have one. The table has no
- * value where its theta_h and theta_d cells sum to more than a limit. */
+/* Where the base has no value there is none; `smooth` takes the mean over the neighbours that have one. The table has
+ * no value where its theta_h and theta_d cells sum to more than a limit. */
 static void test_gaps_of_the_base(void **state) {
     (void)state;
     char spec[4096];

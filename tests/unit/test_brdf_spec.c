@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Specs and presets: values and defaults, messages of every kind of mistake, the canonical form that opens the same BRDF to
- * the last bit, the tables of presets.
+ * Specs and presets: values and defaults, messages of every kind of mistake, the canonical form that opens the same
+ * BRDF to the last bit, the tables of presets.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits give known parameters back, whatever the width of the lobe and the loss; a model fitted to another keeps highlight and
- * base; the same seed gives the same spec; bad arguments are refused.
+ * Fits give known parameters back, whatever the width of the lobe and the loss; a model fitted to another keeps
+ * highlight and base; the same seed gives the same spec; bad arguments are refused.
  */
 #include "brdf/brdf.h"
 #include "fit/fit.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light maps: small pictures written byte by byte (vectors/images.py) give their pixels back; cut, spoilt and lying ones are
- * refused with a message, without a large allocation.
+ * Light maps: small pictures written byte by byte (vectors/images.py) give their pixels back; cut, spoilt and lying
+ * ones are refused with a message, without a large allocation.
  */
 #include "base/memory_test.h"
 #include "io/io.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * safetensors files: what is written comes back, aligned and under a checksum that holds; and every way in which a header can
- * lie is refused with a place. tests/unit/test_net_pytorch.c reads a file of another writer.
+ * safetensors files: what is written comes back, aligned and under a checksum that holds; and every way in which a
+ * header can lie is refused with a place. tests/unit/test_net_pytorch.c reads a file of another writer.
  */
 #include "base/memory_test.h"
 #include "io/io.h"

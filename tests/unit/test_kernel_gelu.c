@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * GELU and its slope against erf and exp of the C library in double, over the whole range, at the far ends, in place; and
- * the build's description.
+ * GELU and its slope against erf and exp of the C library in double, over the whole range, at the far ends, in place;
+ * and the build's description.
  */
 #include "kernel/kernel.h"
 #include "support/check.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Matrix products: the scalar reference against hand-made products, every variant against the reference within the bound of
- * rounding (k eps sum |a| |b|), on shapes with tails, transposes and gaps between rows; and the same bits for one and two
- * threads.
+ * Matrix products: the scalar reference against hand-made products, every variant against the reference within the
+ * bound of rounding (k eps sum |a| |b|), on shapes with tails, transposes and gaps between rows; and the same bits for
+ * one and two threads.
  */
 #include "kernel/kernel.h"
 #include "support/check.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Corpora: lists that must be refused; plans that keep unseen kinds out of training and depend on the seed and the names
- * only; forms as they are read; and a small corpus of analytic materials, made, interrupted, resumed and read back.
+ * Corpora: lists that must be refused; plans that keep unseen kinds out of training and depend on the seed and the
+ * names only; forms as they are read; and a small corpus of analytic materials, made, interrupted, resumed and read
+ * back.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The nine scalar metrics against NumPy (tests/vectors/metrics.py), with and without dropped directions, and at the corners.
+ * The nine scalar metrics against NumPy (tests/vectors/metrics.py), with and without dropped directions, and at the
+ * corners.
  */
 #include "io/io.h"
 #include "sample/sample.h"

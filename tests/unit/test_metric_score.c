@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * From BRDFs to JOD with small models of known weights: the whole chain against a plain computation in double, both layouts,
- * policies for directions without a value, identical pairs, batches, faults of single tests, running out of memory.
+ * From BRDFs to JOD with small models of known weights: the whole chain against a plain computation in double, both
+ * layouts, policies for directions without a value, identical pairs, batches, faults of single tests, running out of
+ * memory.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The network's own promises: gradients by central differences, dropout by its hash, the same bits for one and two threads,
- * stable loss, He-uniform start, refused shapes, failing allocations.
+ * The network's own promises: gradients by central differences, dropout by its hash, the same bits for one and two
+ * threads, stable loss, He-uniform start, refused shapes, failing allocations.
  */
 #include "base/memory_test.h"
 #include "net/layers.h"
@@ -67,8 +67,9 @@ static double train_step(trainee *t, uint64_t step) {
     return loss;
 }
 
-/* Along random directions in the space of all parameters. The forward pass rounds to floats, so that a central difference over
- * 2h is good to about 1e-6/h; h = 0.02 balances that with its own error. The derivatives are around 0.03. */
+/* Along random directions in the space of all parameters. The forward pass rounds to floats, so that a central
+ * difference over 2h is good to about 1e-6/h; h = 0.02 balances that with its own error. The derivatives are around
+ * 0.03. */
 static void gradients_by_differences(void **state) {
     (void)state;
     trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, 1}}, 20);

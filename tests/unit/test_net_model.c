@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Model files: what is written comes back and is used in place; every tensor that is missing, surplus, misshapen or not finite
- * is refused by name, every damage by the checksum; and what a raw output means in JOD.
+ * Model files: what is written comes back and is used in place; every tensor that is missing, surplus, misshapen or not
+ * finite is refused by name, every damage by the checksum; and what a raw output means in JOD.
  */
 #include "base/memory_test.h"
 #include "io/io.h"

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The network against PyTorch (tests/vectors/net.py): forward pass, loss, every gradient tensor, ten Adam steps, without
- * dropout, with given masks and with the first LayerNorm frozen; the learning-rate schedule; the parameter count. All must
- * agree to 1e-5, in the norm of each tensor and at its largest difference relative to its largest value.
+ * The network against PyTorch (tests/vectors/net.py): forward pass, loss, every gradient tensor, ten Adam steps,
+ * without dropout, with given masks and with the first LayerNorm frozen; the learning-rate schedule; the parameter
+ * count. All must agree to 1e-5, in the norm of each tensor and at its largest difference relative to its largest
+ * value.
  */
 #include "io/io.h"
 #include "kernel/kernel.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scene against closed forms and independent quadratures: white furnace, one small lamp, microfacets under a constant
- * light (vectors/render.py) and under the built-in sky, and what a label maker must promise: equal BRDFs give exactly 0,
- * other seeds and more samples the same label, one thread and two the same bits.
+ * The scene against closed forms and independent quadratures: white furnace, one small lamp, microfacets under a
+ * constant light (vectors/render.py) and under the built-in sky, and what a label maker must promise: equal BRDFs give
+ * exactly 0, other seeds and more samples the same label, one thread and two the same bits.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -130,7 +130,8 @@ static void cells_and_directions(void **state) {
     assert_near(sphere, 4 * NQM_PI, 1e-10);
     assert_near(power, 8 * NQM_PI, 1e-10);
     nqm_light_clear(&light);
-    /* The axes as the header states them: middle of the map is -z, up is +y, the right edge of the middle row's centre +x. */
+    /* The axes as the header states them: middle of the map is -z, up is +y, the right edge of the middle row's centre
+     * +x. */
     double w[3];
     nqm_map_direction(0.5, 0.5, w);
     assert_near(w[2], -1, 1e-12);
@@ -326,8 +327,8 @@ static double largest_share(const nqm_light *light, const nqm_surface_point *poi
     return max / sum;
 }
 
-/* None may carry much, not even where a bright light stands on the horizon: here a ring of cells whose centres lie just below
- * it, and their upper edges above. */
+/* None may carry much, not even where a bright light stands on the horizon: here a ring of cells whose centres lie just
+ * below it, and their upper edges above. */
 static void no_fireflies(void **state) {
     (void)state;
     nqm_light light = make_light(1, 64 * NQM_LIGHT_WIDTH, NQM_LIGHT_WIDTH, 1000);
