@@ -107,9 +107,9 @@ typedef struct nqm_train_options {
     int balance;                /**< 1: fill 7 equal label bins up to the fullest by noisy copies, before the split */
     double balance_sigma;       /**< of the noise, 1/sr, the same draw for both members of a pair; default 0.01 */
     int freeze_first_layernorm; /**< 1: as the notebook (it is in none of its optimiser groups) */
-    double dropout;             /**< 0..0.9; default 0.2 */
+    double dropout;             /**< 0..0.9; default 0.2 (nqm: 0.1) */
     double lr_first, lr_deeper; /**< Adam; default 1e-4 for the first linear layer, 1e-3 for the rest */
-    double weight_decay;        /**< L2, added to the gradient; default 1e-4 */
+    double weight_decay;        /**< L2, added to the gradient; default 1e-4 (nqm: 1e-5) */
     double plateau_factor;      /**< ReduceLROnPlateau; default 0.1 */
     size_t plateau_patience;    /**< epochs; default 5 */
     size_t batch;               /**< pairs; default 512 (nqm: 128) */

@@ -56,6 +56,8 @@ static nqm_train_options nqm_options(void) {
     o.target = NQM_TARGET_LOG_DELTA_E;
     o.split_by_pair = 0;
     o.balance = 0;
+    o.dropout = 0.1; /* dropout, decay, batch and epochs: chosen on validation materials, doc/training.md */
+    o.weight_decay = 1e-5;
     o.batch = 128;
     o.epochs = 40;
     return o;
