@@ -65,8 +65,8 @@ run 0 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --epochs 6 --c
 cmp -s "$dir/a.safetensors" "$dir/c.safetensors" || fail "a resumed training gave another model"
 cmp -s "$dir/a.csv" "$dir/c.csv" || fail "a resumed training gave another log"
 # shellcheck disable=SC2086
-run 5 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --dropout 0.1 --checkpoint "$dir/c.checkpoint" --resume
-says 'dropout 0.2'
+run 5 train "$dir/toy.safetensors" -o "$dir/c.safetensors" $small --dropout 0.3 --checkpoint "$dir/c.checkpoint" --resume
+says 'dropout 0.1'
 "$NQM_BUILD/tests/tiny_dataset" "$dir/other.safetensors" 2
 # shellcheck disable=SC2086
 run 5 train "$dir/other.safetensors" -o "$dir/c.safetensors" $small --checkpoint "$dir/c.checkpoint" --resume
