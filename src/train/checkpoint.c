@@ -78,8 +78,8 @@ static nqm_status compare_options(json_t *theirs, json_t *ours, const char *path
     json_object_foreach(ours, key, value) {
         if (json_equal(value, json_object_get(theirs, key)))
             continue;
-        char *was = json_dumps(json_object_get(theirs, key), JSON_COMPACT | JSON_ENCODE_ANY);
-        char *is = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY);
+        char *was = json_dumps(json_object_get(theirs, key), JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9));
+        char *is = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9));
         nqm_status status =
             nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                      "%s: this checkpoint was made with %s %.60s, not %.60s; start anew or give the same options", path,
