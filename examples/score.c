@@ -7,8 +7,8 @@
 #include <nqm/metric.h>
 #include <stdio.h>
 
-static int failed(const nqm_error *err) {
-    fprintf(stderr, "score: %s\n", err->message);
+static int failed(const char *reason) {
+    fprintf(stderr, "score: %s\n", reason);
     return 1;
 }
 
@@ -26,7 +26,9 @@ int main(int argc, char **argv) {
     if (nqm_model_builtin("default", &model, &err) || nqm_brdf_open(argv[1], &ref, &err) ||
         nqm_brdf_open(argv[2], &test, &err) ||
         nqm_score(model, ref, 1, (const nqm_brdf *const *)&test, NULL, &result, &err))
-        exit_code = failed(&err);
+        exit_code = failed(err.message);
+    else if (result.status) /* the fault of this test alone, such as too few directions with a value */
+        exit_code = failed(nqm_status_text(result.status));
     else
         printf("%.2f JOD%s\n", result.jod, result.identical ? " (identical)" : "");
 

@@ -46,11 +46,12 @@ NQM_MUST_CHECK nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_e
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);
 
-/** An output file that is written beside its final name and renamed when complete; "-" is standard output. */
+/** An output file that is written beside its final name and renamed when complete; "-" is standard output. Devices and
+ *  pipes are written in place. */
 typedef struct nqm_outfile {
     FILE *stream;
-    char *path;
-    char *temporary;
+    char *path;      /* NULL: standard output */
+    char *temporary; /* NULL: written in place */
 } nqm_outfile;
 
 /** Open `PATH.XXXXXX.part` for writing. */

@@ -47,12 +47,33 @@ void nqm_map_close(nqm_map *map) {
     *map = (nqm_map){0};
 }
 
+/* Devices and pipes (/dev/null): renaming would put a file in their place. */
+static bool is_special(const char *path) {
+    struct stat st;
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+static nqm_status open_special(const char *path, nqm_outfile *out_ret, nqm_error *err) {
+    char *copy = nqm_strdup(path);
+    if (!copy)
+        return nqm_fail_nomem(err, strlen(path));
+    FILE *stream = fopen(path, "wb");
+    if (!stream) {
+        nqm_free(copy);
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
+    }
+    *out_ret = (nqm_outfile){.stream = stream, .path = copy};
+    return NQM_OK;
+}
+
 nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
     *out_ret = (nqm_outfile){0};
     if (strcmp(path, "-") == 0) {
         out_ret->stream = stdout;
         return NQM_OK;
     }
+    if (is_special(path))
+        return open_special(path, out_ret, err);
     static const char suffix[] = ".XXXXXX.part";
     size_t n_path = strlen(path);
     char *final_path = nqm_strdup(path);
@@ -84,28 +105,28 @@ nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *e
 }
 
 void nqm_outfile_abort(nqm_outfile *out) {
-    if (out->temporary) {
-        if (out->stream)
-            fclose(out->stream);
+    if (out->path && out->stream) /* standard output has no path */
+        fclose(out->stream);
+    if (out->temporary)
         unlink(out->temporary);
-    }
     nqm_free(out->path);
     nqm_free(out->temporary);
     *out = (nqm_outfile){0};
 }
 
 nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
-    if (!out->temporary) { /* standard output */
+    if (!out->path) { /* standard output */
         bool bad = fflush(out->stream) != 0 || ferror(out->stream);
         *out = (nqm_outfile){0};
         return bad ? nqm_fail(err, NQM_ERR_IO, -1, "standard output: %s", strerror(errno)) : NQM_OK;
     }
     bool bad = ferror(out->stream) != 0;
     bad = fflush(out->stream) != 0 || bad;
-    bad = fsync(fileno(out->stream)) != 0 || bad;
+    if (out->temporary)
+        bad = fsync(fileno(out->stream)) != 0 || bad;
     bad = fclose(out->stream) != 0 || bad;
     out->stream = NULL;
-    if (!bad)
+    if (!bad && out->temporary)
         bad = rename(out->temporary, out->path) != 0;
     nqm_status status =
         bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;

@@ -26,10 +26,14 @@ static const nqm_preset_table *table_of(const char *model) {
 /* The numbers of a material's row, behind "NAME,"; NULL when there is no such row. */
 static const char *row_of(const char *table, const char *material) {
     size_t n = strlen(material);
+    bool below_header = false;
     for (const char *line = table; line; line = strchr(line, '\n')) {
         line += *line == '\n';
-        if (n && strncmp(line, material, n) == 0 && line[n] == ',')
+        if (*line == '#')
+            continue;
+        if (below_header && n && strncmp(line, material, n) == 0 && line[n] == ',')
             return line + n + 1;
+        below_header = true;
     }
     return NULL;
 }

@@ -181,6 +181,10 @@ static nqm_status read_standard_input(char **text_ret, size_t *n_ret, nqm_error 
             break;
         n += n_read;
     }
+    if (ferror(stdin)) {
+        nqm_free(text);
+        return nqm_fail(err, NQM_ERR_IO, (int64_t)n, "standard input: cannot be read, after %zu bytes", n);
+    }
     *text_ret = text;
     *n_ret = n;
     return NQM_OK;

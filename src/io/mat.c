@@ -9,18 +9,23 @@
 #include <matio.h>
 #include <string.h>
 
-enum { MAX_ELEMENTS = 1 << 24 }; /* of one variable */
+enum {
+    MAX_ELEMENTS = 1 << 24, /* of one variable */
+    MAX_PER_BYTE = 1032     /* an element has a byte at least, and deflate packs at most 1032 into one */
+};
 
 struct nqm_mat {
     mat_t *file;
     const char *path;
+    size_t n_bytes; /* of the file */
 };
 
-static nqm_status check_file(const char *path, nqm_error *err) {
+static nqm_status check_file(const char *path, size_t *n_bytes_ret, nqm_error *err) {
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)
         return status;
+    *n_bytes_ret = map.n_bytes;
     static const char v5[] = "MATLAB 5.0 MAT-file", v73[] = "MATLAB 7.3 MAT-file";
     if (map.n_bytes >= sizeof v73 && memcmp(map.data, v73, sizeof v73 - 1) == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a MAT v7.3 file; save it with '-v7'", path);
@@ -35,13 +40,14 @@ static nqm_status check_file(const char *path, nqm_error *err) {
 
 nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err) {
     *mat_ret = NULL;
-    nqm_status status = check_file(path, err);
+    size_t n_bytes;
+    nqm_status status = check_file(path, &n_bytes, err);
     if (status != NQM_OK)
         return status;
     nqm_mat *mat = nqm_alloc(1, sizeof *mat);
     if (!mat)
         return nqm_fail_nomem(err, sizeof *mat);
-    *mat = (nqm_mat){.file = Mat_Open(path, MAT_ACC_RDONLY), .path = path};
+    *mat = (nqm_mat){.file = Mat_Open(path, MAT_ACC_RDONLY), .path = path, .n_bytes = n_bytes};
     if (!mat->file || Mat_GetVersion(mat->file) != MAT_FT_MAT5) {
         nqm_mat_close(mat);
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a readable MAT v5 file", path);
@@ -69,7 +75,11 @@ static nqm_status find_variable(nqm_mat *mat, const char *variable, matvar_t **i
     if (!real || info->rank != 2)
         status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: variable '%s' is not a real matrix of doubles or singles",
                           mat->path, variable);
-    else if (!nqm_mul_size(info->dims[0], info->dims[1], &n) || n > MAX_ELEMENTS)
+    else if (!nqm_mul_size(info->dims[0], info->dims[1], &n) || n / MAX_PER_BYTE > mat->n_bytes)
+        status = nqm_fail(err, NQM_ERR_FORMAT, -1,
+                          "%s: variable '%s' claims %zu x %zu elements, which %zu bytes cannot hold", mat->path,
+                          variable, info->dims[0], info->dims[1], mat->n_bytes);
+    else if (n > MAX_ELEMENTS)
         status = nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: variable '%s' claims %zu x %zu elements, more than %d",
                           mat->path, variable, info->dims[0], info->dims[1], MAX_ELEMENTS);
     if (status == NQM_OK)

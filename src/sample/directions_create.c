@@ -2,14 +2,14 @@
  *
  * The choice of a new direction set (paper, section 3.1), in two steps.
  *
- * 1. Candidates: points (u, v, w) of the additive low-discrepancy sequence R3 (Roberts 2018, "The unreasonable
- * effectiveness of quasirandom sequences"; steps g^-1, g^-2, g^-3 with g^4 = g + 1), shifted by the seed, become
- * theta_h = max u^power, theta_d = max v, phi_d = 180 w degrees, cut to 1e-6 degree so that their text is short and
- * their identity does not hang on the last bit of pow(). A candidate with theta_i or theta_o above max is passed over.
- * Accepted points are therefore uniform in (u, v, w) over the admissible region.
+ * 1. Candidates: points (u, v, w) of the Halton sequence in the bases 2, 3, 5 (Halton 1960, DOI 10.1007/BF01386213),
+ * shifted by the seed, become theta_h = max u^power, theta_d = max v, phi_d = 180 w degrees, cut to 1e-6 degree so that
+ * their text is short and their identity does not hang on the last bit of pow(). A candidate with theta_i or theta_o
+ * above max is passed over. Accepted points are therefore uniform in (u, v, w) over the admissible region.
+ *
  * 2. With references: oversampling * n candidates are made and sorted by theta_h into strata of about ten kept
  * directions each; in each stratum the same share is drawn without replacement (Efraimidis and Spirakis 2006,
- *    DOI 10.1016/j.ipl.2005.11.003) with probability in proportion to the significance of the candidate: the mean over
+ * DOI 10.1016/j.ipl.2005.11.003) with probability in proportion to the significance of the candidate: the mean over
  * the references of the cube root of their luminance, each reference divided by its own mean. A draw and not the top of
  * the list: the top lies at grazing theta_d for nearly every material and would leave the rest of the domain unseen.
  *

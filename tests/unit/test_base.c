@@ -7,6 +7,7 @@
 #include "base/memory_test.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <locale.h>
 #include <math.h>
 #include <setjmp.h>
@@ -102,6 +103,28 @@ static void test_outfile_in_missing_folder(void **state) {
     assert_int_equal(nqm_outfile_open(path, &out, &err), NQM_ERR_IO);
     assert_non_null(strstr(err.message, path));
     assert_null(out.stream);
+}
+
+/* Renaming would put a file in the place of a device: as root that breaks the machine. */
+static void test_outfile_writes_pipes_in_place(void **state) {
+    (void)state;
+    char path[256], text[8] = "";
+    path_in_folder(path, sizeof path, "pipe");
+    assert_int_equal(mkfifo(path, 0600), 0);
+    int fd = open(path, O_RDWR); /* holds the pipe open for both sides */
+    assert_true(fd >= 0);
+    write_text(path, "piped");
+    assert_int_equal(read(fd, text, sizeof text), 5);
+    assert_string_equal(text, "piped");
+    struct stat st;
+    assert_int_equal(stat(path, &st), 0);
+    assert_true(S_ISFIFO(st.st_mode));
+    nqm_outfile out;
+    assert_int_equal(nqm_outfile_open(path, &out, NULL), NQM_OK);
+    nqm_outfile_abort(&out);
+    assert_int_equal(stat(path, &st), 0);
+    close(fd);
+    unlink(path);
 }
 
 static void test_map_refuses_what_is_no_file(void **state) {
@@ -271,6 +294,7 @@ int main(void) {
         cmocka_unit_test(test_alloc_fails_when_told),
         cmocka_unit_test(test_outfile_appears_only_when_complete),
         cmocka_unit_test(test_outfile_in_missing_folder),
+        cmocka_unit_test(test_outfile_writes_pipes_in_place),
         cmocka_unit_test(test_map_refuses_what_is_no_file),
         cmocka_unit_test(test_numbers_survive_any_locale),
         cmocka_unit_test(test_endian),

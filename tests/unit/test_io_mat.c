@@ -115,8 +115,11 @@ static void huge_claims(void **state) {
         assert_int_equal(nqm_mat_open(path, &mat, NULL), NQM_OK);
         static const char *const channels[] = {"r", "g", "b"};
         size_t n_refused = 0;
-        for (size_t k = 0; k < 3; ++k)
-            n_refused += nqm_mat_read(mat, channels[k], 7, 1, v, NULL) != NQM_OK;
+        for (size_t k = 0; k < 3; ++k) {
+            nqm_status status = nqm_mat_read(mat, channels[k], 7, 1, v, NULL);
+            assert_true(status == NQM_OK || status == NQM_ERR_FORMAT);
+            n_refused += status != NQM_OK;
+        }
         assert_true(n_refused >= 1);
         nqm_mat_close(mat);
     }

@@ -17,22 +17,6 @@ typedef struct fitted {
     double metrics[NQM_METRIC_COUNT];
 } fitted;
 
-/* Where the metrics are taken: a file, else the directions of the default model, else fresh ones. */
-static nqm_status get_directions(const char *path, nqm_directions **directions_ret, nqm_error *err) {
-    if (path)
-        return nqm_directions_load_csv(path, directions_ret, err);
-    nqm_model *model;
-    if (nqm_model_builtin("default", &model, NULL) != NQM_OK) {
-        nqm_directions_options options = nqm_directions_options_default();
-        return nqm_directions_create(&options, 0, NULL, directions_ret, err);
-    }
-    const nqm_directions *own = nqm_model_get_info(model).directions;
-    nqm_status status =
-        nqm_directions_from_degrees(nqm_directions_count(own), nqm_directions_degrees(own), directions_ret, err);
-    nqm_model_free(model);
-    return status;
-}
-
 static nqm_status measure(const nqm_brdf *ref, const nqm_directions *directions, fitted *f, nqm_error *err) {
     size_t n = nqm_directions_count(directions);
     nqm_brdf *test = NULL;
@@ -115,7 +99,7 @@ static nqm_status fit_models(const nqm_brdf *ref, const char *which, const nqm_f
 int cmd_fit(int argc, char **argv) {
     nqm_fit_options fit = nqm_fit_options_default();
     fit.progress = show_progress;
-    const char *model = "ggx", *loss = nqm_fit_loss_name(fit.loss), *directions_csv = NULL;
+    const char *model = "ggx", *loss = nqm_fit_loss_name(fit.loss), *directions_name = NULL;
     bool json = false, quiet = false;
     uint64_t n_directions = fit.n_directions;
     double max_polar_deg = 80;
@@ -148,8 +132,8 @@ int cmd_fit(int argc, char **argv) {
         {.name = "seed", .kind = OPTION_COUNT, .target = &fit.seed, .metavar = "N", .help = "of the direction pairs"},
         {.name = "directions",
          .kind = OPTION_TEXT,
-         .target = &directions_csv,
-         .metavar = "FILE",
+         .target = &directions_name,
+         .metavar = "WHERE",
          .help = "where the metrics are taken (default: as `nqm score`)"},
         {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .target = &quiet, .help = "print the spec only"},
         {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the result as JSON"},
@@ -158,7 +142,7 @@ int cmd_fit(int argc, char **argv) {
         .name = "fit",
         .usage = "REF [options]",
         .about =
-            "Fit an analytic model to a BRDF: an RGB lobe over a Lambert base. Half of the direction pairs lie dense\n"
+            "Fit an analytic model to a BRDF: an RGB lobe over a Lambert base. Some of the direction pairs lie dense\n"
             "around the mirror direction, so that sharp highlights are kept. The result is a spec for every other "
             "verb.",
         .example = "nqm fit sgd:nickel --model ward\n"
@@ -180,9 +164,10 @@ int cmd_fit(int argc, char **argv) {
     nqm_directions *directions = NULL;
     fitted results[N_MODELS] = {0};
     size_t n = 0;
+    exit_code = open_directions("fit", directions_name, &directions);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     nqm_status status = nqm_brdf_open(argv[0], &ref, &err);
-    if (status == NQM_OK)
-        status = get_directions(directions_csv, &directions, &err);
     if (status == NQM_OK)
         status = fit_models(ref, model, &fit, directions, results, &n, &err);
     nqm_directions_free(directions);

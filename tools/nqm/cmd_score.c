@@ -63,9 +63,13 @@ static nqm_status score_tests(score_run *run, nqm_error *err) {
         goto done;
     }
     size_t n = 0;
-    for (size_t i = 0; i < run->n_rows; ++i)
+    for (size_t i = 0; i < run->n_rows && !interrupted(); ++i)
         if (nqm_brdf_open(run->rows[i].name, &run->rows[i].brdf, &run->rows[i].err) == NQM_OK)
             tests[n++] = run->rows[i].brdf;
+    if (interrupted()) {
+        status = err->status = NQM_ERR_CANCELLED;
+        goto done;
+    }
     status = nqm_score(run->model, run->ref, n, tests, &run->options, results, err);
     n = 0;
     for (size_t i = 0; status == NQM_OK && i < run->n_rows; ++i) {

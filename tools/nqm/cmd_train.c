@@ -229,7 +229,10 @@ static int run_training(const train_arguments *a, const char *dataset_path) {
     }
     if (exit_code == EXIT_OK)
         exit_code = save_model(&run);
-    if (run.log && (ferror(run.log) | fclose(run.log)) != 0 && exit_code == EXIT_OK)
+    bool log_failed = run.log && ferror(run.log);
+    if (run.log && fclose(run.log) != 0)
+        log_failed = true;
+    if (log_failed && exit_code == EXIT_OK)
         exit_code = report("train", EXIT_OPEN, "%s: cannot write", a->log);
     nqm_model_free(run.model);
     nqm_dataset_free(run.dataset);

@@ -48,13 +48,15 @@ int read_text(const char *verb, const char *path, char **text_ret) {
     FILE *file = fopen(path, "rb");
     char *text = file ? calloc(MAX_TEXT_BYTES + 1, 1) : NULL;
     size_t n = text ? fread(text, 1, MAX_TEXT_BYTES, file) : 0;
-    bool bad = !text || ferror(file) || memchr(text, '\0', n);
+    bool unread = !text || ferror(file);
     int reason = errno;
+    bool no_text = !unread && (memchr(text, '\0', n) || fgetc(file) != EOF);
     if (file)
         fclose(file);
-    if (bad) {
+    if (unread || no_text) {
         free(text);
-        return report(verb, EXIT_OPEN, "%s: cannot read a text: %s", path, strerror(reason));
+        return report(verb, unread ? EXIT_OPEN : EXIT_MALFORMED, "%s: cannot read a text: %s", path,
+                      unread ? strerror(reason) : "it holds NUL bytes, or more than 1 MiB");
     }
     *text_ret = text;
     return EXIT_OK;

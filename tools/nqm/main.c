@@ -40,6 +40,16 @@ static void print_usage(FILE *out) {
           out);
 }
 
+/* Results that did not arrive (a full disk) are a failure, whatever the verb. */
+static int settle(int exit_code) {
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return exit_code;
+    if (exit_code != EXIT_OK)
+        return exit_code; /* the verb has said why */
+    fputs("nqm: standard output: cannot write\n", stderr);
+    return EXIT_OPEN;
+}
+
 int main(int argc, char **argv) {
     catch_interrupt();
     if (argc < 2) {
@@ -56,7 +66,7 @@ int main(int argc, char **argv) {
     }
     for (const verb *v = verbs; v->name; ++v)
         if (strcmp(argv[1], v->name) == 0)
-            return v->run(argc - 1, argv + 1);
+            return settle(v->run(argc - 1, argv + 1));
     fprintf(stderr, "nqm: there is no verb '%s'; `nqm --help` lists them\n", argv[1]);
     return EXIT_USAGE;
 }

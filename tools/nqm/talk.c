@@ -118,10 +118,16 @@ void end_progress(void) {
 
 int print_json(json_t *value) {
     end_progress();
-    int bad = !value || json_dumpf(value, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
+    if (!value) {
+        fputs("nqm: no JSON can be made: a name is not UTF-8, or memory is short\n", stderr);
+        return EXIT_LIMIT;
+    }
+    int bad = json_dumpf(value, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
     json_decref(value);
     putchar('\n');
     bad = fflush(stdout) != 0 || bad;
+    if (bad)
+        fputs("nqm: standard output: cannot write\n", stderr);
     return bad ? EXIT_OPEN : EXIT_OK;
 }
 

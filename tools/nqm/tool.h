@@ -66,7 +66,7 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
 /** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and
  *  its exit code returned. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
-/** A text file of at most 1 MiB; free() it. EXIT_OK, or EXIT_OPEN reported. */
+/** A text file of at most 1 MiB; free() it. As open_model(). */
 int read_text(const char *verb, const char *path, char **text_ret);
 /** Open directions from a CSV, from a model file or from a built-in model's name; NULL: those of the built-in model
  *  "default", or freshly made default ones when no model is built in. As open_model(). */
