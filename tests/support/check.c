@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Comparison of doubles and the way to the shared data, for unit tests.
+ * Comparisons, inputs that must be good, and the way to the shared data, for unit tests.
  */
 #include "support/check.h"
 
@@ -18,6 +18,29 @@ void check_near(double actual, double expected, double tolerance, const char *wh
 
 void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line) {
     check_near(actual, expected, tolerance * fabs(expected), what, file, line);
+}
+
+int compare_doubles(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double csv_number(const nqm_csv *csv, size_t row, int column) {
+    double value;
+    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
+    return value;
+}
+
+nqm_brdf *open_brdf(const char *argument) {
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
+        fail_msg("%s: %s", argument, err.message);
+    return brdf;
+}
+
+void free_nothing(void *self) {
+    (void)self;
 }
 
 const char *shared_data(const char *relative_path) {

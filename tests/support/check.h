@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * check.h - what the unit tests share: comparison of doubles (cmocka compares floats only) and the way to the
- * stored vectors and the shared data. Includes cmocka with what it needs.
+ * check.h - what the unit tests share: comparison of doubles (cmocka compares floats only), numbers of CSV files, BRDFs
+ * that must open, and the way to the stored vectors and the shared data. Includes cmocka with what it needs.
  */
 #ifndef NQM_TESTS_CHECK_H
 #define NQM_TESTS_CHECK_H
@@ -11,7 +11,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "io/io.h"
 #include <cmocka.h>
+#include <nqm/brdf.h>
 
 /** |actual - expected| <= tolerance; fails for NaN. */
 #define assert_near(actual, expected, tolerance)                                                                       \
@@ -22,6 +24,17 @@
 
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line);
+
+/** For qsort(). */
+int compare_doubles(const void *a, const void *b);
+
+/** The number in a field; fails where there is none. */
+double csv_number(const nqm_csv *csv, size_t row, int column);
+
+/** Open a BRDF; fails with the library's message. */
+nqm_brdf *open_brdf(const char *argument);
+/** For classes of BRDFs that own nothing. */
+void free_nothing(void *self);
 
 /** The path of a file in the shared data ($NQM_DATA, else ../shared/data beside the source), or NULL when it is absent.
  * Lent until the next call. */

@@ -12,20 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double number(const nqm_csv *csv, size_t row, int column) {
-    double value;
-    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
-    return value;
-}
-
-static nqm_brdf *open_brdf(const char *spec) {
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
-        fail_msg("%s: %s", spec, err.message);
-    return brdf;
-}
-
 static void test_published_formulas(void **state) {
     (void)state;
     nqm_csv *csv;
@@ -36,7 +22,7 @@ static void test_published_formulas(void **state) {
         double v[9], rgb[3], swapped[3];
         uint8_t flag;
         for (int k = 0; k < 9; ++k)
-            v[k] = number(csv, row, k + 1);
+            v[k] = csv_number(csv, row, k + 1);
         nqm_brdf_eval(brdf, 1, v, v + 3, rgb, &flag);
         nqm_brdf_eval(brdf, 1, v + 3, v, swapped, NULL);
         assert_int_equal(flag, NQM_VALUE_OK);
@@ -68,11 +54,6 @@ static void test_horizon(void **state) {
 /* ---- presets against another source of the same measurements ----------------------------------------------------- */
 
 enum { N_PAIRS = 250 };
-
-static int compare_doubles(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /* Pairs off the highlight (theta_h above 15 degrees), polar angles below 70 degrees. */
 static void draw_off_specular(double *hd) {

@@ -11,14 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-static nqm_brdf *open_brdf(const char *spec) {
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
-        fail_msg("%s: %s", spec, err.message);
-    return brdf;
-}
-
 static void albedo_of(const char *spec, double theta_deg, uint64_t seed, double *rgb) {
     nqm_brdf *brdf = open_brdf(spec);
     nqm_brdf_albedo(brdf, theta_deg * NQM_PI / 180, seed, rgb);
@@ -90,10 +82,6 @@ static void test_plausible_brdf(void **state) {
 
 /* ---- made-up BRDFs ----------------------------------------------------------------------------------------------- */
 
-static void no_free(void *self) {
-    (void)self;
-}
-
 static nqm_brdf *wrap(const nqm_brdf_class *class_) {
     nqm_brdf *brdf;
     assert_int_equal(nqm_brdf_wrap(class_, NULL, "made up", NULL, NULL, &brdf, NULL), NQM_OK);
@@ -109,7 +97,7 @@ static void eval_one_sided(const void *self, size_t n, const double *wi, const d
 
 static void test_asymmetry_is_measured(void **state) {
     (void)state;
-    static const nqm_brdf_class one_sided = {.format = "test", .eval = eval_one_sided, .free = no_free};
+    static const nqm_brdf_class one_sided = {.format = "test", .eval = eval_one_sided, .free = free_nothing};
     nqm_brdf *brdf = wrap(&one_sided);
     nqm_brdf_check_report r;
     check_of(brdf, 1, &r);
@@ -129,7 +117,7 @@ static void eval_faulty(const void *self, size_t n, const double *wi, const doub
 
 static void test_faults_are_counted(void **state) {
     (void)state;
-    static const nqm_brdf_class faulty = {.format = "test", .eval = eval_faulty, .free = no_free};
+    static const nqm_brdf_class faulty = {.format = "test", .eval = eval_faulty, .free = free_nothing};
     nqm_brdf *brdf = wrap(&faulty);
     nqm_brdf_check_report r;
     check_of(brdf, 3, &r);
@@ -149,7 +137,7 @@ static void eval_black(const void *self, size_t n, const double *wi, const doubl
 
 static void test_black(void **state) {
     (void)state;
-    static const nqm_brdf_class black = {.format = "test", .eval = eval_black, .free = no_free};
+    static const nqm_brdf_class black = {.format = "test", .eval = eval_black, .free = free_nothing};
     nqm_brdf *brdf = wrap(&black);
     nqm_brdf_check_report r;
     check_of(brdf, 1, &r);

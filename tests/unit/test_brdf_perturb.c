@@ -14,14 +14,6 @@
 static const double degree = NQM_PI / 180;
 static const char glossy[] = "ggx:kd=.2,.1,.05;ks=1;alpha=.05;f0=.5,.4,.3";
 
-static nqm_brdf *open_brdf(const char *spec) {
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
-        fail_msg("%s: %s", spec, err.message);
-    return brdf;
-}
-
 /* The value at (theta_h, theta_d, phi_d) in degrees. */
 static void value_at(const char *spec, double theta_h, double theta_d, double phi_d, double *rgb) {
     nqm_brdf *brdf = open_brdf(spec);

@@ -72,11 +72,6 @@ static void draw_direction(nqm_rng *rng, double *w) {
     w[2] = z;
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The median over pairs off the highlight (half vector more than 15 degrees from the normal) and channels. */
 static double median_difference(const nqm_brdf *measured, const nqm_brdf *network) {
     enum { N = 4000 };

@@ -10,14 +10,6 @@
 #include <locale.h>
 #include <string.h>
 
-static nqm_brdf *open_brdf(const char *spec) {
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
-        fail_msg("%s: %s", spec, err.message);
-    return brdf;
-}
-
 static void assert_spec(const char *text, const char *canonical) {
     nqm_brdf *brdf = open_brdf(text);
     assert_string_equal(nqm_brdf_get_info(brdf).spec, canonical);

@@ -11,14 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static nqm_brdf *open_brdf(const char *spec) {
-    nqm_error err = {0};
-    nqm_brdf *brdf;
-    if (nqm_brdf_open(spec, &brdf, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return brdf;
-}
-
 static nqm_fit_report fit(const char *spec, const char *model, const nqm_fit_options *options) {
     nqm_error err = {0};
     nqm_fit_report report;
@@ -150,13 +142,9 @@ static void nothing_eval(const void *self, size_t n, const double *wi, const dou
         rgb[i] = NAN;
 }
 
-static void nothing_free(void *self) {
-    (void)self;
-}
-
 static void a_brdf_without_values_is_refused(void **state) {
     (void)state;
-    static const nqm_brdf_class nothing = {.format = "nothing", .eval = nothing_eval, .free = nothing_free};
+    static const nqm_brdf_class nothing = {.format = "nothing", .eval = nothing_eval, .free = free_nothing};
     nqm_brdf *brdf;
     nqm_error err = {0};
     nqm_fit_report report = {.loss = -1};

@@ -168,12 +168,6 @@ static void a_seed_is_a_plan(void **state) {
 
 /* ---- forms ------------------------------------------------------------------------------------------------------- */
 
-static nqm_brdf *open_brdf(const char *spec) {
-    nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_open(spec, &brdf, NULL), NQM_OK);
-    return brdf;
-}
-
 static void a_table_reads_like_its_source(void **state) {
     (void)state;
     nqm_brdf *source = open_brdf("ggx:kd=0.3,0.1,0;ks=1;alpha=0.1;f0=0.04"), *table;
@@ -206,13 +200,9 @@ static void lopsided_eval(const void *self, size_t n, const double *wi, const do
         rgb[i] = wi[3 * (i / 3) + 2];
 }
 
-static void keep(void *self) {
-    (void)self;
-}
-
 static void folding_makes_reciprocal(void **state) {
     (void)state;
-    static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = keep};
+    static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = free_nothing};
     nqm_brdf *brdf, *folded;
     assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, "lopsided", NULL, NULL, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_corpus_fold(brdf, true, &folded, NULL), NQM_OK);

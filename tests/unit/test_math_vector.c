@@ -9,12 +9,6 @@
 
 #include <math.h>
 
-static double number(const nqm_csv *csv, size_t row, int column) {
-    double value;
-    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
-    return value;
-}
-
 static void test_coordinates_by_rotation(void **state) {
     (void)state;
     nqm_csv *csv;
@@ -23,7 +17,7 @@ static void test_coordinates_by_rotation(void **state) {
     for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
         double v[9], hd[3];
         for (int k = 0; k < 9; ++k)
-            v[k] = number(csv, row, k);
+            v[k] = csv_number(csv, row, k);
         nqm_half_diff_from_pair(v, v + 3, hd);
         assert_near(hd[0], v[6], 1e-15);
         assert_near(hd[1], v[7], 1e-15);

@@ -17,12 +17,6 @@ static nqm_directions *directions;
 static float ref[3 * N], test[3 * N];
 static uint8_t used[N];
 
-static double number(const nqm_csv *csv, size_t row, int column) {
-    double value;
-    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
-    return value;
-}
-
 static int read_pair(void **state) {
     (void)state;
     assert_int_equal(nqm_directions_load_csv(test_vector("metrics_pair.csv"), &directions, NULL), NQM_OK);
@@ -31,10 +25,10 @@ static int read_pair(void **state) {
     assert_int_equal(nqm_csv_rows(csv), N);
     for (size_t i = 0; i < N; ++i) {
         for (int k = 0; k < 3; ++k) {
-            ref[3 * i + (size_t)k] = (float)number(csv, i, 3 + k);
-            test[3 * i + (size_t)k] = (float)number(csv, i, 6 + k);
+            ref[3 * i + (size_t)k] = (float)csv_number(csv, i, 3 + k);
+            test[3 * i + (size_t)k] = (float)csv_number(csv, i, 6 + k);
         }
-        used[i] = number(csv, i, 9) != 0;
+        used[i] = csv_number(csv, i, 9) != 0;
     }
     nqm_csv_free(csv);
     return 0;
@@ -56,8 +50,8 @@ static void test_against_numpy(void **state) {
     assert_int_equal(nqm_csv_rows(csv), NQM_METRIC_COUNT);
     for (size_t row = 0; row < NQM_METRIC_COUNT; ++row) {
         assert_string_equal(nqm_csv_text(csv, row, 0), nqm_metric_name((nqm_metric)row));
-        assert_relative(all[row], number(csv, row, 1), 1e-13);
-        assert_relative(kept[row], number(csv, row, 2), 1e-13);
+        assert_relative(all[row], csv_number(csv, row, 1), 1e-13);
+        assert_relative(kept[row], csv_number(csv, row, 2), 1e-13);
     }
     nqm_csv_free(csv);
 }

@@ -94,10 +94,6 @@ static void eval_fake(const void *self, size_t n, const double *hd, double *rgb)
     }
 }
 
-static void free_nothing(void *self) {
-    (void)self;
-}
-
 static const nqm_brdf_class fake_class = {.format = "fake", .eval_half_diff = eval_fake, .free = free_nothing};
 
 static nqm_brdf *wrap(fake *f) {

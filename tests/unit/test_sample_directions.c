@@ -98,10 +98,6 @@ static void eval_half_space(const void *self, size_t n, const double *hd, double
             rgb[3 * i + k] = hd[3 * i + 2] < NQM_PI / 2 ? 27 : 1;
 }
 
-static void free_nothing(void *self) {
-    (void)self;
-}
-
 static const nqm_brdf_class half_space = {.format = "test", .eval_half_diff = eval_half_space, .free = free_nothing};
 
 static nqm_brdf *wrap(const nqm_brdf_class *class_) {

@@ -15,12 +15,6 @@ enum { N = 60 };
 static float ref[3 * N], test[3 * N];
 static uint8_t used[N];
 
-static double number(const nqm_csv *csv, size_t row, int column) {
-    double value;
-    assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
-    return value;
-}
-
 static int read_pair(void **state) {
     (void)state;
     nqm_csv *csv;
@@ -28,10 +22,10 @@ static int read_pair(void **state) {
     assert_int_equal(nqm_csv_rows(csv), N);
     for (size_t i = 0; i < N; ++i) {
         for (int k = 0; k < 3; ++k) {
-            ref[3 * i + (size_t)k] = (float)number(csv, i, 3 + k);
-            test[3 * i + (size_t)k] = (float)number(csv, i, 6 + k);
+            ref[3 * i + (size_t)k] = (float)csv_number(csv, i, 3 + k);
+            test[3 * i + (size_t)k] = (float)csv_number(csv, i, 6 + k);
         }
-        used[i] = number(csv, i, 9) != 0;
+        used[i] = csv_number(csv, i, 9) != 0;
     }
     nqm_csv_free(csv);
     return 0;
@@ -65,8 +59,8 @@ static void test_layouts(void **state) {
         assert_int_equal(width, layout == NQM_LAYOUT_REF_TEST ? 6 * N : 9 * N);
         nqm_features_compose(&features, N, ref_t, test_t, used, x);
         for (size_t i = 0; i < width; ++i, ++row) {
-            assert_int_equal((int)number(csv, row, 0), layout);
-            assert_near(x[i], number(csv, row, 1), 4e-6);
+            assert_int_equal((int)csv_number(csv, row, 0), layout);
+            assert_near(x[i], csv_number(csv, row, 1), 4e-6);
         }
     }
     assert_int_equal(row, nqm_csv_rows(csv));

@@ -27,10 +27,6 @@ static void eval_cases(const void *self, size_t n, const double *hd, double *rgb
     }
 }
 
-static void free_nothing(void *self) {
-    (void)self;
-}
-
 static const nqm_brdf_class cases = {.format = "test", .eval_half_diff = eval_cases, .free = free_nothing};
 static nqm_directions *directions;
 static nqm_brdf *brdf, *empty_brdf;
