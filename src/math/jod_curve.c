@@ -16,10 +16,3 @@ double nqm_jod_from_delta_e(const nqm_jod_curve *curve, double delta_e) {
     double z = curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
     return 10 / (1 + exp(-z)); /* 1 - 1/(1 + e^z), without cancellation */
 }
-
-double nqm_delta_e_from_jod(const nqm_jod_curve *curve, double jod) {
-    if (jod >= 10)
-        return 0;
-    double power = -log(jod / (10 - jod)) / curve->b1 - curve->b2;
-    return jod > 0 && power > 0 ? pow(power, 1 / curve->b3) : INFINITY;
-}

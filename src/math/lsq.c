@@ -69,8 +69,8 @@ nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_
     if (n < 1 || m < n || m > INT_MAX / 2 || n > 1000)
         return nqm_fail(err, NQM_ERR_ARG, -1, "least squares: %zu residuals do not determine %zu parameters", m, n);
 
-    /* jacobian (n, m), residual (m), shifted (m), scratch (m), then seven vectors (n) */
-    size_t n_doubles = n * m + 3 * m + 7 * n;
+    /* jacobian (n, m), residual (m), shifted (m), scratch (m), then six vectors (n) */
+    size_t n_doubles = n * m + 3 * m + 6 * n;
     double *block = nqm_alloc(n_doubles, sizeof *block);
     int *pivot = nqm_alloc(n, sizeof *pivot);
     if (!block || !pivot) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, local frames, Rusinkiewicz coordinates, statistics (ranks, correlations, bootstrap), the JOD curve
- * and a front to nonlinear least squares. Knows nothing of BRDFs or files.
+ * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), the JOD curve and a front to
+ * nonlinear least squares. Knows nothing of BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H
@@ -16,11 +16,9 @@ double nqm_dot3(const double *a, const double *b);
 void nqm_cross3(const double *a, const double *b, double *c);
 /** Scale to unit length; a zero vector becomes (0, 0, 1). */
 void nqm_normalize3(double *v);
-/** An orthonormal frame with `n` as its third axis (Duff et al. 2017, jcgt.org/published/0006/01/01). */
-void nqm_frame(const double *n, double *t, double *b);
 /** Unit vector from polar angles, radians. */
 void nqm_spherical(double theta, double phi, double *v);
-/** Mean Rec. 709 luminance weights applied to rgb (3). */
+/** Luminance of linear BT.709 rgb (3). */
 double nqm_luminance(const double *rgb);
 
 /* ---- Rusinkiewicz coordinates (DOI 10.1007/978-3-7091-6453-2_2); hd (3) = theta_h, theta_d, phi_d ---------------- */
@@ -52,8 +50,6 @@ typedef struct nqm_jod_curve {
 extern const nqm_jod_curve nqm_jod_curve_published;
 /** JOD in [0, 10] of a Delta-E ITP; negative counts as 0, and 0 gives exactly 10. */
 double nqm_jod_from_delta_e(const nqm_jod_curve *curve, double delta_e);
-/** The inverse on (0, 10); 0 for jod >= 10. */
-double nqm_delta_e_from_jod(const nqm_jod_curve *curve, double jod);
 
 /* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------- */
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Vectors of three, local frames, and the half-vector coordinates of Rusinkiewicz (1998, DOI
- * 10.1007/978-3-7091-6453-2_2).
+ * Vectors of three, and the half-vector coordinates of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2).
  */
 #include "math/math.h"
 
@@ -29,18 +28,6 @@ void nqm_normalize3(double *v) {
     }
     for (int k = 0; k < 3; ++k)
         v[k] /= length;
-}
-
-void nqm_frame(const double *n, double *t, double *b) {
-    double sign = copysign(1.0, n[2]);
-    double p = -1.0 / (sign + n[2]);
-    double q = n[0] * n[1] * p;
-    t[0] = 1.0 + sign * n[0] * n[0] * p;
-    t[1] = sign * q;
-    t[2] = -sign * n[0];
-    b[0] = q;
-    b[1] = sign + n[1] * n[1] * p;
-    b[2] = -n[1];
 }
 
 void nqm_spherical(double theta, double phi, double *v) {
@@ -75,8 +62,7 @@ void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
     double sin_h = sin(hd[0]), cos_h = cos(hd[0]);
     double d[3];
     nqm_spherical(hd[1], hd[2], d);
-    /* wi is the difference vector turned to the half vector; wo is wi mirrored at the half vector (d with x, y
-     * negated). */
+    /* wi is the difference vector turned to the half vector; wo is its mirror image there (d with x, y negated). */
     for (int side = 0; side < 2; ++side) {
         double x = side ? -d[0] : d[0], y = side ? -d[1] : d[1];
         double *w = side ? wo : wi;
