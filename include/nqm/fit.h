@@ -51,7 +51,8 @@ typedef struct nqm_fit_report {
  * albedos are solved linearly, the best starts are refined by Levenberg-Marquardt over all parameters. Deterministic.
  *
  * @param options  NULL: the defaults
- * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC, NQM_ERR_NOMEM
+ * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC,
+ *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
                                           nqm_fit_report *report_ret, nqm_error *err);

@@ -22,6 +22,7 @@ typedef struct search {
     double *diffuse;                      /* (n) the base with kd = 1 */
     double *lobe;                         /* (n) the lobe with ks = 1 and `lobe_shape` */
     double lobe_shape[NQM_FIT_MAX_SHAPE]; /* 0: none yet */
+    nqm_status failure;                   /* why the residuals stopped; *err says more */
     nqm_error *err;
 } search;
 
@@ -88,8 +89,7 @@ static void solve_two(const double sums[5], double *kd, double *ks) {
     *ks = gain_b > gain_a ? by / bb : 0;
 }
 
-/* Slope of the secant of the loss's transform between f and y: with it as weight, a linear residual equals the real
- * one. */
+/* Slope of the secant of the loss's transform from y to f: weighted by it, a linear residual equals the real one. */
 static double secant(nqm_fit_loss loss, double weight, double f, double y, double goal) {
     double difference = f - y, tiny = 1e-6 * (y + 1e-3);
     if (fabs(difference) < tiny) {
@@ -161,7 +161,8 @@ static int lsq_residuals(void *user, const double *x, double *residual) {
     search *s = user;
     nqm_fit_values v;
     from_free(s->model, x, &v);
-    if (set_shape(s, v.shape) != NQM_OK)
+    s->failure = set_shape(s, v.shape);
+    if (s->failure != NQM_OK)
         return -1;
     residuals_of(s, &v, residual);
     return 0;
@@ -186,11 +187,17 @@ static nqm_status refine(search *s, candidate *best) {
                                .tolerance = 1e-6,
                                .max_evaluations = 400};
     to_free(s->model, &best->values, x);
-    nqm_status status = nqm_lsq_solve(&problem, x, &rms, s->err);
+    nqm_error err = {0};
+    nqm_status status = nqm_lsq_solve(&problem, x, &rms, &err);
     if (status == NQM_ERR_NUMERIC)
         return NQM_OK;
-    if (status != NQM_OK)
+    if (status == NQM_ERR_CANCELLED)
+        return s->failure;
+    if (status != NQM_OK) {
+        if (s->err)
+            *s->err = err;
         return status;
+    }
     candidate refined = *best;
     from_free(s->model, x, &refined.values);
     drop_traces(&refined.values);

@@ -3,6 +3,7 @@
  * Fits give known parameters back, whatever the width of the lobe and the loss; a model fitted to another keeps
  * highlight and base; the same seed gives the same spec; bad arguments are refused.
  */
+#include "base/memory_test.h"
 #include "brdf/brdf.h"
 #include "fit/fit.h"
 #include "support/check.h"
@@ -176,6 +177,29 @@ static void bad_arguments_are_refused(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* At any of thousands of allocations: 1, 2, 3, 4, 6, 8, ... */
+static void memory_runs_out(void **state) {
+    (void)state;
+    nqm_brdf *brdf = open_brdf("sgd:nickel");
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 200;
+    options.n_starts = 2;
+    nqm_status status = NQM_ERR_NOMEM;
+    long n = 0;
+    for (; status != NQM_OK && n < 1000000; n += 1 + n / 3) {
+        nqm_fit_report report;
+        nqm_error err = {0};
+        nqm_alloc_fail_after(n);
+        status = nqm_fit(brdf, "ggx", &options, &report, &err);
+        nqm_alloc_fail_after(-1);
+        if (status != NQM_OK && (status != NQM_ERR_NOMEM || err.status != NQM_ERR_NOMEM))
+            fail_msg("allocation %ld: %s (%s)", n, err.message, nqm_status_text(status));
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(n > 300);
+    nqm_brdf_free(brdf);
+}
+
 static int stop(void *user, const char *stage, double done, double total) {
     (void)user;
     (void)stage;
@@ -204,6 +228,7 @@ int main(void) {
         cmocka_unit_test(a_spec_says_what_was_fitted),
         cmocka_unit_test(a_brdf_without_values_is_refused),
         cmocka_unit_test(bad_arguments_are_refused),
+        cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(a_fit_can_be_stopped),
     };
     return cmocka_run_group_tests_name("fit: recover", tests, NULL, NULL);
