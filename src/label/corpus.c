@@ -183,8 +183,10 @@ static nqm_status alloc_tables(const corpus *c, tables *t, nqm_error *err) {
     t->group_names = nqm_alloc(c->n_items, sizeof *t->group_names);
     t->manifest = nqm_corpus_manifest(&c->context, c->n_items, c->items);
     if (!t->pair_ref || !t->pair_kind || !t->jod || !t->ref_group || !t->ref_names || !t->group_split ||
-        !t->group_names || !t->manifest)
+        !t->group_names)
         return nqm_fail_nomem(err, 16 * c->n_tests);
+    if (!t->manifest)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory is short");
     return NQM_OK;
 }
 

@@ -163,12 +163,12 @@ NQM_MUST_CHECK nqm_status nqm_corpus_item_save(const char *path, size_t n_direct
 /** `brdf` as a table; see corpus_forms.c. */
 NQM_MUST_CHECK nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
 /** `brdf` read in half-vector coordinates with phi_d in [0, pi) only, so that it is reciprocal. It is owned by the
- *  result (freed with it, also when this fails) or only lent to it. */
+ * result (freed with it, also when this fails) or only lent to it. */
 NQM_MUST_CHECK nqm_status nqm_corpus_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
 /* ---- the manifest ------------------------------------------------------------------------------------------------ */
 
-/** How the corpus was made, as JSON text (nqm_free); NULL when out of memory. */
+/** How the corpus was made, as JSON text (nqm_free); NULL when out of memory or a name is not UTF-8. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items);
 
 #endif

@@ -61,10 +61,13 @@ static json_t *references_json(const nqm_corpus_list *list, size_t n_items, cons
             size_t n_pairs = 0;
             for (size_t t = 0; t < plan->n_tests; ++t)
                 n_pairs += plan->tests[t].ref == r;
-            json_array_append_new(references, json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group",
-                                                        group->name, "split", nqm_corpus_split_name(group->split),
-                                                        "source", ref->source, "brdf", base_name(ref->brdf),
-                                                        "file_sha256", ref->file_sha256, "pairs", count(n_pairs)));
+            json_t *row = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group", group->name, "split",
+                                    nqm_corpus_split_name(group->split), "source", ref->source, "brdf",
+                                    base_name(ref->brdf), "file_sha256", ref->file_sha256, "pairs", count(n_pairs));
+            if (json_array_append_new(references, row) != 0) { /* a manifest that leaves one out proves nothing */
+                json_decref(references);
+                return NULL;
+            }
         }
     }
     return references;
@@ -89,25 +92,27 @@ static json_t *splits_json(const nqm_corpus_list *list, size_t n_items, const nq
     return splits;
 }
 
-char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items) {
-    const nqm_corpus_options *options = context->options;
+static json_t *labels_json(void) {
     nqm_curve curve = nqm_curve_default();
-    json_t *root = json_pack("{s:i,s:{s:s,s:s},s:s}", "schema", 1, "tool", "name", "nqm", "version", nqm_version(),
-                             "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation");
-    json_object_set_new(root, "labels",
-                        json_pack("{s:s,s:[f,f,f]}", "made_by",
-                                  "Delta-E ITP of direct-light renderings, JOD by the curve", "curve", curve.b1,
-                                  curve.b2, curve.b3));
-    json_object_set_new(root, "options", options_json(context));
-    json_object_set_new(root, "light",
-                        options->light
-                            ? json_pack("{s:s,s:s}", "file", base_name(options->light), "sha256", context->light_sha256)
-                            : json_pack("{s:s}", "built_in", "sky"));
-    json_object_set_new(root, "directions", json_string(nqm_directions_id(context->directions)));
-    json_object_set_new(root, "splits", splits_json(context->list, n_items, items));
-    json_object_set_new(root, "kinds", kinds_json(n_items, items));
-    json_object_set_new(root, "unseen_kinds", unseen_json());
-    json_object_set_new(root, "references", references_json(context->list, n_items, items));
+    return json_pack("{s:s,s:[f,f,f]}", "made_by", "Delta-E ITP of direct-light renderings, JOD by the curve", "curve",
+                     curve.b1, curve.b2, curve.b3);
+}
+
+static json_t *light_json(const nqm_corpus_context *context) {
+    const char *light = context->options->light;
+    return light ? json_pack("{s:s,s:s}", "file", base_name(light), "sha256", context->light_sha256)
+                 : json_pack("{s:s}", "built_in", "sky");
+}
+
+/* json_pack() refuses NULL: one part that fails fails all. */
+char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items) {
+    const char *part = context->options->part == NQM_CORPUS_TEST ? "test" : "train,validation";
+    json_t *root =
+        json_pack("{s:i,s:{s:s,s:s},s:s,s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o}", "schema", 1, "tool", "name", "nqm",
+                  "version", nqm_version(), "part", part, "labels", labels_json(), "options", options_json(context),
+                  "light", light_json(context), "directions", nqm_directions_id(context->directions), "splits",
+                  splits_json(context->list, n_items, items), "kinds", kinds_json(n_items, items), "unseen_kinds",
+                  unseen_json(), "references", references_json(context->list, n_items, items));
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     char *copy = text ? nqm_strdup(text) : NULL;
