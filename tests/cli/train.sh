@@ -72,7 +72,7 @@ says 'dropout 0.1'
 run 5 train "$dir/other.safetensors" -o "$dir/c.safetensors" $small --checkpoint "$dir/c.checkpoint" --resume
 says 'another dataset'
 
-# Ctrl-C: exit code 130, no model, the checkpoint is good, and from it comes the model of an undisturbed run.
+# Ctrl-C: exit code 130, no model, no unfinished files.
 # shellcheck disable=SC2086
 "$tool" train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs 100000 --checkpoint "$dir/d.checkpoint" \
     >"$dir/out" 2>"$dir/err" &

@@ -8,6 +8,7 @@
 #include "support/toy_dataset.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,8 +162,7 @@ static void too_little_to_split(void **state) {
     nqm_dataset_free(d);
 }
 
-/* Inputs of the unscaled training examples are whitened: mean 0, standard deviation 1 over the reference half; targets
- * too. */
+/* Inputs of the unscaled training examples are whitened: mean 0, deviation 1 over the reference half; targets too. */
 static void whitening(void **state) {
     (void)state;
     toy_options toy = toy_options_default();
@@ -341,6 +341,7 @@ static void options_out_of_range(void **state) {
 }
 
 int main(void) {
+    omp_set_num_threads(1); /* a few numbers at a time are too little to share */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fills_every_bin),
         cmocka_unit_test(authors_counts),

@@ -124,10 +124,7 @@ static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
     o.hidden[0] = 32;
     o.batch = 64;
     o.epochs = 5;
-    int threads = omp_get_max_threads();
-    omp_set_num_threads(1); /* too small to share */
     assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
-    omp_set_num_threads(threads);
     return model;
 }
 
@@ -213,6 +210,7 @@ static void selections(void **state) {
 }
 
 int main(void) {
+    omp_set_num_threads(1); /* these networks are too small to share */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(figures_are_scipys),
         cmocka_unit_test(bootstrap_repeats_groups),
