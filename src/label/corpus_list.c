@@ -31,8 +31,7 @@ static char *resolve(const char *brdf, const char *root, size_t n_root) {
 
 /* ---- checksums of the files -------------------------------------------------------------------------------------- */
 
-/* The length of the file's part of a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs.
- */
+/* The length of the file's part of a BRDF argument: all of it, or up to the colon before a member's name; specs: 0. */
 static size_t file_length(const char *path) {
     struct stat st;
     if (nqm_spec_probe(path))

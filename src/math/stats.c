@@ -153,8 +153,7 @@ static bool same_point(const point *p, const point *q) {
     return p->x == q->x && p->y == q->y;
 }
 
-/* Sort by y (stable, bottom-up merge sort) and count the exchanges of neighbours that this takes: the discordant pairs.
- */
+/* Sort by y (stable merge sort) and count the exchanges of neighbours that this takes: the discordant pairs. */
 static double sort_by_y(size_t n, point *p, point *scratch) {
     double exchanges = 0;
     for (size_t width = 1; width < n; width *= 2) {

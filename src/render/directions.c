@@ -95,8 +95,7 @@ static void sample_lobe(double alpha, const double *wo, double u, double v, doub
         wi[k] = 2 * d * h[k] - wo[k];
 }
 
-/* Density of sample_lobe() in wi, 1/sr. h: (3) unit half vector. sin^2 comes from x and y: 1 - cos^2 cancels in sharp
- * lobes. */
+/* Density of sample_lobe() in wi, 1/sr. h: (3) unit half vector; its sin^2 from x and y, as 1 - cos^2 would cancel. */
 static double lobe_density(double alpha, const double *wo, const double *h) {
     double sin2 = h[0] * h[0] + h[1] * h[1], a2 = alpha * alpha;
     double t = h[2] * h[2] * a2 + sin2;

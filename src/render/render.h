@@ -69,7 +69,7 @@ typedef struct nqm_direction_set {
 } nqm_direction_set;
 
 /** Fill a set whose n_max, wi and weight are given. The same seed gives the same directions; points that shall not
- *  share their noise need seeds of their own. false when out of memory. */
+ * share their noise need seeds of their own. false when out of memory. */
 bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                            nqm_direction_set *set);
 

@@ -11,8 +11,7 @@
 
 /* ---- balancing --------------------------------------------------------------------------------------------------- */
 
-/* Equal bins over [lo, hi]; the last is closed. On the authors' 1,242 training labels: 4, 29, 61, 137, 253, 281, 477.
- */
+/* Equal bins over [lo, hi]; the last is closed. The authors' 1,242 training labels: 4, 29, 61, 137, 253, 281, 477. */
 static size_t bin_of(double label, double lo, double hi) {
     if (!(hi > lo))
         return 0;

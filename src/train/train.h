@@ -70,8 +70,7 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
     return (nqm_split)dataset->group_split[dataset->ref_group[dataset->pair_ref[pair]]];
 }
 
-/** The directions of a pair that count, ref_used and test_used: NULL when all do, else `scratch` (n_directions),
- * filled. */
+/** The directions where both members of a pair have values: NULL when all, else `scratch` (n_directions), filled. */
 const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
 
 /* ---- options (recipes.c) ----------------------------------------------------------------------------------------- */
@@ -126,8 +125,7 @@ void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, 
 
 /* ---- examples as numbers for the network (examples.c) ------------------------------------------------------------ */
 
-/** The examples of a training with everything that is computed once: transformed samples, whitening, normalised
- * targets. */
+/** The examples of a training with all that is computed once: transformed samples, whitening, normalised targets. */
 typedef struct nqm_examples {
     const nqm_dataset *dataset;
     const nqm_train_options *options;

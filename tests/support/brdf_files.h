@@ -24,8 +24,7 @@ void blob_put(blob b, const char *path);
 void blob_save_sparse(const blob *b, size_t n_bytes, const char *path);
 blob blob_load(const char *path);
 
-/** PATH of a file with this name in a folder of this process, which is removed with its files at exit. Lent until
- * exit. */
+/** Path of a file with this name in a folder of this process, which is removed with its files at exit. Lent. */
 const char *scratch_path(const char *name);
 
 /** The i-th of a row of numbers in [0, 1) with 24 bits: exact in float32 and the same in numpy. */

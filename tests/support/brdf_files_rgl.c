@@ -59,8 +59,7 @@ static size_t choose(const rgl_change *change, tensor *out) {
     return n;
 }
 
-/* The two lowest rows of the visible-normal density are empty at the two smallest angles, as they may be in measured
- * files. */
+/* The two lowest rows of the visible-normal density are empty at the two smallest angles, as measured ones may be. */
 static double value_of(const tensor *t, size_t i) {
     if (t->values)
         return (double)t->values[i];

@@ -177,7 +177,7 @@ static void bad_arguments_are_refused(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* At any of thousands of allocations: 1, 2, 3, 4, 6, 8, ... */
+/* At the allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
 static void memory_runs_out(void **state) {
     (void)state;
     nqm_brdf *brdf = open_brdf("sgd:nickel");

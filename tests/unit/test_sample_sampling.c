@@ -13,8 +13,7 @@
 
 enum { N = 6 };
 
-/* theta_h names the case: below 10 degrees plain values, from 10 a negative channel, from 20 no data, from 30 infinite.
- */
+/* theta_h names the case: below 10 degrees plain values, from 10 a negative channel, from 20 none, from 30 infinite. */
 static const double degrees[N][3] = {{1, 20, 90}, {12, 10, 0}, {22, 10, 30}, {2, 60, 10}, {31, 5, 5}, {89, 80, 0}};
 
 static void eval_cases(const void *self, size_t n, const double *hd, double *rgb) {
