@@ -114,3 +114,17 @@ head -c 100 /dev/zero >>"$dir/changed.safetensors"
 score 6 $ref $ward --model "$dir/changed.safetensors"
 grep -q 'checksum' "$dir/err" || fail "a damaged model"
 "$tool" score --help | grep -q 'nqm score sgd:nickel ward:nickel' || fail "help with an example"
+
+# A name that is not UTF-8 keeps its row; results that cannot be written are a failure.
+score 3 $ref "$(printf 'caf\351.binary')" --json
+[ "$(number test 1)" = '"caf?.binary"' ] || fail "a name in Latin-1 in JSON"
+if [ -c /dev/full ]; then
+    for form in --json --csv -q; do
+        got=0
+        "$tool" score --model "$dir/model.safetensors" $ref $ward $form >/dev/full 2>"$dir/err" || got=$?
+        [ "$got" = 3 ] || fail "a full disk: exit code $got"
+    done
+    got=0
+    "$tool" info list >/dev/full 2>"$dir/err" || got=$?
+    [ "$got" = 3 ] || fail "info on a full disk: exit code $got"
+fi

@@ -58,8 +58,8 @@ static void print_text(const char *name, const verdict *v) {
 static json_t *to_json(const char *name, const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
     json_t *item =
-        json_pack("{s:s,s:b,s:I,s:I,s:I}", "brdf", name, "ok", (int)passes(v), "n_pairs", (json_int_t)r->n_pairs,
-                  "n_clamped", (json_int_t)r->n_clamped, "n_invalid", (json_int_t)r->n_invalid);
+        json_pack("{s:o,s:b,s:I,s:I,s:I}", "brdf", json_name(name), "ok", (int)passes(v), "n_pairs",
+                  (json_int_t)r->n_pairs, "n_clamped", (json_int_t)r->n_clamped, "n_invalid", (json_int_t)r->n_invalid);
     json_object_set_new(item, "reciprocity_median", json_number(r->reciprocity_median));
     json_object_set_new(item, "reciprocity_p95", json_number(r->reciprocity_p95));
     json_object_set_new(item, "albedo_max",

@@ -14,8 +14,8 @@ static json_t *json_text(const char *text) {
 }
 
 static int print_brdf_json(const nqm_brdf_info *info, const double *albedo) {
-    json_t *root = json_pack("{s:i,s:o,s:s,s:s,s:s}", "schema", 1, "tool", json_tool(), "kind", "brdf", "format",
-                             info->format, "name", info->name);
+    json_t *root = json_pack("{s:i,s:o,s:s,s:s,s:o}", "schema", 1, "tool", json_tool(), "kind", "brdf", "format",
+                             info->format, "name", json_name(info->name));
     json_object_set_new(root, "spec", json_text(info->spec));
     json_object_set_new(root, "source_doi", json_text(info->source_doi));
     json_object_set_new(root, "layout", json_text(info->layout));

@@ -45,17 +45,17 @@ static int print_rows_json(const label_run *run, const nqm_scene_options *o) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_rows; ++i) {
         const label_row *row = &run->rows[i];
-        json_t *result = json_pack("{s:s,s:o,s:o}", "test", row->name, "delta_e_itp", json_number(row->delta_e), "jod",
-                                   json_number(row->jod));
+        json_t *result = json_pack("{s:o,s:o,s:o}", "test", json_name(row->name), "delta_e_itp",
+                                   json_number(row->delta_e), "jod", json_number(row->jod));
         if (row->err.status != NQM_OK)
-            json_object_set_new(result, "error", json_string(row->err.message));
+            json_object_set_new(result, "error", json_name(row->err.message));
         json_array_append_new(results, result);
     }
-    json_t *scene = json_pack("{s:s,s:f,s:f,s:I,s:I,s:I}", "light", o->light ? o->light : "built-in sky",
+    json_t *scene = json_pack("{s:o,s:f,s:f,s:I,s:I,s:I}", "light", json_name(o->light ? o->light : "built-in sky"),
                               "exposure_cdm2", o->exposure_cdm2, "peak_cdm2", o->peak_cdm2, "points",
                               (json_int_t)o->n_points, "lights", (json_int_t)o->n_lights, "seed", (json_int_t)o->seed);
-    return print_json(json_pack("{s:i,s:o,s:s,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference", run->ref_name,
-                                "scene", scene, "results", results));
+    return print_json(json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
+                                json_name(run->ref_name), "scene", scene, "results", results));
 }
 
 static void print_row(const label_row *row, label_format format) {

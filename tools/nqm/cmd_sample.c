@@ -46,8 +46,8 @@ static int print_samples_json(const sample_set *s) {
                                                  degrees[3 * i + 1], "phi_d", degrees[3 * i + 2], "r",
                                                  json_number(value_of(s, i, 0)), "g", json_number(value_of(s, i, 1)),
                                                  "b", json_number(value_of(s, i, 2))));
-    return print_json(json_pack("{s:i,s:o,s:s,s:{s:s,s:I},s:I,s:I,s:o}", "schema", 1, "tool", json_tool(), "brdf",
-                                s->brdf, "directions", "id", nqm_directions_id(s->directions), "n",
+    return print_json(json_pack("{s:i,s:o,s:o,s:{s:s,s:I},s:I,s:I,s:o}", "schema", 1, "tool", json_tool(), "brdf",
+                                json_name(s->brdf), "directions", "id", nqm_directions_id(s->directions), "n",
                                 (json_int_t)s->report.n, "clamped", (json_int_t)s->report.n_clamped, "invalid",
                                 (json_int_t)s->report.n_invalid, "samples", samples));
 }

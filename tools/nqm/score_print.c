@@ -136,12 +136,12 @@ static json_t *row_json(const score_run *run, const score_row *row) {
         remark_on_reference(run, "reference", r, warnings);
         remark_on_test(run, "test", r, warnings);
     }
-    json_t *object =
-        json_pack("{s:s,s:o,s:o,s:b,s:I,s:o,s:o}", "test", row->name, "jod", json_number(number_of(row, r->jod)),
-                  "delta_e_itp", json_number(number_of(row, r->delta_e)), "identical", scored && r->identical,
-                  "n_valid", (json_int_t)r->n_valid, "metrics", metrics, "warnings", warnings);
+    json_t *object = json_pack("{s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->name), "jod",
+                               json_number(number_of(row, r->jod)), "delta_e_itp",
+                               json_number(number_of(row, r->delta_e)), "identical", scored && r->identical, "n_valid",
+                               (json_int_t)r->n_valid, "metrics", metrics, "warnings", warnings);
     if (!scored)
-        json_object_set_new(object, "error", json_string(row->err.message));
+        json_object_set_new(object, "error", json_name(row->err.message));
     return object;
 }
 
@@ -150,9 +150,9 @@ static int print_scores_json(const score_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_rows; ++i)
         json_array_append_new(results, row_json(run, &run->rows[i]));
-    return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:s,s:o}", "schema", 1, "tool", json_tool(), "model", "id",
+    return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:o,s:o}", "schema", 1, "tool", json_tool(), "model", "id",
                                 info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters,
-                                "reference", run->ref_name, "results", results));
+                                "reference", json_name(run->ref_name), "results", results));
 }
 
 static void print_scores_csv(const score_run *run) {

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -129,6 +130,18 @@ int print_json(json_t *value) {
     if (bad)
         fputs("nqm: standard output: cannot write\n", stderr);
     return bad ? EXIT_OPEN : EXIT_OK;
+}
+
+json_t *json_name(const char *text) {
+    json_t *string = json_string(text);
+    char *ascii = string ? NULL : strdup(text);
+    for (char *p = ascii; p && *p; ++p)
+        if (*p & 0x80)
+            *p = '?';
+    if (ascii)
+        string = json_string(ascii);
+    free(ascii);
+    return string;
 }
 
 json_t *json_number(double value) {

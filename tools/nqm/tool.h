@@ -108,6 +108,8 @@ bool interrupted(void);
 
 /** Print a JSON value with a final newline and release it. NaN must have been stored through json_number(). */
 int print_json(json_t *value);
+/** A JSON string of a file's name or a message. Where it is not UTF-8, bytes that are not ASCII become '?'. */
+json_t *json_name(const char *text);
 /** A JSON real, or null when not finite. */
 json_t *json_number(double value);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
