@@ -4,11 +4,12 @@
 # and the results behind each model's card. Resumable: what is in WORK already is kept. About an hour on two cores.
 # usage: models/make.sh DATA WORK   (DATA: folders rgl, nbrdf, nps, labels, scene; doc/corpus.md says where they come from)
 set -eu
-data=${1:?usage: models/make.sh DATA WORK} work=${2:?usage: models/make.sh DATA WORK}
+data=${1:?usage: models/make.sh DATA WORK}
+mkdir -p "${2:?usage: models/make.sh DATA WORK}"
+work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=${NQM_TOOL:-$here/../build/nqm}
 light=$data/scene/pixar_campus_rgbe.png
-mkdir -p "$work"
 
 "$nqm" dataset --scan "$data" -o "$work/materials.csv"
 if [ ! -f "$work/directions.csv" ]; then
@@ -25,7 +26,31 @@ for part in train test; do
     cp "$work/$part.safetensors.json" "$here/corpus-$part.json"
 done
 
-# train NAME RECIPE: train under a checkpoint, judge on the 20 held-out materials, put the results behind the card.
+# judged NAME: what nqm eval says, for the card.
+judged() {
+    echo "## Judged on"
+    echo
+    echo "The 20 materials of the authors' study with people, in every form: no model, whitening, direction or threshold has"
+    echo "seen them. Labels are those of \`nqm label\` (Pixar Campus light), not of people. Manifest: corpus-test.json."
+    echo "\`quantise\` and \`shift\` are kinds of distortion that do not occur in training. Higher is better."
+    echo
+    echo '```'
+    (cd "$work" && "$nqm" eval test.safetensors --model "$1.safetensors" --by both)
+    echo '```'
+    echo
+    if [ "$1" = paper ]; then
+        echo "This recipe draws its validation pairs at random, so it has trained on pairs of every other material of the corpus."
+    else
+        echo "On the validation materials, which chose the learning-rate schedule and the recipe's dropout and weight decay:"
+        echo
+        echo '```'
+        (cd "$work" && "$nqm" eval train.safetensors --split validation --model "$1.safetensors")
+        echo '```'
+    fi
+    cat "$here/notes.md"
+}
+
+# train NAME RECIPE: train under a checkpoint, judge, put the results behind the card.
 train() {
     if [ ! -f "$work/$1.safetensors" ]; then
         resume=
@@ -33,24 +58,7 @@ train() {
         "$nqm" train "$work/train.safetensors" --recipe "$2" --id "$1" --licence MIT -o "$work/$1.safetensors" \
             --checkpoint "$work/$1.checkpoint" $resume --log "$work/$1.csv"
     fi
-    {
-        echo "## Judged on"
-        echo
-        echo "The 20 materials of the authors' study with people, in every form: no model, whitening, direction or threshold has"
-        echo "seen them. Labels are those of \`nqm label\` (Pixar Campus light), not of people. Dataset: corpus-test.json."
-        echo "\`quantise\` and \`shift\` are kinds of distortion that do not occur in training. Higher is better."
-        echo
-        echo '```'
-        "$nqm" eval "$work/test.safetensors" --model "$work/$1.safetensors" --by both
-        echo '```'
-        echo
-        echo "On the validation materials (seen by the learning-rate schedule only):"
-        echo
-        echo '```'
-        "$nqm" eval "$work/train.safetensors" --split validation --model "$work/$1.safetensors"
-        echo '```'
-        cat "$here/notes.md"
-    } >"$work/$1.md"
+    judged "$1" >"$work/$1.md"
     "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" -o "$here/$1.safetensors"
 }
 train default nqm
