@@ -19,11 +19,11 @@ END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
 make() { "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 2 "$@" 2>"$dir/err"; }
 
-OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/work" >"$dir/out" || fail "$(cat "$dir/err")"
+OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/groups" >"$dir/out" || fail "$(cat "$dir/err")"
 grep -q '13 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
 OMP_NUM_THREADS=2 make -o "$dir/two.safetensors" >/dev/null
 cmp "$dir/one.safetensors" "$dir/two.safetensors" || fail "two threads give another file"
-make -o "$dir/again.safetensors" --work "$dir/work" --json >"$dir/out"
+make -o "$dir/again.safetensors" --work "$dir/groups" --json >"$dir/out"
 cmp "$dir/one.safetensors" "$dir/again.safetensors" || fail "work files give another file"
 grep -q '"manifest"' "$dir/out" || fail "--json"
 grep -q '"brass"' "$dir/one.safetensors.json" || fail "the manifest does not name the material"
@@ -32,11 +32,11 @@ if grep -qF "$dir" "$dir/one.safetensors.json"; then fail "the manifest names a 
 [ -z "$(find "$dir" -name '*.part')" ] || fail "left-over files"
 
 # A damaged work file is made again.
-for file in "$dir"/work/*.safetensors; do
+for file in "$dir"/groups/*.safetensors; do
     head -c 3000 "$file" >"$dir/cut"
     mv "$dir/cut" "$file"
 done
-make -o "$dir/mended.safetensors" --work "$dir/work" >/dev/null
+make -o "$dir/mended.safetensors" --work "$dir/groups" >/dev/null
 cmp "$dir/one.safetensors" "$dir/mended.safetensors" || fail "a damaged work file changed the result"
 
 # A data folder: names, groups and splits.
