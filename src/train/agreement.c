@@ -207,6 +207,8 @@ static void find_interval(size_t n, double *x, double ci95[2]) {
 
 nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_agreement *results,
                      nqm_error *err) {
+    if (j->n_groups < 2)
+        n_bootstrap = 0; /* resampling one material gives it again: an interval without width would be a lie */
     bootstrap b = {.j = j, .seed = seed, .n_resamples = n_bootstrap};
     nqm_status status = prepare(&b, err);
     if (status == NQM_OK) {
