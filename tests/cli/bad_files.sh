@@ -2,17 +2,10 @@
 # SPDX-License-Identifier: MIT
 # Broken BRDF files of every format, folders and missing files: each is refused with exit code 3 or 4, at once, in
 # little memory, with a message that names the file and, where bytes are at fault, the byte.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/make_brdf_files" "$dir"
 mkdir "$dir/folder.binary"
-
-fail() {
-    echo "$1"
-    exit 1
-}
 
 # A guard against hanging, not a clock: machines are busy. Sanitizers map terabytes and start slowly.
 if [ -n "${NQM_SANITIZE:-}" ]; then limit=unlimited seconds=20; else limit=400000 seconds=10; fi

@@ -1,14 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm convert: a table opens as the same BRDF; an interrupted or failed conversion leaves what was there before; exit codes.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    exit 1
-}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 
 "$tool" convert 'lambert:kd=.3,.2,.1' -o "$dir/a.binary" >"$dir/out"
 grep -q "$dir/a.binary" "$dir/out" || fail "text: $(cat "$dir/out")"

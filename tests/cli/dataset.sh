@@ -2,14 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nqm dataset: a small corpus from analytic materials is the same for one and two threads and from its work files; test
 # materials go to a file of their own; a data folder becomes a list; bad arguments give the contract's exit codes.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    exit 1
-}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
 name,group,brdf,source,split
 m-sgd,brass,sgd:brass,sgd,train

@@ -2,14 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nqm fit: a model fitted to itself gives its parameters back, the spec it prints is what other verbs take, all output forms
 # agree, and bad arguments give the contract's exit codes.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    exit 1
-}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 ref='ward:kd=0.3,0.2,0.1;ks=0.05;alpha=0.1'
 
 spec=$("$tool" fit "$ref" --model ward -q)
@@ -36,7 +30,7 @@ expect() {
     got=0
     "$tool" fit "$@" >"$dir/out" 2>"$dir/err" || got=$?
     [ "$got" = "$code" ] || fail "exit code $got, not $code: fit $*: $(cat "$dir/err")"
-    [ -s "$dir/err" ] && [ ! -s "$dir/out" ] || fail "output of a failure: fit $*"
+    { [ -s "$dir/err" ] && [ ! -s "$dir/out" ]; } || fail "output of a failure: fit $*"
 }
 expect 2 "$ref" --model phong
 expect 2 "$ref" --loss square

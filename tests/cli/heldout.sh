@@ -2,16 +2,10 @@
 # SPDX-License-Identifier: MIT
 # The 20 materials of the human study (Kavoosighafi et al. 2025) are in no training artefact: no reference, group or test of
 # the manifests of the shipped training corpus names one, nor does a list made from the shared data give one to training.
-set -eu
-tool=${NQM_TOOL:?}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 source=${NQM_SOURCE:?}
 data=${NQM_DATA:-$source/../shared/data}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    exit 1
-}
 held_out='acrylic_felt_green_rgb aluminium blue-fabric blue-metallic-paint bluebook cardboard cc_amber_citrine_rgb
 color-changing-paint1 gold-metallic-paint2 green-metallic-paint2 ilm_l3_37_dark_green_rgb ilm_solo_m_68_rgb light-red-paint
 notebook red-metallic-paint silver-metallic-paint2 specular-green-phenolic vch_dragon_eye_red_rgb vch_golden_yellow_rgb

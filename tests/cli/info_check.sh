@@ -1,14 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm info and nqm check: text and JSON, the list of presets, verdicts with their exit codes, messages for what is no BRDF.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    exit 1
-}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 # expect CODE ARGUMENTS...: run, keep the output in $dir/out and $dir/err
 expect() {
     code=$1

@@ -2,15 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nqm label: greys under a white light give the Delta-E that the PQ curve says; equal BRDFs give exactly 0; the same output for 1
 # and 2 threads; forms of the output; broken lights give the contract's exit codes.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    [ ! -f "$dir/err" ] || cat "$dir/err"
-    exit 1
-}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 # label CODE ARGUMENTS...
 label() {
     code=$1

@@ -1,16 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm models and nqm selftest: lists, facts of a file and of whatever is built in, refusals; the self-test passes.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
 
-fail() {
-    echo "$1"
-    exit 1
-}
 expect() {
     code=$1
     shift

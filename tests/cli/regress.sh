@@ -2,14 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nqm regress: made-up scores give their curve back, whatever the order of the columns; bad files give the contract's exit
 # codes; and, where the shared data are, the authors' scores give the paper's coefficients.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-fail() {
-    echo "$1"
-    exit 1
-}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 # near VALUE EXPECTED TOLERANCE
 near() { awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN {d = a - b; if (d < 0) d = -d; exit !(d <= t)}'; }
 number() { sed -n 's/.*"'"$1"'": *\(-*[0-9.e+-]*\).*/\1/p' "$2"; }

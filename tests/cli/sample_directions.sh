@@ -1,16 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm directions and nqm sample: files that come back, the same set for the same seed, columns, holes, pipes, refusals.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 40
 
-fail() {
-    echo "$1"
-    exit 1
-}
 # expect CODE ARGUMENTS...
 expect() {
     code=$1

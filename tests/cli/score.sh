@@ -2,17 +2,10 @@
 # SPDX-License-Identifier: MIT
 # nqm score: order and forms of the results, --metrics, --fail-under, tests that cannot be scored beside those that can, and
 # the exit codes of the contract. With a model of random weights; what the shipped ones score is tested elsewhere.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
 
-fail() {
-    echo "$1"
-    [ ! -f "$dir/err" ] || cat "$dir/err"
-    exit 1
-}
 # score CODE ARGUMENTS...: run with the model; results in out, talk in err.
 score() {
     code=$1

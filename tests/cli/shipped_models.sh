@@ -2,15 +2,9 @@
 # SPDX-License-Identifier: MIT
 # The two models that are built in: what they are, that a BRDF beside itself scores at the top of the range, and that the
 # default model sees more noise as worse. Presets only; shipped_models_rgl.sh does the same on measured files.
-set -eu
-tool=${NQM_TOOL:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 
-fail() {
-    echo "$1"
-    exit 1
-}
 below() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a < b) }'; }
 
 "$tool" models show paper --json >"$dir/paper.json"

@@ -2,12 +2,10 @@
 # SPDX-License-Identifier: MIT
 # With the default model every measured RGL file beside itself scores within 0.1 JOD of the top of the range and is reported
 # identical, and against stronger and stronger noise the mean score over the files falls. Needs the measured data.
-set -eu
-tool=${NQM_TOOL:?}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 data=${NQM_DATA:-${NQM_SOURCE:?}/../shared/data}
 [ -d "$data/rgl" ] || exit 77
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
 
 top=$("$tool" models show default | sed -n 's/^JOD range .* to \([0-9.]*\)$/\1/p')
 [ -n "$top" ] || { echo "the model tells no range"; exit 1; }

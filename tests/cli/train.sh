@@ -2,20 +2,13 @@
 # SPDX-License-Identifier: MIT
 # nqm train and nqm eval, from a small dataset to a model to tables: forms of the results, options of the recipes, interrupted and
 # resumed training, the authors' layout, exit codes of the contract.
-set -eu
-tool=${NQM_TOOL:?}
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
 source=${NQM_SOURCE:?}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
 OMP_NUM_THREADS=1 # these networks are too small to share
 export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors"
 
-fail() {
-    echo "$1"
-    [ ! -f "$dir/err" ] || cat "$dir/err"
-    exit 1
-}
 # run CODE ARGUMENTS...: results in out, talk in err.
 run() {
     code=$1

@@ -25,7 +25,7 @@ exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
 for module in fit render percept label; do
-    for object in "$build"/CMakeFiles/nqm_label_objects.dir/src/$module/*.o; do
+    for object in "$build"/CMakeFiles/nqm_label_objects.dir/src/"$module"/*.o; do
         nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
     done
 done | sort -u >"$build/label-symbols.txt"
