@@ -163,8 +163,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *mode
 
 /** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {
-    const char *name;      /**< the model's id, else nqm_metric_name(); lent */
-    size_t n, n_materials; /**< pairs and material groups that counted */
+    const char *name;                  /**< the model's id, else nqm_metric_name(); lent */
+    size_t n, n_materials;             /**< pairs and material groups that counted */
     double spearman, spearman_ci95[2]; /**< intervals are NaN for fewer than 2 materials */
     double spearman_mean_by_material, spearman_mean_by_material_ci95[2]; /**< mean over groups with >= 3 pairs */
     double pearson, kendall;
