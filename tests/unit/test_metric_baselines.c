@@ -11,7 +11,7 @@
 #include <nqm/metric.h>
 #include <string.h>
 
-enum { N = 60 };
+enum { N = METRICS_PAIR_N };
 
 static nqm_directions *directions;
 static float ref[3 * N], test[3 * N];
@@ -20,17 +20,7 @@ static uint8_t used[N];
 static int read_pair(void **state) {
     (void)state;
     assert_int_equal(nqm_directions_load_csv(test_vector("metrics_pair.csv"), &directions, NULL), NQM_OK);
-    nqm_csv *csv;
-    assert_int_equal(nqm_csv_load(test_vector("metrics_pair.csv"), &csv, NULL), NQM_OK);
-    assert_int_equal(nqm_csv_rows(csv), N);
-    for (size_t i = 0; i < N; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            ref[3 * i + (size_t)k] = (float)csv_number(csv, i, 3 + k);
-            test[3 * i + (size_t)k] = (float)csv_number(csv, i, 6 + k);
-        }
-        used[i] = csv_number(csv, i, 9) != 0;
-    }
-    nqm_csv_free(csv);
+    read_metrics_pair(ref, test, used);
     return 0;
 }
 
