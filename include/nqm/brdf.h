@@ -98,6 +98,14 @@ NQM_API void nqm_directions_to_half_diff(const double *wi, const double *wo, dou
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress,
                                                       void *progress_user, nqm_error *err);
 
+/**
+ * Write a BRDF that is a small network ("nbrdf") or a table ("table") as the safetensors file that nqm_brdf_open()
+ * reads back to the same values (doc/files.md). Analytic models are kept as specs, measurements as their own files.
+ *
+ * @return NQM_ERR_ARG (another format), NQM_ERR_IO
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err);
+
 /** Number of presets ("sgd:nickel", ...) in the library. */
 NQM_API size_t nqm_brdf_preset_count(void);
 /** Name of preset i in [0, count), in the order of the tables; static storage. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/fit.h - fit an analytic model to any BRDF. In libnqm-full only.
+ * nqm/fit.h - encode any BRDF: fit an analytic model, train a small network, code it sparsely in a learned dictionary,
+ * or let a learned hypernetwork write the network; and the learning of the last two. In libnqm-full only.
  */
 #ifndef NQM_FIT_H
 #define NQM_FIT_H
@@ -40,22 +41,71 @@ NQM_API int nqm_fit_loss_parse(const char *text, nqm_fit_loss *loss_ret);
 NQM_API const char *nqm_fit_loss_name(nqm_fit_loss loss);
 
 typedef struct nqm_fit_report {
-    char spec[512];      /**< the result, as nqm_brdf_open() takes it */
-    double loss;         /**< root mean square of the loss's residuals */
+    char spec[512];      /**< analytic models: the result, as nqm_brdf_open() takes it; else "": nqm_brdf_save() it */
+    double loss;         /**< analytic models: root mean square of the loss's residuals; networks: the mean absolute
+                              difference of log(1 + c f_r) */
     size_t n_directions; /**< that counted */
-    size_t best_start;   /**< which start won */
+    size_t best_start;   /**< which start won; 0 where there is one */
+    size_t n_numbers;    /**< numbers that the encoding keeps: parameters, weights, or indices and coefficients */
 } nqm_fit_report;
 
 /**
- * Fit `model` ("ward", "ggx") to `ref`: one lobe with a specular RGB colour over a Lambert base. From each start the
+ * The models that a BRDF can be fitted with, in a fixed order. First the nine encodings of the paper: "ward", "ggx",
+ * "nbrdf" (a network of 6-21-21-3: Sztrajman et al. 2021), "sparse-low", "sparse-mid", "sparse-high" (sparse codes in a
+ * learned dictionary, after Tongbuasirilai et al. 2022), "hyper-low", "hyper-mid", "hyper-high" (a hypernetwork that
+ * reads a few, some or many samples, after Gokbudak et al. 2024); then the further analytic models: "ward-duer",
+ * "blinn-phong", "lafortune", "cook-torrance", "ashikhmin-shirley", "abc" (Loew's microfacet model), "smooth" (Loew's
+ * smooth-surface model).
+ */
+NQM_API size_t nqm_fit_model_count(void);
+/** Name of model i in [0, count); static storage. */
+NQM_API const char *nqm_fit_model_name(size_t i);
+/** One line on it: formula or budget and source; static storage. */
+NQM_API const char *nqm_fit_model_summary(size_t i);
+/** How many of them, from the first, are the paper's encodings. */
+enum { NQM_FIT_N_ENCODINGS = 9 };
+
+/**
+ * Fit `model` to `ref`. Analytic models are one lobe with a specular RGB colour over a Lambert base: from each start the
  * albedos are solved linearly, the best starts are refined by Levenberg-Marquardt over all parameters. Deterministic.
  *
- * @param options  NULL: the defaults
+ * @param options   NULL: the defaults; of these, `loss` and `n_starts` are for analytic models, the networks and codes
+ *                  have losses of their own (doc/encodings.md)
+ * @param brdf_ret  NULL, or receives the result; free with nqm_brdf_free()
  * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
-                                          nqm_fit_report *report_ret, nqm_error *err);
+                                          nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err);
+
+/* ---- what the learned encodings lean on --------------------------------------------------------------------------- */
+
+/** What can be learned from a set of BRDFs. The library embeds one of each, learned from training materials only. */
+typedef enum nqm_encoder {
+    NQM_ENCODER_SPARSE = 0, /**< the dictionary of "sparse-*" */
+    NQM_ENCODER_HYPER       /**< the hypernetwork of "hyper-*" */
+} nqm_encoder;
+
+typedef struct nqm_learn_options {
+    size_t n_steps;           /**< of the optimiser; 0: the encoder's own default */
+    uint64_t seed;            /**< default 1 */
+    nqm_progress_fn progress; /**< NULL: silent */
+    void *progress_user;
+} nqm_learn_options;
+
+/** The defaults above. */
+NQM_API nqm_learn_options nqm_learn_options_default(void);
+
+/**
+ * Learn an encoder from BRDFs and write it as a safetensors file. Deterministic: the same bits for any number of threads.
+ *
+ * @param n      number of BRDFs
+ * @param refs   (n)
+ * @param names  (n) kept in the file's metadata "references" (a JSON list), so that a reader can prove what it has seen
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_learn(nqm_encoder what, size_t n, const nqm_brdf *const *refs,
+                                            const char *const *names, const nqm_learn_options *options,
+                                            const char *path, nqm_error *err);
 
 #ifdef __cplusplus
 }

@@ -48,13 +48,22 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_regress_csv(const char *path, nqm_regress_
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
-/** A scene in which BRDFs are compared: a smooth shape under a light, seen from a fixed view. Immutable. */
+/** A scene in which BRDFs are compared: a shape under a light, on a turntable, seen from far away. Immutable. */
 typedef struct nqm_scene nqm_scene;
 
 typedef struct nqm_scene_options {
     const char *light;    /**< latitude-longitude map: RGBE in PNG, OpenEXR or Radiance HDR; NULL: a built-in sky */
-    size_t n_points;      /**< visible surface points; default 1024 */
+    const char *shape;    /**< "sphere", "blob" (a built-in smooth shape with hollows, which shadows itself), or a mesh
+                               file (PLY, OBJ), which is centred and scaled to the picture; NULL: "sphere" */
+    size_t width, height; /**< picture in pixels: every pixel that shows the shape is a point. 0 (default): n_points
+                               instead, spread evenly over the pictures of all frames, which is quicker */
+    size_t n_points;      /**< surface points in all, where width is 0; default 1024 */
+    size_t n_frames;      /**< views of the turntable, evenly over 360 degrees; default 1 */
+    double turn_rad;      /**< angle of the turntable in the first frame; default 0 */
+    double elevation_rad; /**< of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */
     size_t n_lights;      /**< light directions a point; default 384 */
+    int shadows;          /**< 1: the shape keeps light from itself; default 1 */
+    int interreflection;  /**< 1: light that the shape reflects once onto itself; default 0 */
     double exposure_cdm2; /**< luminance at which a white Lambert surface shows on average; default 200 */
     double peak_cdm2;     /**< display peak; brighter is clipped; default 1000 */
     uint64_t seed;        /**< default 1 */
@@ -67,14 +76,23 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *opti
                                                    nqm_error *err);
 /** Free a scene; NULL is allowed. */
 NQM_API void nqm_scene_free(nqm_scene *scene);
-/** Number of surface points (pixels). */
+/** Number of surface points, of all frames together. */
 NQM_API size_t nqm_scene_count(const nqm_scene *scene);
-/** Direct light reflected at each point: rgb_cdm2 (n_points, 3), before the clip at the display's peak.
- *  Deterministic. */
+/** Light reflected at each point: rgb_cdm2 (n_points, 3), before the clip at the display's peak. All BRDFs share points
+ *  and light directions, so that equal BRDFs give equal pictures to the bit. Deterministic. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
                                                    nqm_error *err);
 /** Mean Delta-E ITP over the points of two renderings of the scene; equal pictures give exactly 0. */
 NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
+/** The same, point by point: delta_e (n_points). */
+NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
+                                   double *delta_e);
+/** Where the points lie: index (n_points) = (frame * height + y) * width + x, first row on top. Only for scenes with a
+ *  width; NULL otherwise. Lent by the scene. */
+NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
+/** The light map as the viewer sees it behind the shape in one frame: rgb_cdm2 (height, width, 3). Only for scenes with a
+ *  width. */
+NQM_API void nqm_scene_background(const nqm_scene *scene, double *rgb_cdm2);
 
 /* ---- corpora ----------------------------------------------------------------------------------------------------- */
 

@@ -64,6 +64,18 @@ nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const 
 nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
                         nqm_error *err);
 
+enum { NQM_NBRDF_WEIGHTS = 6 * 21 + 21 + 21 * 21 + 21 + 21 * 3 + 3 };
+/** An NBRDF from its weights (NQM_NBRDF_WEIGHTS): kernel (in, out) then bias, layer by layer, as in the Keras files. */
+nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+
+/** A table over half-vector coordinates, linear between nodes: theta_h of node i = (i / (n_h - 1))^2 pi/2 (dense about
+ *  the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of node k = k / n_p pi, which
+ *  closes on itself. rgb (n_h, n_d, n_p, 3) f_r; NaN in channel 0: no value, left out of the mean. `rgb` is copied. */
+nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb, const char *name, nqm_brdf **brdf_ret,
+                            nqm_error *err);
+/** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
+void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
+
 /** true when the file has the size of the neural processes' decoder. */
 bool nqm_nps_probe(const nqm_map *map);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits of analytic models: options, the models that can be fitted, and the public entry.
+ * Fits of analytic models: options, the models with the bounds of their parameters, and the fit of one.
  */
 #include "fit/fit.h"
 #include "math/math.h"
@@ -80,7 +80,7 @@ void nqm_fit_write_spec(const nqm_fit_model *model, const nqm_fit_values *values
     }
 }
 
-static nqm_status check_options(const nqm_fit_options *o, nqm_error *err) {
+nqm_status nqm_fit_check_options(const nqm_fit_options *o, nqm_error *err) {
     if (o->n_directions < 200 || o->n_directions > 1000000)
         return nqm_fail(err, NQM_ERR_ARG, -1, "a fit needs 200 to 1000000 directions, not %zu", o->n_directions);
     if (!(o->max_polar_rad > 0 && o->max_polar_rad < NQM_PI / 2))
@@ -94,30 +94,23 @@ static nqm_status check_options(const nqm_fit_options *o, nqm_error *err) {
     return NQM_OK;
 }
 
-nqm_status nqm_fit(const nqm_brdf *ref, const char *model_name, const nqm_fit_options *options_or_null,
-                   nqm_fit_report *report_ret, nqm_error *err) {
-    nqm_fit_options options = options_or_null ? *options_or_null : nqm_fit_options_default();
+nqm_status nqm_fit_analytic(const nqm_brdf *ref, const char *model_name, const nqm_fit_options *options,
+                            nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
     const nqm_fit_model *model = nqm_fit_model_find(model_name);
-    if (!model)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "cannot fit a model '%s'; these can be fitted: ward, ggx", model_name);
-    nqm_status status = check_options(&options, err);
-    if (status != NQM_OK)
-        return status;
-
     nqm_fit_target target;
     nqm_fit_values values;
-    nqm_fit_report result = {0};
-    status = nqm_fit_target_make(ref, &options, &target, err);
+    nqm_status status = nqm_fit_target_make(ref, options, &target, err);
     if (status == NQM_OK)
-        status = nqm_fit_solve(model, &target, &options, &values, &result.best_start, err);
+        status = nqm_fit_solve(model, &target, options, &values, &report->best_start, err);
     if (status == NQM_OK) {
         nqm_fit_round(model, &values);
-        nqm_fit_write_spec(model, &values, result.spec);
-        result.n_directions = target.n;
-        status = nqm_fit_loss_of_spec(&target, result.spec, &result.loss, err);
+        nqm_fit_write_spec(model, &values, report->spec);
+        report->n_directions = target.n;
+        report->n_numbers = 6 + model->n_shape;
+        status = nqm_fit_loss_of_spec(&target, report->spec, &report->loss, err);
     }
     if (status == NQM_OK)
-        *report_ret = result;
+        status = nqm_brdf_open(report->spec, brdf_ret, err);
     nqm_fit_target_free(&target);
     return status;
 }

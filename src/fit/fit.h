@@ -30,6 +30,12 @@ typedef struct nqm_fit_model {
 /** By name, or NULL. */
 const nqm_fit_model *nqm_fit_model_find(const char *name);
 
+/** Options within their ranges? */
+NQM_MUST_CHECK nqm_status nqm_fit_check_options(const nqm_fit_options *options, nqm_error *err);
+/** nqm_fit() for an analytic model that exists. */
+NQM_MUST_CHECK nqm_status nqm_fit_analytic(const nqm_brdf *ref, const char *model_name, const nqm_fit_options *options,
+                                           nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
+
 /** Values of a model's parameters. */
 typedef struct nqm_fit_values {
     double shape[NQM_FIT_MAX_SHAPE];

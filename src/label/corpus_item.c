@@ -93,7 +93,7 @@ static nqm_status make_fits(job *j, size_t ref) {
         nqm_fit_report report;
         options.loss = nqm_corpus_fits[k].loss;
         options.seed = j->context->options->seed;
-        nqm_status status = nqm_fit(j->forms[ref].brdf, nqm_corpus_fits[k].model, &options, &report, j->err);
+        nqm_status status = nqm_fit(j->forms[ref].brdf, nqm_corpus_fits[k].model, &options, &report, NULL, j->err);
         if (status != NQM_OK)
             return status;
         memcpy(j->fit_specs[k], report.spec, sizeof report.spec);

@@ -37,7 +37,7 @@ static void highlight_and_base_of(const char *material, const char *model) {
     nqm_brdf *ref, *fitted;
     nqm_fit_report report;
     assert_int_equal(nqm_brdf_open(shared_data(file), &ref, NULL), NQM_OK);
-    assert_int_equal(nqm_fit(ref, model, NULL, &report, NULL), NQM_OK);
+    assert_int_equal(nqm_fit(ref, model, NULL, &report, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_open(report.spec, &fitted, NULL), NQM_OK);
     double peak[2], base[2];
     peak_and_base(ref, &peak[0], &base[0]);

@@ -16,7 +16,7 @@ static nqm_fit_report fit(const char *spec, const char *model, const nqm_fit_opt
     nqm_error err = {0};
     nqm_fit_report report;
     nqm_brdf *ref = open_brdf(spec);
-    if (nqm_fit(ref, model, options, &report, &err) != NQM_OK)
+    if (nqm_fit(ref, model, options, &report, NULL, &err) != NQM_OK)
         fail_msg("%s: %s", spec, err.message);
     nqm_brdf_free(ref);
     return report;
@@ -150,7 +150,7 @@ static void a_brdf_without_values_is_refused(void **state) {
     nqm_error err = {0};
     nqm_fit_report report = {.loss = -1};
     assert_int_equal(nqm_brdf_wrap(&nothing, NULL, "nothing.bsdf", NULL, NULL, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_fit(brdf, "ward", NULL, &report, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(nqm_fit(brdf, "ward", NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "nothing.bsdf"));
     assert_true(report.loss == -1);
     nqm_brdf_free(brdf);
@@ -162,7 +162,7 @@ static void bad_arguments_are_refused(void **state) {
     nqm_fit_report report;
     nqm_error err = {0};
     nqm_fit_loss loss;
-    assert_int_equal(nqm_fit(brdf, "phong", NULL, &report, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_fit(brdf, "phong", NULL, &report, NULL, &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "phong"));
     assert_int_equal(nqm_fit_loss_parse("square", &loss), 0);
     for (int k = 0; k < 5; ++k) {
@@ -172,7 +172,7 @@ static void bad_arguments_are_refused(void **state) {
         options.highlight_fraction = k == 2 ? 1.5 : options.highlight_fraction;
         options.n_starts = k == 3 ? 0 : options.n_starts;
         options.loss = k == 4 ? (nqm_fit_loss)9 : options.loss;
-        assert_int_equal(nqm_fit(brdf, "ward", &options, &report, &err), NQM_ERR_ARG);
+        assert_int_equal(nqm_fit(brdf, "ward", &options, &report, NULL, &err), NQM_ERR_ARG);
     }
     nqm_brdf_free(brdf);
 }
@@ -190,7 +190,7 @@ static void memory_runs_out(void **state) {
         nqm_fit_report report;
         nqm_error err = {0};
         nqm_alloc_fail_after(n);
-        status = nqm_fit(brdf, "ggx", &options, &report, &err);
+        status = nqm_fit(brdf, "ggx", &options, &report, NULL, &err);
         nqm_alloc_fail_after(-1);
         if (status != NQM_OK && (status != NQM_ERR_NOMEM || err.status != NQM_ERR_NOMEM))
             fail_msg("allocation %ld: %s (%s)", n, err.message, nqm_status_text(status));
@@ -214,7 +214,7 @@ static void a_fit_can_be_stopped(void **state) {
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_report report;
     options.progress = stop;
-    assert_int_equal(nqm_fit(brdf, "ggx", &options, &report, NULL), NQM_ERR_CANCELLED);
+    assert_int_equal(nqm_fit(brdf, "ggx", &options, &report, NULL, NULL), NQM_ERR_CANCELLED);
     nqm_brdf_free(brdf);
 }
 

@@ -86,7 +86,7 @@ static nqm_status fit_models(const nqm_brdf *ref, const char *which, const nqm_f
     size_t n = all ? N_MODELS : 1;
     for (size_t i = 0; i < n; ++i) {
         f[i].model = all ? model_names[i] : which;
-        nqm_status status = nqm_fit(ref, f[i].model, options, &f[i].fit, err);
+        nqm_status status = nqm_fit(ref, f[i].model, options, &f[i].fit, NULL, err);
         if (status == NQM_OK)
             status = measure(ref, directions, &f[i], err);
         if (status != NQM_OK)

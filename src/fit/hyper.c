@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Networks written by the embedded hypernetwork.
+ */
+#include "fit/encoders.h"
+
+nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options, nqm_fit_report *report,
+                         nqm_brdf **brdf_ret, nqm_error *err) {
+    (void)ref, (void)budget, (void)options, (void)report, (void)brdf_ret;
+    return nqm_fail(err, NQM_ERR_ARG, -1, "hyper is not in this build");
+}

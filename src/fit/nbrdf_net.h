@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nbrdf_net.h - the network of an NBRDF (6-21-21-3, src/brdf/nbrdf.c) as something to train: its inputs, its loss and
+ * the gradient of that over a batch of directions. Shared by the fit of one network and by the hypernetwork, which
+ * writes such networks.
+ */
+#ifndef NQM_SRC_FIT_NBRDF_NET_H
+#define NQM_SRC_FIT_NBRDF_NET_H
+
+#include "brdf/brdf.h"
+
+/** A batch of directions, one array a quantity so that loops run over directions. */
+typedef struct nqm_nbrdf_batch {
+    size_t n;
+    const float *input;  /* (6, n) unit half vector with phi_h = 0, unit difference vector */
+    const float *weight; /* (n) c = cos(theta_i) cos(theta_o) */
+    const float *goal;   /* (3, n) log(1 + c f_r) of the reference */
+} nqm_nbrdf_batch;
+
+/** Inputs and cosine weight of n half-vector coordinates hd (n, 3): input (6, n), weight (n). */
+void nqm_nbrdf_inputs(size_t n, const double *hd, float *input, float *weight);
+
+/**
+ * Mean over directions and channels of |log(1 + c f_r) - goal| (the published protocol: Sztrajman et al. 2021, section
+ * 3.1), f_r = max(exp(x) - 1, 0) of the network's output x.
+ *
+ * @param weights   (NQM_NBRDF_WEIGHTS)
+ * @param gradient  (NQM_NBRDF_WEIGHTS) receives the derivative of the mean by the weights, not added; NULL: loss only
+ */
+double nqm_nbrdf_loss(const float *weights, const nqm_nbrdf_batch *batch, float *gradient);
+
+#endif

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The learning of the dictionary.
+ */
+#include "fit/encoders.h"
+
+nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *const *names,
+                            const nqm_learn_options *options, const char *path, nqm_error *err) {
+    (void)n, (void)refs, (void)names, (void)options, (void)path;
+    return nqm_fail(err, NQM_ERR_ARG, -1, "sparse is not in this build");
+}
