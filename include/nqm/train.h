@@ -52,11 +52,16 @@ NQM_API nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset);
 /** The kinds of distortion in a dataset: how many, and the i-th ("ggx", "noise"); lent. */
 NQM_API size_t nqm_dataset_kind_count(const nqm_dataset *dataset);
 NQM_API const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i);
+/** The family of the i-th kind; lent. Of corpora of this program: "encoding" (own fits), "published" (published
+ *  parameters of the same material), "form" (other forms of the same material), "perturbation", "composed" (two
+ *  perturbations, or one over an encoding). Of the authors' layout: "encoding". "" when the dataset does not say. */
+NQM_API const char *nqm_dataset_kind_family(const nqm_dataset *dataset, size_t i);
 
 /** One pair; strings are lent by the dataset. */
 typedef struct nqm_dataset_pair {
     const char *ref, *group; /**< the reference and its material group */
     const char *test, *kind; /**< the test (a spec, or a name) and its kind of distortion */
+    const char *family;      /**< of the kind: nqm_dataset_kind_family() */
     nqm_split split;
     double delta_e, jod; /**< the label */
 } nqm_dataset_pair;

@@ -170,12 +170,19 @@ const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i) {
     return i < dataset->n_kinds ? dataset->kind_names[i] : NULL;
 }
 
+const char *nqm_dataset_kind_family(const nqm_dataset *dataset, size_t i) {
+    if (i >= dataset->n_kinds)
+        return NULL;
+    return dataset->kind_families ? dataset->kind_families[i] : "";
+}
+
 nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
     uint32_t ref = d->pair_ref[i];
     return (nqm_dataset_pair){.ref = d->ref_names[ref],
                               .group = d->group_names[d->ref_group[ref]],
                               .test = d->pair_names[i],
                               .kind = d->kind_names[d->pair_kind[i]],
+                              .family = nqm_dataset_kind_family(d, d->pair_kind[i]),
                               .split = nqm_dataset_pair_split(d, i),
                               .delta_e = d->delta_e[i],
                               .jod = d->jod[i]};

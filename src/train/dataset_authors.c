@@ -232,8 +232,9 @@ static nqm_status finish(builder *b, nqm_split split, nqm_error *err) {
     enum { MANIFEST_BYTES = 200 };
     nqm_dataset *d = b->d;
     uint8_t *group_split = nqm_dataset_alloc(d, b->groups.n, 1);
+    const char **families = nqm_dataset_alloc(d, b->kinds.n, sizeof *families);
     char *manifest = nqm_dataset_alloc(d, MANIFEST_BYTES, 1);
-    if (!group_split || !manifest)
+    if (!group_split || !families || !manifest)
         return nqm_fail_nomem(err, b->groups.n);
     memset(group_split, split == NQM_SPLIT_ALL ? NQM_SPLIT_TRAIN : (int)split, b->groups.n);
     snprintf(manifest, MANIFEST_BYTES, "{\"source\": \"authors' layout\", \"negative_values_read_as_0\": %zu}",
@@ -254,6 +255,9 @@ static nqm_status finish(builder *b, nqm_split split, nqm_error *err) {
     d->ref_names = b->refs.names;
     d->group_names = b->groups.names;
     d->kind_names = b->kinds.names;
+    for (size_t i = 0; i < b->kinds.n; ++i)
+        families[i] = "encoding";
+    d->kind_families = families;
     d->pair_names = b->pairs.names;
     d->manifest = manifest;
     nqm_status status = nqm_dataset_validate(d, b->csv_path, err);

@@ -201,6 +201,8 @@ static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, 
         status = read_names(st, "group_names", d, &d->n_groups, &d->group_names, name, err);
     if (status == NQM_OK)
         status = read_names(st, "kind_names", d, &d->n_kinds, &d->kind_names, name, err);
+    if (status == NQM_OK && nqm_safetensors_meta(st, "kind_families")) /* older files have none */
+        status = read_names(st, "kind_families", d, &d->n_kinds, &d->kind_families, name, err);
     if (status == NQM_OK)
         status = read_names(st, "pair_names", d, &d->n_pairs, &d->pair_names, name, err);
     if (status == NQM_OK)
@@ -283,19 +285,24 @@ nqm_status nqm_dataset_write(const nqm_dataset *d, const char *path, char sha256
         return status;
     char *refs = names_to_json(d->n_refs, d->ref_names), *groups = names_to_json(d->n_groups, d->group_names);
     char *kinds = names_to_json(d->n_kinds, d->kind_names), *pairs = names_to_json(d->n_pairs, d->pair_names);
-    const nqm_meta meta[] = {{"format", format_name},  {"schema", schema},    {"ref_names", refs},
-                             {"group_names", groups},  {"kind_names", kinds}, {"pair_names", pairs},
-                             {"manifest", d->manifest}};
-    size_t n_meta = sizeof meta / sizeof meta[0] - (d->manifest ? 0 : 1);
+    char *families = d->kind_families ? names_to_json(d->n_kinds, d->kind_families) : NULL;
+    nqm_meta meta[8] = {{"format", format_name}, {"schema", schema},    {"ref_names", refs},
+                        {"group_names", groups}, {"kind_names", kinds}, {"pair_names", pairs}};
+    size_t n_meta = 6;
+    if (families)
+        meta[n_meta++] = (nqm_meta){"kind_families", families};
+    if (d->manifest)
+        meta[n_meta++] = (nqm_meta){"manifest", d->manifest};
     nqm_tensor tensors[N_COLUMNS];
     size_t n_tensors = list_tensors(d, tensors);
-    if (refs && groups && kinds && pairs)
+    if (refs && groups && kinds && pairs && (families || !d->kind_families))
         status = nqm_safetensors_write(path, n_tensors, tensors, n_meta, meta, sha256_ret, err);
     else
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: a name is not UTF-8, or memory is short", path);
     free(refs);
     free(groups);
     free(kinds);
+    free(families);
     free(pairs);
     return status;
 }

@@ -37,8 +37,9 @@ struct nqm_dataset {
     const char *const *ref_names;   /* (n_refs) */
     const char *const *group_names; /* (n_groups) */
     const char *const *kind_names;  /* (n_kinds) "ggx", "ward", "noise", ... */
-    const char *const *pair_names;  /* (n_pairs) the test: a spec, or "NAME_3" in the authors' layout */
-    const char *manifest;           /* JSON: how it was made; NULL: unknown */
+    const char *const *kind_families; /* (n_kinds) "encoding", "published", ...; NULL: not known */
+    const char *const *pair_names;    /* (n_pairs) the test: a spec, or "NAME_3" in the authors' layout */
+    const char *manifest;             /* JSON: how it was made; NULL: unknown */
 
     /* owned by a loaded dataset */
     char sha256[65]; /* of the file; of the content for the authors' layout */

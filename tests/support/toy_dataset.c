@@ -134,7 +134,9 @@ nqm_dataset *toy_dataset(const toy_options *o) {
     d->group_names = numbered_names(d, "material", d->n_groups);
     d->pair_names = numbered_names(d, "test", d->n_pairs);
     static const char *const kinds[] = {"gain", "gloss"};
+    static const char *const families[] = {"perturbation", "encoding"};
     d->kind_names = kinds;
+    d->kind_families = families;
     d->manifest = "{\"made_by\": \"toy_dataset\"}";
     if (nqm_dataset_hash(d, d->sha256, NULL) != NQM_OK)
         abort();

@@ -53,6 +53,8 @@ static void round_trip(void **state) {
     assert_int_equal(nqm_dataset_kind_count(d), 2);
     assert_string_equal(nqm_dataset_kind_name(d, 1), "gloss");
     assert_null(nqm_dataset_kind_name(d, 2));
+    assert_string_equal(nqm_dataset_kind_family(d, 1), "encoding");
+    assert_null(nqm_dataset_kind_family(d, 2));
     char before[65], after[65]; /* of all arrays */
     assert_int_equal(nqm_dataset_hash(toy, before, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_hash(d, after, NULL), NQM_OK);
@@ -63,8 +65,20 @@ static void round_trip(void **state) {
         assert_string_equal(a.group, b.group);
         assert_string_equal(a.test, b.test);
         assert_string_equal(a.kind, b.kind);
+        assert_string_equal(a.family, b.family);
         assert_int_equal(a.split, b.split);
     }
+    nqm_dataset_free(d);
+}
+
+/* As files were written before there were families. */
+static void families_may_be_missing(void **state) {
+    (void)state;
+    nqm_dataset old = *toy, *d;
+    old.kind_families = NULL;
+    assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    assert_string_equal(nqm_dataset_kind_family(d, 1), "");
     nqm_dataset_free(d);
 }
 
