@@ -55,6 +55,7 @@ static void reads_the_layout(void **state) {
         assert_string_equal(pair.group, expected[i].group);
         assert_string_equal(pair.test, expected[i].test);
         assert_string_equal(pair.kind, expected[i].kind);
+        assert_string_equal(pair.family, "encoding");
         assert_near(pair.delta_e, expected[i].delta_e, 0);
         assert_near(pair.jod, expected[i].jod, 0);
     }

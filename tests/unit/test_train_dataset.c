@@ -207,9 +207,13 @@ static void memory_runs_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),      cmocka_unit_test(splits_belong_to_materials),
-        cmocka_unit_test(broken_promises), cmocka_unit_test(damage_is_noticed),
-        cmocka_unit_test(foreign_files),   cmocka_unit_test(memory_runs_out),
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(families_may_be_missing),
+        cmocka_unit_test(splits_belong_to_materials),
+        cmocka_unit_test(broken_promises),
+        cmocka_unit_test(damage_is_noticed),
+        cmocka_unit_test(foreign_files),
+        cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests(tests, make_toy, drop_toy);
 }
