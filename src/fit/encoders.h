@@ -6,7 +6,7 @@
 #ifndef NQM_SRC_FIT_ENCODERS_H
 #define NQM_SRC_FIT_ENCODERS_H
 
-#include "base/base.h"
+#include "fit/encoder_file.h"
 #include <nqm/fit.h>
 
 /** How much an encoding may keep or read: the last word of its name. */
@@ -27,9 +27,5 @@ NQM_MUST_CHECK nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs
                                            const nqm_learn_options *options, const char *path, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_learn_hyper(size_t n, const nqm_brdf *const *refs, const char *const *names,
                                           const nqm_learn_options *options, const char *path, nqm_error *err);
-
-/** The bytes of an embedded encoder file ("sparse", "hyper"; models/encoders/NAME.safetensors); NULL when this build has
- *  none. */
-const unsigned char *nqm_encoder_bytes(const char *name, size_t *n_bytes_ret);
 
 #endif

@@ -60,7 +60,7 @@ nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *er
 
 nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err) {
     *model_ret = NULL;
-    for (const nqm_embedded_model *m = nqm_embedded_models; m->name; ++m)
+    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         if (strcmp(m->name, name) == 0)
             return make_model(m->begin, (size_t)(m->end - m->begin), m->name, false, model_ret, err);
     if (nqm_model_builtin_count() == 0)

@@ -167,7 +167,7 @@ static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
     return status;
 }
 
-static void check_model(session *s, const nqm_embedded_model *embedded) {
+static void check_model(session *s, const nqm_embedded_file *embedded) {
     char name[120];
     nqm_error err = {0};
     nqm_model *model = NULL;
@@ -201,7 +201,7 @@ nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed)
         nqm_error inner = {0};
         settle(&s, checks[i].name, checks[i].check(&inner), &inner);
     }
-    for (const nqm_embedded_model *m = nqm_embedded_models; m->name; ++m)
+    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         check_model(&s, m);
     return s.n_failed ? nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s", s.first.message) : NQM_OK;
 }

@@ -4,28 +4,19 @@
  */
 #include "tool.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Read the references, make the directions, release the references. */
 static int make_directions(const nqm_directions_options *options, int n_refs, char **names,
                            nqm_directions **directions) {
-    int exit_code = EXIT_OK, n_open = 0;
     nqm_error err = {0};
-    nqm_brdf **refs = calloc((size_t)n_refs + 1, sizeof *refs);
-    if (!refs)
-        return report("directions", EXIT_LIMIT, "out of memory");
-    for (; n_open < n_refs; ++n_open)
-        if (nqm_brdf_open(names[n_open], &refs[n_open], &err) != NQM_OK) {
-            exit_code = report_error("directions", &err);
-            goto done;
-        }
+    nqm_brdf **refs;
+    int exit_code = open_brdfs("directions", n_refs, names, &refs);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     if (nqm_directions_create(options, (size_t)n_refs, (const nqm_brdf *const *)refs, directions, &err) != NQM_OK)
         exit_code = report_error("directions", &err);
-done:
-    for (int i = 0; i < n_open; ++i)
-        nqm_brdf_free(refs[i]);
-    free(refs);
+    close_brdfs(n_refs, refs);
     return exit_code;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What arguments name: models and directions (built in, or a file) and short text files.
+ * What arguments name: models and directions (built in, or a file), lists of BRDFs, and short text files.
  */
 #include "tool.h"
 
@@ -40,6 +40,27 @@ int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret
         return report_unknown_model(verb, name);
     nqm_status status = builtin ? nqm_model_builtin(name, model_ret, &err) : nqm_model_load(name, model_ret, &err);
     return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
+}
+
+int open_brdfs(const char *verb, int n, char **arguments, nqm_brdf ***brdfs_ret) {
+    *brdfs_ret = NULL;
+    nqm_error err = {0};
+    nqm_brdf **brdfs = calloc((size_t)n + 1, sizeof *brdfs);
+    if (!brdfs)
+        return report(verb, EXIT_LIMIT, "out of memory");
+    for (int i = 0; i < n; ++i)
+        if (nqm_brdf_open(arguments[i], &brdfs[i], &err) != NQM_OK) {
+            close_brdfs(i, brdfs);
+            return report_error(verb, &err);
+        }
+    *brdfs_ret = brdfs;
+    return EXIT_OK;
+}
+
+void close_brdfs(int n, nqm_brdf **brdfs) {
+    for (int i = 0; i < n; ++i)
+        nqm_brdf_free(brdfs[i]);
+    free(brdfs);
 }
 
 int read_text(const char *verb, const char *path, char **text_ret) {

@@ -20,6 +20,7 @@ static const verb verbs[] = {
     {"directions", cmd_directions, "make or show the sampling directions"},
     {"convert", cmd_convert, "write a BRDF as a MERL .binary table"},
     {"fit", cmd_fit, "fit an analytic model to a BRDF"},
+    {"learn", cmd_learn, "learn what an encoding leans on: a dictionary or a hypernetwork"},
     {"label", cmd_label, "Delta-E ITP and JOD of a pair by rendering"},
     {"dataset", cmd_dataset, "make a training corpus from a list of materials"},
     {"regress", cmd_regress, "fit the curve from Delta-E ITP to JOD to human scores"},

@@ -66,6 +66,9 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
 /** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and
  *  its exit code returned. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
+/** Open n BRDFs (0 is allowed); close_brdfs() them. On failure none is open. As open_model(). */
+int open_brdfs(const char *verb, int n, char **arguments, nqm_brdf ***brdfs_ret);
+void close_brdfs(int n, nqm_brdf **brdfs);
 /** A text file of at most 1 MiB; free() it. As open_model(). */
 int read_text(const char *verb, const char *path, char **text_ret);
 /** Open directions from a CSV, from a model file or from a built-in model's name; NULL: those of the built-in model
@@ -131,6 +134,7 @@ int cmd_eval(int argc, char **argv);
 int cmd_fit(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
+int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_sample(int argc, char **argv);

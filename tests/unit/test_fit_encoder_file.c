@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Files of learned encoders: what is written is read back, with the references; a file of another kind, a changed byte, a
+ * number that is not finite and a tensor of another shape are refused.
+ */
+#include "fit/encoder_file.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char path[] = "/tmp/nqm-encoder-XXXXXX";
+static const char *const names[] = {"rgl/\"quoted\".bsdf", "sgd:nickel"};
+
+static nqm_status write_file(const float *values, nqm_error *err) {
+    nqm_learn_options options = nqm_learn_options_default();
+    options.seed = 7;
+    const nqm_tensor tensor = {
+        .name = "atoms", .dtype = NQM_F32, .n_dims = 2, .dims = {2, 3}, .n_bytes = 6 * sizeof *values, .data = values};
+    return nqm_encoder_write(path, "sparse", 2, names, &options, 1, &tensor, err);
+}
+
+/* Parse the file with `change` added to its byte `at` (negative: from the end). */
+static nqm_status parse(long at, int change, const char *kind, nqm_error *err) {
+    nqm_map map;
+    nqm_safetensors *st;
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    unsigned char *bytes = nqm_alloc(map.n_bytes, 1);
+    memcpy(bytes, map.data, map.n_bytes);
+    bytes[at < 0 ? (long)map.n_bytes + at : at] += (unsigned char)change;
+    nqm_status status = nqm_encoder_parse(bytes, map.n_bytes, "x", kind, &st, err);
+    if (status == NQM_OK)
+        nqm_safetensors_free(st);
+    else
+        assert_null(st);
+    nqm_free(bytes);
+    nqm_map_close(&map);
+    return status;
+}
+
+static const float good[6] = {1, 2, 3, 4, 5, 6};
+
+static void a_file_is_read_back(void **state) {
+    (void)state;
+    nqm_map map;
+    nqm_safetensors *st;
+    const nqm_tensor *tensor;
+    assert_int_equal(write_file(good, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_parse(map.data, map.n_bytes, path, "sparse", &st, NULL), NQM_OK);
+    assert_string_equal(nqm_safetensors_meta(st, "references"), "[\"rgl/\\\"quoted\\\".bsdf\",\"sgd:nickel\"]");
+    assert_string_equal(nqm_safetensors_meta(st, "seed"), "7");
+    assert_int_equal(nqm_encoder_tensor(st, path, "atoms", 2, (size_t[]){2, 0}, &tensor, NULL), NQM_OK);
+    assert_memory_equal(tensor->data, good, sizeof good);
+    nqm_error err = {0};
+    assert_int_equal(nqm_encoder_tensor(st, path, "atoms", 2, (size_t[]){3, 2}, &tensor, &err), NQM_ERR_MODEL);
+    assert_int_equal(nqm_encoder_tensor(st, path, "atoms", 1, (size_t[]){6}, &tensor, &err), NQM_ERR_MODEL);
+    assert_int_equal(nqm_encoder_tensor(st, path, "codes", 1, (size_t[]){6}, &tensor, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "codes"));
+    nqm_safetensors_free(st);
+    nqm_map_close(&map);
+}
+
+static void other_files_are_refused(void **state) {
+    (void)state;
+    nqm_error err = {0};
+    assert_int_equal(write_file(good, NULL), NQM_OK);
+    assert_int_equal(parse(0, 0, "sparse", &err), NQM_OK);
+    assert_int_equal(parse(0, 0, "hyper", &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "hyper"));
+    assert_int_equal(parse(-1, 1, "sparse", &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "checksum"));
+    const float bad[6] = {1, 2, NAN, 4, 5, 6};
+    assert_int_equal(write_file(bad, NULL), NQM_OK);
+    assert_int_equal(parse(0, 0, "sparse", &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "finite"));
+}
+
+static void embedded_files_are_found_by_name(void **state) {
+    (void)state;
+    size_t n;
+    assert_null(nqm_encoder_bytes("nothing", &n));
+    for (const nqm_embedded_file *file = nqm_embedded_encoders; file->name; ++file) {
+        nqm_safetensors *st;
+        const unsigned char *bytes = nqm_encoder_bytes(file->name, &n);
+        assert_int_equal(nqm_encoder_parse(bytes, n, file->name, file->name, &st, NULL), NQM_OK);
+        assert_non_null(nqm_safetensors_meta(st, "references"));
+        nqm_safetensors_free(st);
+    }
+}
+
+static int make_path(void **state) {
+    (void)state;
+    int file = mkstemp(path);
+    return file < 0 ? -1 : close(file);
+}
+
+static int remove_path(void **state) {
+    (void)state;
+    return unlink(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_file_is_read_back),
+        cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(embedded_files_are_found_by_name),
+    };
+    return cmocka_run_group_tests_name("fit: encoder files", tests, make_path, remove_path);
+}
