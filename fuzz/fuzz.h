@@ -22,4 +22,7 @@ blob fuzz_seed(void);
  */
 void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *member);
 
+/** Read the bytes as a mesh and check what must hold of any. */
+void fuzz_mesh(const uint8_t *data, size_t n_bytes);
+
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * io.h - files to named arrays, tables and images: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude images.
- * Knows nothing of BRDFs. Every reader checks sizes against the bytes that are present before it allocates.
+ * io.h - files to named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude
+ * images, PLY and OBJ. Knows nothing of BRDFs. Every reader checks sizes against the bytes that are present before it allocates.
  */
 #ifndef NQM_SRC_IO_H
 #define NQM_SRC_IO_H
@@ -139,5 +139,26 @@ NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *im
  *  pixels into a byte, and are within the limits; allocates the pixels when so. */
 NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
                                           nqm_image *image_ret, nqm_error *err);
+
+/* ---- triangle meshes --------------------------------------------------------------------------------------------- */
+
+typedef struct nqm_mesh {
+    size_t n_vertices, n_triangles;
+    float *position;    /* (n_vertices, 3) */
+    uint32_t *triangle; /* (n_triangles, 3) indices of vertices, as wound in the file */
+    float *normal;      /* (n_vertices, 3) unit vectors; weighted by area when the file has none */
+} nqm_mesh;
+
+enum { NQM_MESH_MAX_VERTICES = 20000000, NQM_MESH_MAX_TRIANGLES = 20000000 };
+
+/** Read a mesh: PLY (ASCII, binary of either byte order; properties beyond x y z, nx ny nz and vertex_indices are
+ *  skipped) or Wavefront OBJ (v, vn, f; vertices are doubled where faces give them several normals). The format is found
+ *  by the bytes. Polygons become fans. Indices are checked; numbers that are not finite are refused. At least one
+ *  triangle. */
+NQM_MUST_CHECK nqm_status nqm_mesh_load(const char *path, nqm_mesh *mesh_ret, nqm_error *err);
+/** The same from mapped bytes. */
+NQM_MUST_CHECK nqm_status nqm_mesh_parse(const nqm_map *map, nqm_mesh *mesh_ret, nqm_error *err);
+/** Free what a mesh holds; a zeroed one is allowed. */
+void nqm_mesh_free(nqm_mesh *mesh);
 
 #endif

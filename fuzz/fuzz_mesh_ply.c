@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: PLY meshes, and whatever their bytes look like. See fuzz_mesh().
+ */
+#include "fuzz.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    fuzz_mesh(data, n_bytes);
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    static const char text[] = "ply\nformat binary_little_endian 1.0\ncomment x\nelement vertex 4\nproperty float x\n"
+                               "property float y\nproperty float z\nproperty uchar red\nelement face 2\n"
+                               "property list uchar int vertex_indices\nproperty list uchar short more\nend_header\n"
+                               "\0\0\0\0\0\0\0\0\0\0\0\0a\0\0\x80?\0\0\0\0\0\0\0\0b\0\0\0\0\0\0\x80?\0\0\0\0c"
+                               "\0\0\0\0\0\0\0\0\0\0\x80?d"
+                               "\3\0\0\0\0\1\0\0\0\2\0\0\0\0"
+                               "\4\0\0\0\0\1\0\0\0\2\0\0\0\3\0\0\0\2\1\2\3\4";
+    blob b = {.data = malloc(sizeof text - 1), .n_bytes = sizeof text - 1};
+    if (!b.data)
+        abort();
+    memcpy(b.data, text, b.n_bytes);
+    return b;
+}

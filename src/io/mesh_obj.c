@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Wavefront OBJ: statements v, vn and f with all forms of indices (v, v/vt, v//vn, v/vt/vn, from 1, or negative from the
+ * last one so far); a backslash at the end of a line continues it; everything else is skipped. A face may use only what
+ * stands before it.
+ */
+#include "io/mesh_build.h"
+
+#include <string.h>
+
+static const uint32_t none = UINT32_MAX;
+
+typedef struct obj_file {
+    nqm_mesh_reader *r;
+    nqm_rows normals;          /* of vn */
+    nqm_rows triangle_normals; /* (n_triangles, 3) indices of them, or `none` */
+    bool lacks_normals;        /* some corner names none */
+} obj_file;
+
+/* The next word of the statement, beyond a continued line. */
+static bool next_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
+    while (nqm_mesh_word(r, word)) {
+        if (strcmp(word, "\\") != 0)
+            return true;
+        if (!nqm_mesh_next_line(r))
+            return false;
+    }
+    return false;
+}
+
+static nqm_status read_vector(nqm_mesh_reader *r, nqm_rows *rows, const char *what) {
+    char word[NQM_MESH_TOKEN];
+    double xyz[3];
+    for (int k = 0; k < 3; ++k) {
+        const char *end;
+        if (!next_word(r, word))
+            return nqm_mesh_fail(r, "a %s needs three numbers", what);
+        if (!nqm_parse_double(word, &end, &xyz[k]) || *end)
+            return nqm_mesh_fail(r, "'%.20s' in a %s is no finite number", word, what);
+    }
+    return nqm_mesh_add_vector(r, rows, xyz, what);
+}
+
+/* A whole number, not 0, at *text; moves *text behind it. */
+static bool parse_index(const char **text, int64_t *index) {
+    const char *p = *text;
+    bool negative = *p == '-';
+    int64_t value = 0;
+    p += negative || *p == '+';
+    const char *digits = p;
+    for (; *p >= '0' && *p <= '9' && p - digits < 12; ++p)
+        value = 10 * value + (*p - '0');
+    *text = p;
+    *index = negative ? -value : value;
+    return p != digits && value != 0;
+}
+
+/* From OBJ's counting to ours; false when there is no such one among the n so far. */
+static bool resolve(int64_t index, size_t n, uint32_t *resolved) {
+    int64_t at = index > 0 ? index - 1 : (int64_t)n + index;
+    *resolved = (uint32_t)at;
+    return at >= 0 && at < (int64_t)n;
+}
+
+static nqm_status read_corner(obj_file *obj, const char *word, nqm_fan *fan) {
+    nqm_mesh_reader *r = obj->r;
+    const char *text = word;
+    int64_t index, texture;
+    uint32_t vertex, normal = none;
+    if (!parse_index(&text, &index))
+        return nqm_mesh_fail(r, "'%.20s' is no corner of a face", word);
+    if (!resolve(index, r->vertices.n, &vertex))
+        return nqm_mesh_fail(r, "corner '%.20s': there are %zu vertices so far", word, r->vertices.n);
+    bool good = true;
+    if (*text == '/') {
+        ++text;
+        good = *text == '/' || parse_index(&text, &texture);
+        if (good && *text == '/') {
+            ++text;
+            good = parse_index(&text, &index);
+            if (good && !resolve(index, obj->normals.n, &normal))
+                return nqm_mesh_fail(r, "corner '%.20s': there are %zu normals so far", word, obj->normals.n);
+        }
+    }
+    if (!good || *text)
+        return nqm_mesh_fail(r, "'%.20s' is no corner of a face", word);
+    obj->lacks_normals = obj->lacks_normals || normal == none;
+    return nqm_fan_add(r, fan, vertex, normal, &obj->triangle_normals);
+}
+
+static nqm_status read_face(obj_file *obj) {
+    char word[NQM_MESH_TOKEN];
+    nqm_fan fan = {0};
+    nqm_status status = NQM_OK;
+    while (status == NQM_OK && next_word(obj->r, word))
+        status = read_corner(obj, word, &fan);
+    if (status == NQM_OK && fan.n_corners < 3)
+        return nqm_mesh_fail(obj->r, "a face has %zu corners", fan.n_corners);
+    return status;
+}
+
+static nqm_status read_statements(obj_file *obj) {
+    nqm_mesh_reader *r = obj->r;
+    nqm_status status = NQM_OK;
+    char word[NQM_MESH_TOKEN];
+    do {
+        if (!next_word(r, word) || word[0] == '#')
+            continue;
+        if (strcmp(word, "v") == 0)
+            status = read_vector(r, &r->vertices, "vertex");
+        else if (strcmp(word, "vn") == 0)
+            status = read_vector(r, &obj->normals, "normal");
+        else if (strcmp(word, "f") == 0)
+            status = read_face(obj);
+    } while (status == NQM_OK && nqm_mesh_next_line(r));
+    return status;
+}
+
+/* The new vertex that joins `vertex` and `normal`; chains of them hang on the old vertices. */
+typedef struct joined {
+    nqm_rows vertices, normals;
+    nqm_rows link;  /* per new vertex: its normal, the next of its chain, unused */
+    uint32_t *head; /* (old vertices) */
+} joined;
+
+static bool join(joined *j, const obj_file *obj, uint32_t vertex, uint32_t normal, uint32_t *index) {
+    const uint32_t(*link)[3] = j->link.data;
+    uint32_t at = j->head[vertex];
+    while (at != none && link[at][0] != normal)
+        at = link[at][1];
+    if (at == none) {
+        const float(*position)[3] = obj->r->vertices.data, (*direction)[3] = obj->normals.data;
+        const uint32_t row[3] = {normal, j->head[vertex], 0};
+        at = (uint32_t)j->link.n;
+        if (!nqm_rows_add(&j->link, row) || !nqm_rows_add(&j->vertices, position[vertex]) ||
+            !nqm_rows_add(&j->normals, direction[normal]))
+            return false;
+        j->head[vertex] = at;
+    }
+    *index = at;
+    return true;
+}
+
+/* One vertex for each pair of position and normal that the faces use. At most as many as corners, which are bounded. */
+static nqm_status join_normals(obj_file *obj) {
+    nqm_mesh_reader *r = obj->r;
+    uint32_t(*triangle)[3] = r->triangles.data;
+    const uint32_t(*normal)[3] = obj->triangle_normals.data;
+    joined j = {.head = nqm_alloc(r->vertices.n, sizeof *j.head)};
+    bool good = j.head != NULL;
+    if (good)
+        memset(j.head, 0xff, r->vertices.n * sizeof *j.head);
+    for (size_t t = 0; good && t < r->triangles.n; ++t)
+        for (size_t k = 0; good && k < 3; ++k)
+            good = join(&j, obj, triangle[t][k], normal[t][k], &triangle[t][k]);
+    nqm_free(j.head);
+    nqm_free(j.link.data);
+    nqm_free(r->vertices.data);
+    r->vertices = j.vertices;
+    r->normals = j.normals;
+    return good ? NQM_OK : nqm_fail_nomem(r->err, r->triangles.n * sizeof *triangle);
+}
+
+nqm_status nqm_mesh_read_obj(nqm_mesh_reader *r) {
+    obj_file obj = {.r = r};
+    r->format = "OBJ";
+    nqm_status status = read_statements(&obj);
+    if (status == NQM_OK && r->triangles.n && !obj.lacks_normals)
+        status = join_normals(&obj);
+    nqm_free(obj.normals.data);
+    nqm_free(obj.triangle_normals.data);
+    return status;
+}

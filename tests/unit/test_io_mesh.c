@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Meshes: the same octahedron half as text and as bytes of either order, as PLY and OBJ, with polygons, other
+ * properties and all forms of indices; normals; broken files are refused with file and place.
+ */
+#include "base/memory_test.h"
+#include "io/io.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A square pyramid: four corners of a square and a tip; the square is a polygon, the sides are triangles. */
+static const float pyramid[5][3] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0.5F}};
+static const unsigned sides[4][3] = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+
+static const char ply_text[] = "ply\nformat ascii 1.0\ncomment made by hand\nobj_info none\nelement vertex 5\n"
+                               "property uchar red\nproperty float x\nproperty float y\nproperty double z\n"
+                               "element extra 2\nproperty list uchar short numbers\nproperty int8 last\n"
+                               "element face 5\nproperty list uchar int vertex_indices\nproperty float quality\n"
+                               "end_header\n"
+                               "255 1 0 0\n0 0 1 0\n0 -1 0 0\n0 0 -1 0\n7 0 0 0.5\n"
+                               "3 1 2 3 -1\n0 4\n"
+                               "4 3 2 1 0 nan\n3 0 1 4 1\n3 1 2 4 1\n3 2 3 4 1\n3 3 0 4 1";
+static const char obj_text[] = "# a pyramid\nmtllib none.mtl\no pyramid\n"
+                               "v 1 0 0\nv 0 1 0 1.0\r\nv -1 0 0 \\\n 1 .5 .5 .5\nv 0 -1 0\nv\t0 0 .5\nvt 0 0\ns off\n"
+                               "f 4 3 2 1\nf 1/1 2/1 5/1\nf -4 -3 -1\nf 3/1 4/1 5/1\nf 4 1 \\\n 5\n";
+
+typedef struct bytes {
+    unsigned char data[2048];
+    size_t n;
+} bytes;
+
+static void put_number(bytes *b, uint64_t value, size_t n, bool big) {
+    for (size_t i = 0; i < n; ++i)
+        b->data[b->n++] = (unsigned char)(value >> 8 * (big ? n - 1 - i : i));
+}
+
+static void put_float(bytes *b, float value, bool big) {
+    unsigned char little[4];
+    nqm_store_f32(little, value);
+    put_number(b, nqm_load_u32(little), 4, big);
+}
+
+/* The pyramid in bytes; with a normal per vertex when asked for (its position, so not of unit length). */
+static bytes make_binary(bool big, bool normals) {
+    bytes b = {0};
+    b.n = (size_t)snprintf((char *)b.data, sizeof b.data,
+                           "ply\r\nformat binary_%s_endian 1.0\r\nelement vertex 5\r\nproperty float32 x\r\n"
+                           "property float32 y\r\nproperty float32 z\r\nproperty ushort mark\r\n%s"
+                           "element face 5\r\nproperty list int16 uint8 other\r\n"
+                           "property list uint8 uint32 vertex_index\r\nend_header\r\n",
+                           big ? "big" : "little",
+                           normals ? "property float nx\r\nproperty float ny\r\nproperty float nz\r\n" : "");
+    for (size_t i = 0; i < 5; ++i) {
+        for (size_t k = 0; k < 3; ++k)
+            put_float(&b, pyramid[i][k], big);
+        put_number(&b, 0x1234, 2, big);
+        for (size_t k = 0; normals && k < 3; ++k)
+            put_float(&b, i == 1 ? 0 : 2 * pyramid[i][k], big);
+    }
+    for (size_t i = 0; i < 5; ++i) {
+        put_number(&b, i, 2, big);
+        for (size_t k = 0; k < i; ++k)
+            put_number(&b, 99, 1, big);
+        put_number(&b, i ? 3 : 4, 1, big);
+        for (size_t k = 0; k < (i ? 3 : 4); ++k)
+            put_number(&b, i ? sides[i - 1][k] : 3 - k, 4, big);
+    }
+    return b;
+}
+
+static nqm_status parse(const void *data, size_t n_bytes, nqm_mesh *mesh, nqm_error *err) {
+    const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "some.mesh"};
+    *err = (nqm_error){0};
+    nqm_status status = nqm_mesh_parse(&map, mesh, err);
+    if (status != NQM_OK) {
+        assert_null(mesh->position);
+        assert_null(mesh->triangle);
+        assert_null(mesh->normal);
+        assert_int_equal(err->status, status);
+        assert_non_null(strstr(err->message, status == NQM_ERR_NOMEM ? "memory" : "some.mesh"));
+    }
+    return status;
+}
+
+static void check_pyramid(const nqm_mesh *mesh) {
+    assert_int_equal(mesh->n_vertices, 5);
+    assert_int_equal(mesh->n_triangles, 6);
+    assert_memory_equal(mesh->position, pyramid, sizeof pyramid);
+    static const uint32_t base[2][3] = {{3, 2, 1}, {3, 1, 0}};
+    assert_memory_equal(mesh->triangle, base, sizeof base);
+    assert_memory_equal(mesh->triangle + 6, sides, sizeof sides);
+}
+
+static void check_normal(const nqm_mesh *mesh, size_t i, double x, double y, double z) {
+    double length = sqrt(x * x + y * y + z * z);
+    assert_near((double)mesh->normal[3 * i], x / length, 1e-6);
+    assert_near((double)mesh->normal[3 * i + 1], y / length, 1e-6);
+    assert_near((double)mesh->normal[3 * i + 2], z / length, 1e-6);
+}
+
+/* Twice the areas: a side has (1, 1, 2)/2 up to signs, half of the base (0, 0, -2). Vertex 1 and 3 are in both halves. */
+static void check_area_weighted(const nqm_mesh *mesh) {
+    check_normal(mesh, 0, 1, 0, 2 - 2);
+    check_normal(mesh, 1, 0, 1, 2 - 4);
+    check_normal(mesh, 2, -1, 0, 2 - 2);
+    check_normal(mesh, 3, 0, -1, 2 - 4);
+    check_normal(mesh, 4, 0, 0, 1);
+}
+
+static void pyramids(void **state) {
+    (void)state;
+    nqm_mesh mesh;
+    nqm_error err;
+    const bytes little = make_binary(false, false), big = make_binary(true, false);
+    const struct {
+        const void *data;
+        size_t n;
+    } files[] = {
+        {ply_text, sizeof ply_text - 1}, {obj_text, sizeof obj_text - 1}, {little.data, little.n}, {big.data, big.n}};
+    for (size_t i = 0; i < 4; ++i) {
+        if (parse(files[i].data, files[i].n, &mesh, &err) != NQM_OK)
+            fail_msg("file %zu: %s", i, err.message);
+        check_pyramid(&mesh);
+        check_area_weighted(&mesh);
+        nqm_mesh_free(&mesh);
+    }
+}
+
+static void normals_of_ply(void **state) {
+    (void)state;
+    nqm_mesh mesh;
+    nqm_error err;
+    for (int big = 0; big < 2; ++big) {
+        const bytes b = make_binary(big, true);
+        assert_int_equal(parse(b.data, b.n, &mesh, &err), NQM_OK);
+        check_pyramid(&mesh);
+        check_normal(&mesh, 0, 1, 0, 0);
+        check_normal(&mesh, 1, 0, 1, -2); /* the file says 0 0 0 */
+        check_normal(&mesh, 4, 0, 0, 1);
+        nqm_mesh_free(&mesh);
+    }
+}
+
+/* Two triangles that share an edge: where their normals differ the vertices are doubled, where not they are shared. */
+static void normals_of_obj(void **state) {
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nv 9 9 9\nvn 0 0 3\nvn 1 0 0\nvn 0 -1 0\n"
+                               "f 1//1 2//1 3/7/1\nf 3//-3 2//2 4//-1\n";
+    nqm_mesh mesh;
+    nqm_error err;
+    assert_int_equal(parse(text, sizeof text - 1, &mesh, &err), NQM_OK);
+    assert_int_equal(mesh.n_triangles, 2);
+    assert_int_equal(mesh.n_vertices, 5); /* 1//1 2//1 3//1 2//2 4//3; the last v is not used */
+    static const uint32_t triangles[2][3] = {{0, 1, 2}, {2, 3, 4}};
+    assert_memory_equal(mesh.triangle, triangles, sizeof triangles);
+    check_normal(&mesh, 1, 0, 0, 1);
+    check_normal(&mesh, 3, 1, 0, 0);
+    check_normal(&mesh, 4, 0, -1, 0);
+    assert_true(mesh.position[9] == 1 && mesh.position[14] == 1);
+    nqm_mesh_free(&mesh);
+    /* One corner without a normal: all are computed. */
+    static const char mixed[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1//1 2//1 3\n";
+    assert_int_equal(parse(mixed, sizeof mixed - 1, &mesh, &err), NQM_OK);
+    check_normal(&mesh, 0, 0, 0, 1);
+    nqm_mesh_free(&mesh);
+}
+
+/* Put `with` in place of the first `what` of a text; the fault must be of this kind and its message name `place`. */
+static void refuse(const char *text, const char *what, const char *with, const char *place) {
+    char changed[1024];
+    const char *at = strstr(text, what);
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, with, at + strlen(what));
+    nqm_mesh mesh;
+    nqm_error err;
+    nqm_status status = parse(changed, strlen(changed), &mesh, &err);
+    if (status == NQM_OK)
+        fail_msg("'%s' for '%s' was accepted", with, what);
+    if (status != NQM_ERR_FORMAT || !strstr(err.message, place))
+        fail_msg("'%s' for '%s': %s", with, what, err.message);
+}
+
+static void refusals(void **state) {
+    (void)state;
+    refuse(ply_text, "format ascii 1.0\n", "", "names no format");
+    refuse(ply_text, "ascii 1.0", "ascii 2.0", "line 2");
+    refuse(ply_text, "ascii", "ebcdic", "line 2");
+    refuse(ply_text, "vertex 5", "vertex 6", "a list has"); /* the rows slip by one */
+    refuse(ply_text, "vertex 5", "vertex 99999999999", "claims");
+    refuse(ply_text, "vertex 5", "vertex -5", "line 5");
+    refuse(ply_text, "element face 5", "element face 6", "ends too early");
+    refuse(ply_text, "property float y", "property float yy", "x, y and z");
+    refuse(ply_text, "property float y", "property float x", "occurs twice");
+    refuse(ply_text, "property uchar red", "property colour red", "line 6");
+    refuse(ply_text, "list uchar int", "list float int", "line 14");
+    refuse(ply_text, "vertex_indices", "corners", "vertex_indices");
+    refuse(ply_text, "end_header", "end_of_header", "not known in a header");
+    refuse(ply_text, "255 1 0 0", "255 nan 0 0", "line 17");
+    refuse(ply_text, "255 1 0 0", "255 1e39 0 0", "not finite");
+    refuse(ply_text, "3 3 0 4 1", "3 3 0 5 1", "names vertex 5 of 5");
+    refuse(ply_text, "3 3 0 4 1", "3 3 -1 4 1", "names vertex -1");
+    refuse(ply_text, "3 3 0 4 1", "3 3 0.5 4 1", "names vertex 0.5");
+    refuse(ply_text, "3 3 0 4 1", "2 3 0 4 1", "a face has 2 corners");
+    refuse(ply_text, "3 3 0 4 1", "1e9 3 0 4 1", "corners");
+    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 6", "line 12");
+    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 0", "line 12");
+    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 -6", "line 12");
+    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 99999999999999999999", "line 12");
+    refuse(obj_text, "f 4 3 2 1", "f 4 3", "2 corners");
+    refuse(obj_text, "1/1 2/1 5/1", "1/1 2/1 5//1", "0 normals");
+    refuse(obj_text, "1/1 2/1 5/1", "1/1 2/1 5/", "no corner");
+    refuse(obj_text, "1/1 2/1 5/1", "1/1 2/1 5/1/1/1", "normals");
+    refuse(obj_text, "v 1 0 0", "v 1 0", "three numbers");
+    refuse(obj_text, "v 1 0 0", "v 1 inf 0", "line 4");
+    refuse(obj_text, "v 1 0 0", "v 1 0x 0", "line 4");
+    refuse(obj_text, "mtllib", "magic", "neither a PLY nor an OBJ");
+    nqm_mesh mesh;
+    nqm_error err;
+    assert_int_equal(parse("v 0 0 0\n", 8, &mesh, &err), NQM_ERR_FORMAT);
+    assert_int_equal(parse(NULL, 0, &mesh, &err), NQM_ERR_FORMAT);
+    static const char dots[] =
+        "v 0 0 0\nv 0.0000000000000000000000000000000000000000000000000000000000000000001e66 0 0\n";
+    assert_int_equal(parse(dots, sizeof dots - 1, &mesh, &err), NQM_ERR_FORMAT); /* not taken for 0 */
+    assert_non_null(strstr(err.message, "line 2"));
+}
+
+/* A binary file that is cut anywhere is malformed; a normal that is not a number too. */
+static void broken_binary(void **state) {
+    (void)state;
+    const bytes b = make_binary(false, true);
+    nqm_mesh mesh;
+    nqm_error err;
+    for (size_t n = 0; n < b.n; ++n) {
+        unsigned char *copy = malloc(n ? n : 1);
+        assert_non_null(copy);
+        memcpy(copy, b.data, n);
+        assert_int_equal(parse(copy, n, &mesh, &err), NQM_ERR_FORMAT);
+        free(copy);
+    }
+    bytes bad = b;
+    size_t body = (size_t)(strstr((const char *)b.data, "end_header") - (const char *)b.data) + 12;
+    nqm_store_u32(bad.data + body + 14, 0x7fc00000); /* nx of the first vertex */
+    assert_int_equal(parse(bad.data, bad.n, &mesh, &err), NQM_ERR_FORMAT);
+    assert_non_null(strstr(err.message, "at byte"));
+    assert_true(err.byte_offset == (int64_t)body + 26);
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1//1 2//1 3//1\n";
+    const bytes b = make_binary(true, true);
+    for (int i = 0; i < 2; ++i) {
+        nqm_status status = NQM_ERR_NOMEM;
+        nqm_mesh mesh;
+        nqm_error err;
+        for (long n = 0; status != NQM_OK; ++n) {
+            nqm_alloc_fail_after(n);
+            status = i ? parse(b.data, b.n, &mesh, &err) : parse(obj, sizeof obj - 1, &mesh, &err);
+            nqm_alloc_fail_after(-1);
+            assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
+            assert_true(n < 12);
+        }
+        nqm_mesh_free(&mesh);
+    }
+}
+
+/* The Stanford bunny: closed but for holes in its base, so normals point away from the middle almost everywhere. */
+static void bunny(void **state) {
+    (void)state;
+    const char *path = shared_data("scene/bunny.ply");
+    if (!path)
+        skip();
+    nqm_mesh mesh;
+    nqm_error err = {0};
+    if (nqm_mesh_load(path, &mesh, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    assert_int_equal(mesh.n_vertices, 35947);
+    assert_int_equal(mesh.n_triangles, 69451);
+    double middle[3] = {0};
+    for (size_t i = 0; i < 3 * mesh.n_vertices; ++i)
+        middle[i % 3] += (double)mesh.position[i] / (double)mesh.n_vertices;
+    size_t n_outward = 0;
+    for (size_t i = 0; i < mesh.n_vertices; ++i) {
+        double dot = 0, length = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            double n = (double)mesh.normal[3 * i + k];
+            dot += n * ((double)mesh.position[3 * i + k] - middle[k]);
+            length += n * n;
+        }
+        assert_near(length, 1, 1e-6);
+        n_outward += dot > 0;
+    }
+    assert_true((double)n_outward > 0.8 * (double)mesh.n_vertices);
+    nqm_mesh_free(&mesh);
+}
+
+static void missing_file(void **state) {
+    (void)state;
+    nqm_mesh mesh;
+    nqm_error err = {0};
+    assert_int_equal(nqm_mesh_load("/nonexistent.ply", &mesh, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "/nonexistent.ply"));
+    assert_null(mesh.position);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pyramids), cmocka_unit_test(normals_of_ply), cmocka_unit_test(normals_of_obj),
+        cmocka_unit_test(refusals), cmocka_unit_test(broken_binary),  cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(bunny),    cmocka_unit_test(missing_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
