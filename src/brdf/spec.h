@@ -9,7 +9,7 @@
 
 #include "brdf/brdf.h"
 
-enum { NQM_SPEC_MAX_KEYS = 16 };
+enum { NQM_SPEC_MAX_KEYS = 20 };
 
 /** One key of a spec. */
 typedef struct nqm_spec_key {

@@ -152,6 +152,64 @@ static void test_quantise(void **state) {
     assert_true(rgb[0] == 0);
 }
 
+/* No channel above the share of the mirror direction's maximum, which for this lobe lies at theta_d = 60 degrees. */
+static void test_clamp(void **state) {
+    (void)state;
+    double top[3];
+    value_at(glossy, 0, 60, 0, top);
+    for (size_t i = 0; i < N_PLACES; ++i) {
+        double base[3], rgb[3];
+        value_at(glossy, places[i][0], places[i][1], places[i][2], base);
+        perturbed_at("clamp=.02", glossy, places[i], rgb);
+        for (int c = 0; c < 3; ++c)
+            assert_relative(rgb[c], fmin(base[c], 0.02 * top[0]), 1e-12);
+    }
+    double rgb[3];
+    perturbed_at("clamp=.1", "lambert:kd=0", places[0], rgb);
+    assert_true(rgb[0] == 0);
+    perturbed_at("clamp=.1", "lambert:kd=.5,.1,.01", places[2], rgb);
+    assert_relative(rgb[0], 0.05 / NQM_PI, 1e-12);
+    assert_relative(rgb[2], 0.01 / NQM_PI, 1e-12);
+}
+
+static void test_ripple(void **state) {
+    (void)state;
+    double base[3], rgb[3];
+    for (size_t i = 0; i < N_PLACES; ++i) {
+        value_at(glossy, places[i][0], places[i][1], places[i][2], base);
+        perturbed_at("ripple=.4;bands=5", glossy, places[i], rgb);
+        double wave = 1 + 0.4 * sin(10 * NQM_PI * sqrt(places[i][0] / 90));
+        for (int c = 0; c < 3; ++c)
+            assert_relative(rgb[c], base[c] * wave, 1e-12);
+    }
+}
+
+/* A third of a turn exchanges the channels; any turn keeps the sum and the distance from grey; grey stays. */
+static void test_hue(void **state) {
+    (void)state;
+    static const char base[] = "lambert:kd=.5,.4,.3", grey[] = "lambert:kd=.3";
+    double rgb[3];
+    perturbed_at("hue=120", base, places[1], rgb);
+    assert_relative(rgb[0], 0.3 / NQM_PI, 1e-12);
+    assert_relative(rgb[1], 0.5 / NQM_PI, 1e-12);
+    assert_relative(rgb[2], 0.4 / NQM_PI, 1e-12);
+    for (int turn = -170; turn <= 180; turn += 25) {
+        char settings[32];
+        snprintf(settings, sizeof settings, "hue=%d", turn);
+        perturbed_at(settings, base, places[1], rgb);
+        assert_relative(rgb[0] + rgb[1] + rgb[2], 1.2 / NQM_PI, 1e-12);
+        double squares = 0;
+        for (int c = 0; c < 3; ++c)
+            squares += pow(rgb[c] * NQM_PI - 0.4, 2);
+        assert_relative(squares, 0.02, 1e-9);
+        perturbed_at(settings, grey, places[1], rgb);
+        for (int c = 0; c < 3; ++c)
+            assert_relative(rgb[c], 0.3 / NQM_PI, 1e-12);
+    }
+    perturbed_at("hue=180", "lambert:kd=.5,0,0", places[1], rgb);
+    assert_true(rgb[0] == 0 && rgb[1] > 0.3 / NQM_PI);
+}
+
 /* The Gaussian mean over the plane of half vectors by brute force: (x, y) = theta_h (cos, sin), 400 x 400 points. */
 static double blur(const char *spec, double centre_deg, double sigma_deg) {
     enum { N = 400 };
@@ -247,24 +305,28 @@ static void test_noise_is_continuous(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static const char *const all_settings[] = {
-    "gloss=.05",
-    "gloss=20",
-    "shift=45",
-    "shift=-45",
-    "smooth=30",
-    "smooth=.01",
-    "peak=100",
-    "peak=0",
-    "mix=.5",
-    "fresnel=0",
-    "desaturate=-1",
-    "tint=0,5,1",
-    "noise=5",
-    "quantise=.1",
-    "scale=0",
-    "fresnel=100",
-    "gloss=2;shift=3;smooth=4;peak=2;fresnel=3;mix=.1;desaturate=.2;noise=.2;seed=7;cells=5;quantise=12;scale=.5"};
+static const char *const all_settings[] = {"gloss=.05",
+                                           "gloss=20",
+                                           "shift=45",
+                                           "shift=-45",
+                                           "smooth=30",
+                                           "smooth=.01",
+                                           "peak=100",
+                                           "peak=0",
+                                           "mix=.5",
+                                           "fresnel=0",
+                                           "desaturate=-1",
+                                           "tint=0,5,1",
+                                           "noise=5",
+                                           "quantise=.1",
+                                           "clamp=.001",
+                                           "ripple=1;bands=1000",
+                                           "hue=-180",
+                                           "hue=77;desaturate=-1",
+                                           "scale=0",
+                                           "fresnel=100",
+                                           "gloss=2;shift=3;smooth=4;clamp=.3;peak=2;fresnel=3;mix=.1;desaturate=.2;"
+                                           "hue=30;ripple=.2;noise=.2;seed=7;cells=5;quantise=12;scale=.5"};
 
 /* Finite, not negative, a value for every pair down to the horizon, and the same for light and viewer exchanged. */
 static void test_all_settings_are_sane(void **state) {
@@ -371,6 +433,9 @@ int main(void) {
         cmocka_unit_test(test_peak_and_fresnel),
         cmocka_unit_test(test_mix_keeps_the_albedo),
         cmocka_unit_test(test_quantise),
+        cmocka_unit_test(test_clamp),
+        cmocka_unit_test(test_ripple),
+        cmocka_unit_test(test_hue),
         cmocka_unit_test(test_smooth_is_a_blur),
         cmocka_unit_test(test_noise),
         cmocka_unit_test(test_noise_is_continuous),
