@@ -2,7 +2,7 @@
  *
  * nqm label - Delta-E ITP and JOD of pairs of BRDFs by rendering them.
  */
-#include "tool.h"
+#include "scene_args.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -51,11 +51,8 @@ static int print_rows_json(const label_run *run, const nqm_scene_options *o) {
             json_object_set_new(result, "error", json_name(row->err.message));
         json_array_append_new(results, result);
     }
-    json_t *scene = json_pack("{s:o,s:f,s:f,s:I,s:I,s:I}", "light", json_name(o->light ? o->light : "built-in sky"),
-                              "exposure_cdm2", o->exposure_cdm2, "peak_cdm2", o->peak_cdm2, "points",
-                              (json_int_t)o->n_points, "lights", (json_int_t)o->n_lights, "seed", (json_int_t)o->seed);
     return print_json(json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
-                                json_name(run->ref_name), "scene", scene, "results", results));
+                                json_name(run->ref_name), "scene", json_scene(o), "results", results));
 }
 
 static void print_row(const label_row *row, label_format format) {
@@ -117,21 +114,13 @@ static int run_label(label_run *run, const nqm_scene_options *o, label_format fo
 
 int cmd_label(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
-    nqm_scene_options o = nqm_scene_options_default();
-    uint64_t n_points = o.n_points, n_lights = o.n_lights;
-    const option options[] = {
-        {"light", 0, OPTION_TEXT, &o.light, "FILE",
-         "latitude-longitude map: OpenEXR, Radiance HDR or RGBE in a PNG; else a built-in sky", 0, 0},
-        {"exposure", 0, OPTION_NUMBER, &o.exposure_cdm2, "CD/M2", "how bright a white Lambert surface shows on average",
-         0.01, 10000},
-        {"peak", 0, OPTION_NUMBER, &o.peak_cdm2, "CD/M2", "peak of the display; brighter is clipped", 0.01, 10000},
-        {"points", 0, OPTION_COUNT, &n_points, "N", "points of the shape (pixels)", 1, 1 << 20},
-        {"lights", 0, OPTION_COUNT, &n_lights, "N", "light directions a point", 16, 1 << 16},
-        {"seed", 0, OPTION_COUNT, &o.seed, "N", "of the points and directions", 0, 0},
+    scene_args scene = scene_args_begin();
+    option options[4 + N_SCENE_OPTIONS] = {
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
-        {0}};
+    };
+    scene_args_table(&scene, options);
     const command cmd = {
         .name = "label",
         .usage = "REF TEST... [options]",
@@ -150,15 +139,16 @@ int cmd_label(int argc, char **argv) {
         return exit_code;
     if (json + csv + quiet > 1)
         return report("label", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
-    o.n_points = (size_t)n_points;
-    o.n_lights = (size_t)n_lights;
+    exit_code = scene_args_end("label", &scene);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     label_run run = {.ref_name = argv[0], .n_rows = (size_t)n_arguments - 1};
     run.rows = calloc(run.n_rows, sizeof *run.rows);
     if (!run.rows)
         return report("label", EXIT_LIMIT, "out of memory");
     for (size_t i = 0; i < run.n_rows; ++i)
         run.rows[i].name = argv[i + 1];
-    exit_code = run_label(&run, &o, json ? LABEL_JSON : csv ? LABEL_CSV : quiet ? LABEL_QUIET : LABEL_TEXT);
+    exit_code = run_label(&run, &scene.scene, json ? LABEL_JSON : csv ? LABEL_CSV : quiet ? LABEL_QUIET : LABEL_TEXT);
     nqm_scene_free(run.scene);
     free(run.ref_cdm2);
     free(run.test_cdm2);
