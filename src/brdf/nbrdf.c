@@ -9,6 +9,7 @@
 #include "io/io.h"
 #include "math/math.h"
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 /* Rows are padded with zeros to a multiple of four, which lets the compiler use vectors without a tail. */
@@ -53,63 +54,71 @@ static void nbrdf_eval_half_diff(const void *self, size_t n, const double *hd, d
 static const nqm_brdf_class nbrdf_class = {
     .format = "nbrdf", .reciprocal = 1, .eval_half_diff = nbrdf_eval_half_diff, .free = nqm_free};
 
-/** One layer's places in the file and in the network. */
+/** One layer's places in a Keras file and in the network. */
 typedef struct layer {
     const char *kernel, *bias;
     size_t n_in, n_out, n_padded;
-    double *w, *b;
+    size_t w, b; /* offsets in nbrdf, in doubles */
 } layer;
 
-static nqm_status read_layer(const nqm_hdf5 *file, const layer *l, nqm_error *err) {
-    float kernel[N_HIDDEN * N_HIDDEN], bias[N_HIDDEN];
-    const size_t dims[2] = {l->n_in, l->n_out};
-    nqm_status status = nqm_hdf5_read_f32(file, l->kernel, 2, dims, kernel, err);
-    if (status == NQM_OK)
-        status = nqm_hdf5_read_f32(file, l->bias, 1, dims + 1, bias, err);
+enum { N_LAYERS = 3 };
+#define PLACE(member) (offsetof(nbrdf, member) / sizeof(double))
+static const layer layers[N_LAYERS] = {
+    {"dense_1/dense_1/kernel:0", "dense_1/dense_1/bias:0", N_IN, N_HIDDEN, HIDDEN_PADDED, PLACE(w1), PLACE(b1)},
+    {"dense_2/dense_2/kernel:0", "dense_2/dense_2/bias:0", N_HIDDEN, N_HIDDEN, HIDDEN_PADDED, PLACE(w2), PLACE(b2)},
+    {"dense_3/dense_3/kernel:0", "dense_3/dense_3/bias:0", N_HIDDEN, N_OUT, OUT_PADDED, PLACE(w3), PLACE(b3)}};
+
+nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    nbrdf *net = nqm_alloc(1, sizeof *net);
+    if (!net)
+        return nqm_fail_nomem(err, sizeof *net);
+    for (const layer *l = layers; l < layers + N_LAYERS; ++l) {
+        double *w = (double *)net + l->w, *b = (double *)net + l->b;
+        for (size_t k = 0; k < l->n_in; ++k)
+            for (size_t j = 0; j < l->n_out; ++j)
+                w[k * l->n_padded + j] = (double)*weights++;
+        for (size_t j = 0; j < l->n_out; ++j)
+            b[j] = (double)*weights++;
+    }
+    nqm_status status = nqm_brdf_wrap(&nbrdf_class, net, name, NULL, "network 6-21-21-3", brdf_ret, err);
     if (status != NQM_OK)
         return status;
-    for (size_t j = 0; j < l->n_out; ++j) {
-        l->b[j] = (double)bias[j];
-        for (size_t k = 0; k < l->n_in; ++k)
-            l->w[k * l->n_padded + j] = (double)kernel[k * l->n_out + j];
-    }
+    (*brdf_ret)->source_doi = "10.1111/cgf.14335";
+    (*brdf_ret)->n_values = NQM_NBRDF_WEIGHTS;
     return NQM_OK;
 }
 
-static nqm_status read_network(const unsigned char *data, size_t n_bytes, const char *name, nbrdf *net,
-                               nqm_error *err) {
-    const layer layers[] = {
-        {"dense_1/dense_1/kernel:0", "dense_1/dense_1/bias:0", N_IN, N_HIDDEN, HIDDEN_PADDED, net->w1, net->b1},
-        {"dense_2/dense_2/kernel:0", "dense_2/dense_2/bias:0", N_HIDDEN, N_HIDDEN, HIDDEN_PADDED, net->w2, net->b2},
-        {"dense_3/dense_3/kernel:0", "dense_3/dense_3/bias:0", N_HIDDEN, N_OUT, OUT_PADDED, net->w3, net->b3}};
+/* ---- Keras files ------------------------------------------------------------------------------------------------- */
+
+static nqm_status read_keras(const unsigned char *data, size_t n_bytes, const char *name, float *weights,
+                             nqm_error *err) {
     if (n_bytes > MAX_FILE_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, MAX_FILE_BYTES, "%s: %zu bytes are too many for an NBRDF (limit: byte %d)",
                         name, n_bytes, MAX_FILE_BYTES);
     nqm_hdf5 *file;
     nqm_status status = nqm_hdf5_open(data, n_bytes, name, &file, err);
-    for (size_t i = 0; i < sizeof layers / sizeof *layers && status == NQM_OK; ++i)
-        status = read_layer(file, layers + i, err);
+    for (const layer *l = layers; l < layers + N_LAYERS && status == NQM_OK; ++l) {
+        const size_t dims[2] = {l->n_in, l->n_out};
+        status = nqm_hdf5_read_f32(file, l->kernel, 2, dims, weights, err);
+        weights += l->n_in * l->n_out;
+        if (status == NQM_OK)
+            status = nqm_hdf5_read_f32(file, l->bias, 1, dims + 1, weights, err);
+        weights += l->n_out;
+    }
     nqm_hdf5_close(file);
     return status;
 }
 
 static nqm_status open_bytes(const unsigned char *data, size_t n_bytes, const char *name, nqm_brdf **brdf_ret,
                              nqm_error *err) {
-    nbrdf *net = nqm_alloc(1, sizeof *net);
-    if (!net)
-        return nqm_fail_nomem(err, sizeof *net);
-    nqm_status status = read_network(data, n_bytes, name, net, err);
-    if (status != NQM_OK) {
-        nqm_free(net);
-        return status;
-    }
-    status = nqm_brdf_wrap(&nbrdf_class, net, name, NULL, "network 6-21-21-3", brdf_ret, err);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->source_doi = "10.1111/cgf.14335";
-    (*brdf_ret)->n_values = (N_IN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_OUT;
-    (*brdf_ret)->n_bytes = n_bytes;
-    return NQM_OK;
+    float weights[NQM_NBRDF_WEIGHTS];
+    nqm_status status = read_keras(data, n_bytes, name, weights, err);
+    if (status == NQM_OK)
+        status = nqm_nbrdf_create(weights, name, brdf_ret, err);
+    if (status == NQM_OK)
+        (*brdf_ret)->n_bytes = n_bytes;
+    return status;
 }
 
 bool nqm_nbrdf_probe(const nqm_map *map) {

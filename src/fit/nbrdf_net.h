@@ -13,7 +13,7 @@
 typedef struct nqm_nbrdf_batch {
     size_t n;
     const float *input;  /* (6, n) unit half vector with phi_h = 0, unit difference vector */
-    const float *weight; /* (n) c = cos(theta_i) cos(theta_o) */
+    const float *weight; /* (n) c = cos(theta_i), in [0, 1] */
     const float *goal;   /* (3, n) log(1 + c f_r) of the reference */
 } nqm_nbrdf_batch;
 
@@ -21,8 +21,9 @@ typedef struct nqm_nbrdf_batch {
 void nqm_nbrdf_inputs(size_t n, const double *hd, float *input, float *weight);
 
 /**
- * Mean over directions and channels of |log(1 + c f_r) - goal| (the published protocol: Sztrajman et al. 2021, section
- * 3.1), f_r = max(exp(x) - 1, 0) of the network's output x.
+ * Mean over directions and channels of |log(1 + c f_r) - goal| (Sztrajman et al. 2021, section 3.1), f_r = exp(x) - 1 of
+ * the network's output x. A negative f_r counts as it is, so that descent leads out of it; evaluation gives 0 there.
+ * Safe to call from several threads; the same bits on every machine.
  *
  * @param weights   (NQM_NBRDF_WEIGHTS)
  * @param gradient  (NQM_NBRDF_WEIGHTS) receives the derivative of the mean by the weights, not added; NULL: loss only

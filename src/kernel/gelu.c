@@ -6,32 +6,14 @@
  * (1964, after Hastings 1955) gives erfc(u) = (a1 t + .. + a5 t^5) exp(-u^2), t = 1/(1 + p u), with an error
  * below 1.5e-7, where u = |x|/sqrt(2) makes exp(-u^2) that same e.
  */
+#include "kernel/exp_log.h"
 #include "kernel/kernel.h"
 
 #include <math.h>
-#include <string.h>
 
-/* exp(x) for x <= 0, within 1.5 ulp; below -87 it stays at exp(-87) = 1.6e-38 rather than enter the denormals. */
+/* exp(x) for x <= 0; below -87 it stays at exp(-87) = 1.6e-38 rather than enter the denormals. */
 static inline float exp_negative(float x) {
-    const float log2_e = 1.44269504f, ln2_high = 0.693359375f, ln2_low = -2.12194440e-4f; /* Cody and Waite 1980 */
-    const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */
-    x = x < -87.0f ? -87.0f : x;
-    float shifted = x * log2_e + round_magic;
-    float n = shifted - round_magic;
-    float r = (x - n * ln2_high) - n * ln2_low; /* |r| <= ln(2)/2 */
-    float p = 1.0f / 720.0f;                    /* the Taylor series to r^6: its remainder is 1.2e-7 relative */
-    p = p * r + 1.0f / 120.0f;
-    p = p * r + 1.0f / 24.0f;
-    p = p * r + 1.0f / 6.0f;
-    p = p * r + 0.5f;
-    p = p * r + 1.0f;
-    p = p * r + 1.0f;
-    uint32_t bits;
-    memcpy(&bits, &shifted, sizeof bits);
-    bits = (bits + 127) << 23; /* 2^n: the integer in the low bits becomes the exponent */
-    float scale;
-    memcpy(&scale, &bits, sizeof scale);
-    return p * scale;
+    return nqm_exp_core(x < -87.0f ? -87.0f : x);
 }
 
 typedef struct normal {

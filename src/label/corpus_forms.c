@@ -8,85 +8,33 @@
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
-#include "math/math.h"
 
 #include <math.h>
 
-enum { N_THETA_H = 90, N_THETA_D = 46, N_PHI_D = 24, N_NODES = N_THETA_H * N_THETA_D * N_PHI_D };
+enum { N_THETA_H = 90, N_THETA_D = 46, N_PHI_D = 24, N_SLICE = N_THETA_D * N_PHI_D };
 
-typedef struct table {
-    float rgb[N_NODES][3]; /* (theta_h, theta_d, phi_d); channel 0 is NaN where there is no value */
-} table;
-
-static size_t node(size_t h, size_t d, size_t p) {
-    return (h * N_THETA_D + d) * N_PHI_D + p;
-}
-
-/* The node below x and the share of the next. */
-static size_t below(double x, size_t n, double *share) {
-    size_t i = x > 0 ? (size_t)x : 0;
-    i = i > n - 2 ? n - 2 : i;
-    *share = fmin(x - (double)i, 1);
-    return i;
-}
-
-static void interpolate(const table *t, const double *hd, double *rgb) {
-    double share[3];
-    size_t h = below(sqrt(fmax(hd[0], 0) / (NQM_PI / 2)) * (N_THETA_H - 1), N_THETA_H, &share[0]);
-    size_t d = below(hd[1] / (NQM_PI / 2) * (N_THETA_D - 1), N_THETA_D, &share[1]);
-    double phi = hd[2] / NQM_PI * N_PHI_D;
-    phi -= floor(phi / N_PHI_D) * N_PHI_D;
-    size_t p = (size_t)phi;
-    share[2] = phi - (double)p;
-    double sum[3] = {0}, total = 0;
-    for (size_t corner = 0; corner < 8; ++corner) {
-        size_t dh = corner & 1, dd = corner >> 1 & 1, dp = corner >> 2;
-        const float *value = t->rgb[node(h + dh, d + dd, (p + dp) % N_PHI_D)];
-        double weight =
-            (dh ? share[0] : 1 - share[0]) * (dd ? share[1] : 1 - share[1]) * (dp ? share[2] : 1 - share[2]);
-        if (isnan(value[0]))
-            continue;
-        for (int c = 0; c < 3; ++c)
-            sum[c] += weight * (double)value[c];
-        total += weight;
-    }
-    for (int c = 0; c < 3; ++c)
-        rgb[c] = sum[c] / total; /* NaN, "no value", where no corner has one */
-}
-
-static void table_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
-    for (size_t i = 0; i < n; ++i)
-        interpolate(self, hd + 3 * i, rgb + 3 * i);
-}
-
-static const nqm_brdf_class table_class = {
-    .format = "table", .reciprocal = 1, .eval_half_diff = table_eval_half_diff, .free = nqm_free};
-
-/* One theta_h at a time: all its nodes. */
-static void fill_slice(const nqm_brdf *brdf, size_t h, table *t) {
-    enum { N = N_THETA_D * N_PHI_D };
-    double hd[3 * N], rgb[3 * N], u = (double)h / (N_THETA_H - 1);
-    uint8_t flag[N];
-    for (size_t i = 0; i < N; ++i) {
-        hd[3 * i] = u * u * NQM_PI / 2;
-        hd[3 * i + 1] = (double)(i / N_PHI_D) / (N_THETA_D - 1) * NQM_PI / 2;
-        hd[3 * i + 2] = (double)(i % N_PHI_D) / N_PHI_D * NQM_PI;
-    }
-    nqm_brdf_eval_half_diff(brdf, N, hd, rgb, flag);
-    for (size_t i = 0; i < N; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            t->rgb[h * N + i][c] =
-                flag[i] == NQM_VALUE_OK || flag[i] == NQM_VALUE_CLAMPED ? (float)rgb[3 * i + c] : NAN;
+/* One theta_h at a time: all its nodes. rgb: (N_THETA_D, N_PHI_D, 3); channel 0 is NaN where there is no value. */
+static void fill_slice(const nqm_brdf *brdf, size_t h, float *slice) {
+    double hd[3 * N_SLICE], rgb[3 * N_SLICE];
+    uint8_t flag[N_SLICE];
+    for (size_t i = 0; i < N_SLICE; ++i)
+        nqm_table_node(N_THETA_H, N_THETA_D, N_PHI_D, h, i / N_PHI_D, i % N_PHI_D, hd + 3 * i);
+    nqm_brdf_eval_half_diff(brdf, N_SLICE, hd, rgb, flag);
+    for (size_t i = 0; i < 3 * N_SLICE; ++i)
+        slice[i] = flag[i / 3] == NQM_VALUE_OK || flag[i / 3] == NQM_VALUE_CLAMPED ? (float)rgb[i] : NAN;
 }
 
 nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err) {
     *table_ret = NULL;
-    table *t = nqm_alloc(1, sizeof *t);
-    if (!t)
-        return nqm_fail_nomem(err, sizeof *t);
+    float *rgb = nqm_alloc(3 * N_THETA_H * N_SLICE, sizeof *rgb);
+    if (!rgb)
+        return nqm_fail_nomem(err, 3 * N_THETA_H * N_SLICE * sizeof *rgb);
     for (size_t h = 0; h < N_THETA_H; ++h)
-        fill_slice(brdf, h, t);
-    return nqm_brdf_wrap(&table_class, t, nqm_brdf_get_info(brdf).name, NULL, "90x46x24 nodes", table_ret, err);
+        fill_slice(brdf, h, rgb + 3 * h * N_SLICE);
+    nqm_status status =
+        nqm_table_create(N_THETA_H, N_THETA_D, N_PHI_D, rgb, nqm_brdf_get_info(brdf).name, table_ret, err);
+    nqm_free(rgb);
+    return status;
 }
 
 /* ---- folded ------------------------------------------------------------------------------------------------------ */

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A BRDF as a table over half-vector coordinates, linear between nodes. Nodes without a value are left out of the mean
+ * of their neighbours, so that the table reaches as far toward the horizon as its source did.
+ */
+#include "brdf/brdf.h"
+
+#include "math/math.h"
+#include <math.h>
+#include <string.h>
+
+enum { MAX_NODES = 1 << 24 }; /* eleven times a MERL table */
+
+typedef struct table {
+    size_t n_h, n_d, n_p;
+    double per_h, per_d, per_p; /* nodes a unit of sqrt(theta_h), theta_d, phi_d */
+    float *rgb;                 /* (n_h, n_d, n_p, 3); channel 0 is NaN where there is no value */
+} table;
+
+void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd) {
+    double u = (double)h / (double)(n_h - 1);
+    hd[0] = u * u * NQM_PI / 2;
+    hd[1] = (double)d / (double)(n_d - 1) * NQM_PI / 2;
+    hd[2] = (double)p / (double)n_p * NQM_PI;
+}
+
+/* The node below x, with a next one above it, and the weights of both. */
+static size_t below(double x, size_t n, double *weight) {
+    size_t i = x > 0 ? (size_t)x : 0;
+    i = i > n - 2 ? n - 2 : i;
+    weight[1] = fmin(x - (double)i, 1);
+    weight[0] = 1 - weight[1];
+    return i;
+}
+
+static void interpolate(const table *t, const double *hd, double *rgb) {
+    double weight_h[2], weight_d[2], weight_p[2];
+    size_t h = below(sqrt(fmax(hd[0], 0)) * t->per_h, t->n_h, weight_h);
+    size_t d = below(hd[1] * t->per_d, t->n_d, weight_d);
+    double phi = hd[2] * t->per_p;
+    size_t p = (size_t)phi;
+    weight_p[1] = phi - (double)p;
+    weight_p[0] = 1 - weight_p[1];
+    p = p < t->n_p ? p : 0; /* phi_d just below pi may round up to it */
+    size_t column[2] = {3 * p, 3 * (p + 1 < t->n_p ? p + 1 : 0)};
+    double sum[3] = {0}, total = 0;
+    for (size_t a = 0; a < 2; ++a)
+        for (size_t b = 0; b < 2; ++b) {
+            const float *line = t->rgb + ((h + a) * t->n_d + d + b) * t->n_p * 3;
+            double both = weight_h[a] * weight_d[b];
+            for (size_t c = 0; c < 2; ++c) {
+                const float *value = line + column[c];
+                double weight = both * weight_p[c];
+                if (isnan(value[0]))
+                    continue;
+                sum[0] += weight * (double)value[0];
+                sum[1] += weight * (double)value[1];
+                sum[2] += weight * (double)value[2];
+                total += weight;
+            }
+        }
+    for (int c = 0; c < 3; ++c)
+        rgb[c] = sum[c] / total; /* NaN, "no value", where no neighbour has one */
+}
+
+static void table_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
+    for (size_t i = 0; i < n; ++i)
+        interpolate(self, hd + 3 * i, rgb + 3 * i);
+}
+
+static void table_free(void *self) {
+    nqm_free(((table *)self)->rgb);
+    nqm_free(self);
+}
+
+static const nqm_brdf_class table_class = {
+    .format = "table", .reciprocal = 1, .eval_half_diff = table_eval_half_diff, .free = table_free};
+
+/* A missing value is NaN in channel 0; all else is finite. */
+static nqm_status check_values(size_t n_nodes, const float *rgb, const char *name, nqm_error *err) {
+    for (size_t i = 0; i < n_nodes; ++i) {
+        const float *v = rgb + 3 * i;
+        if (!isnan(v[0]) && !(isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2])))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: node %zu of the table is not finite", name, i);
+    }
+    return NQM_OK;
+}
+
+nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb, const char *name, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
+    size_t n_nodes;
+    char layout[80];
+    *brdf_ret = NULL;
+    if (n_h < 2 || n_d < 2 || n_p < 1 || !nqm_mul_size(n_h, n_d, &n_nodes) || !nqm_mul_size(n_nodes, n_p, &n_nodes) ||
+        n_nodes > MAX_NODES)
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: a table of %zu x %zu x %zu nodes (2 x 2 x 1 to %d in all)", name,
+                        n_h, n_d, n_p, MAX_NODES);
+    nqm_status status = check_values(n_nodes, rgb, name, err);
+    if (status != NQM_OK)
+        return status;
+    table *t = nqm_alloc(1, sizeof *t);
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    *t = (table){.n_h = n_h, .n_d = n_d, .n_p = n_p, .rgb = nqm_alloc(3 * n_nodes, sizeof *rgb)};
+    if (!t->rgb) {
+        table_free(t);
+        return nqm_fail_nomem(err, 3 * n_nodes * sizeof *rgb);
+    }
+    t->per_h = (double)(n_h - 1) / sqrt(NQM_PI / 2);
+    t->per_d = (double)(n_d - 1) / (NQM_PI / 2);
+    t->per_p = (double)n_p / NQM_PI;
+    memcpy(t->rgb, rgb, 3 * n_nodes * sizeof *rgb);
+    snprintf(layout, sizeof layout, "%zux%zux%zu nodes", n_h, n_d, n_p);
+    status = nqm_brdf_wrap(&table_class, t, name, NULL, layout, brdf_ret, err);
+    if (status == NQM_OK)
+        (*brdf_ret)->n_values = 3 * n_nodes;
+    return status;
+}

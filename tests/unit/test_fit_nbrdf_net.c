@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The network of an NBRDF for training: its loss against the formula in double with the evaluation of src/brdf, its
+ * gradient against central differences of that loss.
+ */
+#include "fit/nbrdf_net.h"
+#include "math/math.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N = 150 }; /* two blocks and a part of a third */
+
+typedef struct problem {
+    float weights[NQM_NBRDF_WEIGHTS], input[6 * N], weight[N], goal[3 * N];
+    double hd[3 * N];
+} problem;
+
+static problem make_problem(double spread) {
+    problem p;
+    nqm_rng rng = nqm_rng_make(5, 0);
+    for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
+        p.weights[i] = (float)(spread * nqm_rng_normal(&rng));
+    for (size_t i = 0; i < N; ++i) {
+        p.hd[3 * i] = 0.7 * nqm_rng_uniform(&rng);
+        p.hd[3 * i + 1] = 0.7 * nqm_rng_uniform(&rng);
+        p.hd[3 * i + 2] = NQM_PI * nqm_rng_uniform(&rng);
+        for (size_t c = 0; c < 3; ++c)
+            p.goal[c * N + i] = (float)nqm_rng_uniform(&rng);
+    }
+    nqm_nbrdf_inputs(N, p.hd, p.input, p.weight);
+    return p;
+}
+
+static nqm_nbrdf_batch batch_of(const problem *p) {
+    return (nqm_nbrdf_batch){.n = N, .input = p->input, .weight = p->weight, .goal = p->goal};
+}
+
+/* y (n_out) = b + w^T x, with the ReLU of hidden layers; returns what follows the layer among the weights. */
+static const double *layer(const double *w, size_t n_in, size_t n_out, const double *x, bool hidden, double *y) {
+    for (size_t j = 0; j < n_out; ++j) {
+        y[j] = w[n_in * n_out + j];
+        for (size_t k = 0; k < n_in; ++k)
+            y[j] += w[k * n_out + j] * x[k];
+        y[j] = hidden ? fmax(y[j], 0) : y[j];
+    }
+    return w + n_in * n_out + n_out;
+}
+
+/* The loss as it is defined, in double. */
+static double plain_loss(const double *weights, const problem *p) {
+    double sum = 0;
+    for (size_t i = 0; i < N; ++i) {
+        double x[6], first[21], second[21], out[3];
+        for (size_t k = 0; k < 6; ++k)
+            x[k] = (double)p->input[k * N + i];
+        const double *w = layer(weights, 6, 21, x, true, first);
+        w = layer(w, 21, 21, first, true, second);
+        layer(w, 21, 3, second, false, out);
+        for (size_t c = 0; c < 3; ++c)
+            sum += fabs(log1p((double)p->weight[i] * expm1(out[c])) - (double)p->goal[c * N + i]);
+    }
+    return sum / (3 * N);
+}
+
+static void to_double(const problem *p, double *weights) {
+    for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
+        weights[i] = (double)p->weights[i];
+}
+
+/* The loss of a network against itself, as src/brdf evaluates it. */
+static void inputs_are_those_of_evaluation(void **state) {
+    (void)state;
+    problem p = make_problem(0.2);
+    nqm_brdf *brdf;
+    for (size_t c = 1; c <= 3; ++c)
+        p.weights[NQM_NBRDF_WEIGHTS - c] = 2; /* f_r > 0 everywhere: nothing is clamped */
+    assert_int_equal(nqm_nbrdf_create(p.weights, "network", &brdf, NULL), NQM_OK);
+    for (size_t i = 0; i < N; ++i) {
+        double rgb[3], wi[3], wo[3];
+        nqm_brdf_eval_half_diff(brdf, 1, p.hd + 3 * i, rgb, NULL);
+        nqm_half_diff_to_directions(p.hd + 3 * i, wi, wo);
+        for (size_t c = 0; c < 3; ++c) {
+            assert_true(rgb[c] > 0.1);
+            p.goal[c * N + i] = (float)log1p(wi[2] * rgb[c]);
+        }
+    }
+    nqm_brdf_free(brdf);
+    nqm_nbrdf_batch batch = batch_of(&p);
+    assert_near(nqm_nbrdf_loss(p.weights, &batch, NULL), 0, 1e-6);
+}
+
+static void loss_is_its_formula(void **state) {
+    (void)state;
+    for (double spread = 0.01; spread < 1; spread *= 3) {
+        problem p = make_problem(spread);
+        nqm_nbrdf_batch batch = batch_of(&p);
+        double weights[NQM_NBRDF_WEIGHTS];
+        to_double(&p, weights);
+        double loss = nqm_nbrdf_loss(p.weights, &batch, NULL), plain = plain_loss(weights, &p);
+        assert_near(loss, plain, 3e-6 * plain);
+    }
+}
+
+static void gradient_is_the_slope_of_the_loss(void **state) {
+    (void)state;
+    problem p = make_problem(0.3);
+    nqm_nbrdf_batch batch = batch_of(&p);
+    float gradient[NQM_NBRDF_WEIGHTS];
+    double weights[NQM_NBRDF_WEIGHTS], largest = 0;
+    double with = nqm_nbrdf_loss(p.weights, &batch, gradient);
+    assert_true(with == nqm_nbrdf_loss(p.weights, &batch, NULL));
+    to_double(&p, weights);
+    for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i) {
+        const double step = 1e-7; /* small, so that few corners of ReLU and |x| lie between */
+        double kept = weights[i];
+        weights[i] = kept + step;
+        double up = plain_loss(weights, &p);
+        weights[i] = kept - step;
+        double slope = (up - plain_loss(weights, &p)) / (2 * step);
+        weights[i] = kept;
+        assert_near((double)gradient[i], slope, 2e-5);
+        largest = fmax(largest, fabs(slope));
+    }
+    assert_true(largest > 0.1); /* so that the tolerance says something */
+}
+
+static void huge_outputs_stay_finite(void **state) {
+    (void)state;
+    for (double sign = -1; sign <= 1; sign += 2) {
+        problem p = make_problem(0.3);
+        nqm_nbrdf_batch batch = batch_of(&p);
+        float gradient[NQM_NBRDF_WEIGHTS];
+        p.weight[0] = 1;
+        for (size_t c = 1; c <= 3; ++c)
+            p.weights[NQM_NBRDF_WEIGHTS - c] = (float)(sign * 500);
+        assert_true(isfinite(nqm_nbrdf_loss(p.weights, &batch, gradient)));
+        for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
+            assert_true(isfinite(gradient[i]));
+        assert_true(sign * (double)gradient[NQM_NBRDF_WEIGHTS - 1] > 0); /* descent leads back */
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inputs_are_those_of_evaluation),
+        cmocka_unit_test(loss_is_its_formula),
+        cmocka_unit_test(gradient_is_the_slope_of_the_loss),
+        cmocka_unit_test(huge_outputs_stay_finite),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
