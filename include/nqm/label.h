@@ -7,6 +7,7 @@
 #define NQM_LABEL_H
 
 #include <nqm/brdf.h>
+#include <nqm/fit.h>
 #include <nqm/train.h>
 
 #ifdef __cplusplus
@@ -93,6 +94,44 @@ NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 /** The light map as the viewer sees it behind the shape in one frame: rgb_cdm2 (height, width, 3). Only for scenes with a
  *  width. */
 NQM_API void nqm_scene_background(const nqm_scene *scene, double *rgb_cdm2);
+
+/* ---- comparing labels with somebody else's ----------------------------------------------------------------------- */
+
+enum { NQM_COMPARE_MAX_ENCODINGS = 32 };
+
+/** Our Delta-E beside theirs, over the references of one encoding. */
+typedef struct nqm_compare_row {
+    char encoding[32];
+    size_t n;                          /**< references */
+    double spearman, spearman_ci95[2]; /**< of ours with theirs; interval: bootstrap over references */
+    double null_luminance; /**< of the mean luminance of the reference's picture with theirs: what an order of the
+                                references alone reaches */
+    double median_theirs, median_ours, median_ratio;
+} nqm_compare_row;
+
+typedef struct nqm_comparison {
+    size_t n_encodings;
+    nqm_compare_row rows[NQM_COMPARE_MAX_ENCODINGS]; /**< in the order of the file */
+    nqm_compare_row pooled;                          /**< all pairs together; encoding "all" */
+    double pooled_null_encoding; /**< Spearman of theirs with the median of the encoding over the other references */
+    size_t n_triples, n_ordered; /**< references with ward, ggx and nbrdf; of them those with nbrdf < min(ggx, ward) in
+                                        our Delta-E */
+    size_t n_ordered_theirs;     /**< the same in theirs */
+} nqm_comparison;
+
+/**
+ * Make our labels for pairs that somebody else has labelled, and compare: by rank over references, encoding by encoding,
+ * because the encoding's name alone explains most of a pooled correlation.
+ *
+ * @param pairs_csv  columns reference, test (BRDFs; test `fit`: our own fit of the model that `encoding` names),
+ *                   encoding, delta_e (theirs); rows of one reference side by side make it quicker
+ * @param root       folder at which relative paths start; NULL: the current one
+ * @param fit        options of the fits; NULL: the defaults
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_compare_labels(const char *pairs_csv, const char *root, const nqm_scene *scene,
+                                                     const nqm_fit_options *fit, nqm_progress_fn progress,
+                                                     void *progress_user, nqm_comparison *comparison_ret,
+                                                     nqm_error *err);
 
 /* ---- corpora ----------------------------------------------------------------------------------------------------- */
 
