@@ -126,6 +126,7 @@ void print_csv_number(FILE *out, double value);
 
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
+int cmd_agree(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_dataset(int argc, char **argv);
