@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # cmake -DOUTPUT=file.c "-DINPUTS=a.csv;b.csv" -P embed_text.cmake: write the text of each input as C string literals, a line
-# each, in an array of {name, doi, text} that ends with NULL; and the names of all rows as "TABLE:ROW". The DOI is the word
-# behind "DOI" in the comments of the table.
+# each, in an array of {name, model, doi, text} that ends with NULL; and the names of all rows as "TABLE:ROW". Model and DOI are
+# the words behind "Model" and "DOI" in the comments of the table.
 set(tables "")
 set(names "")
 foreach(input IN LISTS INPUTS)
@@ -15,16 +15,18 @@ foreach(input IN LISTS INPUTS)
   endforeach()
   string(REGEX MATCH "DOI ([^ \n]+)" doi "${text}")
   set(doi "${CMAKE_MATCH_1}")
+  string(REGEX MATCH "Model ([^ .\n]+)" model "${text}")
+  set(model "${CMAKE_MATCH_1}")
   string(REPLACE "\\" "\\\\" text "${text}")
   string(REPLACE "\"" "\\\"" text "${text}")
   string(REPLACE "\n" "\\n\"\n     \"" text "${text}")
-  string(APPEND tables "    {\"${table}\", \"${doi}\",\n     \"${text}\"},\n")
+  string(APPEND tables "    {\"${table}\", \"${model}\", \"${doi}\",\n     \"${text}\"},\n")
 endforeach()
 file(WRITE ${OUTPUT} "/* Generated from presets/ by cmake/embed_text.cmake: do not edit. */
 #include \"brdf/presets_data.h\"
 
 const nqm_preset_table nqm_preset_tables[] = {
-${tables}    {0, 0, 0}};
+${tables}    {0, 0, 0, 0}};
 
 const char *const nqm_preset_names[] = {
 ${names}};

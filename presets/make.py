@@ -1,30 +1,58 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Write sgd.csv and ward.csv from the published fits: make.py FOLDER
+"""Write the tables of presets from the published fits: make.py FOLDER
 
-FOLDER holds bagher_sgd.fit and ngan_ward.fit in the notation of BBM (github.com/bsdfbenchmark/bbm, folder fits): one line
-a material, `NAME = Aggregate(Lambertian(albedo = [...]), MODEL(key = value, ...))`. The tables are written beside this
-script. Needs nothing but Python 3.
+FOLDER holds the lists of Ngan et al. 2005, Low et al. 2012 and Bagher et al. 2012 in the notation of BBM
+(github.com/bsdfbenchmark/bbm, folder fits): one line a material,
+`NAME = Aggregate(Lambertian(albedo = [...]), MODEL(key = value, ...))`. The tables are written beside this script. Needs nothing
+but Python 3.
 """
 import pathlib
+import re
 import sys
 
 # Ngan et al. fitted the MERL tables times 1/1500 in every channel. MERL's own reader multiplies by these as well, and so do
 # all later works and every other reference of nqm: the colours are brought to that scale here.
 MERL_COLOUR_SCALE = (1.0, 1.15, 1.66)
 
+NGAN = ("Ngan, Durand and Matusik 2005, Experimental Analysis of BRDF Models, Eurographics Symposium on Rendering.\n"
+        "DOI 10.2312/EGWR/EGSR05/117-126")
+NGAN_SCALE = ("The published green and blue albedos are multiplied by 1.15 and 1.66, the colour scale of the MERL tables, which the\n"
+              "fits leave out.")
+LOW = ("Low, Kronander, Ynnerman and Unger 2012, BRDF Models for Accurate and Efficient Rendering of Glossy Surfaces, ACM\n"
+       "Transactions on Graphics 31(1), supplement. DOI 10.1145/2077341.2077350")
+LOW_LOSS = {"e1": "Fitted with their first error measure: squared differences of the values times the cosine.",
+            "e2": "Fitted with their second error measure: squared differences of the logarithms of one plus the values times the cosine."}
+BAGHER = ("Bagher, Soler and Holzschuch 2012, Accurate fitting of measured reflectances using a Shifted Gamma micro-facet\n"
+          "distribution, Computer Graphics Forum 31(4). DOI 10.1111/j.1467-8659.2012.03147.x")
 
-def read_fits(path, model):
+
+def read_fits(path):
     """{material: (parameters of the diffuse part, of the specular part)}"""
-    def keep(**parameters):
-        return parameters
-    names = {"Aggregate": lambda diffuse, specular: (diffuse, specular), "Lambertian": keep, model: keep}
+    text = path.read_text()
+    names = {word: lambda **parameters: parameters for word in re.findall(r"(\w+)\(", text)}
+    names["Aggregate"] = lambda diffuse, specular: (diffuse, specular)
     fits = {}
-    for line in path.read_text().splitlines():
+    for line in text.splitlines():
         if line and not line.startswith("#"):
             name, _, value = line.partition(" = ")
             fits[name] = eval(value, {"__builtins__": {}}, names)
     return fits
+
+
+def rgb(*keys):
+    return [f"{key}_{channel}" for key in keys for channel in "rgb"]
+
+
+def write_table(source, here, table, model, comment, columns, row, file):
+    fits = read_fits(source / file)
+    lines = [f"Model {model}. {len(fits)} MERL materials.", *comment.splitlines(),
+             "Formula and units of the columns: doc/brdf.md. Made by make.py."]
+    with (here / f"{table}.csv").open("w") as out:
+        out.write("".join(f"# {line}\n" for line in lines))
+        out.write(",".join(["name", *columns]) + "\n")
+        for name in sorted(fits):
+            out.write(",".join([name] + [f"{x:.6g}" for x in row(*fits[name])]) + "\n")
 
 
 def sgd_row(diffuse, specular):
@@ -34,42 +62,33 @@ def sgd_row(diffuse, specular):
     return [x for triple in triples for x in triple]
 
 
-def ward_row(diffuse, specular):
-    scaled = [x * s for colour in (diffuse["albedo"], specular["albedo"]) for x, s in zip(colour, MERL_COLOUR_SCALE)]
-    return [*scaled, specular["roughness"]]
-
-
-def rgb(*keys):
-    return [f"{key}_{channel}" for key in keys for channel in "rgb"]
-
-
-def write_table(path, comment, columns, rows):
-    with path.open("w") as out:
-        out.write("".join(f"# {line}\n" for line in comment))
-        out.write(",".join(["name", *columns]) + "\n")
-        for name in sorted(rows):
-            out.write(",".join([name] + [f"{x:.6g}" for x in rows[name]]) + "\n")
+def lobe_row(colour_scale, amplitude, keys):
+    def row(diffuse, specular):
+        colours = [x * s for colour in (diffuse["albedo"], specular[amplitude]) for x, s in zip(colour, colour_scale)]
+        return [*colours, *(specular[key] for key in keys)]
+    return row
 
 
 def main():
     source, here = pathlib.Path(sys.argv[1]), pathlib.Path(__file__).resolve().parent
-    fits = read_fits(source / "bagher_sgd.fit", "Bagher")
-    write_table(here / "sgd.csv", [
-        "Shifted gamma distribution fits of the 100 MERL materials.",
-        "Bagher, Soler and Holzschuch 2012, Accurate fitting of measured reflectances using a Shifted Gamma micro-facet",
-        "distribution, Computer Graphics Forum 31(4). DOI 10.1111/j.1467-8659.2012.03147.x",
-        "Columns, each for r, g and b: kd, ks albedos; alpha, p width and shape of the distribution; f0, f1 Fresnel;",
-        "K normalisation; lambda, c, k, theta0 (radians) shadowing. Formula and units: doc/brdf.md. Made by make.py."],
-        rgb("kd", "ks", "alpha", "p", "f0", "f1", "K", "lambda", "c", "k", "theta0"),
-        {name: sgd_row(*fit) for name, fit in fits.items()})
-    fits = read_fits(source / "ngan_ward.fit", "NganWard")
-    write_table(here / "ward.csv", [
-        "Isotropic Ward fits of 86 MERL materials.",
-        "Ngan, Durand and Matusik 2005, Experimental Analysis of BRDF Models, Eurographics Symposium on Rendering.",
-        "DOI 10.2312/EGWR/EGSR05/117-126",
-        "Columns: kd, ks albedos for r, g and b; alpha lobe width. The published green and blue albedos are multiplied by",
-        "1.15 and 1.66, the colour scale of the MERL tables, which the fits leave out. Made by make.py."],
-        [*rgb("kd", "ks"), "alpha"], {name: ward_row(*fit) for name, fit in fits.items()})
+    write_table(source, here, "sgd", "sgd", BAGHER,
+                rgb("kd", "ks", "alpha", "p", "f0", "f1", "K", "lambda", "c", "k", "theta0"), sgd_row, "bagher_sgd.fit")
+    # table: its columns behind kd and ks, and what the list calls them
+    ngan = {"ward": {"alpha": "roughness"}, "ward-duer": {"alpha": "roughness"}, "blinn-phong": {"n": "sharpness"},
+            "lafortune": {"cxy": "Cxy", "cz": "Cz", "n": "sharpness"}, "cook-torrance": {"alpha": "roughness", "f0": "eta"},
+            "ashikhmin-shirley": {"n": "sharpness", "f0": "fresnelReflectance"}}
+    for model, keys in ngan.items():
+        write_table(source, here, model, model, f"{NGAN}\n{NGAN_SCALE}", [*rgb("kd", "ks"), *keys],
+                    lobe_row(MERL_COLOUR_SCALE, "albedo", keys.values()), f"ngan_{model.replace('-', '')}.fit")
+    low = {"cook-torrance": {"alpha": "roughness", "eta": "eta"}, "ashikhmin-shirley": {"n": "sharpness", "eta": "fresnelReflectance"}}
+    for model, keys in low.items():
+        for loss, table in (("e1", f"low-{model}-e1"), ("e2", f"low-{model}")):
+            write_table(source, here, table, f"low-{model}", f"{LOW}\n{LOW_LOSS[loss]}", [*rgb("kd", "ks"), *keys],
+                        lobe_row((1, 1, 1), "albedo", keys.values()), f"low_{model.replace('-', '')}_{loss.upper()}.fit")
+    keys = {"B": "B", "C": "C", "eta": "eta"}
+    for model, name in (("abc", "lowmicrofacet"), ("smooth", "lowsmooth")):
+        write_table(source, here, model, model, f"{LOW}\n{LOW_LOSS['e2']}", [*rgb("kd", "ks"), *keys],
+                    lobe_row((1, 1, 1), "A", keys.values()), f"low_{name}_E2.fit")
 
 
 if __name__ == "__main__":

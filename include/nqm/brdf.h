@@ -44,8 +44,8 @@ typedef struct nqm_brdf_info {
  * A path's format is found by its bytes, never by its name: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic),
  * NBRDF `.h5`; `ARCHIVE.zip:MATERIAL` names an NBRDF inside a zip; `DIR/nps_decoder_f32le.bin:MATERIAL` a
  * neural-process reconstruction (its latents lie beside the decoder in nps_latents.csv). A spec is
- * `MODEL:key=value;key=value` (`lambert:`, `ggx:`, `ward:`, `sgd:` with parameters) or a preset `sgd:NAME`,
- * `ward:NAME`, or a perturbation `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with
+ * `MODEL:key=value;key=value` (`ggx:`, `cook-torrance:`, ... with parameters) or a preset `TABLE:NAME` (`sgd:nickel`,
+ * `abc:nickel`), or a perturbation `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with
  * unit, range and default. RGL data are not quite reciprocal: their parametrised direction (theta_i) is taken as the
  * viewer (doc/files.md). A relative path that begins like a spec is opened as a path when written with `./`.
  *

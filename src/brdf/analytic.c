@@ -2,24 +2,10 @@
  *
  * Three analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
  * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; and the isotropic lobe of
- * Ward (1992, DOI 10.1145/142920.134078). doc/brdf.md has the formulas. The fourth model is in sgd.c.
+ * Ward (1992, DOI 10.1145/142920.134078). doc/brdf.md has the formulas. The further
+ * models are in analytic_*.c and sgd.c.
  */
-#include "brdf/spec.h"
-#include "math/math.h"
-
-#include <math.h>
-
-/* |wi + wo| = 2 cos theta_d, and the half vector's tangent needs no normalisation: near theta_h = 0, where lobes of a
- * fraction of a degree live, nothing cancels. */
-typedef struct half_angles {
-    double tan2_h, cos_d;
-} half_angles;
-
-static half_angles half_angles_of(const double *wi, const double *wo) {
-    double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
-    double xy = x * x + y * y;
-    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
-}
+#include "brdf/analytic.h"
 
 /* ---- Lambert ----------------------------------------------------------------------------------------------------- */
 
@@ -77,7 +63,7 @@ static double ggx_visibility(double cosine, double alpha2) {
 static void ggx_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const ggx *self = state;
     for (size_t i = 0; i < n; ++i) {
-        half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
+        nqm_half_angles h = nqm_half_angles_of(wi + 3 * i, wo + 3 * i);
         double sec2_h = 1 + h.tan2_h;
         double spread = (1 + h.tan2_h / self->alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
         double d = 1 / (NQM_PI * self->alpha2 * spread * spread);
@@ -124,7 +110,7 @@ static void ward_prepare(const nqm_spec_values *values, void *state) {
 static void ward_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const ward *self = state;
     for (size_t i = 0; i < n; ++i) {
-        half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
+        nqm_half_angles h = nqm_half_angles_of(wi + 3 * i, wo + 3 * i);
         double lobe = exp(-h.tan2_h * self->inverse_alpha2) / sqrt(wi[3 * i + 2] * wo[3 * i + 2]);
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * i + c] = self->diffuse[c] + self->specular[c] * lobe;

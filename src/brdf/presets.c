@@ -16,9 +16,9 @@ const char *nqm_brdf_preset_name(size_t i) {
     return nqm_preset_names[i];
 }
 
-static const nqm_preset_table *table_of(const char *model) {
-    for (const nqm_preset_table *t = nqm_preset_tables; t->model; ++t)
-        if (strcmp(t->model, model) == 0)
+const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name) {
+    for (const nqm_preset_table *t = nqm_preset_tables; t->name; ++t)
+        if (strncmp(t->name, name, n_name) == 0 && t->name[n_name] == 0)
             return t;
     return NULL;
 }
@@ -56,16 +56,16 @@ static double likeness(const char *a, const char *b) {
     return n_a + n_b > 2 ? 2 * (double)common / (double)(n_a + n_b - 2) : 0;
 }
 
-/* The preset of `model` most like `material` whose likeness is below `below`; NULL when none is like it at all. */
-static const char *most_alike(const char *model, const char *material, double below, double *likeness_ret) {
+/* The preset of `table` most like `material` whose likeness is below `below`; NULL when none is like it at all. */
+static const char *most_alike(const char *table, const char *material, double below, double *likeness_ret) {
     const char *best = NULL;
     double best_likeness = 0.3;
-    size_t n_model = strlen(model);
+    size_t n_table = strlen(table);
     for (size_t i = 0; i < nqm_preset_name_count; ++i) {
         const char *name = nqm_preset_names[i];
-        if (strncmp(name, model, n_model) != 0 || name[n_model] != ':')
+        if (strncmp(name, table, n_table) != 0 || name[n_table] != ':')
             continue;
-        double l = likeness(material, name + n_model + 1);
+        double l = likeness(material, name + n_table + 1);
         if (l > best_likeness && l < below) {
             best_likeness = l;
             best = name;
@@ -75,41 +75,36 @@ static const char *most_alike(const char *model, const char *material, double be
     return best;
 }
 
-static nqm_status fail_unknown(const char *model, const char *material, nqm_error *err) {
+static nqm_status fail_unknown(const char *table, const char *material, nqm_error *err) {
     char near_names[160] = "";
     size_t used = 0;
     double below = 2;
     for (int i = 0; i < 3; ++i) {
-        const char *name = most_alike(model, material, below, &below);
+        const char *name = most_alike(table, material, below, &below);
         if (!name)
             break;
         used += (size_t)snprintf(near_names + used, sizeof near_names - used, "%s%s", i ? ", " : "; near it: ", name);
     }
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no preset '%.80s'%s (`nqm info list` names all)", model,
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no preset '%.80s'%s (`nqm info list` names all)", table,
                     material, near_names);
 }
 
-nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
-                           const char **doi_ret, nqm_error *err) {
-    const nqm_preset_table *table = table_of(schema->model);
-    if (!table)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: needs parameters, %s:key=value;..., not '%.80s'", schema->model,
-                        schema->model, material);
+nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema, const char *material,
+                           nqm_spec_values *values, nqm_error *err) {
     const char *text = row_of(table->text, material);
     if (!text)
-        return fail_unknown(schema->model, material, err);
+        return fail_unknown(table->name, material, err);
     *values = (nqm_spec_values){.given = ~0u};
     for (size_t k = 0; k < schema->n_keys; ++k) {
         double *v = values->v[k];
         for (size_t c = 0; c < schema->keys[k].n; ++c) {
             if (!nqm_parse_double(text, &text, &v[c]))
-                return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s:%s: a number is missing in the table", schema->model,
+                return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s:%s: a number is missing in the table", table->name,
                                 material);
             text += *text == ',';
         }
         if (schema->keys[k].n == 1)
             v[1] = v[2] = v[0];
     }
-    *doi_ret = table->doi;
     return NQM_OK;
 }

@@ -8,14 +8,15 @@
 #include <stddef.h>
 
 typedef struct nqm_preset_table {
-    const char *model; /**< file name without ending = model name: "sgd", "ward"; NULL ends the array */
+    const char *name;  /**< file name without ending: "sgd", "low-cook-torrance-e1"; NULL ends the array */
+    const char *model; /**< whose parameters the rows hold, in the order of its schema */
     const char *doi;   /**< where the parameters were published */
     const char *text;  /**< the CSV: '#' lines, a header, rows of a name and numbers; no quoting */
 } nqm_preset_table;
 
 extern const nqm_preset_table nqm_preset_tables[];
 
-/** Every row as "MODEL:NAME", in the order of the tables. */
+/** Every row as "TABLE:NAME", in the order of the tables. */
 extern const char *const nqm_preset_names[];
 extern const size_t nqm_preset_name_count;
 

@@ -8,14 +8,30 @@
 #include <math.h>
 #include <string.h>
 
-static const nqm_analytic_model *const models[] = {&nqm_lambert_model, &nqm_ggx_model, &nqm_ward_model, &nqm_sgd_model};
+static const nqm_analytic_model *const models[] = {
+    &nqm_lambert_model,
+    &nqm_ggx_model,
+    &nqm_ward_model,
+    &nqm_sgd_model,
+    &nqm_ward_duer_model,
+    &nqm_blinn_phong_model,
+    &nqm_lafortune_model,
+    &nqm_cook_torrance_model,
+    &nqm_low_cook_torrance_model,
+    &nqm_ashikhmin_shirley_model,
+    &nqm_low_ashikhmin_shirley_model,
+    &nqm_abc_model,
+    &nqm_smooth_model,
+};
 enum { N_MODELS = sizeof models / sizeof *models };
 static const char perturb_prefix[] = "perturb:";
 
-/* What follows "MODEL:", or NULL when `text` begins otherwise. */
-static const char *after_model(const char *text, const char *model) {
-    size_t n = strlen(model);
-    return strncmp(text, model, n) == 0 && text[n] == ':' ? text + n + 1 : NULL;
+/* The model of the first n characters of `name`, or NULL. */
+static const nqm_analytic_model *find_model(const char *name, size_t n) {
+    for (size_t m = 0; m < N_MODELS; ++m)
+        if (strncmp(models[m]->schema.model, name, n) == 0 && models[m]->schema.model[n] == 0)
+            return models[m];
+    return NULL;
 }
 
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
@@ -163,31 +179,51 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
 }
 
 bool nqm_spec_probe(const char *text) {
-    for (size_t m = 0; m < N_MODELS; ++m)
-        if (after_model(text, models[m]->schema.model))
-            return true;
-    return strncmp(text, perturb_prefix, strlen(perturb_prefix)) == 0;
+    size_t n = strcspn(text, ":");
+    return text[n] == ':' && (find_model(text, n) || nqm_preset_table_find(text, n) ||
+                              strncmp(text, perturb_prefix, strlen(perturb_prefix)) == 0);
+}
+
+/* `settings` is what follows "MODEL:", n_name characters in `spec`. */
+static nqm_status open_parameters(const char *spec, size_t n_name, const char *settings, nqm_brdf **brdf_ret,
+                                  nqm_error *err) {
+    const nqm_analytic_model *model = find_model(spec, n_name);
+    if (!model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: names presets, and takes no parameters; %s: does", (int)n_name,
+                        spec, nqm_preset_table_find(spec, n_name)->model);
+    nqm_spec_values values;
+    nqm_status status = nqm_spec_parse(&model->schema, settings, &values, err);
+    if (status == NQM_OK)
+        status = open_analytic(model, &values, spec, brdf_ret, err);
+    if (status == NQM_OK)
+        (*brdf_ret)->source_doi = model->doi;
+    return status;
+}
+
+static nqm_status open_preset(const char *spec, size_t n_name, const char *material, nqm_brdf **brdf_ret,
+                              nqm_error *err) {
+    const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
+    if (!table)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: needs parameters, %.*s:key=value;..., not '%.80s'", (int)n_name,
+                        spec, (int)n_name, spec, material);
+    const nqm_analytic_model *model = find_model(table->model, strlen(table->model));
+    nqm_spec_values values;
+    nqm_status status = nqm_preset_find(table, &model->schema, material, &values, err);
+    if (status == NQM_OK)
+        status = open_analytic(model, &values, spec, brdf_ret, err);
+    if (status == NQM_OK)
+        (*brdf_ret)->source_doi = table->doi;
+    return status;
 }
 
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (strncmp(spec, perturb_prefix, strlen(perturb_prefix)) == 0)
         return nqm_perturb_open(spec + strlen(perturb_prefix), spec, brdf_ret, err);
-    const nqm_analytic_model *model = NULL;
-    const char *settings = NULL;
-    for (size_t m = 0; m < N_MODELS && !settings; ++m) {
-        model = models[m];
-        settings = after_model(spec, model->schema.model);
-    }
-    if (!settings)
+    if (!nqm_spec_probe(spec))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
-    const char *doi = model->doi;
-    nqm_spec_values values;
-    nqm_status status = strchr(settings, '=') ? nqm_spec_parse(&model->schema, settings, &values, err)
-                                              : nqm_preset_find(&model->schema, settings, &values, &doi, err);
-    if (status == NQM_OK)
-        status = open_analytic(model, &values, spec, brdf_ret, err);
-    if (status == NQM_OK)
-        (*brdf_ret)->source_doi = doi;
-    return status;
+    size_t n_name = strcspn(spec, ":");
+    const char *settings = spec + n_name + 1;
+    return strchr(settings, '=') ? open_parameters(spec, n_name, settings, brdf_ret, err)
+                                 : open_preset(spec, n_name, settings, brdf_ret, err);
 }

@@ -8,6 +8,7 @@
 #define NQM_SRC_BRDF_SPEC_H
 
 #include "brdf/brdf.h"
+#include "brdf/presets_data.h"
 
 enum { NQM_SPEC_MAX_KEYS = 20 };
 
@@ -50,12 +51,15 @@ typedef struct nqm_analytic_model {
     void (*prepare)(const nqm_spec_values *values, void *state); /**< constants of the evaluation */
 } nqm_analytic_model;
 
-extern const nqm_analytic_model nqm_lambert_model, nqm_ggx_model, nqm_ward_model, nqm_sgd_model;
+extern const nqm_analytic_model nqm_lambert_model, nqm_ggx_model, nqm_ward_model, nqm_sgd_model, nqm_ward_duer_model,
+    nqm_blinn_phong_model, nqm_lafortune_model, nqm_cook_torrance_model, nqm_low_cook_torrance_model,
+    nqm_ashikhmin_shirley_model, nqm_low_ashikhmin_shirley_model, nqm_abc_model, nqm_smooth_model;
 
-/** Values of a published material and the DOI of the publication (static); NQM_ERR_ARG suggests names that look
- *  alike. */
-NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_spec_schema *schema, const char *material, nqm_spec_values *values,
-                                          const char **doi_ret, nqm_error *err);
+/** A table of presets, or NULL. */
+const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
+/** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests names that look alike. */
+NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,
+                                          const char *material, nqm_spec_values *values, nqm_error *err);
 
 /** `settings` is what follows "perturb:"; `name` is the whole argument. */
 NQM_MUST_CHECK nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);

@@ -57,6 +57,9 @@ static void test_mistakes(void **state) {
         {"sgd:nicke", {"'nicke'", "sgd:nickel"}},
         {"sgd:nickel2", {"'nickel2'", "sgd:nickel"}},
         {"sgd:", {"''", "list"}},
+        {"low-cook-torrance-e1:kd=.1", {"low-cook-torrance-e1", "low-cook-torrance: does"}},
+        {"low-cook-torrance:x", {"'x'", "list"}},
+        {"lafortune:ks=1;cz=1;n=3;cxy=1", {"cxy", "from -10 to -0.01"}},
         {"ward:acrylic_blue", {"'acrylic_blue'", "ward:blue-acrylic"}},
         {"ward:white-marble", {"'white-marble'", "ward:white-"}},
         {"sgd:kd=1", {"ks", "missing"}},
@@ -126,34 +129,68 @@ static void test_canonical_form_reopens(void **state) {
     }
 }
 
+/* What the tables of presets hold. */
+static const struct {
+    const char *table, *model, *doi;
+    size_t n_rows, n_values;
+} tables[] = {
+    {"sgd", "sgd", "10.1111/j.1467-8659.2012.03147.x", 100, 33},
+    {"ward", "ward", "10.2312/EGWR/EGSR05/117-126", 86, 7},
+    {"ward-duer", "ward-duer", "10.2312/EGWR/EGSR05/117-126", 86, 7},
+    {"blinn-phong", "blinn-phong", "10.2312/EGWR/EGSR05/117-126", 86, 7},
+    {"lafortune", "lafortune", "10.2312/EGWR/EGSR05/117-126", 86, 9},
+    {"cook-torrance", "cook-torrance", "10.2312/EGWR/EGSR05/117-126", 86, 8},
+    {"ashikhmin-shirley", "ashikhmin-shirley", "10.2312/EGWR/EGSR05/117-126", 86, 8},
+    {"low-cook-torrance", "low-cook-torrance", "10.1145/2077341.2077350", 100, 8},
+    {"low-cook-torrance-e1", "low-cook-torrance", "10.1145/2077341.2077350", 100, 8},
+    {"low-ashikhmin-shirley", "low-ashikhmin-shirley", "10.1145/2077341.2077350", 100, 8},
+    {"low-ashikhmin-shirley-e1", "low-ashikhmin-shirley", "10.1145/2077341.2077350", 100, 8},
+    {"abc", "abc", "10.1145/2077341.2077350", 100, 9},
+    {"smooth", "smooth", "10.1145/2077341.2077350", 100, 9},
+};
+enum { N_TABLES = sizeof tables / sizeof *tables };
+
+static size_t table_of(const char *preset) {
+    size_t t = 0, n = strcspn(preset, ":");
+    while (t < N_TABLES && !(strncmp(tables[t].table, preset, n) == 0 && tables[t].table[n] == 0))
+        ++t;
+    return t;
+}
+
 static void test_presets(void **state) {
     (void)state;
-    size_t n = nqm_brdf_preset_count(), n_sgd = 0, n_ward = 0;
+    size_t n = nqm_brdf_preset_count(), n_found[N_TABLES] = {0};
     for (size_t i = 0; i < n; ++i) {
         const char *name = nqm_brdf_preset_name(i);
         assert_null(strchr(name, '='));
-        bool sgd = strncmp(name, "sgd:", 4) == 0;
-        n_sgd += sgd;
-        n_ward += strncmp(name, "ward:", 5) == 0;
+        size_t t = table_of(name);
+        assert_true(t < N_TABLES);
+        ++n_found[t];
         for (size_t j = 0; j < i; ++j)
             assert_string_not_equal(name, nqm_brdf_preset_name(j));
         nqm_brdf *brdf = open_brdf(name);
         nqm_brdf_info info = nqm_brdf_get_info(brdf);
         assert_string_equal(info.name, name);
-        assert_string_equal(info.source_doi, sgd ? "10.1111/j.1467-8659.2012.03147.x" : "10.2312/EGWR/EGSR05/117-126");
-        assert_int_equal(info.n_values, sgd ? 33 : 7);
+        assert_string_equal(info.format, tables[t].model);
+        assert_string_equal(info.source_doi, tables[t].doi);
+        assert_int_equal(info.n_values, tables[t].n_values);
         nqm_brdf_free(brdf);
         assert_reopens(name);
     }
-    assert_int_equal(n_sgd, 100);
-    assert_int_equal(n_ward, 86);
-    assert_int_equal(n, 186);
+    for (size_t t = 0; t < N_TABLES; ++t)
+        assert_int_equal(n_found[t], tables[t].n_rows);
 }
 
-/* Numbers as printed in the publications (Ward: green and blue times the colour scale). */
+/* Numbers as printed in the publications (Ngan's: green and blue times the colour scale). */
 static void test_published_numbers(void **state) {
     (void)state;
     assert_spec("ward:nickel", "ward:kd=0.0221,0.02047,0.017762;ks=0.204,0.1771,0.157036;alpha=0.0432");
+    assert_spec("blinn-phong:blue-acrylic",
+                "blinn-phong:kd=0.0147,0.03818,0.10624;ks=0.0016,0.0013225,0.00117694;n=13700");
+    assert_spec("low-cook-torrance-e1:alum-bronze",
+                "low-cook-torrance:kd=0.1063,0.0816,0.0557;ks=0.05872,0.04367,0.05223;alpha=0.017044;eta=1.46492");
+    assert_spec("abc:alum-bronze",
+                "abc:kd=0.0245,0.0223,0.0162;ks=51.7146,37.9327,27.3731;B=10482.1;C=0.816737;eta=2.23652");
     assert_spec("sgd:chrome", "sgd:kd=0.00697189,0.00655268,0.0101854;ks=0.0930656,0.041946,0.104558;"
                               "alpha=0.000155335,0.000156872,7.39851e-05;p=0.353854,0.3327,0.300437;"
                               "f0=0.256314,0.819565,3.22085e-13;f1=-0.743686,-0.180435,-1;K=4642.1,4726.66,10421.9;"
@@ -165,16 +202,18 @@ static void test_published_numbers(void **state) {
 static void test_random_texts(void **state) {
     (void)state;
     static const char *const pieces[] = {
-        "ggx:",  "ward:",     "lambert:", "sgd:",      "perturb:",         "kd=.1;", "ks=1;", "alpha=.1;",
-        "f0=1;", "noise=.2;", "cells=2;", "smooth=1;", "of=lambert:kd=.1", "of=",    "kd=",   ";",
-        ",",     ".5",        "-1",       "1e400",     "0x1p-3",           "inf",    "=",     "nickel"};
+        "ggx:",      "ward:",    "lambert:", "sgd:",      "perturb:",  "lafortune:", "cook-torrance:",
+        "abc:",      "smooth:",  "kd=.1;",   "ks=1;",     "alpha=.1;", "n=20;",      "cz=1;",
+        "B=30;C=1;", "eta=1.5;", "f0=1;",    "noise=.2;", "cells=2;",  "smooth=1;",  "of=lambert:kd=.1",
+        "of=",       "kd=",      ";",        ",",         ".5",        "-1",         "1e400",
+        "0x1p-3",    "inf",      "=",        "nickel"};
     const uint64_t seed = 23;
     print_message("seed %d\n", (int)seed);
     nqm_rng rng = nqm_rng_make(seed, 0);
     size_t n_opened = 0;
     for (int i = 0; i < 20000; ++i) {
         char text[256];
-        size_t used = (size_t)snprintf(text, sizeof text, "%s", pieces[nqm_rng_below(&rng, 5)]);
+        size_t used = (size_t)snprintf(text, sizeof text, "%s", pieces[nqm_rng_below(&rng, 9)]);
         for (uint64_t n = 1 + nqm_rng_below(&rng, 4); n > 0; --n)
             used += (size_t)snprintf(text + used, sizeof text - used, "%s",
                                      pieces[nqm_rng_below(&rng, sizeof pieces / sizeof *pieces)]);

@@ -134,14 +134,14 @@ static void every_kind_gets_its_turn(void **state) {
     size_t n[NQM_KIND_COUNT] = {0};
     nqm_corpus_plan plan;
     plan_of(NQM_CORPUS_TEST, 1, 2, &plan);
-    assert_int_equal(plan.n_forms, 2); /* sgd:nickel, and ward:nickel of the presets */
-    assert_int_equal(plan.n_tests, 4 + 1 + 26);
+    assert_int_equal(plan.n_forms, 3); /* sgd:nickel, and two of the further presets */
+    assert_int_equal(plan.n_tests, 4 + 2 + 26);
     for (size_t t = 0; t < plan.n_tests; ++t)
         ++n[plan.tests[t].kind];
     nqm_corpus_plan_free(&plan);
     assert_int_equal(n[NQM_KIND_WARD], 2);
     assert_int_equal(n[NQM_KIND_GGX], 2);
-    assert_int_equal(n[NQM_KIND_PRESET], 1);
+    assert_int_equal(n[NQM_KIND_PRESET], 2);
     for (int k = NQM_KIND_GLOSS; k <= NQM_KIND_SHIFT; ++k)
         assert_in_range(n[k], 1, 2);
     assert_in_range(n[NQM_KIND_COMPOSED], 2, 4);

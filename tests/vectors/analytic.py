@@ -15,14 +15,14 @@ rng = numpy.random.default_rng(SEED)
 
 
 def angles(wi, wo):
-    """theta_h, theta_d, theta_i, theta_o of float vectors."""
+    """theta_h, theta_d, theta_i, theta_o of float vectors, and these with unit length."""
     wi, wo = wi.astype(real), wo.astype(real)
     wi, wo = wi / numpy.sqrt(wi @ wi), wo / numpy.sqrt(wo @ wo)
     h = wi + wo
     h = h / numpy.sqrt(h @ h)
     d = (wi - wo) / 2
     polar = lambda v: numpy.arctan2(numpy.hypot(v[0], v[1]), v[2])
-    return polar(h), numpy.arctan2(numpy.sqrt(d @ d), (wi @ h)), polar(wi), polar(wo)
+    return polar(h), numpy.arctan2(numpy.sqrt(d @ d), (wi @ h)), polar(wi), polar(wo), wi, wo
 
 
 def lambert(a, kd):
@@ -31,7 +31,7 @@ def lambert(a, kd):
 
 def ggx(a, kd, ks, alpha, f0):
     """Walter et al. 2007, equations 33 and 34; Schlick 1994; G as a product."""
-    theta_h, theta_d, theta_i, theta_o = a
+    theta_h, theta_d, theta_i, theta_o, *_ = a
     d = alpha**2 / (pi * numpy.cos(theta_h)**4 * (alpha**2 + numpy.tan(theta_h)**2)**2)
     g1 = lambda t: 2 / (1 + numpy.sqrt(1 + alpha**2 * numpy.tan(t)**2))
     fresnel = f0 + (1 - f0) * (1 - numpy.cos(theta_d))**5
@@ -40,14 +40,14 @@ def ggx(a, kd, ks, alpha, f0):
 
 def ward(a, kd, ks, alpha):
     """Ward 1992, equation 5a with one alpha."""
-    theta_h, _, theta_i, theta_o = a
+    theta_h, _, theta_i, theta_o, *_ = a
     lobe = numpy.exp(-numpy.tan(theta_h)**2 / alpha**2) / (4 * pi * alpha**2)
     return kd / pi + ks * lobe / numpy.sqrt(numpy.cos(theta_i) * numpy.cos(theta_o))
 
 
 def sgd(a, kd, ks, alpha, p, f0, f1, K, lam, c, k, theta0):
     """Bagher et al. 2012, section 3 and supplemental table."""
-    theta_h, theta_d, theta_i, theta_o = a
+    theta_h, theta_d, theta_i, theta_o, *_ = a
     x = alpha + numpy.tan(theta_h)**2 / alpha
     d = K * numpy.exp(-x) / x**p / (pi * numpy.cos(theta_h)**4)
     fresnel = f0 - f1 * numpy.cos(theta_d) + (1 - f0) * (1 - numpy.cos(theta_d))**5
@@ -58,6 +58,80 @@ def sgd(a, kd, ks, alpha, p, f0, f1, K, lam, c, k, theta0):
             return numpy.maximum(0, 1 + lam * (1 - numpy.exp(c * reach**k)))
     g = g1(theta_i) * g1(theta_o)
     return kd / pi + ks / pi * d * fresnel * g / (numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def ward_duer(a, kd, ks, alpha):
+    """Ngan et al. 2005, supplement: Ward with cos theta_i cos theta_o in place of its root."""
+    theta_h, _, theta_i, theta_o, *_ = a
+    lobe = numpy.exp(-numpy.tan(theta_h)**2 / alpha**2) / (4 * pi * alpha**2)
+    return kd / pi + ks * lobe / (numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def blinn_phong(a, kd, ks, n):
+    return kd / pi + ks * (n + 2) / (2 * pi) * numpy.cos(a[0])**n
+
+
+def lafortune(a, kd, ks, cxy, cz, n):
+    """Lafortune et al. 1997, equation 4, with the normalisation of Ngan et al. 2005."""
+    wi, wo = a[4:]
+    cosine = numpy.array([cxy, cxy, cz]) @ (wi * wo)
+    return kd / pi + ks * (n + 2) / (2 * pi) * (numpy.maximum(cosine, 0) / max(abs(cxy), cz))**n
+
+
+def schlick(f0, cosine):
+    return f0 + (1 - f0) * (1 - cosine)**5
+
+
+def dielectric(eta, theta):
+    """Fresnel's equations with Snell's law."""
+    inner = numpy.arcsin(numpy.sin(theta) / eta)
+    s = (numpy.cos(theta) - eta * numpy.cos(inner)) / (numpy.cos(theta) + eta * numpy.cos(inner))
+    p = (numpy.cos(inner) - eta * numpy.cos(theta)) / (numpy.cos(inner) + eta * numpy.cos(theta))
+    return (s**2 + p**2) / 2
+
+
+def grooves(a):
+    """Cook and Torrance 1982, section 4."""
+    theta_h, theta_d, theta_i, theta_o, *_ = a
+    masks = [2 * numpy.cos(theta_h) * numpy.cos(theta) / numpy.cos(theta_d) for theta in (theta_i, theta_o)]
+    return min(1, *masks) / (numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def cook_torrance(a, kd, ks, alpha, f0):
+    d = numpy.exp(-numpy.tan(a[0])**2 / alpha**2) / (pi * alpha**2 * numpy.cos(a[0])**4)
+    return kd / pi + ks / pi * d * grooves(a) * schlick(f0, numpy.cos(a[1]))
+
+
+def low_cook_torrance(a, kd, ks, alpha, eta):
+    d = numpy.exp(-numpy.tan(a[0])**2 / alpha**2) / (alpha**2 * numpy.cos(a[0])**4)
+    return kd / pi + ks / pi * d * grooves(a) * dielectric(eta, a[1])
+
+
+def phong_over_cosines(a, n):
+    """Ashikhmin and Shirley 2000, equation 4 with one exponent."""
+    theta_h, theta_d, theta_i, theta_o, *_ = a
+    return (n + 1) / (8 * pi) * numpy.cos(theta_h)**n / (numpy.cos(theta_d) * numpy.cos(min(theta_i, theta_o)))
+
+
+def ashikhmin_shirley(a, kd, ks, n, f0):
+    return kd / pi + ks * phong_over_cosines(a, n) * schlick(f0, numpy.cos(a[1]))
+
+
+def low_ashikhmin_shirley(a, kd, ks, n, eta):
+    return kd / pi + ks * phong_over_cosines(a, n) * dielectric(eta, a[1])
+
+
+def abc(a, kd, ks, b, c, eta):
+    """Low et al. 2012, equations 15 and 16, over pi."""
+    s = 1 / (1 + b * (1 - numpy.cos(a[0])))**c
+    return kd / pi + ks / pi * s * grooves(a) * dielectric(eta, a[1])
+
+
+def smooth(a, kd, ks, b, c, eta):
+    """Low et al. 2012, equations 10, 12 and 14."""
+    wi, wo = (v[:2] for v in a[4:])
+    s = 1 / (1 + b * numpy.sum((wi + wo)**2))**c
+    return kd / pi + ks * s * dielectric(eta, numpy.arcsin(numpy.sqrt(numpy.sum((wi - wo)**2)) / 2))
 
 
 def presets(model):
@@ -85,6 +159,17 @@ for name in ("nickel", "chrome", "alum-bronze", "beige-fabric", "red-specular-pl
 table = presets("ward")
 for name in ("nickel", "orange-paint"):
     cases.append((f"ward:{name}", ward, [numpy.array(table[name][0:3]), numpy.array(table[name][3:6]), table[name][6]]))
+lobes = {"ward-duer": ward_duer, "blinn-phong": blinn_phong, "lafortune": lafortune, "cook-torrance": cook_torrance,
+         "ashikhmin-shirley": ashikhmin_shirley, "low-cook-torrance": low_cook_torrance, "low-cook-torrance-e1": low_cook_torrance,
+         "low-ashikhmin-shirley": low_ashikhmin_shirley, "low-ashikhmin-shirley-e1": low_ashikhmin_shirley, "abc": abc,
+         "smooth": smooth}
+for model, formula in lobes.items():
+    table = presets(model)
+    for name in ("nickel", "orange-paint"):
+        cases.append((f"{model}:{name}", formula, [numpy.array(table[name][0:3]), numpy.array(table[name][3:6]), *table[name][6:]]))
+cases.append(("lafortune:ks=0.4,0.2,0.1;cz=0.8;n=30", lafortune, [real(0), rgb("0.4", "0.2", "0.1"), real(-1), real("0.8"), real(30)]))
+cases.append(("lafortune:ks=1;cxy=-0.5;cz=1;n=2", lafortune, [real(0), real(1), real("-0.5"), real(1), real(2)]))
+cases.append(("smooth:ks=100;B=3e4;C=1.7;eta=1", smooth, [real(0), real(100), real("3e4"), real("1.7"), real(1)]))
 
 
 def direction(theta, phi):
