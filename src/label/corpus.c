@@ -1,56 +1,56 @@
 /* SPDX-License-Identifier: MIT
  *
- * Making a corpus: plan every material group, work on the groups in parallel (finished ones come from their work
- * files), and write one dataset file with its manifest. What is in a corpus and why: doc/corpus.md.
+ * Making a corpus: plan every material group, work on the groups (corpus_run.c), and write one dataset file with its
+ * manifest (corpus_dataset.c). What is in a corpus and why: doc/corpus.md.
  */
 #include "label/corpus.h"
-#include "train/train.h"
+#include "fit/encoder_file.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
 
-/* A corpus in the making. The groups' items are views into its arrays. */
-typedef struct corpus {
-    nqm_corpus_context context;
-    nqm_corpus_list list;
-    nqm_scene *scene;
-    size_t n_items, n_refs, n_tests, n_directions;
-    nqm_corpus_item *items;
-    float *ref_rgb, *test_rgb;
-    uint8_t *ref_used, *test_used;
-    double *delta_e;
-    char **names;
-
-    /* shared by the threads */
-    atomic_size_t n_done; /* tests finished */
-    atomic_bool stopped;
-    pthread_mutex_t mutex; /* guards status and *err */
-    nqm_status status;
-    nqm_error *err;
-    pthread_t caller; /* the only thread that may report progress */
-    nqm_ticker ticker;
-} corpus;
+const char *const nqm_corpus_encoders[2] = {"sparse", "hyper"};
 
 nqm_corpus_options nqm_corpus_options_default(void) {
-    return (nqm_corpus_options){.part = NQM_CORPUS_TRAINING, .n_perturbations = 26, .seed = 1};
+    return (nqm_corpus_options){
+        .part = NQM_CORPUS_TRAINING, .scene = nqm_scene_options_default(), .n_perturbations = 26, .seed = 1};
 }
 
 /* ---- preparation ------------------------------------------------------------------------------------------------- */
 
-static nqm_status make_scene(corpus *c, nqm_error *err) {
-    nqm_scene_options *scene = &c->context.scene_options;
-    *scene = nqm_scene_options_default();
-    scene->light = c->context.options->light;
-    nqm_status status = scene->light ? nqm_corpus_hash_file(scene->light, c->context.light_sha256, err) : NQM_OK;
+static bool is_mesh(const char *shape) {
+    return shape && strcmp(shape, "sphere") != 0 && strcmp(shape, "blob") != 0;
+}
+
+static nqm_status make_scene(nqm_corpus *c, nqm_error *err) {
+    const nqm_scene_options *scene = &c->context.options->scene;
+    nqm_status status = NQM_OK;
+    if (scene->light)
+        status = nqm_corpus_hash_file(scene->light, NULL, c->context.light_sha256, err);
+    if (status == NQM_OK && is_mesh(scene->shape))
+        status = nqm_corpus_hash_file(scene->shape, NULL, c->context.shape_sha256, err);
     if (status == NQM_OK)
         status = nqm_scene_create(scene, &c->scene, err);
     c->context.scene = c->scene;
     return status;
 }
 
-static nqm_status make_plans(corpus *c, const char *materials_csv, nqm_error *err) {
+static nqm_status hash_encoders(nqm_corpus *c, nqm_error *err) {
+    for (size_t k = 0; k < 2; ++k) {
+        size_t n_bytes;
+        const unsigned char *bytes = nqm_encoder_bytes(nqm_corpus_encoders[k], &n_bytes);
+        nqm_sha256 sha;
+        if (!bytes)
+            continue;
+        if (!nqm_sha256_begin(&sha))
+            return nqm_fail_nomem(err, sizeof sha);
+        nqm_sha256_add(&sha, bytes, n_bytes);
+        nqm_sha256_end(&sha, c->context.encoder_sha256[k]);
+    }
+    return NQM_OK;
+}
+
+static nqm_status make_plans(nqm_corpus *c, const char *materials_csv, nqm_error *err) {
     const nqm_corpus_options *options = c->context.options;
     c->items = nqm_alloc(c->list.n_groups, sizeof *c->items);
     if (!c->items)
@@ -72,15 +72,18 @@ static nqm_status make_plans(corpus *c, const char *materials_csv, nqm_error *er
     return NQM_OK;
 }
 
-static nqm_status make_arrays(corpus *c, nqm_error *err) {
+static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
     size_t n = c->n_directions, n_refs = c->n_refs, n_tests = c->n_tests;
     c->ref_rgb = nqm_alloc(n_refs * n, 3 * sizeof(float));
     c->ref_used = nqm_alloc(n_refs * n, 1);
     c->test_rgb = nqm_alloc(n_tests * n, 3 * sizeof(float));
     c->test_used = nqm_alloc(n_tests * n, 1);
     c->delta_e = nqm_alloc(n_tests, sizeof(double));
+    c->fit_loss = nqm_alloc(n_tests, sizeof(double));
     c->names = nqm_alloc(n_tests, sizeof *c->names);
-    if (!c->ref_rgb || !c->ref_used || !c->test_rgb || !c->test_used || !c->delta_e || !c->names)
+    c->failures = nqm_alloc(n_tests, sizeof *c->failures);
+    if (!c->ref_rgb || !c->ref_used || !c->test_rgb || !c->test_used || !c->delta_e || !c->fit_loss || !c->names ||
+        !c->failures)
         return nqm_fail_nomem(err, 13 * (n_refs + n_tests) * n);
     size_t ref = 0, test = 0;
     for (size_t i = 0; i < c->n_items; ++i) {
@@ -90,218 +93,45 @@ static nqm_status make_arrays(corpus *c, nqm_error *err) {
         item->test_rgb = c->test_rgb + 3 * n * test;
         item->test_used = c->test_used + n * test;
         item->delta_e = c->delta_e + test;
+        item->fit_loss = c->fit_loss + test;
         item->names = c->names + test;
+        item->failures = c->failures + test;
         ref += item->plan.n_refs;
         test += item->plan.n_tests;
     }
     return NQM_OK;
 }
 
-/* ---- the work ---------------------------------------------------------------------------------------------------- */
-
-/* Count finished tests; from the caller's thread, report them. true: stop. */
-static bool advance(corpus *c, size_t n_tests) {
-    size_t done = atomic_fetch_add(&c->n_done, n_tests) + n_tests;
-    if (pthread_equal(pthread_self(), c->caller) && nqm_tick(&c->ticker, "corpus", (double)done, (double)c->n_tests))
-        atomic_store(&c->stopped, true);
-    return atomic_load(&c->stopped);
-}
-
-static bool step(void *user) {
-    return advance(user, 1);
-}
-
-/* The first failure counts, and stops the others. */
-static void keep_failure(corpus *c, nqm_status status, const nqm_error *err) {
-    pthread_mutex_lock(&c->mutex);
-    if (c->status == NQM_OK) {
-        c->status = status;
-        if (c->err)
-            *c->err = *err;
-    }
-    pthread_mutex_unlock(&c->mutex);
-    atomic_store(&c->stopped, true);
-}
-
-static void work_on_item(void *user, size_t i) {
-    corpus *c = user;
-    nqm_corpus_item *item = &c->items[i];
-    nqm_error err = {0};
-    char *path = NULL;
+static nqm_status make_paths(nqm_corpus *c, nqm_error *err) {
     nqm_status status = NQM_OK;
-    if (atomic_load(&c->stopped))
-        return;
-    if (c->context.options->checkpoint) {
-        status = nqm_corpus_item_path(&c->context, item, &path, &err);
-        if (status == NQM_OK && nqm_corpus_item_load(path, c->n_directions, item)) {
-            advance(c, item->plan.n_tests);
-            goto done;
-        }
-    }
-    if (status == NQM_OK)
-        status = nqm_corpus_item_make(&c->context, item, &err);
-    if (status == NQM_OK && path)
-        status = nqm_corpus_item_save(path, c->n_directions, item, &err);
-    if (status != NQM_OK)
-        keep_failure(c, status, &err);
-done:
-    nqm_free(path);
-}
-
-static nqm_status work(corpus *c, nqm_error *err) {
-    c->context.step = step;
-    c->context.step_user = c;
-    c->caller = pthread_self();
-    c->err = err;
-    pthread_mutex_init(&c->mutex, NULL);
-    nqm_parallel_for(c->n_items, work_on_item, c);
-    pthread_mutex_destroy(&c->mutex);
-    if (c->status == NQM_OK && atomic_load(&c->stopped))
-        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
-    return c->status;
-}
-
-/* ---- the dataset ------------------------------------------------------------------------------------------------- */
-
-/* Index tables and names of the dataset, in one place to free them. */
-typedef struct tables {
-    uint32_t *pair_ref, *pair_kind, *ref_group;
-    uint8_t *group_split;
-    double *jod;
-    const char **ref_names, **group_names, *kind_names[NQM_KIND_COUNT];
-    size_t n_kinds; /* that occur */
-    char *manifest, *manifest_path;
-} tables;
-
-static nqm_status alloc_tables(const corpus *c, tables *t, nqm_error *err) {
-    t->pair_ref = nqm_alloc(c->n_tests, sizeof *t->pair_ref);
-    t->pair_kind = nqm_alloc(c->n_tests, sizeof *t->pair_kind);
-    t->jod = nqm_alloc(c->n_tests, sizeof *t->jod);
-    t->ref_group = nqm_alloc(c->n_refs, sizeof *t->ref_group);
-    t->ref_names = nqm_alloc(c->n_refs, sizeof *t->ref_names);
-    t->group_split = nqm_alloc(c->n_items, sizeof *t->group_split);
-    t->group_names = nqm_alloc(c->n_items, sizeof *t->group_names);
-    t->manifest = nqm_corpus_manifest(&c->context, c->n_items, c->items);
-    if (!t->pair_ref || !t->pair_kind || !t->jod || !t->ref_group || !t->ref_names || !t->group_split ||
-        !t->group_names)
-        return nqm_fail_nomem(err, 16 * c->n_tests);
-    if (!t->manifest)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory is short");
-    return NQM_OK;
-}
-
-static void free_tables(tables *t) {
-    nqm_free(t->pair_ref);
-    nqm_free(t->pair_kind);
-    nqm_free(t->jod);
-    nqm_free(t->ref_group);
-    nqm_free(t->ref_names);
-    nqm_free(t->group_split);
-    nqm_free(t->group_names);
-    nqm_free(t->manifest);
-    nqm_free(t->manifest_path);
-}
-
-/* Number the kinds that occur. */
-static void fill_kinds(const corpus *c, tables *t, uint32_t index[NQM_KIND_COUNT]) {
-    bool occurs[NQM_KIND_COUNT] = {false};
-    for (size_t i = 0; i < c->n_items; ++i)
-        for (size_t k = 0; k < c->items[i].plan.n_tests; ++k)
-            occurs[c->items[i].plan.tests[k].kind] = true;
-    for (int k = 0; k < NQM_KIND_COUNT; ++k) {
-        index[k] = (uint32_t)t->n_kinds;
-        if (occurs[k])
-            t->kind_names[t->n_kinds++] = nqm_corpus_kind_name((nqm_corpus_kind)k);
-    }
-}
-
-static void fill_tables(const corpus *c, tables *t) {
-    nqm_curve curve = nqm_curve_default();
-    size_t ref = 0, pair = 0;
-    uint32_t kind_index[NQM_KIND_COUNT];
-    fill_kinds(c, t, kind_index);
-    for (size_t i = 0; i < c->n_items; ++i) {
-        const nqm_corpus_plan *plan = &c->items[i].plan;
-        const nqm_corpus_group *group = &c->list.groups[plan->group];
-        t->group_names[i] = group->name;
-        t->group_split[i] = (uint8_t)group->split;
-        for (size_t k = 0; k < plan->n_tests; ++k, ++pair) {
-            t->pair_ref[pair] = (uint32_t)(ref + plan->tests[k].ref);
-            t->pair_kind[pair] = kind_index[plan->tests[k].kind];
-            t->jod[pair] = nqm_curve_jod(&curve, c->delta_e[pair]);
-        }
-        for (size_t r = 0; r < plan->n_refs; ++r, ++ref) {
-            t->ref_names[ref] = c->list.refs[group->first_ref + r].name;
-            t->ref_group[ref] = (uint32_t)i;
-        }
-    }
-}
-
-static nqm_status write_manifest(const char *path, tables *t, nqm_error *err) {
-    size_t n = strlen(path) + 8;
-    t->manifest_path = nqm_alloc(n, 1);
-    if (!t->manifest_path)
-        return nqm_fail_nomem(err, n);
-    snprintf(t->manifest_path, n, "%s.json", path);
-    nqm_outfile out = {0};
-    nqm_status status = nqm_outfile_open(t->manifest_path, &out, err);
-    if (status != NQM_OK)
-        return status;
-    fprintf(out.stream, "%s\n", t->manifest);
-    return nqm_outfile_commit(&out, err);
-}
-
-static nqm_status write_dataset(const corpus *c, const char *path, nqm_error *err) {
-    tables t = {0};
-    nqm_status status = alloc_tables(c, &t, err);
-    if (status == NQM_OK) {
-        fill_tables(c, &t);
-        nqm_dataset dataset = {
-            .n_directions = c->n_directions,
-            .n_refs = c->n_refs,
-            .n_groups = c->n_items,
-            .n_kinds = t.n_kinds,
-            .n_pairs = c->n_tests,
-            .directions_deg = nqm_directions_degrees(c->context.directions),
-            .ref_rgb = c->ref_rgb,
-            .test_rgb = c->test_rgb,
-            .ref_used = c->ref_used,
-            .test_used = c->test_used,
-            .pair_ref = t.pair_ref,
-            .pair_kind = t.pair_kind,
-            .delta_e = c->delta_e,
-            .jod = t.jod,
-            .ref_group = t.ref_group,
-            .group_split = t.group_split,
-            .ref_names = t.ref_names,
-            .group_names = t.group_names,
-            .kind_names = t.kind_names,
-            .pair_names = (const char *const *)c->names,
-            .manifest = t.manifest,
-        };
-        status = nqm_dataset_write(&dataset, path, NULL, err);
-    }
-    if (status == NQM_OK)
-        status = write_manifest(path, &t, err);
-    free_tables(&t);
+    for (size_t i = 0; status == NQM_OK && c->context.options->checkpoint && i < c->n_items; ++i)
+        status = nqm_corpus_item_path(&c->context, &c->items[i], &c->items[i].path, err);
     return status;
 }
 
-static void free_corpus(corpus *c) {
+static void free_corpus(nqm_corpus *c) {
     for (size_t t = 0; c->names && t < c->n_tests; ++t)
         nqm_free(c->names[t]);
-    for (size_t i = 0; i < c->n_items; ++i)
+    for (size_t t = 0; c->failures && t < c->n_tests; ++t)
+        nqm_free(c->failures[t]);
+    for (size_t i = 0; i < c->n_items; ++i) {
         nqm_corpus_plan_free(&c->items[i].plan);
+        nqm_free(c->items[i].path);
+    }
     nqm_free(c->names);
+    nqm_free(c->failures);
     nqm_free(c->items);
     nqm_free(c->ref_rgb);
     nqm_free(c->ref_used);
     nqm_free(c->test_rgb);
     nqm_free(c->test_used);
     nqm_free(c->delta_e);
+    nqm_free(c->fit_loss);
     nqm_scene_free(c->scene);
     nqm_corpus_list_free(&c->list);
 }
+
+/* ---- entry ------------------------------------------------------------------------------------------------------- */
 
 static nqm_status make_folder(const char *folder, nqm_error *err) {
     struct stat st;
@@ -310,15 +140,30 @@ static nqm_status make_folder(const char *folder, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be made a folder for finished work", folder);
 }
 
+/* Faults that would else show after all the work. */
+static nqm_status check_output(const nqm_corpus_options *options, const char *path, nqm_error *err) {
+    if (options->work_only)
+        return options->checkpoint ? NQM_OK
+                                   : nqm_fail(err, NQM_ERR_ARG, -1, "corpus: working for others needs a shared folder");
+    if (strcmp(path, "-") == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "a dataset cannot go to standard output: its manifest is written beside it; name a file");
+    nqm_outfile probe = {0};
+    nqm_status status = nqm_outfile_open(path, &probe, err);
+    nqm_outfile_abort(&probe);
+    return status;
+}
+
 nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
                             const nqm_corpus_options *options_or_null, const char *path, nqm_error *err) {
     nqm_corpus_options options = options_or_null ? *options_or_null : nqm_corpus_options_default();
-    corpus c = {.n_directions = nqm_directions_count(directions),
-                .ticker = {.fn = options.progress, .user = options.progress_user}};
+    nqm_corpus c = {.n_directions = nqm_directions_count(directions)};
     c.context.options = &options;
     c.context.directions = directions;
     c.context.list = &c.list;
-    nqm_status status = make_folder(options.checkpoint, err);
+    nqm_status status = check_output(&options, path, err);
+    if (status == NQM_OK)
+        status = make_folder(options.checkpoint, err);
     if (status == NQM_OK)
         status = nqm_corpus_list_load(materials_csv, options.root, &c.list, err);
     if (status == NQM_OK)
@@ -328,9 +173,13 @@ nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *dir
     if (status == NQM_OK)
         status = make_scene(&c, err);
     if (status == NQM_OK)
-        status = work(&c, err);
+        status = hash_encoders(&c, err);
     if (status == NQM_OK)
-        status = write_dataset(&c, path, err);
+        status = make_paths(&c, err);
+    if (status == NQM_OK)
+        status = nqm_corpus_run(&c, err);
+    if (status == NQM_OK && !options.work_only)
+        status = nqm_corpus_write(&c, path, err);
     free_corpus(&c);
     return status;
 }

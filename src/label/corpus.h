@@ -10,6 +10,7 @@
 #include "io/io.h"
 #include <nqm/fit.h>
 #include <nqm/label.h>
+#include <stdatomic.h>
 
 /* ---- references -------------------------------------------------------------------------------------------------- */
 
@@ -19,7 +20,7 @@ typedef struct nqm_corpus_ref {
     const char *source; /* where it comes from: "rgl", "nbrdf", "nps", "sgd", or anything else */
     char *path;         /* what nqm_brdf_open() takes; owned */
     size_t group;
-    char file_sha256[65]; /* of the file behind it; "" for specs and presets */
+    char file_sha256[65]; /* of the file behind it (a decoder and its latents: of both); "" for specs and presets */
 } nqm_corpus_ref;
 
 typedef struct nqm_corpus_group {
@@ -41,51 +42,38 @@ typedef struct nqm_corpus_list {
 NQM_MUST_CHECK nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm_corpus_list *list_ret,
                                                nqm_error *err);
 void nqm_corpus_list_free(nqm_corpus_list *list);
-/** SHA-256 of a file's bytes. */
-NQM_MUST_CHECK nqm_status nqm_corpus_hash_file(const char *path, char hex[65], nqm_error *err);
+/** SHA-256 of a file's bytes, or of those of two files one behind the other; path_more: NULL for one. */
+NQM_MUST_CHECK nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char hex[65], nqm_error *err);
 /** true when the group belongs to the part of the corpus that is being made. */
 bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part);
 /** "train", "validation" or "test" */
 const char *nqm_corpus_split_name(nqm_split split);
 
-/* ---- the plan of tests ------------------------------------------------------------------------------------------- */
+/* ---- kinds of test ----------------------------------------------------------------------------------------------- */
 
-/** Kinds of test; the dataset holds their names. */
-typedef enum nqm_corpus_kind {
-    NQM_KIND_WARD = 0, /* own fit of Ward's model */
-    NQM_KIND_GGX,      /* own fit of GGX */
-    NQM_KIND_MEASURED, /* another form of the same material: its measurement, ... */
-    NQM_KIND_NBRDF,    /* its published network, ... */
-    NQM_KIND_NPS,      /* its neural-process reconstruction, ... */
-    NQM_KIND_PRESET,   /* its published parameters */
-    NQM_KIND_GLOSS,    /* one perturbation of the reference each, from here ... */
-    NQM_KIND_TINT,
-    NQM_KIND_SCALE,
-    NQM_KIND_FRESNEL,
-    NQM_KIND_SMOOTH,
-    NQM_KIND_MIX,
-    NQM_KIND_NOISE,
-    NQM_KIND_PEAK,
-    NQM_KIND_DESATURATE,
-    NQM_KIND_QUANTISE,
-    NQM_KIND_SHIFT,    /* ... to here */
-    NQM_KIND_COMPOSED, /* two of them, one after the other */
-    NQM_KIND_REFIT,    /* a perturbed fit */
-    NQM_KIND_COUNT
+/** What kinds of test have in common; nqm_dataset_kind_family() says it of a dataset. */
+typedef enum nqm_corpus_family {
+    NQM_FAMILY_ENCODING = 0, /* the reference fitted or encoded by this program; a kind is a model of nqm_fit() */
+    NQM_FAMILY_PUBLISHED,    /* published parameters of the same material: "published-ward" */
+    NQM_FAMILY_FORM,         /* another form of the same material: "form-rgl", "form-nbrdf" */
+    NQM_FAMILY_PERTURBATION, /* one perturbation of the reference: "gloss" */
+    NQM_FAMILY_COMPOSED,     /* two perturbations of the reference ("composed") or one of an encoding ("refit") */
+    NQM_FAMILY_COUNT
+} nqm_corpus_family;
+
+const char *nqm_corpus_family_name(nqm_corpus_family family);
+
+typedef struct nqm_corpus_kind {
+    char name[48];
+    nqm_corpus_family family;
 } nqm_corpus_kind;
 
-const char *nqm_corpus_kind_name(nqm_corpus_kind kind);
-/** true for kinds that only the test part holds, so that judging can ask for kinds never trained on. */
-bool nqm_corpus_kind_unseen(nqm_corpus_kind kind);
+/** The names of the perturbations, in a fixed order; NULL for i behind the last. */
+const char *nqm_corpus_perturbation(size_t i);
+/** true for perturbations that only the test part holds, so that judging can ask for kinds never trained on. */
+bool nqm_corpus_kind_unseen(const char *name);
 
-/** The fits that every reference gets. */
-typedef struct nqm_corpus_fit {
-    const char *model;
-    nqm_fit_loss loss;
-    nqm_corpus_kind kind;
-} nqm_corpus_fit;
-enum { NQM_CORPUS_N_FITS = 4 };
-extern const nqm_corpus_fit nqm_corpus_fits[NQM_CORPUS_N_FITS];
+/* ---- the plan of tests ------------------------------------------------------------------------------------------- */
 
 /** A form of a material: a reference of the list, or a preset that is a test only. */
 typedef struct nqm_corpus_form {
@@ -93,7 +81,6 @@ typedef struct nqm_corpus_form {
     const char *path;     /* as opened */
     nqm_corpus_kind kind; /* as a test */
 } nqm_corpus_form;
-enum { NQM_CORPUS_MAX_PRESETS = 2 };
 
 /** What a test starts from: the reference, one of its fits, or another form of its material. */
 typedef enum nqm_corpus_base { NQM_BASE_REF, NQM_BASE_FIT, NQM_BASE_FORM } nqm_corpus_base;
@@ -103,7 +90,7 @@ typedef struct nqm_corpus_test {
     size_t ref; /* within the group */
     nqm_corpus_kind kind;
     nqm_corpus_base base;
-    size_t which;             /* of nqm_corpus_fits, or of the plan's forms */
+    size_t which;             /* of the models of nqm_fit(), or of the plan's forms */
     char perturbation[2][80]; /* "gloss=0.8"; the first is applied first; "" for none */
 } nqm_corpus_test;
 
@@ -121,6 +108,8 @@ NQM_MUST_CHECK nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size
                                                const nqm_corpus_options *options, nqm_corpus_plan *plan_ret,
                                                nqm_error *err);
 void nqm_corpus_plan_free(nqm_corpus_plan *plan);
+/** n perturbed copies of a reference that go through the kinds of this part in turn; tests (n). */
+void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, nqm_corpus_part part, size_t n, nqm_corpus_test *tests);
 
 /* ---- the work on one group --------------------------------------------------------------------------------------- */
 
@@ -130,35 +119,51 @@ typedef struct nqm_corpus_context {
     const nqm_corpus_options *options;
     const nqm_directions *directions;
     const nqm_scene *scene;
-    nqm_scene_options scene_options;
-    char light_sha256[65];    /* "" for the built-in sky */
-    bool (*step)(void *user); /* called after each test; true: stop */
+    char light_sha256[65];                    /* "" for the built-in sky */
+    char shape_sha256[65];                    /* of a mesh file; "" for built-in shapes */
+    char encoder_sha256[2][65];               /* of nqm_corpus_encoders; "" where this build has none */
+    bool (*step)(void *user, size_t n_tests); /* called for finished tests and, with 0, now and then; true: stop */
     void *step_user;
 } nqm_corpus_context;
+
+/** The names of what learned encodings lean on. */
+extern const char *const nqm_corpus_encoders[2];
 
 /** A group, sampled and labelled. */
 typedef struct nqm_corpus_item {
     nqm_corpus_plan plan;
+    char *path;       /* its work file; NULL without a folder for them; owned */
+    atomic_int state; /* NQM_ITEM_... */
     /* Views into the arrays of the dataset: n = n_directions */
     float *ref_rgb;     /* (n_refs, n, 3) */
     uint8_t *ref_used;  /* (n_refs, n) */
     float *test_rgb;    /* (n_tests, n, 3) */
     uint8_t *test_used; /* (n_tests, n) */
     double *delta_e;    /* (n_tests) */
+    double *fit_loss;   /* (n_tests) nqm_fit_report.loss of own fits; else 0 */
     char **names;       /* (n_tests) each test as a spec; the strings are owned */
+    char **failures;    /* (n_tests) why there is no such test; NULL where there is one; owned */
 } nqm_corpus_item;
 
-/** Fit, sample, render. */
+enum { NQM_ITEM_OPEN = 0, NQM_ITEM_PASSED_BY /* another process has claimed it */, NQM_ITEM_IN_HAND, NQM_ITEM_DONE };
+
+/** Fit, sample, render. A test that cannot be made is kept as a failure; only being cancelled, out of memory and
+ *  references that cannot be read end the work. */
 NQM_MUST_CHECK nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_item *item,
                                                nqm_error *err);
 
 /** The work file of a group: all that its results depend on is hashed into its name. Free the path with nqm_free(). */
 NQM_MUST_CHECK nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_corpus_item *item,
                                                char **path_ret, nqm_error *err);
-/** true when `path` holds the finished item; false when there is none or it is damaged (it is then made again). */
-bool nqm_corpus_item_load(const char *path, size_t n_directions, nqm_corpus_item *item);
-NQM_MUST_CHECK nqm_status nqm_corpus_item_save(const char *path, size_t n_directions, const nqm_corpus_item *item,
-                                               nqm_error *err);
+/** true when item->path holds the finished item; false when there is none or it is damaged (it is then made again). */
+bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item);
+NQM_MUST_CHECK nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, nqm_error *err);
+
+/** Claim the work on a file that is to be made at `path`, among all processes that can see it: PATH.claim is locked until
+ *  it is released or the process ends, however it ends. *claim_ret: for nqm_corpus_release(), or -1 when another has
+ *  it. */
+NQM_MUST_CHECK nqm_status nqm_corpus_claim(const char *path, int *claim_ret, nqm_error *err);
+void nqm_corpus_release(const char *path, int claim);
 
 /** `brdf` as a table; see corpus_forms.c. */
 NQM_MUST_CHECK nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
@@ -166,7 +171,25 @@ NQM_MUST_CHECK nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **t
  * result (freed with it, also when this fails) or only lent to it. */
 NQM_MUST_CHECK nqm_status nqm_corpus_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
-/* ---- the manifest ------------------------------------------------------------------------------------------------ */
+/* ---- a corpus ---------------------------------------------------------------------------------------------------- */
+
+/** A corpus in the making. The groups' items are views into its arrays. */
+typedef struct nqm_corpus {
+    nqm_corpus_context context;
+    nqm_corpus_list list;
+    nqm_scene *scene;
+    size_t n_items, n_refs, n_tests, n_directions;
+    nqm_corpus_item *items;
+    float *ref_rgb, *test_rgb;
+    uint8_t *ref_used, *test_used;
+    double *delta_e, *fit_loss;
+    char **names, **failures;
+} nqm_corpus;
+
+/** Make all items, on all threads and together with other processes that share the folder of work files. */
+NQM_MUST_CHECK nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err);
+/** Write the finished corpus with its manifest. Failed tests are left out: the arrays are changed. */
+NQM_MUST_CHECK nqm_status nqm_corpus_write(nqm_corpus *corpus, const char *path, nqm_error *err);
 
 /** How the corpus was made, as JSON text (nqm_free); NULL when out of memory or a name is not UTF-8. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items);

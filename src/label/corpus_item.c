@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The work on one material group: open its forms, fit each reference, sample and render everything once, and label
- * every test by the Delta-E ITP between its picture and that of its reference.
+ * The work on one material group: open its forms, encode each reference by every model, sample and render everything
+ * once, and label every test by the Delta-E ITP between its picture and that of its reference. A model that cannot
+ * encode a reference costs this test only.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -17,14 +18,21 @@ typedef struct view {
     double *picture; /* (n_points, 3) cd/m2 */
 } view;
 
+/* An encoding of the reference in hand. */
+typedef struct encoding {
+    view view;
+    nqm_fit_report report;
+    nqm_error fault; /* status NQM_OK: it is there */
+} encoding;
+
 /* A group while it is worked on. */
 typedef struct job {
     const nqm_corpus_context *context;
     nqm_corpus_item *item;
     size_t n, n_points; /* directions, pixels */
-    view *forms;        /* (n_forms) */
-    view fits[NQM_CORPUS_N_FITS];
-    char fit_specs[NQM_CORPUS_N_FITS][512];
+    size_t n_fits;
+    view *forms;    /* (n_forms) */
+    encoding *fits; /* (n_fits) */
     view perturbed;
     nqm_error *err;
 } job;
@@ -45,11 +53,11 @@ static void free_view(view *v) {
 }
 
 /* Sample and render v->brdf. */
-static nqm_status look(const job *j, view *v) {
-    nqm_status status = nqm_sample(v->brdf, j->context->directions, NQM_INVALID_DROP, v->rgb, v->used, NULL, j->err);
+static nqm_status look(const job *j, view *v, nqm_error *err) {
+    nqm_status status = nqm_sample(v->brdf, j->context->directions, NQM_INVALID_DROP, v->rgb, v->used, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < j->n; ++i)
         v->used[i] = v->used[i] == NQM_VALUE_OK || v->used[i] == NQM_VALUE_CLAMPED;
-    return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, j->err) : status;
+    return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, err) : status;
 }
 
 /* The form as the corpus reads it, as reference, as test and below every perturbation alike: decoders of neural
@@ -76,7 +84,7 @@ static nqm_status open_forms(job *j) {
         if (status == NQM_OK)
             status = open_form(plan->forms[f].path, &v->brdf, j->err);
         if (status == NQM_OK)
-            status = look(j, v);
+            status = look(j, v, j->err);
         if (status != NQM_OK)
             return status;
         if (f < plan->n_refs) {
@@ -87,32 +95,58 @@ static nqm_status open_forms(job *j) {
     return NQM_OK;
 }
 
-static nqm_status make_fits(job *j, size_t ref) {
-    for (size_t k = 0; k < NQM_CORPUS_N_FITS; ++k) {
-        nqm_fit_options options = nqm_fit_options_default();
-        nqm_fit_report report;
-        options.loss = nqm_corpus_fits[k].loss;
-        options.seed = j->context->options->seed;
-        nqm_status status = nqm_fit(j->forms[ref].brdf, nqm_corpus_fits[k].model, &options, &report, NULL, j->err);
-        if (status != NQM_OK)
-            return status;
-        memcpy(j->fit_specs[k], report.spec, sizeof report.spec);
-        nqm_brdf_free(j->fits[k].brdf);
-        status = nqm_brdf_open(report.spec, &j->fits[k].brdf, j->err);
-        if (status == NQM_OK)
-            status = look(j, &j->fits[k]);
-        if (status != NQM_OK)
-            return status;
-    }
-    return NQM_OK;
+/* Faults that are the program's or the user's, not the test's: they end the work. */
+static bool is_fatal(nqm_status status) {
+    return status == NQM_ERR_CANCELLED || status == NQM_ERR_NOMEM;
+}
+
+static int fit_progress(void *user, const char *stage, double done, double total) {
+    const nqm_corpus_context *context = user;
+    (void)stage, (void)done, (void)total;
+    return context->step(context->step_user, 0);
+}
+
+static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
+    encoding *fit = &j->fits[k];
+    nqm_fit_options options = nqm_fit_options_default();
+    options.seed = j->context->options->seed;
+    options.progress = fit_progress;
+    options.progress_user = (void *)j->context;
+    nqm_brdf_free(fit->view.brdf);
+    fit->view.brdf = NULL;
+    fit->fault = (nqm_error){0};
+    nqm_status status = nqm_fit(ref, nqm_fit_model_name(k), &options, &fit->report, &fit->view.brdf, &fit->fault);
+    if (status == NQM_OK)
+        status = look(j, &fit->view, &fit->fault);
+    fit->fault.status = status;
+    if (!is_fatal(status))
+        return NQM_OK;
+    if (j->err)
+        *j->err = fit->fault;
+    return status;
+}
+
+static nqm_status make_fits(const job *j, size_t ref) {
+    nqm_status status = NQM_OK;
+    for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k)
+        status = make_fit(j, j->forms[ref].brdf, k);
+    return status;
 }
 
 /* ---- one test ---------------------------------------------------------------------------------------------------- */
 
+/* The encoding that a test is or starts from: a perturbed one takes the next that there is. */
+static const encoding *fit_of(const job *j, const nqm_corpus_test *test) {
+    const encoding *fit = &j->fits[test->which];
+    for (size_t k = 1; *test->perturbation[0] && fit->fault.status != NQM_OK && k < j->n_fits; ++k)
+        fit = &j->fits[(test->which + k) % j->n_fits];
+    return fit;
+}
+
 static const view *base_view(const job *j, const nqm_corpus_test *test) {
     switch (test->base) {
     case NQM_BASE_FIT:
-        return &j->fits[test->which];
+        return &fit_of(j, test)->view;
     case NQM_BASE_FORM:
         return &j->forms[test->which];
     case NQM_BASE_REF:
@@ -121,23 +155,25 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
     return &j->forms[test->ref];
 }
 
-static const char *base_text(const job *j, const nqm_corpus_test *test) {
-    if (test->base == NQM_BASE_FIT)
-        return j->fit_specs[test->which];
-    return j->item->plan.forms[test->base == NQM_BASE_REF ? test->ref : test->which].brdf;
-}
-
-/* "perturb:OUTER;of=perturb:INNER;of=BASE" */
+/* "perturb:OUTER;of=perturb:INNER;of=BASE"; encodings that no spec can hold are "nbrdf of BASE". */
 static char *test_name(const job *j, const nqm_corpus_test *test) {
-    const char *base = base_text(j, test);
-    size_t n = strlen(base) + sizeof test->perturbation + 40, used = 0;
+    const nqm_corpus_form *forms = j->item->plan.forms;
+    const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
+    const char *base = forms[test->base == NQM_BASE_FORM ? test->which : test->ref].brdf, *model = "", *of = "";
+    if (fit && fit->fault.status == NQM_OK && *fit->report.spec) {
+        base = fit->report.spec;
+    } else if (fit) {
+        model = nqm_fit_model_name((size_t)(fit - j->fits));
+        of = " of ";
+    }
+    size_t n = strlen(base) + strlen(model) + sizeof test->perturbation + 40, used = 0;
     char *name = nqm_alloc(n, 1);
     if (!name)
         return NULL;
     for (int k = 1; k >= 0; --k)
         if (*test->perturbation[k])
             used += (size_t)snprintf(name + used, n - used, "perturb:%s;of=", test->perturbation[k]);
-    snprintf(name + used, n - used, "%s", base);
+    snprintf(name + used, n - used, "%s%s%s", model, of, base);
     return name;
 }
 
@@ -154,42 +190,64 @@ static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf 
 }
 
 /* The view of a test: its base's own, or the perturbed one. */
-static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret) {
+static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret, nqm_error *err) {
     const view *base = base_view(j, test);
+    const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
     *view_ret = base;
+    if (fit && fit->fault.status != NQM_OK) {
+        *err = fit->fault;
+        return err->status;
+    }
     if (!*test->perturbation[0])
         return NQM_OK;
     *view_ret = &j->perturbed;
     nqm_brdf_free(j->perturbed.brdf);
     j->perturbed.brdf = NULL;
-    nqm_status status = perturb(test, base->brdf, &j->perturbed.brdf, j->err);
-    return status == NQM_OK ? look(j, &j->perturbed) : status;
+    nqm_status status = perturb(test, base->brdf, &j->perturbed.brdf, err);
+    return status == NQM_OK ? look(j, &j->perturbed, err) : status;
+}
+
+static nqm_status label_test(job *j, size_t t, nqm_error *err) {
+    nqm_corpus_item *item = j->item;
+    const nqm_corpus_test *test = &item->plan.tests[t];
+    const view *v;
+    nqm_status status = test_view(j, test, &v, err);
+    if (status != NQM_OK)
+        return status;
+    double delta_e = nqm_scene_delta_e(j->context->scene, j->forms[test->ref].picture, v->picture);
+    if (!isfinite(delta_e))
+        return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
+    item->delta_e[t] = delta_e;
+    memcpy(item->test_rgb + 3 * j->n * t, v->rgb, 3 * j->n * sizeof(float));
+    memcpy(item->test_used + j->n * t, v->used, j->n);
+    if (test->kind.family == NQM_FAMILY_ENCODING)
+        item->fit_loss[t] = j->fits[test->which].report.loss;
+    return NQM_OK;
 }
 
 static nqm_status make_test(job *j, size_t t) {
     nqm_corpus_item *item = j->item;
-    const nqm_corpus_test *test = &item->plan.tests[t];
-    const view *v;
-    nqm_status status = test_view(j, test, &v);
-    if (status != NQM_OK)
-        return status;
-    item->names[t] = test_name(j, test);
-    if (!item->names[t])
+    nqm_error err = {0};
+    nqm_status status = label_test(j, t, &err);
+    item->names[t] = test_name(j, &item->plan.tests[t]);
+    if (status != NQM_OK && !is_fatal(status)) {
+        item->failures[t] = nqm_strdup(*err.message ? err.message : nqm_status_text(status));
+        status = item->failures[t] ? NQM_OK : NQM_ERR_NOMEM;
+    }
+    if (status == NQM_OK && !item->names[t])
+        status = NQM_ERR_NOMEM;
+    if (status == NQM_ERR_NOMEM)
         return nqm_fail_nomem(j->err, 512);
-    memcpy(item->test_rgb + 3 * j->n * t, v->rgb, 3 * j->n * sizeof(float));
-    memcpy(item->test_used + j->n * t, v->used, j->n);
-    item->delta_e[t] = nqm_scene_delta_e(j->context->scene, j->forms[test->ref].picture, v->picture);
-    if (!isfinite(item->delta_e[t]))
-        return nqm_fail(j->err, NQM_ERR_NUMERIC, -1, "%s: Delta-E against %s is not finite", item->names[t],
-                        item->plan.forms[test->ref].brdf);
-    return NQM_OK;
+    if (status != NQM_OK && j->err)
+        *j->err = err;
+    return status;
 }
 
 static nqm_status run(job *j) {
     const nqm_corpus_plan *plan = &j->item->plan;
     nqm_status status = open_forms(j);
-    for (size_t k = 0; status == NQM_OK && k < NQM_CORPUS_N_FITS; ++k)
-        status = alloc_view(j, &j->fits[k]);
+    for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k)
+        status = alloc_view(j, &j->fits[k].view);
     if (status == NQM_OK)
         status = alloc_view(j, &j->perturbed);
     for (size_t t = 0; status == NQM_OK && t < plan->n_tests; ++t) {
@@ -197,7 +255,7 @@ static nqm_status run(job *j) {
             status = make_fits(j, plan->tests[t].ref);
         if (status == NQM_OK)
             status = make_test(j, t);
-        if (status == NQM_OK && j->context->step(j->context->step_user))
+        if (status == NQM_OK && j->context->step(j->context->step_user, 1))
             status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
     }
     return status;
@@ -208,16 +266,17 @@ nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_it
              .item = item,
              .n = nqm_directions_count(context->directions),
              .n_points = nqm_scene_count(context->scene),
+             .n_fits = nqm_fit_model_count(),
              .err = err};
     j.forms = nqm_alloc(item->plan.n_forms, sizeof *j.forms);
-    if (!j.forms)
-        return nqm_fail_nomem(err, item->plan.n_forms * sizeof *j.forms);
-    nqm_status status = run(&j);
-    for (size_t f = 0; f < item->plan.n_forms; ++f)
+    j.fits = nqm_alloc(j.n_fits, sizeof *j.fits);
+    nqm_status status = j.forms && j.fits ? run(&j) : nqm_fail_nomem(err, j.n_fits * sizeof *j.fits);
+    for (size_t f = 0; j.forms && f < item->plan.n_forms; ++f)
         free_view(&j.forms[f]);
-    for (size_t k = 0; k < NQM_CORPUS_N_FITS; ++k)
-        free_view(&j.fits[k]);
+    for (size_t k = 0; j.fits && k < j.n_fits; ++k)
+        free_view(&j.fits[k].view);
     free_view(&j.perturbed);
     nqm_free(j.forms);
+    nqm_free(j.fits);
     return status;
 }

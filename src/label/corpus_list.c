@@ -40,20 +40,43 @@ static size_t file_length(const char *path) {
     return stat(path, &st) == 0 || !colon ? strlen(path) : (size_t)(colon - path);
 }
 
-nqm_status nqm_corpus_hash_file(const char *path, char hex[65], nqm_error *err) {
-    nqm_map map;
-    nqm_status status = nqm_map_open(path, &map, err);
-    if (status != NQM_OK)
-        return status;
+nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char hex[65], nqm_error *err) {
+    nqm_map map = {0}, more = {0};
     nqm_sha256 sha;
-    if (nqm_sha256_begin(&sha)) {
-        nqm_sha256_add(&sha, map.data, map.n_bytes);
-        nqm_sha256_end(&sha, hex);
-    } else {
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status == NQM_OK && path_more)
+        status = nqm_map_open(path_more, &more, err);
+    if (status == NQM_OK && !nqm_sha256_begin(&sha))
         status = nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory", path);
+    if (status == NQM_OK) {
+        nqm_sha256_add(&sha, map.data, map.n_bytes);
+        nqm_sha256_add(&sha, more.data, more.n_bytes);
+        nqm_sha256_end(&sha, hex);
     }
     nqm_map_close(&map);
+    nqm_map_close(&more);
     return status;
+}
+
+/* The latents beside the decoder of neural processes, which decide as much as the decoder does; NULL for other files. */
+static nqm_status find_latents(const char *file, char **path_ret, nqm_error *err) {
+    static const char latents[] = "nps_latents.csv";
+    nqm_map map;
+    *path_ret = NULL;
+    nqm_status status = nqm_map_open(file, &map, err);
+    if (status != NQM_OK)
+        return status;
+    bool is_decoder = nqm_nps_probe(&map);
+    nqm_map_close(&map);
+    if (!is_decoder)
+        return NQM_OK;
+    const char *slash = strrchr(file, '/');
+    size_t n_folder = slash ? (size_t)(slash - file) + 1 : 0, n = n_folder + sizeof latents;
+    *path_ret = nqm_alloc(n, 1);
+    if (!*path_ret)
+        return nqm_fail_nomem(err, n);
+    snprintf(*path_ret, n, "%.*s%s", (int)n_folder, file, latents);
+    return NQM_OK;
 }
 
 /* Members of one archive follow each other in a list: the file of the reference before is looked at first. */
@@ -73,7 +96,11 @@ static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     if (!file)
         return nqm_fail_nomem(err, n);
     file[n] = 0;
-    nqm_status status = nqm_corpus_hash_file(file, ref->file_sha256, err);
+    char *latents;
+    nqm_status status = find_latents(file, &latents, err);
+    if (status == NQM_OK)
+        status = nqm_corpus_hash_file(file, latents, ref->file_sha256, err);
+    nqm_free(latents);
     nqm_free(file);
     return status;
 }

@@ -4,6 +4,7 @@
  * names stand without their folders.
  */
 #include "label/corpus.h"
+#include "math/math.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -18,37 +19,112 @@ static json_t *count(size_t n) {
     return json_integer((json_int_t)n);
 }
 
-static json_t *options_json(const nqm_corpus_context *context) {
-    const nqm_scene_options *scene = &context->scene_options;
-    json_t *fits = json_array();
-    for (size_t k = 0; k < NQM_CORPUS_N_FITS; ++k)
-        json_array_append_new(fits, json_pack("{s:s,s:s}", "model", nqm_corpus_fits[k].model, "loss",
-                                              nqm_fit_loss_name(nqm_corpus_fits[k].loss)));
-    return json_pack("{s:o,s:o,s:o,s:{s:o,s:o,s:f,s:f,s:o}}", "seed", count(context->options->seed), "perturbations",
-                     count(context->options->n_perturbations), "fits", fits, "scene", "points", count(scene->n_points),
-                     "lights", count(scene->n_lights), "exposure_cdm2", scene->exposure_cdm2, "peak_cdm2",
-                     scene->peak_cdm2, "seed", count(scene->seed));
+static json_t *bool_json(int value) {
+    return value ? json_true() : json_false();
 }
 
-/* Pairs per kind, and the kinds that training must not see. */
-static json_t *kinds_json(size_t n_items, const nqm_corpus_item *items) {
-    size_t n[NQM_KIND_COUNT] = {0};
+/* A built-in by its name, or a file with its checksum. */
+static json_t *file_json(const char *name, const char *sha256) {
+    return *sha256 ? json_pack("{s:s,s:s}", "file", base_name(name), "sha256", sha256)
+                   : json_pack("{s:s}", "built_in", name);
+}
+
+static json_t *scene_json(const nqm_corpus_context *context) {
+    const nqm_scene_options *scene = &context->options->scene;
+    const double degrees = 180 / NQM_PI;
+    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:o,s:o,s:o,s:f,s:f,s:o}", "light",
+                     file_json(scene->light ? scene->light : "sky", context->light_sha256), "shape",
+                     file_json(scene->shape ? scene->shape : "sphere", context->shape_sha256), "width",
+                     count(scene->width), "height", count(scene->height), "points", count(scene->n_points), "frames",
+                     count(scene->n_frames), "turn_deg", scene->turn_rad * degrees, "elevation_deg",
+                     scene->elevation_rad * degrees, "lights", count(scene->n_lights), "shadows",
+                     bool_json(scene->shadows), "interreflection", bool_json(scene->interreflection), "exposure_cdm2",
+                     scene->exposure_cdm2, "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));
+}
+
+static json_t *encoders_json(const nqm_corpus_context *context) {
+    json_t *encoders = json_object();
+    for (size_t k = 0; k < 2; ++k)
+        json_object_set_new(encoders, nqm_corpus_encoders[k],
+                            *context->encoder_sha256[k] ? json_string(context->encoder_sha256[k]) : json_null());
+    return encoders;
+}
+
+/* ---- counts ------------------------------------------------------------------------------------------------------ */
+
+/* The member of an object that counts something; made with zeros where it is new. */
+static json_t *member(json_t *object, const char *name) {
+    json_t *found = json_object_get(object, name);
+    if (!found && json_object_set_new(object, name, json_object()) == 0)
+        found = json_object_get(object, name);
+    return found;
+}
+
+static void add(json_t *object, const char *key, size_t n) {
+    json_int_t before = json_integer_value(json_object_get(object, key));
+    json_object_set_new(object, key, json_integer(before + (json_int_t)n));
+}
+
+/* Pairs per kind of test and per family, with the mean loss of own fits. */
+static void count_kinds(size_t n_items, const nqm_corpus_item *items, json_t *kinds, json_t *families) {
     for (size_t i = 0; i < n_items; ++i)
-        for (size_t t = 0; t < items[i].plan.n_tests; ++t)
-            ++n[items[i].plan.tests[t].kind];
-    json_t *kinds = json_object();
-    for (int k = 0; k < NQM_KIND_COUNT; ++k)
-        if (n[k])
-            json_object_set_new(kinds, nqm_corpus_kind_name((nqm_corpus_kind)k), count(n[k]));
-    return kinds;
+        for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
+            const nqm_corpus_kind *kind = &items[i].plan.tests[t].kind;
+            const char *family = nqm_corpus_family_name(kind->family);
+            if (items[i].failures[t])
+                continue;
+            json_t *row = member(kinds, kind->name);
+            add(row, "pairs", 1);
+            json_object_set_new(row, "family", json_string(family));
+            if (kind->family == NQM_FAMILY_ENCODING) {
+                double sum = json_real_value(json_object_get(row, "mean_fit_loss"));
+                json_object_set_new(row, "mean_fit_loss", json_real(sum + items[i].fit_loss[t]));
+            }
+            add(families, family, 1);
+        }
+    const char *name;
+    json_t *row;
+    json_object_foreach(kinds, name, row) {
+        json_t *sum = json_object_get(row, "mean_fit_loss");
+        if (sum)
+            json_real_set(sum, json_real_value(sum) / (double)json_integer_value(json_object_get(row, "pairs")));
+    }
 }
 
 static json_t *unseen_json(void) {
     json_t *unseen = json_array();
-    for (int k = 0; k < NQM_KIND_COUNT; ++k)
-        if (nqm_corpus_kind_unseen((nqm_corpus_kind)k))
-            json_array_append_new(unseen, json_string(nqm_corpus_kind_name((nqm_corpus_kind)k)));
+    for (size_t i = 0; nqm_corpus_perturbation(i); ++i)
+        if (nqm_corpus_kind_unseen(nqm_corpus_perturbation(i)))
+            json_array_append_new(unseen, json_string(nqm_corpus_perturbation(i)));
     return unseen;
+}
+
+/* Tests that could not be made, by kind, with the first message of each. */
+static json_t *failures_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
+    json_t *failures = json_object();
+    for (size_t i = 0; i < n_items; ++i)
+        for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
+            const nqm_corpus_test *test = &items[i].plan.tests[t];
+            if (!items[i].failures[t])
+                continue;
+            json_t *row = member(failures, test->kind.name);
+            const nqm_corpus_group *group = &list->groups[items[i].plan.group];
+            if (!json_object_get(row, "message"))
+                json_object_set_new(row, "message", json_string(items[i].failures[t]));
+            json_t *references = json_object_get(row, "references");
+            if (!references && json_object_set_new(row, "references", json_array()) == 0)
+                references = json_object_get(row, "references");
+            json_array_append_new(references, json_string(list->refs[group->first_ref + test->ref].name));
+            add(row, "pairs", 1);
+        }
+    return failures;
+}
+
+static size_t count_pairs(const nqm_corpus_item *item, size_t ref) {
+    size_t n = 0;
+    for (size_t t = 0; t < item->plan.n_tests; ++t)
+        n += item->plan.tests[t].ref == ref && !item->failures[t];
+    return n;
 }
 
 static json_t *references_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
@@ -58,12 +134,10 @@ static json_t *references_json(const nqm_corpus_list *list, size_t n_items, cons
         const nqm_corpus_group *group = &list->groups[plan->group];
         for (size_t r = 0; r < plan->n_refs; ++r) {
             const nqm_corpus_ref *ref = &list->refs[group->first_ref + r];
-            size_t n_pairs = 0;
-            for (size_t t = 0; t < plan->n_tests; ++t)
-                n_pairs += plan->tests[t].ref == r;
-            json_t *row = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group", group->name, "split",
-                                    nqm_corpus_split_name(group->split), "source", ref->source, "brdf",
-                                    base_name(ref->brdf), "file_sha256", ref->file_sha256, "pairs", count(n_pairs));
+            json_t *row =
+                json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group", group->name, "split",
+                          nqm_corpus_split_name(group->split), "source", ref->source, "brdf", base_name(ref->brdf),
+                          "file_sha256", ref->file_sha256, "pairs", count(count_pairs(&items[i], r)));
             if (json_array_append_new(references, row) != 0) { /* a manifest that leaves one out proves nothing */
                 json_decref(references);
                 return NULL;
@@ -73,46 +147,57 @@ static json_t *references_json(const nqm_corpus_list *list, size_t n_items, cons
     return references;
 }
 
-static json_t *splits_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
-    struct {
-        size_t groups, refs, pairs;
-    } n[3] = {0};
+/* References, pairs and groups per split, and references and pairs per source. */
+static void count_splits(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items, json_t *splits,
+                         json_t *sources) {
     for (size_t i = 0; i < n_items; ++i) {
-        int split = (int)list->groups[items[i].plan.group].split;
-        ++n[split].groups;
-        n[split].refs += items[i].plan.n_refs;
-        n[split].pairs += items[i].plan.n_tests;
+        const nqm_corpus_group *group = &list->groups[items[i].plan.group];
+        json_t *split = member(splits, nqm_corpus_split_name(group->split));
+        add(split, "groups", 1);
+        for (size_t r = 0; r < group->n_refs; ++r) {
+            size_t n_pairs = count_pairs(&items[i], r);
+            json_t *source = member(sources, list->refs[group->first_ref + r].source);
+            add(split, "references", 1);
+            add(split, "pairs", n_pairs);
+            add(source, "references", 1);
+            add(source, "pairs", n_pairs);
+        }
     }
-    json_t *splits = json_object();
-    for (int k = 0; k < 3; ++k)
-        if (n[k].groups)
-            json_object_set_new(splits, nqm_corpus_split_name((nqm_split)k),
-                                json_pack("{s:o,s:o,s:o}", "groups", count(n[k].groups), "references", count(n[k].refs),
-                                          "pairs", count(n[k].pairs)));
-    return splits;
 }
+
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static json_t *labels_json(void) {
     nqm_curve curve = nqm_curve_default();
-    return json_pack("{s:s,s:[f,f,f]}", "made_by", "Delta-E ITP of direct-light renderings, JOD by the curve", "curve",
-                     curve.b1, curve.b2, curve.b3);
+    return json_pack("{s:s,s:s,s:[s],s:[f,f,f]}", "made_by", "nqm: Delta-E ITP of its own renderings, JOD by the curve",
+                     "of", "this program, not of people", "authors_data_used",
+                     "the curve from Delta-E to JOD (Kavoosighafi et al. 2025), in full precision", "curve", curve.b1,
+                     curve.b2, curve.b3);
 }
 
-static json_t *light_json(const nqm_corpus_context *context) {
-    const char *light = context->options->light;
-    return light ? json_pack("{s:s,s:s}", "file", base_name(light), "sha256", context->light_sha256)
-                 : json_pack("{s:s}", "built_in", "sky");
+static json_t *fit_json(void) {
+    nqm_fit_options fit = nqm_fit_options_default();
+    json_t *models = json_array();
+    for (size_t k = 0; k < nqm_fit_model_count(); ++k)
+        json_array_append_new(models, json_string(nqm_fit_model_name(k)));
+    return json_pack("{s:o,s:s,s:o,s:o}", "models", models, "loss_of_analytic_models", nqm_fit_loss_name(fit.loss),
+                     "directions", count(fit.n_directions), "starts", count(fit.n_starts));
 }
 
 /* json_pack() refuses NULL: one part that fails fails all. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items) {
-    const char *part = context->options->part == NQM_CORPUS_TEST ? "test" : "train,validation";
-    json_t *root =
-        json_pack("{s:i,s:{s:s,s:s},s:s,s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o}", "schema", 1, "tool", "name", "nqm",
-                  "version", nqm_version(), "part", part, "labels", labels_json(), "options", options_json(context),
-                  "light", light_json(context), "directions", nqm_directions_id(context->directions), "splits",
-                  splits_json(context->list, n_items, items), "kinds", kinds_json(n_items, items), "unseen_kinds",
-                  unseen_json(), "references", references_json(context->list, n_items, items));
+    const nqm_corpus_options *options = context->options;
+    json_t *kinds = json_object(), *families = json_object(), *splits = json_object(), *sources = json_object();
+    count_kinds(n_items, items, kinds, families);
+    count_splits(context->list, n_items, items, splits, sources);
+    json_t *root = json_pack(
+        "{s:i,s:{s:s,s:s},s:s,s:o,s:{s:o,s:o},s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 2, "tool",
+        "name", "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
+        "labels", labels_json(), "options", "seed", count(options->seed), "perturbations",
+        count(options->n_perturbations), "scene", scene_json(context), "fits", fit_json(), "encoders",
+        encoders_json(context), "directions", nqm_directions_id(context->directions), "splits", splits, "sources",
+        sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(), "failures",
+        failures_json(context->list, n_items, items), "references", references_json(context->list, n_items, items));
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     char *copy = text ? nqm_strdup(text) : NULL;

@@ -84,10 +84,36 @@ static nqm_split split_of(const scan *s, const char *group) {
     return u < validation_share ? NQM_SPLIT_VALIDATION : NQM_SPLIT_TRAIN;
 }
 
+static void put_quoted_part(FILE *out, const char *text) {
+    for (; *text; ++text) {
+        if (*text == '"')
+            fputc('"', out);
+        fputc(*text, out);
+    }
+}
+
+/* A field made of up to three parts, quoted where it has to be. */
+static void put_field(FILE *out, const char *a, const char *b, const char *c) {
+    static const char special[] = ",\"\r\n";
+    if (!strpbrk(a, special) && !strpbrk(b, special) && !strpbrk(c, special)) {
+        fprintf(out, "%s%s%s", a, b, c);
+        return;
+    }
+    fputc('"', out);
+    put_quoted_part(out, a);
+    put_quoted_part(out, b);
+    put_quoted_part(out, c);
+    fputc('"', out);
+}
+
 /* `member`: the material is one of several in the file. */
 static void put_row(scan *s, const char *source, const char *material, const char *file, bool member) {
-    fprintf(s->out, "%s-%s,%s,%s%s%s,%s,%s\n", source, material, material, file, member ? ":" : "",
-            member ? material : "", source, nqm_corpus_split_name(split_of(s, material)));
+    put_field(s->out, source, "-", material);
+    fputc(',', s->out);
+    put_field(s->out, material, "", "");
+    fputc(',', s->out);
+    put_field(s->out, file, member ? ":" : "", member ? material : "");
+    fprintf(s->out, ",%s,%s\n", source, nqm_corpus_split_name(split_of(s, material)));
     ++s->n_rows;
 }
 

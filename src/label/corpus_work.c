@@ -30,39 +30,60 @@ static void hash_f64(nqm_sha256 *sha, double value) {
 }
 
 static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
-    const nqm_scene_options *scene = &context->scene_options;
-    hash_text(sha, "nqm corpus work file 1");
+    const nqm_scene_options *scene = &context->options->scene;
+    hash_text(sha, "nqm corpus work file 2");
     hash_text(sha, nqm_version());
     hash_text(sha, nqm_directions_id(context->directions));
     hash_text(sha, context->light_sha256);
-    hash_u64(sha, scene->n_points);
-    hash_u64(sha, scene->n_lights);
-    hash_u64(sha, scene->seed);
+    hash_text(sha, *context->shape_sha256 ? context->shape_sha256 : scene->shape ? scene->shape : "");
+    const uint64_t counts[] = {scene->width,          scene->height, scene->n_points,     scene->n_frames,
+                               scene->n_lights,       scene->seed,   scene->shadows != 0, scene->interreflection != 0,
+                               context->options->seed};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
+        hash_u64(sha, counts[i]);
+    hash_f64(sha, scene->turn_rad);
+    hash_f64(sha, scene->elevation_rad);
     hash_f64(sha, scene->exposure_cdm2);
     hash_f64(sha, scene->peak_cdm2);
-    hash_u64(sha, context->options->seed);
-    for (size_t k = 0; k < NQM_CORPUS_N_FITS; ++k) {
-        hash_text(sha, nqm_corpus_fits[k].model);
-        hash_text(sha, nqm_fit_loss_name(nqm_corpus_fits[k].loss));
-    }
+    for (size_t k = 0; k < nqm_fit_model_count(); ++k)
+        hash_text(sha, nqm_fit_model_name(k));
+    for (size_t k = 0; k < 2; ++k)
+        hash_text(sha, context->encoder_sha256[k]);
 }
 
-static void hash_plan(nqm_sha256 *sha, const nqm_corpus_list *list, const nqm_corpus_plan *plan) {
+/* What is behind a form: presets and other specs with all their parameters, files by their checksum. */
+static nqm_status hash_form(nqm_sha256 *sha, const nqm_corpus_form *form, const char *file_sha256, nqm_error *err) {
+    hash_text(sha, form->brdf);
+    hash_text(sha, form->kind.name);
+    hash_text(sha, file_sha256);
+    if (*file_sha256)
+        return NQM_OK;
+    nqm_brdf *brdf;
+    nqm_status status = nqm_brdf_open(form->path, &brdf, err);
+    if (status != NQM_OK)
+        return status;
+    const char *spec = nqm_brdf_get_info(brdf).spec;
+    hash_text(sha, spec ? spec : "");
+    nqm_brdf_free(brdf);
+    return NQM_OK;
+}
+
+static nqm_status hash_plan(nqm_sha256 *sha, const nqm_corpus_list *list, const nqm_corpus_plan *plan, nqm_error *err) {
+    nqm_status status = NQM_OK;
     size_t first = list->groups[plan->group].first_ref;
     hash_text(sha, list->groups[plan->group].name);
-    for (size_t f = 0; f < plan->n_forms; ++f) {
-        hash_text(sha, plan->forms[f].brdf);
-        hash_text(sha, f < plan->n_refs ? list->refs[first + f].file_sha256 : "");
-    }
+    for (size_t f = 0; status == NQM_OK && f < plan->n_forms; ++f)
+        status = hash_form(sha, &plan->forms[f], f < plan->n_refs ? list->refs[first + f].file_sha256 : "", err);
     for (size_t t = 0; t < plan->n_tests; ++t) {
         const nqm_corpus_test *test = &plan->tests[t];
         hash_u64(sha, test->ref);
         hash_u64(sha, test->base);
         hash_u64(sha, test->which);
-        hash_text(sha, nqm_corpus_kind_name(test->kind));
+        hash_text(sha, test->kind.name);
         hash_text(sha, test->perturbation[0]);
         hash_text(sha, test->perturbation[1]);
     }
+    return status;
 }
 
 nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_corpus_item *item, char **path_ret,
@@ -77,8 +98,12 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
         return nqm_fail_nomem(err, n);
     }
     hash_context(&sha, context);
-    hash_plan(&sha, context->list, &item->plan);
+    nqm_status status = hash_plan(&sha, context->list, &item->plan, err);
     nqm_sha256_end(&sha, hex);
+    if (status != NQM_OK) {
+        nqm_free(path);
+        return status;
+    }
     snprintf(path, n, "%s/%.32s.safetensors", folder, hex);
     *path_ret = path;
     return NQM_OK;
@@ -86,7 +111,7 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
 
 /* ---- content ----------------------------------------------------------------------------------------------------- */
 
-enum { N_TENSORS = 5 };
+enum { N_TENSORS = 6 };
 
 static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N_TENSORS]) {
     size_t n_refs = item->plan.n_refs, n_tests = item->plan.n_tests;
@@ -95,48 +120,62 @@ static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N
         {.name = "ref_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_refs, n}, .n_bytes = n_refs * n},
         {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_tests, n, 3}, .n_bytes = 12 * n_tests * n},
         {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_tests, n}, .n_bytes = n_tests * n},
-        {.name = "delta_e", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .n_bytes = 8 * n_tests}};
+        {.name = "delta_e", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .n_bytes = 8 * n_tests},
+        {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .n_bytes = 8 * n_tests}};
     memcpy(tensors, all, sizeof all);
     tensors[0].data = item->ref_rgb;
     tensors[1].data = item->ref_used;
     tensors[2].data = item->test_rgb;
     tensors[3].data = item->test_used;
     tensors[4].data = item->delta_e;
+    tensors[5].data = item->fit_loss;
 }
 
-nqm_status nqm_corpus_item_save(const char *path, size_t n_directions, const nqm_corpus_item *item, nqm_error *err) {
+/* (n) strings as a JSON array, NULL as null; free(). NULL when out of memory or not UTF-8. */
+static char *strings_to_json(size_t n, char *const *strings) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < n; ++i)
+        json_array_append_new(array, strings[i] ? json_string(strings[i]) : json_null());
+    char *text = json_array_size(array) == n ? json_dumps(array, JSON_COMPACT) : NULL;
+    json_decref(array);
+    return text;
+}
+
+nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, nqm_error *err) {
     nqm_tensor tensors[N_TENSORS];
     describe(item, n_directions, tensors);
-    json_t *names = json_array();
-    for (size_t t = 0; t < item->plan.n_tests; ++t)
-        json_array_append_new(names, json_string(item->names[t]));
-    char *text = json_array_size(names) == item->plan.n_tests ? json_dumps(names, JSON_COMPACT) : NULL;
-    json_decref(names);
-    if (!text)
-        return nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory", path);
-    const nqm_meta meta = {"names", text};
-    nqm_status status = nqm_safetensors_write(path, N_TENSORS, tensors, 1, &meta, NULL, err);
-    free(text);
+    char *names = strings_to_json(item->plan.n_tests, item->names);
+    char *failures = strings_to_json(item->plan.n_tests, item->failures);
+    const nqm_meta meta[] = {{"names", names}, {"failures", failures}};
+    nqm_status status =
+        names && failures ? nqm_safetensors_write(item->path, N_TENSORS, tensors, 2, meta, NULL, err)
+                          : nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: a name is not UTF-8, or memory is short", item->path);
+    free(names);
+    free(failures);
     return status;
 }
 
-static bool load_names(const nqm_safetensors *st, nqm_corpus_item *item) {
-    const char *text = nqm_safetensors_meta(st, "names");
-    json_t *names = text ? json_loads(text, 0, NULL) : NULL;
-    size_t n_tests = item->plan.n_tests, t = 0;
-    while (json_array_size(names) == n_tests && t < n_tests) {
-        const char *name = json_string_value(json_array_get(names, t));
-        item->names[t] = name ? nqm_strdup(name) : NULL;
-        if (!item->names[t])
-            break;
-        ++t;
+static void forget(size_t n, char **strings) {
+    for (size_t i = 0; i < n; ++i) {
+        nqm_free(strings[i]);
+        strings[i] = NULL;
     }
-    json_decref(names);
-    for (size_t k = 0; t < n_tests && k < t; ++k) {
-        nqm_free(item->names[k]);
-        item->names[k] = NULL;
+}
+
+/* The opposite of strings_to_json(). */
+static bool load_strings(const nqm_safetensors *st, const char *key, size_t n, char **strings) {
+    const char *text = nqm_safetensors_meta(st, key);
+    json_t *array = text ? json_loads(text, 0, NULL) : NULL;
+    bool good = json_array_size(array) == n;
+    for (size_t i = 0; good && i < n; ++i) {
+        const char *string = json_string_value(json_array_get(array, i));
+        strings[i] = string ? nqm_strdup(string) : NULL;
+        good = !string || strings[i];
     }
-    return t == n_tests;
+    json_decref(array);
+    if (!good)
+        forget(n, strings);
+    return good;
 }
 
 /* Same shapes as the item's, and an intact checksum. */
@@ -154,7 +193,24 @@ static bool matches(const nqm_safetensors *st, const nqm_tensor tensors[N_TENSOR
     return true;
 }
 
-bool nqm_corpus_item_load(const char *path, size_t n_directions, nqm_corpus_item *item) {
+/* Every test has a name. */
+static bool load_names(const nqm_safetensors *st, nqm_corpus_item *item) {
+    size_t n = item->plan.n_tests;
+    if (!load_strings(st, "names", n, item->names) || !load_strings(st, "failures", n, item->failures)) {
+        forget(n, item->names);
+        return false;
+    }
+    for (size_t i = 0; i < n; ++i)
+        if (!item->names[i]) {
+            forget(n, item->names);
+            forget(n, item->failures);
+            return false;
+        }
+    return true;
+}
+
+bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
+    const char *path = item->path;
     nqm_tensor tensors[N_TENSORS];
     nqm_map map;
     nqm_safetensors *st;
@@ -166,7 +222,8 @@ bool nqm_corpus_item_load(const char *path, size_t n_directions, nqm_corpus_item
     }
     describe(item, n_directions, tensors);
     bool loaded = matches(st, tensors) && load_names(st, item);
-    void *const into[N_TENSORS] = {item->ref_rgb, item->ref_used, item->test_rgb, item->test_used, item->delta_e};
+    void *const into[N_TENSORS] = {item->ref_rgb,   item->ref_used, item->test_rgb,
+                                   item->test_used, item->delta_e,  item->fit_loss};
     for (size_t i = 0; loaded && i < N_TENSORS; ++i)
         memcpy(into[i], nqm_safetensors_find(st, tensors[i].name)->data, tensors[i].n_bytes);
     nqm_safetensors_free(st);

@@ -119,33 +119,73 @@ static void training_never_sees_the_unseen_kinds(void **state) {
         nqm_corpus_plan plan;
         plan_of(NQM_CORPUS_TRAINING, seed, 0, &plan);
         for (size_t t = 0; t < plan.n_tests; ++t) {
-            assert_false(nqm_corpus_kind_unseen(plan.tests[t].kind));
+            assert_false(nqm_corpus_kind_unseen(plan.tests[t].kind.name));
             for (int k = 0; k < 2; ++k) {
-                assert_null(strstr(plan.tests[t].perturbation[k], "quantise"));
-                assert_null(strstr(plan.tests[t].perturbation[k], "shift"));
+                assert_null(strstr(plan.tests[t].perturbation[k], "clamp"));
+                assert_null(strstr(plan.tests[t].perturbation[k], "ripple"));
+                assert_null(strstr(plan.tests[t].perturbation[k], "hue"));
             }
         }
         nqm_corpus_plan_free(&plan);
     }
 }
 
+static size_t count_kind(const nqm_corpus_plan *plan, const char *name, nqm_corpus_family family) {
+    size_t n = 0;
+    for (size_t t = 0; t < plan->n_tests; ++t)
+        if (strcmp(plan->tests[t].kind.name, name) == 0) {
+            assert_int_equal(plan->tests[t].kind.family, family);
+            ++n;
+        }
+    return n;
+}
+
 static void every_kind_gets_its_turn(void **state) {
     (void)state;
-    size_t n[NQM_KIND_COUNT] = {0};
     nqm_corpus_plan plan;
     plan_of(NQM_CORPUS_TEST, 1, 2, &plan);
-    assert_int_equal(plan.n_forms, 3); /* sgd:nickel, and two of the further presets */
-    assert_int_equal(plan.n_tests, 4 + 2 + 26);
-    for (size_t t = 0; t < plan.n_tests; ++t)
-        ++n[plan.tests[t].kind];
+    size_t n_presets = 0;
+    for (size_t i = 0; i < nqm_brdf_preset_count(); ++i)
+        n_presets += strcmp(strchr(nqm_brdf_preset_name(i), ':'), ":nickel") == 0;
+    assert_true(n_presets >= 2);
+    assert_int_equal(plan.n_forms, n_presets); /* the reference is one of them */
+    assert_int_equal(plan.n_tests, nqm_fit_model_count() + n_presets - 1 + 26);
+    for (size_t k = 0; k < nqm_fit_model_count(); ++k)
+        assert_int_equal(count_kind(&plan, nqm_fit_model_name(k), NQM_FAMILY_ENCODING), 1);
+    assert_int_equal(count_kind(&plan, "published-ward", NQM_FAMILY_PUBLISHED), 1);
+    assert_int_equal(count_kind(&plan, "published-sgd", NQM_FAMILY_PUBLISHED), 0);
+    for (size_t i = 0; nqm_corpus_perturbation(i); ++i)
+        assert_in_range(count_kind(&plan, nqm_corpus_perturbation(i), NQM_FAMILY_PERTURBATION), 1, 2);
+    assert_in_range(count_kind(&plan, "composed", NQM_FAMILY_COMPOSED), 2, 4);
+    assert_in_range(count_kind(&plan, "refit", NQM_FAMILY_COMPOSED), 2, 4);
     nqm_corpus_plan_free(&plan);
-    assert_int_equal(n[NQM_KIND_WARD], 2);
-    assert_int_equal(n[NQM_KIND_GGX], 2);
-    assert_int_equal(n[NQM_KIND_PRESET], 2);
-    for (int k = NQM_KIND_GLOSS; k <= NQM_KIND_SHIFT; ++k)
-        assert_in_range(n[k], 1, 2);
-    assert_in_range(n[NQM_KIND_COMPOSED], 2, 4);
-    assert_in_range(n[NQM_KIND_REFIT], 2, 4);
+
+    plan_of(NQM_CORPUS_TRAINING, 1, 0, &plan);
+    assert_true(count_kind(&plan, "quantise", NQM_FAMILY_PERTURBATION) >= 2);
+    assert_true(count_kind(&plan, "shift", NQM_FAMILY_PERTURBATION) >= 2);
+    assert_int_equal(count_kind(&plan, "form-ward", NQM_FAMILY_FORM), 1);
+    nqm_corpus_plan_free(&plan);
+}
+
+/* Highlights that are weakened a little, nearly gone and gone, all in one stream of tests. */
+static void highlights_go_missing(void **state) {
+    (void)state;
+    enum { N = 2000 };
+    static nqm_corpus_test tests[N];
+    nqm_rng rng = nqm_rng_make(1, 0);
+    nqm_corpus_draw_tests(&rng, 0, NQM_CORPUS_TRAINING, N, tests);
+    size_t n = 0, n_none = 0, n_little = 0;
+    for (size_t t = 0; t < N; ++t) {
+        if (strcmp(tests[t].kind.name, "peak") != 0)
+            continue;
+        double peak = atof(tests[t].perturbation[0] + strlen("peak="));
+        ++n;
+        n_none += peak == 0;
+        n_little += peak > 0 && peak <= 0.1;
+    }
+    assert_in_range(n, 130, 145);
+    assert_in_range(n_none, 10, 40);
+    assert_in_range(n_little, 10, 40);
 }
 
 static void a_seed_is_a_plan(void **state) {
@@ -390,6 +430,7 @@ int main(void) {
         cmocka_unit_test(bad_lists_are_refused),
         cmocka_unit_test(training_never_sees_the_unseen_kinds),
         cmocka_unit_test(every_kind_gets_its_turn),
+        cmocka_unit_test(highlights_go_missing),
         cmocka_unit_test(a_seed_is_a_plan),
         cmocka_unit_test(a_table_reads_like_its_source),
         cmocka_unit_test(folding_makes_reciprocal),

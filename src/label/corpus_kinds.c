@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The kinds of test with their families, and the drawing of perturbed copies. Strengths are log-uniform, so that faint
+ * differences, where metrics fail, are as common as strong ones.
+ */
+#include "label/corpus.h"
+
+#include <math.h>
+#include <string.h>
+
+const char *nqm_corpus_family_name(nqm_corpus_family family) {
+    static const char *const names[NQM_FAMILY_COUNT] = {[NQM_FAMILY_ENCODING] = "encoding",
+                                                        [NQM_FAMILY_PUBLISHED] = "published",
+                                                        [NQM_FAMILY_FORM] = "form",
+                                                        [NQM_FAMILY_PERTURBATION] = "perturbation",
+                                                        [NQM_FAMILY_COMPOSED] = "composed"};
+    return names[family];
+}
+
+/* A perturbation and how strong it gets: a size log-uniform in [faint, strong]. The kind's name is the key. */
+typedef struct perturbation {
+    const char *key;
+    double faint, strong;
+    enum {
+        PLAIN,  /* the value is the size */
+        SIGNED, /* ... with a random sign */
+        FACTOR, /* exp(+-size) */
+        PEAK,   /* the same, or a highlight that is weak or missing */
+        TINT    /* a factor for each channel */
+    } form;
+    bool slow;        /* reads its base many times: kept out of compositions */
+    bool unseen;      /* in the test part only */
+    const char *more; /* further keys with whole numbers: "%u" from [more_from, more_to); NULL: none */
+    unsigned more_from, more_to;
+} perturbation;
+
+static const perturbation perturbations[] = {
+    {.key = "gloss", .faint = 0.02, .strong = 1.6, .form = FACTOR},
+    {.key = "tint", .faint = 0.01, .strong = 0.8, .form = TINT},
+    {.key = "scale", .faint = 0.01, .strong = 1.2, .form = FACTOR},
+    {.key = "fresnel", .faint = 0.3, .strong = 4.5, .form = FACTOR},
+    {.key = "smooth", .faint = 0.4, .strong = 15, .form = PLAIN, .slow = true}, /* degrees */
+    {.key = "mix", .faint = 0.01, .strong = 0.9, .form = PLAIN},
+    {.key = "noise", .faint = 0.02, .strong = 1.2, .form = PLAIN, .more = "cells", .more_from = 6, .more_to = 25},
+    {.key = "peak", .faint = 0.03, .strong = 2, .form = PEAK},
+    {.key = "desaturate", .faint = 0.03, .strong = 1, .form = SIGNED},
+    {.key = "quantise", .faint = 1, .strong = 40, .form = PLAIN}, /* steps a decade: fewer are worse */
+    {.key = "shift", .faint = 0.2, .strong = 12, .form = SIGNED}, /* degrees */
+    {.key = "clamp", .faint = 0.01, .strong = 0.9, .form = PLAIN, .unseen = true},
+    {.key = "ripple",
+     .faint = 0.02,
+     .strong = 0.8,
+     .form = PLAIN,
+     .unseen = true,
+     .more = "bands",
+     .more_from = 2,
+     .more_to = 25},
+    {.key = "hue", .faint = 2, .strong = 90, .form = SIGNED, .unseen = true}, /* degrees */
+};
+enum { N_PERTURBATIONS = sizeof perturbations / sizeof *perturbations };
+
+const char *nqm_corpus_perturbation(size_t i) {
+    return i < N_PERTURBATIONS ? perturbations[i].key : NULL;
+}
+
+bool nqm_corpus_kind_unseen(const char *name) {
+    for (size_t i = 0; i < N_PERTURBATIONS; ++i)
+        if (strcmp(perturbations[i].key, name) == 0)
+            return perturbations[i].unseen;
+    return false;
+}
+
+/* ---- one perturbation -------------------------------------------------------------------------------------------- */
+
+static size_t put_number(char *text, size_t n_text, double value) {
+    char number[32];
+    nqm_format_double(number, sizeof number, nqm_round_digits(value, 4));
+    return (size_t)snprintf(text, n_text, "%s", number);
+}
+
+/* Three factors about 1 that change the colour and leave their geometric mean. */
+static void put_tint(nqm_rng *rng, double size, char *text, size_t n_text) {
+    double d[3], mean = 0, largest = 0;
+    for (int c = 0; c < 3; ++c) {
+        d[c] = nqm_rng_normal(rng);
+        mean += d[c] / 3;
+    }
+    for (int c = 0; c < 3; ++c)
+        largest = fmax(largest, fabs(d[c] - mean));
+    size_t used = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (c > 0)
+            used += (size_t)snprintf(text + used, n_text - used, ",");
+        used += put_number(text + used, n_text - used, exp(size * (d[c] - mean) / fmax(largest, 1e-9)));
+    }
+}
+
+/* Fits that miss a sharp highlight altogether are common: one in six has none, one in six almost none. */
+static double draw_peak(nqm_rng *rng, double factor) {
+    double u = nqm_rng_uniform(rng);
+    if (u < 1.0 / 6)
+        return 0;
+    return u < 2.0 / 6 ? 0.002 * pow(50, nqm_rng_uniform(rng)) : factor;
+}
+
+static double draw_value(nqm_rng *rng, const perturbation *p, double size) {
+    double sign = nqm_rng_uniform(rng) < 0.5 ? -1 : 1;
+    switch (p->form) {
+    case SIGNED:
+        return sign * size;
+    case FACTOR:
+        return exp(sign * size);
+    case PEAK:
+        return draw_peak(rng, exp(sign * size));
+    case PLAIN:
+    case TINT:
+        break;
+    }
+    return size;
+}
+
+/* The settings of a perturbation spec. */
+static void draw_perturbation(nqm_rng *rng, const perturbation *p, char text[80]) {
+    double size = p->faint * pow(p->strong / p->faint, nqm_rng_uniform(rng));
+    size_t used = (size_t)snprintf(text, 80, "%s=", p->key);
+    if (p->form == TINT) {
+        put_tint(rng, size, text + used, 80 - used);
+        return;
+    }
+    used += put_number(text + used, 80 - used, draw_value(rng, p, size));
+    if (strcmp(p->key, "noise") == 0)
+        used += (size_t)snprintf(text + used, 80 - used, ";seed=%u", (unsigned)nqm_rng_below(rng, 1000000));
+    if (p->more)
+        snprintf(text + used, 80 - used, ";%s=%u", p->more,
+                 p->more_from + (unsigned)nqm_rng_below(rng, p->more_to - p->more_from));
+}
+
+/* ---- the perturbed copies of a reference ------------------------------------------------------------------------- */
+
+/* Any two perturbations that training may see and that are quick. */
+static void draw_two(nqm_rng *rng, const perturbation *two[2]) {
+    const perturbation *quick[N_PERTURBATIONS];
+    size_t n = 0;
+    for (size_t i = 0; i < N_PERTURBATIONS; ++i)
+        if (!perturbations[i].slow && !perturbations[i].unseen)
+            quick[n++] = &perturbations[i];
+    size_t first = (size_t)nqm_rng_below(rng, n);
+    two[0] = quick[first];
+    two[1] = quick[(first + 1 + (size_t)nqm_rng_below(rng, n - 1)) % n];
+}
+
+enum { COMPOSED = N_PERTURBATIONS, REFIT, N_CHOICES }; /* what else a copy can be */
+
+static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t choice) {
+    nqm_corpus_test test = {.ref = ref, .kind.family = NQM_FAMILY_COMPOSED, .base = NQM_BASE_REF};
+    const perturbation *two[2];
+    if (choice < N_PERTURBATIONS) {
+        test.kind.family = NQM_FAMILY_PERTURBATION;
+        snprintf(test.kind.name, sizeof test.kind.name, "%s", perturbations[choice].key);
+        draw_perturbation(rng, &perturbations[choice], test.perturbation[0]);
+        return test;
+    }
+    draw_two(rng, two);
+    draw_perturbation(rng, two[0], test.perturbation[0]);
+    if (choice == REFIT) {
+        test.base = NQM_BASE_FIT;
+        test.which = (size_t)nqm_rng_below(rng, nqm_fit_model_count());
+    } else {
+        draw_perturbation(rng, two[1], test.perturbation[1]);
+    }
+    snprintf(test.kind.name, sizeof test.kind.name, "%s", choice == REFIT ? "refit" : "composed");
+    return test;
+}
+
+/* A round of choices, each once; the slow one every other round; twice the two that mix all kinds. */
+static size_t make_round(nqm_corpus_part part, size_t round, size_t *choices) {
+    size_t n = 0;
+    for (size_t i = 0; i < N_PERTURBATIONS; ++i)
+        if ((part == NQM_CORPUS_TEST || !perturbations[i].unseen) && (!perturbations[i].slow || round % 2 == 0))
+            choices[n++] = i;
+    for (int k = 0; k < 2; ++k) {
+        choices[n++] = COMPOSED;
+        choices[n++] = REFIT;
+    }
+    return n;
+}
+
+void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, nqm_corpus_part part, size_t n, nqm_corpus_test *tests) {
+    size_t choices[N_CHOICES + 2], n_round = 0, at = 0, round = 0;
+    for (size_t i = 0; i < n; ++i, ++at) {
+        if (at == n_round) {
+            n_round = make_round(part, round++, choices);
+            nqm_rng_shuffle(rng, n_round, choices);
+            at = 0;
+        }
+        tests[i] = draw_test(rng, ref, choices[at]);
+    }
+}
