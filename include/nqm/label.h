@@ -149,6 +149,8 @@ typedef struct nqm_corpus_options {
                                  share it share the work: each makes groups that no other has begun, and waits for the
                                  others' at the end; NULL: none */
     int work_only;           /**< 1: help those that share `checkpoint`, but write no dataset; default 0 */
+    const char *models;      /**< models of nqm_fit() that encode each reference, with commas between them; "": none;
+                                 NULL: all; default NULL */
     size_t n_perturbations;  /**< perturbed copies a reference; default 26 */
     uint64_t seed;           /**< default 1 */
     nqm_progress_fn progress;

@@ -59,7 +59,7 @@ static nqm_status make_plans(nqm_corpus *c, const char *materials_csv, nqm_error
         if (!nqm_corpus_in_part(&c->list.groups[g], options->part))
             continue;
         nqm_corpus_item *item = &c->items[c->n_items];
-        nqm_status status = nqm_corpus_plan_make(&c->list, g, options, &item->plan, err);
+        nqm_status status = nqm_corpus_plan_make(&c->list, g, &c->context.models, options, &item->plan, err);
         if (status != NQM_OK)
             return status;
         ++c->n_items;
@@ -162,6 +162,8 @@ nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *dir
     c.context.directions = directions;
     c.context.list = &c.list;
     nqm_status status = check_output(&options, path, err);
+    if (status == NQM_OK)
+        status = nqm_corpus_models_parse(options.models, &c.context.models, err);
     if (status == NQM_OK)
         status = make_folder(options.checkpoint, err);
     if (status == NQM_OK)

@@ -75,6 +75,8 @@ bool nqm_corpus_kind_unseen(const char *name);
 
 /* ---- the plan of tests ------------------------------------------------------------------------------------------- */
 
+enum { NQM_CORPUS_MAX_MODELS = 64 };
+
 /** A form of a material: a reference of the list, or a preset that is a test only. */
 typedef struct nqm_corpus_form {
     const char *brdf;     /* as listed */
@@ -90,9 +92,18 @@ typedef struct nqm_corpus_test {
     size_t ref; /* within the group */
     nqm_corpus_kind kind;
     nqm_corpus_base base;
-    size_t which;             /* of the models of nqm_fit(), or of the plan's forms */
+    size_t which;             /* of the models of the corpus, or of the plan's forms */
     char perturbation[2][80]; /* "gloss=0.8"; the first is applied first; "" for none */
 } nqm_corpus_test;
+
+/** The models that encode each reference. */
+typedef struct nqm_corpus_models {
+    size_t n;
+    const char *name[NQM_CORPUS_MAX_MODELS]; /* static storage */
+} nqm_corpus_models;
+
+/** As nqm_corpus_options.models; each once, in the order of nqm_fit_model_name(). */
+NQM_MUST_CHECK nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err);
 
 /** All that is to be done for one material group. */
 typedef struct nqm_corpus_plan {
@@ -105,11 +116,13 @@ typedef struct nqm_corpus_plan {
 
 /** Plan a group: depends on the list, the seed and the options only. Free with nqm_corpus_plan_free(). */
 NQM_MUST_CHECK nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group,
-                                               const nqm_corpus_options *options, nqm_corpus_plan *plan_ret,
-                                               nqm_error *err);
+                                               const nqm_corpus_models *models, const nqm_corpus_options *options,
+                                               nqm_corpus_plan *plan_ret, nqm_error *err);
 void nqm_corpus_plan_free(nqm_corpus_plan *plan);
-/** n perturbed copies of a reference that go through the kinds of this part in turn; tests (n). */
-void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, nqm_corpus_part part, size_t n, nqm_corpus_test *tests);
+/** n perturbed copies of a reference, of which there are n_fits encodings, that go through the kinds of this part in
+ *  turn; tests (n). */
+void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, size_t n_fits, nqm_corpus_part part, size_t n,
+                           nqm_corpus_test *tests);
 
 /* ---- the work on one group --------------------------------------------------------------------------------------- */
 
@@ -119,6 +132,7 @@ typedef struct nqm_corpus_context {
     const nqm_corpus_options *options;
     const nqm_directions *directions;
     const nqm_scene *scene;
+    nqm_corpus_models models;
     char light_sha256[65];                    /* "" for the built-in sky */
     char shape_sha256[65];                    /* of a mesh file; "" for built-in shapes */
     char encoder_sha256[2][65];               /* of nqm_corpus_encoders; "" where this build has none */

@@ -115,7 +115,7 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
     nqm_brdf_free(fit->view.brdf);
     fit->view.brdf = NULL;
     fit->fault = (nqm_error){0};
-    nqm_status status = nqm_fit(ref, nqm_fit_model_name(k), &options, &fit->report, &fit->view.brdf, &fit->fault);
+    nqm_status status = nqm_fit(ref, j->context->models.name[k], &options, &fit->report, &fit->view.brdf, &fit->fault);
     if (status == NQM_OK)
         status = look(j, &fit->view, &fit->fault);
     fit->fault.status = status;
@@ -163,7 +163,7 @@ static char *test_name(const job *j, const nqm_corpus_test *test) {
     if (fit && fit->fault.status == NQM_OK && *fit->report.spec) {
         base = fit->report.spec;
     } else if (fit) {
-        model = nqm_fit_model_name((size_t)(fit - j->fits));
+        model = j->context->models.name[fit - j->fits];
         of = " of ";
     }
     size_t n = strlen(base) + strlen(model) + sizeof test->perturbation + 40, used = 0;
@@ -266,7 +266,7 @@ nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_it
              .item = item,
              .n = nqm_directions_count(context->directions),
              .n_points = nqm_scene_count(context->scene),
-             .n_fits = nqm_fit_model_count(),
+             .n_fits = context->models.n,
              .err = err};
     j.forms = nqm_alloc(item->plan.n_forms, sizeof *j.forms);
     j.fits = nqm_alloc(j.n_fits, sizeof *j.fits);

@@ -151,7 +151,7 @@ static void draw_two(nqm_rng *rng, const perturbation *two[2]) {
 
 enum { COMPOSED = N_PERTURBATIONS, REFIT, N_CHOICES }; /* what else a copy can be */
 
-static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t choice) {
+static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t n_fits, size_t choice) {
     nqm_corpus_test test = {.ref = ref, .kind.family = NQM_FAMILY_COMPOSED, .base = NQM_BASE_REF};
     const perturbation *two[2];
     if (choice < N_PERTURBATIONS) {
@@ -164,7 +164,7 @@ static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t choice) {
     draw_perturbation(rng, two[0], test.perturbation[0]);
     if (choice == REFIT) {
         test.base = NQM_BASE_FIT;
-        test.which = (size_t)nqm_rng_below(rng, nqm_fit_model_count());
+        test.which = (size_t)nqm_rng_below(rng, n_fits);
     } else {
         draw_perturbation(rng, two[1], test.perturbation[1]);
     }
@@ -173,26 +173,27 @@ static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t choice) {
 }
 
 /* A round of choices, each once; the slow one every other round; twice the two that mix all kinds. */
-static size_t make_round(nqm_corpus_part part, size_t round, size_t *choices) {
+static size_t make_round(nqm_corpus_part part, size_t round, bool with_fits, size_t *choices) {
     size_t n = 0;
     for (size_t i = 0; i < N_PERTURBATIONS; ++i)
         if ((part == NQM_CORPUS_TEST || !perturbations[i].unseen) && (!perturbations[i].slow || round % 2 == 0))
             choices[n++] = i;
     for (int k = 0; k < 2; ++k) {
         choices[n++] = COMPOSED;
-        choices[n++] = REFIT;
+        choices[n++] = with_fits ? REFIT : COMPOSED;
     }
     return n;
 }
 
-void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, nqm_corpus_part part, size_t n, nqm_corpus_test *tests) {
+void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, size_t n_fits, nqm_corpus_part part, size_t n,
+                           nqm_corpus_test *tests) {
     size_t choices[N_CHOICES + 2], n_round = 0, at = 0, round = 0;
     for (size_t i = 0; i < n; ++i, ++at) {
         if (at == n_round) {
-            n_round = make_round(part, round++, choices);
+            n_round = make_round(part, round++, n_fits > 0, choices);
             nqm_rng_shuffle(rng, n_round, choices);
             at = 0;
         }
-        tests[i] = draw_test(rng, ref, choices[at]);
+        tests[i] = draw_test(rng, ref, n_fits, choices[at]);
     }
 }

@@ -175,11 +175,11 @@ static json_t *labels_json(void) {
                      curve.b2, curve.b3);
 }
 
-static json_t *fit_json(void) {
+static json_t *fit_json(const nqm_corpus_models *used) {
     nqm_fit_options fit = nqm_fit_options_default();
     json_t *models = json_array();
-    for (size_t k = 0; k < nqm_fit_model_count(); ++k)
-        json_array_append_new(models, json_string(nqm_fit_model_name(k)));
+    for (size_t k = 0; k < used->n; ++k)
+        json_array_append_new(models, json_string(used->name[k]));
     return json_pack("{s:o,s:s,s:o,s:o}", "models", models, "loss_of_analytic_models", nqm_fit_loss_name(fit.loss),
                      "directions", count(fit.n_directions), "starts", count(fit.n_starts));
 }
@@ -194,7 +194,7 @@ char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, con
         "{s:i,s:{s:s,s:s},s:s,s:o,s:{s:o,s:o},s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 2, "tool",
         "name", "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
         "labels", labels_json(), "options", "seed", count(options->seed), "perturbations",
-        count(options->n_perturbations), "scene", scene_json(context), "fits", fit_json(), "encoders",
+        count(options->n_perturbations), "scene", scene_json(context), "fits", fit_json(&context->models), "encoders",
         encoders_json(context), "directions", nqm_directions_id(context->directions), "splits", splits, "sources",
         sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(), "failures",
         failures_json(context->list, n_items, items), "references", references_json(context->list, n_items, items));

@@ -63,6 +63,30 @@ static nqm_status plan_forms(const nqm_corpus_list *list, const nqm_corpus_group
     return NQM_OK;
 }
 
+/* ---- models ------------------------------------------------------------------------------------------------------ */
+
+static bool listed(const char *list, const char *name) {
+    size_t n = strlen(name);
+    for (const char *at = list; *at; at += strcspn(at, ","), at += *at == ',')
+        if (strcspn(at, ",") == n && strncmp(at, name, n) == 0)
+            return true;
+    return false;
+}
+
+nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err) {
+    nqm_corpus_models models = {0};
+    size_t n_words = 0;
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
+        ++n_words;
+    for (size_t k = 0; k < nqm_fit_model_count() && models.n < NQM_CORPUS_MAX_MODELS; ++k)
+        if (!list || listed(list, nqm_fit_model_name(k)))
+            models.name[models.n++] = nqm_fit_model_name(k);
+    if (list && n_words != models.n)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "'%.200s' names a model that cannot be fitted, or one twice", list);
+    *models_ret = models;
+    return NQM_OK;
+}
+
 /* ---- the plan ---------------------------------------------------------------------------------------------------- */
 
 /* A stream of random numbers for each reference's name: other materials in the list change nothing. */
@@ -73,38 +97,38 @@ static uint64_t stream_of(const char *name) {
     return h;
 }
 
-static void plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_corpus_options *options,
-                     nqm_corpus_plan *plan) {
+static void plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_corpus_models *models,
+                     const nqm_corpus_options *options, nqm_corpus_plan *plan) {
     nqm_rng rng = nqm_rng_make(options->seed, stream_of(list->refs[list->groups[plan->group].first_ref + ref].name));
-    for (size_t k = 0; k < nqm_fit_model_count(); ++k) {
+    for (size_t k = 0; k < models->n; ++k) {
         nqm_corpus_test *test = &plan->tests[plan->n_tests++];
         *test = (nqm_corpus_test){.ref = ref, .base = NQM_BASE_FIT, .which = k, .kind.family = NQM_FAMILY_ENCODING};
-        snprintf(test->kind.name, sizeof test->kind.name, "%s", nqm_fit_model_name(k));
+        snprintf(test->kind.name, sizeof test->kind.name, "%s", models->name[k]);
     }
     for (size_t f = 0; f < plan->n_forms; ++f)
         if (f != ref)
             plan->tests[plan->n_tests++] =
                 (nqm_corpus_test){.ref = ref, .kind = plan->forms[f].kind, .base = NQM_BASE_FORM, .which = f};
-    nqm_corpus_draw_tests(&rng, ref, options->part, options->n_perturbations, plan->tests + plan->n_tests);
+    nqm_corpus_draw_tests(&rng, ref, models->n, options->part, options->n_perturbations, plan->tests + plan->n_tests);
     plan->n_tests += options->n_perturbations;
 }
 
-nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group, const nqm_corpus_options *options,
-                                nqm_corpus_plan *plan_ret, nqm_error *err) {
+nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group, const nqm_corpus_models *models,
+                                const nqm_corpus_options *options, nqm_corpus_plan *plan_ret, nqm_error *err) {
     const nqm_corpus_group *g = &list->groups[group];
     nqm_corpus_plan plan = {.group = group, .n_refs = g->n_refs};
     *plan_ret = (nqm_corpus_plan){0};
     nqm_status status = plan_forms(list, g, &plan, err);
     if (status != NQM_OK)
         return status;
-    size_t n_tests = g->n_refs * (nqm_fit_model_count() + plan.n_forms - 1 + options->n_perturbations);
+    size_t n_tests = g->n_refs * (models->n + plan.n_forms - 1 + options->n_perturbations);
     plan.tests = nqm_alloc(n_tests, sizeof *plan.tests);
     if (!plan.tests) {
         nqm_corpus_plan_free(&plan);
         return nqm_fail_nomem(err, n_tests * sizeof *plan.tests);
     }
     for (size_t ref = 0; ref < g->n_refs; ++ref)
-        plan_ref(list, ref, options, &plan);
+        plan_ref(list, ref, models, options, &plan);
     *plan_ret = plan;
     return NQM_OK;
 }

@@ -89,6 +89,14 @@ int choose(const char *verb, const char *option_name, const choice *choices, con
 /** The name of a value. */
 const char *choice_name(const choice *choices, int value);
 
+/* ---- several processes ------------------------------------------------------------------------------------------- */
+
+/** This process among those that one launcher (mpirun, srun) started; 0 of 1 when started alone. */
+typedef struct ranks {
+    size_t rank, count;
+} ranks;
+ranks my_ranks(void);
+
 /* ---- talking ----------------------------------------------------------------------------------------------------- */
 
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
