@@ -140,6 +140,13 @@ NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *im
 NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
                                           nqm_image *image_ret, nqm_error *err);
 
+/** Write a picture as OpenEXR (float, deflated) or as Radiance HDR (RGBE, run-length coded; negative values become 0). */
+NQM_MUST_CHECK nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_image_write_hdr(const char *path, const nqm_image *image, nqm_error *err);
+/** Write sRGB bytes, rgb (height, width, 3), as PNG. */
+NQM_MUST_CHECK nqm_status nqm_image_write_png(const char *path, size_t width, size_t height, const unsigned char *rgb,
+                                              nqm_error *err);
+
 /* ---- triangle meshes --------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_mesh {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Names: every symbol that the objects define starts with nqm_; the shared libraries export exactly the functions that the
 # public headers declare with NQM_API; and the core library holds nothing of the labelling chain (fit, render, percept,
-# label) nor needs its libraries: scoring never depends on rendering.
+# plot, label) nor needs its libraries: scoring never depends on rendering.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
 bad=0
@@ -19,12 +19,12 @@ declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^N
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
 core_headers="base brdf samples metric train"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
-for h in $core_headers fit label; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
+for h in $core_headers fit label picture; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test looks at nothing"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
-for module in fit render percept label; do
+for module in fit render percept plot label; do
     for object in "$build"/CMakeFiles/nqm_label_objects.dir/src/"$module"/*.o; do
         nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
     done
@@ -32,5 +32,5 @@ done | sort -u >"$build/label-symbols.txt"
 [ -s "$build/label-symbols.txt" ] || fail "no labelling symbol was found: the test looks at nothing"
 nm "$build/libnqm.so" | awk '{print $NF}' | sort -u | comm -12 - "$build/label-symbols.txt" >"$build/leaked.txt"
 [ ! -s "$build/leaked.txt" ] || fail "libnqm.so holds symbols of the labelling chain: $(cat "$build/leaked.txt")"
-if readelf -d "$build/libnqm.so" | grep -E 'NEEDED.*(OpenEXR|png|embree)'; then fail "libnqm.so needs a library of the labelling chain"; fi
+if readelf -d "$build/libnqm.so" | grep -E 'NEEDED.*(OpenEXR|png|cairo|embree)'; then fail "libnqm.so needs a library of the labelling chain"; fi
 exit $bad
