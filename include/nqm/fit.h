@@ -70,7 +70,8 @@ enum { NQM_FIT_N_ENCODINGS = 9 };
  * albedos are solved linearly, the best starts are refined by Levenberg-Marquardt over all parameters. Deterministic.
  *
  * @param options   NULL: the defaults; of these, `loss` and `n_starts` are for analytic models, the networks and codes
- *                  have losses of their own (doc/encodings.md)
+ *                  have losses of their own (doc/encodings.md). "nbrdf" trains up to the horizon, on 16 directions for
+ *                  each of `n_directions`
  * @param brdf_ret  NULL, or receives the result; free with nqm_brdf_free()
  * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM

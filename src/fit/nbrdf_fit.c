@@ -1,11 +1,211 @@
 /* SPDX-License-Identifier: MIT
  *
- * The training of one network for one BRDF.
+ * The training of one network for one BRDF, after Sztrajman et al. 2021 (section 3.1 and their code): minibatches and
+ * Adam on the cosine-weighted mean absolute log error. Three things differ, for speed and for highlights: the learning
+ * rate starts twenty times higher and falls to zero along a cosine, batches are half as large, and half of the
+ * directions lie dense about theta_h = 0, as the cells of MERL's tables do.
  */
 #include "fit/encoders.h"
+#include "fit/nbrdf_net.h"
+#include "kernel/kernel.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    BATCH = 256,
+    SAMPLES_PER_DIRECTION = 16, /* directions trained on, for each of options.n_directions */
+    PASSES = 128,               /* how often each is seen */
+    N_STARTS = 3,
+    START_SHARE = 32, /* one part in so many of all steps is spent on each start before the best goes on */
+    N_FRESH = 32,     /* batches that are never trained on */
+    MAX_TRIES = 16,   /* draws for a direction with a value */
+    REPORT_EVERY = 512
+};
+static const double learning_rate = 1e-2;
+
+/** Directions of the reference, batch by batch. */
+typedef struct samples {
+    size_t n_batches;
+    float *input, *weight, *goal; /* (n_batches, 6, BATCH), (n_batches, BATCH), (n_batches, 3, BATCH) */
+} samples;
+
+/** A network in training. */
+typedef struct learner {
+    float weights[NQM_NBRDF_WEIGHTS], m[NQM_NBRDF_WEIGHTS], v[NQM_NBRDF_WEIGHTS];
+    uint64_t n_steps; /* done */
+} learner;
+
+/* ---- the reference ----------------------------------------------------------------------------------------------- */
+
+static void samples_free(samples *s) {
+    nqm_free(s->input);
+    nqm_free(s->weight);
+    nqm_free(s->goal);
+}
+
+static nqm_status samples_alloc(size_t n_batches, samples *s, nqm_error *err) {
+    s->n_batches = n_batches;
+    s->input = nqm_alloc(n_batches * 6 * BATCH, sizeof *s->input);
+    s->weight = nqm_alloc(n_batches * BATCH, sizeof *s->weight);
+    s->goal = nqm_alloc(n_batches * 3 * BATCH, sizeof *s->goal);
+    return s->input && s->weight && s->goal ? NQM_OK : nqm_fail_nomem(err, n_batches * 10 * BATCH * sizeof(float));
+}
+
+static nqm_nbrdf_batch batch_at(const samples *s, size_t i) {
+    return (nqm_nbrdf_batch){.n = BATCH,
+                             .input = s->input + i * 6 * BATCH,
+                             .weight = s->weight + i * BATCH,
+                             .goal = s->goal + i * 3 * BATCH};
+}
+
+/* theta_d and phi_d uniform, theta_h uniform or as the rows of MERL's tables; above the horizon. */
+static void draw_direction(nqm_rng *rng, double *hd) {
+    double wi[3], wo[3];
+    do {
+        bool dense = nqm_rng_u64(rng) >> 63;
+        double u = nqm_rng_uniform(rng);
+        hd[0] = (dense ? u * u : u) * NQM_PI / 2;
+        hd[1] = nqm_rng_uniform(rng) * NQM_PI / 2;
+        hd[2] = nqm_rng_uniform(rng) * NQM_PI;
+        nqm_half_diff_to_pair(hd, wi, wo);
+    } while (!(wi[2] > 0 && wo[2] > 0));
+}
+
+/* BATCH directions with a value: hd, rgb (BATCH, 3). false when the reference has too few. */
+static bool draw_batch(const nqm_brdf *ref, nqm_rng *rng, double *hd, double *rgb) {
+    size_t n = 0;
+    for (int tries = 0; tries < MAX_TRIES && n < BATCH; ++tries) {
+        uint8_t flag[BATCH];
+        size_t n_new = BATCH - n, first = n;
+        for (size_t i = first; i < BATCH; ++i)
+            draw_direction(rng, hd + 3 * i);
+        nqm_brdf_eval_half_diff(ref, n_new, hd + 3 * first, rgb + 3 * first, flag);
+        for (size_t i = first; i < BATCH; ++i) {
+            if (flag[i - first] >= NQM_VALUE_INVALID)
+                continue;
+            memmove(hd + 3 * n, hd + 3 * i, 3 * sizeof *hd);
+            memmove(rgb + 3 * n, rgb + 3 * i, 3 * sizeof *rgb);
+            ++n;
+        }
+    }
+    return n == BATCH;
+}
+
+static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t seed, uint64_t stream, samples *s,
+                               nqm_error *err) {
+    nqm_rng rng = nqm_rng_make(seed, stream);
+    nqm_status status = samples_alloc(n_batches, s, err);
+    for (size_t b = 0; b < n_batches && status == NQM_OK; ++b) {
+        double hd[3 * BATCH], rgb[3 * BATCH];
+        float *goal = s->goal + b * 3 * BATCH, *weight = s->weight + b * BATCH;
+        if (!draw_batch(ref, &rng, hd, rgb))
+            return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: fewer than one direction in %d has a value",
+                            nqm_brdf_get_info(ref).name, MAX_TRIES);
+        nqm_nbrdf_inputs(BATCH, hd, s->input + b * 6 * BATCH, weight);
+        for (size_t i = 0; i < BATCH; ++i)
+            for (size_t c = 0; c < 3; ++c)
+                goal[c * BATCH + i] = (float)log1p((double)weight[i] * rgb[3 * i + c]);
+    }
+    return status;
+}
+
+/* ---- training ---------------------------------------------------------------------------------------------------- */
+
+/* Glorot and Bengio 2010: the start that Keras gives by default. `w` (n_in, n_out), then n_out biases of zero. */
+static float *init_layer(nqm_rng *rng, size_t n_in, size_t n_out, float *w) {
+    double limit = sqrt(6.0 / (double)(n_in + n_out));
+    for (size_t i = 0; i < n_in * n_out; ++i)
+        w[i] = (float)(limit * (2 * nqm_rng_uniform(rng) - 1));
+    return w + (n_in + 1) * n_out;
+}
+
+static void learner_init(learner *l, uint64_t seed, uint64_t stream) {
+    nqm_rng rng = nqm_rng_make(seed, stream);
+    memset(l, 0, sizeof *l);
+    float *w = init_layer(&rng, 6, 21, l->weights);
+    init_layer(&rng, 21, 3, init_layer(&rng, 21, 21, w));
+}
+
+static double mean_loss(const learner *l, const samples *s) {
+    double sum = 0;
+    for (size_t b = 0; b < s->n_batches; ++b) {
+        nqm_nbrdf_batch batch = batch_at(s, b);
+        sum += nqm_nbrdf_loss(l->weights, &batch, NULL);
+    }
+    return sum / (double)s->n_batches;
+}
+
+/** What all the starts share. */
+typedef struct course {
+    const samples *train, *fresh;
+    size_t n_steps, n_done; /* n_done counts all starts, for the progress */
+    const nqm_fit_options *options;
+    nqm_error *err;
+} course;
+
+/* Train up to step `last`. */
+static nqm_status train(course *c, learner *l, size_t last) {
+    float gradient[NQM_NBRDF_WEIGHTS];
+    double n_total = (double)c->n_steps * (1 + (N_STARTS - 1.0) / START_SHARE);
+    for (; l->n_steps < last; ++c->n_done) {
+        if (c->n_done % REPORT_EVERY == 0 && c->options->progress &&
+            c->options->progress(c->options->progress_user, "training a network", (double)c->n_done, n_total) != 0)
+            return nqm_fail(c->err, NQM_ERR_CANCELLED, -1, "the training of a network was cancelled");
+        nqm_nbrdf_batch batch = batch_at(c->train, l->n_steps % c->train->n_batches);
+        nqm_nbrdf_loss(l->weights, &batch, gradient);
+        nqm_adam_rate rate = {.step = ++l->n_steps};
+        rate.lr = learning_rate * 0.5 * (1 + cos(NQM_PI * (double)(l->n_steps - 1) / (double)c->n_steps));
+        nqm_adam_update(NQM_NBRDF_WEIGHTS, &rate, gradient, l->m, l->v, l->weights);
+    }
+    return NQM_OK;
+}
+
+/* A few starts for a short while; the best goes on. Starts differ: some lose neurons for good early on. */
+static nqm_status train_best(course *c, learner *best, size_t *best_start) {
+    learner candidate;
+    double best_loss = INFINITY;
+    for (size_t start = 0; start < N_STARTS; ++start) {
+        learner_init(&candidate, c->options->seed, 2 + start);
+        nqm_status status = train(c, &candidate, c->n_steps / START_SHARE);
+        if (status != NQM_OK)
+            return status;
+        double loss = mean_loss(&candidate, c->fresh);
+        if (loss < best_loss) {
+            best_loss = loss;
+            *best = candidate;
+            *best_start = start;
+        }
+    }
+    return train(c, best, c->n_steps);
+}
+
+static nqm_status make_brdf(const learner *l, const nqm_brdf *ref, nqm_brdf **brdf_ret, nqm_error *err) {
+    char name[256];
+    snprintf(name, sizeof name, "nbrdf of %.240s", nqm_brdf_get_info(ref).name);
+    return nqm_nbrdf_create(l->weights, name, brdf_ret, err);
+}
 
 nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_report *report,
                          nqm_brdf **brdf_ret, nqm_error *err) {
-    (void)ref, (void)options, (void)report, (void)brdf_ret;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "nbrdf is not in this build");
+    size_t n_batches = (options->n_directions * SAMPLES_PER_DIRECTION + BATCH - 1) / BATCH;
+    samples trained = {0}, fresh = {0};
+    learner best;
+    course c = {.train = &trained, .fresh = &fresh, .n_steps = n_batches * PASSES, .options = options, .err = err};
+    nqm_status status = samples_make(ref, n_batches, options->seed, 0, &trained, err);
+    if (status == NQM_OK)
+        status = samples_make(ref, N_FRESH, options->seed, 1, &fresh, err);
+    if (status == NQM_OK)
+        status = train_best(&c, &best, &report->best_start);
+    if (status == NQM_OK) {
+        report->loss = mean_loss(&best, &fresh);
+        report->n_directions = n_batches * BATCH;
+        report->n_numbers = NQM_NBRDF_WEIGHTS;
+        status = isfinite(report->loss) ? make_brdf(&best, ref, brdf_ret, err)
+                                        : nqm_fail(err, NQM_ERR_NUMERIC, -1, "the training of a network diverged");
+    }
+    samples_free(&trained);
+    samples_free(&fresh);
+    return status;
 }

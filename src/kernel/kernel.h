@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * kernel.h - the arithmetic that dominates the network's time: float matrix products and GELU. Every product has a
+ * kernel.h - the arithmetic that dominates the network's time: float matrix products, GELU, Adam. Every product has a
  * scalar reference that defines the result; faster variants stay within rounding of it and stand behind one table.
  *
  * Results do not depend on the number of threads: the output is cut into blocks whose size depends on its shape only,
@@ -46,5 +46,13 @@ void nqm_kernels_use(const nqm_kernels *kernels);
  * @param slope  (n), or NULL; neither x nor y
  */
 void nqm_gelu(size_t n, const float *x, float *y, float *slope);
+
+/** How far a step of Adam goes. */
+typedef struct nqm_adam_rate {
+    double lr, weight_decay;
+    uint64_t step; /**< 1 for the first */
+} nqm_adam_rate;
+/** One step of Adam for n parameters; m, v: (n) the moments, zeros before the first step. */
+void nqm_adam_update(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
 
 #endif
