@@ -39,9 +39,15 @@ blob fuzz_seed(void) {
     static const char path[] = "fuzz_model.tmp";
     double directions[3 * N_DIRECTIONS] = {0};
     struct nqm_model model = {.n_directions = N_DIRECTIONS, .directions_deg = directions, .target_std = 1, .out_hi = 1};
+    static char scalar_names[] = "a";
+    model.scalar_names = scalar_names;
+    model.scalar_scale = 1;
     for (size_t i = 0; i < 3; ++i)
         model.std[i] = 1;
-    if (nqm_params_create(&(nqm_net_shape){2, {6 * N_DIRECTIONS, 3, 1}}, &model.params, NULL) != NQM_OK)
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        model.scalar_std[i] = 1;
+    if (nqm_params_create(&(nqm_net_shape){2, {6 * N_DIRECTIONS + NQM_SCALAR_COUNT, 3, 1}}, &model.params, NULL) !=
+        NQM_OK)
         abort();
     nqm_params_init(&model.params, 1);
     if (nqm_model_write(&model, path, NULL) != NQM_OK)

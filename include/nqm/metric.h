@@ -120,6 +120,51 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_predict(const nqm_model *model, size
 NQM_API void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
                                  const uint8_t *used, double *metrics);
 
+/** Zones of theta_h in the scalar features: 0-2, 2-5, 5-15, 15-35, 35-90 degrees. */
+enum { NQM_SCALAR_ZONES = 5 };
+/** Scalar features of a pair, which stand beside the samples in the input of models of the recipe "nqm". Differences
+ *  are test less reference; sizes are logarithms, so that faint differences are told apart. doc/training.md has the
+ *  formulas. */
+typedef enum nqm_scalar {
+    NQM_SCALAR_METRICS = 0,            /**< log of the nine metrics, in their order */
+    NQM_SCALAR_RMS = NQM_METRIC_COUNT, /**< size: RMS difference of log(f_r + 0.003) */
+    NQM_SCALAR_MAX,                    /**< size: largest difference of log luminance */
+    NQM_SCALAR_TAIL,                   /**< size: its 4-norm */
+    NQM_SCALAR_BULK,                   /**< size: its 1/2-norm */
+    NQM_SCALAR_BIAS,                   /**< its mean, with sign */
+    NQM_SCALAR_SHAPE,                  /**< size: its standard deviation */
+    NQM_SCALAR_ZONE_BIAS,              /**< log ratio of the luminance summed over each zone */
+    NQM_SCALAR_ZONE_RMS = NQM_SCALAR_ZONE_BIAS + NQM_SCALAR_ZONES,    /**< size: RMS in each zone */
+    NQM_SCALAR_GRAZING_BIAS = NQM_SCALAR_ZONE_RMS + NQM_SCALAR_ZONES, /**< mean where cos cos < 0.25 */
+    NQM_SCALAR_GRAZING_RMS,                                           /**< size: RMS there */
+    NQM_SCALAR_WIDTH,         /**< log ratio below 5 degrees less that above: sharper highlights are positive */
+    NQM_SCALAR_CHROMA,        /**< size: RMS of the differences of the opponents of log f_r */
+    NQM_SCALAR_CHROMA_RG,     /**< mean difference of log R - log G */
+    NQM_SCALAR_CHROMA_B,      /**< mean difference of log B - (log R + log G) / 2 */
+    NQM_SCALAR_ENERGY,        /**< log ratio of the cosine-weighted sums of luminance */
+    NQM_SCALAR_ENERGY_CHROMA, /**< size: how the opponents of these sums differ */
+    NQM_SCALAR_PEAK,          /**< log ratio of the largest luminance */
+    NQM_SCALAR_SMOOTH,        /**< size: RMS over zones of (theta_h, theta_d) of the log ratio of their sums */
+    NQM_SCALAR_SMOOTH_CHROMA, /**< size: the same of the opponents */
+    NQM_SCALAR_REF_LEVEL,     /**< reference: mean log luminance */
+    NQM_SCALAR_REF_ENERGY,    /**< reference: log of the cosine-weighted mean luminance */
+    NQM_SCALAR_REF_PEAK,      /**< reference: log of the largest luminance, less the mean log */
+    NQM_SCALAR_REF_SPREAD,    /**< reference: standard deviation of log luminance */
+    NQM_SCALAR_REF_COLOUR,    /**< reference: RMS of the opponents of log f_r */
+    NQM_SCALAR_COUNT
+} nqm_scalar;
+
+/** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
+NQM_API const char *nqm_scalar_name(size_t i);
+
+/**
+ * The scalar features of one sampled pair; arguments as in nqm_metrics_compute(). Finite for finite f_r >= 0.
+ *
+ * @param scalars  (NQM_SCALAR_COUNT) receives them; NaN when no direction counts
+ */
+NQM_API void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test,
+                                 const uint8_t *used, double *scalars);
+
 /** Check kernels, coordinates, curve and the built-in models against stored golden values (about a second).
  *  `report` (NULL allowed) gets one line for each check. Returns NQM_ERR_NUMERIC when one fails. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed), void *user,

@@ -57,11 +57,19 @@ NQM_API const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i);
  *  perturbations, or one over an encoding). Of the authors' layout: "encoding". "" when the dataset does not say. */
 NQM_API const char *nqm_dataset_kind_family(const nqm_dataset *dataset, size_t i);
 
+enum { NQM_MATERIAL_CLASS_COUNT = 9 };
+/** The i-th class of reference materials: "matte grey", "matte coloured", "satin grey", ..., "mirror-like coloured",
+ *  "unclassified"; static storage. Satin, glossy, mirror-like: at theta_h below 3 degrees 3, 20, 200 times as bright (mean
+ *  log luminance, theta_d below 60) as at 25 and more. Coloured: there, a channel of the mean f_r is more than exp(0.4)
+ *  off the geometric mean of the three. Unclassified: no direction in one of these zones. */
+NQM_API const char *nqm_material_class_name(size_t i);
+
 /** One pair; strings are lent by the dataset. */
 typedef struct nqm_dataset_pair {
-    const char *ref, *group; /**< the reference and its material group */
-    const char *test, *kind; /**< the test (a spec, or a name) and its kind of distortion */
-    const char *family;      /**< of the kind: nqm_dataset_kind_family() */
+    const char *ref, *group;    /**< the reference and its material group */
+    const char *test, *kind;    /**< the test (a spec, or a name) and its kind of distortion */
+    const char *family;         /**< of the kind: nqm_dataset_kind_family() */
+    const char *material_class; /**< of the reference: a nqm_material_class_name() */
     nqm_split split;
     double delta_e, jod; /**< the label */
 } nqm_dataset_pair;
@@ -98,6 +106,8 @@ typedef struct nqm_train_options {
     const char *licence;                 /**< SPDX identifier for the model; NULL: not stated */
     nqm_layout layout;                   /**< paper: REF_TEST; nqm: REF_DIFF_ABSDIFF */
     double difference_scale;             /**< s of the layout; paper: unused; nqm: 3 */
+    int scalars;                         /**< 1: scalar features (nqm_scalar) behind the samples; nqm: 1, else 0 */
+    double scalar_scale;                 /**< times the whitened scalar features; default 1 */
     size_t n_hidden;                     /**< hidden layers; 1..NQM_TRAIN_MAX_HIDDEN; default 3 */
     size_t hidden[NQM_TRAIN_MAX_HIDDEN]; /**< their widths; 1..16384; default 1024, 716, 501 */
     nqm_target target;                   /**< paper, notebook: JOD; nqm: LOG_DELTA_E */
@@ -178,11 +188,13 @@ typedef struct nqm_agreement {
 
 /** Which pairs to judge on. Take the defaults from nqm_eval_options_default(). */
 typedef struct nqm_eval_options {
-    nqm_split split;         /**< default NQM_SPLIT_ALL */
-    const char *kind;        /**< only this kind of distortion; NULL: all */
-    double jod_from, jod_to; /**< only labels in [from, to); default 0 and infinity */
-    size_t n_bootstrap;      /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
-    uint64_t seed;           /**< of the resampling; default 1 */
+    nqm_split split;            /**< default NQM_SPLIT_ALL */
+    const char *kind;           /**< only this kind of distortion; NULL: all */
+    const char *family;         /**< only kinds of this family; NULL: all */
+    const char *material_class; /**< only references of this class; NULL: all */
+    double jod_from, jod_to;    /**< only labels in [from, to); default 0 and infinity */
+    size_t n_bootstrap;         /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
+    uint64_t seed;              /**< of the resampling; default 1 */
     nqm_progress_fn progress;
     void *progress_user;
 } nqm_eval_options;
@@ -216,6 +228,8 @@ NQM_API const char *nqm_evaluation_name(const nqm_evaluation *evaluation, size_t
 /** (n_pairs of the dataset) what predictor i says: JOD of a model, distance of a metric; NaN for pairs not predicted;
  * lent. */
 NQM_API const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
+/** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN for pairs not predicted; lent. */
+NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
 
 /**
  * Judge every predictor on the pairs that `options` selects. The intervals are percentiles over resamples of the

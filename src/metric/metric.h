@@ -12,6 +12,18 @@
 /** Give a model whose directions_deg are set its direction set; nqm_model_destroy() frees it with the model. */
 NQM_MUST_CHECK nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err);
 
+/** The names of all scalar features with commas, as a model file holds them; NULL when out of memory. nqm_free(). */
+char *nqm_scalar_names(void);
+
+/** How scalar features become inputs: (value - mean) / std, cut off at 5 deviations either way, times scale. Models of
+ * unlike pairs stay within what they have seen. */
+typedef struct nqm_scalar_whitening {
+    const float *mean, *std; /* (NQM_SCALAR_COUNT) */
+    double scale;
+} nqm_scalar_whitening;
+/** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
+void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
+
 /** Pairs that are sampled at the model's directions. */
 typedef struct nqm_sampled_pairs {
     size_t n;

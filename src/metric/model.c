@@ -22,6 +22,20 @@ nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err) {
     return NQM_OK;
 }
 
+/* A model whose scalar features are others than ours cannot be used. */
+static nqm_status check_scalars(const nqm_model *model, const char *name, nqm_error *err) {
+    if (!model->scalar_names)
+        return NQM_OK;
+    char *ours = nqm_scalar_names();
+    if (!ours)
+        return nqm_fail_nomem(err, strlen(model->scalar_names));
+    bool same = strcmp(ours, model->scalar_names) == 0;
+    nqm_free(ours);
+    return same ? NQM_OK
+                : nqm_fail(err, NQM_ERR_MODEL, -1,
+                           "%s: the model's scalar features (metadata 'scalars') are not those of this version", name);
+}
+
 /* Parse, and attach the directions. On failure *model_ret is NULL. */
 static nqm_status make_model(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
                              nqm_model **model_ret, nqm_error *err) {
@@ -30,6 +44,11 @@ static nqm_status make_model(const unsigned char *data, size_t n_bytes, const ch
     nqm_status status = nqm_model_parse(data, n_bytes, name, verify, &model, err);
     if (status != NQM_OK)
         return status;
+    status = check_scalars(model, name, err);
+    if (status != NQM_OK) {
+        nqm_model_destroy(model);
+        return status;
+    }
     nqm_error inner = {0};
     status = nqm_model_attach_directions(model, &inner);
     if (status != NQM_OK) {

@@ -7,7 +7,7 @@
 struct nqm_predictor {
     const nqm_model *model;
     nqm_features features;
-    size_t max_batch, width;
+    size_t max_batch, width, samples_width; /* input; the part of it that comes from samples */
     nqm_net_work *work;
     float *t; /* (max_batch, 2, n_directions, 3) transformed reference and test */
     float *x; /* (max_batch, width) */
@@ -27,7 +27,8 @@ nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_pr
         p->features.std[k] = model->std[k];
     }
     p->max_batch = max_batch;
-    p->width = nqm_features_width(model->layout, model->n_directions);
+    p->samples_width = nqm_features_width(model->layout, model->n_directions);
+    p->width = p->samples_width + nqm_model_n_scalars(model);
     p->t = nqm_alloc(max_batch, 6 * model->n_directions * sizeof *p->t);
     p->x = nqm_alloc(max_batch, p->width * sizeof *p->x);
     p->z = nqm_alloc(max_batch, sizeof *p->z);
@@ -71,7 +72,15 @@ static void compose_pair(void *user, size_t i) {
         nqm_features_transform(n, pairs->ref + n * i, ref_t);
     nqm_features_transform(n, pairs->test + n * i, test_t);
     const uint8_t *used = pairs->used ? pairs->used + n_directions * i : NULL;
-    nqm_features_compose(&p->features, n_directions, ref_t, test_t, used, p->x + p->width * i);
+    float *x = p->x + p->width * i;
+    nqm_features_compose(&p->features, n_directions, ref_t, test_t, used, x);
+    if (nqm_model_n_scalars(p->model) == 0)
+        return;
+    double scalars[NQM_SCALAR_COUNT];
+    const nqm_scalar_whitening whitening = {p->model->scalar_mean, p->model->scalar_std, p->model->scalar_scale};
+    nqm_scalars_compute(p->model->directions, pairs->one_ref ? pairs->ref : pairs->ref + n * i, pairs->test + n * i,
+                        used, scalars);
+    nqm_scalars_whiten(&whitening, scalars, x + p->samples_width);
 }
 
 void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double *jod, double *delta_e) {

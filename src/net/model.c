@@ -28,8 +28,8 @@ void nqm_model_destroy(struct nqm_model *model) {
     if (model->directions_free)
         model->directions_free(model->directions);
     nqm_params_free(&model->params);
-    char *texts[] = {model->id,       model->recipe,          model->card,  model->licence,
-                     model->training, model->manifest_sha256, model->golden};
+    char *texts[] = {model->id,       model->recipe,          model->card,   model->licence,
+                     model->training, model->manifest_sha256, model->golden, model->scalar_names};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         nqm_free(texts[i]);
     nqm_free(model->directions_deg);

@@ -208,6 +208,8 @@ static nqm_status read_texts(const reader *r, struct nqm_model *model) {
         status = read_text(r, texts[i].key, texts[i].text);
     if (status == NQM_OK && nqm_safetensors_meta(r->st, "golden"))
         status = read_text(r, "golden", &model->golden);
+    if (status == NQM_OK && nqm_safetensors_meta(r->st, "scalars")) /* models of only samples have none */
+        status = read_text(r, "scalars", &model->scalar_names);
     const char *sha256 = nqm_safetensors_meta(r->st, "sha256");
     snprintf(model->sha256, sizeof model->sha256, "%s", sha256 ? sha256 : "");
     return status;
@@ -225,10 +227,10 @@ static nqm_status read_choice(const reader *r, const char *key, size_t n_names, 
 }
 
 static nqm_status read_directions(reader *r, struct nqm_model *model) {
-    size_t width = model->params.shape.sizes[0];
+    size_t width = model->params.shape.sizes[0], n_scalars = nqm_model_n_scalars(model);
     size_t per_direction = model->layout == NQM_LAYOUT_REF_TEST ? 6 : 9; /* RGB of two or three members */
-    size_t n = width / per_direction;
-    if (n == 0 || width % per_direction != 0)
+    size_t n = width > n_scalars ? (width - n_scalars) / per_direction : 0;
+    if (n == 0 || n * per_direction + n_scalars != width)
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.0.weight': input of %zu does not fit the layout",
                         r->name, width);
     const nqm_tensor *tensor;
@@ -243,7 +245,21 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
     return NQM_OK;
 }
 
-static nqm_status read_scalars(reader *r, struct nqm_model *model) {
+static nqm_status read_scalar_whitening(reader *r, struct nqm_model *model) {
+    if (!model->scalar_names)
+        return NQM_OK;
+    nqm_status status = get_floats(r, "scalars.mean", NQM_SCALAR_COUNT, model->scalar_mean);
+    if (status == NQM_OK)
+        status = get_floats(r, "scalars.std", NQM_SCALAR_COUNT, model->scalar_std);
+    if (status == NQM_OK)
+        status = get_doubles(r, "scalars.scale", 1, &model->scalar_scale);
+    for (size_t i = 0; status == NQM_OK && i < NQM_SCALAR_COUNT; ++i)
+        if (!(model->scalar_std[i] > 0))
+            status = nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'scalars.std' is not positive", r->name);
+    return status;
+}
+
+static nqm_status read_numbers(reader *r, struct nqm_model *model) {
     double target[4], curve[3];
     nqm_status status = get_floats(r, "whitening.mean", 3, model->mean);
     if (status == NQM_OK)
@@ -284,7 +300,9 @@ static nqm_status read_model(reader *r, struct nqm_model *model) {
     if (status == NQM_OK)
         status = read_directions(r, model);
     if (status == NQM_OK)
-        status = read_scalars(r, model);
+        status = read_numbers(r, model);
+    if (status == NQM_OK)
+        status = read_scalar_whitening(r, model);
     return status == NQM_OK ? refuse_surplus(r) : status;
 }
 

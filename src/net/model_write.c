@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 6 };
+enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 9 };
 
 /* The tensors of a file in the making, with room for their names and for the small ones' numbers. */
 typedef struct contents {
@@ -59,6 +59,11 @@ static void collect(contents *c, const struct nqm_model *model) {
     add(c, "difference_scale", NQM_F64, 1, &model->difference_scale);
     add(c, "target", NQM_F64, 4, c->target);
     add(c, "jod_curve", NQM_F64, 3, c->curve);
+    if (model->scalar_names) {
+        add(c, "scalars.mean", NQM_F32, NQM_SCALAR_COUNT, model->scalar_mean);
+        add(c, "scalars.std", NQM_F32, NQM_SCALAR_COUNT, model->scalar_std);
+        add(c, "scalars.scale", NQM_F64, 1, &model->scalar_scale);
+    }
 }
 
 static const char *text_or_empty(const char *text) {
@@ -80,9 +85,10 @@ nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error 
                              {"card", text_or_empty(model->card)},
                              {"training", text_or_empty(model->training)},
                              {"manifest_sha256", text_or_empty(model->manifest_sha256)},
-                             {"golden", text_or_empty(model->golden)}};
-    nqm_status status =
-        nqm_safetensors_write(path, c->n, c->tensor, sizeof meta / sizeof *meta, meta, model->sha256, err);
+                             {"golden", text_or_empty(model->golden)},
+                             {"scalars", model->scalar_names}};
+    size_t n_meta = sizeof meta / sizeof *meta - (model->scalar_names ? 0 : 1);
+    nqm_status status = nqm_safetensors_write(path, c->n, c->tensor, n_meta, meta, model->sha256, err);
     nqm_free(c);
     return status;
 }

@@ -11,6 +11,7 @@
 
 #include "base/base.h"
 #include "math/math.h"
+#include <nqm/metric.h>
 
 enum { NQM_NET_MAX_LAYERS = 8 };
 
@@ -102,6 +103,10 @@ struct nqm_model {
     float mean[3], std[3];  /* whitening of log(cbrt(rho)+1), per channel (all equal for scalar whitening) */
     int layout;             /* nqm_layout */
     double difference_scale;
+    /* Scalar features behind the samples, each (value - mean) / std, cut off, times scale; scalar_names NULL: none. */
+    char *scalar_names; /* with commas, as this library must name them too; metric/model.c checks it */
+    float scalar_mean[NQM_SCALAR_COUNT], scalar_std[NQM_SCALAR_COUNT];
+    double scalar_scale;
     int target;                     /* nqm_target */
     double target_mean, target_std; /* z-score of the training targets */
     double out_lo, out_hi;          /* range of the sigmoid, in normalised targets */
@@ -127,6 +132,10 @@ struct nqm_model {
  */
 NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
                                           struct nqm_model **model_ret, nqm_error *err);
+/** Number of scalar features in the model's input. */
+static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
+    return model->scalar_names ? NQM_SCALAR_COUNT : 0;
+}
 /** Write a model file; sets model->sha256. */
 NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
 void nqm_model_destroy(struct nqm_model *model);

@@ -12,6 +12,13 @@ void nqm_features_transform(size_t n, const float *rho, float *t) {
         t[i] = log1pf(cbrtf(rho[i]));
 }
 
+void nqm_features_restore(size_t n, const float *t, float *rho) {
+    for (size_t i = 0; i < n; ++i) {
+        float root = expm1f(t[i]);
+        rho[i] = root * root * root;
+    }
+}
+
 size_t nqm_features_width(int layout, size_t n_directions) {
     return (layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions;
 }

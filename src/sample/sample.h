@@ -26,7 +26,9 @@ typedef struct nqm_features {
 
 /** t = log(cbrt(rho) + 1) for n values; rho >= 0. In place is allowed. */
 void nqm_features_transform(size_t n, const float *rho, float *t);
-/** Width of the network's input: 6 n_directions (layout 0) or 9 n_directions (layout 1). */
+/** The way back: rho = (exp(t) - 1)^3. In place is allowed. */
+void nqm_features_restore(size_t n, const float *t, float *rho);
+/** Width of the samples' part of the network's input: 6 n_directions (layout 0) or 9 n_directions (layout 1). */
 size_t nqm_features_width(int layout, size_t n_directions);
 /**
  * The input vector of one pair, differences taken after whitening.

@@ -33,6 +33,8 @@ static void write_network(FILE *out, const nqm_train_options *o, const struct nq
     else
         fprintf(out, "Input: reference, difference and absolute difference (times %s). ",
                 number(o->difference_scale, 6).text);
+    if (o->scalars)
+        fprintf(out, "Behind them %d scalar features of the pair. ", NQM_SCALAR_COUNT);
     fprintf(out, "It learnt %s.\n",
             o->target == NQM_TARGET_JOD ? "JOD" : "the logarithm of Delta-E ITP, which a fixed curve maps to JOD");
 }

@@ -182,6 +182,7 @@ nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
                               .group = d->group_names[d->ref_group[ref]],
                               .test = d->pair_names[i],
                               .kind = d->kind_names[d->pair_kind[i]],
+                              .material_class = nqm_material_class_name(nqm_dataset_ref_class(d, ref)),
                               .family = nqm_dataset_kind_family(d, d->pair_kind[i]),
                               .split = nqm_dataset_pair_split(d, i),
                               .delta_e = d->delta_e[i],

@@ -16,6 +16,8 @@ struct nqm_evaluation {
     const nqm_model *const *models;
     nqm_split split;
     double *values;     /* (n_predictors, n_pairs of the dataset) NaN where not predicted */
+    double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) likewise */
+    size_t *ref_class;  /* (n_refs) */
     const char **names; /* (n_predictors) */
 };
 
@@ -41,8 +43,9 @@ static void pair_metrics(void *user, size_t i) {
     size_t pair = job->pairs[i], n_columns = 3 * d->n_directions;
     double metrics[NQM_METRIC_COUNT];
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
-    nqm_metrics_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n_columns, d->test_rgb + pair * n_columns, used,
-                        metrics);
+    const float *ref = d->ref_rgb + d->pair_ref[pair] * n_columns, *test = d->test_rgb + pair * n_columns;
+    nqm_metrics_compute(d->directions, ref, test, used, metrics);
+    nqm_scalars_compute(d->directions, ref, test, used, job->ev->scalars + pair * NQM_SCALAR_COUNT);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
 }
@@ -175,13 +178,19 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     ev->split = o.split;
     ev->n_predictors = n_models + NQM_METRIC_COUNT;
     ev->values = nqm_alloc(ev->n_predictors, dataset->n_pairs * sizeof *ev->values);
+    ev->scalars = nqm_alloc(dataset->n_pairs, NQM_SCALAR_COUNT * sizeof *ev->scalars);
+    ev->ref_class = nqm_alloc(dataset->n_refs, sizeof *ev->ref_class);
     ev->names = nqm_alloc(ev->n_predictors, sizeof *ev->names);
-    if (!ev->values || !ev->names) {
+    if (!ev->values || !ev->scalars || !ev->ref_class || !ev->names) {
         status = nqm_fail_nomem(err, ev->n_predictors * dataset->n_pairs * sizeof *ev->values);
         goto fail;
     }
     for (size_t i = 0; i < ev->n_predictors * dataset->n_pairs; ++i)
         ev->values[i] = NAN;
+    for (size_t i = 0; i < NQM_SCALAR_COUNT * dataset->n_pairs; ++i)
+        ev->scalars[i] = NAN;
+    for (size_t i = 0; i < dataset->n_refs; ++i)
+        ev->ref_class[i] = nqm_dataset_ref_class(dataset, i);
     for (size_t i = 0; i < ev->n_predictors; ++i)
         ev->names[i] = i < n_models ? models[i]->id : nqm_metric_name((nqm_metric)(i - n_models));
     status = predict_all(ev, &o, err);
@@ -198,6 +207,8 @@ void nqm_evaluation_free(nqm_evaluation *ev) {
     if (!ev)
         return;
     nqm_free(ev->values);
+    nqm_free(ev->scalars);
+    nqm_free(ev->ref_class);
     nqm_free(ev->names);
     nqm_free(ev);
 }
@@ -214,12 +225,23 @@ const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
     return ev->values + i * ev->dataset->n_pairs;
 }
 
+const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
+    return ev->scalars + pair * NQM_SCALAR_COUNT;
+}
+
 /* ---- judging ----------------------------------------------------------------------------------------------------- */
+
+static bool is(const char *wanted, const char *value) {
+    return !wanted || strcmp(wanted, value) == 0;
+}
 
 static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t pair) {
     const nqm_dataset *d = ev->dataset;
+    size_t kind = d->pair_kind[pair];
     return in_split(d, pair, o->split) && in_split(d, pair, ev->split) && d->jod[pair] >= o->jod_from &&
-           d->jod[pair] < o->jod_to && (!o->kind || strcmp(d->kind_names[d->pair_kind[pair]], o->kind) == 0);
+           d->jod[pair] < o->jod_to && is(o->kind, d->kind_names[kind]) &&
+           is(o->family, nqm_dataset_kind_family(d, kind)) &&
+           is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }
 
 /* Memory of one judgement; the chosen pairs by group. */

@@ -69,9 +69,8 @@ static void scale_elements(size_t n, uint64_t seed, const float *ref_t, const fl
     }
 }
 
-/* A row's transformed samples; the scaled copy of training row i is made in `scratch` (2, n_directions, 3). */
-static void row_samples(const nqm_examples *e, size_t i, bool scaled, float *scratch, const float **ref_t,
-                        const float **test_t) {
+void nqm_examples_samples(const nqm_examples *e, size_t i, bool scaled, float *scratch, const float **ref_t,
+                          const float **test_t) {
     size_t n = n_columns(e);
     const nqm_row *row = &e->rows.row[i];
     *ref_t = row->copy ? noisy_ref_t(e, row) : e->ref_t + e->dataset->pair_ref[row->pair] * n;
@@ -103,7 +102,7 @@ static void row_moments(void *user, size_t r) {
     const nqm_examples *e = job->e;
     size_t i = job->first + r, n_base = e->rows.n_train, n_directions = e->dataset->n_directions;
     const float *ref_t, *test_t;
-    row_samples(e, i % n_base, i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
+    nqm_examples_samples(e, i % n_base, i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[i % n_base].pair, e->used_scratch + r * n_directions);
     double *sums = memset(job->sums + 9 * r, 0, 9 * sizeof(double));
@@ -202,7 +201,8 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
                                nqm_error *err) {
     *e = (nqm_examples){.dataset = d, .options = o, .max_batch = max_batch};
     e->features = (nqm_features){.layout = o->layout, .difference_scale = o->difference_scale};
-    e->width = nqm_features_width(o->layout, d->n_directions);
+    e->samples_width = nqm_features_width(o->layout, d->n_directions);
+    e->width = e->samples_width + (o->scalars ? NQM_SCALAR_COUNT : 0);
     nqm_status status = nqm_rows_create(d, o, &e->rows, err);
     if (status == NQM_OK)
         status = allocate(e, err);
@@ -213,6 +213,8 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
         nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
         status = find_whitening(e, err);
     }
+    if (status == NQM_OK && o->scalars)
+        status = nqm_examples_find_scalars(e, err);
     if (status == NQM_OK)
         status = find_targets(e, err);
     if (status != NQM_OK)
@@ -225,6 +227,7 @@ void nqm_examples_free(nqm_examples *e) {
     nqm_free(e->ref_t);
     nqm_free(e->test_t);
     nqm_free(e->noisy_t);
+    nqm_free(e->scalars);
     nqm_free(e->target);
     nqm_free(e->scratch);
     nqm_free(e->used_scratch);
@@ -246,10 +249,14 @@ static void gather_row(void *user, size_t r) {
     size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
     size_t row = job->index ? i % n_base : i;
     const float *ref_t, *test_t;
-    row_samples(e, row, job->index && i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
+    nqm_examples_samples(e, row, job->index && i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
-    nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, job->x + r * e->width);
+    float *x = job->x + r * e->width;
+    nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
+    if (e->scalars)
+        memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
+               NQM_SCALAR_COUNT * sizeof *x);
     job->target[r] = e->target[row];
 }
 

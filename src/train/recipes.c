@@ -17,6 +17,7 @@ static nqm_train_options paper_options(void) {
         .id = "paper",
         .layout = NQM_LAYOUT_REF_TEST,
         .difference_scale = 3,
+        .scalar_scale = 1,
         .n_hidden = 3,
         .hidden = {1024, 716, 501},
         .target = NQM_TARGET_JOD,
@@ -53,6 +54,7 @@ static nqm_train_options nqm_options(void) {
     nqm_train_options o = paper_options();
     o.recipe = o.id = "nqm";
     o.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
+    o.scalars = 1;
     o.target = NQM_TARGET_LOG_DELTA_E;
     o.split_by_pair = 0;
     o.balance = 0;
@@ -94,6 +96,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
         {"the whitening", o->whitening, NQM_WHITEN_CHANNEL, NQM_WHITEN_SCALAR},
         {"the scale copy", o->scale_copy, NQM_SCALE_PAIR_REFLECTANCE, NQM_SCALE_NONE},
         {"the difference scale", o->difference_scale, 1e-6, 1e6},
+        {"the scale of the scalar features", o->scalar_scale, 1e-6, 1e6},
         {"the number of hidden layers", (double)o->n_hidden, 1, NQM_TRAIN_MAX_HIDDEN},
         {"the smallest Delta-E", o->min_delta_e, 1e-6, 10},
         {"the validation fraction", o->validation_fraction, 0.001, 0.9},
@@ -130,15 +133,16 @@ json_t *nqm_train_options_json(const nqm_train_options *o) {
     char seed[32]; /* a JSON integer holds 63 bits only */
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)o->seed);
     json_t *json = json_pack(
-        "{s:s, s:s, s:f, s:o, s:s, s:f, s:s, s:s, s:b, s:f, s:b, s:f, s:b, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:s}",
-        "recipe", o->recipe, "layout", nqm_layout_names[o->layout], "difference_scale", o->difference_scale, "hidden",
-        hidden, "target", nqm_target_names[o->target], "min_delta_e", o->min_delta_e, "whitening",
-        whitening_names[o->whitening], "scale_copy", scale_copy_names[o->scale_copy], "split_by_pair",
-        o->split_by_pair != 0, "validation_fraction", o->validation_fraction, "balance", o->balance != 0,
-        "balance_sigma", o->balance_sigma, "freeze_first_layernorm", o->freeze_first_layernorm != 0, "dropout",
-        o->dropout, "lr_first", o->lr_first, "lr_deeper", o->lr_deeper, "weight_decay", o->weight_decay,
-        "plateau_factor", o->plateau_factor, "plateau_patience", (json_int_t)o->plateau_patience, "batch",
-        (json_int_t)o->batch, "seed", seed);
+        "{s:s, s:s, s:f, s:b, s:f, s:o, s:s, s:f, s:s, s:s, s:b, s:f, s:b, s:f, s:b, s:f, s:f, s:f, s:f, s:f, s:I, "
+        "s:I, s:s}",
+        "recipe", o->recipe, "layout", nqm_layout_names[o->layout], "difference_scale", o->difference_scale, "scalars",
+        o->scalars != 0, "scalar_scale", o->scalar_scale, "hidden", hidden, "target", nqm_target_names[o->target],
+        "min_delta_e", o->min_delta_e, "whitening", whitening_names[o->whitening], "scale_copy",
+        scale_copy_names[o->scale_copy], "split_by_pair", o->split_by_pair != 0, "validation_fraction",
+        o->validation_fraction, "balance", o->balance != 0, "balance_sigma", o->balance_sigma, "freeze_first_layernorm",
+        o->freeze_first_layernorm != 0, "dropout", o->dropout, "lr_first", o->lr_first, "lr_deeper", o->lr_deeper,
+        "weight_decay", o->weight_decay, "plateau_factor", o->plateau_factor, "plateau_patience",
+        (json_int_t)o->plateau_patience, "batch", (json_int_t)o->batch, "seed", seed);
     return json;
 }
 

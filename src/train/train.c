@@ -200,6 +200,12 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     memcpy(m->std, e->features.std, sizeof m->std);
     m->layout = (int)r->options->layout;
     m->difference_scale = r->options->difference_scale;
+    memcpy(m->scalar_mean, e->scalar_mean, sizeof m->scalar_mean);
+    memcpy(m->scalar_std, e->scalar_std, sizeof m->scalar_std);
+    m->scalar_scale = r->options->scalar_scale;
+    m->scalar_names = r->options->scalars ? nqm_scalar_names() : NULL;
+    if (r->options->scalars && !m->scalar_names)
+        return nqm_fail_nomem(err, NQM_SCALAR_COUNT);
     m->target = (int)r->options->target;
     m->target_mean = e->target_mean;
     m->target_std = e->target_std;

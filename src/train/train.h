@@ -71,6 +71,9 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
     return (nqm_split)dataset->group_split[dataset->ref_group[dataset->pair_ref[pair]]];
 }
 
+/** The class of a reference, an i of nqm_material_class_name(). */
+size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
+
 /** The directions where both members of a pair have values: NULL when all, else `scratch` (n_directions), filled. */
 const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
 
@@ -135,11 +138,13 @@ typedef struct nqm_examples {
     float *ref_t, *test_t; /* (n_refs, n_directions, 3), (n_pairs, n_directions, 3) */
     float *noisy_t;        /* (n_noisy, 2, n_directions, 3) reference and test of each noisy copy */
     nqm_features features;
+    float *scalars; /* (n_train + rows.n_validation, NQM_SCALAR_COUNT) as inputs; NULL: not asked for */
+    float scalar_mean[NQM_SCALAR_COUNT], scalar_std[NQM_SCALAR_COUNT];
     double target_mean, target_std, out_lo, out_hi;
-    float *target;         /* (rows.n_train + rows.n_validation) normalised, in the order of rows */
-    float *scratch;        /* (max_batch, 2, n_directions, 3) */
-    uint8_t *used_scratch; /* (max_batch, n_directions) */
-    size_t max_batch, width;
+    float *target;                          /* (rows.n_train + rows.n_validation) normalised, in the order of rows */
+    float *scratch;                         /* (max_batch, 2, n_directions, 3) */
+    uint8_t *used_scratch;                  /* (max_batch, n_directions) */
+    size_t max_batch, width, samples_width; /* the input; the part of it that comes from samples */
 } nqm_examples;
 
 NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const nqm_train_options *options,
@@ -149,6 +154,12 @@ void nqm_examples_free(nqm_examples *examples);
 void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, float *x, float *target);
 /** The same for the validation examples [first, first + n). */
 void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, float *x, float *target);
+
+/** Transformed samples of row i of e->rows, or of its scaled copy, which is made in `scratch` (2, n_directions, 3). */
+void nqm_examples_samples(const nqm_examples *examples, size_t i, bool scaled, float *scratch, const float **ref_t,
+                          const float **test_t);
+/** Fill `scalars` and their whitening (example_scalars.c). */
+NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
 
 /* ---- the state of a training, and its file (checkpoint.c) -------------------------------------------------------- */
 

@@ -106,7 +106,7 @@ for word in '^nqm  ' '^mine  ' '^log_diff  ' '^gloss: 72' '^JOD < 9.5'; do
     grep -q "$word" "$dir/out" || fail "eval lacks $word"
 done
 [ "$(wc -l <"$dir/pairs.csv")" = 145 ] || fail "a line a pair"
-head -n 1 "$dir/pairs.csv" | grep -q '^ref,material,test,kind,split,delta_e,jod,nqm,mine,rmse,' || fail "head of the pairs"
+head -n 1 "$dir/pairs.csv" | grep -q '^ref,material,test,kind,split,delta_e,jod,nqm,mine,rmse,.*,log_diff,family,class,scalar:log_rmse,' || fail "head of the pairs"
 run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors" --by kind --json --bootstrap 100
 cp "$dir/out" "$dir/first"
 for word in '"schema": 1' '"spearman"' '"ci95": \[' '"spearman_mean_by_material"' '"by_kind"' '"gain"' '"split": "test"' '"n": 144' \

@@ -105,6 +105,30 @@ static void test_refusals_name_the_file(void **state) {
     nqm_model_free(bad);
 }
 
+/* A model of scalar features that this library does not make is refused. */
+static void test_other_scalars(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    nqm_params_free(&model->params);
+    assert_int_equal(nqm_params_create(&(nqm_net_shape){2, {9 * N + NQM_SCALAR_COUNT, 5, 1}}, &model->params, NULL),
+                     NQM_OK);
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        model->scalar_std[i] = 1;
+    model->scalar_scale = 1;
+    model->scalar_names = nqm_scalar_names();
+    nqm_model *loaded;
+    nqm_error err = {0};
+    assert_int_equal(nqm_model_write(model, path, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(path, &loaded, NULL), NQM_OK);
+    nqm_model_free(loaded);
+    model->scalar_names[0] = 'm';
+    assert_int_equal(nqm_model_write(model, path, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(path, &loaded, &err), NQM_ERR_MODEL);
+    assert_null(loaded);
+    assert_non_null(strstr(err.message, "scalar features"));
+    nqm_model_free(model);
+}
+
 static void test_builtin_models(void **state) {
     (void)state;
     nqm_model *model;
@@ -163,11 +187,9 @@ static int remove_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_file_round_trip),
-        cmocka_unit_test(test_golden_scores),
-        cmocka_unit_test(test_refusals_name_the_file),
-        cmocka_unit_test(test_builtin_models),
-        cmocka_unit_test(test_selftest),
+        cmocka_unit_test(test_file_round_trip),        cmocka_unit_test(test_golden_scores),
+        cmocka_unit_test(test_refusals_name_the_file), cmocka_unit_test(test_other_scalars),
+        cmocka_unit_test(test_builtin_models),         cmocka_unit_test(test_selftest),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);
 }

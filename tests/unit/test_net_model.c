@@ -17,6 +17,8 @@
 
 enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
 
+static bool with_scalars; /* whether the models here have scalar features */
+
 static const char *path_of_output(void) {
     static char path[64];
     snprintf(path, sizeof path, "test_net_model.%ld.tmp", (long)getpid());
@@ -25,7 +27,7 @@ static const char *path_of_output(void) {
 
 static struct nqm_model *make_model(void) {
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
-    const nqm_net_shape shape = {3, {6 * N_DIRECTIONS, 16, 5, 1}};
+    const nqm_net_shape shape = {3, {6 * N_DIRECTIONS + (with_scalars ? NQM_SCALAR_COUNT : 0), 16, 5, 1}};
     assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
     nqm_params_init(&model->params, 3);
     model->n_directions = N_DIRECTIONS;
@@ -36,6 +38,12 @@ static struct nqm_model *make_model(void) {
         model->mean[i] = 0.1f * (float)i;
         model->std[i] = 1 + (float)i;
     }
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+        model->scalar_mean[i] = 0.5f * (float)i;
+        model->scalar_std[i] = 2 + (float)i;
+    }
+    model->scalar_scale = 1.5;
+    model->scalar_names = with_scalars ? nqm_strdup("a,b") : NULL;
     model->layout = NQM_LAYOUT_REF_TEST;
     model->target = NQM_TARGET_JOD;
     model->difference_scale = 3;
@@ -68,9 +76,9 @@ static unsigned char *model_file(size_t *n_bytes) {
 }
 
 static float output_of(const nqm_params *params) {
-    float x[6 * N_DIRECTIONS], z;
+    float x[6 * N_DIRECTIONS + NQM_SCALAR_COUNT], z;
     nqm_net_work *work;
-    for (size_t i = 0; i < 6 * N_DIRECTIONS; ++i)
+    for (size_t i = 0; i < params->shape.sizes[0]; ++i)
         x[i] = sinf((float)i);
     assert_int_equal(nqm_net_work_create(&params->shape, 1, false, &work, NULL), NQM_OK);
     nqm_net_forward(params, work, 1, x, NULL, &z);
@@ -94,6 +102,13 @@ static void round_trip(void **state) {
     assert_memory_equal(model->directions_deg, made->directions_deg, 3 * N_DIRECTIONS * sizeof(double));
     assert_memory_equal(model->mean, made->mean, sizeof made->mean);
     assert_memory_equal(model->std, made->std, sizeof made->std);
+    assert_int_equal(nqm_model_n_scalars(model), with_scalars ? NQM_SCALAR_COUNT : 0);
+    if (with_scalars) {
+        assert_memory_equal(model->scalar_mean, made->scalar_mean, sizeof made->scalar_mean);
+        assert_memory_equal(model->scalar_std, made->scalar_std, sizeof made->scalar_std);
+        assert_near(model->scalar_scale, 1.5, 0);
+        assert_string_equal(model->scalar_names, "a,b");
+    }
     assert_int_equal(model->layout, made->layout);
     assert_int_equal(model->target, made->target);
     const double values[][2] = {{model->difference_scale, made->difference_scale},
@@ -190,6 +205,8 @@ static contents open_contents(void) {
     c.n_meta = sizeof keys / sizeof *keys;
     for (size_t i = 0; i < c.n_meta; ++i)
         c.meta[i] = (nqm_meta){keys[i], nqm_safetensors_meta(c.st, keys[i])};
+    if (with_scalars)
+        c.meta[c.n_meta++] = (nqm_meta){"scalars", nqm_safetensors_meta(c.st, "scalars")};
     return c;
 }
 
@@ -254,7 +271,8 @@ static void each_text_is_checked(void **state) {
     for (size_t i = 0; i < c.n_meta; ++i) {
         nqm_meta saved = c.meta[i];
         c.meta[i].key = "other";
-        must_refuse(&c, i == 0 ? "not an nqm model" : saved.key);
+        bool scalars = strcmp(saved.key, "scalars") == 0; /* without, the input is too wide */
+        must_refuse(&c, i == 0 ? "not an nqm model" : scalars ? "does not fit the layout" : saved.key);
         c.meta[i] = saved;
     }
     static const struct {
@@ -276,13 +294,13 @@ static void each_text_is_checked(void **state) {
 
 static void impossible_numbers(void **state) {
     (void)state;
-    const float no_std[3] = {1, 0, 1};
+    const float no_std[3] = {1, 0, 1}, no_scalar_std[NQM_SCALAR_COUNT] = {1};
     const double flat[4] = {5, 2, 1, 1}, no_deviation[4] = {5, 0, -1, 1};
     const struct {
         const char *name;
         const void *data;
-    } bad[] = {{"whitening.std", no_std}, {"target", flat}, {"target", no_deviation}};
-    for (size_t i = 0; i < 3; ++i) {
+    } bad[] = {{"whitening.std", no_std}, {"target", flat}, {"target", no_deviation}, {"scalars.std", no_scalar_std}};
+    for (size_t i = 0; i < 3u + with_scalars; ++i) {
         contents c = open_contents();
         for (size_t k = 0; k < c.n_tensors; ++k)
             if (strcmp(c.tensors[k].name, bad[i].name) == 0)
@@ -343,5 +361,13 @@ int main(void) {
         cmocka_unit_test(out_of_memory),
         cmocka_unit_test(jod_of_an_output),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int n_failed = cmocka_run_group_tests_name("samples", tests, NULL, NULL);
+    const struct CMUnitTest tests_with_scalars[] = {
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(each_tensor_is_checked),
+        cmocka_unit_test(each_text_is_checked),
+        cmocka_unit_test(impossible_numbers),
+    };
+    with_scalars = true;
+    return n_failed + cmocka_run_group_tests_name("with scalar features", tests_with_scalars, NULL, NULL);
 }

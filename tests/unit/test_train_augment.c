@@ -4,6 +4,7 @@
  * labels.
  */
 #include "io/io.h"
+#include "metric/metric.h"
 #include "support/check.h"
 #include "support/toy_dataset.h"
 
@@ -277,10 +278,10 @@ static void masks_and_log_targets(void **state) {
     for (size_t i = 0; i < d->n_pairs; i += 12)
         delta_e[i] = 0;
     assert_int_equal(nqm_examples_create(&with_identity, &o, 1, &e, NULL), NQM_OK);
-    assert_int_equal(e.width, 9 * 16);
+    assert_int_equal(e.width, 9 * 16 + NQM_SCALAR_COUNT);
     assert_near(e.target_mean + e.target_std * e.out_lo, log(0.05), 1e-9);
     for (size_t i = 0; i < e.rows.n_train; ++i) {
-        float x[9 * 16], target;
+        float x[9 * 16 + NQM_SCALAR_COUNT], target;
         uint8_t used[16];
         nqm_examples_gather(&e, 1, &i, x, &target);
         uint32_t pair = e.rows.row[i].pair;
@@ -291,6 +292,58 @@ static void masks_and_log_targets(void **state) {
                 assert_true(x[k] == 0 && x[48 + k] == 0 && x[96 + k] == 0);
     }
     free(delta_e);
+    nqm_examples_free(&e);
+    nqm_dataset_free(d);
+}
+
+/* Scalar features of examples are those of the samples; of a scaled copy, those of the scaled samples; whitened by the
+ * training examples. */
+static void scalars_of_examples(void **state) {
+    (void)state;
+    toy_options t = toy_options_default();
+    t.with_masks = true;
+    nqm_dataset *d = toy_dataset(&t);
+    nqm_train_options o = recipe("nqm");
+    nqm_examples e;
+    assert_int_equal(nqm_examples_create(d, &o, 16, &e, NULL), NQM_OK);
+    size_t n = 3 * d->n_directions, n_columns = NQM_SCALAR_COUNT;
+    assert_int_equal(e.width, 3 * n + n_columns);
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < e.n_train; ++i) {
+        double x = (double)e.scalars[i * n_columns + NQM_SCALAR_RMS];
+        sum += x;
+        squares += x * x;
+    }
+    assert_near(sum / (double)e.n_train, 0, 1e-4);
+    assert_near(squares / (double)e.n_train, o.scalar_scale * o.scalar_scale, 1e-2);
+    float *x = nqm_alloc(3, e.width * sizeof *x), target[3];
+    const size_t index[2] = {5, 5 + e.rows.n_train};
+    nqm_examples_gather(&e, 2, index, x, target);
+    nqm_examples_gather_validation(&e, 7, 1, x + 2 * e.width, target + 2);
+    const size_t rows[3] = {5, 5, e.rows.n_train + 7};
+    const nqm_scalar_whitening whitening = {e.scalar_mean, e.scalar_std, o.scalar_scale};
+    for (size_t r = 0; r < 3; ++r) {
+        uint8_t used[16];
+        size_t pair = e.rows.row[rows[r]].pair;
+        double scalars[NQM_SCALAR_COUNT];
+        float expected[NQM_SCALAR_COUNT];
+        nqm_scalars_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
+                            nqm_dataset_pair_used(d, pair, used), scalars);
+        nqm_scalars_whiten(&whitening, scalars, expected);
+        for (size_t k = 0; k < n_columns; ++k) {
+            double got = (double)x[r * e.width + 3 * n + k];
+            if (r != 1)
+                assert_near(got, (double)expected[k], 1e-3);
+        }
+        /* the copy is brighter or darker by up to 5 %, its ratios are the same but for the floor */
+        if (r == 1) {
+            double level = (double)x[r * e.width + 3 * n + NQM_SCALAR_REF_LEVEL];
+            double step = (level - (double)expected[NQM_SCALAR_REF_LEVEL]) / o.scalar_scale *
+                          (double)e.scalar_std[NQM_SCALAR_REF_LEVEL];
+            assert_true(fabs(step) > 1e-4 && fabs(step) < 0.052);
+        }
+    }
+    nqm_free(x);
     nqm_examples_free(&e);
     nqm_dataset_free(d);
 }
@@ -313,6 +366,7 @@ static void recipes_are_as_published(void **state) {
     nqm = recipe("nqm");
     shape.sizes[0] = nqm_features_width(nqm.layout, 500);
     assert_int_equal(nqm_params_count(&shape), 4171125 + 1500 * 1024);
+    assert_true(nqm.scalars && !paper.scalars && !notebook.scalars);
     nqm_error err = {0};
     assert_int_equal(nqm_train_options_recipe("best", &nqm, &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "notebook"));
@@ -336,6 +390,9 @@ static void options_out_of_range(void **state) {
     o.hidden[2] = 0;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
+    o.scalar_scale = 0;
+    assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
+    o = recipe("nqm");
     o.resume = 1;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
 }
@@ -353,6 +410,7 @@ int main(void) {
         cmocka_unit_test(scaled_by_pair),
         cmocka_unit_test(scaled_by_element),
         cmocka_unit_test(masks_and_log_targets),
+        cmocka_unit_test(scalars_of_examples),
         cmocka_unit_test(recipes_are_as_published),
         cmocka_unit_test(options_out_of_range),
     };

@@ -145,6 +145,8 @@ static void predictions_are_those_of_single_pairs(void **state) {
         const float *ref = d->ref_rgb + d->pair_ref[pair] * n, *test = d->test_rgb + pair * n;
         double metrics[NQM_METRIC_COUNT], jod;
         nqm_metrics_compute(d->directions, ref, test, NULL, metrics);
+        double scalars[NQM_SCALAR_COUNT];
+        nqm_scalars_compute(d->directions, ref, test, NULL, scalars);
         bool in_test = nqm_dataset_get_pair(d, pair).split == NQM_SPLIT_TEST;
         for (size_t i = 0; i < 2 + NQM_METRIC_COUNT; ++i) {
             double value = nqm_evaluation_values(ev, i)[pair];
@@ -154,11 +156,43 @@ static void predictions_are_those_of_single_pairs(void **state) {
             if (in_test)
                 assert_near(value, i < 2 ? jod : metrics[i - 2], 1e-5);
         }
+        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+            double value = nqm_evaluation_scalars(ev, pair)[i];
+            assert_true(in_test ? value == scalars[i] : isnan(value));
+        }
     }
     nqm_evaluation_free(ev);
     nqm_model_free(models[0]);
     nqm_model_free(models[1]);
     nqm_dataset_free(d);
+}
+
+/* A reference of two directions: at the mirror direction, and far from it. */
+static const char *class_of(double near, double far, const float colour[3]) {
+    const double degrees[3][3] = {{1, 10, 0}, {30, 20, 0}, {1, 70, 0}};
+    float rgb[9];
+    for (size_t k = 0; k < 3; ++k) {
+        rgb[k] = (float)near;
+        rgb[3 + k] = (float)far * colour[k];
+        rgb[6 + k] = 1e4f; /* grazing: does not count */
+    }
+    nqm_dataset d = {.n_directions = 3, .n_refs = 1, .directions_deg = degrees[0], .ref_rgb = rgb};
+    return nqm_material_class_name(nqm_dataset_ref_class(&d, 0));
+}
+
+static void classes_of_materials(void **state) {
+    (void)state;
+    const float grey[3] = {1, 1, 1}, warm[3] = {1.2f, 1, 0.9f}, red[3] = {2, 0.5f, 0.5f};
+    assert_string_equal(class_of(0.2, 0.1, grey), "matte grey");
+    assert_string_equal(class_of(0.2, 0.1, red), "matte coloured");
+    assert_string_equal(class_of(1, 0.1, warm), "satin grey");
+    assert_string_equal(class_of(5, 0.1, red), "glossy coloured");
+    assert_string_equal(class_of(50, 0.1, grey), "mirror-like grey");
+    assert_string_equal(class_of(1, 0, grey), "mirror-like grey"); /* a black body has no colour */
+    const double degrees[3] = {1, 10, 0};
+    nqm_dataset no_body = {.n_directions = 1, .n_refs = 1, .directions_deg = degrees, .ref_rgb = grey};
+    assert_string_equal(nqm_material_class_name(nqm_dataset_ref_class(&no_body, 0)), "unclassified");
+    assert_null(nqm_material_class_name(NQM_MATERIAL_CLASS_COUNT));
 }
 
 static void selections(void **state) {
@@ -184,6 +218,12 @@ static void selections(void **state) {
     assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
     assert_int_equal(a[0].n, 576 / 4 / 2);
     assert_int_equal(a[0].n_materials, 6);
+    o.kind = NULL;
+    o.family = "perturbation"; /* of the kind "gain" */
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, 576 / 4 / 2);
+    o.kind = "gloss";
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_ERR_INCOMPATIBLE);
     size_t n_high = 0, n_low = 0;
     for (size_t i = 0; i < d->n_pairs; ++i)
         n_high += d->jod[i] >= 9.5;
@@ -197,6 +237,21 @@ static void selections(void **state) {
     o.jod_to = 9.5;
     assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
     assert_int_equal(a[0].n, n_low);
+    o = nqm_eval_options_default();
+    o.n_bootstrap = 0;
+    size_t n_classified = 0;
+    for (size_t i = 0; i < NQM_MATERIAL_CLASS_COUNT; ++i) {
+        size_t n_class = 0;
+        o.material_class = nqm_material_class_name(i);
+        for (size_t pair = 0; pair < d->n_pairs; ++pair)
+            n_class += strcmp(nqm_dataset_get_pair(d, pair).material_class, o.material_class) == 0;
+        nqm_status status = nqm_evaluate(model, d, &o, a, NULL);
+        assert_int_equal(status, n_class ? NQM_OK : NQM_ERR_INCOMPATIBLE);
+        assert_true(n_class == 0 || a[0].n == n_class);
+        n_classified += n_class;
+    }
+    assert_int_equal(n_classified, d->n_pairs);
+    o.material_class = NULL;
     o.kind = "rust";
     nqm_error err = {0};
     assert_int_equal(nqm_evaluate(model, d, &o, a, &err), NQM_ERR_INCOMPATIBLE);
@@ -215,6 +270,7 @@ int main(void) {
         cmocka_unit_test(figures_are_scipys),
         cmocka_unit_test(bootstrap_repeats_groups),
         cmocka_unit_test(predictions_are_those_of_single_pairs),
+        cmocka_unit_test(classes_of_materials),
         cmocka_unit_test(selections),
     };
     return cmocka_run_group_tests(tests, read_pairs, NULL);

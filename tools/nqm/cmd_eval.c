@@ -14,8 +14,15 @@ static const choice splits[] = {{"test", NQM_SPLIT_TEST},
                                 {"all", NQM_SPLIT_ALL},
                                 {0}};
 
-enum { BY_NONE, BY_KIND, BY_RANGE, BY_BOTH };
-static const choice bys[] = {{"none", BY_NONE}, {"kind", BY_KIND}, {"range", BY_RANGE}, {"both", BY_BOTH}, {0}};
+enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8 };
+static const choice bys[] = {{"none", 0},
+                             {"kind", BY_KIND},
+                             {"range", BY_RANGE},
+                             {"family", BY_FAMILY},
+                             {"class", BY_CLASS},
+                             {"both", BY_KIND | BY_RANGE},
+                             {"all", BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS},
+                             {0}};
 
 /* Above this the labels say "hardly visible": where a quality metric is needed most and has it hardest. */
 static const double range_edge = 9.5;
@@ -58,24 +65,70 @@ static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by
     return status;
 }
 
-static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
+/* The families of the dataset's kinds, each once. */
+static nqm_status judge_families(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
     size_t n_kinds = nqm_dataset_kind_count(run->dataset);
-    run->tables = calloc(3 + n_kinds, sizeof *run->tables);
-    if (!run->tables)
-        return err->status = NQM_ERR_NOMEM;
-    nqm_status status = judge(run, options, "all", "all", err);
-    for (size_t i = 0; status == NQM_OK && (by & BY_KIND) && i < n_kinds; ++i) {
+    for (size_t i = 0; status == NQM_OK && i < n_kinds; ++i) {
+        nqm_eval_options o = *options;
+        o.family = nqm_dataset_kind_family(run->dataset, i);
+        size_t first = 0;
+        while (strcmp(nqm_dataset_kind_family(run->dataset, first), o.family) != 0)
+            ++first;
+        if (first == i && *o.family) /* "": the dataset does not say */
+            status = judge(run, &o, "family", o.family, err);
+    }
+    return status;
+}
+
+static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < NQM_MATERIAL_CLASS_COUNT; ++i) {
+        nqm_eval_options o = *options;
+        o.material_class = nqm_material_class_name(i);
+        status = judge(run, &o, "class", o.material_class, err);
+        run->n_tables -= status == NQM_OK && !run->tables[run->n_tables - 1].results; /* no such material */
+    }
+    return status;
+}
+
+static nqm_status judge_kinds(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_kind_count(run->dataset); ++i) {
         nqm_eval_options o = *options;
         o.kind = nqm_dataset_kind_name(run->dataset, i);
         status = judge(run, &o, "kind", o.kind, err);
     }
-    for (int high = 0; status == NQM_OK && (by & BY_RANGE) && high < 2; ++high) {
+    return status;
+}
+
+static nqm_status judge_ranges(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (int high = 0; status == NQM_OK && high < 2; ++high) {
         nqm_eval_options o = *options;
         char name[40];
         *(high ? &o.jod_from : &o.jod_to) = range_edge;
         snprintf(name, sizeof name, "JOD %s %.1f", high ? ">=" : "<", range_edge);
         status = judge(run, &o, "range", name, err);
     }
+    return status;
+}
+
+static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
+    enum { N_RANGES = 2 };
+    size_t n_kinds = nqm_dataset_kind_count(run->dataset); /* there are no more families than kinds */
+    run->tables = calloc(1 + 2 * n_kinds + NQM_MATERIAL_CLASS_COUNT + N_RANGES, sizeof *run->tables);
+    if (!run->tables)
+        return err->status = NQM_ERR_NOMEM;
+    nqm_status status = judge(run, options, "all", "all", err);
+    if (status == NQM_OK && (by & BY_FAMILY))
+        status = judge_families(run, options, err);
+    if (status == NQM_OK && (by & BY_KIND))
+        status = judge_kinds(run, options, err);
+    if (status == NQM_OK && (by & BY_CLASS))
+        status = judge_classes(run, options, err);
+    if (status == NQM_OK && (by & BY_RANGE))
+        status = judge_ranges(run, options, err);
     return status;
 }
 
@@ -140,13 +193,16 @@ int cmd_eval(int argc, char **argv) {
     const option options[] = {
         {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
         {"split", 0, OPTION_TEXT, &a.split, "WORD", "test, validation, train or all", 0, 0},
-        {"by", 0, OPTION_TEXT, &a.by, "WORD", "further tables: by kind of distortion, by JOD range, both or none", 0,
-         0},
+        {"by", 0, OPTION_TEXT, &a.by, "WORD",
+         "further tables: by family or kind of distortion, class of the reference material, JOD range; both (kind and "
+         "range), all or none",
+         0, 0},
         {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
         {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
          1e6},
         {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
-        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label and predictions of every pair", 0, 0},
+        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
+         0},
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &a.csv, NULL, "print CSV", 0, 0},
         {0}};

@@ -25,7 +25,7 @@ typedef struct train_arguments {
     const char *recipe, *output, *labels, *log, *card, *hidden;
     const char *layout, *target, *whitening, *scale_copy, *split;
     uint64_t epochs, batch, patience;
-    bool balance, no_balance, freeze, no_freeze, resume, json;
+    bool balance, no_balance, freeze, no_freeze, scalars, no_scalars, resume, json;
     nqm_train_options options;
 } train_arguments;
 
@@ -35,7 +35,7 @@ typedef struct train_run {
     nqm_dataset *dataset;
     nqm_model *model;
     nqm_train_report report;
-    FILE *log;
+    output_file log;
     char *card;
 } train_run;
 
@@ -105,7 +105,7 @@ static int settle_options(train_arguments *a) {
     if (!parse_hidden(a->hidden, o))
         return report("train", EXIT_USAGE, "--hidden is a list of up to %d widths with commas, not '%s'",
                       NQM_TRAIN_MAX_HIDDEN, a->hidden);
-    if ((a->balance && a->no_balance) || (a->freeze && a->no_freeze))
+    if ((a->balance && a->no_balance) || (a->freeze && a->no_freeze) || (a->scalars && a->no_scalars))
         return report("train", EXIT_USAGE, "an option and its opposite are both given");
     if (!a->output)
         return report("train", EXIT_USAGE, "where to? give the model file: -o FILE");
@@ -115,6 +115,7 @@ static int settle_options(train_arguments *a) {
     o->scale_copy = (nqm_scale_copy)scale_copy;
     o->balance = a->balance || (o->balance && !a->no_balance);
     o->freeze_first_layernorm = a->freeze || (o->freeze_first_layernorm && !a->no_freeze);
+    o->scalars = a->scalars || (o->scalars && !a->no_scalars);
     o->epochs = (size_t)a->epochs;
     o->batch = (size_t)a->batch;
     o->plateau_patience = (size_t)a->patience;
@@ -147,12 +148,11 @@ static int check_places(const train_arguments *a) {
     return EXIT_OK;
 }
 
-static int open_log(const char *path, FILE **log_ret) {
-    *log_ret = fopen(path, "w");
-    if (!*log_ret)
-        return report("train", EXIT_OPEN, "%s: cannot write: %s", path, strerror(errno));
-    fputs("epoch,train_loss,validation_loss,lr_first\n", *log_ret);
-    return EXIT_OK;
+static int open_log(const char *path, output_file *log) {
+    int exit_code = open_output("train", path, log);
+    if (exit_code == EXIT_OK)
+        fputs("epoch,train_loss,validation_loss,lr_first\n", log->stream);
+    return exit_code;
 }
 
 /* ---- the run ----------------------------------------------------------------------------------------------------- */
@@ -160,10 +160,10 @@ static int open_log(const char *path, FILE **log_ret) {
 static void on_epoch(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
     train_run *run = user;
     note_progress("epoch %zu: loss %.4f, validation %.4f", epoch, train_loss, validation_loss);
-    if (!run->log)
+    if (!run->log.stream)
         return;
-    fprintf(run->log, "%zu,%.9g,%.9g,%.9g\n", epoch, train_loss, validation_loss, lr_first);
-    fflush(run->log);
+    fprintf(run->log.stream, "%zu,%.9g,%.9g,%.9g\n", epoch, train_loss, validation_loss, lr_first);
+    fflush(run->log.stream);
 }
 
 static int print_report(const train_run *run, const nqm_model_info *info) {
@@ -229,11 +229,8 @@ static int run_training(const train_arguments *a, const char *dataset_path) {
     }
     if (exit_code == EXIT_OK)
         exit_code = save_model(&run);
-    bool log_failed = run.log && ferror(run.log);
-    if (run.log && fclose(run.log) != 0)
-        log_failed = true;
-    if (log_failed && exit_code == EXIT_OK)
-        exit_code = report("train", EXIT_OPEN, "%s: cannot write", a->log);
+    int log_code = close_output("train", &run.log, exit_code == EXIT_OK);
+    exit_code = exit_code == EXIT_OK ? log_code : exit_code;
     nqm_model_free(run.model);
     nqm_dataset_free(run.dataset);
     free(run.card);
@@ -255,6 +252,9 @@ static void list_options(train_arguments *a, option options[MAX_OPTIONS]) {
         {"seed", 0, OPTION_COUNT, &o->seed, "N", "of weights, split, augmentation, order and dropout", 0, 0},
         {"layout", 0, OPTION_TEXT, &a->layout, "WORD", "input: ref_test or ref_diff_absdiff", 0, 0},
         {"difference-scale", 0, OPTION_NUMBER, &o->difference_scale, "S", "times the differences", 1e-6, 1e6},
+        {"scalars", 0, OPTION_FLAG, &a->scalars, NULL, "scalar features of the pair as further inputs (nqm)", 0, 0},
+        {"no-scalars", 0, OPTION_FLAG, &a->no_scalars, NULL, "samples only (paper, notebook)", 0, 0},
+        {"scalar-scale", 0, OPTION_NUMBER, &o->scalar_scale, "S", "times the scalar features", 1e-6, 1e6},
         {"hidden", 0, OPTION_TEXT, &a->hidden, "LIST", "widths of the hidden layers", 0, 0},
         {"target", 0, OPTION_TEXT, &a->target, "WORD", "what is learnt: jod or log_delta_e", 0, 0},
         {"min-delta-e", 0, OPTION_NUMBER, &o->min_delta_e, "E", "smaller labels count as this (log_delta_e)", 1e-6, 10},

@@ -9,7 +9,7 @@
 
 /** The agreement of every predictor on one selection of pairs. */
 typedef struct eval_table {
-    const char *by;         /* "all", "kind" or "range" */
+    const char *by;         /* "all", "family", "kind", "class" or "range" */
     char name[80];          /* "all", "ggx", "JOD >= 9.5" */
     nqm_agreement *results; /* (n_predictors); NULL where no pair is selected */
 } eval_table;
@@ -27,7 +27,7 @@ typedef enum eval_format { EVAL_TEXT, EVAL_JSON, EVAL_CSV } eval_format;
 
 /** Print all tables; returns an exit code. */
 int print_evaluation(const eval_run *run, eval_format format);
-/** Write label and predictions of every pair that was judged, as CSV. */
+/** Write label, predictions and scalar features of every pair that was judged, as CSV. */
 int write_pairs(const eval_run *run, const char *path);
 
 #endif

@@ -88,7 +88,7 @@ static json_t *table_json(const eval_run *run, const eval_table *table) {
 }
 
 static int print_json_tables(const eval_run *run) {
-    json_t *models = json_array(), *by_kind = json_object(), *by_range = json_object();
+    json_t *models = json_array(), *selections = json_object(); /* "by_kind": {"ggx": [..], ..} */
     for (size_t i = 0; i < run->n_models; ++i) {
         nqm_model_info info = nqm_model_get_info(run->models[i]);
         json_array_append_new(models, json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters",
@@ -96,18 +96,18 @@ static int print_json_tables(const eval_run *run) {
     }
     for (size_t i = 1; i < run->n_tables; ++i) {
         const eval_table *table = &run->tables[i];
-        json_object_set_new(strcmp(table->by, "kind") == 0 ? by_kind : by_range, table->name, table_json(run, table));
+        char key[24];
+        snprintf(key, sizeof key, "by_%s", table->by);
+        if (!json_object_get(selections, key))
+            json_object_set_new(selections, key, json_object());
+        json_object_set_new(json_object_get(selections, key), table->name, table_json(run, table));
     }
     nqm_dataset_info info = nqm_dataset_get_info(run->dataset);
     json_t *json = json_pack("{s:i,s:o,s:{s:s,s:s,s:s},s:o,s:o}", "schema", 1, "tool", json_tool(), "dataset", "path",
                              run->dataset_path, "sha256", info.sha256, "split", run->split_name, "models", models,
                              "results", table_json(run, &run->tables[0]));
-    if (json_object_size(by_kind))
-        json_object_set(json, "by_kind", by_kind);
-    if (json_object_size(by_range))
-        json_object_set(json, "by_range", by_range);
-    json_decref(by_kind);
-    json_decref(by_range);
+    json_object_update(json, selections);
+    json_decref(selections);
     return print_json(json);
 }
 
@@ -150,41 +150,4 @@ static int print_csv(const eval_run *run) {
 
 int print_evaluation(const eval_run *run, eval_format format) {
     return format == EVAL_JSON ? print_json_tables(run) : format == EVAL_CSV ? print_csv(run) : print_text(run);
-}
-
-/* ---- pairs ------------------------------------------------------------------------------------------------------- */
-
-static void write_pair(const eval_run *run, size_t pair, FILE *out) {
-    static const char *const split_names[] = {"train", "validation", "test"};
-    nqm_dataset_pair p = nqm_dataset_get_pair(run->dataset, pair);
-    const char *const texts[] = {p.ref, p.group, p.test, p.kind, split_names[p.split]};
-    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; ++k) {
-        print_csv_text(out, texts[k]);
-        fputc(',', out);
-    }
-    fprintf(out, "%.9g,%.9g", p.delta_e, p.jod);
-    for (size_t i = 0; i < run->n_predictors; ++i) {
-        fputc(',', out);
-        print_csv_number(out, nqm_evaluation_values(run->evaluation, i)[pair]);
-    }
-    fputc('\n', out);
-}
-
-int write_pairs(const eval_run *run, const char *path) {
-    FILE *out = fopen(path, "w");
-    if (!out)
-        return report("eval", EXIT_OPEN, "%s: cannot write: %s", path, strerror(errno));
-    fputs("ref,material,test,kind,split,delta_e,jod", out);
-    for (size_t i = 0; i < run->n_predictors; ++i) {
-        fputc(',', out);
-        print_csv_text(out, nqm_evaluation_name(run->evaluation, i));
-    }
-    fputc('\n', out);
-    size_t n_pairs = nqm_dataset_get_info(run->dataset).n_pairs;
-    for (size_t pair = 0; pair < n_pairs; ++pair)
-        if (!isnan(nqm_evaluation_values(run->evaluation, run->n_models)[pair]))
-            write_pair(run, pair, out);
-    bool bad = ferror(out) != 0;
-    bad = fclose(out) != 0 || bad;
-    return bad ? report("eval", EXIT_OPEN, "%s: cannot write", path) : EXIT_OK;
 }

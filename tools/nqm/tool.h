@@ -132,6 +132,20 @@ void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing when it is not finite. */
 void print_csv_number(FILE *out, double value);
 
+/* ---- files that a verb writes itself ----------------------------------------------------------------------------- */
+
+/** A file that appears under its name only when complete; zeroed: none. */
+typedef struct output_file {
+    FILE *stream;
+    const char *path; /* lent */
+    char *temporary;  /* where it is written; NULL: in place, a device */
+} output_file;
+
+/** Open; EXIT_OK, or the fault is reported and its exit code returned. */
+int open_output(const char *verb, const char *path, output_file *out);
+/** Close, and rename to the final name or, without `keep`, remove what was written. A zeroed file is allowed. */
+int close_output(const char *verb, output_file *out, bool keep);
+
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
 int cmd_agree(int argc, char **argv);

@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Scalar features of a pair: few numbers that say how much two sampled BRDFs differ, where (highlight, flank, grazing),
+ * in which way (level, shape, colour), and what the reference is like. They stand beside the samples in the network's
+ * input (recipe nqm) and feed the boosted-trees control (models/control.py). doc/training.md has the table of formulas.
+ *
+ * A picture shows averages over many directions, so that what differs at random from one direction to the next weighs
+ * less than what differs alike: hence differences of sums over zones of directions beside those of single ones.
+ */
+#include "math/math.h"
+#include "metric/metric.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const scalar_names[NQM_SCALAR_COUNT] = {
+    [NQM_SCALAR_METRICS + NQM_METRIC_RMSE] = "log_rmse",
+    [NQM_SCALAR_METRICS + NQM_METRIC_MAE] = "log_mae",
+    [NQM_SCALAR_METRICS + NQM_METRIC_RMS_CRWE] = "log_rms_crwe",
+    [NQM_SCALAR_METRICS + NQM_METRIC_MA_CRWE] = "log_ma_crwe",
+    [NQM_SCALAR_METRICS + NQM_METRIC_RMS_LOGE] = "log_rms_loge",
+    [NQM_SCALAR_METRICS + NQM_METRIC_MA_LOGE] = "log_ma_loge",
+    [NQM_SCALAR_METRICS + NQM_METRIC_RMS_LOGWE] = "log_rms_logwe",
+    [NQM_SCALAR_METRICS + NQM_METRIC_MA_LOGWE] = "log_ma_logwe",
+    [NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF] = "log_log_diff",
+    [NQM_SCALAR_RMS] = "rms",
+    [NQM_SCALAR_MAX] = "max",
+    [NQM_SCALAR_TAIL] = "tail",
+    [NQM_SCALAR_BULK] = "bulk",
+    [NQM_SCALAR_BIAS] = "bias",
+    [NQM_SCALAR_SHAPE] = "shape",
+    [NQM_SCALAR_ZONE_BIAS] = "bias_0_2",
+    "bias_2_5",
+    "bias_5_15",
+    "bias_15_35",
+    "bias_35_90",
+    [NQM_SCALAR_ZONE_RMS] = "rms_0_2",
+    "rms_2_5",
+    "rms_5_15",
+    "rms_15_35",
+    "rms_35_90",
+    [NQM_SCALAR_GRAZING_BIAS] = "bias_grazing",
+    [NQM_SCALAR_GRAZING_RMS] = "rms_grazing",
+    [NQM_SCALAR_WIDTH] = "width",
+    [NQM_SCALAR_CHROMA] = "chroma",
+    [NQM_SCALAR_CHROMA_RG] = "chroma_rg",
+    [NQM_SCALAR_CHROMA_B] = "chroma_b",
+    [NQM_SCALAR_ENERGY] = "energy",
+    [NQM_SCALAR_ENERGY_CHROMA] = "energy_chroma",
+    [NQM_SCALAR_PEAK] = "peak",
+    [NQM_SCALAR_SMOOTH] = "smooth",
+    [NQM_SCALAR_SMOOTH_CHROMA] = "smooth_chroma",
+    [NQM_SCALAR_REF_LEVEL] = "ref_level",
+    [NQM_SCALAR_REF_ENERGY] = "ref_energy",
+    [NQM_SCALAR_REF_PEAK] = "ref_peak",
+    [NQM_SCALAR_REF_SPREAD] = "ref_spread",
+    [NQM_SCALAR_REF_COLOUR] = "ref_colour",
+};
+
+const char *nqm_scalar_name(size_t i) {
+    return i < NQM_SCALAR_COUNT ? scalar_names[i] : NULL;
+}
+
+/* ---- sums over directions ---------------------------------------------------------------------------------------- */
+
+/* Zones of theta_h and of theta_d by their upper ends, degrees; a cell is one of each. */
+enum { N_ZONES_H = NQM_SCALAR_ZONES, N_ZONES_D = 3, N_CELLS = N_ZONES_H * N_ZONES_D };
+static const double zone_h_end[N_ZONES_H - 1] = {2, 5, 15, 35}, zone_d_end[N_ZONES_D - 1] = {30, 60};
+
+static const double grazing_cosines = 0.25; /* cos(theta_i) cos(theta_o) below this: theta_d above 60 at theta_h 0 */
+static const float dark = 0.003f;           /* 1/sr, under the logarithm as in the metric log_diff */
+
+/* Reflectance of both members, summed over some directions. */
+typedef struct light {
+    double n, ref[3], test[3];
+} light;
+
+/* What one pass over the directions gathers. l: difference of log luminance; u, v: of the opponents of log f_r. */
+typedef struct sums {
+    double n, l, l2, l4, root_l, max_l, squares, u, v, uv2;
+    double zone_l2[N_ZONES_H], grazing_n, grazing_l, grazing_l2;
+    double ref_log, ref_log2, ref_colour2, peak_ref, peak_test;
+    light cell[N_CELLS];
+    light weighted; /* by cos(theta_i) cos(theta_o); n is the sum of these */
+} sums;
+
+static size_t zone_of(double degrees, size_t n_ends, const double *ends) {
+    size_t zone = 0;
+    while (zone < n_ends && degrees >= ends[zone])
+        ++zone;
+    return zone;
+}
+
+static void add_light(light *to, double weight, const float *ref, const float *test) {
+    to->n += weight;
+    for (int k = 0; k < 3; ++k) {
+        to->ref[k] += weight * (double)ref[k];
+        to->test[k] += weight * (double)test[k];
+    }
+}
+
+static double log_luminance(const float *rgb, double *peak) {
+    double y = nqm_luminance((const double[3]){(double)rgb[0], (double)rgb[1], (double)rgb[2]});
+    *peak = fmax(*peak, y);
+    return (double)logf((float)y + dark);
+}
+
+static void add_direction(sums *s, const double *degrees, double cosines, const float *ref, const float *test) {
+    double a[3], d[3];
+    for (int k = 0; k < 3; ++k) {
+        a[k] = (double)logf(ref[k] + dark);
+        d[k] = (double)logf(test[k] + dark) - a[k];
+    }
+    double ref_log = log_luminance(ref, &s->peak_ref), l = log_luminance(test, &s->peak_test) - ref_log;
+    double u = d[0] - d[1], v = d[2] - 0.5 * (d[0] + d[1]), ref_u = a[0] - a[1], ref_v = a[2] - 0.5 * (a[0] + a[1]);
+    size_t zone_h = zone_of(degrees[0], N_ZONES_H - 1, zone_h_end);
+    size_t zone_d = zone_of(degrees[1], N_ZONES_D - 1, zone_d_end);
+    s->n += 1;
+    s->l += l;
+    s->l2 += l * l;
+    s->l4 += l * l * l * l;
+    s->root_l += sqrt(fabs(l));
+    s->max_l = fmax(s->max_l, fabs(l));
+    s->squares += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    s->u += u;
+    s->v += v;
+    s->uv2 += u * u + v * v;
+    s->zone_l2[zone_h] += l * l;
+    if (cosines < grazing_cosines) {
+        s->grazing_n += 1;
+        s->grazing_l += l;
+        s->grazing_l2 += l * l;
+    }
+    s->ref_log += ref_log;
+    s->ref_log2 += ref_log * ref_log;
+    s->ref_colour2 += ref_u * ref_u + ref_v * ref_v;
+    add_light(&s->cell[zone_h * N_ZONES_D + zone_d], 1, ref, test);
+    add_light(&s->weighted, cosines, ref, test);
+}
+
+/* ---- from sums to features --------------------------------------------------------------------------------------- */
+
+/* The logarithm of a size >= 0, so that faint differences are told apart; 0 stays finite. */
+static double log_size(double size) {
+    return log(size + 1e-3);
+}
+
+static double mean(double sum, double n) {
+    return n > 0 ? sum / n : 0;
+}
+
+/* How summed light differs: log ratio of luminance, and the opponents of the log ratios of the channels. */
+typedef struct contrast {
+    double l, u, v;
+} contrast;
+
+static contrast compare_light(const light *sum) {
+    double ratio[3], floor = (double)dark * sum->n;
+    if (!(sum->n > 0))
+        return (contrast){0};
+    for (int k = 0; k < 3; ++k)
+        ratio[k] = log((sum->test[k] + floor) / (sum->ref[k] + floor));
+    return (contrast){.l = log((nqm_luminance(sum->test) + floor) / (nqm_luminance(sum->ref) + floor)),
+                      .u = ratio[0] - ratio[1],
+                      .v = ratio[2] - 0.5 * (ratio[0] + ratio[1])};
+}
+
+static light join(const light *parts, size_t n) {
+    light whole = {0};
+    for (size_t i = 0; i < n; ++i) {
+        whole.n += parts[i].n;
+        for (int k = 0; k < 3; ++k) {
+            whole.ref[k] += parts[i].ref[k];
+            whole.test[k] += parts[i].test[k];
+        }
+    }
+    return whole;
+}
+
+static void zone_scalars(const sums *s, double *out) {
+    for (size_t z = 0; z < N_ZONES_H; ++z) {
+        light zone = join(s->cell + z * N_ZONES_D, N_ZONES_D);
+        out[NQM_SCALAR_ZONE_BIAS + z] = compare_light(&zone).l;
+        out[NQM_SCALAR_ZONE_RMS + z] = log_size(sqrt(mean(s->zone_l2[z], zone.n)));
+    }
+    light highlight = join(s->cell, 2 * N_ZONES_D), flank = join(s->cell + 2 * N_ZONES_D, N_CELLS - 2 * N_ZONES_D);
+    out[NQM_SCALAR_WIDTH] = compare_light(&highlight).l - compare_light(&flank).l;
+    out[NQM_SCALAR_GRAZING_BIAS] = mean(s->grazing_l, s->grazing_n);
+    out[NQM_SCALAR_GRAZING_RMS] = log_size(sqrt(mean(s->grazing_l2, s->grazing_n)));
+    double l2 = 0, uv2 = 0;
+    for (size_t i = 0; i < N_CELLS; ++i) {
+        contrast c = compare_light(&s->cell[i]);
+        l2 += s->cell[i].n * c.l * c.l;
+        uv2 += s->cell[i].n * (c.u * c.u + c.v * c.v);
+    }
+    out[NQM_SCALAR_SMOOTH] = log_size(sqrt(mean(l2, s->n)));
+    out[NQM_SCALAR_SMOOTH_CHROMA] = log_size(sqrt(mean(uv2, s->n)));
+}
+
+static void whole_scalars(const sums *s, double *out) {
+    double bias = mean(s->l, s->n), level = mean(s->ref_log, s->n);
+    contrast energy = compare_light(&s->weighted);
+    out[NQM_SCALAR_RMS] = log_size(sqrt(mean(s->squares, 3 * s->n)));
+    out[NQM_SCALAR_MAX] = log_size(s->max_l);
+    out[NQM_SCALAR_TAIL] = log_size(sqrt(sqrt(mean(s->l4, s->n))));
+    out[NQM_SCALAR_BULK] = log_size(pow(mean(s->root_l, s->n), 2));
+    out[NQM_SCALAR_BIAS] = bias;
+    out[NQM_SCALAR_SHAPE] = log_size(sqrt(fmax(mean(s->l2, s->n) - bias * bias, 0)));
+    out[NQM_SCALAR_CHROMA] = log_size(sqrt(mean(s->uv2, s->n)));
+    out[NQM_SCALAR_CHROMA_RG] = mean(s->u, s->n);
+    out[NQM_SCALAR_CHROMA_B] = mean(s->v, s->n);
+    out[NQM_SCALAR_ENERGY] = energy.l;
+    out[NQM_SCALAR_ENERGY_CHROMA] = log_size(hypot(energy.u, energy.v));
+    out[NQM_SCALAR_PEAK] = log((s->peak_test + (double)dark) / (s->peak_ref + (double)dark));
+    out[NQM_SCALAR_REF_LEVEL] = level;
+    out[NQM_SCALAR_REF_ENERGY] = log(mean(nqm_luminance(s->weighted.ref), s->weighted.n) + (double)dark);
+    out[NQM_SCALAR_REF_PEAK] = log(s->peak_ref + (double)dark) - level;
+    out[NQM_SCALAR_REF_SPREAD] = sqrt(fmax(mean(s->ref_log2, s->n) - level * level, 0));
+    out[NQM_SCALAR_REF_COLOUR] = sqrt(mean(s->ref_colour2, s->n));
+}
+
+void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
+                         double *scalars) {
+    sums s = {0};
+    double metrics[NQM_METRIC_COUNT];
+    nqm_metrics_compute(directions, ref, test, used, metrics);
+    for (size_t i = 0; i < directions->n; ++i)
+        if (!used || used[i])
+            add_direction(&s, directions->degrees + 3 * i, directions->cosines[i], ref + 3 * i, test + 3 * i);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        scalars[NQM_SCALAR_METRICS + m] = log(metrics[m] + 1e-4);
+    whole_scalars(&s, scalars);
+    zone_scalars(&s, scalars);
+    for (size_t i = 0; !(s.n > 0) && i < NQM_SCALAR_COUNT; ++i)
+        scalars[i] = NAN;
+}
+
+/* ---- as inputs --------------------------------------------------------------------------------------------------- */
+
+char *nqm_scalar_names(void) {
+    size_t n = 1;
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        n += strlen(scalar_names[i]) + 1;
+    char *text = nqm_alloc(n, 1);
+    for (size_t i = 0, at = 0; text && i < NQM_SCALAR_COUNT; ++i)
+        at += (size_t)snprintf(text + at, n - at, "%s%s", i ? "," : "", scalar_names[i]);
+    return text;
+}
+
+void nqm_scalars_whiten(const nqm_scalar_whitening *w, const double *scalars, float *x) {
+    const double most = 5;
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+        double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
+        x[i] = isnan(z) ? 0 : (float)(w->scale * fmin(fmax(z, -most), most));
+    }
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The scalar features of the examples of a training, scaled and noisy copies included: computed once, whitened by the
+ * training examples. They are taken from the transformed samples, turned back into f_r, so that every copy has those of
+ * the samples that the network sees beside them.
+ */
+#include "metric/metric.h"
+#include "train/train.h"
+
+#include <math.h>
+
+typedef struct scalar_job {
+    const nqm_examples *e;
+    size_t first;
+    double *scalars; /* (n_train + n_validation, NQM_SCALAR_COUNT) */
+} scalar_job;
+
+/* Example i: training examples as they are, their scaled copies, validation examples. */
+static void example_scalars(void *user, size_t r) {
+    const scalar_job *job = user;
+    const nqm_examples *e = job->e;
+    size_t i = job->first + r, n_base = e->rows.n_train, n_directions = e->dataset->n_directions;
+    size_t row = i < e->n_train ? i % n_base : n_base + i - e->n_train;
+    size_t n = 3 * n_directions;
+    float *rho = e->scratch + r * 2 * n;
+    const float *ref_t, *test_t;
+    nqm_examples_samples(e, row, i >= n_base && i < e->n_train, rho, &ref_t, &test_t);
+    nqm_features_restore(n, ref_t, rho);
+    nqm_features_restore(n, test_t, rho + n);
+    const uint8_t *used = nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * n_directions);
+    nqm_scalars_compute(e->dataset->directions, rho, rho + n, used, job->scalars + i * NQM_SCALAR_COUNT);
+}
+
+/* Mean and standard deviation over the training examples; a feature that never changes is left out by its mean. */
+static void find_moments(nqm_examples *e, const double *scalars) {
+    double n = (double)e->n_train;
+    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
+        double sum = 0, squares = 0;
+        for (size_t i = 0; i < e->n_train; ++i)
+            sum += scalars[i * NQM_SCALAR_COUNT + k];
+        for (size_t i = 0; i < e->n_train; ++i)
+            squares += pow(scalars[i * NQM_SCALAR_COUNT + k] - sum / n, 2);
+        double std = sqrt(squares / n);
+        e->scalar_mean[k] = (float)(sum / n);
+        e->scalar_std[k] = std > 1e-6 ? (float)std : 1;
+    }
+}
+
+nqm_status nqm_examples_find_scalars(nqm_examples *e, nqm_error *err) {
+    size_t n = e->n_train + e->rows.n_validation;
+    double *scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *scalars);
+    e->scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *e->scalars);
+    if (!scalars || !e->scalars) {
+        nqm_free(scalars);
+        return nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *scalars);
+    }
+    for (size_t first = 0; first < n; first += e->max_batch) {
+        scalar_job job = {e, first, scalars};
+        nqm_parallel_for(n - first < e->max_batch ? n - first : e->max_batch, example_scalars, &job);
+    }
+    find_moments(e, scalars);
+    const nqm_scalar_whitening whitening = {e->scalar_mean, e->scalar_std, e->options->scalar_scale};
+    for (size_t i = 0; i < n; ++i)
+        nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, e->scalars + i * NQM_SCALAR_COUNT);
+    nqm_free(scalars);
+    return NQM_OK;
+}
