@@ -1,11 +1,86 @@
 /* SPDX-License-Identifier: MIT
  *
- * Networks written by the embedded hypernetwork.
+ * Networks written by the embedded hypernetwork, from as many samples as the budget allows.
  */
-#include "fit/encoders.h"
+#include "fit/hyper.h"
+#include "fit/nbrdf_net.h"
+
+#include <math.h>
+#include <string.h>
+
+static const size_t samples_of[] = {[NQM_BUDGET_LOW] = 40, [NQM_BUDGET_MID] = 160, [NQM_BUDGET_HIGH] = 1000};
+static const char *const names[] = {
+    [NQM_BUDGET_LOW] = "hyper-low", [NQM_BUDGET_MID] = "hyper-mid", [NQM_BUDGET_HIGH] = "hyper-high"};
+
+nqm_status nqm_hyper_encode(const nqm_hyper *hyper, size_t n, const double *hd, const double *rgb, float *weights,
+                            nqm_error *err) {
+    nqm_hyper_pass pass;
+    nqm_status status = nqm_hyper_pass_create(hyper, 1, n, &pass, err);
+    if (status == NQM_OK) {
+        for (size_t i = 0; i < n; ++i) {
+            float *feature = pass.input + i * NQM_HYPER_FEATURES;
+            const float value[3] = {(float)rgb[3 * i], (float)rgb[3 * i + 1], (float)rgb[3 * i + 2]};
+            nqm_hyper_place(hd + 3 * i, feature);
+            nqm_hyper_value(value, feature + NQM_HYPER_PLACE);
+        }
+        memcpy(weights, nqm_hyper_forward(hyper, &pass), NQM_NBRDF_WEIGHTS * sizeof *weights);
+    }
+    nqm_hyper_pass_free(&pass);
+    for (size_t i = 0; status == NQM_OK && i < NQM_NBRDF_WEIGHTS; ++i)
+        if (!isfinite(weights[i]))
+            status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the hypernetwork wrote a weight that is not finite");
+    return status;
+}
+
+/* What nqm_nbrdf_loss() says of the weights at n places of the reference. */
+static nqm_status judge(const float *weights, size_t n, const double *hd, const double *rgb, double *loss_ret,
+                        nqm_error *err) {
+    float *numbers = nqm_alloc(n, 10 * sizeof *numbers); /* input (6, n), weight (n), goal (3, n) */
+    if (!numbers)
+        return nqm_fail_nomem(err, 10 * n * sizeof *numbers);
+    float *weight = numbers + 6 * n, *goal = weight + n;
+    nqm_nbrdf_inputs(n, hd, numbers, weight);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            goal[c * n + i] = log1pf(weight[i] * (float)rgb[3 * i + c]);
+    *loss_ret =
+        nqm_nbrdf_loss(weights, &(nqm_nbrdf_batch){.n = n, .input = numbers, .weight = weight, .goal = goal}, NULL);
+    nqm_free(numbers);
+    return NQM_OK;
+}
+
+static nqm_status open_embedded(nqm_hyper *hyper, nqm_error *err) {
+    size_t n_bytes;
+    const unsigned char *bytes = nqm_encoder_bytes("hyper", &n_bytes);
+    if (!bytes)
+        return nqm_fail(err, NQM_ERR_MODEL, -1, "this build has no hypernetwork (models/encoders/hyper.safetensors)");
+    return nqm_hyper_read(bytes, n_bytes, "built-in hypernetwork", hyper, err);
+}
 
 nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options, nqm_fit_report *report,
                          nqm_brdf **brdf_ret, nqm_error *err) {
-    (void)ref, (void)budget, (void)options, (void)report, (void)brdf_ret;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "hyper is not in this build");
+    size_t n_read = samples_of[budget], n = n_read > options->n_directions ? n_read : options->n_directions;
+    float weights[NQM_NBRDF_WEIGHTS];
+    nqm_hyper hyper = {0};
+    /* The samples read come first, and those of a small budget are among those of a larger one. */
+    nqm_rng rng = nqm_rng_make(options->seed, 0), check = nqm_rng_make(options->seed, 1);
+    double *hd = nqm_alloc(n, 6 * sizeof *hd), *rgb = hd + 3 * n;
+    nqm_status status = hd ? open_embedded(&hyper, err) : nqm_fail_nomem(err, 6 * n * sizeof *hd);
+    if (status == NQM_OK)
+        status = nqm_hyper_sample(ref, n_read, &rng, hd, rgb, err);
+    if (status == NQM_OK)
+        status = nqm_hyper_encode(&hyper, n_read, hd, rgb, weights, err);
+    if (status == NQM_OK)
+        status = nqm_hyper_sample(ref, options->n_directions, &check, hd, rgb, err);
+    if (status == NQM_OK)
+        status = judge(weights, options->n_directions, hd, rgb, &report->loss, err);
+    if (status == NQM_OK)
+        status = nqm_nbrdf_create(weights, names[budget], brdf_ret, err);
+    if (status == NQM_OK) {
+        report->n_directions = options->n_directions;
+        report->n_numbers = NQM_NBRDF_WEIGHTS;
+    }
+    nqm_hyper_free(&hyper);
+    nqm_free(hd);
+    return status;
 }

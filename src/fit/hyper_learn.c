@@ -1,11 +1,175 @@
 /* SPDX-License-Identifier: MIT
  *
- * The learning of the hypernetwork.
+ * The learning of the hypernetwork: at each step it reads a few materials, each through as many samples as a budget might
+ * give, and is told how well the NBRDFs it writes agree with the materials elsewhere. Adam (Kingma and Ba 2015,
+ * arXiv:1412.6980) under a cosine schedule.
  */
-#include "fit/encoders.h"
+#include "fit/hyper.h"
+#include "fit/nbrdf_net.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N_SETS = 16, N_QUERIES = 512, N_PLACES = 4096, MIN_SAMPLES = 32, MAX_SAMPLES = 1024, USUAL_STEPS = 8000 };
+static const nqm_hyper_shape usual_shape = {.sample = {128, 128, 128}, .set = {256, 256}, .n_out = NQM_NBRDF_WEIGHTS};
+
+/* Everything that learning keeps between steps. */
+typedef struct learner {
+    nqm_hyper_data data;
+    nqm_hyper hyper, gradient;
+    nqm_hyper_pass pass;
+    float *moments[2];   /* of Adam, as many as the network has numbers */
+    float *d_out;        /* (N_SETS, NQM_NBRDF_WEIGHTS) */
+    float *queries;      /* (N_SETS, 10, N_QUERIES) input, weight, goal */
+    double loss[N_SETS]; /* of each NBRDF written */
+    size_t step, n_steps;
+    uint64_t seed;
+} learner;
+
+/* An NBRDF of random weights (He et al. 2015), where the last bias of the hypernetwork starts. */
+static void random_nbrdf(uint64_t seed, float *weights) {
+    static const size_t sizes[] = {6, 21, 21, 3};
+    nqm_rng rng = nqm_rng_make(seed, NQM_HYPER_N_LAYERS);
+    memset(weights, 0, NQM_NBRDF_WEIGHTS * sizeof *weights);
+    for (size_t l = 0; l < 3; ++l) {
+        double deviation = sqrt(2.0 / (double)sizes[l]);
+        for (size_t i = 0; i < sizes[l] * sizes[l + 1]; ++i)
+            *weights++ = (float)(deviation * nqm_rng_normal(&rng));
+        weights += sizes[l + 1];
+    }
+}
+
+static nqm_status create(learner *l, size_t n, const nqm_brdf *const *refs, nqm_ticker *ticker, nqm_error *err) {
+    nqm_status status = nqm_hyper_data_create(n, refs, N_PLACES, l->seed, ticker, &l->data, err);
+    if (status == NQM_OK)
+        status = nqm_hyper_create(&usual_shape, &l->hyper, err);
+    if (status == NQM_OK)
+        status = nqm_hyper_create(&usual_shape, &l->gradient, err);
+    if (status == NQM_OK)
+        status = nqm_hyper_pass_create(&l->hyper, N_SETS, MAX_SAMPLES, &l->pass, err);
+    if (status != NQM_OK)
+        return status;
+    l->moments[0] = nqm_alloc(l->hyper.n, sizeof(float));
+    l->moments[1] = nqm_alloc(l->hyper.n, sizeof(float));
+    l->d_out = nqm_alloc(N_SETS, NQM_NBRDF_WEIGHTS * sizeof(float));
+    l->queries = nqm_alloc(N_SETS, 10 * N_QUERIES * sizeof(float));
+    if (!l->moments[0] || !l->moments[1] || !l->d_out || !l->queries)
+        return nqm_fail_nomem(err, 2 * l->hyper.n * sizeof(float));
+    float mean[NQM_NBRDF_WEIGHTS];
+    random_nbrdf(l->seed, mean);
+    nqm_hyper_init(&l->hyper, mean, l->seed);
+    return NQM_OK;
+}
+
+static void destroy(learner *l) {
+    nqm_hyper_data_free(&l->data);
+    nqm_hyper_free(&l->hyper);
+    nqm_hyper_free(&l->gradient);
+    nqm_hyper_pass_free(&l->pass);
+    nqm_free(l->moments[0]);
+    nqm_free(l->moments[1]);
+    nqm_free(l->d_out);
+    nqm_free(l->queries);
+}
+
+/* ---- one step ---------------------------------------------------------------------------------------------------- */
+
+/* Uniform in the logarithm between the smallest and the largest set. */
+static size_t draw_count(const learner *l) {
+    nqm_rng rng = nqm_rng_make(l->seed + 1, l->step);
+    return (size_t)(MIN_SAMPLES * pow((double)MAX_SAMPLES / MIN_SAMPLES, nqm_rng_uniform(&rng)));
+}
+
+static nqm_hyper_example example_of(const learner *l, size_t set) {
+    float *queries = l->queries + set * 10 * N_QUERIES;
+    return (nqm_hyper_example){.n_samples = l->pass.n_samples,
+                               .n_queries = N_QUERIES,
+                               .samples = l->pass.input + set * l->pass.n_samples * NQM_HYPER_FEATURES,
+                               .input = queries,
+                               .weight = queries + 6 * N_QUERIES,
+                               .goal = queries + 7 * N_QUERIES};
+}
+
+static void draw_set(void *user, size_t set) {
+    learner *l = user;
+    nqm_rng rng = nqm_rng_make(l->seed + 2, l->step * N_SETS + set);
+    nqm_hyper_example example = example_of(l, set);
+    nqm_hyper_draw_example(&l->data, &rng, &example);
+}
+
+/* The loss of one NBRDF and its gradient, relative to how bright the material is: else only mirrors would count. */
+static void judge_set(void *user, size_t set) {
+    const double dark = 0.03;
+    learner *l = user;
+    nqm_hyper_example example = example_of(l, set);
+    nqm_nbrdf_batch batch = {.n = N_QUERIES, .input = example.input, .weight = example.weight, .goal = example.goal};
+    float *gradient = l->d_out + set * NQM_NBRDF_WEIGHTS;
+    double brightness = 0;
+    for (size_t i = 0; i < 3 * N_QUERIES; ++i)
+        brightness += (double)example.goal[i];
+    double share = 1 / (N_SETS * (brightness / (3 * N_QUERIES) + dark));
+    const float *written = l->pass.y[NQM_HYPER_N_LAYERS - 1] + set * NQM_NBRDF_WEIGHTS;
+    l->loss[set] = share * nqm_nbrdf_loss(written, &batch, gradient);
+    for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
+        gradient[i] *= (float)share;
+}
+
+static void adam(learner *l) {
+    const double beta1 = 0.9, beta2 = 0.999, eps = 1e-8, peak_rate = 1e-3, warm_up = 200, largest = 1;
+    double t = (double)l->step + 1;
+    double rate = peak_rate * fmin(1, t / warm_up) * 0.5 * (1 + cos(NQM_PI * t / (double)l->n_steps));
+    double square = 0;
+    for (size_t i = 0; i < l->hyper.n; ++i)
+        square += (double)l->gradient.block[i] * (double)l->gradient.block[i];
+    float clip = (float)fmin(1, largest / (sqrt(square) + 1e-30));
+    float step = (float)(rate / (1 - pow(beta1, t))), scale = (float)(1 / sqrt(1 - pow(beta2, t)));
+    const float keep1 = (float)beta1, keep2 = (float)beta2, add1 = (float)(1 - beta1), add2 = (float)(1 - beta2);
+    const float *gradient = l->gradient.block;
+    float *m = l->moments[0], *v = l->moments[1], *x = l->hyper.block;
+#pragma omp simd
+    for (size_t i = 0; i < l->hyper.n; ++i) {
+        float g = clip * gradient[i];
+        m[i] = keep1 * m[i] + add1 * g;
+        v[i] = keep2 * v[i] + add2 * (g * g);
+        x[i] -= step * m[i] / (sqrtf(v[i]) * scale + (float)eps);
+    }
+}
+
+static double take_step(learner *l) {
+    l->pass.n_samples = draw_count(l);
+    nqm_parallel_for(N_SETS, draw_set, l);
+    nqm_hyper_forward(&l->hyper, &l->pass);
+    nqm_parallel_for(N_SETS, judge_set, l);
+    nqm_hyper_backward(&l->hyper, &l->pass, l->d_out, &l->gradient);
+    adam(l);
+    double loss = 0;
+    for (size_t set = 0; set < N_SETS; ++set)
+        loss += l->loss[set];
+    return loss;
+}
 
 nqm_status nqm_learn_hyper(size_t n, const nqm_brdf *const *refs, const char *const *names,
                            const nqm_learn_options *options, const char *path, nqm_error *err) {
-    (void)n, (void)refs, (void)names, (void)options, (void)path;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "hyper is not in this build");
+    nqm_learn_options used = *options;
+    if (used.n_steps == 0)
+        used.n_steps = USUAL_STEPS;
+    nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
+    learner *l = nqm_alloc(1, sizeof *l);
+    if (!l)
+        return nqm_fail_nomem(err, sizeof *l);
+    l->seed = used.seed;
+    l->n_steps = used.n_steps;
+    nqm_status status = create(l, n, refs, &ticker, err);
+    for (; status == NQM_OK && l->step < l->n_steps; ++l->step) {
+        if (!isfinite(take_step(l)))
+            status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the learning diverged in step %zu", l->step + 1);
+        else if (nqm_tick(&ticker, "learn", (double)(l->step + 1), (double)l->n_steps))
+            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "stopped after %zu of %zu steps", l->step + 1, l->n_steps);
+    }
+    if (status == NQM_OK)
+        status = nqm_hyper_write(&l->hyper, n, names, &used, path, err);
+    destroy(l);
+    nqm_free(l);
+    return status;
 }

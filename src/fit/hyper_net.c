@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The hypernetwork forward and backward. The order of a set's samples does not matter (deep sets: Zaheer et al. 2017,
+ * arXiv:1703.06114): each passes the same layers, then the mean and the largest of every channel are taken.
+ */
+#include "fit/hyper.h"
+#include "kernel/kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+/* Widths from the features to the weights written; the pooling stands before layer NQM_HYPER_POOLED. */
+static void set_sizes(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
+    const size_t out[NQM_HYPER_N_LAYERS] = {shape->sample[0], shape->sample[1], shape->sample[2],
+                                            shape->set[0],    shape->set[1],    shape->n_out};
+    size_t n_in = NQM_HYPER_FEATURES;
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        if (l == NQM_HYPER_POOLED)
+            n_in = 2 * n_in + 1;
+        hyper->layer[l] = (nqm_hyper_layer){.n_in = n_in, .n_out = out[l]};
+        hyper->n += (n_in + 1) * out[l];
+        n_in = out[l];
+    }
+}
+
+nqm_status nqm_hyper_create(const nqm_hyper_shape *shape, nqm_hyper *hyper_ret, nqm_error *err) {
+    *hyper_ret = (nqm_hyper){0};
+    set_sizes(shape, hyper_ret);
+    float *next = hyper_ret->block = nqm_alloc(hyper_ret->n, sizeof *next);
+    if (!next)
+        return nqm_fail_nomem(err, hyper_ret->n * sizeof *next);
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        nqm_hyper_layer *layer = &hyper_ret->layer[l];
+        layer->w = next;
+        layer->b = next + layer->n_in * layer->n_out;
+        next = layer->b + layer->n_out;
+    }
+    return NQM_OK;
+}
+
+void nqm_hyper_free(nqm_hyper *hyper) {
+    nqm_free(hyper->block);
+    *hyper = (nqm_hyper){0};
+}
+
+void nqm_hyper_init(nqm_hyper *hyper, const float *mean, uint64_t seed) {
+    const double last_layer_scale = 0.05;
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        const nqm_hyper_layer *layer = &hyper->layer[l];
+        bool is_last = l + 1 == NQM_HYPER_N_LAYERS;
+        double deviation = sqrt(2.0 / (double)layer->n_in) * (is_last ? last_layer_scale : 1);
+        nqm_rng rng = nqm_rng_make(seed, l);
+        for (size_t i = 0; i < layer->n_in * layer->n_out; ++i)
+            layer->w[i] = (float)(deviation * nqm_rng_normal(&rng));
+        if (is_last)
+            memcpy(layer->b, mean, layer->n_out * sizeof *mean);
+        else
+            memset(layer->b, 0, layer->n_out * sizeof *layer->b);
+    }
+}
+
+nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n_samples, nqm_hyper_pass *pass_ret,
+                                 nqm_error *err) {
+    const nqm_hyper_layer *layer = hyper->layer;
+    size_t n_rows = n_sets * n_samples, widest = 0;
+    *pass_ret = (nqm_hyper_pass){.n_sets = n_sets, .n_samples = n_samples};
+    bool complete = true;
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        size_t n = (l < NQM_HYPER_POOLED ? n_rows : n_sets) * layer[l].n_out;
+        size_t n_in = (l < NQM_HYPER_POOLED ? n_rows : n_sets) * layer[l].n_in;
+        widest = n > widest ? n : widest;
+        widest = n_in > widest ? n_in : widest;
+        pass_ret->y[l] = nqm_alloc(n, sizeof(float));
+        if (l + 1 < NQM_HYPER_N_LAYERS)
+            pass_ret->slope[l] = nqm_alloc(n, sizeof(float));
+        complete = complete && pass_ret->y[l] && (pass_ret->slope[l] || l + 1 == NQM_HYPER_N_LAYERS);
+    }
+    pass_ret->input = nqm_alloc(n_rows, NQM_HYPER_FEATURES * sizeof(float));
+    pass_ret->pooled = nqm_alloc(n_sets, layer[NQM_HYPER_POOLED].n_in * sizeof(float));
+    pass_ret->largest = nqm_alloc(n_sets, layer[NQM_HYPER_POOLED - 1].n_out * sizeof(size_t));
+    for (size_t i = 0; i < 2; ++i)
+        pass_ret->spare[i] = nqm_alloc(widest, sizeof(float));
+    if (!complete || !pass_ret->input || !pass_ret->pooled || !pass_ret->largest || !pass_ret->spare[0] ||
+        !pass_ret->spare[1])
+        return nqm_fail_nomem(err, widest * sizeof(float));
+    return NQM_OK;
+}
+
+void nqm_hyper_pass_free(nqm_hyper_pass *pass) {
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        nqm_free(pass->y[l]);
+        nqm_free(pass->slope[l]);
+    }
+    nqm_free(pass->input);
+    nqm_free(pass->pooled);
+    nqm_free(pass->largest);
+    nqm_free(pass->spare[0]);
+    nqm_free(pass->spare[1]);
+    *pass = (nqm_hyper_pass){0};
+}
+
+/* ---- forward ----------------------------------------------------------------------------------------------------- */
+
+/* y (rows, n_out) = x (rows, n_in) W + b, through GELU where there is room for its slope. */
+static void layer_forward(const nqm_hyper_layer *layer, size_t rows, const float *x, float *y, float *slope) {
+    for (size_t i = 0; i < rows; ++i)
+        memcpy(y + i * layer->n_out, layer->b, layer->n_out * sizeof *y);
+    nqm_gemm product = {.m = rows,
+                        .n = layer->n_out,
+                        .k = layer->n_in,
+                        .alpha = 1,
+                        .beta = 1,
+                        .a = x,
+                        .b = layer->w,
+                        .c = y,
+                        .lda = layer->n_in,
+                        .ldb = layer->n_out,
+                        .ldc = layer->n_out};
+    nqm_kernels_get()->gemm(&product);
+    if (slope)
+        nqm_gelu(rows * layer->n_out, y, y, slope);
+}
+
+/* Mean and largest of each channel over the samples of each set; behind them the logarithm of how many there are, so
+ * that the network can trust few samples less. */
+static void pool(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
+    enum { USUAL_COUNT = 200 };
+    size_t n = hyper->layer[NQM_HYPER_POOLED - 1].n_out, n_samples = pass->n_samples;
+    for (size_t set = 0; set < pass->n_sets; ++set) {
+        const float *y = pass->y[NQM_HYPER_POOLED - 1] + set * n_samples * n;
+        float *mean = pass->pooled + set * (2 * n + 1), *top = mean + n;
+        size_t *largest = pass->largest + set * n;
+        for (size_t j = 0; j < n; ++j) {
+            double sum = 0;
+            size_t best = 0;
+            for (size_t i = 0; i < n_samples; ++i) {
+                sum += (double)y[i * n + j];
+                best = y[i * n + j] > y[best * n + j] ? i : best;
+            }
+            mean[j] = (float)(sum / (double)n_samples);
+            top[j] = y[best * n + j];
+            largest[j] = best;
+        }
+        mean[2 * n] = (float)log((double)n_samples / USUAL_COUNT);
+    }
+}
+
+const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
+    const float *x = pass->input;
+    size_t rows = pass->n_sets * pass->n_samples;
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        if (l == NQM_HYPER_POOLED) {
+            pool(hyper, pass);
+            x = pass->pooled;
+            rows = pass->n_sets;
+        }
+        layer_forward(&hyper->layer[l], rows, x, pass->y[l], pass->slope[l]);
+        x = pass->y[l];
+    }
+    return x;
+}
+
+/* ---- backward ---------------------------------------------------------------------------------------------------- */
+
+/* dz (rows, n_out): derivatives by x W + b. Writes those by W and b, and by x (rows, n_in) unless dx is NULL. */
+static void layer_backward(const nqm_hyper_layer *layer, size_t rows, const float *x, const float *dz,
+                           const nqm_hyper_layer *gradient, float *dx) {
+    size_t n_in = layer->n_in, n_out = layer->n_out;
+    nqm_gemm by_w = {.m = n_in,
+                     .n = n_out,
+                     .k = rows,
+                     .alpha = 1,
+                     .trans_a = true,
+                     .a = x,
+                     .b = dz,
+                     .c = gradient->w,
+                     .lda = n_in,
+                     .ldb = n_out,
+                     .ldc = n_out};
+    nqm_kernels_get()->gemm(&by_w);
+    memset(gradient->b, 0, n_out * sizeof(float));
+    for (size_t i = 0; i < rows; ++i)
+        for (size_t j = 0; j < n_out; ++j)
+            gradient->b[j] += dz[i * n_out + j];
+    if (!dx)
+        return;
+    nqm_gemm by_x = {.m = rows,
+                     .n = n_in,
+                     .k = n_out,
+                     .alpha = 1,
+                     .trans_b = true,
+                     .a = dz,
+                     .b = layer->w,
+                     .c = dx,
+                     .lda = n_out,
+                     .ldb = n_out,
+                     .ldc = n_in};
+    nqm_kernels_get()->gemm(&by_x);
+}
+
+/* From derivatives by the pooled channels to those by the outputs dy (n_sets n_samples, n) of the last sample layer. */
+static void pool_backward(const nqm_hyper *hyper, const nqm_hyper_pass *pass, const float *d_pooled, float *dy) {
+    size_t n = hyper->layer[NQM_HYPER_POOLED - 1].n_out, n_samples = pass->n_samples;
+    float share = 1 / (float)n_samples;
+    for (size_t set = 0; set < pass->n_sets; ++set) {
+        const float *d_mean = d_pooled + set * (2 * n + 1), *d_top = d_mean + n;
+        float *rows = dy + set * n_samples * n;
+        for (size_t i = 0; i < n_samples; ++i)
+            for (size_t j = 0; j < n; ++j)
+                rows[i * n + j] = share * d_mean[j];
+        for (size_t j = 0; j < n; ++j)
+            rows[pass->largest[set * n + j] * n + j] += d_top[j];
+    }
+}
+
+void nqm_hyper_backward(const nqm_hyper *hyper, nqm_hyper_pass *pass, const float *d_out, nqm_hyper *gradient) {
+    const float *dz = d_out;
+    size_t rows = pass->n_sets;
+    for (size_t l = NQM_HYPER_N_LAYERS; l-- > 0;) {
+        const float *x = l == 0 ? pass->input : l == NQM_HYPER_POOLED ? pass->pooled : pass->y[l - 1];
+        float *dx = pass->spare[l % 2];
+        layer_backward(&hyper->layer[l], rows, x, dz, &gradient->layer[l], l == 0 ? NULL : dx);
+        if (l == 0)
+            break;
+        if (l == NQM_HYPER_POOLED) {
+            float *dy = pass->spare[(l + 1) % 2]; /* dz is used up */
+            rows *= pass->n_samples;
+            pool_backward(hyper, pass, dx, dy);
+            dx = dy;
+        }
+        float *slope = pass->slope[l - 1];
+        for (size_t i = 0; i < rows * hyper->layer[l - 1].n_out; ++i)
+            slope[i] *= dx[i];
+        dz = slope;
+    }
+}
