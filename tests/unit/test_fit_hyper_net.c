@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The hypernetwork as a function: its gradient is that of differences, the order of the samples does not matter, a set
+ * does not see its neighbours in the batch; and its file: read back, or refused.
+ */
+#include "brdf/brdf.h"
+#include "fit/hyper.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { N_SETS = 3, N_SAMPLES = 5, N_OUT = 4 };
+static const nqm_hyper_shape small = {.sample = {7, 6, 5}, .set = {6, 5}, .n_out = N_OUT};
+static const nqm_hyper_shape narrow = {.sample = {2, 2, 2}, .set = {2, 2}, .n_out = NQM_NBRDF_WEIGHTS};
+
+static void fill_random(nqm_rng *rng, size_t n, float *x) {
+    for (size_t i = 0; i < n; ++i)
+        x[i] = (float)nqm_rng_normal(rng);
+}
+
+/* A small network with a batch to read. */
+typedef struct bench {
+    nqm_hyper hyper, gradient;
+    nqm_hyper_pass pass;
+    float d_out[N_SETS * N_OUT];
+} bench;
+
+static void setup(bench *b) {
+    nqm_rng rng = nqm_rng_make(3, 0);
+    float mean[N_OUT];
+    fill_random(&rng, N_OUT, mean);
+    assert_int_equal(nqm_hyper_create(&small, &b->hyper, NULL), NQM_OK);
+    assert_int_equal(nqm_hyper_create(&small, &b->gradient, NULL), NQM_OK);
+    assert_int_equal(nqm_hyper_pass_create(&b->hyper, N_SETS, N_SAMPLES, &b->pass, NULL), NQM_OK);
+    nqm_hyper_init(&b->hyper, mean, 1);
+    fill_random(&rng, N_SETS * N_SAMPLES * NQM_HYPER_FEATURES, b->pass.input);
+    fill_random(&rng, N_SETS * N_OUT, b->d_out);
+}
+
+static void teardown(bench *b) {
+    nqm_hyper_free(&b->hyper);
+    nqm_hyper_free(&b->gradient);
+    nqm_hyper_pass_free(&b->pass);
+}
+
+/* The loss whose derivatives by the output are d_out. */
+static double loss_of(bench *b) {
+    const float *out = nqm_hyper_forward(&b->hyper, &b->pass);
+    double loss = 0;
+    for (size_t i = 0; i < b->pass.n_sets * N_OUT; ++i)
+        loss += (double)b->d_out[i] * (double)out[i];
+    return loss;
+}
+
+static void gradient_is_that_of_differences(void **state) {
+    (void)state;
+    bench b;
+    setup(&b);
+    loss_of(&b);
+    nqm_hyper_backward(&b.hyper, &b.pass, b.d_out, &b.gradient);
+    const float step = 1e-2f;
+    double largest = 0;
+    for (size_t i = 0; i < b.hyper.n; ++i) {
+        float x = b.hyper.block[i];
+        b.hyper.block[i] = x + step;
+        double above = loss_of(&b);
+        b.hyper.block[i] = x - step;
+        double slope = (above - loss_of(&b)) / (2 * (double)step);
+        b.hyper.block[i] = x;
+        if (!(fabs(slope - (double)b.gradient.block[i]) <= 2e-3 + 5e-3 * fabs(slope)))
+            fail_msg("number %zu of %zu: slope %g, gradient %g", i, b.hyper.n, slope, (double)b.gradient.block[i]);
+        largest = fmax(largest, fabs(slope));
+    }
+    assert_true(largest > 0.5); /* far above the tolerance */
+    teardown(&b);
+}
+
+static void order_of_samples_does_not_matter(void **state) {
+    (void)state;
+    bench b;
+    setup(&b);
+    float before[N_OUT], row[NQM_HYPER_FEATURES];
+    memcpy(before, nqm_hyper_forward(&b.hyper, &b.pass), sizeof before);
+    float *first = b.pass.input, *last = first + (N_SAMPLES - 1) * NQM_HYPER_FEATURES;
+    memcpy(row, first, sizeof row);
+    memcpy(first, last, sizeof row);
+    memcpy(last, row, sizeof row);
+    const float *after = nqm_hyper_forward(&b.hyper, &b.pass);
+    for (size_t i = 0; i < N_OUT; ++i)
+        assert_near((double)after[i], (double)before[i], 1e-6);
+    first[0] += 1; /* but the samples do */
+    after = nqm_hyper_forward(&b.hyper, &b.pass);
+    assert_true(fabsf(after[0] - before[0]) > 1e-4f);
+    teardown(&b);
+}
+
+static void sets_are_independent(void **state) {
+    (void)state;
+    bench b;
+    setup(&b);
+    float before[N_OUT];
+    memcpy(before, nqm_hyper_forward(&b.hyper, &b.pass), sizeof before);
+    b.pass.n_sets = 1;
+    const float *alone = nqm_hyper_forward(&b.hyper, &b.pass);
+    for (size_t i = 0; i < N_OUT; ++i)
+        assert_near((double)alone[i], (double)before[i], 1e-6);
+    teardown(&b);
+}
+
+/* ---- its file ---------------------------------------------------------------------------------------------------- */
+
+static char path[] = "/tmp/nqm-hyper-XXXXXX";
+static const char *const names[] = {"sgd:nickel"};
+
+static void write_network(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
+    nqm_learn_options options = nqm_learn_options_default();
+    float mean[NQM_NBRDF_WEIGHTS] = {0};
+    assert_int_equal(nqm_hyper_create(shape, hyper, NULL), NQM_OK);
+    nqm_hyper_init(hyper, mean, 5);
+    assert_int_equal(nqm_hyper_write(hyper, 1, names, &options, path, NULL), NQM_OK);
+}
+
+static nqm_status read_network(nqm_hyper *hyper, nqm_error *err) {
+    nqm_map map;
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    nqm_status status = nqm_hyper_read(map.data, map.n_bytes, path, hyper, err);
+    nqm_map_close(&map);
+    return status;
+}
+
+static void a_file_is_read_back(void **state) {
+    (void)state;
+    nqm_hyper written, found;
+    write_network(&narrow, &written);
+    assert_int_equal(read_network(&found, NULL), NQM_OK);
+    assert_int_equal(found.n, written.n);
+    assert_memory_equal(found.block, written.block, found.n * sizeof *found.block);
+    nqm_hyper_free(&written);
+    nqm_hyper_free(&found);
+}
+
+static void other_networks_are_refused(void **state) {
+    (void)state;
+    nqm_hyper written, found;
+    nqm_error err = {0};
+    write_network(&small, &written); /* does not write NBRDFs */
+    assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "layers.5.weight"));
+    assert_null(found.block);
+    nqm_hyper_free(&written);
+
+    const nqm_learn_options options = nqm_learn_options_default();
+    const float value = 0;
+    const nqm_tensor tensor = {
+        .name = "atoms", .dtype = NQM_F32, .n_dims = 1, .dims = {1}, .n_bytes = sizeof value, .data = &value};
+    assert_int_equal(nqm_encoder_write(path, "hyper", 1, names, &options, 1, &tensor, NULL), NQM_OK);
+    assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "layers.0.weight"));
+    assert_int_equal(nqm_encoder_write(path, "sparse", 1, names, &options, 1, &tensor, NULL), NQM_OK);
+    assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "hyper"));
+}
+
+static int make_path(void **state) {
+    (void)state;
+    int file = mkstemp(path);
+    return file < 0 ? -1 : close(file);
+}
+
+static int remove_path(void **state) {
+    (void)state;
+    return unlink(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(gradient_is_that_of_differences),
+        cmocka_unit_test(order_of_samples_does_not_matter),
+        cmocka_unit_test(sets_are_independent),
+        cmocka_unit_test(a_file_is_read_back),
+        cmocka_unit_test(other_networks_are_refused),
+    };
+    return cmocka_run_group_tests_name("fit: hypernetwork", tests, make_path, remove_path);
+}
