@@ -8,10 +8,26 @@ data=${1:?usage: models/make.sh DATA WORK}
 mkdir -p "${2:?usage: models/make.sh DATA WORK}"
 work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
-nqm=${NQM_TOOL:-$here/../build/nqm}
+nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 light=$data/scene/pixar_campus_rgbe.png
 
 "$nqm" dataset --scan "$data" -o "$work/materials.csv"
+
+# learn KIND: what the encodings KIND-* lean on, from training materials only, named relative to DATA.
+learn() {
+    [ ! -f "$here/encoders/$1.safetensors" ] || return 0
+    training=$(awk -F, 'NR > 1 && $5 == "train" { print $3 }' "$work/materials.csv")
+    # shellcheck disable=SC2086 # neither materials nor folders of the data have blanks in their names
+    (cd "$data" && "$nqm" learn "$1" $training -o "$here/encoders/$1.safetensors")
+    new_encoders=yes
+}
+new_encoders=
+learn hyper
+if [ "$new_encoders" ]; then
+    echo "models/encoders is new: build nqm again, so that it holds them, then start this again" >&2
+    exit 1
+fi
+
 if [ ! -f "$work/directions.csv" ]; then
     # The references that decide where energy is: those of the training materials.
     references=$(awk -F, -v data="$data" 'NR > 1 && $5 == "train" { print ($4 == "sgd" ? $3 : data "/" $3) }' "$work/materials.csv")
