@@ -20,6 +20,12 @@ typedef enum nqm_fit_loss {
     NQM_FIT_LINEAR     /**< squared difference of f_r */
 } nqm_fit_loss;
 
+/** A narrower range for one parameter of an analytic model's lobe. */
+typedef struct nqm_fit_bound {
+    const char *key;  /**< as in the model's spec: "alpha", "f0", "n", ... */
+    double low, high; /**< within the model's own range, in the units of the spec */
+} nqm_fit_bound;
+
 typedef struct nqm_fit_options {
     nqm_fit_loss loss;         /**< default NQM_FIT_LOG */
     size_t n_directions;       /**< direction pairs; default 6000 */
@@ -27,9 +33,12 @@ typedef struct nqm_fit_options {
     double highlight_fraction; /**< share of the pairs with theta_h = max u^2, theta_d and phi_d uniform (u uniform):
                                     dense around the mirror direction, so that the sharpest lobes count; the others
                                     are uniform by solid angle; 0..1; default 0.05: more brighten metals' dark base */
-    size_t n_starts;           /**< starting values of the lobe width, spaced evenly in its logarithm; default 12 */
-    uint64_t seed;             /**< default 1 */
-    nqm_progress_fn progress;  /**< NULL: silent */
+    size_t n_starts;           /**< starting values of the lobe width, spaced evenly in its logarithm; default 12; each
+                                    with all combinations of a few values of the model's other shape parameters */
+    const nqm_fit_bound *bounds; /**< (n_bounds) of analytic models; lent for the call; default NULL */
+    size_t n_bounds;             /**< default 0 */
+    uint64_t seed;               /**< default 1 */
+    nqm_progress_fn progress;    /**< NULL: silent */
     void *progress_user;
 } nqm_fit_options;
 
@@ -54,14 +63,16 @@ typedef struct nqm_fit_report {
  * "nbrdf" (a network of 6-21-21-3: Sztrajman et al. 2021), "sparse-low", "sparse-mid", "sparse-high" (sparse codes in a
  * learned dictionary, after Tongbuasirilai et al. 2022), "hyper-low", "hyper-mid", "hyper-high" (a hypernetwork that
  * reads a few, some or many samples, after Gokbudak et al. 2024); then the further analytic models: "ward-duer",
- * "blinn-phong", "lafortune", "cook-torrance", "ashikhmin-shirley", "abc" (Loew's microfacet model), "smooth" (Loew's
- * smooth-surface model).
+ * "blinn-phong", "lafortune", "cook-torrance", "ashikhmin-shirley", "abc" (the microfacet model of Low et al. 2012),
+ * "smooth" (their smooth-surface model).
  */
 NQM_API size_t nqm_fit_model_count(void);
 /** Name of model i in [0, count); static storage. */
 NQM_API const char *nqm_fit_model_name(size_t i);
 /** One line on it: formula or budget and source; static storage. */
 NQM_API const char *nqm_fit_model_summary(size_t i);
+/** 1 when `key` is a lobe parameter of the analytic model `name`, for which bounds can be given; else 0. */
+NQM_API int nqm_fit_model_has(const char *name, const char *key);
 /** How many of them, from the first, are the paper's encodings. */
 enum { NQM_FIT_N_ENCODINGS = 9 };
 
@@ -73,7 +84,7 @@ enum { NQM_FIT_N_ENCODINGS = 9 };
  *                  have losses of their own (doc/encodings.md). "nbrdf" trains up to the horizon, on 16 directions for
  *                  each of `n_directions`
  * @param brdf_ret  NULL, or receives the result; free with nqm_brdf_free()
- * @return NQM_ERR_ARG (unknown model), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC,
+ * @return NQM_ERR_ARG (unknown model, bounds for what it does not have), NQM_ERR_INCOMPATIBLE (too few valid directions), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,

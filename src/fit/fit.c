@@ -1,28 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits of analytic models: options, the models with the bounds of their parameters, and the fit of one.
+ * Fits of analytic models: options, the result as a spec, and the fit of one.
  */
 #include "fit/fit.h"
 #include "math/math.h"
 
 #include <string.h>
-
-static const nqm_fit_model models[] = {
-    {"ward", 1, {{.key = "alpha", .low = 5e-4, .high = 1, .logarithmic = true, .width = true}}},
-    {"ggx",
-     2,
-     {{.key = "alpha", .low = 5e-4, .high = 1, .logarithmic = true, .width = true},
-      /* Above 0.98 Schlick's rise toward grazing vanishes and below 0.02 the lobe does at normal incidence: there ks
-       * and f0 could trade places. */
-      {.key = "f0", .low = 0.02, .high = 0.98}}},
-};
-
-const nqm_fit_model *nqm_fit_model_find(const char *name) {
-    for (size_t i = 0; i < sizeof models / sizeof *models; ++i)
-        if (strcmp(models[i].name, name) == 0)
-            return &models[i];
-    return NULL;
-}
 
 static const char *const loss_names[] = {"log", "log-cos", "cube-root", "linear"};
 
@@ -51,7 +34,9 @@ nqm_fit_options nqm_fit_options_default(void) {
 void nqm_fit_round(const nqm_fit_model *model, nqm_fit_values *values) {
     const int n_digits = 6; /* more than a fit knows */
     for (size_t s = 0; s < model->n_shape; ++s)
-        values->shape[s] = nqm_round_digits(values->shape[s], n_digits);
+        values->shape[s] = model->shape[s].scale == NQM_FIT_SCALE_LOG_REST
+                               ? 1 - nqm_round_digits(1 - values->shape[s], n_digits)
+                               : nqm_round_digits(values->shape[s], n_digits);
     for (size_t c = 0; c < 3; ++c) {
         values->kd[c] = nqm_round_digits(values->kd[c], n_digits);
         values->ks[c] = nqm_round_digits(values->ks[c], n_digits);
@@ -96,17 +81,20 @@ nqm_status nqm_fit_check_options(const nqm_fit_options *o, nqm_error *err) {
 
 nqm_status nqm_fit_analytic(const nqm_brdf *ref, const char *model_name, const nqm_fit_options *options,
                             nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    const nqm_fit_model *model = nqm_fit_model_find(model_name);
+    nqm_fit_model model = *nqm_fit_model_find(model_name);
+    nqm_status status = nqm_fit_apply_bounds(options, &model, err);
+    if (status != NQM_OK)
+        return status;
     nqm_fit_target target;
     nqm_fit_values values;
-    nqm_status status = nqm_fit_target_make(ref, options, &target, err);
+    status = nqm_fit_target_make(ref, options, &target, err);
     if (status == NQM_OK)
-        status = nqm_fit_solve(model, &target, options, &values, &report->best_start, err);
+        status = nqm_fit_solve(&model, &target, options, &values, &report->best_start, err);
     if (status == NQM_OK) {
-        nqm_fit_round(model, &values);
-        nqm_fit_write_spec(model, &values, report->spec);
+        nqm_fit_round(&model, &values);
+        nqm_fit_write_spec(&model, &values, report->spec);
         report->n_directions = target.n;
-        report->n_numbers = 6 + model->n_shape;
+        report->n_numbers = 6 + model.n_shape;
         status = nqm_fit_loss_of_spec(&target, report->spec, &report->loss, err);
     }
     if (status == NQM_OK)

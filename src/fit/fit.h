@@ -10,14 +10,20 @@
 #include "base/base.h"
 #include <nqm/fit.h>
 
-enum { NQM_FIT_MAX_SHAPE = 2 };
+enum { NQM_FIT_MAX_SHAPE = 3 };
+
+/** In what a parameter is searched. */
+typedef enum nqm_fit_scale {
+    NQM_FIT_SCALE_LINEAR,
+    NQM_FIT_SCALE_LOG,
+    NQM_FIT_SCALE_LOG_REST /* the logarithm of 1 - value */
+} nqm_fit_scale;
 
 /** One nonlinear parameter of a model. */
 typedef struct nqm_fit_shape {
     const char *key;  /* in the spec */
     double low, high; /* open bounds */
-    bool logarithmic; /* searched in log space */
-    bool width;       /* the lobe width, which the starts scan; others start from a few fixed values */
+    nqm_fit_scale scale;
 } nqm_fit_shape;
 
 /** A model that can be fitted. */
@@ -25,10 +31,17 @@ typedef struct nqm_fit_model {
     const char *name;
     size_t n_shape;
     nqm_fit_shape shape[NQM_FIT_MAX_SHAPE];
+    size_t n_start;                                           /* starts a width */
+    void (*start)(double alpha, size_t which, double *shape); /* shape of start `which` in [0, n_start) */
 } nqm_fit_model;
 
 /** By name, or NULL. */
 const nqm_fit_model *nqm_fit_model_find(const char *name);
+/** Narrow the model's bounds to those of the options. */
+NQM_MUST_CHECK nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_model *model, nqm_error *err);
+/** Where a value lies between the bounds of its parameter, in the scale of the search: 0 to 1; and back. */
+double nqm_fit_shape_place(const nqm_fit_shape *shape, double value);
+double nqm_fit_shape_value(const nqm_fit_shape *shape, double place);
 
 /** Options within their ranges? */
 NQM_MUST_CHECK nqm_status nqm_fit_check_options(const nqm_fit_options *options, nqm_error *err);

@@ -11,10 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { N_REFINED = 2, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
-static const double MIN_ALBEDO = 1e-7, MAX_KD = 10, MAX_KS = 1e4; /* what specs allow, and more than any surface */
-static const double START_F0[] = {0.04, 0.5};
-enum { N_START_F0 = sizeof START_F0 / sizeof *START_F0 };
+enum { MAX_REFINED = 4, N_ROUNDS = 3, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
+static const double MIN_ALBEDO = 1e-7, MAX_KD = 10, MAX_KS = 1e6; /* what specs allow, and more than any surface */
 
 typedef struct search {
     const nqm_fit_model *model;
@@ -132,12 +130,8 @@ static double clamp(double x, double low, double high) {
 }
 
 static void to_free(const nqm_fit_model *model, const nqm_fit_values *v, double *x) {
-    for (size_t k = 0; k < model->n_shape; ++k) {
-        const nqm_fit_shape *shape = &model->shape[k];
-        double low = shape->low, high = shape->high, value = v->shape[k];
-        double p = shape->logarithmic ? log(value / low) / log(high / low) : (value - low) / (high - low);
-        *x++ = logit(clamp(p, 1e-3, 1 - 1e-3));
-    }
+    for (size_t k = 0; k < model->n_shape; ++k)
+        *x++ = logit(clamp(nqm_fit_shape_place(&model->shape[k], v->shape[k]), 1e-3, 1 - 1e-3));
     for (size_t c = 0; c < 3; ++c) {
         x[c] = log(fmax(v->kd[c], MIN_ALBEDO));
         x[3 + c] = log(fmax(v->ks[c], MIN_ALBEDO));
@@ -145,12 +139,8 @@ static void to_free(const nqm_fit_model *model, const nqm_fit_values *v, double 
 }
 
 static void from_free(const nqm_fit_model *model, const double *x, nqm_fit_values *v) {
-    for (size_t k = 0; k < model->n_shape; ++k) {
-        const nqm_fit_shape *shape = &model->shape[k];
-        double p = 1 / (1 + exp(-*x++));
-        v->shape[k] = shape->logarithmic ? shape->low * pow(shape->high / shape->low, p)
-                                         : shape->low + (shape->high - shape->low) * p;
-    }
+    for (size_t k = 0; k < model->n_shape; ++k)
+        v->shape[k] = nqm_fit_shape_value(&model->shape[k], 1 / (1 + exp(-*x++)));
     for (size_t c = 0; c < 3; ++c) {
         v->kd[c] = exp(clamp(x[c], log(MIN_ALBEDO), log(MAX_KD)));
         v->ks[c] = exp(clamp(x[3 + c], log(MIN_ALBEDO), log(MAX_KS)));
@@ -176,8 +166,19 @@ static void drop_traces(nqm_fit_values *v) {
     }
 }
 
+/* Take `v` over where it is better than `best`. */
+static nqm_status keep_better(search *s, const nqm_fit_values *v, candidate *best) {
+    nqm_status status = set_shape(s, v->shape);
+    double loss = status == NQM_OK ? loss_of(s, v) : 0;
+    if (status == NQM_OK && loss < best->loss) {
+        best->values = *v;
+        best->loss = loss;
+    }
+    return status;
+}
+
 /* Improve a candidate in place; one that does not improve stays as it is. */
-static nqm_status refine(search *s, candidate *best) {
+static nqm_status refine_once(search *s, candidate *best) {
     double x[MAX_PARAMETERS], rms;
     nqm_lsq_problem problem = {.n_parameters = s->model->n_shape + 6,
                                .n_residuals = 3 * s->target->n,
@@ -198,16 +199,28 @@ static nqm_status refine(search *s, candidate *best) {
             *s->err = err;
         return status;
     }
-    candidate refined = *best;
-    from_free(s->model, x, &refined.values);
-    drop_traces(&refined.values);
-    status = set_shape(s, refined.values.shape);
-    if (status != NQM_OK)
-        return status;
-    refined.loss = loss_of(s, &refined.values);
-    if (refined.loss < best->loss)
-        *best = refined;
-    return NQM_OK;
+    nqm_fit_values refined;
+    from_free(s->model, x, &refined);
+    drop_traces(&refined);
+    return keep_better(s, &refined, best);
+}
+
+/* An albedo that has sunk to 0 cannot rise again in its logarithm: solved linearly between the rounds, it can. */
+static nqm_status refine(search *s, candidate *best) {
+    nqm_status status = NQM_OK;
+    double before = INFINITY;
+    for (int round = 0; status == NQM_OK && round < N_ROUNDS && best->loss < 0.999 * before; ++round) {
+        before = best->loss;
+        status = refine_once(s, best);
+        nqm_fit_values solved = best->values;
+        if (status == NQM_OK)
+            status = set_shape(s, solved.shape);
+        if (status == NQM_OK) {
+            solve_albedos(s, &solved);
+            status = keep_better(s, &solved, best);
+        }
+    }
+    return status;
 }
 
 /* ---- starts ------------------------------------------------------------------------------------------------------ */
@@ -221,34 +234,44 @@ static nqm_status score_start(search *s, candidate *start) {
     return NQM_OK;
 }
 
-/* Keep the N_REFINED best, best first. */
-static void insert(candidate *best, size_t *n_best, const candidate *c) {
+/* How many of the starts are refined: more where they differ in more than the width. */
+static size_t n_refined(const nqm_fit_model *model) {
+    return model->n_start > 2 ? MAX_REFINED : 2;
+}
+
+/* Keep the n_max best, best first. */
+static void insert(candidate *best, size_t *n_best, size_t n_max, const candidate *c) {
     size_t at = *n_best;
     while (at > 0 && best[at - 1].loss > c->loss)
         --at;
-    if (at == N_REFINED)
+    if (at == n_max)
         return;
-    size_t n_moved = (*n_best < N_REFINED ? *n_best : N_REFINED - 1) - at;
+    size_t n_moved = (*n_best < n_max ? *n_best : n_max - 1) - at;
     memmove(best + at + 1, best + at, n_moved * sizeof *best);
     best[at] = *c;
-    *n_best += *n_best < N_REFINED;
+    *n_best += *n_best < n_max;
+}
+
+/* Widths are spaced evenly in their logarithm; each comes with all the model's starts. */
+static void make_start(const nqm_fit_model *model, size_t i, size_t n_widths, double *shape) {
+    static const double low = 0.001, high = 0.8;
+    double u = ((double)(i / model->n_start) + 0.5) / (double)n_widths;
+    model->start(low * pow(high / low, u), i % model->n_start, shape);
+    for (size_t k = 0; k < model->n_shape; ++k)
+        shape[k] = clamp(shape[k], model->shape[k].low, model->shape[k].high);
 }
 
 static nqm_status scan_starts(search *s, const nqm_fit_options *options, candidate *best, size_t *n_best) {
-    static const double low = 0.001, high = 0.8;
     nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
-    size_t n_other = s->model->n_shape > 1 ? N_START_F0 : 1;
-    size_t n = options->n_starts * n_other;
+    size_t n = options->n_starts * s->model->n_start;
     for (size_t i = 0; i < n; ++i) {
         candidate c = {.start = i};
-        double u = ((double)(i / n_other) + 0.5) / (double)options->n_starts;
-        c.values.shape[0] = low * pow(high / low, u);
-        c.values.shape[1] = START_F0[i % n_other];
+        make_start(s->model, i, options->n_starts, c.values.shape);
         nqm_status status = score_start(s, &c);
         if (status != NQM_OK)
             return status;
-        insert(best, n_best, &c);
-        if (nqm_tick(&ticker, "fit", (double)(i + 1), (double)(n + N_REFINED)))
+        insert(best, n_best, n_refined(s->model), &c);
+        if (nqm_tick(&ticker, "fit", (double)(i + 1), (double)(n + n_refined(s->model))))
             return nqm_fail(s->err, NQM_ERR_CANCELLED, -1, "fit: stopped");
     }
     return NQM_OK;
@@ -257,7 +280,7 @@ static nqm_status scan_starts(search *s, const nqm_fit_options *options, candida
 nqm_status nqm_fit_solve(const nqm_fit_model *model, const nqm_fit_target *target, const nqm_fit_options *options,
                          nqm_fit_values *values, size_t *start_ret, nqm_error *err) {
     search s = {.model = model, .target = target, .err = err};
-    candidate best[N_REFINED];
+    candidate best[MAX_REFINED];
     size_t n_best = 0, winner = 0;
     s.diffuse = nqm_alloc(target->n, sizeof(double));
     s.lobe = nqm_alloc(target->n, sizeof(double));
@@ -266,7 +289,8 @@ nqm_status nqm_fit_solve(const nqm_fit_model *model, const nqm_fit_target *targe
         status = nqm_fail_nomem(err, 2 * target->n * sizeof(double));
         goto done;
     }
-    nqm_fit_values base = {.kd = {1, 1, 1}, .shape = {0.5, 0.5}};
+    nqm_fit_values base = {.kd = {1, 1, 1}};
+    make_start(model, 0, 1, base.shape);
     char spec[512];
     nqm_fit_write_spec(model, &base, spec);
     status = nqm_fit_lobe(target, spec, s.diffuse, err);

@@ -37,6 +37,13 @@ static const entry entries[] = {
     {"hyper-low", nqm_fit_hyper, NQM_BUDGET_LOW, "network written from few samples (after Gokbudak et al. 2024)"},
     {"hyper-mid", nqm_fit_hyper, NQM_BUDGET_MID, "network written from some samples (after Gokbudak et al. 2024)"},
     {"hyper-high", nqm_fit_hyper, NQM_BUDGET_HIGH, "network written from many samples (after Gokbudak et al. 2024)"},
+    {"ward-duer", NULL, 0, "Ward's lobe in the normalisation of Duer, 7 numbers"},
+    {"blinn-phong", NULL, 0, "power of the half vector's cosine (Blinn 1977), 7 numbers"},
+    {"lafortune", NULL, 0, "one generalised cosine lobe (Lafortune et al. 1997), 8 numbers"},
+    {"cook-torrance", NULL, 0, "Beckmann microfacets in V-grooves (Cook and Torrance 1982), 8 numbers"},
+    {"ashikhmin-shirley", NULL, 0, "Phong microfacets with a Fresnel term (Ashikhmin and Shirley 2000), 8 numbers"},
+    {"abc", NULL, 0, "microfacets with the ABC distribution (Low et al. 2012), 9 numbers"},
+    {"smooth", NULL, 0, "smooth surface with the ABC power spectrum (Low et al. 2012), 9 numbers"},
 };
 enum { N_ENTRIES = sizeof entries / sizeof *entries };
 

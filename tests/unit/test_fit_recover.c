@@ -7,41 +7,11 @@
 #include "brdf/brdf.h"
 #include "fit/fit.h"
 #include "support/check.h"
+#include "support/fitting.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static nqm_fit_report fit(const char *spec, const char *model, const nqm_fit_options *options) {
-    nqm_error err = {0};
-    nqm_fit_report report;
-    nqm_brdf *ref = open_brdf(spec);
-    if (nqm_fit(ref, model, options, &report, NULL, &err) != NQM_OK)
-        fail_msg("%s: %s", spec, err.message);
-    nqm_brdf_free(ref);
-    return report;
-}
-
-/* The values behind "key=" in a spec, up to three. */
-static void values_of(const char *spec, const char *key, double v[3]) {
-    char pattern[16];
-    snprintf(pattern, sizeof pattern, "%s=", key);
-    const char *at = strstr(spec, pattern);
-    assert_non_null(at);
-    int n = sscanf(at + strlen(pattern), "%lf,%lf,%lf", &v[0], &v[1], &v[2]);
-    assert_true(n >= 1);
-    if (n == 1)
-        v[1] = v[2] = v[0];
-}
-
-static void check_values(const char *fitted, const char *truth, const char *key, double tolerance) {
-    double found[3], expected[3];
-    values_of(fitted, key, found);
-    values_of(truth, key, expected);
-    for (int c = 0; c < 3; ++c)
-        if (!(fabs(found[c] - expected[c]) <= tolerance * expected[c] + 1e-4))
-            fail_msg("%s of %s: %s gave %s", key, truth, key, fitted);
-}
 
 static void ward_gives_itself_back(void **state) {
     (void)state;
@@ -49,10 +19,10 @@ static void ward_gives_itself_back(void **state) {
     for (size_t i = 0; i < sizeof alphas / sizeof *alphas; ++i) {
         char truth[200];
         snprintf(truth, sizeof truth, "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=%g", alphas[i]);
-        nqm_fit_report r = fit(truth, "ward", NULL);
-        check_values(r.spec, truth, "alpha", 1e-3);
-        check_values(r.spec, truth, "kd", 2e-3);
-        check_values(r.spec, truth, "ks", 2e-3);
+        nqm_fit_report r = fit_spec(truth, "ward", NULL);
+        check_spec_values(r.spec, truth, "alpha", 1e-3);
+        check_spec_values(r.spec, truth, "kd", 2e-3);
+        check_spec_values(r.spec, truth, "ks", 2e-3);
         assert_true(r.loss < 1e-4);
         assert_int_equal(r.n_directions, 6000);
     }
@@ -64,11 +34,11 @@ static void ggx_gives_itself_back(void **state) {
     for (size_t i = 0; i < 15; ++i) {
         char truth[200];
         snprintf(truth, sizeof truth, "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=%g;f0=%g", alphas[i / 3], f0s[i % 3]);
-        nqm_fit_report r = fit(truth, "ggx", NULL);
-        check_values(r.spec, truth, "alpha", 5e-3);
-        check_values(r.spec, truth, "f0", 2e-2);
-        check_values(r.spec, truth, "kd", 5e-3);
-        check_values(r.spec, truth, "ks", 2e-2);
+        nqm_fit_report r = fit_spec(truth, "ggx", NULL);
+        check_spec_values(r.spec, truth, "alpha", 5e-3);
+        check_spec_values(r.spec, truth, "f0", 2e-2);
+        check_spec_values(r.spec, truth, "kd", 5e-3);
+        check_spec_values(r.spec, truth, "ks", 2e-2);
         assert_true(r.loss < 1e-3);
     }
 }
@@ -81,10 +51,10 @@ static void every_loss_finds_the_truth(void **state) {
         nqm_fit_options options = nqm_fit_options_default();
         assert_int_equal(nqm_fit_loss_parse(names[k], &options.loss), 1);
         assert_string_equal(nqm_fit_loss_name(options.loss), names[k]);
-        nqm_fit_report r = fit(truth, "ward", &options);
-        check_values(r.spec, truth, "alpha", 5e-3);
-        check_values(r.spec, truth, "kd", 1e-2);
-        check_values(r.spec, truth, "ks", 1e-2);
+        nqm_fit_report r = fit_spec(truth, "ward", &options);
+        check_spec_values(r.spec, truth, "alpha", 5e-3);
+        check_spec_values(r.spec, truth, "kd", 1e-2);
+        check_spec_values(r.spec, truth, "ks", 1e-2);
     }
 }
 
@@ -101,7 +71,7 @@ static void sharp_metal_keeps_highlight_and_base(void **state) {
     for (int i = 0; i < 2; ++i) {
         char truth[100];
         snprintf(truth, sizeof truth, "ward:kd=0.01;ks=0.6;alpha=%g", alphas[i]);
-        nqm_fit_report r = fit(truth, "ggx", NULL);
+        nqm_fit_report r = fit_spec(truth, "ggx", NULL);
         nqm_brdf *ggx = open_brdf(r.spec);
         const double mirror[3] = {0, theta_d, pi / 2}, off[3] = {40 * pi / 180, theta_d, pi / 2};
         double rgb[3];
@@ -117,17 +87,17 @@ static void sharp_metal_keeps_highlight_and_base(void **state) {
 static void a_seed_is_a_result(void **state) {
     (void)state;
     nqm_fit_options options = nqm_fit_options_default();
-    nqm_fit_report a = fit("sgd:blue-rubber", "ggx", &options), b = fit("sgd:blue-rubber", "ggx", &options);
+    nqm_fit_report a = fit_spec("sgd:blue-rubber", "ggx", &options), b = fit_spec("sgd:blue-rubber", "ggx", &options);
     assert_string_equal(a.spec, b.spec);
     options.seed = 2;
-    nqm_fit_report c = fit("sgd:blue-rubber", "ggx", &options);
+    nqm_fit_report c = fit_spec("sgd:blue-rubber", "ggx", &options);
     assert_string_not_equal(a.spec, c.spec);
-    check_values(c.spec, a.spec, "alpha", 0.05);
+    check_spec_values(c.spec, a.spec, "alpha", 0.05);
 }
 
 static void a_spec_says_what_was_fitted(void **state) {
     (void)state;
-    nqm_fit_report r = fit("sgd:red-plastic", "ward", NULL);
+    nqm_fit_report r = fit_spec("sgd:red-plastic", "ward", NULL);
     nqm_brdf *brdf = open_brdf(r.spec);
     assert_string_equal(nqm_brdf_get_info(brdf).format, "ward");
     nqm_brdf_free(brdf);

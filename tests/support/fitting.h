@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * fitting.h - fit a spec with another model, and compare the values of two specs.
+ */
+#ifndef NQM_TESTS_SUPPORT_FITTING_H
+#define NQM_TESTS_SUPPORT_FITTING_H
+
+#include <nqm/fit.h>
+
+/** Fit `model` to the BRDF `spec`; fails the test when that fails. */
+nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_options *options);
+/** The values behind "key=" in a spec, up to three; a single one three times. */
+void spec_values(const char *spec, const char *key, double v[3]);
+/** Every value of `key` in both specs is equal but for `tolerance` times the truth and 1e-4. */
+void check_spec_values(const char *fitted, const char *truth, const char *key, double tolerance);
+
+#endif

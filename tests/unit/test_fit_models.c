@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits of the published models: each gives known parameters back, stays within bounds, and refuses bounds that make no sense.
+ */
+#include "support/check.h"
+#include "support/fitting.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Of every further model several lobes: wide and narrow, with much and little Fresnel rise, and bases that are dark. */
+static void every_model_gives_itself_back(void **state) {
+    (void)state;
+    static const char *const lobes[] = {
+        "ward-duer;alpha=0.003",
+        "ward-duer;alpha=0.4",
+        "blinn-phong;n=5",
+        "blinn-phong;n=20000",
+        "lafortune;cz=0.99;n=5",
+        "lafortune;cz=0.7;n=20",
+        "lafortune;cz=0.9999;n=10000",
+        "cook-torrance;alpha=0.003;f0=0.04",
+        "cook-torrance;alpha=0.4;f0=0.7",
+        "ashikhmin-shirley;n=5;f0=0.6",
+        "ashikhmin-shirley;n=1e5;f0=0.04",
+        "abc;B=50;C=1;eta=1.5",
+        "abc;B=3000;C=0.8;eta=3",
+        "abc;B=1e6;C=2.2;eta=5",
+        "smooth;B=3000;C=0.8;eta=3",
+        "smooth;B=1e5;C=1.5;eta=1.4",
+    };
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 2000;
+    for (size_t i = 0; i < sizeof lobes / sizeof *lobes; ++i) {
+        char model[40], truth[200];
+        size_t n = strcspn(lobes[i], ";");
+        snprintf(model, sizeof model, "%.*s", (int)n, lobes[i]);
+        int abc = strstr(lobes[i], ";C=") != NULL;
+        snprintf(truth, sizeof truth, "%s:kd=0.3,0.02,0.1;ks=%s%s", model, abc ? "50,200,400" : "0.05,0.2,0.4",
+                 lobes[i] + n);
+        nqm_fit_report r = fit_spec(truth, model, &options);
+        check_spec_values(r.spec, truth, "kd", 5e-3);
+        check_spec_values(r.spec, truth, "ks", 2e-2);
+        static const char *const keys[] = {"alpha", "n", "cz", "f0", "B", "C", "eta"};
+        size_t n_shape = 0;
+        for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k)
+            if (nqm_fit_model_has(model, keys[k])) {
+                check_spec_values(r.spec, truth, keys[k], 2e-2);
+                ++n_shape;
+            }
+        assert_int_equal(r.n_numbers, 6 + n_shape);
+        assert_true(r.loss < 1e-4);
+    }
+}
+
+/* The narrower range holds; outside it the optimum lies on the border. */
+static void bounds_hold(void **state) {
+    (void)state;
+    const nqm_fit_bound bounds[] = {{"alpha", 0.2, 0.5}, {"f0", 0.3, 0.31}};
+    nqm_fit_options options = nqm_fit_options_default();
+    options.bounds = bounds;
+    options.n_bounds = 2;
+    nqm_fit_report r = fit_spec("ggx:kd=0.1;ks=0.3;alpha=0.1;f0=0.04", "ggx", &options);
+    double alpha[3], f0[3];
+    spec_values(r.spec, "alpha", alpha);
+    spec_values(r.spec, "f0", f0);
+    assert_true(alpha[0] >= 0.2 && alpha[0] < 0.21 && f0[0] >= 0.3 && f0[0] <= 0.31);
+    options.n_bounds = 1;
+    r = fit_spec("cook-torrance:kd=0.1;ks=0.3;alpha=0.3;f0=0.04", "cook-torrance", &options);
+    spec_values(r.spec, "alpha", alpha);
+    assert_true(fabs(alpha[0] - 0.3) < 1e-3);
+}
+
+static void bad_bounds_are_refused(void **state) {
+    (void)state;
+    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+    nqm_fit_report report;
+    nqm_error err = {0};
+    static const nqm_fit_bound bad[] = {{"f0", 0.1, 0.2},     {"kd", 0, 1},      {"alpha", 0.2, 0.1},
+                                        {"alpha", 1e-5, 0.1}, {"alpha", 0.1, 2}, {"alpha", NAN, 1}};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
+        nqm_fit_options options = nqm_fit_options_default();
+        options.bounds = &bad[k];
+        options.n_bounds = 1;
+        assert_int_equal(nqm_fit(brdf, "ward", &options, &report, NULL, &err), NQM_ERR_ARG);
+        assert_non_null(strstr(err.message, bad[k].key));
+    }
+    assert_int_equal(nqm_fit_model_has("ward", "alpha"), 1);
+    assert_int_equal(nqm_fit_model_has("ward", "f0"), 0);
+    assert_int_equal(nqm_fit_model_has("nbrdf", "alpha"), 0);
+    nqm_brdf_free(brdf);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_model_gives_itself_back),
+        cmocka_unit_test(bounds_hold),
+        cmocka_unit_test(bad_bounds_are_refused),
+    };
+    return cmocka_run_group_tests_name("fit: models", tests, NULL, NULL);
+}
