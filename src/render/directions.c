@@ -10,74 +10,127 @@
 #include "render/render.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double lobe_alpha[] = {0.002, 0.008, 0.03, 0.1, 0.3};
 enum { N_LOBES = sizeof lobe_alpha / sizeof *lobe_alpha, LIGHT = N_LOBES, COSINE, N_TECHNIQUES };
 
-/* One point's sampling state. */
+/* One point's sampling state. The light map is a table of rows, and of the cells of one row at a time. */
 typedef struct sampler {
     const nqm_light *light;
     const nqm_surface_point *point;
-    double *cumulative;     /* (NQM_LIGHT_CELLS + 1) of power times cosine, from 0 */
+    bool flat;              /* draw from the map without the cosine */
+    double reach;           /* sine of the half diagonal of a cell, and a little more */
+    float *across;          /* (width) what a column's azimuth adds to the cosine */
+    double *rows;           /* (height + 1) importance of the rows above, from 0 */
+    double *cells;          /* (width + 1) the same along `row` */
+    size_t row;             /* SIZE_MAX: none yet */
     size_t n[N_TECHNIQUES]; /* directions by each technique */
 } sampler;
 
-static void to_world(const nqm_surface_point *point, const double *local, double *world) {
-    for (int k = 0; k < 3; ++k)
-        world[k] = local[0] * point->frame[k] + local[1] * point->frame[3 + k] + local[2] * point->frame[6 + k];
+static bool open_sampler(const nqm_light *light, const nqm_surface_point *point, bool flat, sampler *s) {
+    *s = (sampler){.light = light, .point = point, .flat = flat, .row = SIZE_MAX};
+    s->reach = 0.02 * NQM_LIGHT_WIDTH / (double)light->width;
+    s->rows = nqm_alloc(light->height + 1 + light->width + 1, sizeof *s->rows);
+    s->across = nqm_alloc(light->width, sizeof *s->across);
+    if (!s->rows || !s->across) {
+        nqm_free(s->rows);
+        nqm_free(s->across);
+        return false;
+    }
+    s->cells = s->rows + light->height + 1;
+    return true;
 }
 
-static void to_local(const nqm_surface_point *point, const double *world, double *local) {
-    for (int k = 0; k < 3; ++k)
-        local[k] = nqm_dot3(point->frame + 3 * k, world);
+static void close_sampler(sampler *s) {
+    nqm_free(s->rows);
+    nqm_free(s->across);
 }
 
-/* A cell is 1.4 degrees wide: one whose centre is at or below the horizon may still have a part above, and the sun may
- * stand there. Such cells get a small share; without it the other techniques would meet them by chance, with weights as
- * bright as fireflies. */
-static double cell_importance(double cosine) {
-    const double reach = 0.02; /* sine of the half diagonal of a cell, and a little more */
-    return cosine > -reach ? fmax(cosine, reach) : 0;
+/* A cell whose centre is at or below the horizon may still have a part above, and the sun may stand there. Such cells
+ * get a small share; without it the other techniques would meet them by chance, with weights as bright as fireflies. */
+static double cell_importance(const sampler *s, size_t y, size_t x) {
+    double power = s->light->power[y * s->light->width + x];
+    if (s->flat)
+        return power;
+    const double *normal = s->point->frame + 6, *polar = s->light->polar + 2 * y, *azimuth = s->light->azimuth + 2 * x;
+    double cosine = polar[0] * (normal[0] * azimuth[0] - normal[2] * azimuth[1]) + polar[1] * normal[1];
+    return cosine > -s->reach ? fmax(cosine, s->reach) * power : 0;
 }
 
-/* Sum the map over the hemisphere: the table to draw cells from, and the irradiance. */
-static void gather_light(sampler *s, double *irradiance) {
-    const double *normal = s->point->frame + 6;
-    irradiance[0] = irradiance[1] = irradiance[2] = 0;
-    s->cumulative[0] = 0;
-    for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell) {
-        double cosine = nqm_dot3(normal, s->light->direction + 3 * cell);
-        s->cumulative[cell + 1] = s->cumulative[cell] + cell_importance(cosine) * s->light->power[cell];
-        double area = fmax(cosine, 0) * s->light->solid_angle[cell / NQM_LIGHT_WIDTH];
-        for (size_t k = 0; k < 3; ++k)
-            irradiance[k] += area * s->light->rgb[3 * cell + k];
+enum { LANES = 8 };
+
+/* Sums over one row: sum[0] importance as above, sum[1..3] irradiance. In single precision and side by side, because
+ * this is done for every cell of the map at every point. */
+static void sum_row(const sampler *s, size_t y, double *sum) {
+    const nqm_light *light = s->light;
+    size_t n = light->width * light->height;
+    const float *plane = light->plane + y * light->width;
+    const float base = (float)(light->polar[2 * y + 1] * s->point->frame[7]), slope = (float)light->polar[2 * y];
+    const float reach = (float)s->reach;
+    float lane[4][LANES] = {0};
+    for (size_t x = 0; x < light->width; x += LANES)
+        for (size_t l = 0; l < LANES; ++l) {
+            float cosine = base + slope * s->across[x + l];
+            float positive = cosine > 0 ? cosine : 0, share = cosine > reach ? cosine : reach;
+            lane[0][l] += (cosine > -reach ? share : 0) * plane[x + l];
+            lane[1][l] += positive * plane[n + x + l];
+            lane[2][l] += positive * plane[2 * n + x + l];
+            lane[3][l] += positive * plane[3 * n + x + l];
+        }
+    for (size_t k = 0; k < 4; ++k) {
+        sum[k] = 0;
+        for (size_t l = 0; l < LANES; ++l)
+            sum[k] += (double)lane[k][l];
     }
 }
 
-/* The step of a cumulative table (every stride-th entry, n steps) in which u falls, and where in it. */
-static size_t find_step(const double *cumulative, size_t n, size_t stride, double u, double *within) {
-    double target = cumulative[0] + u * (cumulative[n * stride] - cumulative[0]);
+/* Sum the map over the hemisphere: the table to draw rows from, and the irradiance. */
+static void gather_light(sampler *s, double *irradiance) {
+    const nqm_light *light = s->light;
+    const double *normal = s->point->frame + 6;
+    for (size_t x = 0; x < light->width; ++x)
+        s->across[x] = (float)(normal[0] * light->azimuth[2 * x] - normal[2] * light->azimuth[2 * x + 1]);
+    double most = hypot(normal[0], normal[2]);
+    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    for (size_t y = 0; y < light->height; ++y) {
+        double sum[4] = {0};
+        if (light->polar[2 * y] * most + light->polar[2 * y + 1] * normal[1] > -2 * s->reach) /* else all below */
+            sum_row(s, y, sum);
+        s->rows[y + 1] = s->rows[y] + sum[0];
+        for (size_t k = 0; k < 3; ++k)
+            irradiance[k] += sum[k + 1];
+    }
+}
+
+/* The step of a cumulative table of n steps in which u falls, and where in it. */
+static size_t find_step(const double *cumulative, size_t n, double u, double *within) {
+    double target = u * cumulative[n];
     size_t low = 0, high = n; /* cumulative[low] <= target < cumulative[high], but for rounding */
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
-        if (cumulative[middle * stride] <= target)
+        if (cumulative[middle] <= target)
             low = middle;
         else
             high = middle;
     }
-    double begin = cumulative[low * stride], width = cumulative[(low + 1) * stride] - begin;
-    *within = width > 0 ? fmin(fmax((target - begin) / width, 0), 1 - 0x1p-53) : 0.5;
+    double width = cumulative[low + 1] - cumulative[low];
+    *within = width > 0 ? fmin(fmax((target - cumulative[low]) / width, 0), 1 - 0x1p-53) : 0.5;
     return low;
 }
 
 /* A row, then a cell of it: two coordinates, so that an even set in (u, v) stays even over the map. */
-static void sample_light(const sampler *s, double u, double v, double *wi) {
+static void sample_light(sampler *s, double u, double v, double *wi) {
+    const nqm_light *light = s->light;
     double world[3], in_row, in_cell;
-    size_t row = find_step(s->cumulative, NQM_LIGHT_HEIGHT, NQM_LIGHT_WIDTH, u, &in_row);
-    const double *cells = s->cumulative + row * NQM_LIGHT_WIDTH;
-    size_t column = find_step(cells, NQM_LIGHT_WIDTH, 1, v, &in_cell);
-    nqm_light_direction(row * NQM_LIGHT_WIDTH + column, in_cell, in_row, world);
-    to_local(s->point, world, wi);
+    size_t row = find_step(s->rows, light->height, u, &in_row);
+    if (row != s->row)
+        for (size_t x = 0; x < light->width; ++x)
+            s->cells[x + 1] = s->cells[x] + cell_importance(s, row, x);
+    s->row = row;
+    size_t column = find_step(s->cells, light->width, v, &in_cell);
+    nqm_light_direction(light, row * light->width + column, in_cell, in_row, world);
+    nqm_local_from_world(s->point, world, wi);
 }
 
 static void sample_cosine(double u, double v, double *wi) {
@@ -103,11 +156,11 @@ static double lobe_density(double alpha, const double *wo, const double *h) {
     return d * h[2] / (4 * fmax(nqm_dot3(wo, h), 1e-9));
 }
 
-/* Expected number of directions a steradian about wi, over all techniques. */
-static double density(const sampler *s, const double *wi, const double *world) {
-    size_t cell = nqm_light_cell(world);
-    double share = (s->cumulative[cell + 1] - s->cumulative[cell]) / s->cumulative[NQM_LIGHT_CELLS];
-    double sum = (double)s->n[LIGHT] * share / s->light->solid_angle[cell / NQM_LIGHT_WIDTH];
+/* Expected number of directions a steradian about wi, which falls into `cell` of the map, over all techniques. */
+static double density(const sampler *s, const double *wi, size_t cell) {
+    size_t y = cell / s->light->width, x = cell % s->light->width;
+    double share = cell_importance(s, y, x) / s->rows[s->light->height];
+    double sum = (double)s->n[LIGHT] * share / s->light->solid_angle[y];
     sum += (double)s->n[COSINE] * wi[2] / NQM_PI;
     const double *wo = s->point->wo;
     double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
@@ -117,13 +170,13 @@ static double density(const sampler *s, const double *wi, const double *world) {
     return sum;
 }
 
+/* A tenth, but at least one, to each lobe: a highlight that only the other techniques could meet would be a firefly. */
 static void share_out(sampler *s, size_t n) {
+    size_t a_lobe = n / 10 > 1 ? n / 10 : 1;
     s->n[LIGHT] = n / 3;
-    s->n[COSINE] = n - n / 3;
-    for (size_t i = 0; i < N_LOBES; ++i) {
-        s->n[i] = n / 10;
-        s->n[COSINE] -= s->n[i];
-    }
+    s->n[COSINE] = n - n / 3 - N_LOBES * a_lobe;
+    for (size_t i = 0; i < N_LOBES; ++i)
+        s->n[i] = a_lobe;
 }
 
 /* Van der Corput: the bits of i behind the binary point, reversed. */
@@ -139,7 +192,7 @@ static double shifted(double x, uint64_t random) {
     return sum < 1 ? sum : sum - 1;
 }
 
-static void sample(const sampler *s, size_t technique, double u, double v, double *wi) {
+static void sample(sampler *s, size_t technique, double u, double v, double *wi) {
     if (technique == LIGHT)
         sample_light(s, u, v, wi);
     else if (technique == COSINE)
@@ -159,7 +212,7 @@ static void calibrate(nqm_direction_set *set) {
 }
 
 /* Append the directions of one technique. */
-static void add_technique(const sampler *s, size_t technique, uint64_t seed, nqm_direction_set *set) {
+static void add_technique(sampler *s, size_t technique, uint64_t seed, nqm_direction_set *set) {
     size_t n = s->n[technique];
     uint64_t shift_u = nqm_hash_u64(seed, 2 * technique), shift_v = nqm_hash_u64(seed, 2 * technique + 1);
     for (size_t i = 0; i < n; ++i) {
@@ -168,27 +221,53 @@ static void add_technique(const sampler *s, size_t technique, uint64_t seed, nqm
         sample(s, technique, u, shifted(radical_inverse(i), shift_v), wi);
         if (!(wi[2] > 0))
             continue;
-        to_world(s->point, wi, world);
-        nqm_light_eval(s->light, world, weight);
-        double scale = wi[2] / density(s, wi, world);
+        nqm_world_from_local(s->point, wi, world);
+        size_t cell = nqm_light_eval(s->light, world, weight);
+        double extent = wi[2] / density(s, wi, cell);
         for (int k = 0; k < 3; ++k)
-            weight[k] *= scale;
+            weight[k] *= extent;
+        if (set->extent)
+            set->extent[set->n_used] = extent;
         ++set->n_used;
     }
 }
 
+static void add_techniques(sampler *s, uint64_t seed, nqm_direction_set *set) {
+    share_out(s, set->n_max);
+    set->n_used = 0;
+    if (s->rows[s->light->height] > 0) /* else no light reaches the point */
+        for (size_t t = 0; t < N_TECHNIQUES; ++t)
+            add_technique(s, t, seed, set);
+}
+
 bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                            nqm_direction_set *set) {
-    sampler s = {.light = light, .point = point, .cumulative = nqm_alloc(NQM_LIGHT_CELLS + 1, sizeof(double))};
-    if (!s.cumulative)
+    sampler s;
+    if (!open_sampler(light, point, false, &s))
         return false;
-    share_out(&s, set->n_max);
     gather_light(&s, set->irradiance);
-    set->n_used = 0;
-    if (s.cumulative[NQM_LIGHT_CELLS] > 0) /* else no light reaches the point */
-        for (size_t t = 0; t < N_TECHNIQUES; ++t)
-            add_technique(&s, t, seed, set);
-    nqm_free(s.cumulative);
+    add_techniques(&s, seed, set);
+    close_sampler(&s);
     calibrate(set);
+    return true;
+}
+
+bool nqm_choose_few_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
+                               nqm_direction_set *set) {
+    sampler s;
+    if (!open_sampler(light, point, true, &s))
+        return false;
+    memcpy(s.rows, light->row_power, (light->height + 1) * sizeof *s.rows);
+    add_techniques(&s, seed, set);
+    close_sampler(&s);
+    return true;
+}
+
+bool nqm_irradiance(const nqm_light *light, const nqm_surface_point *point, double *rgb) {
+    sampler s;
+    if (!open_sampler(light, point, false, &s))
+        return false;
+    gather_light(&s, rgb);
+    close_sampler(&s);
     return true;
 }

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * A light map: filtered to fixed cells, looked up bilinearly, sampled cell by cell.
+ * A light map: filtered to cells, looked up bilinearly, sampled cell by cell.
  */
 #include "math/math.h"
 #include "render/render.h"
 
 #include <math.h>
-
-enum { WIDTH = NQM_LIGHT_WIDTH, HEIGHT = NQM_LIGHT_HEIGHT };
 
 void nqm_map_direction(double u, double v, double *w) {
     double theta = NQM_PI * v, phi = 2 * NQM_PI * (u - 0.5);
@@ -16,57 +14,34 @@ void nqm_map_direction(double u, double v, double *w) {
     w[2] = -sin(theta) * cos(phi);
 }
 
-/* The inverse, in cells. */
-static void position_of(const double *w, double *row, double *column) {
-    *row = atan2(hypot(w[0], w[2]), w[1]) / NQM_PI * HEIGHT;
-    *column = (atan2(w[0], -w[2]) / (2 * NQM_PI) + 0.5) * WIDTH;
+void nqm_light_direction(const nqm_light *light, size_t cell, double u, double v, double *w) {
+    size_t y = cell / light->width, x = cell % light->width;
+    double height = (double)light->height;
+    double top = cos(NQM_PI * (double)y / height), bottom = cos(NQM_PI * (double)(y + 1) / height);
+    nqm_map_direction(((double)x + u) / (double)light->width, acos(top + (bottom - top) * v) / NQM_PI, w);
 }
 
-size_t nqm_light_cell(const double *w) {
-    double row, column;
-    position_of(w, &row, &column);
-    size_t y = (size_t)row, x = (size_t)column;
-    return (y < HEIGHT ? y : HEIGHT - 1) * WIDTH + (x < WIDTH ? x : 0);
-}
-
-void nqm_light_direction(size_t cell, double u, double v, double *w) {
-    size_t y = cell / WIDTH, x = cell % WIDTH;
-    double top = cos(NQM_PI * (double)y / HEIGHT), bottom = cos(NQM_PI * (double)(y + 1) / HEIGHT);
-    nqm_map_direction(((double)x + u) / WIDTH, acos(top + (bottom - top) * v) / NQM_PI, w);
-}
-
-/* The cells about a continuous position, wrapped in x and clamped in y, with their bilinear weights. */
-typedef struct quad {
-    size_t cell[4];
-    double weight[4];
-} quad;
-
-static quad quad_at(double row, double column) {
-    double y = fmin(fmax(row - 0.5, 0), HEIGHT - 1), x = column - 0.5;
-    x = x < 0 ? x + WIDTH : x;
-    size_t y0 = (size_t)y, x0 = (size_t)x % WIDTH;
-    size_t y1 = y0 + 1 < HEIGHT ? y0 + 1 : y0, x1 = (x0 + 1) % WIDTH;
+size_t nqm_light_eval(const nqm_light *light, const double *w, double *rgb) {
+    size_t width = light->width, height = light->height;
+    double row = atan2(hypot(w[0], w[2]), w[1]) / NQM_PI * (double)height;
+    double column = (atan2(w[0], -w[2]) / (2 * NQM_PI) + 0.5) * (double)width;
+    double y = fmin(fmax(row - 0.5, 0), (double)(height - 1)), x = column - 0.5;
+    x = x < 0 ? x + (double)width : x;
+    size_t y0 = (size_t)y, x0 = (size_t)x % width, y1 = y0 + 1 < height ? y0 + 1 : y0, x1 = (x0 + 1) % width;
     double fy = y - (double)y0, fx = x - floor(x);
-    return (quad){{y0 * WIDTH + x0, y0 * WIDTH + x1, y1 * WIDTH + x0, y1 * WIDTH + x1},
-                  {(1 - fy) * (1 - fx), (1 - fy) * fx, fy * (1 - fx), fy * fx}};
-}
-
-void nqm_light_eval(const nqm_light *light, const double *w, double *rgb) {
-    double row, column;
-    position_of(w, &row, &column);
-    quad q = quad_at(row, column);
-    for (size_t k = 0; k < 3; ++k) {
-        rgb[k] = 0;
-        for (int i = 0; i < 4; ++i)
-            rgb[k] += q.weight[i] * light->rgb[3 * q.cell[i] + k];
-    }
+    const double *top = light->rgb + 3 * y0 * width, *bottom = light->rgb + 3 * y1 * width;
+    for (size_t k = 0; k < 3; ++k)
+        rgb[k] = (1 - fy) * ((1 - fx) * top[3 * x0 + k] + fx * top[3 * x1 + k]) +
+                 fy * ((1 - fx) * bottom[3 * x0 + k] + fx * bottom[3 * x1 + k]);
+    size_t cell_y = (size_t)row, cell_x = (size_t)column;
+    return (cell_y < height ? cell_y : height - 1) * width + (cell_x < width ? cell_x : 0);
 }
 
 /* Mean over the part of the picture that a cell covers; rows count by their solid angle. */
-static void filter_cell(const nqm_image *image, size_t y, size_t x, double *rgb) {
+static void filter_cell(const nqm_image *image, const nqm_light *light, size_t y, size_t x, double *rgb) {
     double w = (double)image->width, h = (double)image->height;
-    double x_begin = (double)x / WIDTH * w, x_end = (double)(x + 1) / WIDTH * w;
-    double y_begin = (double)y / HEIGHT * h, y_end = (double)(y + 1) / HEIGHT * h;
+    double x_begin = (double)x / (double)light->width * w, x_end = (double)(x + 1) / (double)light->width * w;
+    double y_begin = (double)y / (double)light->height * h, y_end = (double)(y + 1) / (double)light->height * h;
     double sum[3] = {0}, total = 0;
     for (size_t j = (size_t)y_begin; j < image->height && (double)j < y_end; ++j) {
         double top = fmax((double)j, y_begin) / h, bottom = fmin((double)(j + 1), y_end) / h;
@@ -88,43 +63,85 @@ static double cell_luminance(const nqm_light *light, size_t y, size_t x) {
     static const double spread[3] = {0.125, 0.75, 0.125};
     double sum = 0;
     for (size_t j = 0; j < 3; ++j) {
-        size_t row = y + j < 1 ? 0 : y + j - 1 < HEIGHT ? y + j - 1 : HEIGHT - 1;
+        size_t row = y + j < 1 ? 0 : y + j - 1 < light->height ? y + j - 1 : light->height - 1;
         for (size_t i = 0; i < 3; ++i) {
-            size_t column = (x + i + WIDTH - 1) % WIDTH;
-            sum += spread[j] * spread[i] * nqm_luminance(light->rgb + 3 * (row * WIDTH + column));
+            size_t column = (x + i + light->width - 1) % light->width;
+            sum += spread[j] * spread[i] * nqm_luminance(light->rgb + 3 * (row * light->width + column));
         }
     }
     return sum;
 }
 
-nqm_status nqm_light_create(const nqm_image *image, nqm_light *light_ret, nqm_error *err) {
-    nqm_light light = {.rgb = nqm_alloc(NQM_LIGHT_CELLS, 3 * sizeof(double)),
-                       .direction = nqm_alloc(NQM_LIGHT_CELLS, 3 * sizeof(double)),
-                       .power = nqm_alloc(NQM_LIGHT_CELLS, sizeof(double))};
-    *light_ret = (nqm_light){0};
-    if (!light.rgb || !light.direction || !light.power) {
-        nqm_light_clear(&light);
-        return nqm_fail_nomem(err, NQM_LIGHT_CELLS * 7 * sizeof(double));
+static nqm_status alloc_light(size_t width, nqm_light *light, nqm_error *err) {
+    size_t height = width / 2, n = width * height;
+    *light = (nqm_light){.width = width, .height = height};
+    light->rgb = nqm_alloc(n, 3 * sizeof(double));
+    light->power = nqm_alloc(n, sizeof(double));
+    light->row_power = nqm_alloc(height + 1, sizeof(double));
+    light->solid_angle = nqm_alloc(height, sizeof(double));
+    light->polar = nqm_alloc(height, 2 * sizeof(double));
+    light->azimuth = nqm_alloc(width, 2 * sizeof(double));
+    light->plane = nqm_alloc(n, 4 * sizeof(float));
+    if (light->rgb && light->power && light->row_power && light->solid_angle && light->polar && light->azimuth &&
+        light->plane)
+        return NQM_OK;
+    nqm_light_clear(light);
+    return nqm_fail_nomem(err, n * (4 * sizeof(double) + 4 * sizeof(float)));
+}
+
+static void place_cells(nqm_light *light) {
+    double height = (double)light->height, width = (double)light->width;
+    for (size_t y = 0; y < light->height; ++y) {
+        double theta = NQM_PI * ((double)y + 0.5) / height;
+        light->polar[2 * y] = sin(theta);
+        light->polar[2 * y + 1] = cos(theta);
+        light->solid_angle[y] =
+            2 * NQM_PI / width * (cos(NQM_PI * (double)y / height) - cos(NQM_PI * (double)(y + 1) / height));
     }
-    for (size_t y = 0; y < HEIGHT; ++y) {
-        light.solid_angle[y] =
-            2 * NQM_PI / WIDTH * (cos(NQM_PI * (double)y / HEIGHT) - cos(NQM_PI * (double)(y + 1) / HEIGHT));
-        for (size_t x = 0; x < WIDTH; ++x) {
-            filter_cell(image, y, x, light.rgb + 3 * (y * WIDTH + x));
-            nqm_map_direction(((double)x + 0.5) / WIDTH, ((double)y + 0.5) / HEIGHT,
-                              light.direction + 3 * (y * WIDTH + x));
+    for (size_t x = 0; x < light->width; ++x) {
+        double phi = 2 * NQM_PI * (((double)x + 0.5) / width - 0.5);
+        light->azimuth[2 * x] = sin(phi);
+        light->azimuth[2 * x + 1] = cos(phi);
+    }
+}
+
+static void weigh_cells(nqm_light *light) {
+    size_t n = light->width * light->height;
+    for (size_t y = 0; y < light->height; ++y) {
+        light->row_power[y + 1] = light->row_power[y];
+        for (size_t x = 0; x < light->width; ++x) {
+            size_t cell = y * light->width + x;
+            light->power[cell] = cell_luminance(light, y, x) * light->solid_angle[y];
+            light->row_power[y + 1] += light->power[cell];
+            light->plane[cell] = (float)light->power[cell];
+            for (size_t k = 0; k < 3; ++k)
+                light->plane[(k + 1) * n + cell] = (float)(light->rgb[3 * cell + k] * light->solid_angle[y]);
         }
     }
-    for (size_t y = 0; y < HEIGHT; ++y)
-        for (size_t x = 0; x < WIDTH; ++x)
-            light.power[y * WIDTH + x] = cell_luminance(&light, y, x) * light.solid_angle[y];
+}
+
+nqm_status nqm_light_create(const nqm_image *image, size_t width, nqm_light *light_ret, nqm_error *err) {
+    nqm_light light;
+    *light_ret = (nqm_light){0};
+    nqm_status status = alloc_light(width, &light, err);
+    if (status != NQM_OK)
+        return status;
+    place_cells(&light);
+    for (size_t y = 0; y < light.height; ++y)
+        for (size_t x = 0; x < light.width; ++x)
+            filter_cell(image, &light, y, x, light.rgb + 3 * (y * light.width + x));
+    weigh_cells(&light);
     *light_ret = light;
     return NQM_OK;
 }
 
 void nqm_light_clear(nqm_light *light) {
     nqm_free(light->rgb);
-    nqm_free(light->direction);
     nqm_free(light->power);
+    nqm_free(light->row_power);
+    nqm_free(light->solid_angle);
+    nqm_free(light->polar);
+    nqm_free(light->azimuth);
+    nqm_free(light->plane);
     *light = (nqm_light){0};
 }

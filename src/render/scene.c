@@ -1,58 +1,86 @@
 /* SPDX-License-Identifier: MIT
  *
- * A sphere under a light map, seen from far away: each visible point stands for a pixel. The light directions of every
- * point and their weights are chosen once, so that a rendering is one pass of BRDF evaluations; all BRDFs share them,
- * so equal BRDFs give equal pictures to the last bit, and differences are not drowned in noise. Direct light only.
+ * A shape under a light map, seen from far away. The visible points, the light directions of every point, their weights
+ * and what the shape blocks of them are found once, so that a rendering is one pass of BRDF evaluations; all BRDFs
+ * share them, so equal BRDFs give equal pictures to the last bit, and differences are not drowned in noise.
  */
 #include "math/math.h"
 #include "render/render.h"
 
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
-static const double max_view_deg = 85; /* the outermost ring of the sphere is left out: less than 1 % of the picture */
+enum { MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16, MAX_POINTS = 1 << 24, MAX_SIDE = 8192, MAX_FRAMES = 4096 };
 
-enum { MAX_PAIRS = 1 << 24, MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16, BLOCK = 256 };
+/* Directions are kept while they fit; a quarter of them blocked is a common share. */
+static const double max_kept_bytes = 512.0 * 1024 * 1024;
 
 nqm_scene_options nqm_scene_options_default(void) {
-    return (nqm_scene_options){.n_points = 1024, .n_lights = 384, .exposure_cdm2 = 200, .peak_cdm2 = 1000, .seed = 1};
+    return (nqm_scene_options){.n_points = 1024,
+                               .n_frames = 1,
+                               .light_width = NQM_LIGHT_WIDTH,
+                               .shadows = 1,
+                               .exposure_cdm2 = 200,
+                               .peak_cdm2 = 1000,
+                               .seed = 1};
+}
+
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+static nqm_status check_size(const nqm_scene_options *o, nqm_error *err) {
+    if (o->n_lights && (o->n_lights < MIN_LIGHTS || o->n_lights > MAX_LIGHTS))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions a point; %d to %d are possible", o->n_lights,
+                        (int)MIN_LIGHTS, (int)MAX_LIGHTS);
+    if (o->n_frames < 1 || o->n_frames > MAX_FRAMES)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu frames; 1 to %d are possible", o->n_frames, (int)MAX_FRAMES);
+    if (!o->width && (o->n_points < 1 || o->n_points > MAX_POINTS))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points; 1 to %d are possible", o->n_points, (int)MAX_POINTS);
+    if (o->width > MAX_SIDE || o->height > MAX_SIDE || !o->width != !o->height)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a picture of %zu x %zu pixels; 1 x 1 to %d x %d are possible",
+                        o->width, o->height, (int)MAX_SIDE, (int)MAX_SIDE);
+    if (o->width * o->height > MAX_POINTS / o->n_frames)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu x %zu pixels in %zu frames; %d are possible in all", o->width,
+                        o->height, o->n_frames, (int)MAX_POINTS);
+    return NQM_OK;
 }
 
 static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
-    if (o->n_lights < MIN_LIGHTS || o->n_lights > MAX_LIGHTS)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions a point; %d to %d are possible", o->n_lights,
-                        (int)MIN_LIGHTS, (int)MAX_LIGHTS);
-    if (o->n_points < 1 || o->n_points > MAX_PAIRS / o->n_lights)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points of %zu light directions; 1 to %d pairs are possible",
-                        o->n_points, o->n_lights, (int)MAX_PAIRS);
+    nqm_status status = check_size(o, err);
+    if (status != NQM_OK)
+        return status;
+    if (o->light_width < NQM_LIGHT_STEP || o->light_width > NQM_LIGHT_MAX_WIDTH || o->light_width % NQM_LIGHT_STEP)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a light map %zu wide; multiples of %d up to %d are possible",
+                        o->light_width, (int)NQM_LIGHT_STEP, (int)NQM_LIGHT_MAX_WIDTH);
+    if (!isfinite(o->turn_rad) || !(fabs(o->elevation_rad) <= NQM_PI / 2 + 1e-9))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: the elevation must lie within 90 degrees, the turn be finite");
+    if (o->interreflection && !o->shadows)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: interreflection needs shadows");
     if (!(o->exposure_cdm2 > 0 && o->exposure_cdm2 <= 10000) || !(o->peak_cdm2 > 0 && o->peak_cdm2 <= 10000))
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: exposure and peak must lie in (0, 10000] cd/m2");
     return NQM_OK;
 }
 
-/* Points of a sunflower (Vogel 1979, DOI 10.1016/0025-5564(79)90080-4): even in area over the disc, for any number. */
-static void place_point(size_t i, size_t n, double turn, nqm_surface_point *point) {
-    const double golden_angle = NQM_PI * (3 - sqrt(5));
-    double r = sin(max_view_deg * NQM_PI / 180) * sqrt(((double)i + 0.5) / (double)n);
-    double phi = turn + golden_angle * (double)i;
-    double *tangent = point->frame, *bitangent = point->frame + 3, *normal = point->frame + 6;
-    double cos_view = sqrt(1 - r * r);
-    /* The viewer is +z = cos_view normal + r tangent. */
-    const double n_[3] = {r * cos(phi), r * sin(phi), cos_view};
-    const double t_[3] = {-cos_view * cos(phi), -cos_view * sin(phi), r};
-    memcpy(normal, n_, sizeof n_);
-    memcpy(tangent, t_, sizeof t_);
-    nqm_cross3(normal, tangent, bitangent);
-    point->wo[0] = r;
-    point->wo[1] = 0;
-    point->wo[2] = cos_view;
+/* ---- creation ---------------------------------------------------------------------------------------------------- */
+
+static nqm_status load_light(const nqm_scene_options *o, nqm_light *light_ret, nqm_error *err) {
+    nqm_image image;
+    nqm_status status = o->light ? nqm_image_load(o->light, &image, err) : nqm_sky_draw(&image, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_light_create(&image, o->light_width, light_ret, err);
+    nqm_free(image.rgb);
+    return status;
+}
+
+static nqm_status load_shape(const nqm_scene_options *o, nqm_shape *shape_ret, nqm_error *err) {
+    double shorter = o->width < o->height ? (double)o->width : (double)o->height;
+    double half_width = o->width ? (double)o->width / shorter : 1,
+           half_height = o->width ? (double)o->height / shorter : 1;
+    return nqm_shape_create(o->shape, o->elevation_rad, half_width, half_height, shape_ret, err);
 }
 
 typedef struct creation {
     nqm_scene *scene;
-    const nqm_light *light;
-    uint64_t seed;
     double *irradiance; /* (n_points, 3) */
     atomic_bool out_of_memory;
 } creation;
@@ -60,18 +88,14 @@ typedef struct creation {
 static void create_point(void *user, size_t i) {
     creation *c = user;
     nqm_scene *scene = c->scene;
-    double turn = 2 * NQM_PI * (double)(nqm_hash_u64(c->seed, UINT64_MAX) >> 11) * 0x1p-53;
-    place_point(i, scene->n_points, turn, &scene->point[i]);
-    nqm_direction_set set = {.n_max = scene->n_lights,
-                             .wi = scene->wi + 3 * i * scene->n_lights,
-                             .weight = scene->weight + 3 * i * scene->n_lights};
-    if (!nqm_choose_directions(c->light, &scene->point[i], nqm_hash_u64(c->seed, i), &set))
+    double *irradiance = c->irradiance + 3 * i;
+    bool ok = scene->kept ? nqm_incident_make(scene, i, &scene->kept[i], irradiance)
+                          : nqm_irradiance(&scene->light, &scene->point[i], irradiance);
+    if (!ok)
         atomic_store(&c->out_of_memory, true);
-    scene->n_used[i] = set.n_used;
-    memcpy(c->irradiance + 3 * i, set.irradiance, sizeof set.irradiance);
 }
 
-/* Scale the weights so that a white Lambert surface (f_r = 1/pi) shows at exposure_cdm2 on average. */
+/* A white Lambert surface (f_r = 1/pi) without shadows is to show at exposure_cdm2 on average. */
 static nqm_status expose(nqm_scene *scene, const double *irradiance, const nqm_scene_options *o, nqm_error *err) {
     double sum = 0;
     for (size_t i = 0; i < scene->n_points; ++i)
@@ -80,80 +104,77 @@ static nqm_status expose(nqm_scene *scene, const double *irradiance, const nqm_s
     if (!(mean > 0) || !isfinite(mean))
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the light is black where the shape could see it",
                         o->light ? o->light : "scene");
-    for (size_t i = 0; i < 3 * scene->n_points * scene->n_lights; ++i)
-        scene->weight[i] *= o->exposure_cdm2 / mean;
+    scene->exposure = o->exposure_cdm2 / mean;
     return NQM_OK;
 }
 
-static nqm_status load_light(const char *path, nqm_light *light_ret, nqm_error *err) {
-    nqm_image image;
-    *light_ret = (nqm_light){0};
-    nqm_status status = path ? nqm_image_load(path, &image, err) : nqm_sky_draw(&image, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_light_create(&image, light_ret, err);
-    nqm_free(image.rgb);
+static bool can_keep(const nqm_scene *scene) {
+    double a_direction = sizeof(nqm_ray) + (scene->options.interreflection ? sizeof(nqm_bounce) / 4.0 : 0);
+    return (double)scene->n_points * (double)scene->options.n_lights * a_direction <= max_kept_bytes;
+}
+
+static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
+    creation c = {.scene = scene, .irradiance = nqm_alloc(scene->n_points, 3 * sizeof(double))};
+    if (can_keep(scene)) {
+        scene->kept = nqm_alloc(scene->n_points, sizeof *scene->kept);
+        if (!scene->kept)
+            atomic_store(&c.out_of_memory, true);
+    }
+    if (!c.irradiance || atomic_load(&c.out_of_memory)) {
+        nqm_free(c.irradiance);
+        return nqm_fail_nomem(err, scene->n_points * (3 * sizeof(double) + sizeof *scene->kept));
+    }
+    nqm_parallel_for(scene->n_points, create_point, &c);
+    nqm_status status = atomic_load(&c.out_of_memory)
+                            ? nqm_fail_nomem(err, scene->n_points * scene->options.n_lights * sizeof(nqm_ray))
+                            : expose(scene, c.irradiance, o, err);
+    nqm_free(c.irradiance);
     return status;
 }
 
-static nqm_status alloc_scene(const nqm_scene_options *o, nqm_scene **scene_ret, nqm_error *err) {
-    size_t n_pairs = o->n_points * o->n_lights;
-    nqm_scene *scene = nqm_alloc(1, sizeof *scene);
-    if (scene) {
-        scene->n_points = o->n_points;
-        scene->n_lights = o->n_lights;
-        scene->peak_cdm2 = o->peak_cdm2;
-        scene->point = nqm_alloc(o->n_points, sizeof *scene->point);
-        scene->n_used = nqm_alloc(o->n_points, sizeof *scene->n_used);
-        scene->wi = nqm_alloc(n_pairs, 3 * sizeof *scene->wi);
-        scene->weight = nqm_alloc(n_pairs, 3 * sizeof *scene->weight);
-    }
-    if (!scene || !scene->point || !scene->n_used || !scene->wi || !scene->weight) {
-        nqm_scene_free(scene);
-        return nqm_fail_nomem(err, n_pairs * 6 * sizeof(double));
-    }
-    *scene_ret = scene;
-    return NQM_OK;
+static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
+    scene->options = *o;
+    scene->options.light = scene->options.shape = NULL;
+    if (!o->n_lights)
+        scene->options.n_lights = o->width ? 96 : 384;
+    nqm_status status = load_light(o, &scene->light, err);
+    if (status == NQM_OK)
+        status = load_shape(o, &scene->shape, err);
+    if (status == NQM_OK)
+        status = nqm_view_points(&scene->shape, o, &scene->point, &scene->pixel, &scene->n_points, err);
+    if (status == NQM_OK && !scene->n_points)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: no pixel of %zu x %zu shows the shape", o->width, o->height);
+    return status == NQM_OK ? light_points(scene, o, err) : status;
 }
 
 nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret, nqm_error *err) {
     nqm_scene_options defaults = nqm_scene_options_default();
     const nqm_scene_options *o = options ? options : &defaults;
-    nqm_light light = {0};
-    creation c = {.light = &light, .seed = o->seed};
     *scene_ret = NULL;
     nqm_status status = check_options(o, err);
-    if (status == NQM_OK)
-        status = load_light(o->light, &light, err);
-    if (status == NQM_OK)
-        status = alloc_scene(o, &c.scene, err);
     if (status != NQM_OK)
-        goto fail;
-    c.irradiance = nqm_alloc(o->n_points, 3 * sizeof *c.irradiance);
-    if (!c.irradiance) {
-        status = nqm_fail_nomem(err, o->n_points * 3 * sizeof *c.irradiance);
-        goto fail;
-    }
-    nqm_parallel_for(o->n_points, create_point, &c);
-    status = atomic_load(&c.out_of_memory) ? nqm_fail_nomem(err, NQM_LIGHT_CELLS * sizeof(double))
-                                           : expose(c.scene, c.irradiance, o, err);
-fail:
+        return status;
+    nqm_scene *scene = nqm_alloc(1, sizeof *scene);
+    if (!scene)
+        return nqm_fail_nomem(err, sizeof *scene);
+    status = fill_scene(scene, o, err);
     if (status == NQM_OK)
-        *scene_ret = c.scene;
+        *scene_ret = scene;
     else
-        nqm_scene_free(c.scene);
-    nqm_free(c.irradiance);
-    nqm_light_clear(&light);
+        nqm_scene_free(scene);
     return status;
 }
 
 void nqm_scene_free(nqm_scene *scene) {
     if (!scene)
         return;
+    for (size_t i = 0; scene->kept && i < scene->n_points; ++i)
+        nqm_incident_clear(&scene->kept[i]);
+    nqm_free(scene->kept);
     nqm_free(scene->point);
-    nqm_free(scene->n_used);
-    nqm_free(scene->wi);
-    nqm_free(scene->weight);
+    nqm_free(scene->pixel);
+    nqm_shape_clear(&scene->shape);
+    nqm_light_clear(&scene->light);
     nqm_free(scene);
 }
 
@@ -161,34 +182,10 @@ size_t nqm_scene_count(const nqm_scene *scene) {
     return scene->n_points;
 }
 
-typedef struct rendering {
-    const nqm_scene *scene;
-    const nqm_brdf *brdf;
-    double *rgb_cdm2;
-} rendering;
-
-static void render_point(void *user, size_t i) {
-    const rendering *r = user;
-    const nqm_scene *scene = r->scene;
-    const double *wi = scene->wi + 3 * i * scene->n_lights, *weight = scene->weight + 3 * i * scene->n_lights;
-    double wo[3 * BLOCK], f[3 * BLOCK], sum[3] = {0};
-    for (size_t j = 0; j < BLOCK; ++j)
-        memcpy(wo + 3 * j, scene->point[i].wo, sizeof scene->point[i].wo);
-    for (size_t first = 0; first < scene->n_used[i]; first += BLOCK) {
-        size_t left = scene->n_used[i] - first, n = left < BLOCK ? left : BLOCK;
-        nqm_brdf_eval(r->brdf, n, wi + 3 * first, wo, f, NULL);
-        for (size_t j = 0; j < n; ++j)
-            for (size_t k = 0; k < 3; ++k)
-                sum[k] += f[3 * j + k] * weight[3 * (first + j) + k];
-    }
-    memcpy(r->rgb_cdm2 + 3 * i, sum, sizeof sum);
+size_t nqm_scene_lights(const nqm_scene *scene) {
+    return scene->options.n_lights;
 }
 
-nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
-    rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
-    nqm_parallel_for(scene->n_points, render_point, &r);
-    for (size_t i = 0; i < 3 * scene->n_points; ++i)
-        if (!isfinite(rgb_cdm2[i]))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: the picture is not finite", nqm_brdf_get_info(brdf).name);
-    return NQM_OK;
+const size_t *nqm_scene_pixels(const nqm_scene *scene) {
+    return scene->pixel;
 }

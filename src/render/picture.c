@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Pictures of a scene: every point's light through a BRDF, and the light map behind.
+ */
+#include "math/math.h"
+#include "render/render.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { BLOCK = 256 };
+
+typedef struct rendering {
+    const nqm_scene *scene;
+    const nqm_brdf *brdf;
+    double *rgb_cdm2;
+    atomic_bool out_of_memory;
+} rendering;
+
+/* A unit vector again, to double precision: one Newton step suffices after single precision. */
+static void from_float(const float *f, double *v) {
+    for (int k = 0; k < 3; ++k)
+        v[k] = (double)f[k];
+    double scale = 1.5 - 0.5 * nqm_dot3(v, v);
+    for (int k = 0; k < 3; ++k)
+        v[k] *= scale;
+}
+
+/* Add what the BRDF sends to wo of the light along n rays. */
+static void reflect(const nqm_brdf *brdf, size_t n_rays, const nqm_ray *ray, const double *wo_one, double *sum) {
+    double wi[3 * BLOCK], wo[3 * BLOCK], f[3 * BLOCK];
+    for (size_t j = 0; j < BLOCK && j < n_rays; ++j)
+        memcpy(wo + 3 * j, wo_one, 3 * sizeof *wo);
+    for (size_t first = 0; first < n_rays; first += BLOCK) {
+        size_t left = n_rays - first, n = left < BLOCK ? left : BLOCK;
+        for (size_t j = 0; j < n; ++j)
+            from_float(ray[first + j].wi, wi + 3 * j);
+        nqm_brdf_eval(brdf, n, wi, wo, f, NULL);
+        for (size_t j = 0; j < n; ++j)
+            for (size_t k = 0; k < 3; ++k)
+                sum[k] += f[3 * j + k] * (double)ray[first + j].weight[k];
+    }
+}
+
+static void reflect_bounce(const nqm_brdf *brdf, const nqm_bounce *bounce, const double *wo, double *sum) {
+    double wi[3], from[3], f[3], radiance[3] = {0};
+    from_float(bounce->wo, from);
+    reflect(brdf, bounce->n_rays, bounce->ray, from, radiance);
+    from_float(bounce->wi, wi);
+    nqm_brdf_eval(brdf, 1, wi, wo, f, NULL);
+    for (int k = 0; k < 3; ++k)
+        sum[k] += f[k] * radiance[k] * (double)bounce->extent;
+}
+
+static void render_point(void *user, size_t i) {
+    rendering *r = user;
+    const nqm_scene *scene = r->scene;
+    const double *wo = scene->point[i].wo;
+    nqm_incident made = {0};
+    double sum[3] = {0};
+    if (!scene->kept && !nqm_incident_make(scene, i, &made, NULL))
+        atomic_store(&r->out_of_memory, true);
+    const nqm_incident *incident = scene->kept ? &scene->kept[i] : &made;
+    reflect(r->brdf, incident->n_rays, incident->ray, wo, sum);
+    for (size_t j = 0; j < incident->n_bounces; ++j)
+        reflect_bounce(r->brdf, &incident->bounce[j], wo, sum);
+    for (size_t k = 0; k < 3; ++k)
+        r->rgb_cdm2[3 * i + k] = sum[k] * scene->exposure;
+    nqm_incident_clear(&made);
+}
+
+nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
+    nqm_parallel_for(scene->n_points, render_point, &r);
+    if (atomic_load(&r.out_of_memory))
+        return nqm_fail_nomem(err, scene->options.n_lights * sizeof(nqm_ray));
+    for (size_t i = 0; i < 3 * scene->n_points; ++i)
+        if (!isfinite(rgb_cdm2[i]))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: the picture is not finite", nqm_brdf_get_info(brdf).name);
+    return NQM_OK;
+}
+
+void nqm_scene_background(const nqm_scene *scene, double *rgb_cdm2) {
+    const double half = tan(NQM_PI / 6); /* 60 degrees high */
+    double height = (double)scene->options.height, width = (double)scene->options.width, axes[9];
+    nqm_view_axes(scene->options.elevation_rad, axes);
+    for (size_t y = 0; y < scene->options.height; ++y)
+        for (size_t x = 0; x < scene->options.width; ++x) {
+            double right = (2 * (double)x + 1 - width) / height * half, up = (1 - (2 * (double)y + 1) / height) * half;
+            double w[3], *rgb = rgb_cdm2 + 3 * (y * scene->options.width + x);
+            for (int k = 0; k < 3; ++k)
+                w[k] = right * axes[k] + up * axes[3 + k] - axes[6 + k];
+            nqm_normalize3(w);
+            nqm_light_eval(&scene->light, w, rgb);
+            for (int k = 0; k < 3; ++k)
+                rgb[k] *= scene->exposure;
+        }
+}

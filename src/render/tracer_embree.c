@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Rays against a mesh by Embree 3 (Wald et al. 2014, DOI 10.1145/2601097.2601199). Its threads are not used: rays come
+ * from the threads that call. The SSE2 kernels are asked for, which use no fused operations, so that a scene is the
+ * same on every processor; they cost a scene's making a few percent.
+ */
+#include "render/render.h"
+
+#include <embree3/rtcore.h>
+#include <math.h>
+#include <string.h>
+
+struct nqm_tracer {
+    RTCDevice device;
+    RTCScene scene;
+};
+
+bool nqm_tracer_present(void) {
+    return true;
+}
+
+static nqm_status fail_embree(RTCDevice device, nqm_error *err) {
+    RTCError code = rtcGetDeviceError(device);
+    if (code == RTC_ERROR_OUT_OF_MEMORY)
+        return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory in Embree");
+    return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Embree cannot build the scene (its error %d)", (int)code);
+}
+
+static bool add_triangles(nqm_tracer *t, const nqm_mesh *mesh) {
+    RTCGeometry geometry = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                             mesh->n_vertices);
+    void *triangle = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+                                             mesh->n_triangles);
+    bool ok = position && triangle;
+    if (ok) {
+        memcpy(position, mesh->position, mesh->n_vertices * 3 * sizeof(float));
+        memcpy(triangle, mesh->triangle, mesh->n_triangles * 3 * sizeof(uint32_t));
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(t->scene, geometry);
+    }
+    rtcReleaseGeometry(geometry);
+    return ok;
+}
+
+nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {
+    *tracer_ret = NULL;
+    nqm_tracer *t = nqm_alloc(1, sizeof *t);
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    t->device = rtcNewDevice("threads=1,isa=sse2");
+    t->scene = t->device ? rtcNewScene(t->device) : NULL;
+    bool ok = t->scene != NULL;
+    if (ok) {
+        rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips between two triangles */
+        ok = add_triangles(t, mesh);
+        rtcCommitScene(t->scene);
+    }
+    if (!ok || rtcGetDeviceError(t->device) != RTC_ERROR_NONE) {
+        nqm_status status = fail_embree(t->device, err);
+        nqm_tracer_free(t);
+        return status;
+    }
+    *tracer_ret = t;
+    return NQM_OK;
+}
+
+void nqm_tracer_free(nqm_tracer *tracer) {
+    if (!tracer)
+        return;
+    if (tracer->scene)
+        rtcReleaseScene(tracer->scene);
+    if (tracer->device)
+        rtcReleaseDevice(tracer->device);
+    nqm_free(tracer);
+}
+
+static struct RTCRay make_ray(const double *origin, const double *direction) {
+    return (struct RTCRay){.org_x = (float)origin[0],
+                           .org_y = (float)origin[1],
+                           .org_z = (float)origin[2],
+                           .dir_x = (float)direction[0],
+                           .dir_y = (float)direction[1],
+                           .dir_z = (float)direction[2],
+                           .tfar = INFINITY,
+                           .mask = UINT32_MAX};
+}
+
+bool nqm_tracer_hit(const nqm_tracer *tracer, const double *origin, const double *direction, size_t *triangle,
+                    double *corner_weight) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRayHit ray = {.ray = make_ray(origin, direction), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+    rtcIntersect1(tracer->scene, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    *triangle = ray.hit.primID;
+    corner_weight[1] = (double)ray.hit.u;
+    corner_weight[2] = (double)ray.hit.v;
+    corner_weight[0] = 1 - corner_weight[1] - corner_weight[2];
+    return true;
+}
+
+bool nqm_tracer_blocked(const nqm_tracer *tracer, const double *origin, const double *direction) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    struct RTCRay ray = make_ray(origin, direction);
+    rtcOccluded1(tracer->scene, &context, &ray);
+    return ray.tfar < 0;
+}
