@@ -8,6 +8,7 @@
 #include "render/render.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { STEPS = 64, SIDE = STEPS + 1, N_FACES = 6 };
 

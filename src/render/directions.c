@@ -21,7 +21,7 @@ typedef struct sampler {
     const nqm_surface_point *point;
     bool flat;              /* draw from the map without the cosine */
     double reach;           /* sine of the half diagonal of a cell, and a little more */
-    float *across;          /* (width) what a column's azimuth adds to the cosine */
+    float *across;          /* (width) across() of every column */
     double *rows;           /* (height + 1) importance of the rows above, from 0 */
     double *cells;          /* (width + 1) the same along `row` */
     size_t row;             /* SIZE_MAX: none yet */
@@ -47,15 +47,22 @@ static void close_sampler(sampler *s) {
     nqm_free(s->across);
 }
 
+/* Cosine between the point's normal and the centre of a cell: base + slope * across, across by column. */
+static double across(const sampler *s, size_t x) {
+    const double *normal = s->point->frame + 6, *azimuth = s->light->azimuth + 2 * x;
+    return normal[0] * azimuth[0] - normal[2] * azimuth[1];
+}
+
 /* A cell whose centre is at or below the horizon may still have a part above, and the sun may stand there. Such cells
  * get a small share; without it the other techniques would meet them by chance, with weights as bright as fireflies. */
 static double cell_importance(const sampler *s, size_t y, size_t x) {
     double power = s->light->power[y * s->light->width + x];
     if (s->flat)
         return power;
-    const double *normal = s->point->frame + 6, *polar = s->light->polar + 2 * y, *azimuth = s->light->azimuth + 2 * x;
-    double cosine = polar[0] * (normal[0] * azimuth[0] - normal[2] * azimuth[1]) + polar[1] * normal[1];
-    return cosine > -s->reach ? fmax(cosine, s->reach) * power : 0;
+    const double *polar = s->light->polar + 2 * y;
+    double cosine = polar[0] * across(s, x) + polar[1] * s->point->frame[7];
+    double share = cosine > s->reach ? cosine : s->reach;
+    return cosine > -s->reach ? share * power : 0;
 }
 
 enum { LANES = 8 };
@@ -90,7 +97,7 @@ static void gather_light(sampler *s, double *irradiance) {
     const nqm_light *light = s->light;
     const double *normal = s->point->frame + 6;
     for (size_t x = 0; x < light->width; ++x)
-        s->across[x] = (float)(normal[0] * light->azimuth[2 * x] - normal[2] * light->azimuth[2 * x + 1]);
+        s->across[x] = (float)across(s, x);
     double most = hypot(normal[0], normal[2]);
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     for (size_t y = 0; y < light->height; ++y) {
@@ -148,12 +155,18 @@ static void sample_lobe(double alpha, const double *wo, double u, double v, doub
         wi[k] = 2 * d * h[k] - wo[k];
 }
 
-/* Density of sample_lobe() in wi, 1/sr. h: (3) unit half vector; its sin^2 from x and y, as 1 - cos^2 would cancel. */
-static double lobe_density(double alpha, const double *wo, const double *h) {
-    double sin2 = h[0] * h[0] + h[1] * h[1], a2 = alpha * alpha;
-    double t = h[2] * h[2] * a2 + sin2;
-    double d = a2 / (NQM_PI * t * t);
-    return d * h[2] / (4 * fmax(nqm_dot3(wo, h), 1e-9));
+/* Expected number of directions a steradian about wi by all lobes: D(h) cos(theta_h) / (4 wo.h), by lobe. The sine of
+ * theta_h comes from x and y, as 1 - cos^2 would cancel. */
+static double lobes_density(const sampler *s, const double *wi) {
+    const double *wo = s->point->wo;
+    double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]}, sum = 0;
+    double square = nqm_dot3(h, h); /* of the length, which is twice wo.h of the unit vector */
+    double cos2 = h[2] * h[2] / square, sin2 = (h[0] * h[0] + h[1] * h[1]) / square;
+    for (size_t i = 0; i < N_LOBES; ++i) {
+        double a2 = lobe_alpha[i] * lobe_alpha[i], t = cos2 * a2 + sin2;
+        sum += (double)s->n[i] * a2 / (t * t);
+    }
+    return sum * h[2] / (2 * NQM_PI * square);
 }
 
 /* Expected number of directions a steradian about wi, which falls into `cell` of the map, over all techniques. */
@@ -162,12 +175,7 @@ static double density(const sampler *s, const double *wi, size_t cell) {
     double share = cell_importance(s, y, x) / s->rows[s->light->height];
     double sum = (double)s->n[LIGHT] * share / s->light->solid_angle[y];
     sum += (double)s->n[COSINE] * wi[2] / NQM_PI;
-    const double *wo = s->point->wo;
-    double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
-    nqm_normalize3(h);
-    for (size_t i = 0; i < N_LOBES; ++i)
-        sum += (double)s->n[i] * lobe_density(lobe_alpha[i], wo, h);
-    return sum;
+    return sum + lobes_density(s, wi);
 }
 
 /* A tenth, but at least one, to each lobe: a highlight that only the other techniques could meet would be a firefly. */

@@ -20,7 +20,7 @@ bool nqm_tracer_present(void) {
 }
 
 static nqm_status fail_embree(RTCDevice device, nqm_error *err) {
-    RTCError code = rtcGetDeviceError(device);
+    enum RTCError code = rtcGetDeviceError(device);
     if (code == RTC_ERROR_OUT_OF_MEMORY)
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory in Embree");
     return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Embree cannot build the scene (its error %d)", (int)code);

@@ -57,14 +57,16 @@ static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
 /* ---- lights and scenes ------------------------------------------------------------------------------------------- */
 
 /* A light of one grey, with n_cells from first_cell on of another. */
+enum { WIDTH = NQM_LIGHT_WIDTH, HEIGHT = WIDTH / 2, CELLS = WIDTH * HEIGHT };
+
 static nqm_light make_light(float grey, size_t first_cell, size_t n_cells, float bright) {
-    nqm_image image = {.width = NQM_LIGHT_WIDTH, .height = NQM_LIGHT_HEIGHT};
-    image.rgb = nqm_alloc(NQM_LIGHT_CELLS, 3 * sizeof *image.rgb);
+    nqm_image image = {.width = WIDTH, .height = HEIGHT};
+    image.rgb = nqm_alloc(CELLS, 3 * sizeof *image.rgb);
     assert_non_null(image.rgb);
-    for (size_t i = 0; i < 3 * (size_t)NQM_LIGHT_CELLS; ++i)
+    for (size_t i = 0; i < 3 * (size_t)CELLS; ++i)
         image.rgb[i] = i / 3 - first_cell < n_cells ? bright : grey; /* wraps below first_cell */
     nqm_light light;
-    assert_int_equal(nqm_light_create(&image, &light, NULL), NQM_OK);
+    assert_int_equal(nqm_light_create(&image, WIDTH, &light, NULL), NQM_OK);
     nqm_free(image.rgb);
     return light;
 }
@@ -116,15 +118,15 @@ static void cells_and_directions(void **state) {
     (void)state;
     nqm_light light = make_light(2, 0, 0, 0);
     double sphere = 0, power = 0;
-    for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell) {
+    for (size_t cell = 0; cell < CELLS; ++cell) {
         double w[3], rgb[3];
-        nqm_light_direction(cell, (double)(cell % 7) / 7.1, (double)(cell % 11) / 11.1, w);
+        nqm_light_direction(&light, cell, (double)(cell % 7) / 7.1, (double)(cell % 11) / 11.1, w);
         assert_near(nqm_dot3(w, w), 1, 1e-12);
         if (cell % 7 && cell % 11) /* off the cell's edges */
-            assert_int_equal(nqm_light_cell(w), cell);
+            assert_int_equal(nqm_light_eval(&light, w, rgb), cell);
         nqm_light_eval(&light, w, rgb);
         assert_near(rgb[1], 2, 1e-12);
-        sphere += light.solid_angle[cell / NQM_LIGHT_WIDTH];
+        sphere += light.solid_angle[cell / WIDTH];
         power += light.power[cell];
     }
     assert_near(sphere, 4 * NQM_PI, 1e-10);
@@ -158,9 +160,9 @@ static void filtering_keeps_the_power(void **state) {
                 expected += (double)value * band * 2 * NQM_PI / (double)image.width;
             }
         nqm_light light;
-        assert_int_equal(nqm_light_create(&image, &light, NULL), NQM_OK);
-        for (size_t cell = 0; cell < NQM_LIGHT_CELLS; ++cell)
-            power += nqm_luminance(light.rgb + 3 * cell) * light.solid_angle[cell / NQM_LIGHT_WIDTH];
+        assert_int_equal(nqm_light_create(&image, WIDTH, &light, NULL), NQM_OK);
+        for (size_t cell = 0; cell < CELLS; ++cell)
+            power += nqm_luminance(light.rgb + 3 * cell) * light.solid_angle[cell / WIDTH];
         assert_near(power, expected, 1e-9 * expected + 1e-12);
         nqm_light_clear(&light);
         nqm_free(image.rgb);
@@ -208,10 +210,10 @@ static void white_furnace(void **state) {
 static void sphere_under_a_small_lamp(void **state) {
     (void)state;
     nqm_scene *scene = make_scene(NULL, 200, 16, 1); /* lends its points */
-    size_t cell = 40 * NQM_LIGHT_WIDTH + 30;         /* high, to the left, behind the viewer */
+    size_t cell = 40 * WIDTH + 30;                   /* high, to the left, behind the viewer */
     nqm_light lamp = make_light(0, cell, 1, 1000);
     double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but keeps its light */
-    nqm_light_direction(cell, 0.5, 0.5, towards);
+    nqm_light_direction(&lamp, cell, 0.5, 0.5, towards);
     for (size_t i = 0; i < scene->n_points; ++i) {
         double wi[3 * 384], weight[3 * 384], sum = 0;
         nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
@@ -276,10 +278,10 @@ static void microfacets_under_constant_light(void **state) {
 static double dense_sum(const nqm_light *light, const nqm_surface_point *point, const nqm_brdf *brdf) {
     enum { SPLIT = 6 };
     double sum = 0;
-    for (size_t i = 0; i < (size_t)NQM_LIGHT_CELLS * SPLIT * SPLIT; ++i) {
+    for (size_t i = 0; i < (size_t)CELLS * SPLIT * SPLIT; ++i) {
         size_t cell = i / (SPLIT * SPLIT), part = i % (SPLIT * SPLIT);
         double world[3], wi[3], f[3], rgb[3];
-        nqm_light_direction(cell, ((double)(part % SPLIT) + 0.5) / SPLIT, ((double)(part / SPLIT) + 0.5) / SPLIT,
+        nqm_light_direction(light, cell, ((double)(part % SPLIT) + 0.5) / SPLIT, ((double)(part / SPLIT) + 0.5) / SPLIT,
                             world);
         for (int k = 0; k < 3; ++k)
             wi[k] = nqm_dot3(point->frame + 3 * k, world);
@@ -287,7 +289,7 @@ static double dense_sum(const nqm_light *light, const nqm_surface_point *point, 
             continue;
         nqm_light_eval(light, world, rgb);
         nqm_brdf_eval(brdf, 1, wi, point->wo, f, NULL);
-        sum += rgb[0] * f[0] * wi[2] * light->solid_angle[cell / NQM_LIGHT_WIDTH] / (SPLIT * SPLIT);
+        sum += rgb[0] * f[0] * wi[2] * light->solid_angle[cell / WIDTH] / (SPLIT * SPLIT);
     }
     return sum;
 }
@@ -297,7 +299,7 @@ static void microfacets_under_the_sky(void **state) {
     nqm_image image;
     nqm_light sky;
     assert_int_equal(nqm_sky_draw(&image, NULL), NQM_OK);
-    assert_int_equal(nqm_light_create(&image, &sky, NULL), NQM_OK);
+    assert_int_equal(nqm_light_create(&image, WIDTH, &sky, NULL), NQM_OK);
     nqm_free(image.rgb);
     nqm_scene *scene = make_scene(NULL, 40, 16, 1); /* lends its points */
     static const double alphas[] = {0.02, 0.06, 0.2};
@@ -331,7 +333,7 @@ static double largest_share(const nqm_light *light, const nqm_surface_point *poi
  * below it, and their upper edges above. */
 static void no_fireflies(void **state) {
     (void)state;
-    nqm_light light = make_light(1, 64 * NQM_LIGHT_WIDTH, NQM_LIGHT_WIDTH, 1000);
+    nqm_light light = make_light(1, 64 * WIDTH, WIDTH, 1000);
     const double tilt = 0.6 * NQM_PI / 180;
     nqm_surface_point point = {.frame = {1, 0, 0, 0, sin(tilt), -cos(tilt), 0, cos(tilt), sin(tilt)},
                                .wo = {sin(1.2), 0, cos(1.2)}};

@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Scenes with meshes: shadows and interreflection in a bowl against the closed form, the edge of a shadow, normals that
+ * disagree with the triangles, what a picture covers, and the same promises as for the sphere: equal BRDFs give exactly
+ * 0, one thread and two the same bits.
+ */
+#include "base/memory_test.h"
+#include "math/math.h"
+#include "render/render.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- files and scenes -------------------------------------------------------------------------------------------- */
+
+static char bowl_path[] = "/tmp/nqm-bowl-XXXXXX", roof_path[] = "/tmp/nqm-roof-XXXXXX";
+static char white_path[] = "/tmp/nqm-white-XXXXXX", lamp_path[] = "/tmp/nqm-lamp-XXXXXX";
+
+static FILE *make_file(char *path) {
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    FILE *f = fdopen(fd, "wb");
+    assert_non_null(f);
+    return f;
+}
+
+/* Half a sphere that opens towards +z, with exact normals. */
+static void write_bowl(void) {
+    enum { RINGS = 60, SECTORS = 200 };
+    FILE *f = make_file(bowl_path);
+    for (int i = 0; i <= RINGS; ++i)
+        for (int j = 0; j < SECTORS; ++j) {
+            double w[3];
+            nqm_spherical(NQM_PI - NQM_PI / 2 * i / RINGS, 2 * NQM_PI * j / SECTORS, w);
+            fprintf(f, "v %.9g %.9g %.9g\nvn %.9g %.9g %.9g\n", w[0], w[1], w[2], -w[0], -w[1], -w[2]);
+        }
+    for (int i = 0; i < RINGS; ++i)
+        for (int j = 0; j < SECTORS; ++j) {
+            int a = i * SECTORS + j + 1, b = i * SECTORS + (j + 1) % SECTORS + 1, c = b + SECTORS, d = a + SECTORS;
+            fprintf(f, "f %d//%d %d//%d %d//%d %d//%d\n", a, a, d, d, c, c, b, b);
+        }
+    fclose(f);
+}
+
+/* A floor of 2 x 2 at height 0 and a roof of 1 x 1 at height 1 over its middle. */
+static void write_roof(void) {
+    FILE *f = make_file(roof_path);
+    fputs("v -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -.5 1 -.5\nv -.5 1 .5\nv .5 1 .5\nv .5 1 -.5\n"
+          "f 1 2 3 4\nf 5 6 7 8\n",
+          f);
+    fclose(f);
+}
+
+/* A Radiance file, 8 x 4 or larger: all pixels alike, or all black but one. */
+static void write_map(char *path, int width, int bright) {
+    FILE *f = make_file(path);
+    int height = width / 2;
+    fprintf(f, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", height, width);
+    for (int i = 0; i < width * height; ++i) {
+        unsigned char value = bright < 0 || i == bright ? 128 : 0;
+        const unsigned char pixel[4] = {value, value, value, value ? 129 : 0};
+        fwrite(pixel, 1, 4, f);
+    }
+    fclose(f);
+}
+
+static int make_files(void **state) {
+    (void)state;
+    write_bowl();
+    write_roof();
+    write_map(white_path, 4, -1);
+    write_map(lamp_path, 256, 0); /* straight above */
+    return 0;
+}
+
+static int remove_files(void **state) {
+    (void)state;
+    unlink(bowl_path);
+    unlink(roof_path);
+    unlink(white_path);
+    unlink(lamp_path);
+    return 0;
+}
+
+static nqm_scene *make_scene(const nqm_scene_options *o) {
+    nqm_scene *scene;
+    nqm_error err = {0};
+    if (nqm_scene_create(o, &scene, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return scene;
+}
+
+static double *render(const nqm_scene *scene, const char *spec) {
+    nqm_brdf *brdf = open_brdf(spec);
+    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
+    assert_non_null(rgb);
+    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+    return rgb;
+}
+
+static nqm_scene_options small_scene(const char *shape) {
+    nqm_scene_options o = nqm_scene_options_default();
+    o.shape = shape;
+    o.n_points = 200;
+    o.n_lights = 256;
+    o.exposure_cdm2 = 100;
+    return o;
+}
+
+/* ---- closed forms ------------------------------------------------------------------------------------------------ */
+
+/* Every point of a sphere sees every other under the same form factor, so in half a sphere half of the sky is hidden at
+ * every point, and the other half of a white bowl sends back half of the half that it received. */
+static void bowl_of_white(void **state) {
+    (void)state;
+    for (int bounce = 0; bounce < 2; ++bounce) {
+        nqm_scene_options o = small_scene(bowl_path);
+        o.light = white_path;
+        o.interreflection = bounce;
+        nqm_scene *scene = make_scene(&o);
+        double *rgb = render(scene, "lambert:kd=1,1,1"), mean = 0, expected = bounce ? 75 : 50;
+        for (size_t i = 0; i < scene->n_points; ++i) {
+            assert_relative(rgb[3 * i], expected, 0.12);
+            mean += rgb[3 * i] / (double)scene->n_points;
+        }
+        assert_relative(mean, expected, 0.01);
+        nqm_free(rgb);
+        nqm_scene_free(scene);
+    }
+}
+
+static void white_furnace_with_a_mesh(void **state) {
+    (void)state;
+    nqm_scene_options o = small_scene("blob");
+    o.light = white_path;
+    o.shadows = 0;
+    nqm_scene *scene = make_scene(&o);
+    double *rgb = render(scene, "lambert:kd=1,1,1");
+    for (size_t i = 0; i < 3 * scene->n_points; ++i)
+        assert_relative(rgb[i], 100, 0.005);
+    nqm_free(rgb);
+    nqm_scene_free(scene);
+}
+
+/* A lamp straight above: the roof is lit, its square of the floor dark, the rest of the floor lit. The viewer is 45
+ * degrees high and sees under the roof. */
+static void shadow_of_a_roof(void **state) {
+    (void)state;
+    nqm_scene_options o = small_scene(roof_path);
+    o.light = lamp_path;
+    o.elevation_rad = NQM_PI / 4;
+    o.n_points = 800;
+    nqm_scene *scene = make_scene(&o);
+    double *rgb = render(scene, "lambert:kd=1,1,1"), top = -INFINITY, half = 0;
+    size_t n_dark = 0;
+    for (size_t i = 0; i < scene->n_points; ++i)
+        top = fmax(top, scene->point[i].origin[1]);
+    for (size_t v = 0; v < scene->shape.mesh.n_vertices; ++v)
+        half = fmax(half, (double)scene->shape.mesh.position[3 * v]);
+    for (size_t i = 0; i < scene->n_points; ++i) {
+        const double *p = scene->point[i].origin;
+        double from_middle = fmax(fabs(p[0]), fabs(p[2])) / half;
+        bool floor = p[1] < top - 0.1;
+        if (floor && fabs(from_middle - 0.5) < 0.04)
+            continue; /* the lamp is 3 degrees wide */
+        bool dark = floor && from_middle < 0.5;
+        assert_true(dark ? rgb[3 * i] == 0 : fabs(rgb[3 * i] - 100) < 2);
+        n_dark += dark;
+    }
+    assert_true(n_dark > 20);
+    nqm_free(rgb);
+    nqm_scene_free(scene);
+}
+
+/* ---- promises ---------------------------------------------------------------------------------------------------- */
+
+static nqm_scene_options mode(int i) {
+    nqm_scene_options o = small_scene("blob");
+    o.n_lights = 32;
+    o.n_frames = i == 0 ? 3 : 2;
+    if (i > 0) {
+        o.width = 24;
+        o.height = 16;
+    }
+    o.interreflection = i == 2;
+    return o;
+}
+
+static void equal_brdfs_give_exactly_zero(void **state) {
+    (void)state;
+    for (int i = 0; i < 3; ++i) {
+        nqm_scene_options o = mode(i);
+        nqm_scene *scene = make_scene(&o);
+        double *a = render(scene, "sgd:nickel"), *b = render(scene, "sgd:nickel"), *c = render(scene, "ward:nickel");
+        double *map = nqm_alloc(scene->n_points, sizeof *map), sum = 0;
+        assert_non_null(map);
+        assert_true(nqm_scene_delta_e(scene, a, b) == 0);
+        nqm_scene_delta_e_map(scene, a, c, map);
+        for (size_t k = 0; k < scene->n_points; ++k)
+            sum += map[k];
+        assert_true(sum > 0);
+        assert_relative(nqm_scene_delta_e(scene, a, c), sum / (double)scene->n_points, 1e-12);
+        nqm_free(a);
+        nqm_free(b);
+        nqm_free(c);
+        nqm_free(map);
+        nqm_scene_free(scene);
+    }
+}
+
+static void threads_change_nothing(void **state) {
+    (void)state;
+    int n_threads = omp_get_max_threads();
+    for (int i = 0; i < 3; ++i) {
+        nqm_scene_options o = mode(i);
+        double *rgb[2];
+        size_t n = 0;
+        for (int t = 0; t < 2; ++t) {
+            omp_set_num_threads(t + 1);
+            nqm_scene *scene = make_scene(&o);
+            rgb[t] = render(scene, "sgd:nickel");
+            n = nqm_scene_count(scene);
+            nqm_scene_free(scene);
+        }
+        assert_memory_equal(rgb[0], rgb[1], n * 3 * sizeof(double));
+        nqm_free(rgb[0]);
+        nqm_free(rgb[1]);
+    }
+    omp_set_num_threads(n_threads);
+}
+
+/* Pixels are those whose middle ray meets the shape: for the sphere a disc of nine tenths of the picture. */
+static void pictures_cover_the_shape(void **state) {
+    (void)state;
+    nqm_scene_options o = small_scene("sphere");
+    o.width = 60;
+    o.height = 40;
+    o.n_frames = 2;
+    nqm_scene *scene = make_scene(&o);
+    const size_t *pixel = nqm_scene_pixels(scene);
+    size_t n = 0;
+    for (size_t i = 0; i < 2 * 60 * 40; ++i) {
+        double x = (double)(i % 60) + 0.5 - 30, y = 20 - (double)(i / 60 % 40) - 0.5;
+        if (hypot(x, y) >= 18)
+            continue;
+        assert_true(n < scene->n_points);
+        assert_int_equal(pixel[n], i);
+        const double *normal = scene->point[n].frame + 6; /* bent back beyond 85 degrees */
+        if (hypot(x, y) < 17.9) {
+            assert_near(normal[0], x / 18, 1e-9);
+            assert_near(normal[1], y / 18, 1e-9);
+        }
+        ++n;
+    }
+    assert_int_equal(n, scene->n_points);
+    nqm_scene_free(scene);
+}
+
+/* The second of four frames is the first of a scene that begins a quarter turn later. */
+static void turntable_and_points(void **state) {
+    (void)state;
+    nqm_scene_options o = small_scene("blob");
+    o.width = o.height = 64;
+    o.n_frames = 4;
+    nqm_scene *four = make_scene(&o);
+    o.n_frames = 1;
+    o.turn_rad = NQM_PI / 2;
+    nqm_scene *second = make_scene(&o);
+    size_t first = 0;
+    while (nqm_scene_pixels(four)[first] < 64 * 64)
+        ++first;
+    for (size_t i = 0; i < second->n_points; ++i) {
+        assert_int_equal(nqm_scene_pixels(four)[first + i] - 64 * 64, nqm_scene_pixels(second)[i]);
+        for (int k = 0; k < 9; ++k)
+            assert_near(four->point[first + i].frame[k], second->point[i].frame[k], 1e-9);
+    }
+    assert_true(nqm_scene_pixels(four)[first + second->n_points] >= 2 * 64 * 64);
+    nqm_scene_free(four);
+    nqm_scene_free(second);
+}
+
+/* All visible normals occur on a closed smooth shape; none faces away, however coarse the triangles. */
+static void frames_are_sound(void **state) {
+    (void)state;
+    nqm_scene_options o = small_scene("blob");
+    o.width = o.height = 100;
+    o.elevation_rad = 0.3;
+    nqm_scene *scene = make_scene(&o);
+    double towards[9], most = 0;
+    nqm_view_axes(o.elevation_rad, towards);
+    for (size_t i = 0; i < scene->n_points; ++i) {
+        const nqm_surface_point *p = &scene->point[i];
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                assert_near(nqm_dot3(p->frame + 3 * a, p->frame + 3 * b), a == b, 1e-9);
+        double wo[3];
+        nqm_local_from_world(p, towards + 6, wo);
+        for (int k = 0; k < 3; ++k)
+            assert_near(wo[k], p->wo[k], 1e-9);
+        assert_true(p->wo[2] >= cos(85.001 * NQM_PI / 180));
+        most = fmax(most, p->wo[0]);
+    }
+    assert_true(most > sin(84 * NQM_PI / 180));
+    nqm_scene_free(scene);
+}
+
+/* What cannot be kept is made anew for every picture. */
+static void kept_or_not_is_the_same(void **state) {
+    (void)state;
+    nqm_scene_options o = mode(2);
+    nqm_scene *scene = make_scene(&o);
+    double *kept = render(scene, "sgd:nickel");
+    for (size_t i = 0; i < scene->n_points; ++i)
+        nqm_incident_clear(&scene->kept[i]);
+    nqm_free(scene->kept);
+    scene->kept = NULL;
+    double *made = render(scene, "sgd:nickel");
+    assert_memory_equal(kept, made, scene->n_points * 3 * sizeof *kept);
+    nqm_free(kept);
+    nqm_free(made);
+    nqm_scene_free(scene);
+}
+
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
+
+static void expect_refusal(nqm_scene_options o, nqm_status expected) {
+    nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */
+    nqm_error err = {0};
+    assert_int_equal(nqm_scene_create(&o, &scene, &err), expected);
+    assert_null(scene);
+    assert_true(err.message[0] != 0);
+}
+
+static void bad_options(void **state) {
+    (void)state;
+    nqm_scene_options good = small_scene("blob"), o;
+    o = good, o.shape = "/nowhere/shape.ply", expect_refusal(o, NQM_ERR_IO);
+    o = good, o.width = 100, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.height = 100, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.width = o.height = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.width = o.height = 4096, o.n_frames = 2, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.n_frames = 0, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.light_width = 100, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.elevation_rad = 2, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.turn_rad = NAN, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.shadows = 0, o.interreflection = 1, expect_refusal(o, NQM_ERR_ARG);
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    nqm_scene_options o = small_scene("blob");
+    o.n_points = 3;
+    o.n_lights = 16;
+    o.interreflection = 1;
+    o.light_width = 16;
+    nqm_status status = NQM_ERR_NOMEM;
+    for (long n = 0; status != NQM_OK; ++n) {
+        nqm_scene *scene;
+        nqm_alloc_fail_after(n);
+        status = nqm_scene_create(&o, &scene, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !scene));
+        assert_true(n < 300);
+        nqm_scene_free(scene);
+    }
+}
+
+int main(void) {
+    if (!nqm_tracer_present())
+        return 77; /* a build without Embree has no meshes */
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bowl_of_white),           cmocka_unit_test(white_furnace_with_a_mesh),
+        cmocka_unit_test(shadow_of_a_roof),        cmocka_unit_test(equal_brdfs_give_exactly_zero),
+        cmocka_unit_test(threads_change_nothing),  cmocka_unit_test(pictures_cover_the_shape),
+        cmocka_unit_test(turntable_and_points),    cmocka_unit_test(frames_are_sound),
+        cmocka_unit_test(kept_or_not_is_the_same), cmocka_unit_test(bad_options),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, make_files, remove_files);
+}
