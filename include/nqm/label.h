@@ -76,6 +76,8 @@ typedef struct nqm_scene_options {
 
 /** The defaults above. */
 NQM_API nqm_scene_options nqm_scene_options_default(void);
+/** Light directions a point: n_lights, or what 0 stands for. */
+NQM_API size_t nqm_scene_options_lights(const nqm_scene_options *options);
 /** Make a scene; options NULL: the defaults. Every visible point gets light directions of its own, and what shadows
  *  leave of their light, once: the balance heuristic of multiple importance sampling (Veach and Guibas 1995, DOI
  *  10.1145/218380.218498) over light map, mirror lobes of five widths and cosine. NQM_ERR_ARG (an option is out of its
@@ -86,8 +88,6 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *opti
 NQM_API void nqm_scene_free(nqm_scene *scene);
 /** Number of surface points, of all frames together. */
 NQM_API size_t nqm_scene_count(const nqm_scene *scene);
-/** Light directions a point: what n_lights 0 stands for. */
-NQM_API size_t nqm_scene_lights(const nqm_scene *scene);
 /** Light reflected at each point: rgb_cdm2 (n_points, 3), before the clip at the display's peak. All BRDFs share points
  *  and light directions, so that equal BRDFs give equal pictures to the bit. Deterministic. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,

@@ -37,7 +37,7 @@ static json_t *scene_json(const nqm_corpus_context *context) {
                      file_json(scene->shape ? scene->shape : "sphere", context->shape_sha256), "width",
                      count(scene->width), "height", count(scene->height), "points", count(scene->n_points), "frames",
                      count(scene->n_frames), "turn_deg", scene->turn_rad * degrees, "elevation_deg",
-                     scene->elevation_rad * degrees, "lights", count(scene->n_lights), "shadows",
+                     scene->elevation_rad * degrees, "lights", count(nqm_scene_options_lights(scene)), "shadows",
                      bool_json(scene->shadows), "interreflection", bool_json(scene->interreflection), "exposure_cdm2",
                      scene->exposure_cdm2, "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));
 }

@@ -36,8 +36,15 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     hash_text(sha, nqm_directions_id(context->directions));
     hash_text(sha, context->light_sha256);
     hash_text(sha, *context->shape_sha256 ? context->shape_sha256 : scene->shape ? scene->shape : "");
-    const uint64_t counts[] = {scene->width,          scene->height, scene->n_points,     scene->n_frames,
-                               scene->n_lights,       scene->seed,   scene->shadows != 0, scene->interreflection != 0,
+    const uint64_t counts[] = {scene->width,
+                               scene->height,
+                               scene->n_points,
+                               scene->n_frames,
+                               nqm_scene_options_lights(scene),
+                               scene->light_width,
+                               scene->seed,
+                               scene->shadows != 0,
+                               scene->interreflection != 0,
                                context->options->seed};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
         hash_u64(sha, counts[i]);

@@ -12,6 +12,8 @@
 
 enum { MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16, MAX_POINTS = 1 << 24, MAX_SIDE = 8192, MAX_FRAMES = 4096 };
 
+static const double max_directions = 4294967296; /* some ten minutes */
+
 /* Directions are kept while they fit; a quarter of them blocked is a common share. */
 static const double max_kept_bytes = 512.0 * 1024 * 1024;
 
@@ -23,6 +25,12 @@ nqm_scene_options nqm_scene_options_default(void) {
                                .exposure_cdm2 = 200,
                                .peak_cdm2 = 1000,
                                .seed = 1};
+}
+
+size_t nqm_scene_options_lights(const nqm_scene_options *options) {
+    if (options->n_lights)
+        return options->n_lights;
+    return options->width ? 96 : 384;
 }
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
@@ -38,9 +46,11 @@ static nqm_status check_size(const nqm_scene_options *o, nqm_error *err) {
     if (o->width > MAX_SIDE || o->height > MAX_SIDE || !o->width != !o->height)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a picture of %zu x %zu pixels; 1 x 1 to %d x %d are possible",
                         o->width, o->height, (int)MAX_SIDE, (int)MAX_SIDE);
-    if (o->width * o->height > MAX_POINTS / o->n_frames)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu x %zu pixels in %zu frames; %d are possible in all", o->width,
-                        o->height, o->n_frames, (int)MAX_POINTS);
+    size_t n = o->width ? o->width * o->height : o->n_points, frames = o->width ? o->n_frames : 1;
+    if (n > MAX_POINTS / frames || (double)n * (double)frames * (double)nqm_scene_options_lights(o) > max_directions)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "scene: %zu points of %zu light directions; at most %d and %.0f in all are possible",
+                        n * frames, nqm_scene_options_lights(o), (int)MAX_POINTS, max_directions);
     return NQM_OK;
 }
 
@@ -135,8 +145,7 @@ static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm
 static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
     scene->options = *o;
     scene->options.light = scene->options.shape = NULL;
-    if (!o->n_lights)
-        scene->options.n_lights = o->width ? 96 : 384;
+    scene->options.n_lights = nqm_scene_options_lights(o);
     nqm_status status = load_light(o, &scene->light, err);
     if (status == NQM_OK)
         status = load_shape(o, &scene->shape, err);
@@ -180,10 +189,6 @@ void nqm_scene_free(nqm_scene *scene) {
 
 size_t nqm_scene_count(const nqm_scene *scene) {
     return scene->n_points;
-}
-
-size_t nqm_scene_lights(const nqm_scene *scene) {
-    return scene->options.n_lights;
 }
 
 const size_t *nqm_scene_pixels(const nqm_scene *scene) {

@@ -345,6 +345,7 @@ static void bad_options(void **state) {
     o = good, o.height = 100, expect_refusal(o, NQM_ERR_ARG);
     o = good, o.width = o.height = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
     o = good, o.width = o.height = 4096, o.n_frames = 2, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.n_points = 1000000, o.n_lights = 60000, expect_refusal(o, NQM_ERR_ARG);
     o = good, o.n_frames = 0, expect_refusal(o, NQM_ERR_ARG);
     o = good, o.light_width = 100, expect_refusal(o, NQM_ERR_ARG);
     o = good, o.elevation_rad = 2, expect_refusal(o, NQM_ERR_ARG);

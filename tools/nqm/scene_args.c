@@ -28,7 +28,8 @@ void scene_args_table(scene_args *a, option *table) {
         {"frames", 0, OPTION_COUNT, &a->n_frames, "N", "views of the turntable, evenly over 360 degrees", 1, 3600},
         {"turn", 0, OPTION_NUMBER, &a->turn_deg, "DEG", "angle of the turntable in the first frame", -3600, 3600},
         {"elevation", 0, OPTION_NUMBER, &a->elevation_deg, "DEG", "of the viewer above the horizon", -90, 90},
-        {"lights", 0, OPTION_COUNT, &a->n_lights, "N", "light directions a point", 16, 1 << 16},
+        {"lights", 0, OPTION_COUNT, &a->n_lights, "N", "light directions a point (0: 384, or 96 in a picture)", 0,
+         1 << 16},
         {"no-shadows", 0, OPTION_FLAG, &a->no_shadows, NULL, "the shape keeps no light from itself", 0, 0},
         {"interreflection", 0, OPTION_FLAG, &a->interreflection, NULL, "add light that the shape reflects onto itself",
          0, 0},
@@ -80,8 +81,8 @@ json_t *json_scene(const nqm_scene_options *s) {
         json_pack("{s:o,s:o,s:f,s:f,s:I,s:f,s:f,s:I,s:b,s:b,s:I}", "shape", json_name(s->shape ? s->shape : "sphere"),
                   "light", json_name(s->light ? s->light : "built-in sky"), "exposure_cdm2", s->exposure_cdm2,
                   "peak_cdm2", s->peak_cdm2, "frames", (json_int_t)s->n_frames, "turn", s->turn_rad / degree,
-                  "elevation", s->elevation_rad / degree, "lights", (json_int_t)s->n_lights, "shadows", s->shadows,
-                  "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
+                  "elevation", s->elevation_rad / degree, "lights", (json_int_t)nqm_scene_options_lights(s), "shadows",
+                  s->shadows, "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
     if (s->width) {
         json_object_set_new(scene, "width", json_integer((json_int_t)s->width));
         json_object_set_new(scene, "height", json_integer((json_int_t)s->height));
