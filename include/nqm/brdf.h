@@ -28,9 +28,9 @@ typedef enum nqm_value_flag {
 
 /** Facts about an opened BRDF. Strings are lent by the BRDF and live as long as it. */
 typedef struct nqm_brdf_info {
-    const char *format;     /**< "merl", "rgl", "nbrdf", "nps", "lambert", "ggx", "ward", "sgd", "perturb", ... */
-    const char *name;       /**< the argument it was opened with */
-    const char *spec;       /**< analytic models: the full canonical spec that opens the same BRDF; else NULL */
+    const char *format; /**< "merl", "rgl", "nbrdf", "table", "nps", "lambert", "ggx", "ward", "sgd", "perturb", ... */
+    const char *name;   /**< the argument it was opened with */
+    const char *spec;   /**< analytic models: the full canonical spec that opens the same BRDF; else NULL */
     const char *source_doi; /**< the publication of the format or parameters, "10...."; NULL if none */
     const char *layout;     /**< one line: resolution or parameters ("90x90x180 cells") */
     size_t n_values;        /**< stored numbers (cells, weights or parameters) */
@@ -42,8 +42,9 @@ typedef struct nqm_brdf_info {
  * Open a BRDF from a path or a spec.
  *
  * A path's format is found by its bytes, never by its name: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic),
- * NBRDF `.h5`; `ARCHIVE.zip:MATERIAL` names an NBRDF inside a zip; `DIR/nps_decoder_f32le.bin:MATERIAL` a
- * neural-process reconstruction (its latents lie beside the decoder in nps_latents.csv). A spec is
+ * NBRDF `.h5`, networks and tables of nqm_brdf_save(); `ARCHIVE.zip:MATERIAL` names an NBRDF inside a zip;
+ * `DIR/nps_decoder_f32le.bin:MATERIAL` a neural-process reconstruction (its latents lie beside the decoder in
+ * nps_latents.csv). A spec is
  * `MODEL:key=value;key=value` (`ggx:`, `cook-torrance:`, ... with parameters) or a preset `TABLE:NAME` (`sgd:nickel`,
  * `abc:nickel`), or a perturbation `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with
  * unit, range and default. RGL data are not quite reciprocal: their parametrised direction (theta_i) is taken as the

@@ -19,8 +19,10 @@ typedef struct file_format {
     nqm_status (*open)(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 } file_format;
 
-static const file_format formats[] = {
-    {nqm_merl_probe, nqm_merl_open}, {nqm_rgl_probe, nqm_rgl_open}, {nqm_nbrdf_probe, nqm_nbrdf_open}};
+static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open},
+                                      {nqm_rgl_probe, nqm_rgl_open},
+                                      {nqm_nbrdf_probe, nqm_nbrdf_open},
+                                      {nqm_saved_probe, nqm_saved_open}};
 
 nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                          const char *layout, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -84,7 +86,8 @@ static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_
         }
     }
     status = nqm_fail(err, NQM_ERR_FORMAT, 0,
-                      "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, zip",
+                      "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, "
+                      "nqm's own .safetensors, zip",
                       path);
 done:
     if (status != NQM_OK)

@@ -55,9 +55,11 @@ NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self
 bool nqm_merl_probe(const nqm_map *map);
 bool nqm_rgl_probe(const nqm_map *map);
 bool nqm_nbrdf_probe(const nqm_map *map);
+bool nqm_saved_probe(const nqm_map *map);
 nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 /** One material inside an archive or beside a decoder. */
 nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
                               nqm_error *err);
@@ -67,14 +69,19 @@ nqm_status nqm_nps_open(const char *decoder_path, const char *material, const ch
 enum { NQM_NBRDF_WEIGHTS = 6 * 21 + 21 + 21 * 21 + 21 + 21 * 3 + 3 };
 /** An NBRDF from its weights (NQM_NBRDF_WEIGHTS): kernel (in, out) then bias, layer by layer, as in the Keras files. */
 nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/** The weights of a BRDF whose format is "nbrdf", in that order. */
+void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights);
 
 /** A table over half-vector coordinates, linear between nodes: theta_h of node i = (i / (n_h - 1))^2 pi/2 (dense about
  *  the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of node k = k / n_p pi, which
- *  closes on itself. rgb (n_h, n_d, n_p, 3) f_r; NaN in channel 0: no value, left out of the mean. `rgb` is copied. */
+ *  closes on itself. rgb (n_h, n_d, n_p, 3) f_r, finite; NaN in channel 0: no value, left out of the mean. `rgb` is copied.
+ *  NQM_ERR_LIMIT: fewer than 2 x 2 x 1 nodes, or more than 2^24. */
 nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err);
 /** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
+/** The values of a BRDF whose format is "table"; lent. dims: (3) receives n_h, n_d, n_p. */
+const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
 
 /** true when the file has the size of the neural processes' decoder. */
 bool nqm_nps_probe(const nqm_map *map);

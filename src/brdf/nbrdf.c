@@ -89,6 +89,17 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
     return NQM_OK;
 }
 
+void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights) {
+    for (const layer *l = layers; l < layers + N_LAYERS; ++l) {
+        const double *w = (const double *)brdf->self + l->w, *b = (const double *)brdf->self + l->b;
+        for (size_t k = 0; k < l->n_in; ++k)
+            for (size_t j = 0; j < l->n_out; ++j)
+                *weights++ = (float)w[k * l->n_padded + j];
+        for (size_t j = 0; j < l->n_out; ++j)
+            *weights++ = (float)b[j];
+    }
+}
+
 /* ---- Keras files ------------------------------------------------------------------------------------------------- */
 
 static nqm_status read_keras(const unsigned char *data, size_t n_bytes, const char *name, float *weights,

@@ -76,14 +76,12 @@ static void table_free(void *self) {
 static const nqm_brdf_class table_class = {
     .format = "table", .reciprocal = 1, .eval_half_diff = table_eval_half_diff, .free = table_free};
 
-/* A missing value is NaN in channel 0; all else is finite. */
-static nqm_status check_values(size_t n_nodes, const float *rgb, const char *name, nqm_error *err) {
-    for (size_t i = 0; i < n_nodes; ++i) {
-        const float *v = rgb + 3 * i;
-        if (!isnan(v[0]) && !(isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2])))
-            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: node %zu of the table is not finite", name, i);
-    }
-    return NQM_OK;
+const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims) {
+    const table *t = brdf->self;
+    dims[0] = t->n_h;
+    dims[1] = t->n_d;
+    dims[2] = t->n_p;
+    return t->rgb;
 }
 
 nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb, const char *name, nqm_brdf **brdf_ret,
@@ -95,9 +93,6 @@ nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb
         n_nodes > MAX_NODES)
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: a table of %zu x %zu x %zu nodes (2 x 2 x 1 to %d in all)", name,
                         n_h, n_d, n_p, MAX_NODES);
-    nqm_status status = check_values(n_nodes, rgb, name, err);
-    if (status != NQM_OK)
-        return status;
     table *t = nqm_alloc(1, sizeof *t);
     if (!t)
         return nqm_fail_nomem(err, sizeof *t);
@@ -111,7 +106,7 @@ nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb
     t->per_p = (double)n_p / NQM_PI;
     memcpy(t->rgb, rgb, 3 * n_nodes * sizeof *rgb);
     snprintf(layout, sizeof layout, "%zux%zux%zu nodes", n_h, n_d, n_p);
-    status = nqm_brdf_wrap(&table_class, t, name, NULL, layout, brdf_ret, err);
+    nqm_status status = nqm_brdf_wrap(&table_class, t, name, NULL, layout, brdf_ret, err);
     if (status == NQM_OK)
         (*brdf_ret)->n_values = 3 * n_nodes;
     return status;

@@ -27,13 +27,13 @@ refused() {
     [ "$(wc -l <"$dir/err")" = 1 ] || fail "$2: more than one line: $(cat "$dir/err")"
 }
 
-for file in valid.binary valid.bsdf valid.h5 valid.zip:valid valid.bin:first; do
+for file in valid.binary valid.bsdf valid.h5 valid.zip:valid valid.bin:first valid-network.safetensors valid-table.safetensors; do
     info "$dir/$file"
     [ "$got" = 0 ] || fail "$file: exit code $got: $(cat "$dir/err")"
 done
 
 n=0
-for file in "$dir"/merl-* "$dir"/rgl-* "$dir"/nbrdf-*.h5 "$dir"/nbrdf-*.zip:short "$dir"/nps-*; do
+for file in "$dir"/merl-* "$dir"/rgl-* "$dir"/nbrdf-*.h5 "$dir"/nbrdf-*.zip:short "$dir"/nps-* "$dir"/saved-*; do
     case $file in
     *.zip:short) argument=$dir/nbrdf-truncated.zip:short file=$dir/nbrdf-truncated.zip ;;
     *.bin) argument=$file:first ;;

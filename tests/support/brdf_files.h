@@ -61,6 +61,24 @@ typedef enum nbrdf_kind {
 /** A small NBRDF network in the layout of Keras. */
 blob make_nbrdf(nbrdf_kind kind);
 
+typedef enum saved_kind {
+    SAVED_NETWORK,
+    SAVED_MISSING,    /**< one tensor less */
+    SAVED_EXTRA,      /**< one tensor more */
+    SAVED_SHAPE,      /**< one tensor transposed */
+    SAVED_DOUBLE,     /**< one tensor in float64 */
+    SAVED_NAN,        /**< one weight not a number */
+    SAVED_FORMAT,     /**< says that it is a model */
+    SAVED_SCHEMA,     /**< of a later version */
+    SAVED_CHECKSUM,   /**< one bit changed */
+    SAVED_TABLE,      /**< 4 x 3 x 5 nodes, one without a value */
+    SAVED_TABLE_NAN,  /**< one channel of a node not a number */
+    SAVED_TABLE_FLAT, /**< one node along theta_h */
+    SAVED_KINDS
+} saved_kind;
+/** A small network, or from SAVED_TABLE on a table, as nqm_brdf_save() writes them. */
+blob make_saved(saved_kind kind);
+
 /** An archive with one member. */
 blob make_zip(const char *member, const blob *content);
 

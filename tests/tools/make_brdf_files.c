@@ -90,6 +90,18 @@ static void put_nps(void) {
     blob_put(valid, in_folder("nps-nan.bin"));
 }
 
+static void put_saved(void) {
+    blob valid = make_saved(SAVED_TABLE);
+    blob_put(make_saved(SAVED_NETWORK), in_folder("valid-network.safetensors"));
+    blob_save(&valid, in_folder("valid-table.safetensors"));
+    blob cut = {valid.data, valid.n_bytes - 100};
+    blob_save(&cut, in_folder("saved-truncated.safetensors"));
+    blob_free(&valid);
+    blob_put(make_saved(SAVED_NAN), in_folder("saved-nan.safetensors"));
+    blob_put(make_saved(SAVED_SHAPE), in_folder("saved-size.safetensors"));
+    blob_put(make_saved(SAVED_CHECKSUM), in_folder("saved-checksum.safetensors"));
+}
+
 int main(int argc, char **argv) {
     if (argc != 2) {
         fprintf(stderr, "usage: make_brdf_files FOLDER\n");
@@ -100,5 +112,6 @@ int main(int argc, char **argv) {
     put_rgl();
     put_nbrdf();
     put_nps();
+    put_saved();
     return 0;
 }

@@ -163,7 +163,7 @@ static json_t *read_header(FILE *in, bool *like_one) {
     return header;
 }
 
-/* Models and datasets are safetensors whose __metadata__.format tells which. */
+/* Models, datasets, networks and tables are safetensors whose __metadata__.format tells which. */
 static file_kind kind_of(const char *path) {
     FILE *in = fopen(path, "rb");
     if (!in)
@@ -173,10 +173,12 @@ static file_kind kind_of(const char *path) {
     fclose(in);
     const char *format = json_string_value(json_object_get(json_object_get(header, "__metadata__"), "format"));
     bool dataset = format && strcmp(format, "nqm-dataset") == 0;
+    bool brdf = format && (strcmp(format, "nqm-nbrdf") == 0 || strcmp(format, "nqm-table") == 0);
     json_decref(header);
     if (dataset)
         return KIND_DATASET;
-    return safetensors ? KIND_MODEL : KIND_BRDF; /* the reader of models has the best message for a damaged one */
+    return safetensors && !brdf ? KIND_MODEL
+                                : KIND_BRDF; /* the reader of models has the best message for a damaged one */
 }
 
 static int info_list(bool json) {

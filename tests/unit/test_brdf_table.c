@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Tables over half-vector coordinates: nodes, linear between them, the closed phi_d, missing values, limits.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <string.h>
+
+enum { H = 9, D = 7, P = 6, N = H * D * P };
+
+static void node_numbers(size_t i, size_t *h, size_t *d, size_t *p) {
+    *h = i / (D * P);
+    *d = i / P % D;
+    *p = i % P;
+}
+
+static nqm_brdf *make_table(const float *rgb) {
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_table_create(H, D, P, rgb, "table", &brdf, NULL), NQM_OK);
+    return brdf;
+}
+
+/* The class's own function: directions below the horizon count, too. */
+static void raw(const nqm_brdf *brdf, double theta_h, double theta_d, double phi_d, double *rgb) {
+    brdf->class_->eval_half_diff(brdf->self, 1, (double[3]){theta_h, theta_d, phi_d}, rgb);
+}
+
+static void nodes_keep_their_values(void **state) {
+    (void)state;
+    float values[3 * N];
+    for (uint32_t i = 0; i < 3 * N; ++i)
+        values[i] = (float)noise(i, 1);
+    nqm_brdf *brdf = make_table(values);
+    for (size_t i = 0; i < N; ++i) {
+        size_t h, d, p;
+        double hd[3], rgb[3];
+        node_numbers(i, &h, &d, &p);
+        nqm_table_node(H, D, P, h, d, p, hd);
+        assert_near(hd[0], NQM_PI / 2 * (double)(h * h) / ((H - 1) * (H - 1)), 1e-14);
+        assert_near(hd[1], NQM_PI / 2 * (double)d / (D - 1), 1e-14);
+        assert_near(hd[2], NQM_PI * (double)p / P, 1e-14);
+        raw(brdf, hd[0], hd[1], hd[2], rgb);
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(rgb[c], (double)values[3 * i + c], 1e-12);
+    }
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, "table");
+    assert_string_equal(info.layout, "9x7x6 nodes");
+    assert_int_equal(info.n_values, 3 * N);
+    assert_int_equal(info.reciprocal, 1);
+    nqm_brdf_free(brdf);
+}
+
+/* Channels: linear in sqrt(theta_h), in theta_d, in phi_d up to the last node. */
+static void linear_between_nodes(void **state) {
+    (void)state;
+    float values[3 * N];
+    for (size_t i = 0; i < N; ++i) {
+        size_t h, d, p;
+        node_numbers(i, &h, &d, &p);
+        values[3 * i] = (float)h + 1;
+        values[3 * i + 1] = (float)d + 2;
+        values[3 * i + 2] = (float)p + 3;
+    }
+    nqm_brdf *brdf = make_table(values);
+    for (uint32_t i = 0; i < 500; ++i) {
+        double u = noise(i, 1), v = noise(i, 2), w = noise(i, 3) * (P - 1), rgb[3];
+        raw(brdf, u * u * NQM_PI / 2, v * NQM_PI / 2, w / P * NQM_PI, rgb);
+        assert_near(rgb[0], 1 + u * (H - 1), 1e-12);
+        assert_near(rgb[1], 2 + v * (D - 1), 1e-12);
+        assert_near(rgb[2], 3 + w, 1e-12);
+    }
+    nqm_brdf_free(brdf);
+}
+
+static void phi_closes_on_itself(void **state) {
+    (void)state;
+    float values[3 * N];
+    for (uint32_t i = 0; i < 3 * N; ++i)
+        values[i] = (float)noise(i, 1);
+    nqm_brdf *brdf = make_table(values);
+    double last[3], first[3], half_way[3], at_pi[3];
+    raw(brdf, 0.3, 0.4, NQM_PI * (P - 1) / P, last);
+    raw(brdf, 0.3, 0.4, 0, first);
+    raw(brdf, 0.3, 0.4, NQM_PI * (P - 0.5) / P, half_way);
+    raw(brdf, 0.3, 0.4, nextafter(NQM_PI, 0), at_pi);
+    for (size_t c = 0; c < 3; ++c) {
+        assert_near(half_way[c], (last[c] + first[c]) / 2, 1e-12);
+        assert_near(at_pi[c], first[c], 1e-12);
+    }
+    for (uint32_t i = 0; i < 100; ++i) { /* exchanging light and viewer changes nothing */
+        const double hd[3] = {noise(i, 1) * 0.7, noise(i, 2) * 0.7, noise(i, 3) * 6};
+        double wi[3], wo[3], there[3], back[3];
+        nqm_half_diff_to_directions(hd, wi, wo);
+        nqm_brdf_eval(brdf, 1, wi, wo, there, NULL);
+        nqm_brdf_eval(brdf, 1, wo, wi, back, NULL);
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(back[c], there[c], 1e-9);
+    }
+    nqm_brdf_free(brdf);
+}
+
+static void missing_values_are_left_out(void **state) {
+    (void)state;
+    float values[3 * N];
+    for (uint32_t i = 0; i < 3 * N; ++i)
+        values[i] = (float)noise(i, 1) + 1;
+    size_t row = 3 * D * P; /* of theta_h */
+    for (size_t i = 0; i < row; ++i)
+        values[5 * row + i] = values[6 * row + i] = NAN;
+    nqm_brdf *brdf = make_table(values);
+    double beside[3], at_node[3], between[3];
+    uint8_t flag;
+    const double u = 4.9 / (H - 1), node = 4.0 / (H - 1), gap = 5.5 / (H - 1);
+    raw(brdf, u * u * NQM_PI / 2, 0.3, 0.2, beside);
+    raw(brdf, node * node * NQM_PI / 2, 0.3, 0.2, at_node);
+    for (size_t c = 0; c < 3; ++c)
+        assert_near(beside[c], at_node[c], 1e-12); /* the neighbours that have a value */
+    const double hd[3] = {gap * gap * NQM_PI / 2, 0.3, 0.2};
+    nqm_brdf_eval_half_diff(brdf, 1, hd, between, &flag);
+    assert_int_equal(flag, NQM_VALUE_INVALID);
+    assert_true(between[0] == 0);
+    nqm_brdf_free(brdf);
+}
+
+static void sizes_have_limits(void **state) {
+    (void)state;
+    static const size_t bad[][3] = {{1, 2, 1}, {2, 1, 1}, {2, 2, 0}, {4096, 4096, 2}, {SIZE_MAX, SIZE_MAX, 2}};
+    float values[12] = {0};
+    nqm_brdf *brdf;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        nqm_error err = {0};
+        assert_int_equal(nqm_table_create(bad[i][0], bad[i][1], bad[i][2], values, "t", &brdf, &err), NQM_ERR_LIMIT);
+        assert_null(brdf);
+        assert_non_null(strstr(err.message, "nodes"));
+    }
+    assert_int_equal(nqm_table_create(2, 2, 1, values, "t", &brdf, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nodes_keep_their_values), cmocka_unit_test(linear_between_nodes),
+        cmocka_unit_test(phi_closes_on_itself),    cmocka_unit_test(missing_values_are_left_out),
+        cmocka_unit_test(sizes_have_limits),
+    };
+    return cmocka_run_group_tests_name("brdf_table", tests, NULL, NULL);
+}
