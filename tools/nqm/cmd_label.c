@@ -2,120 +2,113 @@
  *
  * nqm label - Delta-E ITP and JOD of pairs of BRDFs by rendering them.
  */
-#include "scene_args.h"
+#include "label.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-typedef struct label_row {
-    const char *name;
-    double delta_e, jod; /* NaN where the test could not be rendered */
-    nqm_error err;
-} label_row;
+static const char group_mark[] = "+";
 
-typedef enum label_format { LABEL_TEXT, LABEL_JSON, LABEL_CSV, LABEL_QUIET } label_format;
-
-typedef struct label_run {
-    const char *ref_name;
-    size_t n_rows;
-    label_row *rows;
-    nqm_scene *scene;
-    double *ref_cdm2, *test_cdm2; /* (points, 3) */
-} label_run;
-
-static nqm_status render(const nqm_scene *scene, const char *name, double *rgb_cdm2, nqm_error *err) {
-    nqm_brdf *brdf;
-    nqm_status status = nqm_brdf_open(name, &brdf, err);
-    if (status == NQM_OK)
-        status = nqm_scene_render(scene, brdf, rgb_cdm2, err);
-    nqm_brdf_free(brdf);
-    return status;
-}
-
-static void label_test(label_run *run, label_row *row) {
-    row->delta_e = row->jod = (double)NAN;
-    if (render(run->scene, row->name, run->test_cdm2, &row->err) != NQM_OK)
-        return;
-    const nqm_curve curve = nqm_curve_default();
-    row->delta_e = nqm_scene_delta_e(run->scene, run->ref_cdm2, run->test_cdm2);
-    row->jod = nqm_curve_jod(&curve, row->delta_e);
-}
-
-static int print_rows_json(const label_run *run, const nqm_scene_options *o) {
-    json_t *results = json_array();
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        const label_row *row = &run->rows[i];
-        json_t *result = json_pack("{s:o,s:o,s:o}", "test", json_name(row->name), "delta_e_itp",
-                                   json_number(row->delta_e), "jod", json_number(row->jod));
-        if (row->err.status != NQM_OK)
-            json_object_set_new(result, "error", json_name(row->err.message));
-        json_array_append_new(results, result);
-    }
-    return print_json(json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
-                                json_name(run->ref_name), "scene", json_scene(o), "results", results));
-}
-
-static void print_row(const label_row *row, label_format format) {
-    bool good = row->err.status == NQM_OK;
-    const char *words = !good ? "failed" : row->delta_e > 0 ? jod_words(row->jod) : "equal pictures";
-    if (format == LABEL_QUIET) {
-        printf("%.4f\n", row->jod);
-    } else if (format == LABEL_TEXT) {
-        printf("%9.3f  %6.2f  %-20s  %s\n", row->delta_e, row->jod, words, row->name);
-    } else {
-        print_csv_text(stdout, row->name);
-        if (good)
-            printf(",%.9g,%.9g,", row->delta_e, row->jod);
-        else
-            printf(",,,");
-        print_csv_text(stdout, row->err.message);
-        putchar('\n');
-    }
-}
-
-static int print_rows(const label_run *run, const nqm_scene_options *o, label_format format) {
-    end_progress();
-    if (format == LABEL_JSON)
-        return print_rows_json(run, o);
-    if (format == LABEL_TEXT)
-        printf("%9s  %6s  %-20s  test, rendered beside %s\n", "Delta-E", "JOD", "", run->ref_name);
-    if (format == LABEL_CSV)
-        puts("test,delta_e_itp,jod,error");
-    for (size_t i = 0; i < run->n_rows; ++i)
-        print_row(&run->rows[i], format);
-    return fflush(stdout) == 0 ? EXIT_OK : EXIT_OPEN;
-}
-
-static int run_label(label_run *run, const nqm_scene_options *o, label_format format) {
-    nqm_error err = {0};
-    int exit_code = EXIT_OK;
-    if (nqm_scene_create(o, &run->scene, &err) != NQM_OK)
-        return report_error("label", &err);
-    size_t n_points = nqm_scene_count(run->scene);
-    run->ref_cdm2 = calloc(3 * n_points, sizeof *run->ref_cdm2);
-    run->test_cdm2 = calloc(3 * n_points, sizeof *run->test_cdm2);
-    if (!run->ref_cdm2 || !run->test_cdm2)
+/* The items of the arguments; groups are parted by '+'. */
+static int read_items(label_run *run, int n_arguments, char **argv) {
+    run->items = calloc((size_t)n_arguments, sizeof *run->items);
+    if (!run->items)
         return report("label", EXIT_LIMIT, "out of memory");
-    if (render(run->scene, run->ref_name, run->ref_cdm2, &err) != NQM_OK)
-        return report_error("label", &err);
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        if (show_progress(NULL, "label", (double)i, (double)run->n_rows))
-            return report("label", EXIT_INTERRUPTED, "interrupted");
-        label_test(run, &run->rows[i]);
+    size_t reference = 0;
+    for (int i = 0; i < n_arguments; ++i) {
+        if (strcmp(argv[i], group_mark) == 0) {
+            reference = run->n_items;
+            continue;
+        }
+        run->items[run->n_items] = (label_item){.name = argv[i], .reference = reference};
+        run->n_groups += run->n_items == reference;
+        ++run->n_items;
     }
-    exit_code = print_rows(run, o, format);
-    for (size_t i = 0; i < run->n_rows; ++i)
-        if (run->rows[i].err.status != NQM_OK) {
-            int code = report_error("label", &run->rows[i].err);
+    for (size_t i = 0; i < run->n_items; ++i)
+        if (run->items[i].reference == i && (i + 1 == run->n_items || run->items[i + 1].reference != i))
+            return report("label", EXIT_USAGE, "%s: a reference without a test", run->items[i].name);
+    return run->n_items ? EXIT_OK : report("label", EXIT_USAGE, "there is nothing between the '+'");
+}
+
+static nqm_status render_item(const label_run *run, label_item *item) {
+    item->delta_e = item->jod = (double)NAN;
+    item->rgb_cdm2 = calloc(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
+    if (item->rgb_cdm2)
+        return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
+    item->err = (nqm_error){.status = NQM_ERR_NOMEM, .byte_offset = -1};
+    return NQM_ERR_NOMEM;
+}
+
+/* Render item i and compare it with its reference. Faults of tests stay in the item. */
+static nqm_status label_item_at(label_run *run, size_t i) {
+    label_item *item = &run->items[i], *reference = &run->items[item->reference];
+    nqm_status status = render_item(run, item);
+    if (item == reference)
+        return status;
+    if (status == NQM_OK) {
+        const nqm_curve curve = nqm_curve_default();
+        item->delta_e = nqm_scene_delta_e(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
+        item->jod = nqm_curve_jod(&curve, item->delta_e);
+    }
+    if (!run->map && !run->grid && !run->keep) { /* nobody will look at it */
+        free(item->rgb_cdm2);
+        item->rgb_cdm2 = NULL;
+    }
+    return NQM_OK;
+}
+
+static int run_label(label_run *run) {
+    nqm_error err = {0};
+    if (nqm_scene_create(&run->scene_options, &run->scene, &err) != NQM_OK)
+        return report_error("label", &err);
+    for (size_t i = 0; i < run->n_items; ++i) {
+        if (show_progress(NULL, "label", (double)i, (double)run->n_items))
+            return report("label", EXIT_INTERRUPTED, "interrupted");
+        if (label_item_at(run, i) != NQM_OK)
+            return report_error("label", &run->items[i].err);
+    }
+    int exit_code = print_labels(run), draw_code = draw_labels(run);
+    exit_code = exit_code == EXIT_OK ? draw_code : exit_code;
+    for (size_t i = 0; i < run->n_items; ++i)
+        if (run->items[i].err.status != NQM_OK) {
+            int code = report_error("label", &run->items[i].err);
             exit_code = exit_code == EXIT_OK ? code : exit_code; /* the first fault decides */
         }
     return exit_code;
 }
 
+/* What the options must have in common. */
+static int check_label(label_run *run, uint64_t shrink) {
+    bool pictures = run->map || run->grid || run->keep;
+    run->shrink = (size_t)shrink;
+    if (pictures && !run->scene_options.width)
+        return report("label", EXIT_USAGE, "--points makes no pictures for --map, --grid and --keep-renders");
+    if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
+        return report("label", EXIT_USAGE, "--shrink must divide the size of the picture");
+    return EXIT_OK;
+}
+
+static void clear_run(label_run *run) {
+    for (size_t i = 0; i < run->n_items; ++i)
+        free(run->items[i].rgb_cdm2);
+    free(run->items);
+    nqm_scene_free(run->scene);
+}
+
 int cmd_label(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
+    uint64_t shrink = 1;
+    label_run run = {0};
     scene_args scene = scene_args_begin();
-    option options[4 + N_SCENE_OPTIONS] = {
+    option options[10 + N_SCENE_OPTIONS] = {
+        {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, a row a test", 0, 0},
+        {"grid", 0, OPTION_TEXT, &run.grid, "FILE.png", "draw each reference and its tests in a row", 0, 0},
+        {"rows", 0, OPTION_TEXT, &run.rows, "A,B,...", "titles of the rows of a figure", 0, 0},
+        {"columns", 0, OPTION_TEXT, &run.columns, "A,B,...", "titles of its columns", 0, 0},
+        {"shrink", 0, OPTION_COUNT, &shrink, "N", "N x N rendered pixels become one of a figure", 1, 16},
+        {"keep-renders", 0, OPTION_TEXT, &run.keep, "DIR", "write every picture (.exr, .png) and difference there", 0,
+         0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
@@ -123,13 +116,14 @@ int cmd_label(int argc, char **argv) {
     scene_args_table(&scene, options);
     const command cmd = {
         .name = "label",
-        .usage = "REF TEST... [options]",
-        .about = "Render REF and each TEST on a sphere under a light map and compare the pictures: mean Delta-E ITP\n"
+        .usage = "REF TEST... [+ REF TEST...]... [options]",
+        .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP\n"
                  "(ITU-R BT.2124), and the JOD that the published curve gives for it. This is how training labels are\n"
-                 "made; `nqm score` predicts them without rendering. Direct light, no shadows; doc/labels.md.",
-        .example =
-            "nqm label sgd:nickel ward:nickel\nnqm label measured.bsdf fit1.binary fit2.binary --light probe.exr "
-            "--json",
+                 "made; `nqm score` predicts them without rendering. A '+' begins another reference. doc/labels.md.",
+        .example = "nqm label sgd:nickel ward:nickel\n"
+                   "nqm label measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr --json\n"
+                   "nqm label sgd:nickel ward:nickel --map difference.png --keep-renders renders\n"
+                   "nqm label sgd:nickel ward:nickel + sgd:gold-paint ward:gold-paint --grid grid.png",
         .options = options,
         .min_arguments = 2,
         .max_arguments = -1,
@@ -139,19 +133,15 @@ int cmd_label(int argc, char **argv) {
         return exit_code;
     if (json + csv + quiet > 1)
         return report("label", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
+    run.format = json ? LABEL_JSON : csv ? LABEL_CSV : quiet ? LABEL_QUIET : LABEL_TEXT;
     exit_code = scene_args_end("label", &scene);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    label_run run = {.ref_name = argv[0], .n_rows = (size_t)n_arguments - 1};
-    run.rows = calloc(run.n_rows, sizeof *run.rows);
-    if (!run.rows)
-        return report("label", EXIT_LIMIT, "out of memory");
-    for (size_t i = 0; i < run.n_rows; ++i)
-        run.rows[i].name = argv[i + 1];
-    exit_code = run_label(&run, &scene.scene, json ? LABEL_JSON : csv ? LABEL_CSV : quiet ? LABEL_QUIET : LABEL_TEXT);
-    nqm_scene_free(run.scene);
-    free(run.ref_cdm2);
-    free(run.test_cdm2);
-    free(run.rows);
+    run.scene_options = scene.scene;
+    if (exit_code == EXIT_OK)
+        exit_code = check_label(&run, shrink);
+    if (exit_code == EXIT_OK)
+        exit_code = read_items(&run, n_arguments, argv);
+    if (exit_code == EXIT_OK)
+        exit_code = run_label(&run);
+    clear_run(&run);
     return exit_code;
 }

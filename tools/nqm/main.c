@@ -21,6 +21,7 @@ static const verb verbs[] = {
     {"convert", cmd_convert, "write a BRDF as a MERL .binary table"},
     {"fit", cmd_fit, "fit an analytic model to a BRDF"},
     {"learn", cmd_learn, "learn what an encoding leans on: a dictionary or a hypernetwork"},
+    {"render", cmd_render, "pictures of a BRDF on a lit shape"},
     {"label", cmd_label, "Delta-E ITP and JOD of a pair by rendering"},
     {"dataset", cmd_dataset, "make a training corpus from a list of materials"},
     {"regress", cmd_regress, "fit the curve from Delta-E ITP to JOD to human scores"},
