@@ -116,28 +116,28 @@ static nqm_status read_statements(obj_file *obj) {
     return status;
 }
 
-/* The new vertex that joins `vertex` and `normal`; chains of them hang on the old vertices. */
+/* New vertices, each a pair of position and normal, and a hash table to find them by it. */
 typedef struct joined {
     nqm_rows vertices, normals;
-    nqm_rows link;  /* per new vertex: its normal, the next of its chain, unused */
-    uint32_t *head; /* (old vertices) */
+    nqm_rows pairs; /* per new vertex: old vertex, normal, unused */
+    uint32_t *slot; /* (mask + 1) index of a new vertex plus 1; 0: free */
+    size_t mask;
 } joined;
 
 static bool join(joined *j, const obj_file *obj, uint32_t vertex, uint32_t normal, uint32_t *index) {
-    const uint32_t(*link)[3] = j->link.data;
-    uint32_t at = j->head[vertex];
-    while (at != none && link[at][0] != normal)
-        at = link[at][1];
-    if (at == none) {
+    const uint32_t(*pair)[3] = j->pairs.data;
+    size_t at = nqm_hash_u64(vertex, normal) & j->mask;
+    while (pair && j->slot[at] && (pair[j->slot[at] - 1][0] != vertex || pair[j->slot[at] - 1][1] != normal))
+        at = (at + 1) & j->mask;
+    if (!j->slot[at]) {
         const float(*position)[3] = obj->r->vertices.data, (*direction)[3] = obj->normals.data;
-        const uint32_t row[3] = {normal, j->head[vertex], 0};
-        at = (uint32_t)j->link.n;
-        if (!nqm_rows_add(&j->link, row) || !nqm_rows_add(&j->vertices, position[vertex]) ||
+        const uint32_t row[3] = {vertex, normal, 0};
+        if (!nqm_rows_add(&j->pairs, row) || !nqm_rows_add(&j->vertices, position[vertex]) ||
             !nqm_rows_add(&j->normals, direction[normal]))
             return false;
-        j->head[vertex] = at;
+        j->slot[at] = (uint32_t)j->pairs.n;
     }
-    *index = at;
+    *index = j->slot[at] - 1;
     return true;
 }
 
@@ -146,15 +146,16 @@ static nqm_status join_normals(obj_file *obj) {
     nqm_mesh_reader *r = obj->r;
     uint32_t(*triangle)[3] = r->triangles.data;
     const uint32_t(*normal)[3] = obj->triangle_normals.data;
-    joined j = {.head = nqm_alloc(r->vertices.n, sizeof *j.head)};
-    bool good = j.head != NULL;
-    if (good)
-        memset(j.head, 0xff, r->vertices.n * sizeof *j.head);
+    joined j = {.mask = 1};
+    while (j.mask < 6 * r->triangles.n) /* the table stays half empty */
+        j.mask = 2 * j.mask + 1;
+    j.slot = nqm_alloc(j.mask + 1, sizeof *j.slot);
+    bool good = j.slot && normal;
     for (size_t t = 0; good && t < r->triangles.n; ++t)
         for (size_t k = 0; good && k < 3; ++k)
             good = join(&j, obj, triangle[t][k], normal[t][k], &triangle[t][k]);
-    nqm_free(j.head);
-    nqm_free(j.link.data);
+    nqm_free(j.slot);
+    nqm_free(j.pairs.data);
     nqm_free(r->vertices.data);
     r->vertices = j.vertices;
     r->normals = j.normals;

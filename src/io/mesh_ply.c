@@ -233,7 +233,7 @@ static nqm_status next_value(ply_file *ply, ply_type type, double *value) {
 }
 
 static nqm_status read_corner(ply_file *ply, ply_type type, nqm_fan *fan) {
-    double index;
+    double index = 0;
     nqm_status status = next_value(ply, type, &index);
     if (status != NQM_OK)
         return status;
@@ -243,7 +243,7 @@ static nqm_status read_corner(ply_file *ply, ply_type type, nqm_fan *fan) {
 }
 
 static nqm_status read_list(ply_file *ply, const ply_property *p) {
-    double count;
+    double count = 0;
     nqm_status status = next_value(ply, p->count_type, &count);
     if (status != NQM_OK)
         return status;

@@ -76,7 +76,7 @@ static layout lay_out(const nqm_figure *f, size_t supersample, double delta_e_ma
         l.bar_width = l.font;
         l.width = l.bar_x + l.bar_width + ceil(4.5 * l.font);
         l.top = fmax(l.top, gap + l.line);
-        l.height = l.top + l.step_y * (double)f->n_rows;
+        l.height = fmax(l.top + l.step_y * (double)f->n_rows, l.top + 8 * l.line);
     }
     return l;
 }
@@ -124,15 +124,17 @@ static void draw_texts(cairo_t *cr, const nqm_figure *f, const layout *l) {
     for (size_t r = 0; f->row_titles && r < f->n_rows; ++r)
         if (f->row_titles[r])
             draw_row_title(cr, l, r, f->row_titles[r]);
-    for (size_t i = 0; i < f->n_rows * f->n_columns; ++i)
-        draw_caption(cr, l, middle + l->step_x * (double)(i % f->n_columns),
-                     l->top + l->step_y * (double)(i / f->n_columns) + (double)l->panel_height + 2,
-                     f->panels[i].caption);
+    for (size_t i = 0; i < f->n_rows * f->n_columns; ++i) {
+        size_t row = i / f->n_columns, column = i % f->n_columns;
+        draw_caption(cr, l, middle + l->step_x * (double)column,
+                     l->top + l->step_y * (double)row + (double)l->panel_height + 2, f->panels[i].caption);
+    }
 }
 
-static void draw_scale(cairo_t *cr, const nqm_figure *f, const layout *l) {
-    size_t n = (size_t)fmin(l->step_y * (double)(f->n_rows - 1) + (double)l->panel_height, 320);
-    double bottom = l->top + (double)n;
+static void draw_scale(cairo_t *cr, const layout *l) {
+    double top = l->top + ceil(l->line / 2); /* the uppermost number stands free of the title */
+    size_t n = (size_t)fmin(l->height - top - l->line, 320);
+    double bottom = top + (double)n;
     for (size_t i = 0; i < n; ++i) {
         double rgb[3];
         nqm_viridis(((double)i + 0.5) / (double)n, rgb);
@@ -144,8 +146,10 @@ static void draw_scale(cairo_t *cr, const nqm_figure *f, const layout *l) {
     cairo_set_source_rgb(cr, 0, 0, 0);
     cairo_set_line_width(cr, 1);
     double step = nqm_tick_step(l->delta_e_max, BAR_STEPS), right = l->bar_x + l->bar_width;
-    for (double tick = 0; tick <= l->delta_e_max * (1 + 1e-9); tick += step) {
+    size_t n_steps = (size_t)floor(l->delta_e_max / step * (1 + 1e-9));
+    for (size_t i = 0; i <= n_steps; ++i) {
         char text[32], number[32];
+        double tick = step * (double)i;
         double y = floor(bottom - tick / l->delta_e_max * (double)n) + 0.5;
         cairo_move_to(cr, right, y);
         cairo_line_to(cr, right + 4, y);
@@ -215,7 +219,7 @@ static nqm_status draw(const char *path, const nqm_figure *f, const layout *l, s
         cairo_set_source_rgb(cr, 0, 0, 0);
         draw_texts(cr, f, l);
         if (l->delta_e_max > 0)
-            draw_scale(cr, f, l);
+            draw_scale(cr, l);
         status = cairo_status(cr) == CAIRO_STATUS_SUCCESS ? write_surface(path, surface, err)
                                                           : nqm_fail_nomem(err, (size_t)(l->width * l->height));
     }

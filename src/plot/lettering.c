@@ -52,7 +52,7 @@ double nqm_text_width(const char *text, double size) {
 static bool point_of(const int16_t *contour, int i, double *x, double *y) {
     const int16_t *p = contour + 1 + 2 * (i % contour[0]);
     bool on = p[0] & 1;
-    *x = (p[0] - on) / 2;
+    *x = (p[0] - on) * 0.5;
     *y = p[1];
     return on;
 }

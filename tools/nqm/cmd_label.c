@@ -18,6 +18,8 @@ static int read_items(label_run *run, int n_arguments, char **argv) {
     size_t reference = 0;
     for (int i = 0; i < n_arguments; ++i) {
         if (strcmp(argv[i], group_mark) == 0) {
+            if (reference == run->n_items || i + 1 == n_arguments)
+                return report("label", EXIT_USAGE, "a '+' stands between a test and another reference");
             reference = run->n_items;
             continue;
         }
@@ -28,7 +30,7 @@ static int read_items(label_run *run, int n_arguments, char **argv) {
     for (size_t i = 0; i < run->n_items; ++i)
         if (run->items[i].reference == i && (i + 1 == run->n_items || run->items[i + 1].reference != i))
             return report("label", EXIT_USAGE, "%s: a reference without a test", run->items[i].name);
-    return run->n_items ? EXIT_OK : report("label", EXIT_USAGE, "there is nothing between the '+'");
+    return EXIT_OK;
 }
 
 static nqm_status render_item(const label_run *run, label_item *item) {

@@ -25,8 +25,8 @@ void frame_picture(const nqm_scene *scene, const nqm_scene_options *o, size_t fr
     const size_t *pixel = nqm_scene_pixels(scene);
     memcpy(picture, blank, 3 * n * sizeof *picture);
     for (size_t i = 0; i < nqm_scene_count(scene); ++i)
-        if (pixel[i] / n == frame)
-            memcpy(picture + 3 * (pixel[i] % n), rgb_cdm2 + 3 * i, 3 * sizeof *picture);
+        if (pixel[i] >= frame * n && pixel[i] < (frame + 1) * n)
+            memcpy(picture + 3 * (pixel[i] - frame * n), rgb_cdm2 + 3 * i, 3 * sizeof *picture);
 }
 
 void frame_map(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *values, double *map) {
@@ -35,8 +35,8 @@ void frame_map(const nqm_scene *scene, const nqm_scene_options *o, size_t frame,
     for (size_t i = 0; i < n; ++i)
         map[i] = (double)NAN;
     for (size_t i = 0; i < nqm_scene_count(scene); ++i)
-        if (pixel[i] / n == frame)
-            map[pixel[i] % n] = values[i];
+        if (pixel[i] >= frame * n && pixel[i] < (frame + 1) * n)
+            map[pixel[i] - frame * n] = values[i];
 }
 
 nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, nqm_error *err) {

@@ -93,7 +93,7 @@ static nqm_figure figure_of(const drawing *d, size_t n_rows, size_t n_columns, c
 static nqm_status draw_map(const drawing *d, nqm_error *err) {
     const label_run *run = d->run;
     nqm_panel panels[3 * MAX_CELLS] = {0};
-    char copy[MAX_TITLES];
+    char row_copy[MAX_TITLES], column_copy[MAX_TITLES];
     const char *rows[MAX_CELLS] = {0}, *columns[3] = {"reference", "test", "difference"};
     size_t n = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -105,8 +105,8 @@ static nqm_status draw_map(const drawing *d, nqm_error *err) {
         panels[3 * n + 2] = (nqm_panel){.delta_e = test->map, .caption = test->caption};
         ++n;
     }
-    cut_titles(run->rows, copy, n, rows);
-    cut_titles(run->columns, copy, 3, columns);
+    cut_titles(run->rows, row_copy, n, rows);
+    cut_titles(run->columns, column_copy, 3, columns);
     nqm_figure figure = figure_of(d, n, 3, panels);
     figure.column_titles = columns;
     figure.row_titles = rows;
@@ -128,7 +128,7 @@ static nqm_status draw_grid(const drawing *d, nqm_error *err) {
     size_t n_columns = count_columns(run), row = 0;
     char row_copy[MAX_TITLES], column_copy[MAX_TITLES];
     const char *columns[MAX_CELLS] = {"reference"}, *rows[MAX_CELLS] = {0};
-    nqm_panel *panels = calloc(run->n_groups * n_columns, sizeof *panels);
+    nqm_panel *panels = calloc((size_t)MAX_CELLS * MAX_CELLS, sizeof *panels);
     if (!panels)
         return NQM_ERR_NOMEM;
     for (size_t i = 0; i < run->n_items; ++i) {

@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm label: figures with a row a test and with a row a reference, kept renders, groups of references, refusals.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+# label CODE ARGUMENTS...
+label() {
+    code=$1
+    shift
+    got=0
+    "$tool" label "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: label $*"
+}
+png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4, $7 * 256 + $8}'; }
+lambert=lambert:kd=.5,.5,.5
+
+# A figure grows by a row with each test, and is the same for 1 and 2 threads.
+label 0 sgd:nickel ward:nickel --size 32 --map "$dir/one.png" --json
+grep -q '"delta_e_itp"' "$dir/out" || fail "no label beside the figure"
+label 0 sgd:nickel ward:nickel sgd:nickel sgd:nickel sgd:nickel --size 32 --map "$dir/four.png"
+# shellcheck disable=SC2046
+set -- $(png_size "$dir/one.png") $(png_size "$dir/four.png")
+{ [ "$1" -gt 96 ] && [ "$1" = "$3" ] && [ "$4" -gt "$2" ]; } || fail "sizes of the figures: $*"
+OMP_NUM_THREADS=1 "$tool" label sgd:nickel ward:nickel --size 32 --map "$dir/again.png" -q >/dev/null
+cmp "$dir/one.png" "$dir/again.png" || fail "the number of threads changes the figure"
+label 0 sgd:nickel ward:nickel --size 32 --shrink 2 --map "$dir/small.png"
+# shellcheck disable=SC2046
+set -- "$1" $(png_size "$dir/small.png")
+[ "$2" -lt "$1" ] || fail "--shrink shrinks nothing"
+
+# Groups: every test beside its own reference.
+label 0 sgd:nickel ward:nickel + $lambert $lambert lambert:kd=.4,.4,.4 --size 16 --grid "$dir/grid.png" \
+    --rows "a metal,a grey" --columns "reference,first,second" --csv
+[ "$(head -n 1 "$dir/out")" = "test,delta_e_itp,jod,error,reference" ] || fail "columns of groups"
+[ "$(wc -l <"$dir/out")" = 4 ] || fail "a row a test"
+[ "$(sed -n 3p "$dir/out")" = "\"$lambert\",0,10,,\"$lambert\"" ] || fail "a grey beside itself: $(sed -n 3p "$dir/out")"
+[ -s "$dir/grid.png" ] || fail "no grid"
+
+# Kept renders: pictures of every BRDF, differences of the tests; a test that fails has none and stops no other.
+label 3 sgd:nickel "$dir/nowhere.bsdf" ward:nickel --size 16 --keep-renders "$dir/keep" --map "$dir/failed.png" -q
+kept=$(cd "$dir/keep" && echo ./*)
+[ "$kept" = "./00-sgd_nickel.exr ./00-sgd_nickel.png ./02-ward_nickel-difference.png ./02-ward_nickel.exr ./02-ward_nickel.png" ] ||
+    fail "kept: $kept"
+[ -s "$dir/failed.png" ] || fail "no figure with a failed test"
+label 0 sgd:nickel ward:nickel --size 8 --frames 2 --keep-renders "$dir/keep" -q
+[ -f "$dir/keep/01-ward_nickel-0002-difference.png" ] || fail "no second frame"
+
+label 2 sgd:nickel ward:nickel --points 100 --map "$dir/x.png"
+label 2 sgd:nickel ward:nickel --size 32 --shrink 3 --map "$dir/x.png"
+label 2 sgd:nickel + ward:nickel sgd:nickel
+label 2 sgd:nickel ward:nickel +
+label 2 + +
+label 3 sgd:nickel ward:nickel --size 8 --map "$dir/nowhere/x.png"
+label 3 sgd:nickel ward:nickel --size 8 --keep-renders "$dir/nowhere/x"
+[ ! -f "$dir/x.png" ] || fail "a refusal left a figure"
