@@ -1,7 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The 20 materials of the human study (Kavoosighafi et al. 2025) are in no training artefact: no reference, group or test of
-# the manifests of the shipped training corpus names one, nor does a list made from the shared data give one to training.
+# The 20 materials of the human study (Kavoosighafi et al. 2025) are in no training artefact: no reference or group of the
+# manifest of the shipped training corpus names one, no learned encoder has seen one, nor does a list made from the shared data
+# give one to training. The test corpus holds all of them and nothing else, and the kinds of distortion that are kept for it are
+# not in training.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 source=${NQM_SOURCE:?}
@@ -24,9 +26,41 @@ absent() {
     checked=$((checked + 1))
 }
 
+# unseen FILE: no kind of distortion that this manifest calls unseen has pairs in it.
+unseen() {
+    kinds=$(sed -n '/"unseen_kinds": \[/,/\]/s/^ *"\(.*\)",*$/\1/p' "$1" | grep -v unseen_kinds)
+    [ -n "$kinds" ] || fail "$1 names no unseen kinds"
+    for kind in $kinds; do
+        if grep -E "^ *\"$kind\":" "$1"; then fail "$1 holds pairs of $kind"; fi
+    done
+}
+
+# learned FILE: a learned encoder names what it has seen, and no held-out material is among it.
+learned() {
+    head -c 1000000 "$1" | tr -c '[:print:]' '\n' | sed -n 's/.*"references":"\[\([^]]*\)\]".*/\1/p' | tr ',' '\n' |
+        sed 's/^\\"//; s/\\"$//' >"$dir/seen"
+    [ "$(wc -l <"$dir/seen")" -ge 50 ] || fail "$1 does not say what it was learned from"
+    for material in $held_out; do
+        if grep -E "^([a-z]+-)?$material(\.bsdf)?\$|[:/]$material(\.bsdf)?\$" "$dir/seen"; then fail "$1 has seen $material"; fi
+    done
+    checked=$((checked + 1))
+}
+
 for manifest in "$source"/models/*train*.json; do
-    if [ -f "$manifest" ]; then absent "$manifest"; fi
+    if [ -f "$manifest" ]; then
+        absent "$manifest"
+        unseen "$manifest"
+    fi
 done
+for encoder in "$source"/models/encoders/*.safetensors; do
+    if [ -f "$encoder" ]; then learned "$encoder"; fi
+done
+
+if [ -f "$source/models/corpus-test.json" ]; then
+    if grep -E '"split": "(train|validation)"' "$source/models/corpus-test.json"; then fail "the test corpus has other splits"; fi
+    sed -n 's/^ *"group": "\(.*\)",$/\1/p' "$source/models/corpus-test.json" | sort -u >"$dir/groups"
+    for material in $held_out; do echo "$material"; done | sort | cmp - "$dir/groups" || fail "the test corpus has other materials"
+fi
 
 if [ -f "$data/labels/labels_real.csv" ]; then
     awk -F, 'NR > 1 {sub(/_[0-9]+$/, "", $1); print $1}' "$data/labels/labels_real.csv" | sort -u >"$dir/names"

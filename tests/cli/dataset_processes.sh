@@ -1,0 +1,82 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm dataset by several processes that share a folder of work files, told apart as mpirun's variables do: a rank above 0 works
+# and writes no dataset; one that is killed in the middle leaves its group to the others; an interrupted one leaves the same
+# command to go on. The file is the same every time.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+cat >"$dir/materials.csv" <<'END'
+name,group,brdf,source,split
+a,a,ggx:kd=0.2;alpha=0.3,ggx,train
+b,b,ggx:kd=0.2;alpha=0.2,ggx,validation
+END
+"$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
+export OMP_NUM_THREADS=1
+make() {
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 "$@"
+}
+# rank R OF ARGUMENTS...
+rank() (
+    export OMPI_COMM_WORLD_RANK="$1" OMPI_COMM_WORLD_SIZE="$2"
+    shift 2
+    make "$@"
+)
+count() { find "$1" -name "$2" 2>/dev/null | wc -l; }
+# wait_for FOLDER PATTERN: until such a file is there, for a minute at most.
+wait_for() {
+    tries=0
+    until [ "$(count "$1" "$2")" -gt 0 ]; do
+        tries=$((tries + 1))
+        [ $tries -lt 1200 ] || fail "no $2 in $1 after a minute"
+        sleep 0.05
+    done
+}
+
+make -o "$dir/alone.safetensors" >/dev/null 2>"$dir/err"
+
+# A worker makes both groups and no dataset; the first rank only puts them together.
+rank 1 2 --work "$dir/work" -o "$dir/worker.safetensors" >"$dir/out" 2>"$dir/err" || fail "the worker failed"
+[ ! -s "$dir/out" ] || fail "the worker talks: $(cat "$dir/out")"
+[ "$(count "$dir/work" '*.safetensors')" = 2 ] || fail "the worker has not made two groups"
+[ "$(count "$dir/work" '*.claim')" = 0 ] || fail "a claim is left"
+[ ! -f "$dir/worker.safetensors" ] || fail "the worker has written a dataset"
+rank 0 2 --work "$dir/work" -o "$dir/first.safetensors" >"$dir/out" 2>"$dir/err" || fail "the first rank failed"
+grep -q '18 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
+cmp "$dir/alone.safetensors" "$dir/first.safetensors" || fail "another file from the worker's groups"
+cmp "$dir/alone.safetensors.json" "$dir/first.safetensors.json" || fail "another manifest"
+
+# Two at once: the second finds the first group claimed, and both wait for each other's. One is killed in its first group.
+rm -rf "$dir/work"
+"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
+    --work "$dir/work" -o "$dir/killed.safetensors" >/dev/null 2>&1 &
+victim=$!
+wait_for "$dir/work" '*.claim'
+kill -9 $victim
+wait $victim 2>/dev/null || true
+[ "$(count "$dir/work" '*.claim')" = 1 ] || fail "the claim of a killed process is not there"
+make --work "$dir/work" -o "$dir/survivor.safetensors" >/dev/null 2>"$dir/err" || fail "after a killed process"
+cmp "$dir/alone.safetensors" "$dir/survivor.safetensors" || fail "another file after a killed process"
+
+rm -rf "$dir/work"
+rank 1 2 --work "$dir/work" -o "$dir/x" >/dev/null 2>&1 &
+other=$!
+rank 0 2 --work "$dir/work" -o "$dir/both.safetensors" >/dev/null 2>"$dir/err" || fail "two at once"
+wait $other || fail "the second of two"
+cmp "$dir/alone.safetensors" "$dir/both.safetensors" || fail "another file from two at once"
+
+# Interrupted: exit code 130, and the same command goes on.
+rm -rf "$dir/work"
+"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
+    --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" &
+victim=$!
+wait_for "$dir/work" '*.safetensors'
+kill -TERM $victim
+code=0
+wait $victim || code=$?
+[ $code = 130 ] || [ $code = 0 ] || fail "exit code $code after an interruption"
+make --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" || fail "going on"
+cmp "$dir/alone.safetensors" "$dir/again.safetensors" || fail "another file after an interruption"
+
+code=0
+rank 0 2 -o "$dir/x" >/dev/null 2>"$dir/err" || code=$?
+[ $code = 2 ] && grep -q -- '--work' "$dir/err" || fail "two processes without a folder: exit code $code"
