@@ -41,6 +41,14 @@ printf 'material,model,level,DeltaE,JOD,class\nbrass_1,ward,0,1,9,1\nfelt_rgb_12
 "$tool" dataset --scan "$dir/data/" >"$dir/list.csv"
 grep -qx 'rgl-felt_rgb,felt_rgb,rgl/felt_rgb.bsdf,rgl,test' "$dir/list.csv" || fail "felt: $(cat "$dir/list.csv")"
 grep -q '^rgl-paper_rgb,paper_rgb,rgl/paper_rgb.bsdf,rgl,[tv][^e]' "$dir/list.csv" || fail "paper"
+printf 'material,mean0,mean1,mean2,mean3,mean4,mean5,mean6\n"felt, red",0,0,0,0,0,0,0\n"so ""called""",0,0,0,0,0,0,0\n' \
+    >"$dir/latents"
+mkdir -p "$dir/data/nps"
+mv "$dir/latents" "$dir/data/nps/nps_latents.csv"
+"$tool" dataset --scan "$dir/data" >"$dir/quoted.csv"
+grep -q '^"nps-felt, red","felt, red","nps/nps_decoder_f32le.bin:felt, red",nps,[tv]' "$dir/quoted.csv" ||
+    fail "commas: $(grep nps "$dir/quoted.csv")"
+grep -q '^"nps-so ""called""","so ""called""",' "$dir/quoted.csv" || fail "quotes: $(grep nps "$dir/quoted.csv")"
 grep -qx 'sgd-brass,brass,sgd:brass,sgd,test' "$dir/list.csv" || fail "brass"
 [ "$(grep -c '^sgd-' "$dir/list.csv")" = 100 ] || fail "100 presets"
 
@@ -55,6 +63,9 @@ expect() {
 }
 expect 2 'directions' "$dir/materials.csv" -o "$dir/x"
 expect 2 '-o FILE' "$dir/materials.csv" --directions "$dir/directions.csv"
+expect 2 'standard output' "$dir/materials.csv" --directions "$dir/directions.csv" -o -
+expect 2 'ggxx' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --models ward,ggxx
+expect 3 'nowhere' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
 expect 2 'validation' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
 expect 3 'missing.csv' "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"
 expect 3 'labels_real.csv' --scan "$dir"

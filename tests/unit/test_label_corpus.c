@@ -10,11 +10,14 @@
 #include "train/train.h"
 
 #include <dirent.h>
+#include <jansson.h>
 #include <math.h>
 #include <omp.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/nqm-test-XXXXXX";
@@ -78,6 +81,31 @@ static void paths_start_at_the_root(void **state) {
     nqm_corpus_list_free(&list);
     assert_int_equal(nqm_corpus_list_load(csv, "/nowhere", &list, NULL), NQM_ERR_IO);
     assert_null(list.refs);
+}
+
+/* Other latents beside the same decoder are other references. */
+static void a_decoder_is_hashed_with_its_latents(void **state) {
+    (void)state;
+    enum { N_BYTES = 808003 * 4 };
+    char csv[256], hex[2][65];
+    FILE *f = fopen(in_folder("decoder.bin"), "wb");
+    assert_non_null(f);
+    assert_int_equal(fseek(f, N_BYTES - 1, SEEK_SET), 0);
+    fputc(0, f);
+    fclose(f);
+    snprintf(csv, sizeof csv, "%s",
+             write_text("list.csv", "name,group,brdf,source,split\nm,m,decoder.bin:m,nps,train\n"));
+    for (int k = 0; k < 2; ++k) {
+        nqm_corpus_list list;
+        write_text("nps_latents.csv", k ? "material,mean0\nm,1\n" : "material,mean0\nm,0\n");
+        assert_int_equal(nqm_corpus_list_load(csv, NULL, &list, NULL), NQM_OK);
+        strcpy(hex[k], list.refs[0].file_sha256);
+        nqm_corpus_list_free(&list);
+    }
+    assert_string_not_equal(hex[0], hex[1]);
+    remove(in_folder("nps_latents.csv"));
+    nqm_corpus_list list;
+    assert_int_equal(nqm_corpus_list_load(csv, NULL, &list, NULL), NQM_ERR_IO);
 }
 
 static void bad_lists_are_refused(void **state) {
@@ -362,6 +390,116 @@ static void a_fit_of_its_own_model_is_near_perfect(void **state) {
     nqm_dataset_free(d);
 }
 
+enum { N_HAND = 7 }; /* tests of the corpus below: ward, ggx, and five perturbed copies */
+
+/* A corpus of one group whose test t has samples of t and a Delta-E of t; those whose bit is in `failed` failed. */
+static void write_by_hand(unsigned failed, const char *path) {
+    static nqm_corpus_item item;
+    static float ref_rgb[3 * 50], test_rgb[N_HAND][3 * 50];
+    static uint8_t ref_used[50], test_used[N_HAND][50];
+    static double delta_e[N_HAND], fit_loss[N_HAND];
+    static char *names[N_HAND], *failures[N_HAND];
+    nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
+    options.n_perturbations = 5;
+    nqm_directions *d = directions();
+    nqm_corpus c = {.n_items = 1, .n_refs = 1, .n_tests = N_HAND, .n_directions = 50, .items = &item};
+    c.context.options = &options;
+    c.context.directions = d;
+    c.context.list = &c.list;
+    assert_int_equal(nqm_corpus_models_parse(options.models, &c.context.models, NULL), NQM_OK);
+    const char *csv = write_text("one.csv", "name,group,brdf,source,split\nb-ggx,b,ggx:kd=0.1;alpha=0.4,ggx,train\n");
+    assert_int_equal(nqm_corpus_list_load(csv, NULL, &c.list, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_plan_make(&c.list, 0, &c.context.models, &options, &item.plan, NULL), NQM_OK);
+    assert_int_equal(item.plan.n_tests, N_HAND);
+    memset(ref_used, 1, sizeof ref_used);
+    memset(test_used, 1, sizeof test_used);
+    for (int t = 0; t < N_HAND; ++t) {
+        static char text[N_HAND][16];
+        snprintf(text[t], sizeof text[t], "test %d", t);
+        names[t] = text[t];
+        failures[t] = failed >> t & 1 ? text[t] : NULL;
+        delta_e[t] = t;
+        fit_loss[t] = 0.5;
+        for (int i = 0; i < 3 * 50; ++i)
+            test_rgb[t][i] = (float)t;
+    }
+    item.names = c.names = names;
+    item.failures = c.failures = failures;
+    item.fit_loss = c.fit_loss = fit_loss;
+    item.delta_e = c.delta_e = delta_e;
+    item.ref_rgb = c.ref_rgb = ref_rgb;
+    item.ref_used = c.ref_used = ref_used;
+    item.test_rgb = c.test_rgb = test_rgb[0];
+    item.test_used = c.test_used = test_used[0];
+    assert_int_equal(nqm_corpus_write(&c, path, NULL), NQM_OK);
+    nqm_corpus_plan_free(&item.plan);
+    nqm_corpus_list_free(&c.list);
+    nqm_directions_free(d);
+}
+
+static void failed_tests_are_left_out_and_named(void **state) {
+    (void)state;
+    nqm_dataset *d;
+    char path[256];
+    snprintf(path, sizeof path, "%s", in_folder("hand.safetensors"));
+    write_by_hand(1u << 0 | 1u << 4, path);
+    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    static const int kept[] = {1, 2, 3, 5, 6};
+    assert_int_equal(d->n_pairs, 5);
+    for (size_t p = 0; p < 5; ++p) {
+        char name[16];
+        snprintf(name, sizeof name, "test %d", kept[p]);
+        assert_string_equal(d->pair_names[p], name);
+        assert_near(d->delta_e[p], kept[p], 0);
+        for (size_t i = 0; i < 3 * 50; ++i)
+            assert_near(d->test_rgb[150 * p + i], kept[p], 0);
+    }
+    for (size_t k = 0; k < d->n_kinds; ++k)
+        assert_string_not_equal(d->kind_names[k], "ward");
+    assert_string_equal(d->kind_names[0], "ggx");
+    assert_string_equal(nqm_dataset_get_pair(d, 0).family, "encoding");
+    json_t *manifest = json_loads(d->manifest, 0, NULL);
+    json_t *failures = json_object_get(manifest, "failures"), *ward = json_object_get(failures, "ward");
+    assert_int_equal(json_object_size(failures), 2);
+    assert_int_equal(json_integer_value(json_object_get(ward, "pairs")), 1);
+    assert_string_equal(json_string_value(json_object_get(ward, "message")), "test 0");
+    assert_string_equal(json_string_value(json_array_get(json_object_get(ward, "references"), 0)), "b-ggx");
+    json_t *families = json_object_get(manifest, "families");
+    assert_int_equal(json_integer_value(json_object_get(families, "encoding")), 1);
+    json_decref(manifest);
+    manifest = json_load_file(in_folder("hand.safetensors.json"), 0, NULL);
+    assert_string_equal(json_string_value(json_object_get(manifest, "dataset_sha256")), d->sha256);
+    json_decref(manifest);
+    nqm_dataset_free(d);
+}
+
+/* A claim keeps others off until it is released or its process ends. */
+static void claims_exclude(void **state) {
+    (void)state;
+    char path[256];
+    int first, second;
+    snprintf(path, sizeof path, "%s", in_folder("claimed"));
+    assert_int_equal(nqm_corpus_claim(path, &first, NULL), NQM_OK);
+    assert_true(first >= 0);
+    assert_int_equal(nqm_corpus_claim(path, &second, NULL), NQM_OK);
+    assert_int_equal(second, -1);
+    nqm_corpus_release(path, first);
+    assert_int_not_equal(access(in_folder("claimed.claim"), F_OK), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        bool claimed = nqm_corpus_claim(path, &first, NULL) == NQM_OK && first >= 0;
+        raise(claimed ? SIGKILL : SIGTERM);
+    }
+    int end;
+    assert_int_equal(waitpid(child, &end, 0), child);
+    assert_int_equal(WTERMSIG(end), SIGKILL);
+    assert_int_equal(access(in_folder("claimed.claim"), F_OK), 0);
+    assert_int_equal(nqm_corpus_claim(path, &second, NULL), NQM_OK);
+    assert_true(second >= 0);
+    nqm_corpus_release(path, second);
+    assert_int_equal(nqm_corpus_claim("/nowhere/x", &second, NULL), NQM_ERR_IO);
+}
+
 /* Stops in the second group, which begins with fits: they take longer than a ticker waits. */
 static int stop_in_second_group(void *user, const char *stage, double done, double total) {
     (void)user;
@@ -450,6 +588,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(list_goes_by_group),
         cmocka_unit_test(paths_start_at_the_root),
+        cmocka_unit_test(a_decoder_is_hashed_with_its_latents),
         cmocka_unit_test(bad_lists_are_refused),
         cmocka_unit_test(training_never_sees_the_unseen_kinds),
         cmocka_unit_test(every_kind_gets_its_turn),
@@ -460,6 +599,8 @@ int main(void) {
         cmocka_unit_test(folding_makes_reciprocal),
         cmocka_unit_test(parts_hold_their_splits),
         cmocka_unit_test(a_fit_of_its_own_model_is_near_perfect),
+        cmocka_unit_test(failed_tests_are_left_out_and_named),
+        cmocka_unit_test(claims_exclude),
         cmocka_unit_test(an_interrupted_corpus_goes_on),
         cmocka_unit_test(a_part_without_materials_is_refused),
     };

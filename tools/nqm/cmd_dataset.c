@@ -15,6 +15,15 @@ typedef struct arguments {
     size_t count; /* of processes */
 } arguments;
 
+/* Name what could not be made: a corpus without it is still one, but its maker must know. */
+static void print_failures(const json_t *manifest) {
+    const char *kind;
+    json_t *row;
+    json_object_foreach(json_object_get(manifest, "failures"), kind, row) fprintf(
+        stderr, "nqm dataset: no %s for %zu tests: %s\n", kind,
+        (size_t)json_integer_value(json_object_get(row, "pairs")), json_string_value(json_object_get(row, "message")));
+}
+
 static int print_summary(const char *path, const arguments *a) {
     nqm_error err = {0};
     nqm_dataset *dataset;
@@ -22,35 +31,21 @@ static int print_summary(const char *path, const arguments *a) {
         return report_error("dataset", &err);
     nqm_dataset_info info = nqm_dataset_get_info(dataset);
     end_progress();
+    json_t *manifest = json_loads(info.manifest, 0, NULL);
+    print_failures(manifest);
     if (a->json) {
-        json_t *manifest = json_loads(info.manifest, 0, NULL);
         json_t *root = json_pack("{s:i,s:o,s:s,s:s,s:o}", "schema", 1, "tool", json_tool(), "path", path, "sha256",
                                  info.sha256, "manifest", manifest ? manifest : json_null());
         nqm_dataset_free(dataset);
         return print_json(root);
     }
+    json_decref(manifest);
     printf("%s: %zu pairs of %zu references in %zu material groups (train %zu, validation %zu, test %zu pairs)\n", path,
            info.n_pairs, info.n_refs, info.n_groups, info.n_pairs_in[NQM_SPLIT_TRAIN],
            info.n_pairs_in[NQM_SPLIT_VALIDATION], info.n_pairs_in[NQM_SPLIT_TEST]);
     printf("sha256 %s\n", info.sha256);
     nqm_dataset_free(dataset);
     return EXIT_OK;
-}
-
-/* Name what could not be made: a corpus without it is still one, but its maker must know. */
-static void print_failures(const char *path) {
-    nqm_error err = {0};
-    nqm_dataset *dataset;
-    if (nqm_dataset_load(path, &dataset, &err) != NQM_OK)
-        return;
-    json_t *manifest = json_loads(nqm_dataset_get_info(dataset).manifest, 0, NULL);
-    const char *kind;
-    json_t *row;
-    json_object_foreach(json_object_get(manifest, "failures"), kind, row) fprintf(
-        stderr, "nqm dataset: no %s for %zu tests: %s\n", kind,
-        (size_t)json_integer_value(json_object_get(row, "pairs")), json_string_value(json_object_get(row, "message")));
-    json_decref(manifest);
-    nqm_dataset_free(dataset);
 }
 
 static int parse_part(const char *text, nqm_corpus_part *part) {
@@ -71,7 +66,6 @@ static int build(const char *materials, const arguments *a, const nqm_corpus_opt
         return report_error("dataset", &err);
     if (corpus->work_only)
         return EXIT_OK;
-    print_failures(a->output);
     return print_summary(a->output, a);
 }
 
