@@ -17,9 +17,10 @@ const char *nqm_corpus_family_name(nqm_corpus_family family) {
     return names[family];
 }
 
-/* A perturbation and how strong it gets: a size log-uniform in [faint, strong]. The kind's name is the key. */
+/* A perturbation and how strong it gets: a size log-uniform in [faint, strong]. */
 typedef struct perturbation {
-    const char *key;
+    const char *kind;
+    const char *key; /* in the spec; NULL: the same */
     double faint, strong;
     enum {
         PLAIN,  /* the value is the size */
@@ -35,19 +36,19 @@ typedef struct perturbation {
 } perturbation;
 
 static const perturbation perturbations[] = {
-    {.key = "gloss", .faint = 0.02, .strong = 1.6, .form = FACTOR},
-    {.key = "tint", .faint = 0.01, .strong = 0.8, .form = TINT},
-    {.key = "scale", .faint = 0.01, .strong = 1.2, .form = FACTOR},
-    {.key = "fresnel", .faint = 0.3, .strong = 4.5, .form = FACTOR},
-    {.key = "smooth", .faint = 0.4, .strong = 15, .form = PLAIN, .slow = true}, /* degrees */
-    {.key = "mix", .faint = 0.01, .strong = 0.9, .form = PLAIN},
-    {.key = "noise", .faint = 0.02, .strong = 1.2, .form = PLAIN, .more = "cells", .more_from = 6, .more_to = 25},
-    {.key = "peak", .faint = 0.03, .strong = 2, .form = PEAK},
-    {.key = "desaturate", .faint = 0.03, .strong = 1, .form = SIGNED},
-    {.key = "quantise", .faint = 1, .strong = 40, .form = PLAIN}, /* steps a decade: fewer are worse */
-    {.key = "shift", .faint = 0.2, .strong = 12, .form = SIGNED}, /* degrees */
-    {.key = "clamp", .faint = 0.01, .strong = 0.9, .form = PLAIN, .unseen = true},
-    {.key = "ripple",
+    {.kind = "gloss", .faint = 0.02, .strong = 1.6, .form = FACTOR},
+    {.kind = "tint", .faint = 0.01, .strong = 0.8, .form = TINT},
+    {.kind = "scale", .faint = 0.01, .strong = 1.2, .form = FACTOR},
+    {.kind = "fresnel", .faint = 0.3, .strong = 4.5, .form = FACTOR},
+    {.kind = "blur", .key = "smooth", .faint = 0.4, .strong = 15, .form = PLAIN, .slow = true}, /* degrees */
+    {.kind = "mix", .faint = 0.01, .strong = 0.9, .form = PLAIN},
+    {.kind = "noise", .faint = 0.02, .strong = 1.2, .form = PLAIN, .more = "cells", .more_from = 6, .more_to = 25},
+    {.kind = "peak", .faint = 0.03, .strong = 2, .form = PEAK},
+    {.kind = "desaturate", .faint = 0.03, .strong = 1, .form = SIGNED},
+    {.kind = "quantise", .faint = 1, .strong = 40, .form = PLAIN}, /* steps a decade: fewer are worse */
+    {.kind = "shift", .faint = 0.2, .strong = 12, .form = SIGNED}, /* degrees */
+    {.kind = "clamp", .faint = 0.01, .strong = 0.9, .form = PLAIN, .unseen = true},
+    {.kind = "ripple",
      .faint = 0.02,
      .strong = 0.8,
      .form = PLAIN,
@@ -55,17 +56,17 @@ static const perturbation perturbations[] = {
      .more = "bands",
      .more_from = 2,
      .more_to = 25},
-    {.key = "hue", .faint = 2, .strong = 90, .form = SIGNED, .unseen = true}, /* degrees */
+    {.kind = "hue", .faint = 2, .strong = 90, .form = SIGNED, .unseen = true}, /* degrees */
 };
 enum { N_PERTURBATIONS = sizeof perturbations / sizeof *perturbations };
 
 const char *nqm_corpus_perturbation(size_t i) {
-    return i < N_PERTURBATIONS ? perturbations[i].key : NULL;
+    return i < N_PERTURBATIONS ? perturbations[i].kind : NULL;
 }
 
 bool nqm_corpus_kind_unseen(const char *name) {
     for (size_t i = 0; i < N_PERTURBATIONS; ++i)
-        if (strcmp(perturbations[i].key, name) == 0)
+        if (strcmp(perturbations[i].kind, name) == 0)
             return perturbations[i].unseen;
     return false;
 }
@@ -122,13 +123,13 @@ static double draw_value(nqm_rng *rng, const perturbation *p, double size) {
 /* The settings of a perturbation spec. */
 static void draw_perturbation(nqm_rng *rng, const perturbation *p, char text[80]) {
     double size = p->faint * pow(p->strong / p->faint, nqm_rng_uniform(rng));
-    size_t used = (size_t)snprintf(text, 80, "%s=", p->key);
+    size_t used = (size_t)snprintf(text, 80, "%s=", p->key ? p->key : p->kind);
     if (p->form == TINT) {
         put_tint(rng, size, text + used, 80 - used);
         return;
     }
     used += put_number(text + used, 80 - used, draw_value(rng, p, size));
-    if (strcmp(p->key, "noise") == 0)
+    if (strcmp(p->kind, "noise") == 0)
         used += (size_t)snprintf(text + used, 80 - used, ";seed=%u", (unsigned)nqm_rng_below(rng, 1000000));
     if (p->more)
         snprintf(text + used, 80 - used, ";%s=%u", p->more,
@@ -156,7 +157,7 @@ static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t n_fits, size_t
     const perturbation *two[2];
     if (choice < N_PERTURBATIONS) {
         test.kind.family = NQM_FAMILY_PERTURBATION;
-        snprintf(test.kind.name, sizeof test.kind.name, "%s", perturbations[choice].key);
+        snprintf(test.kind.name, sizeof test.kind.name, "%s", perturbations[choice].kind);
         draw_perturbation(rng, &perturbations[choice], test.perturbation[0]);
         return test;
     }
