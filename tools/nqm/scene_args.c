@@ -13,7 +13,11 @@ enum { MAX_SIDE = 4096 };
 
 scene_args scene_args_begin(void) {
     nqm_scene_options scene = nqm_scene_options_default();
-    return (scene_args){.scene = scene, .size = "256", .n_frames = scene.n_frames, .n_lights = scene.n_lights};
+    return (scene_args){.scene = scene,
+                        .size = "256",
+                        .n_frames = scene.n_frames,
+                        .n_lights = scene.n_lights,
+                        .light_width = scene.light_width};
 }
 
 void scene_args_table(scene_args *a, option *table) {
@@ -30,6 +34,7 @@ void scene_args_table(scene_args *a, option *table) {
         {"elevation", 0, OPTION_NUMBER, &a->elevation_deg, "DEG", "of the viewer above the horizon", -90, 90},
         {"lights", 0, OPTION_COUNT, &a->n_lights, "N", "light directions a point (0: 384, or 96 in a picture)", 0,
          1 << 16},
+        {"light-width", 0, OPTION_COUNT, &a->light_width, "N", "cells across the light map, once filtered", 16, 4096},
         {"no-shadows", 0, OPTION_FLAG, &a->no_shadows, NULL, "the shape keeps no light from itself", 0, 0},
         {"interreflection", 0, OPTION_FLAG, &a->interreflection, NULL, "add light that the shape reflects onto itself",
          0, 0},
@@ -69,6 +74,7 @@ int scene_args_end(const char *verb, scene_args *a) {
     }
     s->n_frames = (size_t)a->n_frames;
     s->n_lights = (size_t)a->n_lights;
+    s->light_width = (size_t)a->light_width;
     s->turn_rad = a->turn_deg * degree;
     s->elevation_rad = a->elevation_deg * degree;
     s->shadows = !a->no_shadows;
@@ -77,12 +83,12 @@ int scene_args_end(const char *verb, scene_args *a) {
 }
 
 json_t *json_scene(const nqm_scene_options *s) {
-    json_t *scene =
-        json_pack("{s:o,s:o,s:f,s:f,s:I,s:f,s:f,s:I,s:b,s:b,s:I}", "shape", json_name(s->shape ? s->shape : "sphere"),
-                  "light", json_name(s->light ? s->light : "built-in sky"), "exposure_cdm2", s->exposure_cdm2,
-                  "peak_cdm2", s->peak_cdm2, "frames", (json_int_t)s->n_frames, "turn", s->turn_rad / degree,
-                  "elevation", s->elevation_rad / degree, "lights", (json_int_t)nqm_scene_options_lights(s), "shadows",
-                  s->shadows, "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
+    json_t *scene = json_pack(
+        "{s:o,s:o,s:I,s:f,s:f,s:I,s:f,s:f,s:I,s:b,s:b,s:I}", "shape", json_name(s->shape ? s->shape : "sphere"),
+        "light", json_name(s->light ? s->light : "built-in sky"), "light_width", (json_int_t)s->light_width,
+        "exposure_cdm2", s->exposure_cdm2, "peak_cdm2", s->peak_cdm2, "frames", (json_int_t)s->n_frames, "turn",
+        s->turn_rad / degree, "elevation", s->elevation_rad / degree, "lights", (json_int_t)nqm_scene_options_lights(s),
+        "shadows", s->shadows, "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
     if (s->width) {
         json_object_set_new(scene, "width", json_integer((json_int_t)s->width));
         json_object_set_new(scene, "height", json_integer((json_int_t)s->height));

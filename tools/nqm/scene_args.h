@@ -12,12 +12,12 @@ typedef struct scene_args {
     nqm_scene_options scene; /**< complete after scene_args_end() */
     const char *size;        /**< "256" or "320x200" */
     uint64_t n_points;       /**< 0: a picture of `size` */
-    uint64_t n_frames, n_lights;
+    uint64_t n_frames, n_lights, light_width;
     double turn_deg, elevation_deg;
     bool no_shadows, interreflection;
 } scene_args;
 
-enum { N_SCENE_OPTIONS = 13 };
+enum { N_SCENE_OPTIONS = 14 };
 
 /** The defaults: a picture of 256 x 256, all else as nqm_scene_options_default(). */
 scene_args scene_args_begin(void);
