@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The network of an NBRDF for training: its loss against the formula in double with the evaluation of src/brdf, its
- * gradient against central differences of that loss.
+ * gradient against central differences of that loss, both against PyTorch (tests/vectors/nbrdf.py).
  */
 #include "fit/nbrdf_net.h"
 #include "math/math.h"
@@ -126,6 +126,43 @@ static void gradient_is_the_slope_of_the_loss(void **state) {
     assert_true(largest > 0.1); /* so that the tolerance says something */
 }
 
+static nqm_csv *load_vectors(const char *name, size_t n_rows) {
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector(name), &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_rows(csv), n_rows);
+    return csv;
+}
+
+static void agrees_with_pytorch(void **state) {
+    (void)state;
+    enum { ROWS = 200 };
+    nqm_csv *rows = load_vectors("nbrdf_batch.csv", ROWS),
+            *numbers = load_vectors("nbrdf_weights.csv", NQM_NBRDF_WEIGHTS);
+    float weights[NQM_NBRDF_WEIGHTS], gradient[NQM_NBRDF_WEIGHTS], input[6 * ROWS], weight[ROWS], goal[3 * ROWS];
+    double hd[3 * ROWS], loss = 0, difference2 = 0, norm2 = 0;
+    for (size_t i = 0; i < ROWS; ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            hd[3 * i + c] = csv_number(rows, i, (int)c);
+            goal[c * ROWS + i] = (float)csv_number(rows, i, (int)(3 + c));
+        }
+        loss += csv_number(rows, i, 6) / ROWS;
+    }
+    for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
+        weights[i] = (float)csv_number(numbers, i, 0);
+    nqm_nbrdf_inputs(ROWS, hd, input, weight);
+    const nqm_nbrdf_batch batch = {.n = ROWS, .input = input, .weight = weight, .goal = goal};
+    assert_near(nqm_nbrdf_loss(weights, &batch, gradient), loss, 1e-6 * loss);
+    for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i) {
+        double expected = csv_number(numbers, i, 1), difference = (double)gradient[i] - expected;
+        difference2 += difference * difference;
+        norm2 += expected * expected;
+        assert_near((double)gradient[i], expected, 1e-5 * (fabs(expected) + 0.05));
+    }
+    assert_true(sqrt(difference2) < 1e-5 * sqrt(norm2) && norm2 > 0.01);
+    nqm_csv_free(rows);
+    nqm_csv_free(numbers);
+}
+
 static void huge_outputs_stay_finite(void **state) {
     (void)state;
     for (double sign = -1; sign <= 1; sign += 2) {
@@ -144,9 +181,8 @@ static void huge_outputs_stay_finite(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(inputs_are_those_of_evaluation),
-        cmocka_unit_test(loss_is_its_formula),
-        cmocka_unit_test(gradient_is_the_slope_of_the_loss),
+        cmocka_unit_test(inputs_are_those_of_evaluation),    cmocka_unit_test(loss_is_its_formula),
+        cmocka_unit_test(gradient_is_the_slope_of_the_loss), cmocka_unit_test(agrees_with_pytorch),
         cmocka_unit_test(huge_outputs_stay_finite),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
