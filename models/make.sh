@@ -36,7 +36,7 @@ if [ ! -f "$work/directions.csv" ]; then
 fi
 for part in train test; do
     [ ! -f "$work/$part.safetensors" ] || continue
-    if [ $part = train ]; then set -- train,validation 18; else set -- test 26; fi
+    if [ $part = train ]; then set -- train,validation 30; else set -- test 30; fi
     "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" --light "$light" \
         --work "$work/groups" --only "$1" --perturbations "$2" -o "$work/$part.safetensors" --log
     cp "$work/$part.safetensors.json" "$here/corpus-$part.json"
@@ -48,7 +48,7 @@ judged() {
     echo
     echo "The 20 materials of the authors' study with people, in every form: no model, whitening, direction or threshold has"
     echo "seen them. Labels are those of \`nqm label\` (Pixar Campus light), not of people. Manifest: corpus-test.json."
-    echo "\`quantise\` and \`shift\` are kinds of distortion that do not occur in training. Higher is better."
+    echo "\`clamp\`, \`ripple\` and \`hue\` are kinds of distortion that do not occur in training. Higher is better."
     echo
     echo '```'
     (cd "$work" && "$nqm" eval test.safetensors --model "$1.safetensors" --by both)

@@ -19,10 +19,6 @@ static json_t *count(size_t n) {
     return json_integer((json_int_t)n);
 }
 
-static json_t *bool_json(int value) {
-    return value ? json_true() : json_false();
-}
-
 /* A built-in by its name, or a file with its checksum. */
 static json_t *file_json(const char *name, const char *sha256) {
     return *sha256 ? json_pack("{s:s,s:s}", "file", base_name(name), "sha256", sha256)
@@ -32,14 +28,15 @@ static json_t *file_json(const char *name, const char *sha256) {
 static json_t *scene_json(const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
     const double degrees = 180 / NQM_PI;
-    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:o,s:o,s:o,s:f,s:f,s:o}", "light",
-                     file_json(scene->light ? scene->light : "sky", context->light_sha256), "shape",
-                     file_json(scene->shape ? scene->shape : "sphere", context->shape_sha256), "width",
-                     count(scene->width), "height", count(scene->height), "points", count(scene->n_points), "frames",
+    json_t *light = file_json(scene->light ? scene->light : "sky", context->light_sha256);
+    json_t *shape = file_json(scene->shape ? scene->shape : "sphere", context->shape_sha256);
+    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:o,s:b,s:b,s:f,s:f,s:o}", "light", light, "light_width",
+                     count(scene->light_width), "shape", shape, "width", count(scene->width), "height",
+                     count(scene->height), "points", count(scene->width ? 0 : scene->n_points), "frames",
                      count(scene->n_frames), "turn_deg", scene->turn_rad * degrees, "elevation_deg",
                      scene->elevation_rad * degrees, "lights", count(nqm_scene_options_lights(scene)), "shadows",
-                     bool_json(scene->shadows), "interreflection", bool_json(scene->interreflection), "exposure_cdm2",
-                     scene->exposure_cdm2, "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));
+                     scene->shadows, "interreflection", scene->interreflection, "exposure_cdm2", scene->exposure_cdm2,
+                     "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));
 }
 
 static json_t *encoders_json(const nqm_corpus_context *context) {
