@@ -19,9 +19,40 @@ for key in spec model loss_name loss metrics; do
 done
 grep -qF "\"$spec\"" "$dir/ward.json" || fail "JSON says another spec than -q"
 [ "$(grep -c '"[rml][a-z_]*": [0-9.e+-]*,*$' "$dir/ward.json")" -ge 9 ] || fail "nine metrics: $(cat "$dir/ward.json")"
-"$tool" fit "$ref" --model all --json | grep -c '"spec"' | grep -qx 2 || fail "--model all"
-"$tool" fit "$ref" --model ggx --loss cube-root | grep -q "'cube-root'" || fail "text"
+"$tool" fit "$ref" --model ward --report --loss cube-root | grep -q "(cube-root), 6000 directions" || fail "report"
 "$tool" fit "$ref" --model ward -q --seed 2 >/dev/null
+
+# Several models: a row each, in the order that was asked for, once each.
+"$tool" fit "$ref" --model abc,ward,abc --samples 500 >"$dir/table"
+awk 'NR == 1 && $1 == "model" {ok++} NR == 2 && $1 == "abc" && $5 ~ /^abc:/ {ok++} NR == 3 && $1 == "ward" {ok++}
+     END {exit !(ok == 3 && NR == 3)}' "$dir/table" || fail "table: $(cat "$dir/table")"
+"$tool" fit "$ref" --model ward,lafortune,smooth --samples 500 --json | grep -c '"spec": "' | grep -qx 3 || fail "results in JSON"
+
+# Bounds are for the models that have the parameter; starts are a number.
+"$tool" fit "$ref" --model ward,blinn-phong --bounds alpha=.2:.5 --starts 3 --samples 500 -q >"$dir/bounded"
+awk -F'alpha=' '/^ward:/ && $2 >= .2 && $2 < .21 {ok++} /^blinn-phong:/ {ok++} END {exit ok != 2}' "$dir/bounded" ||
+    fail "bounds: $(cat "$dir/bounded")"
+
+# A network becomes a file, which is what score takes; without -o there is none, and that is said.
+"$tool" fit "$ref" --model hyper-low --samples 500 --json >"$dir/hyper.json" 2>"$dir/err"
+grep -q '"spec": null' "$dir/hyper.json" || fail "a spec of a network: $(cat "$dir/hyper.json")"
+grep -q '"note":' "$dir/hyper.json" || fail "no note: $(cat "$dir/hyper.json")"
+grep -q -- '-o FILE' "$dir/err" || fail "no hint"
+"$tool" fit "$ref" --model hyper-low --samples 500 -o "$dir/one.safetensors" -q | grep -qxF "$dir/one.safetensors" || fail "path"
+"$tool" score "$ref" "$dir/one.safetensors" -q >/dev/null || fail "score does not take the file"
+"$tool" fit "$ref" --model ward,hyper-low --samples 500 -o "$dir/fits" -q >"$dir/out"
+[ "$(tail -1 "$dir/out")" = "$dir/fits/hyper-low.safetensors" ] || fail "folder: $(cat "$dir/out")"
+cmp "$dir/one.safetensors" "$dir/fits/hyper-low.safetensors" || fail "two runs differ"
+[ "$(ls "$dir/fits")" = hyper-low.safetensors ] || fail "files: $(ls "$dir/fits")"
+"$tool" fit "$ref" --model ward --samples 500 -o "$dir/none" >/dev/null 2>"$dir/err"
+grep -q 'is not written' "$dir/err" && [ ! -e "$dir/none" ] || fail "a file for a spec"
+
+# One of several fails: it is named, the others are there, the exit code is its own.
+code=0
+"$tool" fit "$ref" --model ggx,lafortune --bounds f0=.1:2 --samples 500 --json >"$dir/out" 2>"$dir/err" || code=$?
+[ "$code" = 2 ] || fail "exit code $code of a failure among others"
+grep -q 'ggx: the bounds of f0' "$dir/err" || fail "the failure is not named"
+grep -q '"error":' "$dir/out" && grep -q '"lafortune:' "$dir/out" || fail "results: $(cat "$dir/out")"
 
 # expect CODE ARGUMENTS...
 expect() {
@@ -33,6 +64,12 @@ expect() {
     { [ -s "$dir/err" ] && [ ! -s "$dir/out" ]; } || fail "output of a failure: fit $*"
 }
 expect 2 "$ref" --model phong
+expect 2 "$ref" --model ward,
+expect 2 "$ref" --model ward --bounds alpha=.1
+expect 2 "$ref" --model ward --bounds alpha=.5:.1
+expect 2 "$ref" --model ward --bounds f0=.1:.5
+expect 2 "$ref" --starts 0
+expect 3 "$ref" -o "$dir/no/such/"
 expect 2 "$ref" --loss square
 expect 2 "$ref" --samples 3
 expect 2

@@ -1,120 +1,175 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm fit - fit analytic models to a BRDF; the result is a spec that every other verb takes.
+ * nqm fit - encode a BRDF: fit analytic models, train a network, code it with what was learned; the result is a spec or
+ * a file that every other verb takes.
  */
-#include "tool.h"
+#include "fit_tool.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 
-static const char *const model_names[] = {"ward", "ggx"};
-enum { N_MODELS = sizeof model_names / sizeof *model_names };
+static double now_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
-typedef struct fitted {
-    const char *model;
-    nqm_fit_report fit;
-    double metrics[NQM_METRIC_COUNT];
-} fitted;
-
-static nqm_status measure(const nqm_brdf *ref, const nqm_directions *directions, fitted *f, nqm_error *err) {
+/* The metrics of `test` against `ref`, where `ref` has values. */
+static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_directions *directions, double *metrics,
+                          nqm_error *err) {
     size_t n = nqm_directions_count(directions);
-    nqm_brdf *test = NULL;
     float *rgb = calloc(6 * n, sizeof *rgb);
     uint8_t *flag = calloc(n, 1), *used = calloc(n, 1);
     nqm_status status = NQM_ERR_NOMEM;
-    if (!rgb || !flag || !used) {
-        snprintf(err->message, sizeof err->message, "out of memory");
-        err->status = status;
-        goto done;
-    }
-    status = nqm_brdf_open(f->fit.spec, &test, err);
-    if (status == NQM_OK)
+    if (rgb && flag && used) {
         status = nqm_sample(ref, directions, NQM_INVALID_DROP, rgb, flag, NULL, err);
-    if (status == NQM_OK)
-        status = nqm_sample(test, directions, NQM_INVALID_DROP, rgb + 3 * n, NULL, NULL, err);
-    if (status != NQM_OK)
-        goto done;
-    for (size_t i = 0; i < n; ++i)
-        used[i] = flag[i] == NQM_VALUE_OK || flag[i] == NQM_VALUE_CLAMPED;
-    nqm_metrics_compute(directions, rgb, rgb + 3 * n, used, f->metrics);
-done:
+        if (status == NQM_OK)
+            status = nqm_sample(test, directions, NQM_INVALID_DROP, rgb + 3 * n, NULL, NULL, err);
+        for (size_t i = 0; i < n; ++i)
+            used[i] = flag[i] == NQM_VALUE_OK || flag[i] == NQM_VALUE_CLAMPED;
+        if (status == NQM_OK)
+            nqm_metrics_compute(directions, rgb, rgb + 3 * n, used, metrics);
+    } else
+        *err = (nqm_error){.status = status, .message = "out of memory"};
     free(rgb);
     free(flag);
     free(used);
-    nqm_brdf_free(test);
     return status;
 }
 
-static json_t *to_json(const fitted *f, nqm_fit_loss loss) {
-    json_t *metrics = json_object();
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(f->metrics[m]));
-    return json_pack("{s:s,s:s,s:s,s:o,s:o}", "spec", f->fit.spec, "model", f->model, "loss_name",
-                     nqm_fit_loss_name(loss), "loss", json_number(f->fit.loss), "metrics", metrics);
+/* ---- files of results -------------------------------------------------------------------------------------------- */
+
+static bool is_folder(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
-static int print_as_json(size_t n, const fitted *f, nqm_fit_loss loss) {
-    json_t *root = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
-    if (n == 1) {
-        json_object_update_new(root, to_json(f, loss));
-        return print_json(root);
+/* Where the results go: a file, or a folder when there are several models or it is written as one. */
+typedef struct output {
+    const char *path; /* NULL: nowhere */
+    bool folder;
+} output;
+
+static int prepare_output(const char *path, size_t n_models, output *out) {
+    *out = (output){.path = path};
+    if (!path)
+        return EXIT_OK;
+    size_t n = strlen(path);
+    out->folder = n_models > 1 || (n && path[n - 1] == '/') || is_folder(path);
+    if (out->folder && !is_folder(path) && mkdir(path, 0777) != 0)
+        return report("fit", EXIT_OPEN, "%s: cannot make this folder", path);
+    return EXIT_OK;
+}
+
+static nqm_status keep(const nqm_brdf *brdf, const output *out, fitted *f, nqm_error *err) {
+    size_t n = strlen(out->path);
+    int used = out->folder ? snprintf(f->path, sizeof f->path, "%s%s%s.safetensors", out->path,
+                                      n && out->path[n - 1] == '/' ? "" : "/", f->model)
+                           : snprintf(f->path, sizeof f->path, "%s", out->path);
+    if (used < 0 || (size_t)used >= sizeof f->path) {
+        *err = (nqm_error){.status = NQM_ERR_LIMIT, .message = "the path of the output is too long"};
+        return err->status;
     }
-    json_t *results = json_array();
-    for (size_t i = 0; i < n; ++i)
-        json_array_append_new(results, to_json(&f[i], loss));
-    json_object_set_new(root, "results", results);
-    return print_json(root);
+    return nqm_brdf_save(brdf, f->path, err);
 }
 
-static void print_as_text(size_t n, const fitted *f, nqm_fit_loss loss, bool quiet) {
-    for (size_t i = 0; i < n; ++i) {
-        puts(f[i].fit.spec);
-        if (quiet)
+/* ---- fits -------------------------------------------------------------------------------------------------------- */
+
+static nqm_status fit_one(const nqm_brdf *ref, const nqm_fit_options *options, const nqm_directions *directions,
+                          const output *out, fitted *f, nqm_error *err) {
+    nqm_brdf *brdf = NULL;
+    double begin = now_s();
+    nqm_status status = nqm_fit(ref, f->model, options, &f->fit, &brdf, err);
+    f->seconds = now_s() - begin;
+    if (status == NQM_OK)
+        status = measure(ref, brdf, directions, f->metrics, err);
+    if (status == NQM_OK && out->path && !f->fit.spec[0])
+        status = keep(brdf, out, f, err);
+    nqm_brdf_free(brdf);
+    return status;
+}
+
+/* Fit all; faults of single models are told and kept. Returns the worst exit code. */
+static int fit_all(const nqm_brdf *ref, const fit_wishes *wishes, const nqm_fit_options *common,
+                   const nqm_directions *directions, const output *out, fitted *f) {
+    int worst = EXIT_OK;
+    for (size_t i = 0; i < wishes->n_models; ++i) {
+        f[i].model = wishes->models[i];
+        nqm_fit_bound bounds[FIT_MAX_BOUNDS];
+        nqm_fit_options options = *common;
+        options.bounds = bounds;
+        for (size_t b = 0; b < wishes->n_bounds; ++b)
+            if (nqm_fit_model_has(f[i].model, wishes->bounds[b].key))
+                bounds[options.n_bounds++] = wishes->bounds[b];
+        note_progress("%s (%zu of %zu)", f[i].model, i + 1, wishes->n_models);
+        nqm_error err = {0};
+        if (fit_one(ref, &options, directions, out, &f[i], &err) == NQM_OK)
             continue;
-        printf("  %-10s %.5f  RMS residual of the '%s' loss, %zu directions\n", "loss", f[i].fit.loss,
-               nqm_fit_loss_name(loss), f[i].fit.n_directions);
-        for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-            printf("  %-10s %.5g\n", nqm_metric_name((nqm_metric)m), f[i].metrics[m]);
+        f[i].err = err;
+        int code = exit_code_of(err.status);
+        if (code == EXIT_INTERRUPTED || wishes->n_models == 1)
+            return report_error("fit", &err);
+        report("fit", code, "%s: %s", f[i].model, err.message);
+        worst = code > worst ? code : worst;
     }
+    return worst;
 }
 
-/* Fit all models that `which` names; *n_ret of them. */
-static nqm_status fit_models(const nqm_brdf *ref, const char *which, const nqm_fit_options *options,
-                             const nqm_directions *directions, fitted *f, size_t *n_ret, nqm_error *err) {
-    bool all = strcmp(which, "all") == 0;
-    size_t n = all ? N_MODELS : 1;
-    for (size_t i = 0; i < n; ++i) {
-        f[i].model = all ? model_names[i] : which;
-        nqm_status status = nqm_fit(ref, f[i].model, options, &f[i].fit, NULL, err);
-        if (status == NQM_OK)
-            status = measure(ref, directions, &f[i], err);
-        if (status != NQM_OK)
-            return status;
-    }
-    *n_ret = n;
-    return NQM_OK;
+static void print_arguments(size_t n, const fitted *f) {
+    for (size_t i = 0; i < n; ++i)
+        if (fitted_argument(&f[i]))
+            puts(fitted_argument(&f[i]));
+}
+
+static void tell_what_is_lost(const fit_wishes *wishes, const output *out, const fitted *f) {
+    for (size_t i = 0; i < wishes->n_models; ++i)
+        if (f[i].err.status == NQM_OK && !fitted_argument(&f[i]))
+            fprintf(stderr, "nqm fit: %s: the result is a file, not a spec: -o FILE keeps it\n", f[i].model);
+    if (out->path && !out->folder && f[0].fit.spec[0])
+        fprintf(stderr, "nqm fit: the result is a spec: %s is not written\n", out->path);
 }
 
 int cmd_fit(int argc, char **argv) {
     nqm_fit_options fit = nqm_fit_options_default();
     fit.progress = show_progress;
-    const char *model = "ggx", *loss = nqm_fit_loss_name(fit.loss), *directions_name = NULL;
-    bool json = false, quiet = false;
-    uint64_t n_directions = fit.n_directions;
+    const char *model = "ggx", *loss = nqm_fit_loss_name(fit.loss), *directions_name = NULL, *bounds = NULL,
+               *path = NULL;
+    bool json = false, quiet = false, full = false;
+    uint64_t n_directions = fit.n_directions, n_starts = fit.n_starts;
     double max_polar_deg = 80;
     const option options[] = {
         {.name = "model",
          .letter = 'm',
          .kind = OPTION_TEXT,
          .target = &model,
-         .metavar = "NAME",
-         .help = "ward, ggx or all"},
+         .metavar = "NAME,...",
+         .help = "models, or all, or encodings (the nine of the paper)"},
+        {.name = "output",
+         .letter = 'o',
+         .kind = OPTION_TEXT,
+         .target = &path,
+         .metavar = "FILE|DIR/",
+         .help = "where a network or table goes (DIR/MODEL.safetensors for several)"},
         {.name = "loss",
          .kind = OPTION_TEXT,
          .target = &loss,
          .metavar = "NAME",
-         .help = "log, log-cos, cube-root or linear"},
+         .help = "log, log-cos, cube-root or linear (analytic models)"},
+        {.name = "bounds",
+         .kind = OPTION_TEXT,
+         .target = &bounds,
+         .metavar = "KEY=LOW:HIGH,...",
+         .help = "narrower ranges of lobe parameters (analytic models)"},
+        {.name = "starts",
+         .kind = OPTION_COUNT,
+         .target = &n_starts,
+         .metavar = "N",
+         .help = "lobe widths to start from (analytic models)",
+         .min = 1,
+         .max = 100},
         {.name = "samples",
          .kind = OPTION_COUNT,
          .target = &n_directions,
@@ -135,17 +190,18 @@ int cmd_fit(int argc, char **argv) {
          .target = &directions_name,
          .metavar = "WHERE",
          .help = "where the metrics are taken (default: as `nqm score`)"},
-        {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .target = &quiet, .help = "print the spec only"},
+        {.name = "report", .kind = OPTION_FLAG, .target = &full, .help = "print everything about each fit"},
+        {.name = "quiet", .letter = 'q', .kind = OPTION_FLAG, .target = &quiet, .help = "print specs and paths only"},
         {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the result as JSON"},
         {0}};
     const command cmd = {
         .name = "fit",
         .usage = "REF [options]",
         .about =
-            "Fit an analytic model to a BRDF: an RGB lobe over a Lambert base. Some of the direction pairs lie dense\n"
-            "around the mirror direction, so that sharp highlights are kept. The result is a spec for every other "
-            "verb.",
+            "Encode a BRDF. Analytic models (an RGB lobe over a Lambert base) become specs; networks and coded tables\n"
+            "become files with -o. What is printed for a model is what every other verb takes.",
         .example = "nqm fit sgd:nickel --model ward\n"
+                   "nqm fit measured.bsdf --model all -o fits/\n"
                    "nqm score measured.bsdf \"$(nqm fit measured.bsdf --model ggx -q)\"",
         .options = options,
         .min_arguments = 1,
@@ -157,26 +213,45 @@ int cmd_fit(int argc, char **argv) {
     if (!nqm_fit_loss_parse(loss, &fit.loss))
         return report("fit", EXIT_USAGE, "there is no loss '%s'; there are log, log-cos, cube-root and linear", loss);
     fit.n_directions = (size_t)n_directions;
+    fit.n_starts = (size_t)n_starts;
     fit.max_polar_rad = max_polar_deg * acos(-1) / 180;
-
-    nqm_error err = {0};
-    nqm_brdf *ref = NULL;
-    nqm_directions *directions = NULL;
-    fitted results[N_MODELS] = {0};
-    size_t n = 0;
-    exit_code = open_directions("fit", directions_name, &directions);
+    fit_wishes wishes = {0};
+    exit_code = choose_models(model, &wishes);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_bounds(bounds, &wishes);
     if (exit_code != EXIT_OK)
         return exit_code;
-    nqm_status status = nqm_brdf_open(argv[0], &ref, &err);
-    if (status == NQM_OK)
-        status = fit_models(ref, model, &fit, directions, results, &n, &err);
-    nqm_directions_free(directions);
-    nqm_brdf_free(ref);
-    if (status != NQM_OK)
-        return report_error("fit", &err);
-    if (json)
-        return print_as_json(n, results, fit.loss);
+
+    nqm_directions *directions = NULL;
+    nqm_brdf **ref = NULL;
+    output out = {0};
+    fitted *results = calloc(wishes.n_models, sizeof *results);
+    exit_code =
+        results ? open_directions("fit", directions_name, &directions) : report("fit", EXIT_LIMIT, "out of memory");
+    if (exit_code == EXIT_OK)
+        exit_code = open_brdfs("fit", 1, argv, &ref);
+    if (exit_code == EXIT_OK)
+        exit_code = prepare_output(path, wishes.n_models, &out);
+    if (exit_code != EXIT_OK)
+        goto done;
+    exit_code = fit_all(*ref, &wishes, &fit, directions, &out, results);
     end_progress();
-    print_as_text(n, results, fit.loss, quiet);
-    return EXIT_OK;
+    if (exit_code == EXIT_INTERRUPTED || (exit_code != EXIT_OK && wishes.n_models == 1))
+        goto done;
+    tell_what_is_lost(&wishes, &out, results);
+    if (json) {
+        int printed = print_fits_as_json(wishes.n_models, results, fit.loss);
+        exit_code = exit_code == EXIT_OK ? printed : exit_code;
+    } else if (quiet)
+        print_arguments(wishes.n_models, results);
+    else if (full)
+        print_fit_report(wishes.n_models, results, fit.loss);
+    else
+        print_fits_as_table(wishes.n_models, results);
+done:
+    if (ref)
+        close_brdfs(1, ref);
+    nqm_directions_free(directions);
+    free(results);
+    return exit_code;
 }
