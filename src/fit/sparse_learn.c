@@ -1,11 +1,166 @@
 /* SPDX-License-Identifier: MIT
  *
- * The learning of the dictionary.
+ * The learning of the dictionary: tables of all references, a typical material (their median), the separable bases, and
+ * the atoms by K-SVD.
  */
-#include "fit/encoders.h"
+#include "fit/sparse.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CELLS = NQM_SPARSE_CELLS, CORE = NQM_SPARSE_CORE, N_ATOMS = 128, DEFAULT_STEPS = 40 };
+
+typedef struct learning {
+    size_t n;
+    const nqm_brdf *const *refs; /* (n) */
+    nqm_sparse_grid grid;
+    float *tables;       /* (n, 3, CELLS) */
+    double *cores;       /* (n, 3, CORE) */
+    nqm_status *outcome; /* (n) of sampling */
+    nqm_error *errors;   /* (n) */
+    nqm_sparse_dictionary *dictionary;
+    double *atoms; /* (N_ATOMS, CORE) */
+} learning;
+
+static nqm_status allocate(learning *l, nqm_error *err) {
+    l->tables = nqm_alloc(l->n, 3 * CELLS * sizeof *l->tables);
+    l->cores = nqm_alloc(l->n, 3 * CORE * sizeof *l->cores);
+    l->outcome = nqm_alloc(l->n, sizeof *l->outcome);
+    l->errors = nqm_alloc(l->n, sizeof *l->errors);
+    l->dictionary = nqm_alloc(1, sizeof *l->dictionary);
+    l->atoms = nqm_alloc(N_ATOMS, CORE * sizeof *l->atoms);
+    if (!l->tables || !l->cores || !l->outcome || !l->errors || !l->dictionary || !l->atoms)
+        return nqm_fail_nomem(err, l->n * 3 * CELLS * sizeof *l->tables);
+    return nqm_sparse_grid_make(&l->grid, err);
+}
+
+static void release(learning *l) {
+    nqm_free(l->tables);
+    nqm_free(l->cores);
+    nqm_free(l->outcome);
+    nqm_free(l->errors);
+    nqm_free(l->atoms);
+    nqm_sparse_dictionary_free(l->dictionary);
+    nqm_sparse_grid_free(&l->grid);
+}
+
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
+
+/* References first .. first + CHUNK, so that progress is told in between. */
+enum { CHUNK = 4 };
+typedef struct chunk {
+    learning *l;
+    size_t first;
+} chunk;
+
+static void sample_one(void *user, size_t i) {
+    chunk *c = user;
+    size_t r = c->first + i, n_valid;
+    learning *l = c->l;
+    l->outcome[r] = nqm_sparse_sample(&l->grid, l->refs[r], l->tables + r * 3 * CELLS, &n_valid, &l->errors[r]);
+}
+
+static nqm_status sample_all(learning *l, nqm_ticker *ticker, nqm_error *err) {
+    for (size_t first = 0; first < l->n; first += CHUNK) {
+        size_t n = l->n - first < CHUNK ? l->n - first : CHUNK;
+        nqm_parallel_for(n, sample_one, &(chunk){l, first});
+        for (size_t r = first; r < first + n; ++r)
+            if (l->outcome[r] != NQM_OK)
+                return nqm_fail(err, l->outcome[r], -1, "%s", l->errors[r].message);
+        if (nqm_tick(ticker, "references", (double)(first + n), (double)l->n))
+            return nqm_fail(err, NQM_ERR_CANCELLED, -1, "learning was stopped");
+    }
+    return NQM_OK;
+}
+
+/* The median over references and channels, cell by cell; 0 where none has a value. */
+static nqm_status find_typical(const learning *l, nqm_error *err) {
+    double *values = nqm_alloc(3 * l->n, sizeof *values);
+    if (!values)
+        return nqm_fail_nomem(err, 3 * l->n * sizeof *values);
+    for (size_t i = 0; i < l->grid.n; ++i) {
+        size_t cell = l->grid.cell[i], n_values = 0;
+        for (size_t t = 0; t < 3 * l->n; ++t) {
+            float value = l->tables[t * CELLS + cell];
+            if (!isnan(value))
+                values[n_values++] = (double)value;
+        }
+        l->dictionary->typical[cell] = n_values ? (float)nqm_quantile(n_values, values, 0.5) : 0;
+    }
+    nqm_free(values);
+    return NQM_OK;
+}
+
+static void map_one(void *user, size_t r) {
+    learning *l = user;
+    nqm_sparse_map(&l->grid, l->dictionary->typical, l->tables + r * 3 * CELLS);
+}
+
+static void analyse_one(void *user, size_t t) {
+    learning *l = user;
+    nqm_sparse_analyse(&l->dictionary->bases, l->tables + t * CELLS, l->cores + t * CORE);
+}
+
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
+
+static nqm_tensor matrix(const char *name, size_t rows, size_t cols, const float *data) {
+    return (nqm_tensor){.name = name,
+                        .dtype = NQM_F32,
+                        .n_dims = 2,
+                        .dims = {rows, cols},
+                        .n_bytes = rows * cols * sizeof *data,
+                        .data = data};
+}
+
+static nqm_status write_dictionary(const nqm_sparse_dictionary *d, size_t n, const char *const *names,
+                                   const nqm_learn_options *options, const char *path, nqm_error *err) {
+    const nqm_tensor tensors[] = {
+        matrix("typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical),
+        matrix("basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h),
+        matrix("basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d),
+        matrix("basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p),
+        matrix("atoms", d->n_atoms, CORE, d->atoms),
+    };
+    return nqm_encoder_write(path, "sparse", n, names, options, sizeof tensors / sizeof *tensors, tensors, err);
+}
+
+/* Bases and atoms of the sampled tables. */
+static nqm_status learn(learning *l, const nqm_learn_options *options, nqm_ticker *ticker, nqm_error *err) {
+    nqm_sparse_dictionary *d = l->dictionary;
+    nqm_status status = find_typical(l, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_parallel_for(l->n, map_one, l);
+    status = nqm_sparse_bases_learn(3 * l->n, l->tables, &d->bases, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_parallel_for(3 * l->n, analyse_one, l);
+    d->n_atoms = N_ATOMS;
+    status = nqm_sparse_ksvd(3 * l->n, l->cores, options->n_steps, options->seed, ticker, &d->n_atoms, l->atoms, err);
+    if (status != NQM_OK)
+        return status;
+    d->atoms = nqm_alloc(d->n_atoms, CORE * sizeof *d->atoms);
+    if (!d->atoms)
+        return nqm_fail_nomem(err, d->n_atoms * CORE * sizeof *d->atoms);
+    for (size_t i = 0; i < d->n_atoms * CORE; ++i)
+        d->atoms[i] = (float)l->atoms[i];
+    return NQM_OK;
+}
 
 nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *const *names,
                             const nqm_learn_options *options, const char *path, nqm_error *err) {
-    (void)n, (void)refs, (void)names, (void)options, (void)path;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "sparse is not in this build");
+    nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
+    nqm_learn_options used = *options;
+    used.n_steps = options->n_steps ? options->n_steps : DEFAULT_STEPS;
+    learning l = {.n = n, .refs = refs};
+    nqm_status status = allocate(&l, err);
+    if (status == NQM_OK)
+        status = sample_all(&l, &ticker, err);
+    if (status == NQM_OK)
+        status = learn(&l, &used, &ticker, err);
+    if (status == NQM_OK)
+        status = write_dictionary(l.dictionary, n, names, &used, path, err);
+    release(&l);
+    return status;
 }

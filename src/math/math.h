@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), the JOD curve and a front to
- * nonlinear least squares. Knows nothing of BRDFs or files.
+ * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), the JOD curve, a front to
+ * nonlinear least squares, eigenvectors. Knows nothing of BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H
@@ -65,5 +65,10 @@ typedef struct nqm_lsq_problem {
 
 /** Minimise from x (in/out); *rms_ret the root mean square residual. NQM_ERR_NUMERIC when it diverges. */
 NQM_MUST_CHECK nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_ret, nqm_error *err);
+
+/* ---- symmetric matrices ------------------------------------------------------------------------------------------ */
+
+/** Eigenvalues (n), largest first, and unit eigenvectors in rows (n, n) of the symmetric a (n, n), which is overwritten. */
+void nqm_eigen_symmetric(size_t n, double *a, double *values, double *vectors);
 
 #endif

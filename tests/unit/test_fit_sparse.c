@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The sparse encoding: mapping and bases are undone exactly, a table in the span of the atoms is coded exactly, more atoms
+ * come nearer, cells without a value are filled, and what cannot be coded is refused.
+ */
+#include "base/memory_test.h"
+#include "brdf/brdf.h"
+#include "fit/sparse.h"
+#include "math/math.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CELLS = NQM_SPARSE_CELLS, CORE = NQM_SPARSE_CORE };
+
+static nqm_sparse_dictionary *builtin(void) {
+    size_t n_bytes;
+    nqm_error err = {0};
+    nqm_sparse_dictionary *dictionary;
+    const unsigned char *bytes = nqm_encoder_bytes("sparse", &n_bytes);
+    assert_non_null(bytes);
+    if (nqm_sparse_dictionary_parse(bytes, n_bytes, "sparse", &dictionary, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return dictionary;
+}
+
+static void the_mapping_is_undone(void **state) {
+    (void)state;
+    static float table[3 * CELLS], before[3 * CELLS], typical[CELLS];
+    nqm_sparse_grid grid;
+    size_t n_valid;
+    nqm_brdf *brdf = open_brdf("sgd:nickel");
+    assert_int_equal(nqm_sparse_grid_make(&grid, NULL), NQM_OK);
+    assert_true(grid.n > CELLS / 2 && grid.n < CELLS);
+    assert_int_equal(nqm_sparse_sample(&grid, brdf, table, &n_valid, NULL), NQM_OK);
+    assert_int_equal(n_valid, grid.n);
+    memcpy(before, table, sizeof table);
+    for (size_t i = 0; i < CELLS; ++i)
+        typical[i] = 0.01f * (float)(i % 7);
+    nqm_sparse_map(&grid, typical, table);
+    /* The first channel is the mean of the logarithms, times the root of 3. */
+    size_t cell = grid.cell[1234];
+    double sum = 0;
+    for (size_t c = 0; c < 3; ++c)
+        sum += log(((double)before[c * CELLS + cell] + 1e-3) / ((double)typical[cell] + 1e-3));
+    assert_near((double)table[cell], sum / sqrt(3), 1e-5);
+    nqm_sparse_unmap(&grid, typical, table);
+    for (size_t i = 0; i < 3 * CELLS; ++i)
+        assert_near((double)table[i], (double)before[i], 1e-6 + 1e-5 * (double)before[i]);
+    nqm_sparse_grid_free(&grid);
+    nqm_brdf_free(brdf);
+}
+
+static void bases_keep_lengths(void **state) {
+    (void)state;
+    static double core[CORE], again[CORE];
+    static float channel[CELLS];
+    nqm_sparse_dictionary *dictionary = builtin();
+    nqm_rng rng = nqm_rng_make(1, 0);
+    double inside = 0, outside = 0;
+    for (size_t i = 0; i < CORE; ++i) {
+        core[i] = nqm_rng_normal(&rng);
+        inside += core[i] * core[i];
+    }
+    nqm_sparse_synthesise(&dictionary->bases, core, channel);
+    nqm_sparse_analyse(&dictionary->bases, channel, again);
+    for (size_t i = 0; i < CELLS; ++i)
+        outside += (double)channel[i] * (double)channel[i];
+    assert_relative(outside, inside, 1e-5);
+    for (size_t i = 0; i < CORE; ++i)
+        assert_near(again[i], core[i], 1e-5);
+    nqm_sparse_dictionary_free(dictionary);
+}
+
+/* A BRDF whose mapped table is the sum of three atoms, as far as light and viewer are above the horizon. */
+static nqm_brdf *in_span(const nqm_sparse_dictionary *dictionary, double factor) {
+    static double core[3 * CORE];
+    static float table[3 * CELLS], rgb[3 * CELLS];
+    static const struct {
+        size_t channel, atom;
+        double coefficient;
+    } parts[] = {{0, 3, 20}, {0, 17, -12}, {1, 5, 9}};
+    nqm_sparse_grid grid;
+    memset(core, 0, sizeof core);
+    for (size_t k = 0; k < 3; ++k)
+        for (size_t i = 0; i < CORE; ++i)
+            core[parts[k].channel * CORE + i] +=
+                factor * parts[k].coefficient * (double)dictionary->atoms[parts[k].atom * CORE + i];
+    for (size_t c = 0; c < 3; ++c)
+        nqm_sparse_synthesise(&dictionary->bases, core + c * CORE, table + c * CELLS);
+    assert_int_equal(nqm_sparse_grid_make(&grid, NULL), NQM_OK);
+    nqm_sparse_unmap(&grid, dictionary->typical, table);
+    for (size_t i = 0; i < 3 * CELLS; ++i)
+        rgb[i] = NAN;
+    for (size_t i = 0; i < grid.n; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * grid.cell[i] + c] = (float)((double)table[c * CELLS + grid.cell[i]] / grid.cosine[i]);
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, rgb, "span", &brdf, NULL), NQM_OK);
+    nqm_sparse_grid_free(&grid);
+    return brdf;
+}
+
+static double loss_of(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref, size_t n_atoms) {
+    nqm_fit_report report = {0};
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    if (nqm_sparse_encode(dictionary, ref, n_atoms, &report, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    assert_true(report.n_numbers <= 2 * n_atoms && report.n_directions > 1000);
+    nqm_brdf_free(brdf);
+    return report.loss;
+}
+
+static void what_lies_in_the_span_is_coded_exactly(void **state) {
+    (void)state;
+    nqm_sparse_dictionary *dictionary = builtin();
+    nqm_brdf *brdf = in_span(dictionary, 1), *nothing = in_span(dictionary, 0);
+    double few = loss_of(dictionary, brdf, 2), exact = loss_of(dictionary, brdf, 24);
+    assert_true(exact < 3e-4 && few > 20 * exact);
+    assert_true(loss_of(dictionary, nothing, 1) < 1e-6); /* the typical material itself */
+    nqm_brdf_free(brdf);
+    nqm_brdf_free(nothing);
+    nqm_sparse_dictionary_free(dictionary);
+}
+
+static void more_atoms_come_nearer(void **state) {
+    (void)state;
+    static const char *const presets[] = {"sgd:nickel", "sgd:green-plastic", "ward:pink-felt",
+                                          "ggx:kd=.1;ks=.2;alpha=.2"};
+    for (size_t i = 0; i < sizeof presets / sizeof *presets; ++i) {
+        static const char *const models[] = {"sparse-low", "sparse-mid", "sparse-high"};
+        nqm_brdf *ref = open_brdf(presets[i]);
+        nqm_fit_report report[3];
+        for (size_t m = 0; m < 3; ++m) {
+            nqm_error err = {0};
+            nqm_brdf *brdf;
+            if (nqm_fit(ref, models[m], NULL, &report[m], &brdf, &err) != NQM_OK)
+                fail_msg("%s", err.message);
+            assert_string_equal(nqm_brdf_get_info(brdf).format, "table");
+            assert_string_equal(report[m].spec, "");
+            nqm_brdf_free(brdf);
+        }
+        if (!(report[0].loss > report[1].loss && report[1].loss > report[2].loss && report[2].loss < 0.03))
+            fail_msg("%s: %g, %g, %g", presets[i], report[0].loss, report[1].loss, report[2].loss);
+        assert_int_equal(report[0].n_numbers, 8);
+        assert_int_equal(report[2].n_numbers, 64);
+        nqm_brdf_free(ref);
+    }
+}
+
+/* ---- cells without a value --------------------------------------------------------------------------------------- */
+
+/* Grey, but with holes: everything beyond `self` radians in theta_d, and some theta_h. */
+static void holes_eval(const void *self, size_t n, const double *hd, double *rgb) {
+    double limit = *(const double *)self;
+    for (size_t i = 0; i < n; ++i) {
+        bool hole = hd[3 * i + 1] > limit || (hd[3 * i] > 0.1 && hd[3 * i] < 0.2);
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = hole ? (double)NAN : 0.1;
+    }
+}
+
+static nqm_brdf *with_holes(const double *limit) {
+    static const nqm_brdf_class class_ = {.format = "holes", .eval_half_diff = holes_eval, .free = free_nothing};
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_wrap(&class_, (void *)(uintptr_t)limit, "holes.bsdf", NULL, NULL, &brdf, NULL), NQM_OK);
+    return brdf;
+}
+
+static void holes_are_filled(void **state) {
+    (void)state;
+    static const double limit = 1.2, tiny = -1;
+    nqm_sparse_dictionary *dictionary = builtin();
+    nqm_brdf *brdf = with_holes(&limit), *empty = with_holes(&tiny), *coded;
+    nqm_fit_report report;
+    nqm_error err = {0};
+    assert_int_equal(nqm_sparse_encode(dictionary, brdf, 32, &report, &coded, NULL), NQM_OK);
+    assert_true(report.loss < 0.01);
+    static const double hd[][3] = {
+        {0.05, 0.3, 1}, {0.5, 0.7, 2}, {0.15, 0.3, 1}, {0.05, 1.3, 1}}; /* 2 and 3: in holes */
+    double rgb[3 * 4];
+    nqm_brdf_eval_half_diff(coded, 4, hd[0], rgb, NULL);
+    for (size_t i = 0; i < 3 * 4; ++i)
+        assert_relative(rgb[i], 0.1, i < 6 ? 0.1 : 0.5);
+    nqm_brdf_free(coded);
+    assert_int_equal(nqm_sparse_encode(dictionary, empty, 32, &report, &coded, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "holes.bsdf"));
+    assert_null(coded);
+    nqm_brdf_free(brdf);
+    nqm_brdf_free(empty);
+    nqm_sparse_dictionary_free(dictionary);
+}
+
+static void memory_runs_out(void **state) {
+    (void)state;
+    nqm_brdf *ref = open_brdf("lambert:kd=0.3"), *brdf = NULL;
+    nqm_status status = NQM_ERR_NOMEM;
+    long n = 0;
+    for (; status != NQM_OK && n < 1000; ++n) {
+        nqm_fit_report report;
+        nqm_error err = {0};
+        nqm_alloc_fail_after(n);
+        status = nqm_fit(ref, "sparse-low", NULL, &report, &brdf, &err);
+        nqm_alloc_fail_after(-1);
+        if (status != NQM_OK && (status != NQM_ERR_NOMEM || brdf))
+            fail_msg("allocation %ld: %s (%s)", n, err.message, nqm_status_text(status));
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(n > 10);
+    nqm_brdf_free(brdf);
+    nqm_brdf_free(ref);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_mapping_is_undone),
+        cmocka_unit_test(bases_keep_lengths),
+        cmocka_unit_test(what_lies_in_the_span_is_coded_exactly),
+        cmocka_unit_test(more_atoms_come_nearer),
+        cmocka_unit_test(holes_are_filled),
+        cmocka_unit_test(memory_runs_out),
+    };
+    return cmocka_run_group_tests_name("fit: sparse", tests, NULL, NULL);
+}
