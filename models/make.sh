@@ -22,6 +22,7 @@ learn() {
     new_encoders=yes
 }
 new_encoders=
+learn sparse
 learn hyper
 if [ "$new_encoders" ]; then
     echo "models/encoders is new: build nqm again, so that it holds them, then start this again" >&2

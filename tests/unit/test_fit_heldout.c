@@ -58,6 +58,7 @@ static void every_form_of_a_name_is_known(void **state) {
 static void no_encoder_has_seen_one(void **state) {
     (void)state;
     size_t n_bytes;
+    assert_non_null(nqm_encoder_bytes("sparse", &n_bytes));
     assert_non_null(nqm_encoder_bytes("hyper", &n_bytes));
     for (const nqm_embedded_file *file = nqm_embedded_encoders; file->name; ++file) {
         nqm_safetensors *st;

@@ -1,0 +1,46 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm learn: a dictionary from four materials is a file that names them, the same for one and two threads; Ctrl-C leaves
+# nothing; bad arguments give the contract's exit codes.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+cd "$dir"
+learn() { "$tool" learn sparse sgd:nickel sgd:green-plastic lambert:kd=0.4,0.2,0.1 ward:pink-felt "$@" 2>err; }
+
+OMP_NUM_THREADS=1 learn --steps 2 -o one.safetensors || fail "learn"
+grep -q '4 BRDFs' err || fail "summary"
+OMP_NUM_THREADS=2 learn --steps 2 -o two.safetensors --json >out || fail "learn --json"
+cmp one.safetensors two.safetensors || fail "two threads give another file"
+for word in '"encoder": "sparse"' '"references": 4' '"seed": 1' '"output": "two.safetensors"'; do
+    grep -q "$word" out || fail "no $word: $(cat out)"
+done
+learn --steps 2 --seed 2 -o other.safetensors
+if cmp -s one.safetensors other.safetensors; then fail "another seed gives the same file"; fi
+head -c 2000 one.safetensors | tr -d '\\' | grep -qaF '"sgd:nickel","sgd:green-plastic"' || fail "the file does not name its references"
+
+rm -f ./*.safetensors
+got=0
+"$tool" learn sparse sgd:nickel sgd:green-plastic --steps 1000000 -o stopped.safetensors 2>err &
+learner=$!
+sleep 0.5
+kill -INT "$learner" 2>/dev/null || fail "it did not learn"
+wait "$learner" || got=$?
+[ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+[ -z "$(find . -name 'stopped*')" ] || fail "a stopped run leaves a file"
+
+# expect CODE ARGUMENTS...
+expect() {
+    code=$1
+    shift
+    got=0
+    "$tool" learn "$@" >out 2>err || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: learn $*"
+    { [ -s err ] && [ ! -s out ]; } || fail "output of a failure: learn $*"
+}
+expect 2 dictionary sgd:nickel -o x
+expect 2 sparse -o x
+expect 2 sparse sgd:nickel
+expect 2 sparse 'lambert:kd=5000' -o x
+expect 3 sparse missing.bsdf -o x
+expect 3 sparse sgd:nickel sgd:green-plastic --steps 1 -o missing/x
+expect 5 sparse lambert:kd=0.3 -o x
