@@ -8,11 +8,13 @@ PAIRS.csv are files of `nqm eval --pairs`; together they hold the training pairs
 (histogram boosting, Ke et al. 2017) learn log Delta-E from the columns `scalar:` of the training pairs. Their sizes and number come
 from the validation materials, or from folds of the training materials when the validation materials are those judged on. Each seed
 leaves a random tenth of the training materials out; the control is the mean over the seeds, and each seed is also judged alone.
-Models and metrics in the files are judged on the same pairs, and so are rank averages of the control with each model. Intervals are
-bootstrap percentiles over materials, as in `nqm eval`. Needs numpy, scipy and scikit-learn (Debian: python3-sklearn)."""
+Models and metrics in the files are judged on the same pairs, and so are rank averages of the control with each model. Models NAME,
+NAME-seed2, NAME-seed3 are seeds of one recipe: their mean and standard deviation are given too. Intervals are bootstrap percentiles
+over materials, as in `nqm eval`. Needs numpy, scipy and scikit-learn (Debian: python3-sklearn)."""
 import argparse
 import csv
 import json
+import re
 
 import numpy
 from scipy.stats import rankdata
@@ -141,6 +143,11 @@ def selections(part):
     yield "range", f"JOD >= {EDGE}", part.jod >= EDGE
 
 
+def recipe_of(name):
+    """Seeds of one recipe share it: "default-seed2" and "control seed 2" are of "default" and "control"."""
+    return re.sub("[- ]seed ?[0-9]+$", "", name)
+
+
 def predictions_of(part, control, seeds):
     """name -> (values, higher is better and in JOD)"""
     out = {}
@@ -151,7 +158,7 @@ def predictions_of(part, control, seeds):
     out["control"] = (control, True)
     for k, values in enumerate(seeds):
         out[f"control seed {k + 1}"] = (values, True)
-    for name in models:
+    for name in dict.fromkeys(map(recipe_of, models)):
         out[f"control+{name}"] = (rankdata(control) + rankdata(out[name][0]), False)
     return out
 
@@ -167,6 +174,22 @@ def judge_all(part, predictions, n_bootstrap):
     return results
 
 
+def over_seeds(results):
+    """Mean and standard deviation of each figure over the seeds of a recipe, for every selection."""
+    groups = {}
+    for r in results:
+        if r["name"] != "control" and "+" not in r["name"]:  # "control" itself is the mean of its seeds
+            groups.setdefault((r["by"], r["selection"], recipe_of(r["name"])), []).append(r)
+    out = []
+    for (by, selection, name), rows in groups.items():
+        if len(rows) > 1:
+            figures = {k: [r[k] for r in rows] for k in ("spearman", "spearman_mean_by_material", "mae")}
+            out.append({"by": by, "selection": selection, "name": name, "seeds": len(rows),
+                        **{k: float(numpy.mean(v)) for k, v in figures.items()},
+                        **{k + "_sd": float(numpy.std(v, ddof=1)) for k, v in figures.items()}})
+    return out
+
+
 # ---- output ----------------------------------------------------------------------------------------------------------
 
 
@@ -178,7 +201,12 @@ def show(results, predictions):
             pooled = "{:.3f} [{:.3f}, {:.3f}]".format(r["spearman"], *r["ci95"])
             means = "{:.3f} [{:.3f}, {:.3f}]".format(r["spearman_mean_by_material"], *r["ci95_mean_by_material"])
             print(f"{r['name']:{width}}{pooled:24}{means:24}" + ("" if numpy.isnan(r["mae"]) else f"{r['mae']:6.3f}"))
-    names = [name for name in predictions if name not in METRICS[:-1] and not name.startswith("control seed")]
+    for s in over_seeds(results):
+        if s["by"] == "all":
+            pooled = "{:.3f} (sd {:.3f})".format(s["spearman"], s["spearman_sd"])
+            means = "{:.3f} (sd {:.3f})".format(s["spearman_mean_by_material"], s["spearman_mean_by_material_sd"])
+            print(f"{s['name'] + ' x' + str(s['seeds']):{width}}{pooled:24}{means:24}{s['mae']:6.3f} (sd {s['mae_sd']:.3f})")
+    names = [name for name in predictions if name not in METRICS[:-1] and name == recipe_of(name)]
     print("\nSpearman over the pairs of each selection:\n\n" + f"{'':22}{'n':>6}  " + "  ".join(f"{n:>10}" for n in names))
     for by, selection in dict.fromkeys((r["by"], r["selection"]) for r in results):
         row = {r["name"]: r for r in results if (r["by"], r["selection"]) == (by, selection)}
@@ -240,7 +268,7 @@ def main():
         write_csv(options.csv, results)
     if options.json:
         with open(options.json, "w", encoding="utf-8") as file:
-            json.dump(plain({"schema": 1, "trees": n_trees, "settings": settings, "results": results}), file, indent=1)
+            json.dump(plain({"schema": 1, "trees": n_trees, "settings": settings, "results": results, "seeds": over_seeds(results)}), file, indent=1)
     if options.pairs:
         write_pairs(options.pairs, judged, predictions)
 

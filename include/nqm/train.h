@@ -90,6 +90,12 @@ typedef enum nqm_layout {
     NQM_LAYOUT_REF_DIFF_ABSDIFF /**< reference, s (test - reference), s |test - reference|: 9 n numbers */
 } nqm_layout;
 
+/** How the learning rates fall. */
+typedef enum nqm_schedule {
+    NQM_SCHEDULE_PLATEAU = 0, /**< by plateau_factor when the validation loss stagnates (the paper) */
+    NQM_SCHEDULE_COSINE       /**< half a cosine from the full rates to 0 over all epochs, whatever the losses */
+} nqm_schedule;
+
 typedef enum nqm_whitening { NQM_WHITEN_CHANNEL = 0, NQM_WHITEN_SCALAR } nqm_whitening;
 typedef enum nqm_scale_copy {
     NQM_SCALE_PAIR_REFLECTANCE = 0, /**< one factor a pair, on f_r (the paper) */
@@ -125,6 +131,7 @@ typedef struct nqm_train_options {
     double dropout;             /**< 0..0.9; default 0.2 (nqm: 0.1) */
     double lr_first, lr_deeper; /**< Adam; default 1e-4 for the first linear layer, 1e-3 for the rest */
     double weight_decay;        /**< L2, added to the gradient; default 1e-4 (nqm: 1e-5) */
+    nqm_schedule schedule;      /**< paper, notebook: PLATEAU */
     double plateau_factor;      /**< ReduceLROnPlateau; default 0.1 */
     size_t plateau_patience;    /**< epochs; default 5 */
     size_t batch;               /**< pairs; default 512 (nqm: 128) */
@@ -132,7 +139,7 @@ typedef struct nqm_train_options {
     uint64_t seed;              /**< default 1 */
     const char *checkpoint;     /**< file rewritten after each epoch; NULL: none */
     int resume;       /**< 1: go on from `checkpoint`, to the same bits as an uninterrupted run. It must come from the
-                           same dataset and options, except that `epochs` may be larger. */
+                           same dataset and options, except that `epochs` may be larger under NQM_SCHEDULE_PLATEAU. */
     const char *card; /**< Markdown that follows the facts in the model's card; NULL: none */
     nqm_progress_fn progress;
     void *progress_user;

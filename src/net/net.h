@@ -93,6 +93,10 @@ double nqm_plateau_step(nqm_plateau *plateau, double loss);
 /** A learning rate times that factor; unchanged when the step would be 1e-8 or less, as PyTorch does. */
 double nqm_plateau_rate(double lr, double factor);
 
+/** Half a cosine (Loshchilov and Hutter 2017, arXiv:1608.03983, without restarts): the factor of the rates when `done` of
+ *  `all` epochs are finished, from 1 towards 0. */
+double nqm_cosine_factor(size_t done, size_t all);
+
 /* ---- model file -------------------------------------------------------------------------------------------------- */
 
 /** What a model is, in plain data. Strings are owned by the model (nqm_alloc). */

@@ -5,6 +5,8 @@
  */
 #include "net/net.h"
 
+#include <math.h>
+
 double nqm_plateau_step(nqm_plateau *plateau, double loss) {
     if (loss < plateau->best * (1.0 - 1e-4)) {
         plateau->best = loss;
@@ -20,4 +22,8 @@ double nqm_plateau_step(nqm_plateau *plateau, double loss) {
 double nqm_plateau_rate(double lr, double factor) {
     double reduced = lr * factor;
     return lr - reduced > 1e-8 ? reduced : lr;
+}
+
+double nqm_cosine_factor(size_t done, size_t all) {
+    return 0.5 * (1 + cos(NQM_PI * (double)done / (double)all));
 }

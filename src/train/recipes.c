@@ -93,6 +93,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
     } ranges[] = {
         {"the layout", o->layout, NQM_LAYOUT_REF_TEST, NQM_LAYOUT_REF_DIFF_ABSDIFF},
         {"the target", o->target, NQM_TARGET_JOD, NQM_TARGET_LOG_DELTA_E},
+        {"the schedule", o->schedule, NQM_SCHEDULE_PLATEAU, NQM_SCHEDULE_COSINE},
         {"the whitening", o->whitening, NQM_WHITEN_CHANNEL, NQM_WHITEN_SCALAR},
         {"the scale copy", o->scale_copy, NQM_SCALE_PAIR_REFLECTANCE, NQM_SCALE_NONE},
         {"the difference scale", o->difference_scale, 1e-6, 1e6},
@@ -123,6 +124,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
+static const char *const schedule_names[] = {"plateau", "cosine"};
 static const char *const whitening_names[] = {"channel", "scalar"};
 static const char *const scale_copy_names[] = {"pair_reflectance", "element_transformed", "none"};
 
@@ -133,7 +135,8 @@ json_t *nqm_train_options_json(const nqm_train_options *o) {
     char seed[32]; /* a JSON integer holds 63 bits only */
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)o->seed);
     json_t *json = json_pack(
-        "{s:s, s:s, s:f, s:b, s:f, s:o, s:s, s:f, s:s, s:s, s:b, s:f, s:b, s:f, s:b, s:f, s:f, s:f, s:f, s:f, s:I, "
+        "{s:s, s:s, s:f, s:b, s:f, s:o, s:s, s:f, s:s, s:s, s:b, s:f, s:b, s:f, s:b, s:f, s:f, s:f, s:f, s:s, s:f, "
+        "s:I, "
         "s:I, s:s}",
         "recipe", o->recipe, "layout", nqm_layout_names[o->layout], "difference_scale", o->difference_scale, "scalars",
         o->scalars != 0, "scalar_scale", o->scalar_scale, "hidden", hidden, "target", nqm_target_names[o->target],
@@ -141,8 +144,10 @@ json_t *nqm_train_options_json(const nqm_train_options *o) {
         scale_copy_names[o->scale_copy], "split_by_pair", o->split_by_pair != 0, "validation_fraction",
         o->validation_fraction, "balance", o->balance != 0, "balance_sigma", o->balance_sigma, "freeze_first_layernorm",
         o->freeze_first_layernorm != 0, "dropout", o->dropout, "lr_first", o->lr_first, "lr_deeper", o->lr_deeper,
-        "weight_decay", o->weight_decay, "plateau_factor", o->plateau_factor, "plateau_patience",
-        (json_int_t)o->plateau_patience, "batch", (json_int_t)o->batch, "seed", seed);
+        "weight_decay", o->weight_decay, "schedule", schedule_names[o->schedule], "plateau_factor", o->plateau_factor,
+        "plateau_patience", (json_int_t)o->plateau_patience, "batch", (json_int_t)o->batch, "seed", seed);
+    if (o->schedule == NQM_SCHEDULE_COSINE) /* every epoch's rate depends on it */
+        json_object_set_new(json, "epochs", json_integer((json_int_t)o->epochs));
     return json;
 }
 

@@ -151,7 +151,12 @@ static void report_epoch(const run *r, size_t epoch) {
 
 static nqm_status run_epoch(run *r, nqm_error *err) {
     nqm_training *s = &r->state;
+    const nqm_train_options *o = r->options;
     double loss = 0;
+    if (o->schedule == NQM_SCHEDULE_COSINE) {
+        s->lr_first = o->lr_first * nqm_cosine_factor(s->epoch, o->epochs);
+        s->lr_deeper = o->lr_deeper * nqm_cosine_factor(s->epoch, o->epochs);
+    }
     nqm_status status = train_epoch(r, &loss, err);
     if (status != NQM_OK)
         return status;
@@ -160,12 +165,14 @@ static nqm_status run_epoch(run *r, nqm_error *err) {
     if (!isfinite(e->validation_loss))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the validation loss stopped being finite in epoch %zu",
                         s->epoch + 1);
-    double factor = nqm_plateau_step(&s->plateau, e->validation_loss);
-    s->lr_first = nqm_plateau_rate(s->lr_first, factor);
-    s->lr_deeper = nqm_plateau_rate(s->lr_deeper, factor);
+    if (o->schedule == NQM_SCHEDULE_PLATEAU) {
+        double factor = nqm_plateau_step(&s->plateau, e->validation_loss);
+        s->lr_first = nqm_plateau_rate(s->lr_first, factor);
+        s->lr_deeper = nqm_plateau_rate(s->lr_deeper, factor);
+    }
     s->epoch++;
-    if (r->options->checkpoint)
-        status = nqm_checkpoint_write(s, r->options, r->dataset->sha256, err);
+    if (o->checkpoint)
+        status = nqm_checkpoint_write(s, o, r->dataset->sha256, err);
     report_epoch(r, s->epoch - 1);
     return status;
 }

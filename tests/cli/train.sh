@@ -24,7 +24,7 @@ says() {
 }
 # number KEY: the first value of "KEY" in out.
 number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n 1p; }
-small="--hidden 32,16 --batch 64 --lr-first 0.001"
+small="--hidden 32,16 --batch 64 --lr-first 0.001 --schedule plateau"
 
 # Training: text, JSON, log, model file; the same command gives the same file.
 # shellcheck disable=SC2086
@@ -115,6 +115,16 @@ for word in '"schema": 1' '"spearman"' '"ci95": \[' '"spearman_mean_by_material"
 done
 run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors" --by kind --json --bootstrap 100
 cmp -s "$dir/out" "$dir/first" || fail "equal commands, different intervals"
+run 0 eval "$dir/toy.safetensors" --model none --split all --by all --json --bootstrap 0
+for word in '"by_family"' '"encoding"' '"by_class"' '"by_range"' '"by_kind"'; do
+    grep -q "$word" "$dir/out" || fail "JSON of --by all lacks $word"
+done
+run 0 eval "$dir/toy.safetensors" --model none --split all --by family
+grep -q '^perturbation: 288 pairs of 24 materials' "$dir/out" || fail "by family"
+for file in "$dir"/*.csv.*; do
+    [ ! -e "$file" ] || fail "unfinished CSVs lie about"
+done
+run 3 eval "$dir/toy.safetensors" --model none --pairs "$dir/no/such/folder/pairs.csv"
 run 0 eval "$dir/toy.safetensors" --model none --split all --csv --bootstrap 0
 [ "$(wc -l <"$dir/out")" = 10 ] || fail "a line a metric"
 grep -q '^all,all,rmse,metric,576,24,0\.' "$dir/out" || fail "CSV"

@@ -188,6 +188,7 @@ static void resumes_to_the_same_bits(void **state) {
         nqm_train_options o = small(recipes[i]);
         losses whole = {0}, parts = {0};
         o.epochs = 9;
+        o.schedule = NQM_SCHEDULE_PLATEAU;
         o.plateau_patience = 0; /* so that the schedule acts within a few epochs */
         o.lr_deeper = 0.02;
         o.epoch_done = note_losses;
@@ -220,6 +221,41 @@ static void resumes_to_the_same_bits(void **state) {
     }
 }
 
+static void refuse(const nqm_dataset *d, const nqm_train_options *o, nqm_status status, const char *words) {
+    nqm_model *model;
+    nqm_error err = {0};
+    assert_int_equal(nqm_train(d, o, &model, NULL, &err), status);
+    assert_null(model);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' is not in '%s'", words, err.message);
+}
+
+/* Rates on half a cosine; stopped and resumed, they go on there, but only towards the same end. */
+static void cosine_schedule(void **state) {
+    (void)state;
+    nqm_train_options o = small("nqm");
+    losses l = {0};
+    o.schedule = NQM_SCHEDULE_COSINE;
+    o.epochs = 6;
+    o.checkpoint = checkpoint;
+    o.epoch_done = note_losses;
+    o.epoch_user = &l;
+    unlink(checkpoint);
+    nqm_model *model = train(&o, NULL);
+    const double expected[6] = {1, (2 + sqrt(3)) / 4, 0.75, 0.5, 0.25, (2 - sqrt(3)) / 4};
+    assert_int_equal(l.n, 6);
+    for (size_t i = 0; i < 6; ++i)
+        assert_near(l.value[i][2], o.lr_first * expected[i], 1e-15);
+    l.n = 0;
+    o.resume = 1;
+    nqm_model *resumed = train(&o, NULL);
+    assert_same_model(model, resumed);
+    o.epochs = 9;
+    refuse(toy, &o, NQM_ERR_INCOMPATIBLE, "epochs 6, not 9");
+    nqm_model_free(model);
+    nqm_model_free(resumed);
+}
+
 static void stopped_and_resumed(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
@@ -233,15 +269,6 @@ static void stopped_and_resumed(void **state) {
     assert_same_model(uninterrupted, resumed);
     nqm_model_free(uninterrupted);
     nqm_model_free(resumed);
-}
-
-static void refuse(const nqm_dataset *d, const nqm_train_options *o, nqm_status status, const char *words) {
-    nqm_model *model;
-    nqm_error err = {0};
-    assert_int_equal(nqm_train(d, o, &model, NULL, &err), status);
-    assert_null(model);
-    if (!strstr(err.message, words))
-        fail_msg("'%s' is not in '%s'", words, err.message);
 }
 
 static void checkpoints_of_others(void **state) {
@@ -328,6 +355,7 @@ int main(void) {
         cmocka_unit_test(saved_and_loaded),
         cmocka_unit_test(repeats_itself_on_any_threads),
         cmocka_unit_test(resumes_to_the_same_bits),
+        cmocka_unit_test(cosine_schedule),
         cmocka_unit_test(stopped_and_resumed),
         cmocka_unit_test(checkpoints_of_others),
         cmocka_unit_test(divergence_is_noticed),

@@ -15,6 +15,7 @@
 static const choice layouts[] = {
     {"ref_test", NQM_LAYOUT_REF_TEST}, {"ref_diff_absdiff", NQM_LAYOUT_REF_DIFF_ABSDIFF}, {0}};
 static const choice targets[] = {{"jod", NQM_TARGET_JOD}, {"log_delta_e", NQM_TARGET_LOG_DELTA_E}, {0}};
+static const choice schedules[] = {{"plateau", NQM_SCHEDULE_PLATEAU}, {"cosine", NQM_SCHEDULE_COSINE}, {0}};
 static const choice whitenings[] = {{"channel", NQM_WHITEN_CHANNEL}, {"scalar", NQM_WHITEN_SCALAR}, {0}};
 static const choice scale_copies[] = {
     {"pair", NQM_SCALE_PAIR_REFLECTANCE}, {"element", NQM_SCALE_ELEMENT_TRANSFORMED}, {"none", NQM_SCALE_NONE}, {0}};
@@ -23,7 +24,7 @@ static const choice splits[] = {{"group", 0}, {"pair", 1}, {0}};
 /* What the command line says. Words and counts are kept as they are parsed and moved into `options` afterwards. */
 typedef struct train_arguments {
     const char *recipe, *output, *labels, *log, *card, *hidden;
-    const char *layout, *target, *whitening, *scale_copy, *split;
+    const char *layout, *target, *schedule, *whitening, *scale_copy, *split;
     uint64_t epochs, batch, patience;
     bool balance, no_balance, freeze, no_freeze, scalars, no_scalars, resume, json;
     nqm_train_options options;
@@ -58,6 +59,7 @@ static void begin_with_recipe(train_arguments *a, char *hidden, size_t n_hidden)
     const nqm_train_options *o = &a->options;
     a->layout = choice_name(layouts, o->layout);
     a->target = choice_name(targets, o->target);
+    a->schedule = choice_name(schedules, o->schedule);
     a->whitening = choice_name(whitenings, o->whitening);
     a->scale_copy = choice_name(scale_copies, o->scale_copy);
     a->split = choice_name(splits, o->split_by_pair);
@@ -90,10 +92,12 @@ static bool parse_hidden(const char *text, nqm_train_options *o) {
 
 static int settle_options(train_arguments *a) {
     nqm_train_options *o = &a->options;
-    int layout = 0, target = 0, whitening = 0, scale_copy = 0;
+    int layout = 0, target = 0, schedule = 0, whitening = 0, scale_copy = 0;
     int exit_code = choose("train", "layout", layouts, a->layout, &layout);
     if (exit_code == EXIT_OK)
         exit_code = choose("train", "target", targets, a->target, &target);
+    if (exit_code == EXIT_OK)
+        exit_code = choose("train", "schedule", schedules, a->schedule, &schedule);
     if (exit_code == EXIT_OK)
         exit_code = choose("train", "whitening", whitenings, a->whitening, &whitening);
     if (exit_code == EXIT_OK)
@@ -111,6 +115,7 @@ static int settle_options(train_arguments *a) {
         return report("train", EXIT_USAGE, "where to? give the model file: -o FILE");
     o->layout = (nqm_layout)layout;
     o->target = (nqm_target)target;
+    o->schedule = (nqm_schedule)schedule;
     o->whitening = (nqm_whitening)whitening;
     o->scale_copy = (nqm_scale_copy)scale_copy;
     o->balance = a->balance || (o->balance && !a->no_balance);
@@ -271,6 +276,7 @@ static void list_options(train_arguments *a, option options[MAX_OPTIONS]) {
         {"lr-first", 0, OPTION_NUMBER, &o->lr_first, "R", "learning rate of the first layer", 0, 1},
         {"lr", 0, OPTION_NUMBER, &o->lr_deeper, "R", "learning rate of the others", 0, 1},
         {"weight-decay", 0, OPTION_NUMBER, &o->weight_decay, "W", "L2, added to the gradient", 0, 1},
+        {"schedule", 0, OPTION_TEXT, &a->schedule, "WORD", "how the rates fall: plateau or cosine", 0, 0},
         {"plateau-factor", 0, OPTION_NUMBER, &o->plateau_factor, "F", "the rates' when validation stagnates", 0.001, 1},
         {"plateau-patience", 0, OPTION_COUNT, &a->patience, "N", "epochs without progress before that", 0, 1e6},
         {"freeze-norm", 0, OPTION_FLAG, &a->freeze, NULL, "leave the first LayerNorm as it begins (notebook)", 0, 0},

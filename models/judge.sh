@@ -1,0 +1,36 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The judgement on materials never seen, behind what models/make.sh left in WORK: further seeds of both recipes, every model and the
+# boosted-trees control on the test pairs, and the same on the validation materials. Resumable. Results: WORK/judged-*.txt, .csv, .json.
+# usage: models/judge.sh WORK [SEEDS]   (default: 3 seeds; the first is the shipped model)
+set -eu
+work=$(cd "${1:?usage: models/judge.sh WORK [SEEDS]}" && pwd)
+seeds=${2:-3}
+here=$(cd "$(dirname "$0")" && pwd)
+nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
+cd "$work"
+
+models=
+for recipe in default:nqm paper:paper; do
+    name=${recipe%:*}
+    models=$models,$name.safetensors
+    seed=2
+    while [ "$seed" -le "$seeds" ]; do
+        id=$name-seed$seed
+        if [ ! -f "$id.safetensors" ]; then
+            resume=
+            [ ! -f "$id.checkpoint" ] || resume=--resume
+            "$nqm" train train.safetensors --recipe "${recipe#*:}" --id "$id" --seed "$seed" -o "$id.safetensors" \
+                --checkpoint "$id.checkpoint" $resume --log "$id.csv"
+        fi
+        models=$models,$id.safetensors
+        seed=$((seed + 1))
+    done
+done
+"$nqm" eval train.safetensors --split all --bootstrap 0 --model "${models#,}" --pairs train-pairs.csv >/dev/null
+"$nqm" eval test.safetensors --split all --by all --model "${models#,}" --pairs test-pairs.csv --json >judged.json
+for split in validation test; do
+    /usr/bin/python3 "$here/control.py" train-pairs.csv test-pairs.csv --judge $split --seeds "$seeds" --csv judged-$split.csv \
+        --json judged-$split.json >judged-$split.txt
+done
+cat judged-test.txt
