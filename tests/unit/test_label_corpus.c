@@ -1,315 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * Corpora: lists that must be refused; plans that keep unseen kinds out of training and depend on the seed and the
- * names only; forms as they are read; and a small corpus of analytic materials, made, interrupted, resumed and read
- * back.
+ * Corpora: a small one of analytic materials, made, interrupted, resumed and read back; failed tests; claims.
  */
-#include "brdf/brdf.h"
 #include "label/corpus.h"
 #include "support/check.h"
+#include "support/corpus_files.h"
 #include "train/train.h"
 
 #include <dirent.h>
 #include <jansson.h>
-#include <math.h>
 #include <omp.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-static char folder[] = "/tmp/nqm-test-XXXXXX";
-
-static const char *in_folder(const char *name) {
-    static char path[2][256];
-    static int which;
-    which = !which;
-    snprintf(path[which], sizeof path[which], "%s/%s", folder, name);
-    return path[which];
-}
-
-static const char *write_text(const char *name, const char *text) {
-    const char *path = in_folder(name);
-    FILE *f = fopen(path, "w");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
-    return path;
-}
-
-static const char materials[] = "name,group,brdf,source,split\n"
-                                "a-ggx,a,ggx:kd=0.2;alpha=0.2,ggx,train\n"
-                                "b-ggx,b,ggx:kd=0.1;alpha=0.4,ggx,validation\n"
-                                "a-ward,a,ward:kd=0.2;ks=0.04;alpha=0.2,ward,train\n"
-                                "nickel-sgd,nickel,sgd:nickel,sgd,test\n";
-
-/* ---- lists ------------------------------------------------------------------------------------------------------- */
-
-static void list_goes_by_group(void **state) {
-    (void)state;
-    nqm_corpus_list list;
-    assert_int_equal(nqm_corpus_list_load(write_text("list.csv", materials), NULL, &list, NULL), NQM_OK);
-    assert_int_equal(list.n_refs, 4);
-    assert_int_equal(list.n_groups, 3);
-    assert_string_equal(list.refs[0].name, "a-ggx");
-    assert_string_equal(list.refs[1].name, "a-ward");
-    assert_string_equal(list.refs[2].name, "b-ggx");
-    assert_int_equal(list.groups[0].n_refs, 2);
-    assert_int_equal(list.groups[1].first_ref, 2);
-    assert_int_equal(list.groups[2].split, NQM_SPLIT_TEST);
-    assert_true(nqm_corpus_in_part(&list.groups[0], NQM_CORPUS_TRAINING));
-    assert_true(nqm_corpus_in_part(&list.groups[1], NQM_CORPUS_TRAINING));
-    assert_false(nqm_corpus_in_part(&list.groups[2], NQM_CORPUS_TRAINING));
-    nqm_corpus_list_free(&list);
-}
-
-static void paths_start_at_the_root(void **state) {
-    (void)state;
-    nqm_corpus_list list;
-    write_text("one.bsdf", "content");
-    const char *csv = write_text("list.csv", "name,group,brdf,source,split\n"
-                                             "m,m,one.bsdf,rgl,train\n"
-                                             "n,m,one.bsdf:inside,nbrdf,train\n");
-    assert_int_equal(nqm_corpus_list_load(csv, NULL, &list, NULL), NQM_OK);
-    assert_string_equal(list.refs[0].path, in_folder("one.bsdf"));
-    /* sha256sum of the seven bytes "content" */
-    static const char sha[] = "ed7002b439e9ac845f22357d822bac1444730fbdb6016d3ec9432297b9ec9f73";
-    assert_string_equal(list.refs[0].file_sha256, sha);
-    assert_string_equal(list.refs[1].file_sha256, sha);
-    nqm_corpus_list_free(&list);
-    assert_int_equal(nqm_corpus_list_load(csv, "/nowhere", &list, NULL), NQM_ERR_IO);
-    assert_null(list.refs);
-}
-
-/* Other latents beside the same decoder are other references. */
-static void a_decoder_is_hashed_with_its_latents(void **state) {
-    (void)state;
-    enum { N_BYTES = 808003 * 4 };
-    char csv[256], hex[2][65];
-    FILE *f = fopen(in_folder("decoder.bin"), "wb");
-    assert_non_null(f);
-    assert_int_equal(fseek(f, N_BYTES - 1, SEEK_SET), 0);
-    fputc(0, f);
-    fclose(f);
-    snprintf(csv, sizeof csv, "%s",
-             write_text("list.csv", "name,group,brdf,source,split\nm,m,decoder.bin:m,nps,train\n"));
-    for (int k = 0; k < 2; ++k) {
-        nqm_corpus_list list;
-        write_text("nps_latents.csv", k ? "material,mean0\nm,1\n" : "material,mean0\nm,0\n");
-        assert_int_equal(nqm_corpus_list_load(csv, NULL, &list, NULL), NQM_OK);
-        strcpy(hex[k], list.refs[0].file_sha256);
-        nqm_corpus_list_free(&list);
-    }
-    assert_string_not_equal(hex[0], hex[1]);
-    remove(in_folder("nps_latents.csv"));
-    nqm_corpus_list list;
-    assert_int_equal(nqm_corpus_list_load(csv, NULL, &list, NULL), NQM_ERR_IO);
-}
-
-static void bad_lists_are_refused(void **state) {
-    (void)state;
-    static const struct {
-        const char *text, *message;
-    } cases[] = {
-        {"name,group,brdf,source,split\n", "no material"},
-        {"name,group,brdf,split\na,a,sgd:nickel,train\n", "'source'"},
-        {"name,group,brdf,source,split\na,a,sgd:nickel,sgd,train\na,b,sgd:brass,sgd,train\n", "twice"},
-        {"name,group,brdf,source,split\na,m,sgd:nickel,sgd,train\nb,m,ward:nickel,ward,test\n", "one split"},
-        {"name,group,brdf,source,split\na,m,sgd:nickel,sgd,training\n", "'training'"},
-        {"name,group,brdf,source,split\na,,sgd:nickel,sgd,train\n", "lacks"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_corpus_list list;
-        nqm_error err = {0};
-        assert_int_equal(nqm_corpus_list_load(write_text("bad.csv", cases[i].text), NULL, &list, &err), NQM_ERR_FORMAT);
-        if (!strstr(err.message, cases[i].message) || !strstr(err.message, "bad.csv"))
-            fail_msg("case %zu: %s", i, err.message);
-    }
-}
-
-/* ---- plans ------------------------------------------------------------------------------------------------------- */
-
-static void plan_of(nqm_corpus_part part, uint64_t seed, size_t group, nqm_corpus_plan *plan) {
-    nqm_corpus_list list;
-    nqm_corpus_options options = nqm_corpus_options_default();
-    options.part = part;
-    options.seed = seed;
-    assert_int_equal(nqm_corpus_list_load(write_text("list.csv", materials), NULL, &list, NULL), NQM_OK);
-    nqm_corpus_models models;
-    assert_int_equal(nqm_corpus_models_parse(NULL, &models, NULL), NQM_OK);
-    assert_int_equal(nqm_corpus_plan_make(&list, group, &models, &options, plan, NULL), NQM_OK);
-    nqm_corpus_list_free(&list);
-}
-
-static void training_never_sees_the_unseen_kinds(void **state) {
-    (void)state;
-    for (uint64_t seed = 1; seed <= 20; ++seed) {
-        nqm_corpus_plan plan;
-        plan_of(NQM_CORPUS_TRAINING, seed, 0, &plan);
-        for (size_t t = 0; t < plan.n_tests; ++t) {
-            assert_false(nqm_corpus_kind_unseen(plan.tests[t].kind.name));
-            for (int k = 0; k < 2; ++k) {
-                assert_null(strstr(plan.tests[t].perturbation[k], "clamp"));
-                assert_null(strstr(plan.tests[t].perturbation[k], "ripple"));
-                assert_null(strstr(plan.tests[t].perturbation[k], "hue"));
-            }
-        }
-        nqm_corpus_plan_free(&plan);
-    }
-}
-
-static size_t count_kind(const nqm_corpus_plan *plan, const char *name, nqm_corpus_family family) {
-    size_t n = 0;
-    for (size_t t = 0; t < plan->n_tests; ++t)
-        if (strcmp(plan->tests[t].kind.name, name) == 0) {
-            assert_int_equal(plan->tests[t].kind.family, family);
-            ++n;
-        }
-    return n;
-}
-
-static void every_kind_gets_its_turn(void **state) {
-    (void)state;
-    nqm_corpus_plan plan;
-    plan_of(NQM_CORPUS_TEST, 1, 2, &plan);
-    size_t n_presets = 0;
-    for (size_t i = 0; i < nqm_brdf_preset_count(); ++i)
-        n_presets += strcmp(strchr(nqm_brdf_preset_name(i), ':'), ":nickel") == 0;
-    assert_true(n_presets >= 2);
-    assert_int_equal(plan.n_forms, n_presets); /* the reference is one of them */
-    assert_int_equal(plan.n_tests, nqm_fit_model_count() + n_presets - 1 + 26);
-    for (size_t k = 0; k < nqm_fit_model_count(); ++k)
-        assert_int_equal(count_kind(&plan, nqm_fit_model_name(k), NQM_FAMILY_ENCODING), 1);
-    assert_int_equal(count_kind(&plan, "published-ward", NQM_FAMILY_PUBLISHED), 1);
-    assert_int_equal(count_kind(&plan, "published-sgd", NQM_FAMILY_PUBLISHED), 0);
-    for (size_t i = 0; nqm_corpus_perturbation(i); ++i)
-        assert_in_range(count_kind(&plan, nqm_corpus_perturbation(i), NQM_FAMILY_PERTURBATION), 1, 2);
-    assert_in_range(count_kind(&plan, "composed", NQM_FAMILY_COMPOSED), 2, 4);
-    assert_in_range(count_kind(&plan, "refit", NQM_FAMILY_COMPOSED), 2, 4);
-    nqm_corpus_plan_free(&plan);
-
-    plan_of(NQM_CORPUS_TRAINING, 1, 0, &plan);
-    assert_true(count_kind(&plan, "quantise", NQM_FAMILY_PERTURBATION) >= 2);
-    assert_true(count_kind(&plan, "shift", NQM_FAMILY_PERTURBATION) >= 2);
-    assert_int_equal(count_kind(&plan, "form-ward", NQM_FAMILY_FORM), 1);
-    nqm_corpus_plan_free(&plan);
-}
-
-/* Highlights that are weakened a little, nearly gone and gone, all in one stream of tests. */
-static void models_are_chosen_by_name(void **state) {
-    (void)state;
-    nqm_corpus_models models;
-    assert_int_equal(nqm_corpus_models_parse(NULL, &models, NULL), NQM_OK);
-    assert_int_equal(models.n, nqm_fit_model_count());
-    assert_int_equal(nqm_corpus_models_parse("", &models, NULL), NQM_OK);
-    assert_int_equal(models.n, 0);
-    assert_int_equal(nqm_corpus_models_parse("ggx,ward", &models, NULL), NQM_OK);
-    assert_int_equal(models.n, 2);
-    assert_string_equal(models.name[0], "ward");
-    assert_string_equal(models.name[1], "ggx");
-    static const char *const bad[] = {"gg", "ggxx", "ggx,ggx", ",", "ggx ward"};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
-        nqm_error err = {0};
-        assert_int_equal(nqm_corpus_models_parse(bad[i], &models, &err), NQM_ERR_ARG);
-        assert_non_null(strstr(err.message, bad[i]));
-    }
-}
-
-static void highlights_go_missing(void **state) {
-    (void)state;
-    enum { N = 2000 };
-    static nqm_corpus_test tests[N];
-    nqm_rng rng = nqm_rng_make(1, 0);
-    nqm_corpus_draw_tests(&rng, 0, 9, NQM_CORPUS_TRAINING, N, tests);
-    size_t n = 0, n_none = 0, n_little = 0;
-    for (size_t t = 0; t < N; ++t) {
-        if (strcmp(tests[t].kind.name, "peak") != 0)
-            continue;
-        double peak = atof(tests[t].perturbation[0] + strlen("peak="));
-        ++n;
-        n_none += peak == 0;
-        n_little += peak > 0 && peak <= 0.1;
-    }
-    assert_in_range(n, 130, 145);
-    assert_in_range(n_none, 10, 40);
-    assert_in_range(n_little, 10, 40);
-}
-
-static void a_seed_is_a_plan(void **state) {
-    (void)state;
-    nqm_corpus_plan a, b, c;
-    plan_of(NQM_CORPUS_TRAINING, 1, 0, &a);
-    plan_of(NQM_CORPUS_TRAINING, 1, 0, &b);
-    plan_of(NQM_CORPUS_TRAINING, 2, 0, &c);
-    size_t n_different = 0;
-    assert_int_equal(a.n_tests, b.n_tests);
-    for (size_t t = 0; t < a.n_tests; ++t) {
-        assert_string_equal(a.tests[t].perturbation[0], b.tests[t].perturbation[0]);
-        assert_string_equal(a.tests[t].perturbation[1], b.tests[t].perturbation[1]);
-        n_different += strcmp(a.tests[t].perturbation[0], c.tests[t].perturbation[0]) != 0;
-    }
-    assert_true(n_different > 40); /* of 2 x 26 */
-    nqm_corpus_plan_free(&a);
-    nqm_corpus_plan_free(&b);
-    nqm_corpus_plan_free(&c);
-}
-
-/* ---- forms ------------------------------------------------------------------------------------------------------- */
-
-static void a_table_reads_like_its_source(void **state) {
-    (void)state;
-    nqm_brdf *source = open_brdf("ggx:kd=0.3,0.1,0;ks=1;alpha=0.1;f0=0.04"), *table;
-    assert_int_equal(nqm_corpus_tabulate(source, &table, NULL), NQM_OK);
-    nqm_rng rng = nqm_rng_make(7, 0);
-    double sum = 0;
-    size_t n = 0;
-    while (n < 2000) {
-        double u = nqm_rng_uniform(&rng), a[3], b[3], wi[3], wo[3];
-        const double hd[3] = {1.3 * u * u, 1.3 * nqm_rng_uniform(&rng), 6.28 * nqm_rng_uniform(&rng) - 3.14};
-        nqm_half_diff_to_directions(hd, wi, wo);
-        if (fmin(wi[2], wo[2]) < cos(75 * acos(-1) / 180)) /* beyond, f_r rises too steeply for the nodes */
-            continue;
-        nqm_brdf_eval_half_diff(source, 1, hd, a, NULL);
-        nqm_brdf_eval_half_diff(table, 1, hd, b, NULL);
-        assert_near(b[0], a[0], 0.08 * a[0] + 1e-4);
-        sum += fabs(b[0] / a[0] - 1);
-        ++n;
-    }
-    assert_true(sum / (double)n < 0.005);
-    nqm_brdf_free(table);
-    nqm_brdf_free(source);
-}
-
-/* f_r = z of the light: not reciprocal. */
-static void lopsided_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
-    (void)self;
-    (void)wo;
-    for (size_t i = 0; i < 3 * n; ++i)
-        rgb[i] = wi[3 * (i / 3) + 2];
-}
-
-static void folding_makes_reciprocal(void **state) {
-    (void)state;
-    static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = free_nothing};
-    nqm_brdf *brdf, *folded;
-    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, "lopsided", NULL, NULL, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_corpus_fold(brdf, true, &folded, NULL), NQM_OK);
-    nqm_rng rng = nqm_rng_make(3, 0);
-    for (int i = 0; i < 200; ++i) {
-        const double hd[3] = {0.7 * nqm_rng_uniform(&rng), 0.7 * nqm_rng_uniform(&rng), 3.1 * nqm_rng_uniform(&rng)};
-        double wi[3], wo[3], forth[3], back[3];
-        nqm_half_diff_to_directions(hd, wi, wo);
-        nqm_brdf_eval(folded, 1, wi, wo, forth, NULL);
-        nqm_brdf_eval(folded, 1, wo, wi, back, NULL);
-        assert_near(forth[0], wi[2], 1e-9); /* phi_d in [0, pi): the half that is read */
-        assert_near(back[0], forth[0], 1e-9);
-    }
-    nqm_brdf_free(folded);
-}
-
-/* ---- a corpus ---------------------------------------------------------------------------------------------------- */
 
 static nqm_directions *directions(void) {
     nqm_directions *made;
@@ -333,7 +38,7 @@ static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
     nqm_dataset *dataset;
     nqm_directions *d = directions();
     char csv[256];
-    snprintf(csv, sizeof csv, "%s", write_text("list.csv", materials));
+    snprintf(csv, sizeof csv, "%s", write_text("list.csv", corpus_materials));
     if (nqm_corpus_build(csv, d, options, in_folder(name), &err) != NQM_OK ||
         nqm_dataset_load(in_folder(name), &dataset, &err) != NQM_OK)
         fail_msg("%s", err.message);
@@ -507,18 +212,6 @@ static int stop_in_second_group(void *user, const char *stage, double done, doub
     return done > 12 && done < total;
 }
 
-static void remove_folder(const char *path) {
-    DIR *dir = opendir(path);
-    for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
-        char file[512];
-        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
-        remove(file);
-    }
-    if (dir)
-        closedir(dir);
-    rmdir(path);
-}
-
 static size_t count_files(const char *path) {
     DIR *dir = opendir(path);
     size_t n = 0;
@@ -542,7 +235,7 @@ static void an_interrupted_corpus_goes_on(void **state) {
     nqm_directions *d = directions();
     options.checkpoint = work;
     options.progress = stop_in_second_group;
-    snprintf(csv, sizeof csv, "%s", write_text("list.csv", materials));
+    snprintf(csv, sizeof csv, "%s", write_text("list.csv", corpus_materials));
     int n_threads = omp_get_max_threads();
     omp_set_num_threads(1); /* one group after the other */
     assert_int_equal(nqm_corpus_build(csv, d, &options, in_folder("never.safetensors"), NULL), NQM_ERR_CANCELLED);
@@ -573,30 +266,8 @@ static void a_part_without_materials_is_refused(void **state) {
     nqm_directions_free(d);
 }
 
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int clean_up(void **state) {
-    (void)state;
-    remove_folder(folder);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(list_goes_by_group),
-        cmocka_unit_test(paths_start_at_the_root),
-        cmocka_unit_test(a_decoder_is_hashed_with_its_latents),
-        cmocka_unit_test(bad_lists_are_refused),
-        cmocka_unit_test(training_never_sees_the_unseen_kinds),
-        cmocka_unit_test(every_kind_gets_its_turn),
-        cmocka_unit_test(models_are_chosen_by_name),
-        cmocka_unit_test(highlights_go_missing),
-        cmocka_unit_test(a_seed_is_a_plan),
-        cmocka_unit_test(a_table_reads_like_its_source),
-        cmocka_unit_test(folding_makes_reciprocal),
         cmocka_unit_test(parts_hold_their_splits),
         cmocka_unit_test(a_fit_of_its_own_model_is_near_perfect),
         cmocka_unit_test(failed_tests_are_left_out_and_named),
@@ -604,5 +275,5 @@ int main(void) {
         cmocka_unit_test(an_interrupted_corpus_goes_on),
         cmocka_unit_test(a_part_without_materials_is_refused),
     };
-    return cmocka_run_group_tests_name("label: corpus", tests, make_folder, clean_up);
+    return cmocka_run_group_tests_name("label: corpus", tests, make_folder, remove_made_folder);
 }

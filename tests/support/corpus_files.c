@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The scratch folder and the material list of corpus_files.h.
+ */
+#include "support/corpus_files.h"
+#include "support/check.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/nqm-test-XXXXXX";
+
+const char corpus_materials[] = "name,group,brdf,source,split\n"
+                                "a-ggx,a,ggx:kd=0.2;alpha=0.2,ggx,train\n"
+                                "b-ggx,b,ggx:kd=0.1;alpha=0.4,ggx,validation\n"
+                                "a-ward,a,ward:kd=0.2;ks=0.04;alpha=0.2,ward,train\n"
+                                "nickel-sgd,nickel,sgd:nickel,sgd,test\n";
+
+const char *in_folder(const char *name) {
+    static char path[2][256];
+    static int which;
+    which = !which;
+    snprintf(path[which], sizeof path[which], "%s/%s", folder, name);
+    return path[which];
+}
+
+const char *write_text(const char *name, const char *text) {
+    const char *path = in_folder(name);
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fputs(text, f);
+    fclose(f);
+    return path;
+}
+
+void remove_folder(const char *path) {
+    DIR *dir = opendir(path);
+    for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
+        char file[512];
+        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
+        remove(file);
+    }
+    if (dir)
+        closedir(dir);
+    rmdir(path);
+}
+
+int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+int remove_made_folder(void **state) {
+    (void)state;
+    remove_folder(folder);
+    return 0;
+}
