@@ -67,7 +67,7 @@ typedef struct nqm_omp_problem {
 /**
  * Orthogonal matching pursuit for all blocks together: the atom that matches what is left best, of whatever block, joins,
  * and the coefficients of all chosen ones are solved anew (Batch-OMP with a progressive Cholesky factor: Rubinstein et
- * al. 2008, algorithm 2).
+ * al. 2008, Technion report CS-2008-08).
  *
  * @param max_atoms    at most NQM_OMP_MAX_ATOMS
  * @param index        (max_atoms) receives block * n_atoms + atom
@@ -106,7 +106,7 @@ NQM_MUST_CHECK nqm_status nqm_sparse_bases_learn(size_t n_tables, const float *t
                                                  nqm_error *err);
 
 /**
- * Approximate K-SVD (sparse_ksvd.c; Rubinstein et al. 2008, algorithm 5).
+ * Approximate K-SVD (sparse_ksvd.c; Rubinstein et al. 2008).
  *
  * @param n_signals    signals (n_signals, NQM_SPARSE_CORE)
  * @param n_atoms_ret  wanted; receives how many there are: at most one a signal that is not zero

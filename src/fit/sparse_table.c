@@ -13,7 +13,7 @@
 enum { H = NQM_SPARSE_H, D = NQM_SPARSE_D, P = NQM_SPARSE_P, CELLS = NQM_SPARSE_CELLS, MIN_VALID = 100 };
 enum { BH = NQM_SPARSE_BASIS_H, BD = NQM_SPARSE_BASIS_D, BP = NQM_SPARSE_BASIS_P };
 
-static const double eps = 1e-3; /* Nielsen et al. 2015, section 3 */
+static const double eps = 1e-3; /* as Nielsen et al. 2015 */
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
