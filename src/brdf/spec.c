@@ -22,16 +22,16 @@ static const nqm_analytic_model *const models[] = {
     &nqm_low_ashikhmin_shirley_model,
     &nqm_abc_model,
     &nqm_smooth_model,
+    NULL,
 };
-enum { N_MODELS = sizeof models / sizeof *models };
 static const char perturb_prefix[] = "perturb:";
 
 /* The model of the first n characters of `name`, or NULL. */
 static const nqm_analytic_model *find_model(const char *name, size_t n) {
-    for (size_t m = 0; m < N_MODELS; ++m)
-        if (strncmp(models[m]->schema.model, name, n) == 0 && models[m]->schema.model[n] == 0)
-            return models[m];
-    return NULL;
+    const nqm_analytic_model *const *m = models;
+    while (*m && !(strncmp((*m)->schema.model, name, n) == 0 && (*m)->schema.model[n] == 0))
+        ++m;
+    return *m;
 }
 
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
@@ -159,7 +159,7 @@ static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_lay
 }
 
 static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values *values, const char *name,
-                                nqm_brdf **brdf_ret, nqm_error *err) {
+                                const char *doi, nqm_brdf **brdf_ret, nqm_error *err) {
     char layout[256];
     size_t n_values = describe(&model->schema, layout, sizeof layout);
     values->given = ~0u; /* the canonical form names every key, so that it outlives a change of defaults */
@@ -173,9 +173,11 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
     model->prepare(values, state);
     nqm_status status = nqm_brdf_wrap(&model->class_, state, name, spec, layout, brdf_ret, err);
     nqm_free(spec);
-    if (status == NQM_OK)
-        (*brdf_ret)->n_values = n_values;
-    return status;
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->n_values = n_values;
+    (*brdf_ret)->source_doi = doi;
+    return NQM_OK;
 }
 
 bool nqm_spec_probe(const char *text) {
@@ -194,9 +196,7 @@ static nqm_status open_parameters(const char *spec, size_t n_name, const char *s
     nqm_spec_values values;
     nqm_status status = nqm_spec_parse(&model->schema, settings, &values, err);
     if (status == NQM_OK)
-        status = open_analytic(model, &values, spec, brdf_ret, err);
-    if (status == NQM_OK)
-        (*brdf_ret)->source_doi = model->doi;
+        status = open_analytic(model, &values, spec, model->doi, brdf_ret, err);
     return status;
 }
 
@@ -210,9 +210,7 @@ static nqm_status open_preset(const char *spec, size_t n_name, const char *mater
     nqm_spec_values values;
     nqm_status status = nqm_preset_find(table, &model->schema, material, &values, err);
     if (status == NQM_OK)
-        status = open_analytic(model, &values, spec, brdf_ret, err);
-    if (status == NQM_OK)
-        (*brdf_ret)->source_doi = table->doi;
+        status = open_analytic(model, &values, spec, table->doi, brdf_ret, err);
     return status;
 }
 

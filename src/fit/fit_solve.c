@@ -255,7 +255,8 @@ static void insert(candidate *best, size_t *n_best, size_t n_max, const candidat
 /* Widths are spaced evenly in their logarithm; each comes with all the model's starts. */
 static void make_start(const nqm_fit_model *model, size_t i, size_t n_widths, double *shape) {
     static const double low = 0.001, high = 0.8;
-    double u = ((double)(i / model->n_start) + 0.5) / (double)n_widths;
+    size_t width = i / model->n_start;
+    double u = ((double)width + 0.5) / (double)n_widths;
     model->start(low * pow(high / low, u), i % model->n_start, shape);
     for (size_t k = 0; k < model->n_shape; ++k)
         shape[k] = clamp(shape[k], model->shape[k].low, model->shape[k].high);
@@ -280,7 +281,7 @@ static nqm_status scan_starts(search *s, const nqm_fit_options *options, candida
 nqm_status nqm_fit_solve(const nqm_fit_model *model, const nqm_fit_target *target, const nqm_fit_options *options,
                          nqm_fit_values *values, size_t *start_ret, nqm_error *err) {
     search s = {.model = model, .target = target, .err = err};
-    candidate best[MAX_REFINED];
+    candidate best[MAX_REFINED] = {{.loss = INFINITY}};
     size_t n_best = 0, winner = 0;
     s.diffuse = nqm_alloc(target->n, sizeof(double));
     s.lobe = nqm_alloc(target->n, sizeof(double));

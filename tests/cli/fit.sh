@@ -45,14 +45,14 @@ grep -q -- '-o FILE' "$dir/err" || fail "no hint"
 cmp "$dir/one.safetensors" "$dir/fits/hyper-low.safetensors" || fail "two runs differ"
 [ "$(ls "$dir/fits")" = hyper-low.safetensors ] || fail "files: $(ls "$dir/fits")"
 "$tool" fit "$ref" --model ward --samples 500 -o "$dir/none" >/dev/null 2>"$dir/err"
-grep -q 'is not written' "$dir/err" && [ ! -e "$dir/none" ] || fail "a file for a spec"
+{ grep -q 'is not written' "$dir/err" && [ ! -e "$dir/none" ]; } || fail "a file for a spec"
 
 # One of several fails: it is named, the others are there, the exit code is its own.
 code=0
 "$tool" fit "$ref" --model ggx,lafortune --bounds f0=.1:2 --samples 500 --json >"$dir/out" 2>"$dir/err" || code=$?
 [ "$code" = 2 ] || fail "exit code $code of a failure among others"
 grep -q 'ggx: the bounds of f0' "$dir/err" || fail "the failure is not named"
-grep -q '"error":' "$dir/out" && grep -q '"lafortune:' "$dir/out" || fail "results: $(cat "$dir/out")"
+{ grep -q '"error":' "$dir/out" && grep -q '"lafortune:' "$dir/out"; } || fail "results: $(cat "$dir/out")"
 
 # expect CODE ARGUMENTS...
 expect() {
