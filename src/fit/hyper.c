@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-static const size_t samples_of[] = {[NQM_BUDGET_LOW] = 40, [NQM_BUDGET_MID] = 160, [NQM_BUDGET_HIGH] = 1000};
+static const size_t samples_of[] = {[NQM_BUDGET_LOW] = 12, [NQM_BUDGET_MID] = 64, [NQM_BUDGET_HIGH] = 400};
 static const char *const names[] = {
     [NQM_BUDGET_LOW] = "hyper-low", [NQM_BUDGET_MID] = "hyper-mid", [NQM_BUDGET_HIGH] = "hyper-high"};
 

@@ -179,7 +179,8 @@ void nqm_hyper_draw_example(const nqm_hyper_data *data, nqm_rng *rng, const nqm_
         nqm_hyper_value(rgb, feature + NQM_HYPER_PLACE);
     }
     for (size_t i = 0; i < n; ++i) {
-        size_t at = draw_place(&m, rng, i % 2 ? n_dense : 0, n_dense, rgb);
+        bool dense = i % 4 == 0; /* most of a picture is away from the highlight */
+        size_t at = draw_place(&m, rng, dense ? 0 : n_dense, n_dense, rgb);
         for (size_t k = 0; k < 6; ++k)
             example->input[k * n + i] = data->input[k * data->n_places + at];
         example->weight[i] = data->weight[at];

@@ -6,13 +6,14 @@
  */
 #include "fit/hyper.h"
 #include "fit/nbrdf_net.h"
+#include "kernel/kernel.h"
 #include "math/math.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { N_SETS = 16, N_QUERIES = 512, N_PLACES = 4096, MIN_SAMPLES = 32, MAX_SAMPLES = 1024, USUAL_STEPS = 8000 };
-static const nqm_hyper_shape usual_shape = {.sample = {128, 128, 128}, .set = {256, 256}, .n_out = NQM_NBRDF_WEIGHTS};
+enum { N_SETS = 16, N_QUERIES = 512, N_PLACES = 4096, MIN_SAMPLES = 8, MAX_SAMPLES = 512, USUAL_STEPS = 16000 };
+static const nqm_hyper_shape usual_shape = {.sample = {128, 128, 192}, .set = {384, 384}, .n_out = NQM_NBRDF_WEIGHTS};
 
 /* Everything that learning keeps between steps. */
 typedef struct learner {
@@ -115,25 +116,19 @@ static void judge_set(void *user, size_t set) {
         gradient[i] *= (float)share;
 }
 
-static void adam(learner *l) {
-    const double beta1 = 0.9, beta2 = 0.999, eps = 1e-8, peak_rate = 1e-3, warm_up = 200, largest = 1;
-    double t = (double)l->step + 1;
-    double rate = peak_rate * fmin(1, t / warm_up) * 0.5 * (1 + cos(NQM_PI * t / (double)l->n_steps));
-    double square = 0;
+/* A step of Adam. A gradient longer than 1 is shortened: some examples meet kinks of the NBRDFs they write. */
+static void descend(learner *l) {
+    const double peak_rate = 3e-3, warm_up = 200;
+    double t = (double)l->step + 1, square = 0;
+    float *gradient = l->gradient.block;
     for (size_t i = 0; i < l->hyper.n; ++i)
-        square += (double)l->gradient.block[i] * (double)l->gradient.block[i];
-    float clip = (float)fmin(1, largest / (sqrt(square) + 1e-30));
-    float step = (float)(rate / (1 - pow(beta1, t))), scale = (float)(1 / sqrt(1 - pow(beta2, t)));
-    const float keep1 = (float)beta1, keep2 = (float)beta2, add1 = (float)(1 - beta1), add2 = (float)(1 - beta2);
-    const float *gradient = l->gradient.block;
-    float *m = l->moments[0], *v = l->moments[1], *x = l->hyper.block;
-#pragma omp simd
-    for (size_t i = 0; i < l->hyper.n; ++i) {
-        float g = clip * gradient[i];
-        m[i] = keep1 * m[i] + add1 * g;
-        v[i] = keep2 * v[i] + add2 * (g * g);
-        x[i] -= step * m[i] / (sqrtf(v[i]) * scale + (float)eps);
-    }
+        square += (double)gradient[i] * (double)gradient[i];
+    float shorten = (float)(1 / fmax(1, sqrt(square)));
+    for (size_t i = 0; i < l->hyper.n; ++i)
+        gradient[i] *= shorten;
+    nqm_adam_rate rate = {.step = l->step + 1};
+    rate.lr = peak_rate * fmin(1, t / warm_up) * 0.5 * (1 + cos(NQM_PI * t / (double)l->n_steps));
+    nqm_adam_update(l->hyper.n, &rate, gradient, l->moments[0], l->moments[1], l->hyper.block);
 }
 
 static double take_step(learner *l) {
@@ -142,7 +137,7 @@ static double take_step(learner *l) {
     nqm_hyper_forward(&l->hyper, &l->pass);
     nqm_parallel_for(N_SETS, judge_set, l);
     nqm_hyper_backward(&l->hyper, &l->pass, l->d_out, &l->gradient);
-    adam(l);
+    descend(l);
     double loss = 0;
     for (size_t set = 0; set < N_SETS; ++set)
         loss += l->loss[set];
