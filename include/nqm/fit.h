@@ -51,8 +51,8 @@ NQM_API const char *nqm_fit_loss_name(nqm_fit_loss loss);
 
 typedef struct nqm_fit_report {
     char spec[512];      /**< analytic models: the result, as nqm_brdf_open() takes it; else "": nqm_brdf_save() it */
-    double loss;         /**< analytic models: root mean square of the loss's residuals; others: the mean absolute
-                              difference of log(1 + cos(theta_i) f_r) */
+    double loss;         /**< analytic models: root mean square of the loss's residuals; networks: the mean absolute
+                              difference of log(1 + cos(theta_i) f_r); codes: of log(1 + c f_r) */
     size_t n_directions; /**< that counted */
     size_t best_start;   /**< which start won; 0 where there is one */
     size_t n_numbers;    /**< numbers that the encoding keeps: parameters, weights, or indices and coefficients */
