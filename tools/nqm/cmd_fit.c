@@ -226,8 +226,9 @@ int cmd_fit(int argc, char **argv) {
     nqm_brdf **ref = NULL;
     output out = {0};
     fitted *results = calloc(wishes.n_models, sizeof *results);
-    exit_code =
-        results ? open_directions("fit", directions_name, &directions) : report("fit", EXIT_LIMIT, "out of memory");
+    if (!results)
+        return report("fit", EXIT_LIMIT, "out of memory");
+    exit_code = open_directions("fit", directions_name, &directions);
     if (exit_code == EXIT_OK)
         exit_code = open_brdfs("fit", 1, argv, &ref);
     if (exit_code == EXIT_OK)
