@@ -12,33 +12,27 @@ trap 'rm -rf "$work"' EXIT
 
 materials="paper_blue_rgb satin_purple_rgb colodur_azure_4e_rgb vch_ultra_pink_rgb cg_sunflower_rgb"
 rows="blue paper,satin purple,azure plastic,ultra pink,sunflower"
-encodings="ward ggx nbrdf sparse-low sparse-mid sparse-high hyper-low hyper-mid hyper-high"
 columns="reference,Ward,GGX,NBRDF,sparse low,sparse mid,sparse high,hyper low,hyper mid,hyper high"
 scene="--shape $data/scene/bunny.ply --light $data/scene/pixar_campus_rgbe.png --elevation 10"
 
-# encode MATERIAL ENCODING: print the argument that stands for it.
-encode() {
-    case $2 in
-    ward | ggx) "$nqm" fit "$data/rgl/$1.bsdf" --model "$2" -q ;;
-    *)
-        "$nqm" fit "$data/rgl/$1.bsdf" --model "$2" -o "$work/$1-$2.safetensors" >&2
-        echo "$work/$1-$2.safetensors"
-        ;;
-    esac
-}
-
+set -f
 set --
 for material in $materials; do
     [ $# = 0 ] || set -- "$@" +
     set -- "$@" "$data/rgl/$material.bsdf"
-    for encoding in $encodings; do
-        set -- "$@" "$(encode "$material" "$encoding")"
-    done
+    mkdir "$work/$material"
+    "$nqm" fit "$data/rgl/$material.bsdf" --model encodings -o "$work/$material/" -q >"$work/$material/arguments"
+    while read -r argument; do
+        set -- "$@" "$argument"
+    done <"$work/$material/arguments"
 done
 # shellcheck disable=SC2086
 "$nqm" label "$@" $scene --size 256 --shrink 2 --rows "$rows" --columns "$columns" --grid "$figures/encodings.png"
 
-material=satin_purple_rgb
+material=vch_ultra_pink_rgb
+set -- "$data/rgl/$material.bsdf"
+for encoding in 1 2 3; do # Ward, GGX, NBRDF
+    set -- "$@" "$(sed -n ${encoding}p "$work/$material/arguments")"
+done
 # shellcheck disable=SC2086
-"$nqm" label "$data/rgl/$material.bsdf" "$(encode $material ward)" "$(encode $material ggx)" $scene --size 384 --shrink 2 \
-    --rows "Ward,GGX" --map "$figures/differences.png"
+"$nqm" label "$@" $scene --size 384 --shrink 2 --rows "Ward,GGX,NBRDF" --map "$figures/differences.png"
