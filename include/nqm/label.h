@@ -92,7 +92,10 @@ NQM_API size_t nqm_scene_count(const nqm_scene *scene);
  *  and light directions, so that equal BRDFs give equal pictures to the bit. Deterministic. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
                                                    nqm_error *err);
-/** Mean Delta-E ITP over the points of two renderings of the scene; equal pictures give exactly 0. */
+/** The share of the picture for which each point stands: (n_points), summing to 1. Only for scenes of a mesh or blob
+ *  without a width, where points are denser in possible highlights; NULL otherwise: all alike. Lent by the scene. */
+NQM_API const double *nqm_scene_shares(const nqm_scene *scene);
+/** Mean Delta-E ITP over the points (by their shares) of two renderings of the scene; equal pictures give exactly 0. */
 NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
 /** The same, point by point: delta_e (n_points). */
 NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,

@@ -127,7 +127,7 @@ static bool pack(const bench *b, nqm_incident *incident) {
 
 bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident, double *irradiance) {
     uint64_t seed = nqm_hash_u64(scene->options.seed, i);
-    const nqm_surface_point *point = &scene->point[i];
+    const nqm_surface_point *point = &scene->seen.point[i];
     bench b;
     *incident = (nqm_incident){0};
     bool ok = open_bench(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&

@@ -56,7 +56,7 @@ static void reflect_bounce(const nqm_brdf *brdf, const nqm_bounce *bounce, const
 static void render_point(void *user, size_t i) {
     rendering *r = user;
     const nqm_scene *scene = r->scene;
-    const double *wo = scene->point[i].wo;
+    const double *wo = scene->seen.point[i].wo;
     nqm_incident made = {0};
     double sum[3] = {0};
     if (!scene->kept && !nqm_incident_make(scene, i, &made, NULL))
@@ -72,10 +72,10 @@ static void render_point(void *user, size_t i) {
 
 nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
     rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
-    nqm_parallel_for(scene->n_points, render_point, &r);
+    nqm_parallel_for(scene->seen.n, render_point, &r);
     if (atomic_load(&r.out_of_memory))
         return nqm_fail_nomem(err, scene->options.n_lights * sizeof(nqm_ray));
-    for (size_t i = 0; i < 3 * scene->n_points; ++i)
+    for (size_t i = 0; i < 3 * scene->seen.n; ++i)
         if (!isfinite(rgb_cdm2[i]))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: the picture is not finite", nqm_brdf_get_info(brdf).name);
     return NQM_OK;

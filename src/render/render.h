@@ -17,7 +17,7 @@
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
-enum { NQM_LIGHT_WIDTH = 256, NQM_LIGHT_STEP = 16, NQM_LIGHT_MAX_WIDTH = 4096 };
+enum { NQM_GLOW_WIDTH = 64, NQM_LIGHT_WIDTH = 256, NQM_LIGHT_STEP = 16, NQM_LIGHT_MAX_WIDTH = 4096 };
 
 /** Light from all directions, as a map of cells that is read with bilinear interpolation. Immutable once made. */
 typedef struct nqm_light {
@@ -107,10 +107,19 @@ void nqm_world_from_local(const nqm_surface_point *point, const double *local, d
 void nqm_local_from_world(const nqm_surface_point *point, const double *world, double *local);
 void nqm_shape_from_world(const double *turn, const double *world, double *in_shape);
 
-/** What the viewer sees of a shape. pixel is NULL unless the options have a width; nqm_free both. */
-NQM_MUST_CHECK nqm_status nqm_view_points(const nqm_shape *shape, const nqm_scene_options *options,
-                                          nqm_surface_point **point_ret, size_t **pixel_ret, size_t *n_ret,
-                                          nqm_error *err);
+/** What the viewer sees of a shape. */
+typedef struct nqm_seen {
+    size_t n;
+    nqm_surface_point *point; /* (n) */
+    size_t *pixel;            /* (n) (frame * height + y) * width + x; NULL unless the options have a width */
+    double *share;            /* (n) of the whole picture, summing to 1; NULL: all alike */
+} nqm_seen;
+
+/** glow: the light map at NQM_GLOW_WIDTH, which says where highlights may be; unused for pictures and spheres. */
+NQM_MUST_CHECK nqm_status nqm_view_points(const nqm_shape *shape, const nqm_light *glow,
+                                          const nqm_scene_options *options, nqm_seen *seen_ret, nqm_error *err);
+/** Release what it holds; a zeroed one is allowed. */
+void nqm_seen_clear(nqm_seen *seen);
 /** Axes of the viewer in world axes: axes (3, 3) rows to the right, up, towards the viewer. */
 void nqm_view_axes(double elevation_rad, double *axes);
 
@@ -165,11 +174,9 @@ struct nqm_scene {
     nqm_scene_options options; /* n_lights filled in; strings NULL */
     nqm_light light;
     nqm_shape shape;
-    size_t n_points;
-    nqm_surface_point *point; /* (n_points) */
-    size_t *pixel;            /* (n_points), or NULL */
-    nqm_incident *kept;       /* (n_points); NULL: too much to keep, made anew for every picture */
-    double exposure;          /* cd/m2 for one unit of the light */
+    nqm_seen seen;
+    nqm_incident *kept; /* (seen.n); NULL: too much to keep, made anew for every picture */
+    double exposure;    /* cd/m2 for one unit of the light */
 };
 
 /** What reaches point i. irradiance: (3) without shadows; NULL: not wanted. false when out of memory. */

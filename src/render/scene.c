@@ -72,12 +72,14 @@ static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
 
 /* ---- creation ---------------------------------------------------------------------------------------------------- */
 
-static nqm_status load_light(const nqm_scene_options *o, nqm_light *light_ret, nqm_error *err) {
+static nqm_status load_lights(const nqm_scene_options *o, nqm_light *light_ret, nqm_light *glow_ret, nqm_error *err) {
     nqm_image image;
     nqm_status status = o->light ? nqm_image_load(o->light, &image, err) : nqm_sky_draw(&image, err);
     if (status != NQM_OK)
         return status;
     status = nqm_light_create(&image, o->light_width, light_ret, err);
+    if (status == NQM_OK)
+        status = nqm_light_create(&image, NQM_GLOW_WIDTH, glow_ret, err);
     nqm_free(image.rgb);
     return status;
 }
@@ -100,17 +102,18 @@ static void create_point(void *user, size_t i) {
     nqm_scene *scene = c->scene;
     double *irradiance = c->irradiance + 3 * i;
     bool ok = scene->kept ? nqm_incident_make(scene, i, &scene->kept[i], irradiance)
-                          : nqm_irradiance(&scene->light, &scene->point[i], irradiance);
+                          : nqm_irradiance(&scene->light, &scene->seen.point[i], irradiance);
     if (!ok)
         atomic_store(&c->out_of_memory, true);
 }
 
 /* A white Lambert surface (f_r = 1/pi) without shadows is to show at exposure_cdm2 on average. */
 static nqm_status expose(nqm_scene *scene, const double *irradiance, const nqm_scene_options *o, nqm_error *err) {
-    double sum = 0;
-    for (size_t i = 0; i < scene->n_points; ++i)
-        sum += nqm_luminance(irradiance + 3 * i) / NQM_PI;
-    double mean = sum / (double)scene->n_points;
+    double mean = 0;
+    for (size_t i = 0; i < scene->seen.n; ++i) {
+        double share = scene->seen.share ? scene->seen.share[i] : 1 / (double)scene->seen.n;
+        mean += share * nqm_luminance(irradiance + 3 * i) / NQM_PI;
+    }
     if (!(mean > 0) || !isfinite(mean))
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the light is black where the shape could see it",
                         o->light ? o->light : "scene");
@@ -120,23 +123,23 @@ static nqm_status expose(nqm_scene *scene, const double *irradiance, const nqm_s
 
 static bool can_keep(const nqm_scene *scene) {
     double a_direction = sizeof(nqm_ray) + (scene->options.interreflection ? sizeof(nqm_bounce) / 4.0 : 0);
-    return (double)scene->n_points * (double)scene->options.n_lights * a_direction <= max_kept_bytes;
+    return (double)scene->seen.n * (double)scene->options.n_lights * a_direction <= max_kept_bytes;
 }
 
 static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
-    creation c = {.scene = scene, .irradiance = nqm_alloc(scene->n_points, 3 * sizeof(double))};
+    creation c = {.scene = scene, .irradiance = nqm_alloc(scene->seen.n, 3 * sizeof(double))};
     if (can_keep(scene)) {
-        scene->kept = nqm_alloc(scene->n_points, sizeof *scene->kept);
+        scene->kept = nqm_alloc(scene->seen.n, sizeof *scene->kept);
         if (!scene->kept)
             atomic_store(&c.out_of_memory, true);
     }
     if (!c.irradiance || atomic_load(&c.out_of_memory)) {
         nqm_free(c.irradiance);
-        return nqm_fail_nomem(err, scene->n_points * (3 * sizeof(double) + sizeof *scene->kept));
+        return nqm_fail_nomem(err, scene->seen.n * (3 * sizeof(double) + sizeof *scene->kept));
     }
-    nqm_parallel_for(scene->n_points, create_point, &c);
+    nqm_parallel_for(scene->seen.n, create_point, &c);
     nqm_status status = atomic_load(&c.out_of_memory)
-                            ? nqm_fail_nomem(err, scene->n_points * scene->options.n_lights * sizeof(nqm_ray))
+                            ? nqm_fail_nomem(err, scene->seen.n * scene->options.n_lights * sizeof(nqm_ray))
                             : expose(scene, c.irradiance, o, err);
     nqm_free(c.irradiance);
     return status;
@@ -146,13 +149,15 @@ static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_e
     scene->options = *o;
     scene->options.light = scene->options.shape = NULL;
     scene->options.n_lights = nqm_scene_options_lights(o);
-    nqm_status status = load_light(o, &scene->light, err);
+    nqm_light glow = {0};
+    nqm_status status = load_lights(o, &scene->light, &glow, err);
     if (status == NQM_OK)
         status = load_shape(o, &scene->shape, err);
     if (status == NQM_OK)
-        status = nqm_view_points(&scene->shape, o, &scene->point, &scene->pixel, &scene->n_points, err);
-    if (status == NQM_OK && !scene->n_points)
+        status = nqm_view_points(&scene->shape, &glow, o, &scene->seen, err);
+    if (status == NQM_OK && !scene->seen.n)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: no pixel of %zu x %zu shows the shape", o->width, o->height);
+    nqm_light_clear(&glow);
     return status == NQM_OK ? light_points(scene, o, err) : status;
 }
 
@@ -177,20 +182,23 @@ nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_
 void nqm_scene_free(nqm_scene *scene) {
     if (!scene)
         return;
-    for (size_t i = 0; scene->kept && i < scene->n_points; ++i)
+    for (size_t i = 0; scene->kept && i < scene->seen.n; ++i)
         nqm_incident_clear(&scene->kept[i]);
     nqm_free(scene->kept);
-    nqm_free(scene->point);
-    nqm_free(scene->pixel);
+    nqm_seen_clear(&scene->seen);
     nqm_shape_clear(&scene->shape);
     nqm_light_clear(&scene->light);
     nqm_free(scene);
 }
 
 size_t nqm_scene_count(const nqm_scene *scene) {
-    return scene->n_points;
+    return scene->seen.n;
 }
 
 const size_t *nqm_scene_pixels(const nqm_scene *scene) {
-    return scene->pixel;
+    return scene->seen.pixel;
+}
+
+const double *nqm_scene_shares(const nqm_scene *scene) {
+    return scene->seen.share;
 }

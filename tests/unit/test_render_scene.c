@@ -214,14 +214,14 @@ static void sphere_under_a_small_lamp(void **state) {
     nqm_light lamp = make_light(0, cell, 1, 1000);
     double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but keeps its light */
     nqm_light_direction(&lamp, cell, 0.5, 0.5, towards);
-    for (size_t i = 0; i < scene->n_points; ++i) {
+    for (size_t i = 0; i < scene->seen.n; ++i) {
         double wi[3 * 384], weight[3 * 384], sum = 0;
         nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
-        assert_true(nqm_choose_directions(&lamp, &scene->point[i], i, &set));
+        assert_true(nqm_choose_directions(&lamp, &scene->seen.point[i], i, &set));
         assert_true(set.n_used <= 384);
         for (size_t j = 0; j < set.n_used; ++j)
             sum += weight[3 * j + 1];
-        double expected = flux * fmax(nqm_dot3(scene->point[i].frame + 6, towards), 0);
+        double expected = flux * fmax(nqm_dot3(scene->seen.point[i].frame + 6, towards), 0);
         assert_near(sum, expected,
                     0.01 * expected + 0.005 * flux); /* the lamp is 3 degrees wide: the terminator is soft */
         assert_near(set.irradiance[1], sum, 1e-9 * flux);
@@ -305,10 +305,10 @@ static void microfacets_under_the_sky(void **state) {
     static const double alphas[] = {0.02, 0.06, 0.2};
     for (size_t a = 0; a < 3; ++a) {
         nqm_brdf *brdf = make_gloss(0.1, 1, alphas[a]);
-        for (size_t i = 1; i < scene->n_points; i += 13) {
-            double expected = dense_sum(&sky, &scene->point[i], brdf), sum = 0;
+        for (size_t i = 1; i < scene->seen.n; i += 13) {
+            double expected = dense_sum(&sky, &scene->seen.point[i], brdf), sum = 0;
             for (uint64_t seed = 0; seed < 8; ++seed)
-                sum += shade(&sky, &scene->point[i], brdf, seed, 384) / 8;
+                sum += shade(&sky, &scene->seen.point[i], brdf, seed, 384) / 8;
             assert_relative(sum, expected, 0.02);
         }
         nqm_brdf_free(brdf);

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Points spread evenly over what the viewer sees: a sunflower on the sphere; on meshes a choice among many visible points
+ * such that few stand well for the whole picture.
+ */
+#include "math/math.h"
+#include "render/view.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static double random_unit(uint64_t seed, uint64_t counter) {
+    return (double)(nqm_hash_u64(seed, counter) >> 11) * 0x1p-53;
+}
+
+/* A sunflower (Vogel 1979, DOI 10.1016/0025-5564(79)90080-4): even in area over the disc, for any number. */
+void nqm_spread_sphere(const nqm_scene_options *o, nqm_surface_point *point) {
+    const double golden_angle = NQM_PI * (3 - sqrt(5)), turn[2] = {0, 1};
+    double start = 2 * NQM_PI * random_unit(o->seed, UINT64_MAX), axes[9];
+    nqm_view_axes(o->elevation_rad, axes);
+    for (size_t i = 0; i < o->n_points; ++i) {
+        double r = sin(NQM_VIEW_MAX_DEG * NQM_PI / 180) * sqrt(((double)i + 0.5) / (double)o->n_points);
+        double phi = start + golden_angle * (double)i, x = r * cos(phi), y = r * sin(phi), z = sqrt(1 - r * r);
+        nqm_hit hit = {{0}, {0}};
+        for (int k = 0; k < 3; ++k)
+            hit.normal[k] = x * axes[k] + y * axes[3 + k] + z * axes[6 + k];
+        nqm_surface_point_make(&hit, turn, axes + 6, &point[i]);
+    }
+}
+
+/* A visible point among many, and its place on a curve through all normals. */
+typedef struct candidate {
+    nqm_surface_point point;
+    double importance;
+    uint32_t place;
+    uint32_t order; /* of finding, so that equal places are sorted alike everywhere */
+} candidate;
+
+enum { CURVE_BITS = 12 };
+
+/* Position of a cell of a square grid along Hilbert's curve. */
+static uint32_t hilbert(uint32_t x, uint32_t y) {
+    uint32_t place = 0;
+    for (uint32_t side = 1U << (CURVE_BITS - 1); side; side >>= 1) {
+        uint32_t right = (x & side) != 0, up = (y & side) != 0;
+        place += side * side * ((3 * right) ^ up);
+        if (up)
+            continue;
+        if (right) {
+            x = ~x;
+            y = ~y;
+        }
+        uint32_t swap = x;
+        x = y;
+        y = swap;
+    }
+    return place;
+}
+
+static uint32_t place_of(const nqm_surface_point *point, const double *axes) {
+    const double half = 1 << (CURVE_BITS - 1);
+    const double *normal = point->frame + 6;
+    return hilbert((uint32_t)((1 + nqm_dot3(normal, axes)) * (half - 0.5)),
+                   (uint32_t)((1 + nqm_dot3(normal, axes + 3)) * (half - 0.5)));
+}
+
+static int by_place(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    if (x->place != y->place)
+        return x->place < y->place ? -1 : 1;
+    return (x->order > y->order) - (x->order < y->order);
+}
+
+/* Places in all pictures by turns, each picture with its own shift of the R2 sequence (multiples of the inverse powers of
+ * the plastic number, Roberts 2018), until n of them show the shape. */
+static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_options *o, size_t n, candidate *found,
+                                  nqm_error *err) {
+    const double plastic = 1.3247179572447460260;
+    size_t k = 0, most = 1000 * (n + o->n_frames);
+    for (size_t i = 0; k < n; ++i) {
+        if (i == most)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: hardly anything of the shape can be seen", o->shape);
+        size_t frame = i % o->n_frames;
+        double step = (double)(i / o->n_frames + 1);
+        double x = random_unit(o->seed, UINT64_MAX - 2 * frame) + step / plastic;
+        double y = random_unit(o->seed, UINT64_MAX - 2 * frame - 1) + step / (plastic * plastic);
+        nqm_view v = nqm_view_make(shape, o, frame);
+        if (!nqm_view_look(&v, 2 * (x - floor(x)) - 1, 2 * (y - floor(y)) - 1, &found[k].point))
+            continue;
+        found[k].place = place_of(&found[k].point, v.axes);
+        found[k].order = (uint32_t)k;
+        ++k;
+    }
+    return NQM_OK;
+}
+
+/* A highlight fills little of the picture and much of the difference between two BRDFs. So where a mirror would show
+ * bright parts of the light (blurred to five degrees), points are taken more densely: half of them by the picture's area,
+ * half by the root of that luminance. */
+static void weigh(const nqm_light *glow, const double *towards, size_t n, candidate *found) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const double *normal = found[i].point.frame + 6;
+        double mirror[3], rgb[3], cosine = nqm_dot3(normal, towards);
+        for (int k = 0; k < 3; ++k)
+            mirror[k] = 2 * cosine * normal[k] - towards[k];
+        nqm_light_eval(glow, mirror, rgb);
+        found[i].importance = sqrt(nqm_luminance(rgb));
+        sum += found[i].importance;
+    }
+    double scale = sum > 0 ? (double)n / sum : 0;
+    for (size_t i = 0; i < n; ++i)
+        found[i].importance = 1 + scale * found[i].importance;
+}
+
+/* Walk along the candidates and take one whenever the importance passed by reaches the next of n equal steps. */
+static void choose(const candidate *found, size_t n_found, double start, size_t n, nqm_surface_point *point,
+                   double *share) {
+    double total = 0, passed = 0, sum = 0;
+    size_t k = 0;
+    for (size_t i = 0; i < n_found; ++i)
+        total += found[i].importance;
+    for (size_t i = 0; i < n; ++i) {
+        while (k + 1 < n_found && passed + found[k].importance <= ((double)i + start) / (double)n * total)
+            passed += found[k++].importance;
+        point[i] = found[k].point;
+        share[i] = 1 / found[k].importance;
+        sum += share[i];
+    }
+    for (size_t i = 0; i < n; ++i)
+        share[i] /= sum;
+}
+
+/* What a far light does at a point depends on its normal, but for shadows. So many more points than needed are found,
+ * sorted along a curve through all normals, and taken at even steps: the normals of the few are spread as those of the
+ * whole picture. */
+nqm_status nqm_spread_mesh(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o,
+                           nqm_surface_point *point, double *share, nqm_error *err) {
+    enum { MANY = 1 << 15 };
+    size_t n = o->n_points > MANY ? o->n_points : MANY;
+    double axes[9];
+    candidate *found = nqm_alloc(n, sizeof *found);
+    if (!found)
+        return nqm_fail_nomem(err, n * sizeof *found);
+    nqm_view_axes(o->elevation_rad, axes);
+    nqm_status status = find_candidates(shape, o, n, found, err);
+    if (status == NQM_OK) {
+        qsort(found, n, sizeof *found, by_place);
+        weigh(glow, axes + 6, n, found);
+        choose(found, n, random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, share);
+    }
+    nqm_free(found);
+    return status;
+}
