@@ -59,11 +59,11 @@ typedef struct nqm_scene_options {
                                file (PLY, OBJ), which is centred and scaled to the picture; NULL: "sphere" */
     size_t width, height; /**< picture in pixels: every pixel that shows the shape is a point. 0 (default): n_points
                                instead, spread evenly over the pictures of all frames, which is quicker */
-    size_t n_points;      /**< surface points in all, where width is 0; default 1024 */
+    size_t n_points;      /**< surface points in all, where width is 0; default 3072 */
     size_t n_frames;      /**< views of the turntable, evenly over 360 degrees; default 1 */
     double turn_rad;      /**< angle of the turntable in the first frame, its front to the right; default 0 */
     double elevation_rad; /**< of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */
-    size_t n_lights;      /**< light directions a point; 0 (default): 384, or 96 where width is not 0 */
+    size_t n_lights;      /**< light directions a point; 0 (default): 128, or 96 where width is not 0 */
     size_t light_width;   /**< the light map is filtered to light_width x light_width / 2 cells; a multiple of 16 up to
                                4096; default 256 */
     int shadows;          /**< 1: the shape keeps light from itself; default 1 */

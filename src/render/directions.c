@@ -178,11 +178,11 @@ static double density(const sampler *s, const double *wi, size_t cell) {
     return sum + lobes_density(s, wi);
 }
 
-/* A tenth, but at least one, to each lobe: a highlight that only the other techniques could meet would be a firefly. */
+/* An eighth, but at least one, to each lobe: a highlight that only the other techniques could meet would be a firefly. */
 static void share_out(sampler *s, size_t n) {
-    size_t a_lobe = n / 10 > 1 ? n / 10 : 1;
-    s->n[LIGHT] = n / 3;
-    s->n[COSINE] = n - n / 3 - N_LOBES * a_lobe;
+    size_t a_lobe = n / 8 > 1 ? n / 8 : 1;
+    s->n[LIGHT] = n / 4;
+    s->n[COSINE] = n - n / 4 - N_LOBES * a_lobe;
     for (size_t i = 0; i < N_LOBES; ++i)
         s->n[i] = a_lobe;
 }

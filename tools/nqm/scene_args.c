@@ -32,7 +32,7 @@ void scene_args_table(scene_args *a, option *table) {
         {"frames", 0, OPTION_COUNT, &a->n_frames, "N", "views of the turntable, evenly over 360 degrees", 1, 3600},
         {"turn", 0, OPTION_NUMBER, &a->turn_deg, "DEG", "angle of the turntable in the first frame", -3600, 3600},
         {"elevation", 0, OPTION_NUMBER, &a->elevation_deg, "DEG", "of the viewer above the horizon", -90, 90},
-        {"lights", 0, OPTION_COUNT, &a->n_lights, "N", "light directions a point (0: 384, or 96 in a picture)", 0,
+        {"lights", 0, OPTION_COUNT, &a->n_lights, "N", "light directions a point (0: 128, or 96 in a picture)", 0,
          1 << 16},
         {"light-width", 0, OPTION_COUNT, &a->light_width, "N", "cells across the light map, once filtered", 16, 4096},
         {"no-shadows", 0, OPTION_FLAG, &a->no_shadows, NULL, "the shape keeps no light from itself", 0, 0},

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How far a label depends on what should not matter: the seed, the light's resolution, the exposure, the shape. The
+ * comparison with the Stanford bunny under the paper's light needs the shared data.
+ */
+#include "math/math.h"
+#include "render/render.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { N_PAIRS = 20 };
+
+static const char *const pair[N_PAIRS][2] = {
+    {"sgd:nickel", "ward:nickel"},
+    {"sgd:nickel", "perturb:gloss=.8;of=sgd:nickel"},
+    {"sgd:nickel", "perturb:gloss=.5;of=sgd:nickel"},
+    {"sgd:nickel", "perturb:tint=1.1,1,.9;of=sgd:nickel"},
+    {"sgd:pearl-paint", "ward:pearl-paint"},
+    {"sgd:pearl-paint", "perturb:peak=.7;of=sgd:pearl-paint"},
+    {"sgd:pearl-paint", "perturb:mix=.3;of=sgd:pearl-paint"},
+    {"sgd:pearl-paint", "perturb:scale=1.03;of=sgd:pearl-paint"},
+    {"sgd:yellow-plastic", "ward:yellow-plastic"},
+    {"sgd:yellow-plastic", "perturb:gloss=.6;of=sgd:yellow-plastic"},
+    {"sgd:yellow-plastic", "perturb:desaturate=.2;of=sgd:yellow-plastic"},
+    {"sgd:yellow-plastic", "perturb:fresnel=2;of=sgd:yellow-plastic"},
+    {"sgd:beige-fabric", "ward:beige-fabric"},
+    {"sgd:beige-fabric", "perturb:scale=.8;of=sgd:beige-fabric"},
+    {"sgd:beige-fabric", "perturb:hue=10;of=sgd:beige-fabric"},
+    {"sgd:beige-fabric", "lambert:kd=.4,.4,.4"},
+    {"lambert:kd=.3,.1,.05", "lambert:kd=.32,.1,.05"},
+    {"lambert:kd=.3,.1,.05", "ggx:kd=.3,.1,.05;ks=1,1,1;alpha=.3;f0=.04"},
+    {"ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.1;f0=.04", "ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.2;f0=.04"},
+    {"ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.1;f0=.04", "ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.1;f0=.08"},
+};
+
+static void label_all(const nqm_scene_options *o, double *delta_e) {
+    nqm_scene *scene;
+    nqm_error err = {0};
+    if (nqm_scene_create(o, &scene, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    double *ref = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *ref);
+    double *test = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *test);
+    assert_true(ref && test);
+    for (size_t i = 0; i < N_PAIRS; ++i) {
+        nqm_brdf *a = open_brdf(pair[i][0]), *b = open_brdf(pair[i][1]);
+        assert_int_equal(nqm_scene_render(scene, a, ref, NULL), NQM_OK);
+        assert_int_equal(nqm_scene_render(scene, b, test, NULL), NQM_OK);
+        delta_e[i] = nqm_scene_delta_e(scene, ref, test);
+        assert_true(delta_e[i] > 0.1);
+        nqm_brdf_free(a);
+        nqm_brdf_free(b);
+    }
+    nqm_free(ref);
+    nqm_free(test);
+    nqm_scene_free(scene);
+}
+
+static nqm_scene_options small_scene(const char *shape) {
+    nqm_scene_options o = nqm_scene_options_default();
+    o.shape = nqm_tracer_present() ? shape : NULL;
+    o.n_points = 768;
+    o.n_lights = 64;
+    o.n_frames = 4;
+    return o;
+}
+
+static void seeds(void **state) {
+    (void)state;
+    double one[N_PAIRS], two[N_PAIRS];
+    nqm_scene_options o = small_scene("blob");
+    label_all(&o, one);
+    o.seed = 2;
+    label_all(&o, two);
+    for (size_t i = 0; i < N_PAIRS; ++i)
+        assert_near(two[i], one[i], 0.02 * fmax(one[i], 1)); /* below 1 nothing is visible */
+}
+
+static void width_of_the_light(void **state) {
+    (void)state;
+    double filtered[N_PAIRS], full[N_PAIRS];
+    nqm_scene_options o = small_scene("blob");
+    label_all(&o, filtered);
+    o.light_width = 512; /* as the built-in sky is drawn */
+    label_all(&o, full);
+    for (size_t i = 0; i < N_PAIRS; ++i)
+        assert_near(full[i], filtered[i], 0.03 * fmax(filtered[i], 1));
+}
+
+static void exposures(void **state) {
+    (void)state;
+    double dim[N_PAIRS], bright[N_PAIRS];
+    nqm_scene_options o = small_scene("blob");
+    o.exposure_cdm2 = 20;
+    label_all(&o, dim);
+    o.exposure_cdm2 = 200;
+    label_all(&o, bright);
+    assert_true(nqm_spearman(N_PAIRS, dim, bright) >= 0.98);
+}
+
+static void shapes(const char *light, const char *mesh, double least) {
+    double sphere[N_PAIRS], other[N_PAIRS];
+    nqm_scene_options o = small_scene("sphere");
+    o.light = light;
+    label_all(&o, sphere);
+    o.shape = mesh;
+    label_all(&o, other);
+    double rank = nqm_spearman(N_PAIRS, sphere, other);
+    if (!(rank >= least))
+        fail_msg("Spearman of the sphere's labels with those of %s: %.4f", mesh, rank);
+}
+
+static void blob_and_sphere_rank_alike(void **state) {
+    (void)state;
+    if (!nqm_tracer_present())
+        skip();
+    shapes(NULL, "blob", 0.97);
+}
+
+static void bunny_and_sphere_rank_alike(void **state) {
+    (void)state;
+    char *light =
+        shared_data("scene/pixar_campus_rgbe.png") ? nqm_strdup(shared_data("scene/pixar_campus_rgbe.png")) : NULL;
+    const char *bunny = shared_data("scene/bunny.ply");
+    if (!light || !bunny || !nqm_tracer_present()) {
+        nqm_free(light);
+        skip();
+    }
+    shapes(light, bunny, 0.97);
+    nqm_free(light);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(seeds),
+        cmocka_unit_test(width_of_the_light),
+        cmocka_unit_test(exposures),
+        cmocka_unit_test(blob_and_sphere_rank_alike),
+        cmocka_unit_test(bunny_and_sphere_rank_alike),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
