@@ -30,6 +30,7 @@ static nqm_corpus_options small_corpus(nqm_corpus_part part) {
     options.n_perturbations = 3;
     options.models = "ward,ggx";
     options.scene.n_points = 256;
+    options.scene.n_lights = 384; /* slow enough to be interrupted */
     return options;
 }
 
