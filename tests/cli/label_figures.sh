@@ -14,6 +14,11 @@ label() {
 png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4, $7 * 256 + $8}'; }
 lambert=lambert:kd=.5,.5,.5
 
+"$tool" label $lambert $lambert --size 8 --map "$dir/probe.png" >"$dir/out" 2>"$dir/err" || {
+    grep -q 'NQM_CAIRO is off' "$dir/err" || fail "no figure can be drawn"
+    exit 77
+}
+
 # A figure grows by a row with each test, and is the same for 1 and 2 threads.
 label 0 sgd:nickel ward:nickel --size 32 --map "$dir/one.png" --json
 grep -q '"delta_e_itp"' "$dir/out" || fail "no label beside the figure"
