@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The judgement on materials never seen, behind what models/make.sh left in WORK: further seeds of both recipes, every model and the
 # boosted-trees control on the test pairs, and the same on the validation materials. Resumable. Results: WORK/judged-*.txt, .csv, .json.
+# (The recipe paper draws its validation pairs over all materials: its figures on the validation materials flatter it.)
 # usage: models/judge.sh WORK [SEEDS]   (default: 3 seeds; the first is the shipped model)
 set -eu
 work=$(cd "${1:?usage: models/judge.sh WORK [SEEDS]}" && pwd)

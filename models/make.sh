@@ -52,13 +52,13 @@ judged() {
     echo "\`clamp\`, \`ripple\` and \`hue\` are kinds of distortion that do not occur in training. Higher is better."
     echo
     echo '```'
-    (cd "$work" && "$nqm" eval test.safetensors --model "$1.safetensors" --by both)
+    (cd "$work" && "$nqm" eval test.safetensors --model "$1.safetensors" --by all)
     echo '```'
     echo
     if [ "$1" = paper ]; then
         echo "This recipe draws its validation pairs at random, so it has trained on pairs of every other material of the corpus."
     else
-        echo "On the validation materials, which chose the learning-rate schedule and the recipe's dropout and weight decay:"
+        echo "On the validation materials, half of which settled the recipe, on a smaller corpus (doc/training.md):"
         echo
         echo '```'
         (cd "$work" && "$nqm" eval train.safetensors --split validation --model "$1.safetensors")

@@ -113,7 +113,7 @@ typedef struct nqm_train_options {
     nqm_layout layout;                   /**< paper: REF_TEST; nqm: REF_DIFF_ABSDIFF */
     double difference_scale;             /**< s of the layout; paper: unused; nqm: 3 */
     int scalars;                         /**< 1: scalar features (nqm_scalar) behind the samples; nqm: 1, else 0 */
-    double scalar_scale;                 /**< times the whitened scalar features; default 1 */
+    double scalar_scale;                 /**< times the whitened scalar features; default 1 (nqm: 8) */
     size_t n_hidden;                     /**< hidden layers; 1..NQM_TRAIN_MAX_HIDDEN; default 3 */
     size_t hidden[NQM_TRAIN_MAX_HIDDEN]; /**< their widths; 1..16384; default 1024, 716, 501 */
     nqm_target target;                   /**< paper, notebook: JOD; nqm: LOG_DELTA_E */
@@ -131,7 +131,7 @@ typedef struct nqm_train_options {
     double dropout;             /**< 0..0.9; default 0.2 (nqm: 0.1) */
     double lr_first, lr_deeper; /**< Adam; default 1e-4 for the first linear layer, 1e-3 for the rest */
     double weight_decay;        /**< L2, added to the gradient; default 1e-4 (nqm: 1e-5) */
-    nqm_schedule schedule;      /**< paper, notebook: PLATEAU */
+    nqm_schedule schedule;      /**< paper, notebook: PLATEAU; nqm: COSINE */
     double plateau_factor;      /**< ReduceLROnPlateau; default 0.1 */
     size_t plateau_patience;    /**< epochs; default 5 */
     size_t batch;               /**< pairs; default 512 (nqm: 128) */

@@ -274,6 +274,7 @@ static void stopped_and_resumed(void **state) {
 static void checkpoints_of_others(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
+    o.schedule = NQM_SCHEDULE_PLATEAU; /* which alone lets epochs differ */
     o.checkpoint = checkpoint;
     nqm_model_free(train(&o, NULL));
     o.resume = 1;
