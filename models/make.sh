@@ -9,7 +9,8 @@ mkdir -p "${2:?usage: models/make.sh DATA WORK}"
 work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
-light=$data/scene/pixar_campus_rgbe.png
+# The paper's scene, a rotating bunny under the Pixar Campus light: eight views, by points (doc/labels.md).
+scene="--light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --frames 8 --points 1536 --lights 128"
 
 "$nqm" dataset --scan "$data" -o "$work/materials.csv"
 
@@ -37,9 +38,10 @@ if [ ! -f "$work/directions.csv" ]; then
 fi
 for part in train test; do
     [ ! -f "$work/$part.safetensors" ] || continue
-    if [ $part = train ]; then set -- train,validation 30; else set -- test 30; fi
-    "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" --light "$light" \
-        --work "$work/groups" --only "$1" --perturbations "$2" -o "$work/$part.safetensors" --log
+    if [ $part = train ]; then only=train,validation; else only=test; fi
+    # shellcheck disable=SC2086 # a list of options
+    "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" $scene --work "$work/groups" \
+        --only $only --perturbations 30 -o "$work/$part.safetensors" --log
     cp "$work/$part.safetensors.json" "$here/corpus-$part.json"
 done
 
@@ -48,7 +50,7 @@ judged() {
     echo "## Judged on"
     echo
     echo "The 20 materials of the authors' study with people, in every form: no model, whitening, direction or threshold has"
-    echo "seen them. Labels are those of \`nqm label\` (Pixar Campus light), not of people. Manifest: corpus-test.json."
+    echo "seen them. Labels are those of \`nqm label\` (a rotating bunny under the Pixar Campus light), not of people. Manifest: corpus-test.json."
     echo "\`clamp\`, \`ripple\` and \`hue\` are kinds of distortion that do not occur in training. Higher is better."
     echo
     echo '```'
