@@ -38,7 +38,7 @@ if [ ! -f "$work/directions.csv" ]; then
 fi
 for part in train test; do
     [ ! -f "$work/$part.safetensors" ] || continue
-    if [ $part = train ]; then only=train,validation; else only=test; fi
+    if [ $part = train ]; then only="train,validation"; else only="test"; fi
     # shellcheck disable=SC2086 # a list of options
     "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" $scene --work "$work/groups" \
         --only $only --perturbations 30 -o "$work/$part.safetensors" --log
