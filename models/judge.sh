@@ -3,25 +3,28 @@
 # The judgement on materials never seen, behind what models/make.sh left in WORK: further seeds of both recipes, every model and the
 # boosted-trees control on the test pairs, and the same on the validation materials. Resumable. Results: WORK/judged-*.txt, .csv, .json.
 # (The recipe paper draws its validation pairs over all materials: its figures on the validation materials flatter it.)
-# usage: models/judge.sh WORK [SEEDS]   (default: 3 seeds; the first is the shipped model)
+# usage: models/judge.sh WORK [SEEDS [PAPER_SEEDS]]   (default: 3 seeds each; the first is the shipped model)
 set -eu
-work=$(cd "${1:?usage: models/judge.sh WORK [SEEDS]}" && pwd)
+work=$(cd "${1:?usage: models/judge.sh WORK [SEEDS [PAPER_SEEDS]]}" && pwd)
 seeds=${2:-3}
+paper_seeds=${3:-$seeds}
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 cd "$work"
 
 models=
-for recipe in default:nqm paper:paper; do
-    name=${recipe%:*}
+for recipe in "default nqm $seeds" "paper paper $paper_seeds"; do
+    # shellcheck disable=SC2086 # three words
+    set -- $recipe
+    name=$1
     models=$models,$name.safetensors
     seed=2
-    while [ "$seed" -le "$seeds" ]; do
+    while [ "$seed" -le "$3" ]; do
         id=$name-seed$seed
         if [ ! -f "$id.safetensors" ]; then
             resume=
             [ ! -f "$id.checkpoint" ] || resume=--resume
-            "$nqm" train train.safetensors --recipe "${recipe#*:}" --id "$id" --seed "$seed" -o "$id.safetensors" \
+            "$nqm" train train.safetensors --recipe "$2" --id "$id" --seed "$seed" -o "$id.safetensors" \
                 --checkpoint "$id.checkpoint" $resume --log "$id.csv"
         fi
         models=$models,$id.safetensors
