@@ -46,14 +46,20 @@ cmp "$dir/alone.safetensors" "$dir/first.safetensors" || fail "another file from
 cmp "$dir/alone.safetensors.json" "$dir/first.safetensors.json" || fail "another manifest"
 
 # Two at once: the second finds the first group claimed, and both wait for each other's. One is killed in its first group.
-rm -rf "$dir/work"
-"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
-    --work "$dir/work" -o "$dir/killed.safetensors" >/dev/null 2>&1 &
-victim=$!
-wait_for "$dir/work" '*.claim'
-kill -9 $victim
-wait $victim 2>/dev/null || true
-[ "$(count "$dir/work" '*.claim')" = 1 ] || fail "the claim of a killed process is not there"
+# On a busy machine the blow can fall between two groups: then once more.
+claims=0 blows=0
+while [ $claims = 0 ]; do
+    blows=$((blows + 1))
+    [ $blows -le 10 ] || fail "ten killed processes, and none left a claim"
+    rm -rf "$dir/work"
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
+        --work "$dir/work" -o "$dir/killed.safetensors" >/dev/null 2>&1 &
+    victim=$!
+    wait_for "$dir/work" '*.claim'
+    kill -9 $victim
+    wait $victim 2>/dev/null || true
+    claims=$(count "$dir/work" '*.claim')
+done
 make --work "$dir/work" -o "$dir/survivor.safetensors" >/dev/null 2>"$dir/err" || fail "after a killed process"
 cmp "$dir/alone.safetensors" "$dir/survivor.safetensors" || fail "another file after a killed process"
 
