@@ -48,7 +48,7 @@ cmp "$dir/alone.safetensors.json" "$dir/first.safetensors.json" || fail "another
 # Two at once: the second finds the first group claimed, and both wait for each other's. One is killed in its first group.
 # On a busy machine the blow can fall between two groups: then once more.
 claims=0 blows=0
-while [ $claims = 0 ]; do
+while [ "$claims" = 0 ]; do
     blows=$((blows + 1))
     [ $blows -le 10 ] || fail "ten killed processes, and none left a claim"
     rm -rf "$dir/work"
@@ -85,4 +85,5 @@ cmp "$dir/alone.safetensors" "$dir/again.safetensors" || fail "another file afte
 
 code=0
 rank 0 2 -o "$dir/x" >/dev/null 2>"$dir/err" || code=$?
-[ $code = 2 ] && grep -q -- '--work' "$dir/err" || fail "two processes without a folder: exit code $code"
+[ "$code" = 2 ] || fail "two processes without a folder: exit code $code"
+grep -q -- "--work" "$dir/err" || fail "two processes without a folder: exit code $code"
