@@ -54,13 +54,14 @@ static nqm_train_options nqm_options(void) {
     nqm_train_options o = paper_options();
     o.recipe = o.id = "nqm";
     o.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
+    /* Scalars, schedule, dropout, decay, batch and epochs: chosen on validation materials, doc/training.md. */
     o.scalars = 1;
     o.scalar_scale = 8;
     o.target = NQM_TARGET_LOG_DELTA_E;
     o.split_by_pair = 0;
     o.balance = 0;
     o.schedule = NQM_SCHEDULE_COSINE;
-    o.dropout = 0.1; /* scalars, schedule, dropout, decay, batch and epochs: chosen on validation materials, doc/training.md */
+    o.dropout = 0.1;
     o.weight_decay = 1e-5;
     o.batch = 128;
     o.epochs = 40;

@@ -16,7 +16,7 @@ for word in '"encoder": "sparse"' '"references": 4' '"seed": 1' '"output": "two.
 done
 learn --steps 2 --seed 2 -o other.safetensors
 if cmp -s one.safetensors other.safetensors; then fail "another seed gives the same file"; fi
-head -c 2000 one.safetensors | tr -d '\\' | grep -qaF '"sgd:nickel","sgd:green-plastic"' || fail "the file does not name its references"
+head -c 2000 one.safetensors | tr -d '\134' | grep -qaF '"sgd:nickel","sgd:green-plastic"' || fail "the file does not name its references"
 
 rm -f ./*.safetensors
 got=0

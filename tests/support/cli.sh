@@ -3,6 +3,7 @@
 # What the command-line tests share: the tool under test, a folder that goes away with the test, and the way to fail.
 # Source it first: . "${NQM_SOURCE:?}/tests/support/cli.sh"
 set -eu
+# shellcheck disable=SC2034 # the tests that source this use it
 tool=${NQM_TOOL:?}
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
