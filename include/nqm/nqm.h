@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/nqm.h - all of nqm. Programs that link libnqm (score and train) need base.h, brdf.h, samples.h, metric.h and
- * train.h only; fit.h, label.h and picture.h are in libnqm-full.
+ * nqm/nqm.h - all of nqm. Programs that link libnqm (score and train) need base.h, brdf.h, samples.h, metric.h,
+ * train.h and human.h only; fit.h, label.h and picture.h are in libnqm-full.
  */
 #ifndef NQM_NQM_H
 #define NQM_NQM_H
@@ -9,6 +9,7 @@
 #include <nqm/base.h>
 #include <nqm/brdf.h>
 #include <nqm/fit.h>
+#include <nqm/human.h>
 #include <nqm/label.h>
 #include <nqm/metric.h>
 #include <nqm/picture.h>

@@ -183,14 +183,20 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *mode
 
 /* ---- judging ----------------------------------------------------------------------------------------------------- */
 
-/** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
+/** How well one predictor agrees with the labels. Correlations are signed so that higher is better. Intervals are NaN
+ *  for fewer than 2 materials. */
 typedef struct nqm_agreement {
     const char *name;                  /**< the model's id, else nqm_metric_name(); lent */
     size_t n, n_materials;             /**< pairs and material groups that counted */
-    double spearman, spearman_ci95[2]; /**< intervals are NaN for fewer than 2 materials */
+    double spearman, spearman_ci95[2]; /**< over all pairs */
     double spearman_mean_by_material, spearman_mean_by_material_ci95[2]; /**< mean over groups with >= 3 pairs */
-    double pearson, kendall;
-    double mae, rmse, r2; /**< of predicted JOD; NaN for metrics, which have no JOD */
+    double pearson, kendall;                                             /**< Kendall's tau-b */
+    double mae, rmse, r2; /**< of predicted JOD; NaN for metrics, which have no JOD, and for labels that are none */
+    double pearson_ci95[2], mae_ci95[2], rmse_ci95[2], r2_ci95[2];
+    size_t n_ordered;            /**< pairs of tests of one material whose labels differ by more than order_margin */
+    double order, order_ci95[2]; /**< share of them that is predicted in the order of the labels; ties count half */
+    int best_of_family; /**< 1: the metric has the higher `spearman` of its family (RMSE and MAE, CRWE, LogE, LogWE) */
+    int best_baseline;  /**< 1: the highest `spearman` of the paper's eight baselines */
 } nqm_agreement;
 
 /** Which pairs to judge on. Take the defaults from nqm_eval_options_default(). */
@@ -200,6 +206,7 @@ typedef struct nqm_eval_options {
     const char *family;         /**< only kinds of this family; NULL: all */
     const char *material_class; /**< only references of this class; NULL: all */
     double jod_from, jod_to;    /**< only labels in [from, to); default 0 and infinity */
+    double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
     size_t n_bootstrap;         /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
     uint64_t seed;              /**< of the resampling; default 1 */
     nqm_progress_fn progress;
@@ -249,6 +256,29 @@ NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, s
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation,
                                                        const nqm_eval_options *options, nqm_agreement *results,
                                                        nqm_error *err);
+
+/** A difference between two predictors: of the pairs as they are, and over the resamples. */
+typedef struct nqm_difference {
+    double value, ci95[2];
+    double share_below_0; /**< of the resamples: how surely the first is not better; NaN without resamples */
+} nqm_difference;
+
+/** Which of two predictors agrees better with the labels. */
+typedef struct nqm_contrast {
+    size_t first, second;                                      /**< in: predictors by number */
+    nqm_difference spearman, spearman_mean_by_material, order; /**< the first less the second */
+} nqm_contrast;
+
+/**
+ * Compare predictors with each other on the pairs that `options` selects: a paired bootstrap, on the very resamples of
+ * the materials from which nqm_evaluation_judge() takes its intervals.
+ *
+ * @param contrasts  (n_contrasts) `first` and `second` are read, the rest is filled
+ * @return as nqm_evaluation_judge(); NQM_ERR_ARG for a number that no predictor has
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation,
+                                                          const nqm_eval_options *options, size_t n_contrasts,
+                                                          nqm_contrast *contrasts, nqm_error *err);
 
 /** Both steps for one model: results (1 + NQM_METRIC_COUNT). */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset,

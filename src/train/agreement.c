@@ -1,202 +1,109 @@
 /* SPDX-License-Identifier: MIT
  *
- * Agreement of predictions with labels, and its bootstrap over material groups: percentile intervals (Efron 1979, DOI
- * 10.1214/aos/1176344552); whole groups are drawn because the pairs of one material are not independent.
- *
- * A resample that draws group g w_g times holds each of its pairs w_g times. The ranks of such a multiset follow from
- * the weights and the order of the values in the whole, so that nothing is sorted a second time.
+ * Agreement of predictions with labels, with percentile intervals, and contrasts between predictors. bootstrap.c draws
+ * the resamples.
  */
 #include "train/agreement.h"
+#include "train/bootstrap.h"
 
 #include <math.h>
-#include <stdatomic.h>
 
-/* What the resamples of one judgement share. Row 0 of the arrays with 1 + n_predictors rows is that of the labels. */
-typedef struct bootstrap {
+/* One judgement at work. */
+typedef struct judging {
     const nqm_judgement *j;
-    uint64_t seed;
     size_t n_resamples;
-    uint32_t *level; /* (1 + n_predictors, n) values in ascending order have levels 0, 1, ...; equal values share one */
-    size_t *n_levels;  /* (1 + n_predictors) */
-    double *group_rho; /* (n_predictors, n_groups) Spearman inside a group; NaN where it has none */
+    double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT) */
     size_t *occurring; /* (n_occurring) groups that hold pairs */
     size_t n_occurring;
-    double *pooled;   /* (n_predictors, n_resamples) Spearman over all pairs of a resample */
-    double *by_group; /* (n_predictors, n_resamples) mean over the groups of a resample */
-    atomic_bool out_of_memory;
-} bootstrap;
+    double *figures; /* (n_predictors, NQM_FIGURE_COUNT, n_resamples) */
+} judging;
 
-/* ---- figures of the pairs as they are ---------------------------------------------------------------------------- */
+/* ---- sums of a group --------------------------------------------------------------------------------------------- */
 
-static void error_figures(const nqm_judgement *j, const double *prediction, nqm_agreement *a) {
-    double mean = nqm_mean(j->n, j->label), sum_abs = 0, sum_squares = 0, variance = 0;
-    for (size_t i = 0; i < j->n; ++i) {
-        double d = prediction[i] - j->label[i], from_mean = j->label[i] - mean;
-        sum_abs += fabs(d);
-        sum_squares += d * d;
-        variance += from_mean * from_mean;
-    }
-    a->mae = sum_abs / (double)j->n;
-    a->rmse = sqrt(sum_squares / (double)j->n);
-    a->r2 = variance > 0 ? 1 - sum_squares / variance : NAN;
+/* How often the predictions order two pairs of the group as the labels do. */
+static void count_orders(size_t n, const double *prediction, const double *label, double margin, double *sums) {
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = i + 1; k < n; ++k) {
+            double by_label = label[i] - label[k], by_prediction = prediction[i] - prediction[k];
+            if (!(fabs(by_label) > margin))
+                continue;
+            sums[NQM_SUM_ORDERED] += 1;
+            sums[NQM_SUM_RIGHT] += by_prediction == 0 ? 0.5 : (by_prediction > 0) == (by_label > 0);
+        }
 }
 
-/* Mean over the occurring groups that have a correlation; weight (n_groups), NULL: 1. NaN where no group counts. */
-static double group_mean(const bootstrap *b, size_t predictor, const double *weight) {
-    const double *rho = b->group_rho + predictor * b->j->n_groups;
-    double sum = 0, n = 0;
-    for (size_t k = 0; k < b->n_occurring; ++k) {
-        size_t g = b->occurring[k];
-        if (isnan(rho[g]))
-            continue;
-        double w = weight ? weight[g] : 1;
-        sum += w * rho[g];
-        n += w;
+static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double *sums) {
+    const double *prediction = j->prediction + predictor * j->n + j->group_begin[g];
+    const double *label = j->label + j->group_begin[g];
+    size_t n = j->group_begin[g + 1] - j->group_begin[g];
+    /* Less the first value of all: no digits are lost to a large mean, and what is constant gives exact zeros. */
+    double x0 = j->prediction[predictor * j->n], y0 = j->label[0];
+    for (size_t i = 0; i < n; ++i) {
+        double x = prediction[i] - x0, y = label[i] - y0, error = prediction[i] - label[i];
+        sums[NQM_SUM_X] += x;
+        sums[NQM_SUM_Y] += y;
+        sums[NQM_SUM_XX] += x * x;
+        sums[NQM_SUM_YY] += y * y;
+        sums[NQM_SUM_XY] += x * y;
+        sums[NQM_SUM_ABS_ERROR] += fabs(error);
+        sums[NQM_SUM_SQUARED_ERROR] += error * error;
     }
-    return n > 0 ? sum / n : NAN;
-}
-
-static void plain_figures(const bootstrap *b, size_t predictor, nqm_agreement *a) {
-    const nqm_judgement *j = b->j;
-    const double *prediction = j->prediction + predictor * j->n;
-    *a = (nqm_agreement){.n = j->n, .n_materials = b->n_occurring};
-    a->spearman = nqm_spearman(j->n, prediction, j->label);
-    a->pearson = nqm_pearson(j->n, prediction, j->label);
-    a->kendall = nqm_kendall(j->n, prediction, j->label);
-    a->spearman_mean_by_material = group_mean(b, predictor, NULL);
-    error_figures(j, prediction, a);
+    sums[NQM_SUM_N] = (double)n;
+    double rho = n < NQM_MIN_PAIRS_OF_GROUP ? NAN : nqm_spearman(n, prediction, label);
+    sums[NQM_SUM_GROUPS_WITH_RHO] = !isnan(rho);
+    sums[NQM_SUM_RHO] = isnan(rho) ? 0 : rho;
+    count_orders(n, prediction, label, j->order_margin, sums);
 }
 
 /* ---- preparation ------------------------------------------------------------------------------------------------- */
 
-static size_t find_levels(size_t n, const double *x, double *rank, size_t *order, uint32_t *level) {
-    nqm_ranks(n, x, rank, order);
-    uint32_t at = 0;
-    for (size_t k = 0; k < n; ++k) {
-        at += k > 0 && rank[order[k]] != rank[order[k - 1]];
-        level[order[k]] = at;
-    }
-    return (size_t)at + 1;
+static void release(judging *w) {
+    nqm_free(w->sums);
+    nqm_free(w->occurring);
+    nqm_free(w->figures);
 }
 
-static nqm_status prepare(bootstrap *b, nqm_error *err) {
-    const nqm_judgement *j = b->j;
-    double *rank = nqm_alloc(j->n, sizeof *rank);
-    size_t *order = nqm_alloc(j->n, sizeof *order);
-    b->level = nqm_alloc(1 + j->n_predictors, j->n * sizeof *b->level);
-    b->n_levels = nqm_alloc(1 + j->n_predictors, sizeof *b->n_levels);
-    b->group_rho = nqm_alloc(j->n_predictors, j->n_groups * sizeof *b->group_rho);
-    b->occurring = nqm_alloc(j->n_groups, sizeof *b->occurring);
-    b->pooled = nqm_alloc(j->n_predictors, (b->n_resamples + 1) * sizeof *b->pooled);
-    b->by_group = nqm_alloc(j->n_predictors, (b->n_resamples + 1) * sizeof *b->by_group);
-    bool ok = rank && order && b->level && b->n_levels && b->group_rho && b->occurring && b->pooled && b->by_group;
-    for (size_t g = 0; ok && g < j->n_groups; ++g)
+static nqm_status begin(judging *w, uint64_t seed, nqm_error *err) {
+    const nqm_judgement *j = w->j;
+    if (j->n_groups < 2)
+        w->n_resamples = 0; /* resampling one material gives it again: an interval without width would be a lie */
+    w->sums = nqm_alloc(j->n_predictors, j->n_groups * NQM_SUM_COUNT * sizeof *w->sums);
+    w->occurring = nqm_alloc(j->n_groups, sizeof *w->occurring);
+    w->figures = nqm_alloc(j->n_predictors * NQM_FIGURE_COUNT, (w->n_resamples + 1) * sizeof *w->figures);
+    if (!w->sums || !w->occurring || !w->figures)
+        return nqm_fail_nomem(err, j->n_predictors * (j->n_groups + w->n_resamples) * NQM_SUM_COUNT * sizeof(double));
+    for (size_t g = 0; g < j->n_groups; ++g)
         if (j->group_begin[g + 1] > j->group_begin[g])
-            b->occurring[b->n_occurring++] = g;
-    for (size_t r = 0; ok && r <= j->n_predictors; ++r) {
-        const double *x = r ? j->prediction + (r - 1) * j->n : j->label;
-        b->n_levels[r] = find_levels(j->n, x, rank, order, b->level + r * j->n);
-    }
-    for (size_t i = 0; ok && i < j->n_predictors * j->n_groups; ++i) {
-        size_t g = i % j->n_groups, begin = j->group_begin[g], n = j->group_begin[g + 1] - begin;
-        const double *prediction = j->prediction + i / j->n_groups * j->n;
-        b->group_rho[i] = n < NQM_MIN_PAIRS_OF_GROUP ? NAN : nqm_spearman(n, prediction + begin, j->label + begin);
-    }
-    nqm_free(rank);
-    nqm_free(order);
-    return ok ? NQM_OK : nqm_fail_nomem(err, (2 + j->n_predictors) * j->n * sizeof *b->level);
+            w->occurring[w->n_occurring++] = g;
+    for (size_t i = 0; i < j->n_predictors * j->n_groups; ++i)
+        sum_group(j, i / j->n_groups, i % j->n_groups, w->sums + i * NQM_SUM_COUNT);
+    const nqm_bootstrap b = {.judgement = j,
+                             .sums = w->sums,
+                             .seed = seed,
+                             .n_resamples = w->n_resamples,
+                             .n_occurring = w->n_occurring,
+                             .occurring = w->occurring};
+    return nqm_bootstrap_run(&b, w->figures, err);
 }
 
-static void release(bootstrap *b) {
-    nqm_free(b->level);
-    nqm_free(b->n_levels);
-    nqm_free(b->group_rho);
-    nqm_free(b->occurring);
-    nqm_free(b->pooled);
-    nqm_free(b->by_group);
+static double *resampled(const judging *w, size_t predictor, int figure) {
+    return w->figures + (predictor * NQM_FIGURE_COUNT + (size_t)figure) * w->n_resamples;
 }
 
-/* ---- one resample ------------------------------------------------------------------------------------------------ */
+/* ---- results ----------------------------------------------------------------------------------------------------- */
 
-/* Scratch of a resample. */
-typedef struct resample {
-    double *weight;       /* (n_groups) how often each group was drawn */
-    double *label_rank;   /* (n) by level, minus the mean rank */
-    double *rank;         /* (n) by level, likewise */
-    double *level_weight; /* (n) */
-    double n;             /* pairs, with repetition */
-} resample;
-
-/* Mean ranks of the levels of row r, less the mean of all ranks; returns the sum of their squares over the pairs. */
-static double rank_levels(const bootstrap *b, const resample *s, size_t r, double *rank) {
-    const nqm_judgement *j = b->j;
-    const uint32_t *level = b->level + r * j->n;
-    for (size_t k = 0; k < b->n_levels[r]; ++k)
-        s->level_weight[k] = 0;
-    for (size_t k = 0; k < b->n_occurring; ++k) {
-        size_t g = b->occurring[k];
-        for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
-            s->level_weight[level[i]] += s->weight[g];
-    }
-    double below = 0, squares = 0;
-    for (size_t k = 0; k < b->n_levels[r]; ++k) {
-        double w = s->level_weight[k];
-        rank[k] = below + 0.5 * (w + 1) - 0.5 * (s->n + 1);
-        squares += w * rank[k] * rank[k];
-        below += w;
-    }
-    return squares;
+/* The figures of the pairs as they are; returns the pairs of tests that have an order. */
+static size_t plain_figures(const judging *w, size_t predictor, double figures[NQM_FIGURE_COUNT]) {
+    const nqm_judgement *j = w->j;
+    double total[NQM_SUM_COUNT] = {0};
+    for (size_t i = 0; i < j->n_groups * NQM_SUM_COUNT; ++i)
+        total[i % NQM_SUM_COUNT] += w->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
+    nqm_figures_of_sums(total, figures);
+    figures[NQM_FIGURE_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
+    return (size_t)total[NQM_SUM_ORDERED];
 }
 
-/* Pearson's r of the ranks of labels and of row r. */
-static double resample_spearman(const bootstrap *b, const resample *s, size_t r, double label_squares) {
-    const nqm_judgement *j = b->j;
-    const uint32_t *label_level = b->level, *level = b->level + r * j->n;
-    double squares = rank_levels(b, s, r, s->rank), products = 0;
-    for (size_t k = 0; k < b->n_occurring; ++k) {
-        size_t g = b->occurring[k];
-        for (size_t i = j->group_begin[g]; s->weight[g] > 0 && i < j->group_begin[g + 1]; ++i)
-            products += s->weight[g] * s->label_rank[label_level[i]] * s->rank[level[i]];
-    }
-    return squares > 0 && label_squares > 0 ? products / sqrt(squares) / sqrt(label_squares) : NAN;
-}
-
-static void draw_groups(const bootstrap *b, size_t index, resample *s) {
-    const nqm_judgement *j = b->j;
-    nqm_rng rng = nqm_rng_make(b->seed, index);
-    s->n = 0;
-    for (size_t k = 0; k < b->n_occurring; ++k) {
-        size_t g = b->occurring[nqm_rng_below(&rng, b->n_occurring)];
-        s->weight[g] += 1;
-        s->n += (double)(j->group_begin[g + 1] - j->group_begin[g]);
-    }
-}
-
-static void run_resample(void *user, size_t index) {
-    bootstrap *b = user;
-    const nqm_judgement *j = b->j;
-    resample s = {.weight = nqm_alloc(j->n_groups, sizeof(double)),
-                  .label_rank = nqm_alloc(j->n, sizeof(double)),
-                  .rank = nqm_alloc(j->n, sizeof(double)),
-                  .level_weight = nqm_alloc(j->n, sizeof(double))};
-    if (s.weight && s.label_rank && s.rank && s.level_weight) {
-        draw_groups(b, index, &s);
-        double label_squares = rank_levels(b, &s, 0, s.label_rank);
-        for (size_t p = 0; p < j->n_predictors; ++p) {
-            b->pooled[p * b->n_resamples + index] = resample_spearman(b, &s, p + 1, label_squares);
-            b->by_group[p * b->n_resamples + index] = group_mean(b, p, s.weight);
-        }
-    } else {
-        atomic_store(&b->out_of_memory, true);
-    }
-    nqm_free(s.weight);
-    nqm_free(s.label_rank);
-    nqm_free(s.rank);
-    nqm_free(s.level_weight);
-}
-
-/* 2.5 and 97.5 percentiles of the values that are numbers; x (n) is sorted. */
-static void find_interval(size_t n, double *x, double ci95[2]) {
+void nqm_interval95(size_t n, double *x, double ci95[2]) {
     size_t n_numbers = 0;
     for (size_t i = 0; i < n; ++i)
         if (!isnan(x[i]))
@@ -205,22 +112,107 @@ static void find_interval(size_t n, double *x, double ci95[2]) {
     ci95[1] = nqm_quantile(n_numbers, x, 0.975);
 }
 
+static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a) {
+    const nqm_judgement *j = w->j;
+    double figures[NQM_FIGURE_COUNT];
+    *a = (nqm_agreement){.n = j->n, .n_materials = w->n_occurring};
+    a->n_ordered = plain_figures(w, predictor, figures);
+    a->kendall = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
+    const struct {
+        double *value, *ci95;
+    } places[NQM_FIGURE_COUNT] = {
+        [NQM_FIGURE_SPEARMAN] = {&a->spearman, a->spearman_ci95},
+        [NQM_FIGURE_BY_GROUP] = {&a->spearman_mean_by_material, a->spearman_mean_by_material_ci95},
+        [NQM_FIGURE_PEARSON] = {&a->pearson, a->pearson_ci95},
+        [NQM_FIGURE_MAE] = {&a->mae, a->mae_ci95},
+        [NQM_FIGURE_RMSE] = {&a->rmse, a->rmse_ci95},
+        [NQM_FIGURE_R2] = {&a->r2, a->r2_ci95},
+        [NQM_FIGURE_ORDER] = {&a->order, a->order_ci95},
+    };
+    for (int f = 0; f < NQM_FIGURE_COUNT; ++f) {
+        *places[f].value = figures[f];
+        nqm_interval95(w->n_resamples, resampled(w, predictor, f), places[f].ci95);
+    }
+}
+
 nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_agreement *results,
                      nqm_error *err) {
-    if (j->n_groups < 2)
-        n_bootstrap = 0; /* resampling one material gives it again: an interval without width would be a lie */
-    bootstrap b = {.j = j, .seed = seed, .n_resamples = n_bootstrap};
-    nqm_status status = prepare(&b, err);
-    if (status == NQM_OK) {
-        nqm_parallel_for(n_bootstrap, run_resample, &b);
-        if (atomic_load(&b.out_of_memory))
-            status = nqm_fail_nomem(err, 3 * j->n * sizeof(double));
-    }
-    for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p) {
-        plain_figures(&b, p, &results[p]);
-        find_interval(n_bootstrap, b.pooled + p * n_bootstrap, results[p].spearman_ci95);
-        find_interval(n_bootstrap, b.by_group + p * n_bootstrap, results[p].spearman_mean_by_material_ci95);
-    }
-    release(&b);
+    judging w = {.j = j, .n_resamples = n_bootstrap};
+    nqm_status status = begin(&w, seed, err);
+    for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p)
+        fill_agreement(&w, p, &results[p]);
+    release(&w);
     return status;
+}
+
+/* ---- contrasts --------------------------------------------------------------------------------------------------- */
+
+nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch) {
+    nqm_difference d = {.value = value, .share_below_0 = NAN};
+    size_t n_numbers = 0, n_below = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double difference = first[i] - second[i];
+        if (isnan(difference))
+            continue;
+        scratch[n_numbers++] = difference;
+        n_below += difference < 0;
+    }
+    if (n_numbers)
+        d.share_below_0 = (double)n_below / (double)n_numbers;
+    nqm_interval95(n_numbers, scratch, d.ci95);
+    return d;
+}
+
+static void fill_contrast(const judging *w, size_t first, size_t second, double *scratch, nqm_contrast *c) {
+    double a[NQM_FIGURE_COUNT], b[NQM_FIGURE_COUNT];
+    plain_figures(w, first, a);
+    plain_figures(w, second, b);
+    const struct {
+        int figure;
+        nqm_difference *difference;
+    } places[] = {{NQM_FIGURE_SPEARMAN, &c->spearman},
+                  {NQM_FIGURE_BY_GROUP, &c->spearman_mean_by_material},
+                  {NQM_FIGURE_ORDER, &c->order}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
+        int f = places[i].figure;
+        *places[i].difference =
+            nqm_difference_of(a[f] - b[f], w->n_resamples, resampled(w, first, f), resampled(w, second, f), scratch);
+    }
+}
+
+nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, size_t n_contrasts,
+                               nqm_contrast *contrasts, nqm_error *err) {
+    judging w = {.j = j, .n_resamples = n_bootstrap};
+    double *scratch = nqm_alloc(n_bootstrap, sizeof *scratch);
+    nqm_status status = scratch ? begin(&w, seed, err) : nqm_fail_nomem(err, n_bootstrap * sizeof *scratch);
+    for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i)
+        fill_contrast(&w, contrasts[i].first, contrasts[i].second, scratch, &contrasts[i]);
+    nqm_free(scratch);
+    release(&w);
+    return status;
+}
+
+/* ---- the best of several metrics --------------------------------------------------------------------------------- */
+
+/* The first of the largest Spearman among metrics [begin, end), or end where none has one. */
+static size_t find_best(const nqm_agreement *metrics, size_t begin, size_t end) {
+    size_t best = end;
+    for (size_t m = begin; m < end; ++m)
+        if (!isnan(metrics[m].spearman) && (best == end || metrics[m].spearman > metrics[best].spearman))
+            best = m;
+    return best;
+}
+
+void nqm_mark_best(nqm_agreement *metrics) {
+    enum { VARIANTS = 2 }; /* root mean square and mean absolute, side by side in nqm_metric */
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        metrics[m].best_of_family = metrics[m].best_baseline = 0;
+    for (size_t m = 0; m < NQM_METRIC_BASELINE_COUNT; m += VARIANTS) {
+        size_t best = find_best(metrics, m, m + VARIANTS);
+        if (best < m + VARIANTS)
+            metrics[best].best_of_family = 1;
+    }
+    size_t best = find_best(metrics, 0, NQM_METRIC_BASELINE_COUNT);
+    if (best < NQM_METRIC_BASELINE_COUNT)
+        metrics[best].best_baseline = 1;
 }

@@ -68,7 +68,7 @@ static nqm_status check_indices(size_t n, const uint32_t *index, size_t limit, c
 }
 
 static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error *err) {
-    for (size_t i = 0; i < d->n_pairs; ++i) {
+    for (size_t i = 0; !d->order_only && i < d->n_pairs; ++i) {
         if (!(d->delta_e[i] >= 0) || isinf(d->delta_e[i]))
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: Delta-E of pair %zu is %g, it must be finite and >= 0", name,
                             i, d->delta_e[i]);

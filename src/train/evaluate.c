@@ -1,32 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * What models and the nine scalar metrics predict for the pairs of a dataset; how well that agrees with the labels is
- * counted in agreement.c.
+ * What models and the nine scalar metrics predict for the pairs of a dataset. evaluate_judge.c chooses pairs and judges.
  */
+#include "train/evaluate.h"
 #include "metric/metric.h"
-#include "train/agreement.h"
-#include "train/train.h"
 
 #include <math.h>
 #include <string.h>
 
-struct nqm_evaluation {
-    const nqm_dataset *dataset;
-    size_t n_models, n_predictors;
-    const nqm_model *const *models;
-    nqm_split split;
-    double *values;     /* (n_predictors, n_pairs of the dataset) NaN where not predicted */
-    double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) likewise */
-    size_t *ref_class;  /* (n_refs) */
-    const char **names; /* (n_predictors) */
-};
-
 nqm_eval_options nqm_eval_options_default(void) {
-    return (nqm_eval_options){.split = NQM_SPLIT_ALL, .jod_to = INFINITY, .n_bootstrap = 1000, .seed = 1};
-}
-
-static bool in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
-    return split == NQM_SPLIT_ALL || nqm_dataset_pair_split(d, pair) == split;
+    return (nqm_eval_options){
+        .split = NQM_SPLIT_ALL, .jod_to = INFINITY, .order_margin = 0.25, .n_bootstrap = 1000, .seed = 1};
 }
 
 /* ---- the scalar metrics ------------------------------------------------------------------------------------------ */
@@ -152,7 +136,7 @@ static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm
     run.ticker = (nqm_ticker){.fn = o->progress, .user = o->progress_user};
     nqm_status status = run.pairs ? NQM_OK : nqm_fail_nomem(err, d->n_pairs * sizeof *run.pairs);
     for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
-        if (in_split(d, i, o->split))
+        if (nqm_evaluation_in_split(d, i, o->split))
             run.pairs[run.n++] = i;
     if (status == NQM_OK && run.n == 0)
         status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no pair in this split");
@@ -227,105 +211,4 @@ const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
 
 const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
     return ev->scalars + pair * NQM_SCALAR_COUNT;
-}
-
-/* ---- judging ----------------------------------------------------------------------------------------------------- */
-
-static bool is(const char *wanted, const char *value) {
-    return !wanted || strcmp(wanted, value) == 0;
-}
-
-static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t pair) {
-    const nqm_dataset *d = ev->dataset;
-    size_t kind = d->pair_kind[pair];
-    return in_split(d, pair, o->split) && in_split(d, pair, ev->split) && d->jod[pair] >= o->jod_from &&
-           d->jod[pair] < o->jod_to && is(o->kind, d->kind_names[kind]) &&
-           is(o->family, nqm_dataset_kind_family(d, kind)) &&
-           is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
-}
-
-/* Memory of one judgement; the chosen pairs by group. */
-typedef struct selection {
-    size_t n;
-    size_t *group_begin; /* (n_groups + 1) */
-    size_t *pairs;       /* (n) */
-    double *label;       /* (n) */
-    double *prediction;  /* (n_predictors, n) */
-} selection;
-
-/* Counting sort of the chosen pairs by group. */
-static nqm_status select_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, selection *s, nqm_error *err) {
-    const nqm_dataset *d = ev->dataset;
-    size_t *next = nqm_alloc(d->n_groups, sizeof *next);
-    s->group_begin = nqm_alloc(d->n_groups + 1, sizeof *s->group_begin);
-    s->pairs = nqm_alloc(d->n_pairs, sizeof *s->pairs);
-    bool ok = next && s->group_begin && s->pairs;
-    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
-        s->group_begin[d->ref_group[d->pair_ref[pair]] + 1] += selected(ev, o, pair);
-    for (size_t g = 0; ok && g < d->n_groups; ++g) {
-        next[g] = s->group_begin[g];
-        s->group_begin[g + 1] += s->group_begin[g];
-    }
-    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
-        if (selected(ev, o, pair))
-            s->pairs[next[d->ref_group[d->pair_ref[pair]]]++] = pair;
-    nqm_free(next);
-    s->n = ok ? s->group_begin[d->n_groups] : 0;
-    return ok ? NQM_OK : nqm_fail_nomem(err, (2 * d->n_groups + d->n_pairs) * sizeof *next);
-}
-
-static nqm_status collect(const nqm_evaluation *ev, selection *s, nqm_error *err) {
-    const nqm_dataset *d = ev->dataset;
-    s->label = nqm_alloc(s->n, sizeof *s->label);
-    s->prediction = nqm_alloc(ev->n_predictors, s->n * sizeof *s->prediction);
-    if (!s->label || !s->prediction)
-        return nqm_fail_nomem(err, ev->n_predictors * s->n * sizeof *s->prediction);
-    for (size_t k = 0; k < s->n; ++k)
-        s->label[k] = d->jod[s->pairs[k]];
-    for (size_t i = 0; i < ev->n_predictors; ++i) {
-        double sign = i < ev->n_models ? 1 : -1; /* a metric is a distance */
-        for (size_t k = 0; k < s->n; ++k)
-            s->prediction[i * s->n + k] = sign * ev->values[i * d->n_pairs + s->pairs[k]];
-    }
-    return NQM_OK;
-}
-
-nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_agreement *results,
-                                nqm_error *err) {
-    nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    selection s = {0};
-    nqm_status status = select_pairs(ev, &o, &s, err);
-    if (status == NQM_OK && s.n == 0)
-        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair is left to judge on");
-    if (status == NQM_OK)
-        status = collect(ev, &s, err);
-    if (status == NQM_OK) {
-        nqm_judgement j = {.n = s.n,
-                           .n_groups = ev->dataset->n_groups,
-                           .n_predictors = ev->n_predictors,
-                           .group_begin = s.group_begin,
-                           .label = s.label,
-                           .prediction = s.prediction};
-        status = nqm_judge(&j, o.n_bootstrap, o.seed, results, err);
-    }
-    for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
-        results[i].name = ev->names[i];
-        if (i >= ev->n_models)
-            results[i].mae = results[i].rmse = results[i].r2 = NAN;
-    }
-    nqm_free(s.group_begin);
-    nqm_free(s.pairs);
-    nqm_free(s.label);
-    nqm_free(s.prediction);
-    return status;
-}
-
-nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset, const nqm_eval_options *options,
-                        nqm_agreement *results, nqm_error *err) {
-    nqm_evaluation *ev;
-    nqm_status status = nqm_evaluation_create(dataset, 1, &model, options, &ev, err);
-    if (status == NQM_OK)
-        status = nqm_evaluation_judge(ev, options, results, err);
-    nqm_evaluation_free(ev);
-    return status;
 }

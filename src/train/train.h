@@ -40,6 +40,7 @@ struct nqm_dataset {
     const char *const *kind_families; /* (n_kinds) "encoding", "published", ...; NULL: not known */
     const char *const *pair_names;    /* (n_pairs) the test: a spec, or "NAME_3" in the authors' layout */
     const char *manifest;             /* JSON: how it was made; NULL: unknown */
+    bool order_only; /* `jod` holds scores of some other scale, of which only the order counts (human data) */
 
     /* owned by a loaded dataset */
     char sha256[65]; /* of the file; of the content for the authors' layout */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap against one that repeats the
- * pairs for real, and the evaluation of models and metrics on a dataset against single predictions.
+ * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap and its contrasts against one
+ * that repeats the pairs for real, and the evaluation of models and metrics on a dataset against single predictions.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -46,7 +46,8 @@ static int read_pairs(void **state) {
                                 .n_predictors = N_PREDICTORS,
                                 .group_begin = group_begin,
                                 .label = label,
-                                .prediction = prediction};
+                                .prediction = prediction,
+                                .order_margin = 0.25};
     nqm_csv_free(csv);
     return 0;
 }
@@ -67,17 +68,32 @@ static void figures_are_scipys(void **state) {
         assert_near(a[p].mae, number(csv, p, "mae"), 1e-9);
         assert_near(a[p].rmse, number(csv, p, "rmse"), 1e-9);
         assert_near(a[p].r2, number(csv, p, "r2"), 1e-9);
+        assert_int_equal(a[p].n_ordered, number(csv, p, "n_ordered"));
+        assert_near(a[p].order, number(csv, p, "order"), 1e-9);
         assert_true(isnan(a[p].spearman_ci95[0]) && isnan(a[p].spearman_mean_by_material_ci95[1]));
     }
     nqm_csv_free(csv);
 }
 
-/* One resample with its pairs repeated in memory: Spearman over all, and the mean over the drawn groups. */
-static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double *pooled, double *by_group) {
+/* The figures of one resample, in the order of `figures_of`. */
+enum { POOLED, BY_GROUP, PEARSON, MAE, RMSE, R2, ORDER, N_FIGURES };
+
+/* Share of the pairs in x, y [begin, end) with labels apart that are in order. */
+static void add_orders(const double *x, const double *y, size_t begin, size_t end, double *right, double *n) {
+    for (size_t i = begin; i < end; ++i)
+        for (size_t k = begin; k < end; ++k)
+            if (y[i] - y[k] > judgement.order_margin) {
+                *n += 1;
+                *right += x[i] > x[k] ? 1 : x[i] == x[k] ? 0.5 : 0;
+            }
+}
+
+/* One resample with its pairs repeated in memory. A group that is drawn twice counts twice. */
+static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double figures[N_FIGURES]) {
     enum { MAX_REPEATED = 13 * MAX_PAIRS };
     static double x[MAX_REPEATED], y[MAX_REPEATED];
     size_t occurring[N_GROUPS], n_occurring = 0, n = 0, n_rho = 0;
-    double sum = 0;
+    double sum = 0, right = 0, ordered = 0, absolute = 0, squared = 0, variance = 0;
     for (size_t g = 0; g < N_GROUPS; ++g)
         if (group_begin[g + 1] > group_begin[g])
             occurring[n_occurring++] = g;
@@ -88,29 +104,128 @@ static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double *
             x[n] = prediction[predictor * judgement.n + i];
             y[n++] = label[i];
         }
+        add_orders(x, y, first, n, &right, &ordered);
         if (n - first >= 3) {
             sum += nqm_spearman(n - first, x + first, y + first);
             ++n_rho;
         }
     }
-    *pooled = nqm_spearman(n, x, y);
-    *by_group = sum / (double)n_rho;
+    for (size_t i = 0; i < n; ++i) {
+        absolute += fabs(x[i] - y[i]) / (double)n;
+        squared += (x[i] - y[i]) * (x[i] - y[i]) / (double)n;
+        variance += pow(y[i] - nqm_mean(n, y), 2) / (double)n;
+    }
+    const double found[N_FIGURES] = {[POOLED] = nqm_spearman(n, x, y), [BY_GROUP] = sum / (double)n_rho,
+                                     [PEARSON] = nqm_pearson(n, x, y), [MAE] = absolute,
+                                     [RMSE] = sqrt(squared),           [R2] = 1 - squared / variance,
+                                     [ORDER] = right / ordered};
+    memcpy(figures, found, sizeof found);
+}
+
+enum { N_RESAMPLES = 101 };
+
+/* By figure, over the resamples. */
+static void repeat_all(size_t predictor, double figures[N_FIGURES][N_RESAMPLES]) {
+    for (size_t i = 0; i < N_RESAMPLES; ++i) {
+        double one[N_FIGURES];
+        repeat_pairs(5, i, predictor, one);
+        for (size_t f = 0; f < N_FIGURES; ++f)
+            figures[f][i] = one[f];
+    }
 }
 
 static void bootstrap_repeats_groups(void **state) {
     (void)state;
-    enum { N_RESAMPLES = 101 };
     nqm_agreement a[N_PREDICTORS];
     assert_int_equal(nqm_judge(&judgement, N_RESAMPLES, 5, a, NULL), NQM_OK);
     for (size_t p = 0; p < N_PREDICTORS; ++p) {
-        double pooled[N_RESAMPLES], by_group[N_RESAMPLES];
-        for (size_t i = 0; i < N_RESAMPLES; ++i)
-            repeat_pairs(5, i, p, &pooled[i], &by_group[i]);
-        assert_near(a[p].spearman_ci95[0], nqm_quantile(N_RESAMPLES, pooled, 0.025), 1e-12);
-        assert_near(a[p].spearman_ci95[1], nqm_quantile(N_RESAMPLES, pooled, 0.975), 1e-12);
-        assert_near(a[p].spearman_mean_by_material_ci95[0], nqm_quantile(N_RESAMPLES, by_group, 0.025), 1e-12);
-        assert_near(a[p].spearman_mean_by_material_ci95[1], nqm_quantile(N_RESAMPLES, by_group, 0.975), 1e-12);
+        double figures[N_FIGURES][N_RESAMPLES];
+        repeat_all(p, figures);
+        const double *intervals[N_FIGURES] = {
+            [POOLED] = a[p].spearman_ci95, [BY_GROUP] = a[p].spearman_mean_by_material_ci95,
+            [PEARSON] = a[p].pearson_ci95, [MAE] = a[p].mae_ci95,
+            [RMSE] = a[p].rmse_ci95,       [R2] = a[p].r2_ci95,
+            [ORDER] = a[p].order_ci95};
+        for (size_t f = 0; f < N_FIGURES; ++f) {
+            assert_near(intervals[f][0], nqm_quantile(N_RESAMPLES, figures[f], 0.025), 1e-9);
+            assert_near(intervals[f][1], nqm_quantile(N_RESAMPLES, figures[f], 0.975), 1e-9);
+        }
         assert_true(a[p].spearman_ci95[0] < a[p].spearman && a[p].spearman < a[p].spearman_ci95[1]);
+    }
+}
+
+static void check_difference(const nqm_difference *d, double value, const double *first, const double *second) {
+    double difference[N_RESAMPLES];
+    size_t n_below = 0;
+    for (size_t i = 0; i < N_RESAMPLES; ++i) {
+        difference[i] = first[i] - second[i];
+        n_below += difference[i] < 0;
+    }
+    assert_near(d->value, value, 1e-12);
+    assert_near(d->share_below_0, (double)n_below / N_RESAMPLES, 1e-12);
+    assert_near(d->ci95[0], nqm_quantile(N_RESAMPLES, difference, 0.025), 1e-9);
+    assert_near(d->ci95[1], nqm_quantile(N_RESAMPLES, difference, 0.975), 1e-9);
+}
+
+/* Both predictors on the same resamples, one less the other; against itself a predictor wins nothing. */
+static void contrasts_are_paired(void **state) {
+    (void)state;
+    nqm_agreement a[N_PREDICTORS];
+    nqm_contrast c[3] = {{.first = 0, .second = 1}, {.first = 1, .second = 0}, {.first = 1, .second = 1}};
+    assert_int_equal(nqm_judge(&judgement, 0, 5, a, NULL), NQM_OK);
+    assert_int_equal(nqm_judge_contrasts(&judgement, N_RESAMPLES, 5, 3, c, NULL), NQM_OK);
+    static double figures[2][N_FIGURES][N_RESAMPLES];
+    repeat_all(0, figures[0]);
+    repeat_all(1, figures[1]);
+    for (size_t i = 0; i < 2; ++i) {
+        size_t p = c[i].first, q = c[i].second;
+        check_difference(&c[i].spearman, a[p].spearman - a[q].spearman, figures[p][POOLED], figures[q][POOLED]);
+        check_difference(&c[i].spearman_mean_by_material,
+                         a[p].spearman_mean_by_material - a[q].spearman_mean_by_material, figures[p][BY_GROUP],
+                         figures[q][BY_GROUP]);
+        check_difference(&c[i].order, a[p].order - a[q].order, figures[p][ORDER], figures[q][ORDER]);
+    }
+    assert_true(c[2].spearman.value == 0 && c[2].spearman.ci95[1] == 0 && c[2].spearman.share_below_0 == 0);
+    assert_int_equal(nqm_judge_contrasts(&judgement, 0, 5, 1, c, NULL), NQM_OK);
+    assert_true(isnan(c[0].spearman.share_below_0) && isnan(c[0].spearman.ci95[0]));
+    assert_near(c[0].spearman.value, a[0].spearman - a[1].spearman, 1e-12);
+}
+
+/* Without variance there is no correlation, and without two labels apart no order. */
+static void figures_that_do_not_exist(void **state) {
+    (void)state;
+    const double flat[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, rising[6] = {1, 2, 3, 4, 5, 6};
+    const size_t begin[3] = {0, 3, 6};
+    nqm_judgement j = {
+        .n = 6, .n_groups = 2, .n_predictors = 1, .group_begin = begin, .label = flat, .prediction = rising};
+    nqm_agreement a;
+    assert_int_equal(nqm_judge(&j, 20, 1, &a, NULL), NQM_OK);
+    assert_true(isnan(a.spearman) && isnan(a.spearman_mean_by_material) && isnan(a.pearson) && isnan(a.kendall));
+    assert_true(isnan(a.r2) && isnan(a.order) && isnan(a.pearson_ci95[0]) && isnan(a.order_ci95[1]));
+    assert_int_equal(a.n_ordered, 0);
+    assert_near(a.mae, 3.4, 1e-12);
+    j.label = rising;
+    j.prediction = flat;
+    assert_int_equal(nqm_judge(&j, 20, 1, &a, NULL), NQM_OK);
+    assert_true(isnan(a.pearson));
+    assert_int_equal(a.n_ordered, 6);
+    assert_near(a.order, 0.5, 0); /* ties count half */
+    j.order_margin = 1;           /* more than that, not as much */
+    assert_int_equal(nqm_judge(&j, 0, 1, &a, NULL), NQM_OK);
+    assert_int_equal(a.n_ordered, 2);
+}
+
+static void best_variants(void **state) {
+    (void)state;
+    const double spearman[NQM_METRIC_COUNT] = {0.3, 0.5, 0.8, 0.8, NAN, 0.2, NAN, NAN, 0.9};
+    const int of_family[NQM_METRIC_COUNT] = {0, 1, 1, 0, 0, 1, 0, 0, 0};
+    nqm_agreement metrics[NQM_METRIC_COUNT] = {0};
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        metrics[m].spearman = spearman[m];
+    nqm_mark_best(metrics);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+        assert_int_equal(metrics[m].best_of_family, of_family[m]);
+        assert_int_equal(metrics[m].best_baseline, m == NQM_METRIC_RMS_CRWE); /* log_diff is none of the eight */
     }
 }
 
@@ -195,6 +310,26 @@ static void classes_of_materials(void **state) {
     assert_null(nqm_material_class_name(NQM_MATERIAL_CLASS_COUNT));
 }
 
+/* The contrasts of an evaluation go with its results. */
+static void check_contrasts(const nqm_model *model, const nqm_dataset *d, const nqm_eval_options *o,
+                            const nqm_agreement *a) {
+    nqm_evaluation *ev;
+    nqm_contrast c[2] = {{.first = 0, .second = 1 + NQM_METRIC_LOG_DIFF}, {.first = 0, .second = 1}};
+    assert_int_equal(nqm_evaluation_create(d, 1, &model, o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_contrast(ev, o, 2, c, NULL), NQM_OK);
+    for (size_t i = 0; i < 2; ++i) {
+        assert_near(c[i].spearman.value, a[0].spearman - a[c[i].second].spearman, 1e-12);
+        assert_near(c[i].order.value, a[0].order - a[c[i].second].order, 1e-12);
+        assert_true(c[i].spearman.ci95[0] <= c[i].spearman.ci95[1]);
+    }
+    c[0].second = 1 + NQM_METRIC_COUNT;
+    assert_int_equal(nqm_evaluation_contrast(ev, o, 2, c, NULL), NQM_ERR_ARG);
+    nqm_eval_options bad = *o;
+    bad.order_margin = -1;
+    assert_int_equal(nqm_evaluation_contrast(ev, &bad, 1, &c[1], NULL), NQM_ERR_ARG);
+    nqm_evaluation_free(ev);
+}
+
 static void selections(void **state) {
     (void)state;
     toy_options t = toy_options_default();
@@ -212,6 +347,7 @@ static void selections(void **state) {
         assert_true(a[i].spearman_ci95[0] <= a[i].spearman_ci95[1]);
         assert_true(isnan(a[i].mae) == (i > 0));
     }
+    check_contrasts(model, d, &o, a);
     assert_true(a[1 + NQM_METRIC_LOG_DIFF].spearman > 0.97); /* the toy's label is that metric, but for the masks */
     o.split = NQM_SPLIT_TEST;
     o.kind = "gloss";
@@ -267,11 +403,10 @@ static void selections(void **state) {
 int main(void) {
     omp_set_num_threads(1); /* these networks are too small to share */
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(figures_are_scipys),
-        cmocka_unit_test(bootstrap_repeats_groups),
-        cmocka_unit_test(predictions_are_those_of_single_pairs),
-        cmocka_unit_test(classes_of_materials),
-        cmocka_unit_test(selections),
+        cmocka_unit_test(figures_are_scipys),   cmocka_unit_test(bootstrap_repeats_groups),
+        cmocka_unit_test(contrasts_are_paired), cmocka_unit_test(figures_that_do_not_exist),
+        cmocka_unit_test(best_variants),        cmocka_unit_test(predictions_are_those_of_single_pairs),
+        cmocka_unit_test(classes_of_materials), cmocka_unit_test(selections),
     };
     return cmocka_run_group_tests(tests, read_pairs, NULL);
 }

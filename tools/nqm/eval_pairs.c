@@ -27,7 +27,9 @@ static void write_pair(const eval_run *run, size_t pair, FILE *out) {
         print_csv_text(out, texts[k]);
         fputc(',', out);
     }
-    fprintf(out, "%.9g,%.9g", p.delta_e, p.jod);
+    print_csv_number(out, p.delta_e);
+    fputc(',', out);
+    print_csv_number(out, p.jod);
     for (size_t i = 0; i < run->n_predictors; ++i) {
         fputc(',', out);
         print_csv_number(out, nqm_evaluation_values(run->evaluation, i)[pair]);
