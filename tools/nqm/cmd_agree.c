@@ -67,7 +67,7 @@ int cmd_agree(int argc, char **argv) {
     const char *root = NULL, *loss = "log";
     scene_args scene = scene_args_begin();
     nqm_fit_options fit = nqm_fit_options_default();
-    scene.n_points = 1024;
+    scene.n_points = scene.scene.n_points; /* points, not a picture: quick */
     option options[3 + N_SCENE_OPTIONS + 1] = {
         {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of PAIRS.csv start", 0, 0},
         {"loss", 0, OPTION_TEXT, &loss, "NAME", "of own fits: log, log-cos, cube-root, linear", 0, 0},
