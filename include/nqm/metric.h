@@ -29,6 +29,8 @@ typedef struct nqm_model_info {
     size_t n_layers;             /**< linear layers */
     const size_t *layer_sizes;   /**< (n_layers + 1) widths, input first */
     double jod_min, jod_max;     /**< the range that the output can take */
+    double whitening_mean[3], whitening_std[3]; /**< of log(cbrt(f_r) + 1), R G B */
+    double target_mean, target_std;             /**< of the training targets: JOD, or log Delta-E ITP */
     const nqm_directions *directions;
 } nqm_model_info;
 

@@ -116,6 +116,16 @@ NQM_MUST_CHECK nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_
                                        nqm_error *err);
 void nqm_mat_close(nqm_mat *mat);
 
+/** One real matrix to write. */
+typedef struct nqm_mat_variable {
+    const char *name; /* a letter, then letters, digits and _; 63 bytes at most */
+    size_t rows, cols;
+    const double *data; /* (rows, cols), finite */
+} nqm_mat_variable;
+/** Write them as a MAT v5 file, uncompressed: equal matrices make equal files. `path` must not be "-" or a device.
+ *  NQM_ERR_ARG: a bad name, or a value that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
+NQM_MUST_CHECK nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err);
+
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 /** A linear RGB picture. */

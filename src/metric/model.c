@@ -115,7 +115,13 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
                            .n_parameters = nqm_params_count(shape),
                            .n_layers = shape->n_layers,
                            .layer_sizes = shape->sizes,
+                           .target_mean = model->target_mean,
+                           .target_std = model->target_std,
                            .directions = model->directions};
+    for (size_t k = 0; k < 3; ++k) {
+        info.whitening_mean[k] = (double)model->mean[k];
+        info.whitening_std[k] = (double)model->std[k];
+    }
     double at_low = nqm_model_jod(model, -INFINITY, NULL), at_high = nqm_model_jod(model, INFINITY, NULL);
     info.jod_min = fmin(at_low, at_high); /* a model of Delta-E falls where its output rises */
     info.jod_max = fmax(at_low, at_high);

@@ -13,8 +13,9 @@ typedef struct sample_set {
     const char *brdf;
     const nqm_directions *directions;
     nqm_invalid_policy policy;
-    float *rgb;    /* (n, 3) */
-    uint8_t *flag; /* (n) */
+    const char *output; /* a MAT file; NULL: print */
+    float *rgb;         /* (n, 3) */
+    uint8_t *flag;      /* (n) */
     nqm_sample_report report;
 } sample_set;
 
@@ -52,6 +53,18 @@ static int print_samples_json(const sample_set *s) {
                                 (json_int_t)s->report.n_invalid, "samples", samples));
 }
 
+/* The authors' files hold a value at every direction. */
+static int write_samples(const sample_set *s) {
+    nqm_error err = {0};
+    if (s->policy == NQM_INVALID_DROP && s->report.n_invalid)
+        return report(
+            "sample", EXIT_INCOMPATIBLE,
+            "%s: no value at %zu of %zu directions, but a MAT file needs one at each: --invalid zero or nearest",
+            s->brdf, s->report.n_invalid, s->report.n);
+    nqm_status status = nqm_samples_save_mat(s->directions, s->rgb, s->output, &err);
+    return status == NQM_OK ? EXIT_OK : report_error("sample", &err);
+}
+
 static void talk(const sample_set *s) {
     if (s->report.n_clamped)
         fprintf(stderr, "nqm sample: %s: negative channel at %zu of %zu directions, taken as 0\n", s->brdf,
@@ -72,7 +85,7 @@ static int sample_and_print(sample_set *s, const nqm_brdf *brdf, bool json) {
     else if (nqm_sample(brdf, s->directions, s->policy, s->rgb, s->flag, &s->report, &err) != NQM_OK)
         exit_code = report_error("sample", &err);
     else {
-        exit_code = json ? print_samples_json(s) : print_samples_csv(s);
+        exit_code = s->output ? write_samples(s) : json ? print_samples_json(s) : print_samples_csv(s);
         talk(s);
     }
     free(s->rgb);
@@ -82,12 +95,14 @@ static int sample_and_print(sample_set *s, const nqm_brdf *brdf, bool json) {
 
 int cmd_sample(int argc, char **argv) {
     bool json = false, csv = false;
-    const char *directions_name = NULL, *policy_name = "drop";
+    const char *directions_name = NULL, *policy_name = "drop", *output = NULL;
     const option options[] = {
         {"directions", 'd', OPTION_TEXT, &directions_name, "WHERE",
          "a CSV of directions, a model file, or the name of a built-in model; default: the default model's", 0, 0},
         {"invalid", 0, OPTION_TEXT, &policy_name, "POLICY",
          "where the BRDF has no value: drop (empty fields), zero, nearest, error", 0, 0},
+        {"output", 'o', OPTION_TEXT, &output, "FILE.mat",
+         "write a MAT v5 file in the authors' layout instead: r, g, b, random_locations", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV (this is the default)", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {0}};
@@ -96,7 +111,8 @@ int cmd_sample(int argc, char **argv) {
         .usage = "BRDF [options]",
         .about = "Print f_r of a BRDF at a list of directions, one row a direction, in their order: theta_h, theta_d,\n"
                  "phi_d in degrees; r, g, b in 1/sr without the cosine, linear with BT.709 primaries.",
-        .example = "nqm sample sgd:nickel --csv\nnqm sample nickel.binary --directions my-directions.csv --json",
+        .example = "nqm sample sgd:nickel --csv\nnqm sample nickel.binary --directions my-directions.csv --json\n"
+                   "nqm sample sgd:nickel -o ref/nickel.mat",
         .options = options,
         .min_arguments = 1,
         .max_arguments = 1,
@@ -104,11 +120,11 @@ int cmd_sample(int argc, char **argv) {
     int n_arguments, exit_code;
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
-    sample_set s = {.brdf = argv[0]};
+    sample_set s = {.brdf = argv[0], .output = output};
     if (!nqm_invalid_policy_parse(policy_name, &s.policy))
         return report("sample", EXIT_USAGE, "--invalid is drop, zero, nearest or error, not '%s'", policy_name);
-    if (csv && json)
-        return report("sample", EXIT_USAGE, "--csv and --json exclude each other");
+    if (csv + json + (output != NULL) > 1)
+        return report("sample", EXIT_USAGE, "--csv, --json and --output exclude each other");
     nqm_error err = {0};
     nqm_brdf *brdf;
     if (nqm_brdf_open(argv[0], &brdf, &err) != NQM_OK)
