@@ -28,6 +28,7 @@ static const verb verbs[] = {
     {"agree", cmd_agree, "our labels beside somebody else's for the same pairs"},
     {"train", cmd_train, "train a model on a dataset"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
+    {"reproduce", cmd_reproduce, "the paper's study on its authors' data: which of its figures come out"},
     {"models", cmd_models, "the models that are built in"},
     {"selftest", cmd_selftest, "check this build against golden values"},
     {NULL, NULL, NULL}};

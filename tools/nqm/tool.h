@@ -161,6 +161,7 @@ int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_render(int argc, char **argv);
+int cmd_reproduce(int argc, char **argv);
 int cmd_sample(int argc, char **argv);
 int cmd_score(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);

@@ -1,0 +1,168 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm reproduce on a made-up study in the authors' layout (tests/tools/authors_folder.c): its numbers are those of regress,
+# train and eval run by hand, every line of the closing table is there, finished and interrupted trainings are gone on with,
+# and what is missing is named.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+OMP_NUM_THREADS=1
+export OMP_NUM_THREADS
+
+# run CODE ARGUMENTS...: results in out, talk in err.
+run() {
+    code=$1
+    shift
+    got=0
+    "$tool" "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
+}
+# says PATTERN: on standard error, with nothing on standard output.
+says() {
+    grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
+    [ ! -s "$dir/out" ] || fail "results on failure"
+}
+# values KEY FILE: one a line, in order.
+values() { sed -n 's/^ *"'"$1"'": \([^,[{]*\),*$/\1/p' "$2"; }
+# same KEY FILE: every value of KEY in FILE stands behind KEY in the study, too.
+same() {
+    [ -n "$(values "$1" "$2")" ] || fail "$2 has no $1"
+    values "$1" "$2" | while read -r value; do
+        values "$1" "$dir/study.json" | grep -qxF -- "$value" || fail "$1 is $value by hand"
+    done
+}
+
+# The whole study: two recipes, one seed, two epochs.
+mkdir "$dir/data"
+"${NQM_BUILD:?}/tests/authors_folder" "$dir/data"
+run 0 reproduce "$dir/data" --seeds 1 --epochs 2 -o "$dir/study" --json
+cp "$dir/out" "$dir/study.json"
+cmp "$dir/out" "$dir/study/reproduce.json" || fail "--json and reproduce.json differ"
+[ "$(values published "$dir/study.json" | wc -l)" = 19 ] || fail "19 published figures"
+
+# By hand.
+train="$dir/data/uniform_rand_500 --labels $dir/data/labels_balanced_train.csv"
+test="$dir/data/test --labels $dir/data/labels_real.csv"
+run 0 regress "$dir/data/labels_real.csv" --json
+for key in b1 b2 b3 rmse; do
+    same "$key" "$dir/out"
+done
+for recipe in paper notebook; do
+    # shellcheck disable=SC2086
+    run 0 train $train --recipe $recipe --id $recipe-1 --seed 1 --epochs 2 -o "$dir/$recipe.safetensors" --json
+    cmp "$dir/$recipe.safetensors" "$dir/study/$recipe-1.safetensors" || fail "another model by hand: $recipe"
+    for key in sha256 parameters n_train n_validation steps train_loss validation_loss; do
+        same "$key" "$dir/out"
+    done
+    [ "$(wc -l <"$dir/study/$recipe-1-loss.csv")" = 3 ] || fail "a line an epoch"
+    [ ! -e "$dir/study/$recipe-1.checkpoint" ] || fail "a checkpoint of a finished training"
+done
+# shellcheck disable=SC2086
+run 0 eval $test --model "$dir/paper.safetensors,$dir/notebook.safetensors" --json
+for key in spearman spearman_mean_by_material pearson kendall mae rmse r2; do
+    same "$key" "$dir/out"
+done
+[ "$(values spearman "$dir/out" | wc -l)" -ge 11 ] || fail "two models and nine metrics"
+
+# Once more, as text: nothing is trained again, and every line of the table is there.
+touch "$dir/before"
+run 0 reproduce "$dir/data" --seeds 1 --epochs 2 -o "$dir/study"
+[ -z "$(find "$dir/study" -name '*-1*' -newer "$dir/before")" ] || fail "a finished training was done again"
+# line NAME PUBLISHED VERDICT
+line() {
+    grep -q "^$1  .* $2 .*  $3\$" "$dir/out" || fail "the table lacks '$1', $2, '$3': $(grep "^$1" "$dir/out")"
+}
+line 'JOD curve, b1' -14.11197 reproduced
+line 'JOD curve, b2' -0.47364 reproduced
+line 'JOD curve, b3' -0.2148 reproduced
+line 'training examples' 5344 'not comparable: other data'
+line 'validation examples' 668 'not comparable: other data'
+line 'whitening, mean' 0.69127 'not comparable: other data'
+line 'whitening, std' 0.55376 'not comparable: other data'
+line 'training labels, mean' 6.67318 'not comparable: other data'
+line 'training labels, std' 1.96393 'not comparable: other data'
+line 'parameters' 4171125 reproduced
+line 'model size, MB' 15.91 reproduced
+line 'Spearman, mean over materials' 0.67 'not comparable: other data'
+line 'Spearman, all pairs' 0.67 'not comparable: other data'
+line 'lead over the best of the 8' '> 0' 'not comparable: other data'
+line 'MAE, JOD' 1.137 'not comparable: other data'
+line 'RMSE, JOD' 1.575 'not comparable: other data'
+line 'R2' 0.326 'not comparable: other data'
+line 'training, s' 36 'not comparable: other machine'
+line 'score, ms a pair' 0.04 'not comparable: other machine'
+[ "$(grep -c '^[a-z_]*  *\*  *[0-9.-]* \[' "$dir/out")" = 4 ] || fail "the better of four pairs of baselines"
+
+# The bar chart: a line a recipe and a metric, in the columns of eval.
+run 0 eval "$dir/data/test" --labels "$dir/data/labels_real.csv" --model none --csv
+head -n 1 "$dir/out" | cut -d, -f1-17 >"$dir/head"
+head -n 1 "$dir/study/bars.csv" | cmp - "$dir/head" || fail "columns of the bars"
+[ "$(wc -l <"$dir/study/bars.csv")" = 12 ] || fail "bars"
+grep -qF "$(grep '^all,all,ma_crwe,' "$dir/out" | cut -d, -f1-13)" "$dir/study/bars.csv" || fail "a bar is not eval's"
+
+# Other options do not overwrite.
+run 5 reproduce "$dir/data" --seeds 1 --epochs 3 -o "$dir/study"
+says 'paper-1.json'
+
+# A smaller one: an interrupted training is gone on with, to the same model.
+mkdir "$dir/small" "$dir/half" "$dir/long"
+"$NQM_BUILD/tests/authors_folder" "$dir/small" 20
+mkdir "$dir/small/data"
+mv "$dir/small"/*.csv "$dir/small/data" # as in the authors' repository
+# shellcheck disable=SC2086
+small="$dir/small/uniform_rand_500 --labels $dir/small/data/labels_balanced_train.csv --recipe notebook --id notebook-1"
+# shellcheck disable=SC2086
+run 0 train $small --epochs 2 -o "$dir/whole.safetensors"
+# shellcheck disable=SC2086
+run 0 train $small --epochs 1 -o "$dir/unused.safetensors" --checkpoint "$dir/half/notebook-1.checkpoint"
+run 0 reproduce "$dir/small" --recipes notebook --seeds 1 --epochs 2 -o "$dir/half"
+cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "resumed to another model"
+grep -q '^Spearman, all pairs .* not run$' "$dir/out" || fail "a recipe that was not run"
+
+# A further seed: the first is not trained again; means are means.
+run 0 reproduce "$dir/small" --recipes notebook --seeds 2 --epochs 2 -o "$dir/half" --json
+cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "the first seed was trained again"
+{
+    values mae "$dir/out" | sed -n 1,2p
+    values mean "$dir/out" | sed -n 5p # behind those of the two targets, of Spearman and of its mean
+} | awk '{v[NR] = $1} END {d = (v[1] + v[2]) / 2 - v[3]; exit !(NR == 3 && v[1] != v[2] && d < 1e-7 && d > -1e-7)}' ||
+    fail "the mean of two seeds"
+
+# Ctrl-C.
+"$tool" reproduce "$dir/small" --recipes paper --epochs 100000 -o "$dir/long" >"$dir/out" 2>"$dir/err" &
+pid=$!
+i=0
+while [ ! -s "$dir/long/paper-1.checkpoint" ] && [ $i -lt 300 ]; do
+    sleep 0.1
+    i=$((i + 1))
+done
+kill -INT $pid
+got=0
+wait $pid || got=$?
+[ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+says 'same command again'
+[ -s "$dir/long/paper-1.checkpoint" ] || fail "no checkpoint is left"
+for file in "$dir"/long/*.part "$dir"/long/*.csv.*; do
+    [ ! -e "$file" ] || fail "unfinished files lie about"
+done
+
+# What is missing is named.
+run 2 reproduce
+run 2 reproduce "$dir/small" --recipes paper,best -o "$dir/x"
+says 'best'
+run 2 reproduce "$dir/small" --recipes paper,paper -o "$dir/x"
+says 'twice'
+run 3 reproduce "$dir/nowhere" -o "$dir/x"
+says 'nowhere'
+run 3 reproduce "$dir/small" -o "$dir/no/such/folder"
+says 'no/such/folder'
+run 5 reproduce "$dir/small" --train "$dir/small/test" --train-labels "$dir/small/data/labels_real.csv" -o "$dir/x"
+says 'is in both'
+file=$(find "$dir/small/test/model" -name '*_3.mat' | sort | head -n 1)
+rm "$file"
+run 3 reproduce "$dir/small" -o "$dir/x"
+says "$(basename "$file")"
+mv "$dir/small/test/ref" "$dir/small/test/references"
+rm "$dir/small/data/labels_balanced_train.csv"
+run 3 reproduce "$dir/small" -o "$dir/x"
+says 'small/test/ref: no such folder'
+says 'labels_balanced_train.csv: no such file'
