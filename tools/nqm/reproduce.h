@@ -78,14 +78,11 @@ study_mean study_figure_value(const study *s, size_t i);
 /** "reproduced", "not reproduced", "not run", or "not comparable: ..."; `text` (40 bytes) may be used. */
 const char *study_figure_verdict(const study *s, size_t i, char text[40]);
 
-/** 1 for the better variant (by Spearman, mean over materials) of a baseline's pair; the paper shows only these. */
-int study_metric_is_best(const study *s, size_t metric);
-
 /** Print the study as text. */
 int study_print(const study *s);
 /** The study as JSON, for OUTPUT/reproduce.json and --json. */
 json_t *study_json(const study *s);
-/** The bar chart as CSV, in the columns of `nqm eval --csv`: one bar a recipe, one a metric. */
+/** The bar chart as CSV, in columns of `nqm eval --csv`: one bar a recipe, one a metric. */
 void study_write_bars(const study *s, FILE *out);
 
 #endif

@@ -78,14 +78,6 @@ study_mean study_mean_of(const study *s, const char *recipe, double (*value)(con
     return m;
 }
 
-int study_metric_is_best(const study *s, size_t metric) {
-    if (metric >= NQM_METRIC_BASELINE_COUNT)
-        return 0;
-    size_t other = metric ^ 1; /* root mean square and mean absolute stand side by side */
-    double a = s->metrics[metric].spearman_mean_by_material, b = s->metrics[other].spearman_mean_by_material;
-    return a > b || (a == b && metric < other);
-}
-
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
 
 static const struct {

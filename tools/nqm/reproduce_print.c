@@ -85,10 +85,10 @@ static void print_test(const study *s) {
         putchar('\n');
     }
     for (size_t i = 0; i < NQM_METRIC_COUNT; ++i) {
-        print_agreement(&s->metrics[i], study_metric_is_best(s, i) ? "*" : "");
+        print_agreement(&s->metrics[i], s->metrics[i].best_of_family ? "*" : "");
         putchar('\n');
     }
-    puts("* the better variant of a baseline, which the paper shows");
+    puts("* best of its family");
 }
 
 static void print_means(const study *s) {
@@ -155,6 +155,39 @@ static json_t *channels_json(const double value[3]) {
     return json_pack("[o,o,o]", json_number(value[0]), json_number(value[1]), json_number(value[2]));
 }
 
+/* The bar of a recipe: every number is the mean over the seeds, the ends of the intervals, too. */
+static nqm_agreement recipe_bar(const study *s, const char *recipe) {
+    nqm_agreement bar = {.name = recipe};
+    double n = (double)s->options->n_seeds;
+    for (size_t i = 0; i < s->n_trainings; ++i) {
+        const nqm_agreement *a = &s->trainings[i].result;
+        if (strcmp(s->trainings[i].recipe, recipe) != 0)
+            continue;
+        bar.n = a->n;
+        bar.n_materials = a->n_materials;
+        bar.spearman += a->spearman / n;
+        bar.spearman_mean_by_material += a->spearman_mean_by_material / n;
+        for (size_t k = 0; k < 2; ++k) {
+            bar.spearman_ci95[k] += a->spearman_ci95[k] / n;
+            bar.spearman_mean_by_material_ci95[k] += a->spearman_mean_by_material_ci95[k] / n;
+        }
+        bar.pearson += a->pearson / n;
+        bar.kendall += a->kendall / n;
+        bar.mae += a->mae / n;
+        bar.rmse += a->rmse / n;
+        bar.r2 += a->r2 / n;
+    }
+    return bar;
+}
+
+/* One bar, as a row of `nqm eval --json`. */
+static json_t *bar_json(const char *type, const nqm_agreement *a) {
+    json_t *json = agreement_json(a);
+    json_object_set_new(json, "type", json_string(type));
+    json_object_set_new(json, "best_of_family", json_boolean(a->best_of_family));
+    return json;
+}
+
 static json_t *training_json(const study_training *t) {
     nqm_model_info info = nqm_model_get_info(t->model);
     const nqm_train_report *r = &t->report;
@@ -199,15 +232,17 @@ static json_t *figure_json(const study *s, size_t i) {
 json_t *study_json(const study *s) {
     const nqm_regress_report *r = &s->regression;
     nqm_dataset_info train = nqm_dataset_get_info(s->train), test = nqm_dataset_get_info(s->test);
-    json_t *trainings = json_array(), *recipes = json_array(), *metrics = json_array(), *all = json_array();
+    json_t *trainings = json_array(), *recipes = json_array(), *results = json_array(), *all = json_array();
     for (size_t i = 0; i < s->n_trainings; ++i)
         json_array_append_new(trainings, training_json(&s->trainings[i]));
     for (size_t i = 0; i < s->options->n_recipes; ++i)
         json_array_append_new(recipes, recipe_json(s, s->options->recipes[i]));
-    for (size_t i = 0; i < NQM_METRIC_COUNT; ++i) {
-        json_array_append_new(metrics, agreement_json(&s->metrics[i]));
-        json_object_set_new(json_array_get(metrics, i), "best_of_pair", json_boolean(study_metric_is_best(s, i)));
+    for (size_t i = 0; i < s->options->n_recipes; ++i) {
+        nqm_agreement bar = recipe_bar(s, s->options->recipes[i]);
+        json_array_append_new(results, bar_json("model", &bar));
     }
+    for (size_t i = 0; i < NQM_METRIC_COUNT; ++i)
+        json_array_append_new(results, bar_json("metric", &s->metrics[i]));
     for (size_t i = 0; i < study_figure_count(); ++i)
         json_array_append_new(all, figure_json(s, i));
     json_t *json = json_pack(
@@ -220,7 +255,7 @@ json_t *study_json(const study *s) {
         json_number(r->spearman), "n", (json_int_t)r->n);
     json_object_set_new(json, "trainings", trainings);
     json_object_set_new(json, "recipes", recipes);
-    json_object_set_new(json, "metrics", metrics);
+    json_object_set_new(json, "results", results);
     json_object_set_new(json, "figures", all);
     return json;
 }
@@ -244,37 +279,12 @@ static void write_bar(const char *type, const nqm_agreement *a, FILE *out) {
         fputc(',', out);
         print_csv_number(out, numbers[k]);
     }
-    fputc('\n', out);
-}
-
-/* The bar of a recipe: every number is the mean over the seeds, the ends of the intervals, too. */
-static nqm_agreement recipe_bar(const study *s, const char *recipe) {
-    nqm_agreement bar = {.name = recipe};
-    double n = (double)s->options->n_seeds;
-    for (size_t i = 0; i < s->n_trainings; ++i) {
-        const nqm_agreement *a = &s->trainings[i].result;
-        if (strcmp(s->trainings[i].recipe, recipe) != 0)
-            continue;
-        bar.n = a->n;
-        bar.n_materials = a->n_materials;
-        bar.spearman += a->spearman / n;
-        bar.spearman_mean_by_material += a->spearman_mean_by_material / n;
-        for (size_t k = 0; k < 2; ++k) {
-            bar.spearman_ci95[k] += a->spearman_ci95[k] / n;
-            bar.spearman_mean_by_material_ci95[k] += a->spearman_mean_by_material_ci95[k] / n;
-        }
-        bar.pearson += a->pearson / n;
-        bar.kendall += a->kendall / n;
-        bar.mae += a->mae / n;
-        bar.rmse += a->rmse / n;
-        bar.r2 += a->r2 / n;
-    }
-    return bar;
+    fprintf(out, ",%d\n", a->best_of_family);
 }
 
 void study_write_bars(const study *s, FILE *out) {
     fputs("by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,spearman_mean_by_material,mean_ci95_low,"
-          "mean_ci95_high,pearson,kendall,mae,rmse,r2\n",
+          "mean_ci95_high,pearson,kendall,mae,rmse,r2,best_of_family\n",
           out);
     for (size_t i = 0; i < s->options->n_recipes; ++i) {
         nqm_agreement bar = recipe_bar(s, s->options->recipes[i]);
