@@ -160,7 +160,7 @@ fail:
     return status;
 }
 
-static nqm_status read_standard_input(char **text_ret, size_t *n_ret, nqm_error *err) {
+nqm_status nqm_read_standard_input(char **text_ret, size_t *n_ret, nqm_error *err) {
     enum { MAX_BYTES = 1 << 30 };
     char *text = NULL;
     size_t n = 0, room = 0;
@@ -195,7 +195,7 @@ nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
     if (strcmp(path, "-") == 0) {
         char *text = NULL;
         size_t n = 0;
-        nqm_status status = read_standard_input(&text, &n, err);
+        nqm_status status = nqm_read_standard_input(&text, &n, err);
         if (status == NQM_OK) {
             status = nqm_csv_parse(text, n, "standard input", csv_ret, err);
             nqm_free(text);
@@ -227,6 +227,10 @@ size_t nqm_csv_rows(const nqm_csv *csv) {
 
 size_t nqm_csv_columns(const nqm_csv *csv) {
     return csv->n_columns;
+}
+
+const char *nqm_csv_header(const nqm_csv *csv, int column) {
+    return csv->text + csv->field[column];
 }
 
 static char lower(char c) {

@@ -73,9 +73,14 @@ size_t nqm_csv_rows(const nqm_csv *csv);
 size_t nqm_csv_columns(const nqm_csv *csv);
 /** Column number of a name (ASCII case ignored), or -1. */
 int nqm_csv_column(const nqm_csv *csv, const char *column_name);
+/** The name of a column. */
+const char *nqm_csv_header(const nqm_csv *csv, int column);
 const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
 /** The field as a number; NQM_ERR_FORMAT names file, line and byte when it is none. */
 NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
+
+/** All of standard input, at most 1 GiB, in a new block (nqm_free). */
+NQM_MUST_CHECK nqm_status nqm_read_standard_input(char **text_ret, size_t *n_ret, nqm_error *err);
 
 /* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
 

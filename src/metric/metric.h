@@ -50,6 +50,34 @@ void nqm_predictor_free(nqm_predictor *predictor);
  */
 void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
 
+/** NQM_ERR_ARG when an option is out of its range. */
+NQM_MUST_CHECK nqm_status nqm_score_options_check(const nqm_score_options *options, nqm_error *err);
+
+/** One BRDF of a pair at the model's directions. */
+typedef struct nqm_member {
+    nqm_status status;   /* of its sampling */
+    const float *rgb;    /* (n_directions, 3) f_r */
+    const uint8_t *flag; /* (n_directions) nqm_value_flag */
+    nqm_sample_report report;
+    size_t n_unusual; /* nqm_count_unusual() */
+} nqm_member;
+
+/** Directions at which f_r, rgb (n_directions, 3), lies far outside what the model was trained on. */
+size_t nqm_count_unusual(const nqm_model *model, const float *rgb);
+/**
+ * Everything about a pair but its JOD: counts, whether both are equal, whether enough directions hold a value, metrics.
+ *
+ * @param ref     its status is NQM_OK
+ * @param used    (n_directions) receives which directions count; may be test->flag
+ * @param result  receives the rest; jod and delta_e are NaN
+ */
+void nqm_compare_members(const nqm_model *model, const nqm_score_options *options, const nqm_member *ref,
+                         const nqm_member *test, bool with_metrics, uint8_t *used, nqm_score_result *result);
+/** A result with a status and NaN for all numbers. */
+nqm_score_result nqm_no_score(nqm_status status);
+/** Complete a result that has no fault with what nqm_predictor_run() gave. */
+void nqm_score_settle(nqm_score_result *result, double jod, double delta_e);
+
 /**
  * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They
  * cover the whole chain (evaluation, sampling, features, network, curve), so that a later build or another machine can

@@ -20,8 +20,7 @@ typedef struct scorer {
     uint8_t *ref_flag;     /* (n_directions) nqm_value_flag */
     uint8_t *used;         /* (batch, n_directions) directions that count */
     double *jod, *delta_e; /* (batch) */
-    nqm_sample_report ref_report;
-    size_t n_unusual_ref;
+    nqm_member ref_member;
     nqm_predictor *predictor;
     const nqm_brdf *const *tests; /* of this batch */
     nqm_score_result *results;    /* of this batch */
@@ -31,19 +30,25 @@ nqm_score_options nqm_score_options_default(void) {
     return (nqm_score_options){.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.9};
 }
 
+nqm_status nqm_score_options_check(const nqm_score_options *options, nqm_error *err) {
+    if (options->min_valid_fraction >= 0 && options->min_valid_fraction <= 1)
+        return NQM_OK;
+    return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
+                    options->min_valid_fraction);
+}
+
 static bool has_value(uint8_t flag) {
     return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED;
 }
 
-static nqm_score_result no_score(nqm_status status) {
+nqm_score_result nqm_no_score(nqm_status status) {
     nqm_score_result result = {.status = status, .jod = NAN, .delta_e = NAN};
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         result.metrics[m] = NAN;
     return result;
 }
 
-/* Directions at which a BRDF lies far outside what the model was trained on. */
-static size_t count_unusual(const nqm_model *model, const float *rgb) {
+size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
     float limit[3]; /* in reflectance: the transform is monotone, so nothing has to be transformed */
     for (size_t k = 0; k < 3; ++k) {
         float root = expm1f(model->mean[k] + unusual_sigma * model->std[k]);
@@ -55,38 +60,58 @@ static size_t count_unusual(const nqm_model *model, const float *rgb) {
     return n_unusual;
 }
 
+void nqm_compare_members(const nqm_model *model, const nqm_score_options *options, const nqm_member *ref,
+                         const nqm_member *test, bool with_metrics, uint8_t *used, nqm_score_result *result) {
+    size_t n = model->n_directions;
+    *result = nqm_no_score(test->status);
+    result->n_clamped_ref = ref->report.n_clamped;
+    result->n_invalid_ref = ref->report.n_invalid;
+    result->n_unusual_ref = ref->n_unusual;
+    result->n_clamped_test = test->report.n_clamped;
+    result->n_invalid_test = test->report.n_invalid;
+    bool equal = true;
+    for (size_t k = 0; k < n; ++k) {
+        bool valid = has_value(ref->flag[k]) && has_value(test->flag[k]);
+        result->n_valid += valid;
+        equal = equal && (!valid || memcmp(ref->rgb + 3 * k, test->rgb + 3 * k, 3 * sizeof(float)) == 0);
+        used[k] = valid || options->invalid != NQM_INVALID_DROP;
+    }
+    if (result->status == NQM_OK &&
+        (result->n_valid == 0 || (double)result->n_valid < options->min_valid_fraction * (double)n))
+        result->status = NQM_ERR_INCOMPATIBLE;
+    if (result->status != NQM_OK)
+        return;
+    result->identical = equal;
+    result->n_unusual_test = test->n_unusual;
+    if (with_metrics)
+        nqm_metrics_compute(model->directions, ref->rgb, test->rgb, used, result->metrics);
+}
+
+void nqm_score_settle(nqm_score_result *result, double jod, double delta_e) {
+    if (result->status != NQM_OK)
+        return;
+    if (!isfinite(jod)) {
+        *result = nqm_no_score(NQM_ERR_NUMERIC);
+        return;
+    }
+    result->jod = jod;
+    result->delta_e = delta_e;
+}
+
 /* Sample test i of the batch and compare it with the reference, all but the JOD. */
 static void compare(void *user, size_t i) {
     scorer *s = user;
     size_t n = s->directions->n;
-    float *test = s->test + 3 * n * i;
+    float *rgb = s->test + 3 * n * i;
     uint8_t *used = s->used + n * i; /* holds the test's flags first */
-    nqm_score_result *result = &s->results[i];
-    nqm_sample_report report = {0};
-    *result = no_score(nqm_sample(s->tests[i], s->directions, s->options.invalid, test, used, &report, NULL));
-    result->n_clamped_ref = s->ref_report.n_clamped;
-    result->n_invalid_ref = s->ref_report.n_invalid;
-    result->n_unusual_ref = s->n_unusual_ref;
-    result->n_clamped_test = report.n_clamped;
-    result->n_invalid_test = report.n_invalid;
-    bool equal = true;
-    for (size_t k = 0; k < n; ++k) {
-        bool valid = has_value(s->ref_flag[k]) && has_value(used[k]);
-        result->n_valid += valid;
-        equal = equal && (!valid || memcmp(s->ref + 3 * k, test + 3 * k, 3 * sizeof *test) == 0);
-        used[k] = valid || s->options.invalid != NQM_INVALID_DROP;
-    }
-    if (result->status == NQM_OK &&
-        (result->n_valid == 0 || (double)result->n_valid < s->options.min_valid_fraction * (double)n))
-        result->status = NQM_ERR_INCOMPATIBLE;
-    if (result->status != NQM_OK) {
+    nqm_member test = {.rgb = rgb, .flag = used};
+    test.status = nqm_sample(s->tests[i], s->directions, s->options.invalid, rgb, used, &test.report, NULL);
+    test.n_unusual = nqm_count_unusual(s->model, rgb);
+    nqm_compare_members(s->model, &s->options, &s->ref_member, &test, true, used, &s->results[i]);
+    if (s->results[i].status != NQM_OK) {
         memset(used, 0, n); /* the network sees a neutral pair; its answer is not used */
-        memset(test, 0, 3 * n * sizeof *test);
-        return;
+        memset(rgb, 0, 3 * n * sizeof *rgb);
     }
-    result->identical = equal;
-    result->n_unusual_test = count_unusual(s->model, test);
-    nqm_metrics_compute(s->directions, s->ref, test, used, result->metrics);
 }
 
 static void score_batch(scorer *s, size_t n) {
@@ -96,17 +121,8 @@ static void score_batch(scorer *s, size_t n) {
         nqm_parallel_for(n, compare, s);
     nqm_sampled_pairs pairs = {.n = n, .one_ref = true, .ref = s->ref, .test = s->test, .used = s->used};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
-    for (size_t i = 0; i < n; ++i) {
-        nqm_score_result *result = &s->results[i];
-        if (result->status != NQM_OK)
-            continue;
-        if (!isfinite(s->jod[i])) {
-            *result = no_score(NQM_ERR_NUMERIC);
-            continue;
-        }
-        result->jod = s->jod[i];
-        result->delta_e = s->delta_e[i];
-    }
+    for (size_t i = 0; i < n; ++i)
+        nqm_score_settle(&s->results[i], s->jod[i], s->delta_e[i]);
 }
 
 static nqm_status make_room(scorer *s, nqm_error *err) {
@@ -135,16 +151,17 @@ nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests
                 .directions = model->directions,
                 .options = options ? *options : nqm_score_options_default(),
                 .batch = n_tests < NQM_PREDICT_BATCH ? n_tests : NQM_PREDICT_BATCH};
-    if (!(s.options.min_valid_fraction >= 0 && s.options.min_valid_fraction <= 1))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
-                        s.options.min_valid_fraction);
-    if (n_tests == 0)
-        return NQM_OK;
-    nqm_status status = make_room(&s, err);
+    nqm_status status = nqm_score_options_check(&s.options, err);
+    if (status != NQM_OK || n_tests == 0)
+        return status;
+    status = make_room(&s, err);
     if (status == NQM_OK)
-        status = nqm_sample(ref, s.directions, s.options.invalid, s.ref, s.ref_flag, &s.ref_report, err);
-    if (status == NQM_OK)
-        s.n_unusual_ref = count_unusual(model, s.ref);
+        status = nqm_sample(ref, s.directions, s.options.invalid, s.ref, s.ref_flag, &s.ref_member.report, err);
+    if (status == NQM_OK) {
+        s.ref_member.rgb = s.ref;
+        s.ref_member.flag = s.ref_flag;
+        s.ref_member.n_unusual = nqm_count_unusual(model, s.ref);
+    }
     for (size_t begin = 0; status == NQM_OK && begin < n_tests; begin += s.batch) {
         s.tests = tests + begin;
         s.results = results + begin;

@@ -6,37 +6,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
-
-/* "all" or a list of names with commas. */
-static bool choose_metrics(const char *text, bool *chosen) {
-    if (strcmp(text, "all") == 0) {
-        for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-            chosen[m] = true;
-        return true;
-    }
-    while (*text) {
-        size_t n = strcspn(text, ",");
-        int m = 0;
-        while (m < NQM_METRIC_COUNT &&
-               (strlen(nqm_metric_name((nqm_metric)m)) != n || memcmp(nqm_metric_name((nqm_metric)m), text, n) != 0))
-            ++m;
-        if (m == NQM_METRIC_COUNT)
-            return false;
-        chosen[m] = true;
-        text += n + (text[n] == ',');
-    }
-    return true;
-}
-
-static int report_metric_names(const char *given) {
-    char names[256] = "";
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
-        size_t n = strlen(names);
-        snprintf(names + n, sizeof names - n, ", %s", nqm_metric_name((nqm_metric)m));
-    }
-    return report("score", EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'", names, given);
-}
 
 /* Why a test that could be opened has no score. */
 static void explain(const score_run *run, score_row *row) {
@@ -164,12 +133,12 @@ int cmd_score(int argc, char **argv) {
         return exit_code;
     if (json + csv + quiet > 1)
         return report("score", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
-    if (!nqm_invalid_policy_parse(invalid, &run.options.invalid))
-        return report("score", EXIT_USAGE, "--invalid is drop, zero, nearest or error, not '%s'", invalid);
     run.format = json ? SCORE_JSON : csv ? SCORE_CSV : quiet ? SCORE_QUIET : SCORE_TEXT;
-    const char *shown = metrics ? metrics : json || csv ? "all" : "";
-    if (!choose_metrics(shown, run.metrics))
-        return report_metric_names(shown);
+    exit_code = choose_invalid("score", invalid, &run.options.invalid);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_metrics("score", metrics ? metrics : json || csv ? "all" : "", run.metrics);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     run.ref_name = argv[0];
     run.n_rows = (size_t)n_arguments - 1;
     run.test_names = argv + 1;

@@ -14,6 +14,8 @@ typedef struct verb {
 
 static const verb verbs[] = {
     {"score", cmd_score, "how good approximations look beside their reference (JOD)"},
+    {"batch", cmd_batch, "scores of a list of pairs; goes on where it was stopped"},
+    {"rank", cmd_rank, "order approximations by how good they look"},
     {"info", cmd_info, "what a BRDF, model or dataset file holds; `nqm info list` names the presets"},
     {"check", cmd_check, "reciprocity, energy conservation and positivity of a BRDF"},
     {"sample", cmd_sample, "f_r of a BRDF at a list of directions, as CSV"},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * score.h - what `nqm score` computes and how it prints it.
+ * score.h - what `nqm score` computes and how it prints it, and what `nqm batch` and `nqm rank` share with it.
  */
 #ifndef NQM_TOOL_SCORE_H
 #define NQM_TOOL_SCORE_H
@@ -29,6 +29,22 @@ typedef struct score_run {
     size_t n_rows;
     score_row *rows; /* (n_rows) in the order of the arguments */
 } score_run;
+
+/** What remarks speak of. */
+typedef struct remark_terms {
+    size_t n_directions;
+    nqm_invalid_policy invalid;
+} remark_terms;
+
+/** Append remarks on negative, missing and unusual values of a scored pair to a JSON array; `who` names the BRDF. */
+void remark_on_reference(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
+void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
+
+/** Which metrics --metrics asks for: "all" or names with commas. EXIT_OK, or a usage error that lists the names.
+ *  chosen: (NQM_METRIC_COUNT) */
+int choose_metrics(const char *verb, const char *text, bool *chosen);
+/** The policy of --invalid, or a usage error. */
+int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *policy_ret);
 
 /** Print the results on standard output, remarks on standard error. EXIT_OK or EXIT_OPEN. */
 int print_scores(const score_run *run);

@@ -5,49 +5,13 @@
 #include "score.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 
 /* ---- remarks ----------------------------------------------------------------------------------------------------- */
 
-__attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, const char *format, ...) {
-    char text[600];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    json_array_append_new(remarks, json_string(text));
-}
-
-/* What one BRDF gave cause for. */
-typedef struct causes {
-    const char *who;
-    size_t n_clamped, n_invalid, n_unusual;
-} causes;
-
-static void remark(const score_run *run, const causes *c, json_t *remarks) {
-    static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
-    if (c->n_clamped)
-        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", c->who, c->n_clamped,
-                   run->n_directions);
-    if (c->n_invalid)
-        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", c->who, c->n_invalid, run->n_directions,
-                   remedy[run->options.invalid]);
-    if (c->n_unusual)
-        add_remark(remarks, "%s: far brighter at %zu of %zu directions than what the model was trained on", c->who,
-                   c->n_unusual, run->n_directions);
-}
-
-static void remark_on_reference(const score_run *run, const char *who, const nqm_score_result *r, json_t *remarks) {
-    remark(run, &(causes){who, r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref}, remarks);
-}
-
-static void remark_on_test(const score_run *run, const char *who, const nqm_score_result *r, json_t *remarks) {
-    remark(run, &(causes){who, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test}, remarks);
-}
-
 /* On standard error, those about the reference once. */
 static void print_remarks(const score_run *run) {
+    const remark_terms terms = {run->n_directions, run->options.invalid};
     json_t *remarks = json_array();
     bool reference_done = false;
     for (size_t i = 0; i < run->n_rows; ++i) {
@@ -55,9 +19,9 @@ static void print_remarks(const score_run *run) {
         if (row->err.status != NQM_OK)
             continue;
         if (!reference_done)
-            remark_on_reference(run, run->ref_name, &row->result, remarks);
+            remark_on_reference(&terms, run->ref_name, &row->result, remarks);
         reference_done = true;
-        remark_on_test(run, row->name, &row->result, remarks);
+        remark_on_test(&terms, row->name, &row->result, remarks);
     }
     for (size_t i = 0; i < json_array_size(remarks); ++i)
         fprintf(stderr, "nqm score: %s\n", json_string_value(json_array_get(remarks, i)));
@@ -66,11 +30,9 @@ static void print_remarks(const score_run *run) {
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* Share of people who would say that the reference looks better, in percent: the JOD scale is made so that one unit is
- * 75 % and no difference is 50 %, guessing (Thurstone's model, case V). */
+/* Share of people who would say that the reference looks better, in percent. */
 static double noticed_percent(double jod) {
-    const double z75 = 0.6744897501960817;
-    return 50 * erfc(-z75 * fmax(0, 10 - jod) / sqrt(2));
+    return 100 * nqm_jod_preference(fmax(10, jod), jod);
 }
 
 static const char *verdict(const nqm_score_result *result) {
@@ -133,8 +95,9 @@ static json_t *row_json(const score_run *run, const score_row *row) {
         if (run->metrics[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(number_of(row, r->metrics[m])));
     if (scored) {
-        remark_on_reference(run, "reference", r, warnings);
-        remark_on_test(run, "test", r, warnings);
+        const remark_terms terms = {run->n_directions, run->options.invalid};
+        remark_on_reference(&terms, "reference", r, warnings);
+        remark_on_test(&terms, "test", r, warnings);
     }
     json_t *object = json_pack("{s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->name), "jod",
                                json_number(number_of(row, r->jod)), "delta_e_itp",

@@ -152,8 +152,14 @@ json_t *json_tool(void) {
     return json_pack("{s:s,s:s}", "name", "nqm", "version", nqm_version());
 }
 
+/* Readers drop blanks around plain fields, and lines that begin with '#'. */
+static bool is_plain(const char *text) {
+    size_t n = strlen(text);
+    return !strpbrk(text, ",\"\r\n") && (n == 0 || !strchr("# \t", text[0])) && (n == 0 || !strchr(" \t", text[n - 1]));
+}
+
 void print_csv_text(FILE *out, const char *text) {
-    if (!strpbrk(text, ",\"\r\n")) {
+    if (is_plain(text)) {
         fputs(text, out);
         return;
     }

@@ -149,6 +149,7 @@ int close_output(const char *verb, output_file *out, bool keep);
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
 int cmd_agree(int argc, char **argv);
+int cmd_batch(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_dataset(int argc, char **argv);
@@ -159,6 +160,7 @@ int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
 int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
+int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_render(int argc, char **argv);
 int cmd_reproduce(int argc, char **argv);

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sample_cache.h - BRDFs by name, sampled at a model's directions, the last used ones kept within a bound of memory.
+ */
+#ifndef NQM_SRC_METRIC_SAMPLE_CACHE_H
+#define NQM_SRC_METRIC_SAMPLE_CACHE_H
+
+#include "metric/metric.h"
+
+/** A BRDF by its name. `member` and `err` hold once nqm_sample_cache_fill() has seen it. */
+typedef struct nqm_cached {
+    nqm_member member; /* status: of opening and sampling */
+    nqm_error err;     /* of the same */
+    /* inside the cache only */
+    char *name;
+    float *rgb;
+    uint8_t *flag;
+    size_t n_bytes; /* that it takes */
+    bool filled, waiting;
+    struct nqm_cached *next_in_bucket, *newer, *older;
+} nqm_cached;
+
+typedef struct nqm_sample_cache nqm_sample_cache;
+
+/** The model is lent. */
+NQM_MUST_CHECK nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy,
+                                                  nqm_sample_cache **cache_ret, nqm_error *err);
+void nqm_sample_cache_free(nqm_sample_cache *cache);
+
+/** The entry of a name, which becomes the one used last; NULL when out of memory. Lent until the next
+ *  nqm_sample_cache_trim(). */
+nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name);
+/** Open and sample, on all threads, those of the n entries that nobody has sampled yet. NQM_ERR_NOMEM; other faults
+ *  stand in the entries. */
+NQM_MUST_CHECK nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries,
+                                                nqm_error *err);
+/** Drop the entries that have not been used for longest until the rest takes at most `max_bytes`. */
+void nqm_sample_cache_trim(nqm_sample_cache *cache, size_t max_bytes);
+/** Entries that were opened so far. */
+size_t nqm_sample_cache_n_opened(const nqm_sample_cache *cache);
+
+#endif

@@ -1,0 +1,229 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm batch: order and columns of the rows, the forms of lists and of results, rows that fail, and runs that are stopped and
+# go on: the finished file must have the bytes of a run that was never stopped. With a model of random weights.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
+"$NQM_BUILD/tests/make_brdf_files" "$dir" >/dev/null
+
+# batch CODE ARGUMENTS...: run with the model; results in out, talk in err.
+batch() {
+    code=$1
+    shift
+    got=0
+    "$tool" batch --model "$dir/model.safetensors" "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: batch $*"
+}
+# says PATTERN: what went to standard error.
+says() { grep -q -- "$1" "$dir/err" || fail "no message '$1'"; }
+
+# ---- order, columns, names with commas, quotes and UTF-8; the same scores as nqm score
+mkdir "$dir/sub"
+cp "$dir/valid.h5" "$dir/sub/m.h5"
+mv "$dir/valid.h5" "$dir/caf\"é, 1.h5"
+cat >"$dir/pairs.csv" <<END
+Note,Reference,test,JOD
+"b, ""c""",sgd:nickel,ward:nickel,7.5
+é,sgd:nickel,"perturb:tint=1.2,1,1;of=sgd:nickel",
+,lambert:kd=.4,"$dir/caf""é, 1.h5",1
+"# last",ward:nickel,ward:nickel," x "
+END
+batch 0 "$dir/pairs.csv" --metrics rmse,log_diff
+head -n 1 "$dir/out" | grep -qx 'Note,Reference,test,JOD,jod,delta_e_itp,identical,n_valid,rmse,log_diff,warnings,error' || fail "header"
+[ "$(wc -l <"$dir/out")" = 5 ] || fail "a row a pair"
+sed -n 2p "$dir/out" | grep -q '^"b, ""c""",sgd:nickel,ward:nickel,7.5,[0-9]' || fail "first row"
+sed -n 3p "$dir/out" | grep -q '^é,sgd:nickel,"perturb:tint=1.2,1,1;of=sgd:nickel",,[0-9]' || fail "second row"
+sed -n 4p "$dir/out" | grep -q '^,lambert:kd=.4,".*/caf""é, 1.h5",1,[0-9]' || fail "third row"
+sed -n 5p "$dir/out" | grep -q '^"# last",ward:nickel,ward:nickel," x ",.*,1,20,0,0,,$' || fail "an identical pair"
+"$tool" score --model "$dir/model.safetensors" sgd:nickel ward:nickel -q >"$dir/score"
+jod=$(sed -n 2p "$dir/out" | sed 's/.*,7.5,\([^,]*\),.*/\1/')
+awk -v a="$jod" -v b="$(cat "$dir/score")" 'BEGIN {exit !(a - b < 1e-4 && b - a < 1e-4)}' || fail "another score than nqm score: $jod"
+cp "$dir/out" "$dir/first"
+batch 0 - --metrics rmse,log_diff <"$dir/pairs.csv"
+cmp -s "$dir/first" "$dir/out" || fail "standard input gives another result"
+batch 0 "$dir/pairs.csv" --metrics rmse,log_diff -o "$dir/all.csv"
+cmp -s "$dir/first" "$dir/all.csv" || fail "a file gives another result"
+[ ! -e "$dir/all.csv.part" ] && [ ! -e "$dir/all.csv.part.journal" ] || fail "left-over files"
+batch 0 "$dir/pairs.csv" -o /dev/null
+[ -c /dev/null ] || fail "a device was replaced"
+
+# ---- JSON Lines and JSON
+cat >"$dir/pairs.jsonl" <<'END'
+{"reference": "sgd:nickel", "test": "ward:nickel", "human": {"jod": 8.5, "n": 12}, "name": "caf\u00e9, \"x\""}
+
+{"test": "sgd:nickel", "reference": "sgd:nickel", "weight": 0.1}
+END
+batch 0 "$dir/pairs.jsonl" -o "$dir/out.jsonl" --metrics mae
+sed -n 1p "$dir/out.jsonl" | grep -q '^{"reference":"sgd:nickel","test":"ward:nickel","human":{"jod":8.5,"n":12},"name":"café, \\"x\\"","jod":[0-9].*"metrics":{"mae":[0-9.]*},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
+sed -n 2p "$dir/out.jsonl" | grep -q '^{"test":"sgd:nickel","reference":"sgd:nickel","weight":0.1,"jod":.*"identical":true,"n_valid":20,"metrics":{"mae":0},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
+batch 0 "$dir/pairs.jsonl"
+sed -n 1p "$dir/out" | grep -q '^reference,test,human,name,weight,jod,' || fail "CSV of JSON Lines: header"
+sed -n 3p "$dir/out" | grep -q '^sgd:nickel,sgd:nickel,,,0.1,' || fail "CSV of JSON Lines: row"
+batch 0 "$dir/pairs.csv" --json
+{ head -n 1 "$dir/out" | grep -q '^{"schema":1,"tool":{"name":"nqm",.*"model":{"id":"tiny","sha256":"[0-9a-f]*","parameters":[0-9]*},"results":\[$' &&
+    [ "$(tail -n 1 "$dir/out")" = ']}' ] && [ "$(grep -c '},$' "$dir/out")" = 3 ]; } || fail "JSON: $(cat "$dir/out")"
+
+# ---- relative paths, warnings
+printf 'reference,test\nm.h5,perturb:scale=1.1;of=m.h5\n' >"$dir/relative.csv"
+(cd "$dir" && batch 0 relative.csv --root sub -o relative-out.csv) || fail "--root"
+sed -n 2p "$dir/relative-out.csv" | grep -q '^m.h5,perturb:scale=1.1;of=m.h5,[0-9]' || fail "--root: $(cat "$dir/relative-out.csv")"
+batch 3 "$dir/relative.csv" --root "$dir/nowhere" -o "$dir/x.csv"
+[ ! -e "$dir/x.csv.part" ] || fail "a part without a run"
+printf 'reference,test\n%s,ward:nickel\n' "$dir/valid.binary" >"$dir/holes.csv"
+batch 0 "$dir/holes.csv" --min-valid 0
+grep -q 'reference: no value at .* directions, left out' "$dir/out" || fail "warnings: $(cat "$dir/out")"
+batch 5 "$dir/holes.csv" --min-valid 1
+says 'directions have it and its reference a value'
+
+# ---- rows that fail
+cat >"$dir/faulty.csv" <<END
+reference,test
+sgd:nickel,ward:nickel
+sgd:nickel,$dir/nowhere.binary
+sgd:nickel,lambert:nonsense=1
+ward:nickel,sgd:nickel
+END
+batch 3 "$dir/faulty.csv"
+says 'row 2: .*nowhere.binary'
+[ "$(wc -l <"$dir/out")" = 2 ] || fail "the rows before the first fault"
+batch 9 "$dir/faulty.csv" --keep-going
+says '2 of 4 rows'
+sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,0,0,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
+sed -n 5p "$dir/out" | grep -q '^ward:nickel,sgd:nickel,[0-9]' || fail "the row behind the faults"
+batch 9 "$dir/faulty.csv" --keep-going --jsonl
+sed -n 3p "$dir/out" | grep -q '"jod":null,.*"error":".*nonsense' || fail "errors in JSON Lines"
+batch 3 "$dir/faulty.csv" --json
+[ "$(tail -n 1 "$dir/out")" = ']}' ] || fail "a document that ends early must end"
+
+# ---- stopped by a fault, and gone on: the same file as in one run
+batch 9 "$dir/faulty.csv" -k -o "$dir/whole.csv"
+batch 3 "$dir/faulty.csv" -o "$dir/parts.csv"
+says '1 of 4 rows are in .*parts.csv.part'
+[ ! -e "$dir/parts.csv" ] || fail "an unfinished file under the final name"
+batch 3 "$dir/faulty.csv" -o "$dir/parts.csv" --resume
+cp "$dir/parts.csv.part" "$dir/kept.part"
+cp "$dir/parts.csv.part.journal" "$dir/kept.journal"
+batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+cmp "$dir/whole.csv" "$dir/parts.csv" || fail "faults, then --keep-going"
+again() {
+    cp "$dir/kept.part" "$dir/parts.csv.part"
+    cp "$dir/kept.journal" "$dir/parts.csv.part.journal"
+}
+# Torn records at the end of both files are cut off.
+again
+printf 'sgd:nickel,half a re' >>"$dir/parts.csv.part"
+printf '2 0 17' >>"$dir/parts.csv.part.journal"
+batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+cmp "$dir/whole.csv" "$dir/parts.csv" || fail "torn records"
+# Rows that the part has lost are made again; so is everything when the run ended before its first row.
+again
+size=$(wc -c <"$dir/kept.part")
+head -c $((size - 5)) "$dir/kept.part" >"$dir/parts.csv.part"
+batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+cmp "$dir/whole.csv" "$dir/parts.csv" || fail "a short part"
+again
+: >"$dir/parts.csv.part"
+head -n 2 "$dir/kept.journal" >"$dir/parts.csv.part.journal"
+batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+cmp "$dir/whole.csv" "$dir/parts.csv" || fail "an empty part"
+# Without --resume a run begins anew.
+again
+batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" -k
+cmp "$dir/whole.csv" "$dir/parts.csv" || fail "anew"
+# Damage, other lists, models and options are refused, and the part stays.
+again
+sed 's/ward:nickel,/ward:silver,/' "$dir/kept.part" >"$dir/parts.csv.part"
+batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+says damaged
+again
+printf 'nonsense\n1 0 5 x\n' >>"$dir/parts.csv.part.journal"
+batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+again
+sed '1s/journal/journey/' "$dir/kept.journal" >"$dir/parts.csv.part.journal"
+batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+again
+rm "$dir/parts.csv.part.journal"
+batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+again
+sed 's/nowhere/anywhere/' "$dir/faulty.csv" >"$dir/other.csv"
+batch 5 "$dir/other.csv" -o "$dir/parts.csv" --resume -k
+says 'another list'
+batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k --metrics all
+says 'another --metrics'
+batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k --invalid zero
+"$NQM_BUILD/tests/tiny_model" "$dir/model21.safetensors" 21
+batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k --model "$dir/model21.safetensors"
+says 'another model'
+cmp "$dir/kept.part" "$dir/parts.csv.part" || fail "a refused run changed the part"
+batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
+cmp "$dir/whole.csv" "$dir/parts.csv" || fail "at last"
+# A JSON document goes on, too.
+batch 3 "$dir/faulty.csv" -o "$dir/parts.json"
+batch 9 "$dir/faulty.csv" -o "$dir/parts.json" --resume -k
+batch 9 "$dir/faulty.csv" --json -k
+cmp "$dir/out" "$dir/parts.json" || fail "a JSON document, stopped and gone on"
+
+# ---- killed at many moments: the same bytes; a list of several blocks with a fault
+awk 'BEGIN {print "reference,test,i"; for (i = 0; i < 1500; ++i)
+    printf "ggx:kd=.%d;alpha=.%d,%s,%d\n", 1 + int(i / 40), 11 + i % 83, i == 700 ? "nowhere.binary" : "ggx:kd=.2;alpha=.2" i % 7, i}' >"$dir/long.csv"
+batch 9 "$dir/long.csv" -k -o "$dir/long-whole.csv"
+[ "$(wc -l <"$dir/long-whole.csv")" = 1501 ] || fail "1500 rows"
+for delay in 0.01 0.02 0.03 0.04 0.05 0.06 0.08 0.1 0.15 0.2; do
+    "$tool" batch --model "$dir/model.safetensors" "$dir/long.csv" -k -o "$dir/long-out.csv" --resume 2>"$dir/err" &
+    sleep $delay
+    kill -KILL $! 2>/dev/null || true
+    got=0
+    wait $! 2>/dev/null || got=$?
+    case $got in
+    137) ;;
+    9) break ;;
+    *) fail "exit code $got of a run that was to be killed" ;;
+    esac
+done
+[ -e "$dir/long-out.csv" ] || batch 9 "$dir/long.csv" -k -o "$dir/long-out.csv" --resume
+cmp "$dir/long-whole.csv" "$dir/long-out.csv" || fail "killed and gone on: another file"
+
+# ---- Ctrl-C: 130, and the part is kept
+"$tool" batch --model "$dir/model.safetensors" "$dir/long.csv" -k -o "$dir/stopped.csv" 2>"$dir/err" &
+until [ -s "$dir/stopped.csv.part" ] || [ -e "$dir/stopped.csv" ]; do sleep 0.01; done
+kill -INT $! 2>/dev/null || true
+got=0
+wait $! || got=$?
+case $got in
+130)
+    [ -e "$dir/stopped.csv.part" ] && [ ! -e "$dir/stopped.csv" ] || fail "Ctrl-C: no part"
+    batch 9 "$dir/long.csv" -k -o "$dir/stopped.csv" --resume
+    ;;
+9) ;; # it was quicker
+*) fail "exit code $got after Ctrl-C" ;;
+esac
+cmp "$dir/long-whole.csv" "$dir/stopped.csv" || fail "Ctrl-C and gone on: another file"
+
+# ---- the number of threads, the cache
+OMP_NUM_THREADS=1 batch 9 "$dir/long.csv" -k --cache 0
+cmp "$dir/long-whole.csv" "$dir/out" || fail "one thread, no cache: another result"
+
+# ---- usage
+batch 2
+batch 2 "$dir/pairs.csv" --json --jsonl
+batch 2 "$dir/pairs.csv" --resume
+batch 2 "$dir/pairs.csv" --invalid maybe
+batch 2 "$dir/pairs.csv" --metrics nonsense
+batch 3 "$dir/nowhere.csv"
+batch 3 "$dir/pairs.csv" -o "$dir/nowhere/x.csv"
+printf 'reference\nx\n' >"$dir/bad.csv"
+batch 4 "$dir/bad.csv"
+says "'test'"
+printf 'reference,test,jod\n' >"$dir/bad.csv"
+batch 4 "$dir/bad.csv"
+says "'jod'"
+printf 'reference,test\n' >"$dir/none.csv"
+batch 0 "$dir/none.csv" -o "$dir/none-out.csv"
+[ "$(cat "$dir/none-out.csv")" = 'reference,test,jod,delta_e_itp,identical,n_valid,warnings,error' ] || fail "an empty list"
+batch 0 "$dir/none.csv" --json
+if [ -c /dev/full ]; then
+    got=0
+    "$tool" batch --model "$dir/model.safetensors" "$dir/pairs.csv" >/dev/full 2>"$dir/err" || got=$?
+    [ "$got" = 3 ] || fail "a full disk: exit code $got"
+fi

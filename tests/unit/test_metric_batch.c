@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Pairs that are named: the same scores as nqm_score() gives, the same bits whatever was scored before or fails beside
+ * them, how often BRDFs are opened, faults of single pairs, running out of memory; and JOD as preferences.
+ */
+#include "base/memory_test.h"
+#include "support/check.h"
+#include "support/tiny_model.h"
+
+#include <math.h>
+#include <nqm/batch.h>
+#include <string.h>
+
+enum { N_DIRECTIONS = 20, MANY = 2 * NQM_BATCH_BLOCK + 37 };
+
+static nqm_model *model;
+
+static int setup(void **state) {
+    (void)state;
+    return make_tiny_model(N_DIRECTIONS, &model, NULL) == NQM_OK ? 0 : 1;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    nqm_model_free(model);
+    return 0;
+}
+
+static const char *const names[] = {"ggx:kd=.2,.1,.05;alpha=.1", "ggx:kd=.2,.1,.05;alpha=.2", "lambert:kd=.5",
+                                    "ward:kd=.05;ks=.4;alpha=.05", "perturb:tint=1.2,1,1;of=lambert:kd=.5"};
+enum { N_NAMES = sizeof names / sizeof *names };
+
+/* Mixed references, repeated names, equal pairs. */
+static nqm_named_pair pair_at(size_t i) {
+    return (nqm_named_pair){names[i / 7 % N_NAMES], names[i % N_NAMES]};
+}
+
+static nqm_batch *make_batch(size_t cache_bytes) {
+    nqm_batch_options options = nqm_batch_options_default();
+    options.cache_bytes = cache_bytes;
+    nqm_batch *batch;
+    assert_int_equal(nqm_batch_create(model, &options, &batch, NULL), NQM_OK);
+    return batch;
+}
+
+/* (MANY) results of the list; free with nqm_free(). */
+static nqm_score_result *score_many(nqm_batch *batch, const nqm_named_pair *pairs) {
+    nqm_score_result *results = nqm_alloc(MANY, sizeof *results);
+    assert_non_null(results);
+    assert_int_equal(nqm_batch_score(batch, MANY, pairs, results, NULL, NULL), NQM_OK);
+    return results;
+}
+
+static void test_like_nqm_score(void **state) {
+    (void)state;
+    nqm_named_pair pairs[MANY];
+    for (size_t i = 0; i < MANY; ++i)
+        pairs[i] = pair_at(i);
+    nqm_batch *batch = make_batch(1 << 20);
+    nqm_score_result *results = score_many(batch, pairs);
+    assert_int_equal(nqm_batch_n_opened(batch), N_NAMES);
+    for (size_t i = 0; i < N_NAMES * 7; ++i) {
+        nqm_brdf *ref = open_brdf(pairs[i].ref), *test = open_brdf(pairs[i].test);
+        const nqm_brdf *tests[] = {test};
+        nqm_score_result alone;
+        assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &alone, NULL), NQM_OK);
+        assert_int_equal(results[i].status, NQM_OK);
+        assert_near(results[i].jod, alone.jod, 1e-5);
+        assert_relative(results[i].delta_e, alone.delta_e, 1e-4);
+        assert_int_equal(results[i].identical, strcmp(pairs[i].ref, pairs[i].test) == 0);
+        assert_int_equal(results[i].n_valid, alone.n_valid);
+        assert_memory_equal(results[i].metrics, alone.metrics, sizeof alone.metrics);
+        nqm_brdf_free(ref);
+        nqm_brdf_free(test);
+    }
+    nqm_free(results);
+    nqm_batch_free(batch);
+}
+
+static bool same_bits(const nqm_score_result *a, const nqm_score_result *b) {
+    return memcmp(&a->jod, &b->jod, sizeof a->jod) == 0 && memcmp(&a->delta_e, &b->delta_e, sizeof a->delta_e) == 0 &&
+           memcmp(a->metrics, b->metrics, sizeof a->metrics) == 0 && a->identical == b->identical;
+}
+
+/* What resuming leans on: a block gives the same bits alone, without a cache, and beside pairs that fail. */
+static void test_same_bits(void **state) {
+    (void)state;
+    nqm_named_pair pairs[MANY];
+    for (size_t i = 0; i < MANY; ++i)
+        pairs[i] = pair_at(i);
+    nqm_batch *kept = make_batch(1 << 20), *forgetful = make_batch(0);
+    nqm_score_result *whole = score_many(kept, pairs), *again = score_many(kept, pairs);
+    nqm_score_result *fresh = score_many(forgetful, pairs);
+    assert_int_equal(nqm_batch_n_opened(kept), N_NAMES);
+    assert_int_equal(nqm_batch_n_opened(forgetful), 3 * N_NAMES); /* once a block */
+    pairs[NQM_BATCH_BLOCK + 3].test = "lambert:nonsense=1";
+    pairs[NQM_BATCH_BLOCK + 9].ref = "nowhere.binary";
+    nqm_score_result *beside = score_many(kept, pairs);
+    nqm_score_result last[37];
+    assert_int_equal(nqm_batch_score(kept, 37, pairs + MANY - 37, last, NULL, NULL), NQM_OK);
+    for (size_t i = 0; i < MANY; ++i) {
+        bool faulty = i == NQM_BATCH_BLOCK + 3 || i == NQM_BATCH_BLOCK + 9;
+        assert_true(same_bits(&whole[i], &again[i]));
+        assert_true(same_bits(&whole[i], &fresh[i]));
+        assert_int_equal(same_bits(&whole[i], &beside[i]), !faulty);
+        assert_true(i < MANY - 37 || same_bits(&whole[i], &last[i - (MANY - 37)]));
+    }
+    nqm_score_result *all[] = {whole, again, fresh, beside};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        nqm_free(all[i]);
+    nqm_batch_free(kept);
+    nqm_batch_free(forgetful);
+}
+
+static void test_faults(void **state) {
+    (void)state;
+    const nqm_named_pair pairs[] = {{names[0], names[1]},
+                                    {"nowhere.binary", names[1]},
+                                    {names[0], "lambert:nonsense=1"},
+                                    {"nowhere.binary", "lambert:nonsense=1"}};
+    nqm_score_result results[4];
+    nqm_error errors[4], err = {0};
+    nqm_batch *batch = make_batch(1 << 20);
+    assert_int_equal(nqm_batch_score(batch, 4, pairs, results, errors, NULL), NQM_OK);
+    const nqm_status expected[] = {NQM_OK, NQM_ERR_IO, NQM_ERR_ARG, NQM_ERR_IO};
+    for (size_t i = 0; i < 4; ++i) {
+        assert_int_equal(results[i].status, expected[i]);
+        assert_int_equal(errors[i].status, expected[i]);
+        assert_int_equal(isnan(results[i].jod) != 0, expected[i] != NQM_OK);
+    }
+    assert_non_null(strstr(errors[1].message, "nowhere.binary"));
+    assert_non_null(strstr(errors[2].message, "nonsense"));
+    assert_int_equal(nqm_batch_n_opened(batch), 4);
+    assert_int_equal(nqm_batch_score(batch, 0, NULL, NULL, NULL, NULL), NQM_OK);
+    nqm_batch_free(batch);
+    nqm_batch_options options = nqm_batch_options_default();
+    options.score.min_valid_fraction = -1;
+    assert_int_equal(nqm_batch_create(model, &options, &batch, &err), NQM_ERR_ARG);
+    assert_null(batch);
+}
+
+static void test_without_metrics(void **state) {
+    (void)state;
+    nqm_batch_options options = nqm_batch_options_default();
+    options.metrics = 0;
+    nqm_batch *batch;
+    assert_int_equal(nqm_batch_create(model, &options, &batch, NULL), NQM_OK);
+    const nqm_named_pair pair = {names[0], names[1]};
+    nqm_score_result result;
+    assert_int_equal(nqm_batch_score(batch, 1, &pair, &result, NULL, NULL), NQM_OK);
+    assert_int_equal(result.status, NQM_OK);
+    assert_true(isfinite(result.jod));
+    assert_true(isnan(result.metrics[NQM_METRIC_RMSE]));
+    nqm_batch_free(batch);
+}
+
+static void test_out_of_memory(void **state) {
+    (void)state;
+    const nqm_named_pair pairs[] = {{names[0], names[1]}, {names[2], names[1]}};
+    bool scored = false;
+    for (long n = 0; !scored; ++n) {
+        nqm_batch *batch = NULL;
+        nqm_score_result results[2];
+        nqm_alloc_fail_after(n);
+        nqm_status status = nqm_batch_create(model, NULL, &batch, NULL);
+        if (status == NQM_OK)
+            status = nqm_batch_score(batch, 2, pairs, results, NULL, NULL);
+        nqm_alloc_fail_after(-1);
+        scored = status == NQM_OK && results[0].status == NQM_OK && results[1].status == NQM_OK;
+        assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
+        if (batch) { /* what failed for want of memory is tried again */
+            assert_int_equal(nqm_batch_score(batch, 2, pairs, results, NULL, NULL), NQM_OK);
+            assert_int_equal(results[0].status, NQM_OK);
+            assert_int_equal(results[1].status, NQM_OK);
+        }
+        nqm_batch_free(batch);
+        assert_true(n < 100);
+    }
+}
+
+static void test_preference(void **state) {
+    (void)state;
+    assert_near(nqm_jod_preference(7, 7), 0.5, 0);
+    assert_near(nqm_jod_preference(9, 8), 0.75, 1e-15);
+    assert_near(nqm_jod_preference(8, 9), 0.25, 1e-15);
+    assert_near(nqm_jod_preference(10, 8), 0.911328224673824, 1e-14); /* scipy.stats.norm.cdf(2 norm.ppf(.75)) */
+    assert_near(nqm_jod_preference(10, -50), 1, 1e-15);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_like_nqm_score),  cmocka_unit_test(test_same_bits),     cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_without_metrics), cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_preference),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
