@@ -44,7 +44,7 @@ batch 0 - --metrics rmse,log_diff <"$dir/pairs.csv"
 cmp -s "$dir/first" "$dir/out" || fail "standard input gives another result"
 batch 0 "$dir/pairs.csv" --metrics rmse,log_diff -o "$dir/all.csv"
 cmp -s "$dir/first" "$dir/all.csv" || fail "a file gives another result"
-[ ! -e "$dir/all.csv.part" ] && [ ! -e "$dir/all.csv.part.journal" ] || fail "left-over files"
+{ [ ! -e "$dir/all.csv.part" ] && [ ! -e "$dir/all.csv.part.journal" ]; } || fail "left-over files"
 batch 0 "$dir/pairs.csv" -o /dev/null
 [ -c /dev/null ] || fail "a device was replaced"
 
@@ -192,7 +192,7 @@ got=0
 wait $! || got=$?
 case $got in
 130)
-    [ -e "$dir/stopped.csv.part" ] && [ ! -e "$dir/stopped.csv" ] || fail "Ctrl-C: no part"
+    { [ -e "$dir/stopped.csv.part" ] && [ ! -e "$dir/stopped.csv" ]; } || fail "Ctrl-C: no part"
     batch 9 "$dir/long.csv" -k -o "$dir/stopped.csv" --resume
     ;;
 9) ;; # it was quicker
