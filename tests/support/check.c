@@ -59,17 +59,3 @@ const char *test_vector(const char *name) {
     snprintf(path, sizeof path, "%s/tests/vectors/%s", source ? source : ".", name);
     return path;
 }
-
-void read_metrics_pair(float *ref, float *test, uint8_t *used) {
-    nqm_csv *csv;
-    assert_int_equal(nqm_csv_load(test_vector("metrics_pair.csv"), &csv, NULL), NQM_OK);
-    assert_int_equal(nqm_csv_rows(csv), METRICS_PAIR_N);
-    for (size_t i = 0; i < METRICS_PAIR_N; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            ref[3 * i + (size_t)k] = (float)csv_number(csv, i, 3 + k);
-            test[3 * i + (size_t)k] = (float)csv_number(csv, i, 6 + k);
-        }
-        used[i] = csv_number(csv, i, 9) != 0;
-    }
-    nqm_csv_free(csv);
-}

@@ -31,10 +31,6 @@ int compare_doubles(const void *a, const void *b);
 /** The number in a field; fails where there is none. */
 double csv_number(const nqm_csv *csv, size_t row, int column);
 
-enum { METRICS_PAIR_N = 60 };
-/** The sampled pair of tests/vectors/metrics_pair.csv: ref, test (METRICS_PAIR_N, 3), used (METRICS_PAIR_N). */
-void read_metrics_pair(float *ref, float *test, uint8_t *used);
-
 /** Open a BRDF; fails with the library's message. */
 nqm_brdf *open_brdf(const char *argument);
 /** For classes of BRDFs that own nothing. */

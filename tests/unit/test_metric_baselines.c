@@ -6,6 +6,7 @@
 #include "io/io.h"
 #include "sample/sample.h"
 #include "support/check.h"
+#include "support/metrics_pair.h"
 
 #include <math.h>
 #include <nqm/metric.h>
@@ -13,28 +14,11 @@
 
 enum { N = METRICS_PAIR_N };
 
-static nqm_directions *directions;
-static float ref[3 * N], test[3 * N];
-static uint8_t used[N];
-
-static int read_pair(void **state) {
-    (void)state;
-    assert_int_equal(nqm_directions_load_csv(test_vector("metrics_pair.csv"), &directions, NULL), NQM_OK);
-    read_metrics_pair(ref, test, used);
-    return 0;
-}
-
-static int free_pair(void **state) {
-    (void)state;
-    nqm_directions_free(directions);
-    return 0;
-}
-
 static void test_against_numpy(void **state) {
     (void)state;
     double all[NQM_METRIC_COUNT], kept[NQM_METRIC_COUNT];
-    nqm_metrics_compute(directions, ref, test, NULL, all);
-    nqm_metrics_compute(directions, ref, test, used, kept);
+    nqm_metrics_compute(pair.directions, pair.ref, pair.test, NULL, all);
+    nqm_metrics_compute(pair.directions, pair.ref, pair.test, pair.used, kept);
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("metrics_expected.csv"), &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), NQM_METRIC_COUNT);
@@ -49,11 +33,11 @@ static void test_against_numpy(void **state) {
 static void test_equal_and_empty(void **state) {
     (void)state;
     double metrics[NQM_METRIC_COUNT];
-    nqm_metrics_compute(directions, ref, ref, NULL, metrics);
+    nqm_metrics_compute(pair.directions, pair.ref, pair.ref, NULL, metrics);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         assert_near(metrics[m], 0, 0);
     const uint8_t none[N] = {0};
-    nqm_metrics_compute(directions, ref, test, none, metrics);
+    nqm_metrics_compute(pair.directions, pair.ref, pair.test, none, metrics);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         assert_true(isnan(metrics[m]));
 }
@@ -61,8 +45,8 @@ static void test_equal_and_empty(void **state) {
 static void test_symmetry(void **state) {
     (void)state;
     double there[NQM_METRIC_COUNT], back[NQM_METRIC_COUNT];
-    nqm_metrics_compute(directions, ref, test, NULL, there);
-    nqm_metrics_compute(directions, test, ref, NULL, back);
+    nqm_metrics_compute(pair.directions, pair.ref, pair.test, NULL, there);
+    nqm_metrics_compute(pair.directions, pair.test, pair.ref, NULL, back);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         assert_relative(there[m], back[m], 1e-15);
 }
@@ -73,5 +57,5 @@ int main(void) {
         cmocka_unit_test(test_equal_and_empty),
         cmocka_unit_test(test_symmetry),
     };
-    return cmocka_run_group_tests(tests, read_pair, free_pair);
+    return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
 }

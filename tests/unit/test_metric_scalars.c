@@ -4,6 +4,7 @@
  */
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/metrics_pair.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,28 +12,11 @@
 
 enum { N = METRICS_PAIR_N };
 
-static nqm_directions *directions;
-static float ref[3 * N], test[3 * N];
-static uint8_t used[N];
-
-static int read_pair(void **state) {
-    (void)state;
-    assert_int_equal(nqm_directions_load_csv(test_vector("metrics_pair.csv"), &directions, NULL), NQM_OK);
-    read_metrics_pair(ref, test, used);
-    return 0;
-}
-
-static int free_pair(void **state) {
-    (void)state;
-    nqm_directions_free(directions);
-    return 0;
-}
-
 static void against_numpy(void **state) {
     (void)state;
     double all[NQM_SCALAR_COUNT], kept[NQM_SCALAR_COUNT];
-    nqm_scalars_compute(directions, ref, test, NULL, all);
-    nqm_scalars_compute(directions, ref, test, used, kept);
+    nqm_scalars_compute(pair.directions, pair.ref, pair.test, NULL, all);
+    nqm_scalars_compute(pair.directions, pair.ref, pair.test, pair.used, kept);
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("scalars_expected.csv"), &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), NQM_SCALAR_COUNT);
@@ -49,7 +33,7 @@ static void against_numpy(void **state) {
 static void equal_members(void **state) {
     (void)state;
     double same[NQM_SCALAR_COUNT];
-    nqm_scalars_compute(directions, ref, ref, NULL, same);
+    nqm_scalars_compute(pair.directions, pair.ref, pair.ref, NULL, same);
     for (size_t i = 0; i < NQM_SCALAR_REF_LEVEL; ++i)
         assert_true(same[i] == 0 || same[i] == log(1e-3) || same[i] == log(1e-4));
 }
@@ -58,7 +42,7 @@ static void no_direction_and_extremes(void **state) {
     (void)state;
     double scalars[NQM_SCALAR_COUNT];
     const uint8_t none[N] = {0};
-    nqm_scalars_compute(directions, ref, test, none, scalars);
+    nqm_scalars_compute(pair.directions, pair.ref, pair.test, none, scalars);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         assert_true(isnan(scalars[i]));
     const float black[3 * N] = {0};
@@ -67,7 +51,7 @@ static void no_direction_and_extremes(void **state) {
         bright[i] = FLT_MAX;
     const float *const members[] = {black, bright};
     for (size_t k = 0; k < 4; ++k) {
-        nqm_scalars_compute(directions, members[k / 2], members[k % 2], NULL, scalars);
+        nqm_scalars_compute(pair.directions, members[k / 2], members[k % 2], NULL, scalars);
         for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
             if (!isfinite(scalars[i]))
                 fail_msg("%s of %zu is %g", nqm_scalar_name(i), k, scalars[i]);
@@ -107,5 +91,5 @@ int main(void) {
         cmocka_unit_test(against_numpy), cmocka_unit_test(equal_members), cmocka_unit_test(no_direction_and_extremes),
         cmocka_unit_test(as_inputs),     cmocka_unit_test(names),
     };
-    return cmocka_run_group_tests(tests, read_pair, free_pair);
+    return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
 }

@@ -5,21 +5,13 @@
 #include "io/io.h"
 #include "sample/sample.h"
 #include "support/check.h"
+#include "support/metrics_pair.h"
 
 #include <math.h>
 #include <nqm/train.h>
 #include <string.h>
 
 enum { N = METRICS_PAIR_N };
-
-static float ref[3 * N], test[3 * N];
-static uint8_t used[N];
-
-static int read_pair(void **state) {
-    (void)state;
-    read_metrics_pair(ref, test, used);
-    return 0;
-}
 
 static void test_transform(void **state) {
     (void)state;
@@ -37,8 +29,8 @@ static void test_transform(void **state) {
 static void test_layouts(void **state) {
     (void)state;
     float ref_t[3 * N], test_t[3 * N], x[9 * N];
-    nqm_features_transform(3 * N, ref, ref_t);
-    nqm_features_transform(3 * N, test, test_t);
+    nqm_features_transform(3 * N, pair.ref, ref_t);
+    nqm_features_transform(3 * N, pair.test, test_t);
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("features_expected.csv"), &csv, NULL), NQM_OK);
     size_t row = 0;
@@ -47,7 +39,7 @@ static void test_layouts(void **state) {
             .layout = layout, .difference_scale = 3, .mean = {0.31f, 0.42f, 0.53f}, .std = {0.2f, 0.25f, 0.3f}};
         size_t width = nqm_features_width(layout, N);
         assert_int_equal(width, layout == NQM_LAYOUT_REF_TEST ? 6 * N : 9 * N);
-        nqm_features_compose(&features, N, ref_t, test_t, used, x);
+        nqm_features_compose(&features, N, ref_t, test_t, pair.used, x);
         for (size_t i = 0; i < width; ++i, ++row) {
             assert_int_equal((int)csv_number(csv, row, 0), layout);
             assert_near(x[i], csv_number(csv, row, 1), 4e-6);
@@ -60,7 +52,7 @@ static void test_layouts(void **state) {
 static void test_equal_members_do_not_differ(void **state) {
     (void)state;
     float t[3 * N], x[9 * N];
-    nqm_features_transform(3 * N, ref, t);
+    nqm_features_transform(3 * N, pair.ref, t);
     nqm_features features = {.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF,
                              .difference_scale = 3,
                              .mean = {0.3f, 0.4f, 0.5f},
@@ -76,5 +68,5 @@ int main(void) {
         cmocka_unit_test(test_layouts),
         cmocka_unit_test(test_equal_members_do_not_differ),
     };
-    return cmocka_run_group_tests(tests, read_pair, NULL);
+    return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
 }
