@@ -5,13 +5,11 @@
  */
 #include "fit/encoder_file.h"
 #include "support/check.h"
+#include "support/temp_file.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-static char path[] = "/tmp/nqm-encoder-XXXXXX";
 static const char *const names[] = {"rgl/\"quoted\".bsdf", "sgd:nickel"};
 
 static nqm_status write_file(const float *values, nqm_error *err) {
@@ -19,14 +17,14 @@ static nqm_status write_file(const float *values, nqm_error *err) {
     options.seed = 7;
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 2, .dims = {2, 3}, .n_bytes = 6 * sizeof *values, .data = values};
-    return nqm_encoder_write(path, "sparse", 2, names, &options, 1, &tensor, err);
+    return nqm_encoder_write(temp_file, "sparse", 2, names, &options, 1, &tensor, err);
 }
 
 /* Parse the file with `change` added to its byte `at` (negative: from the end). */
 static nqm_status parse(long at, int change, const char *kind, nqm_error *err) {
     nqm_map map;
     nqm_safetensors *st;
-    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
     unsigned char *bytes = nqm_alloc(map.n_bytes, 1);
     memcpy(bytes, map.data, map.n_bytes);
     bytes[at < 0 ? (long)map.n_bytes + at : at] += (unsigned char)change;
@@ -48,16 +46,16 @@ static void a_file_is_read_back(void **state) {
     nqm_safetensors *st;
     const nqm_tensor *tensor;
     assert_int_equal(write_file(good, NULL), NQM_OK);
-    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
-    assert_int_equal(nqm_encoder_parse(map.data, map.n_bytes, path, "sparse", &st, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_parse(map.data, map.n_bytes, temp_file, "sparse", &st, NULL), NQM_OK);
     assert_string_equal(nqm_safetensors_meta(st, "references"), "[\"rgl/\\\"quoted\\\".bsdf\",\"sgd:nickel\"]");
     assert_string_equal(nqm_safetensors_meta(st, "seed"), "7");
-    assert_int_equal(nqm_encoder_tensor(st, path, "atoms", 2, (size_t[]){2, 0}, &tensor, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_tensor(st, temp_file, "atoms", 2, (size_t[]){2, 0}, &tensor, NULL), NQM_OK);
     assert_memory_equal(tensor->data, good, sizeof good);
     nqm_error err = {0};
-    assert_int_equal(nqm_encoder_tensor(st, path, "atoms", 2, (size_t[]){3, 2}, &tensor, &err), NQM_ERR_MODEL);
-    assert_int_equal(nqm_encoder_tensor(st, path, "atoms", 1, (size_t[]){6}, &tensor, &err), NQM_ERR_MODEL);
-    assert_int_equal(nqm_encoder_tensor(st, path, "codes", 1, (size_t[]){6}, &tensor, &err), NQM_ERR_MODEL);
+    assert_int_equal(nqm_encoder_tensor(st, temp_file, "atoms", 2, (size_t[]){3, 2}, &tensor, &err), NQM_ERR_MODEL);
+    assert_int_equal(nqm_encoder_tensor(st, temp_file, "atoms", 1, (size_t[]){6}, &tensor, &err), NQM_ERR_MODEL);
+    assert_int_equal(nqm_encoder_tensor(st, temp_file, "codes", 1, (size_t[]){6}, &tensor, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "codes"));
     nqm_safetensors_free(st);
     nqm_map_close(&map);
@@ -91,22 +89,11 @@ static void embedded_files_are_found_by_name(void **state) {
     }
 }
 
-static int make_path(void **state) {
-    (void)state;
-    int file = mkstemp(path);
-    return file < 0 ? -1 : close(file);
-}
-
-static int remove_path(void **state) {
-    (void)state;
-    return unlink(path);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_read_back),
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(embedded_files_are_found_by_name),
     };
-    return cmocka_run_group_tests_name("fit: encoder files", tests, make_path, remove_path);
+    return cmocka_run_group_tests_name("fit: encoder files", tests, make_temp_file, remove_temp_file);
 }

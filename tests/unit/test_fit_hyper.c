@@ -7,12 +7,11 @@
 #include "fit/hyper.h"
 #include "fit/nbrdf_net.h"
 #include "support/check.h"
+#include "support/temp_file.h"
 
 #include <math.h>
 #include <omp.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- encoding ---------------------------------------------------------------------------------------------------- */
 
@@ -101,23 +100,22 @@ enum { N_REFS = 3, N_SAMPLES = 200 };
 static const char *const names[N_REFS] = {"lambert:kd=0.5", "ggx:kd=0.3,0.1,0.05;alpha=0.3",
                                           "ward:kd=0.1,0.2,0.3;ks=0.1;alpha=0.2"};
 static nqm_brdf *refs[N_REFS];
-static char path[] = "/tmp/nqm-hyper-learn-XXXXXX";
 
 static nqm_status learn(size_t n_steps, nqm_progress_fn progress, nqm_error *err) {
     nqm_learn_options options = nqm_learn_options_default();
     options.n_steps = n_steps;
     options.progress = progress;
-    return nqm_learn(NQM_ENCODER_HYPER, N_REFS, (const nqm_brdf *const *)refs, names, &options, path, err);
+    return nqm_learn(NQM_ENCODER_HYPER, N_REFS, (const nqm_brdf *const *)refs, names, &options, temp_file, err);
 }
 
-/* Mean loss of the networks that the file at `path` writes for the references. */
+/* Mean loss of the networks that the temporary file writes for the references. */
 static double loss_of_file(void) {
     nqm_map map;
     nqm_hyper hyper;
     double hd[3 * N_SAMPLES], rgb[3 * N_SAMPLES], loss = 0;
     float input[6 * N_SAMPLES], weight[N_SAMPLES], goal[3 * N_SAMPLES], weights[NQM_NBRDF_WEIGHTS];
-    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
-    assert_int_equal(nqm_hyper_read(map.data, map.n_bytes, path, &hyper, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_hyper_read(map.data, map.n_bytes, temp_file, &hyper, NULL), NQM_OK);
     for (size_t r = 0; r < N_REFS; ++r) {
         nqm_rng rng = nqm_rng_make(1, r);
         assert_int_equal(nqm_hyper_sample(refs[r], N_SAMPLES, &rng, hd, rgb, NULL), NQM_OK);
@@ -151,7 +149,7 @@ static void learning_does_not_depend_on_threads(void **state) {
     for (int i = 0; i < 2; ++i) {
         omp_set_num_threads(i + 1);
         assert_int_equal(learn(2, NULL, NULL), NQM_OK);
-        assert_int_equal(nqm_map_open(path, &map[i], NULL), NQM_OK);
+        assert_int_equal(nqm_map_open(temp_file, &map[i], NULL), NQM_OK);
     }
     omp_set_num_threads(n_threads);
     assert_int_equal(map[0].n_bytes, map[1].n_bytes);
@@ -175,15 +173,14 @@ static int open_all(void **state) {
     (void)state;
     for (size_t i = 0; i < N_REFS; ++i)
         refs[i] = open_brdf(names[i]);
-    int file = mkstemp(path);
-    return file < 0 ? -1 : close(file);
+    return make_temp_file(state);
 }
 
 static int close_all(void **state) {
     (void)state;
     for (size_t i = 0; i < N_REFS; ++i)
         nqm_brdf_free(refs[i]);
-    return unlink(path);
+    return remove_temp_file(state);
 }
 
 int main(void) {

@@ -6,11 +6,10 @@
 #include "brdf/brdf.h"
 #include "fit/hyper.h"
 #include "support/check.h"
+#include "support/temp_file.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { N_SETS = 3, N_SAMPLES = 5, N_OUT = 4 };
 static const nqm_hyper_shape small = {.sample = {7, 6, 5}, .set = {6, 5}, .n_out = N_OUT};
@@ -112,7 +111,6 @@ static void sets_are_independent(void **state) {
 
 /* ---- its file ---------------------------------------------------------------------------------------------------- */
 
-static char path[] = "/tmp/nqm-hyper-XXXXXX";
 static const char *const names[] = {"sgd:nickel"};
 
 static void write_network(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
@@ -120,13 +118,13 @@ static void write_network(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
     float mean[NQM_NBRDF_WEIGHTS] = {0};
     assert_int_equal(nqm_hyper_create(shape, hyper, NULL), NQM_OK);
     nqm_hyper_init(hyper, mean, 5);
-    assert_int_equal(nqm_hyper_write(hyper, 1, names, &options, path, NULL), NQM_OK);
+    assert_int_equal(nqm_hyper_write(hyper, 1, names, &options, temp_file, NULL), NQM_OK);
 }
 
 static nqm_status read_network(nqm_hyper *hyper, nqm_error *err) {
     nqm_map map;
-    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
-    nqm_status status = nqm_hyper_read(map.data, map.n_bytes, path, hyper, err);
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    nqm_status status = nqm_hyper_read(map.data, map.n_bytes, temp_file, hyper, err);
     nqm_map_close(&map);
     return status;
 }
@@ -156,23 +154,12 @@ static void other_networks_are_refused(void **state) {
     const float value = 0;
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 1, .dims = {1}, .n_bytes = sizeof value, .data = &value};
-    assert_int_equal(nqm_encoder_write(path, "hyper", 1, names, &options, 1, &tensor, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_write(temp_file, "hyper", 1, names, &options, 1, &tensor, NULL), NQM_OK);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.0.weight"));
-    assert_int_equal(nqm_encoder_write(path, "sparse", 1, names, &options, 1, &tensor, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_write(temp_file, "sparse", 1, names, &options, 1, &tensor, NULL), NQM_OK);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "hyper"));
-}
-
-static int make_path(void **state) {
-    (void)state;
-    int file = mkstemp(path);
-    return file < 0 ? -1 : close(file);
-}
-
-static int remove_path(void **state) {
-    (void)state;
-    return unlink(path);
 }
 
 int main(void) {
@@ -183,5 +170,5 @@ int main(void) {
         cmocka_unit_test(a_file_is_read_back),
         cmocka_unit_test(other_networks_are_refused),
     };
-    return cmocka_run_group_tests_name("fit: hypernetwork", tests, make_path, remove_path);
+    return cmocka_run_group_tests_name("fit: hypernetwork", tests, make_temp_file, remove_temp_file);
 }

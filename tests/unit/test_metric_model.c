@@ -4,16 +4,13 @@
  */
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/temp_file.h"
 
 #include <math.h>
 #include <nqm/train.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { N = 20 };
-
-static char path[] = "/tmp/nqm-test-model-XXXXXX";
 
 static struct nqm_model *make_model(void) {
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
@@ -46,8 +43,8 @@ static void test_file_round_trip(void **state) {
     (void)state;
     struct nqm_model *model = make_model();
     nqm_model *loaded;
-    assert_int_equal(nqm_model_save(model, path, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(path, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     nqm_model_info info = nqm_model_get_info(loaded);
     assert_string_equal(info.id, "small");
     assert_int_equal(strlen(info.sha256), 64);
@@ -72,8 +69,8 @@ static void test_golden_scores(void **state) {
     nqm_error err = {0};
     assert_int_equal(nqm_golden_check(model, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "no golden scores"));
-    assert_int_equal(nqm_model_save(model, path, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(path, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
     assert_non_null(strstr(loaded->golden, "\"jod\":"));
     /* the check must see a change of anything in the chain */
@@ -97,9 +94,9 @@ static void test_refusals_name_the_file(void **state) {
     assert_null(model);
     struct nqm_model *bad = make_model();
     bad->directions_deg[4] = 95;
-    assert_int_equal(nqm_model_write(bad, path, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(path, &model, &err), NQM_ERR_MODEL);
-    assert_non_null(strstr(err.message, path));
+    assert_int_equal(nqm_model_write(bad, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &model, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, temp_file));
     assert_non_null(strstr(err.message, "direction 2"));
     assert_null(model);
     nqm_model_free(bad);
@@ -118,12 +115,12 @@ static void test_other_scalars(void **state) {
     model->scalar_names = nqm_scalar_names();
     nqm_model *loaded;
     nqm_error err = {0};
-    assert_int_equal(nqm_model_write(model, path, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(path, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_write(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     nqm_model_free(loaded);
     model->scalar_names[0] = 'm';
-    assert_int_equal(nqm_model_write(model, path, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(path, &loaded, &err), NQM_ERR_MODEL);
+    assert_int_equal(nqm_model_write(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
     assert_null(loaded);
     assert_non_null(strstr(err.message, "scalar features"));
     nqm_model_free(model);
@@ -174,22 +171,11 @@ static void test_selftest(void **state) {
     assert_int_equal(nqm_selftest(NULL, NULL, NULL), NQM_OK);
 }
 
-static int make_file(void **state) {
-    (void)state;
-    int fd = mkstemp(path);
-    return fd < 0 ? -1 : close(fd);
-}
-
-static int remove_file(void **state) {
-    (void)state;
-    return unlink(path);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_file_round_trip),        cmocka_unit_test(test_golden_scores),
         cmocka_unit_test(test_refusals_name_the_file), cmocka_unit_test(test_other_scalars),
         cmocka_unit_test(test_builtin_models),         cmocka_unit_test(test_selftest),
     };
-    return cmocka_run_group_tests(tests, make_file, remove_file);
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

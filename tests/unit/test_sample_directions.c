@@ -8,11 +8,10 @@
 #include "math/math.h"
 #include "sample/sample.h"
 #include "support/check.h"
+#include "support/temp_file.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static nqm_directions *create(const nqm_directions_options *options, size_t n_refs, const nqm_brdf *const *refs) {
     nqm_directions *directions;
@@ -166,10 +165,8 @@ static void test_options_are_checked(void **state) {
     assert_int_equal(nqm_directions_from_degrees(0, outside[0], &directions, NULL), NQM_ERR_ARG);
 }
 
-static char path[] = "/tmp/nqm-test-directions-XXXXXX";
-
 static void write_text(const char *text) {
-    FILE *file = fopen(path, "wb");
+    FILE *file = fopen(temp_file, "wb");
     assert_non_null(file);
     fputs(text, file);
     assert_int_equal(fclose(file), 0);
@@ -178,13 +175,13 @@ static void write_text(const char *text) {
 static void test_csv_round_trip(void **state) {
     (void)state;
     nqm_directions *directions = create(NULL, 0, NULL), *back;
-    assert_int_equal(nqm_directions_save_csv(directions, path, NULL), NQM_OK);
-    assert_int_equal(nqm_directions_load_csv(path, &back, NULL), NQM_OK);
+    assert_int_equal(nqm_directions_save_csv(directions, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_directions_load_csv(temp_file, &back, NULL), NQM_OK);
     assert_string_equal(nqm_directions_id(directions), nqm_directions_id(back));
     nqm_directions_free(back);
     nqm_directions_free(directions);
     write_text("material,Phi_D,theta_h,theta_d\nfelt,10,20,30\n");
-    assert_int_equal(nqm_directions_load_csv(path, &back, NULL), NQM_OK);
+    assert_int_equal(nqm_directions_load_csv(temp_file, &back, NULL), NQM_OK);
     assert_near(nqm_directions_degrees(back)[0], 20, 0);
     assert_near(nqm_directions_degrees(back)[1], 30, 0);
     assert_near(nqm_directions_degrees(back)[2], 10, 0);
@@ -195,9 +192,9 @@ static void refuse(const char *text, const char *words) {
     nqm_directions *directions;
     nqm_error err = {0};
     write_text(text);
-    assert_int_equal(nqm_directions_load_csv(path, &directions, &err), NQM_ERR_FORMAT);
+    assert_int_equal(nqm_directions_load_csv(temp_file, &directions, &err), NQM_ERR_FORMAT);
     assert_null(directions);
-    assert_non_null(strstr(err.message, path));
+    assert_non_null(strstr(err.message, temp_file));
     if (!strstr(err.message, words))
         fail_msg("'%s' does not say '%s'", err.message, words);
 }
@@ -229,17 +226,6 @@ static void test_out_of_memory(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static int make_file(void **state) {
-    (void)state;
-    int fd = mkstemp(path);
-    return fd < 0 ? -1 : close(fd);
-}
-
-static int remove_file(void **state) {
-    (void)state;
-    return unlink(path);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_default_set),         cmocka_unit_test(test_theta_h_density),
@@ -247,5 +233,5 @@ int main(void) {
         cmocka_unit_test(test_options_are_checked), cmocka_unit_test(test_csv_round_trip),
         cmocka_unit_test(test_csv_refusals),        cmocka_unit_test(test_out_of_memory),
     };
-    return cmocka_run_group_tests(tests, make_file, remove_file);
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }
