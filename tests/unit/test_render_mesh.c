@@ -4,10 +4,10 @@
  * disagree with the triangles, what a picture covers, and the same promises as for the sphere: equal BRDFs give exactly
  * 0, one thread and two the same bits.
  */
-#include "base/memory_test.h"
 #include "math/math.h"
 #include "render/render.h"
 #include "support/check.h"
+#include "support/scenes.h"
 
 #include <math.h>
 #include <omp.h>
@@ -329,28 +329,20 @@ static void kept_or_not_is_the_same(void **state) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-static void expect_refusal(nqm_scene_options o, nqm_status expected) {
-    nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */
-    nqm_error err = {0};
-    assert_int_equal(nqm_scene_create(&o, &scene, &err), expected);
-    assert_null(scene);
-    assert_true(err.message[0] != 0);
-}
-
 static void bad_options(void **state) {
     (void)state;
     nqm_scene_options good = small_scene("blob"), o;
-    o = good, o.shape = "/nowhere/shape.ply", expect_refusal(o, NQM_ERR_IO);
-    o = good, o.width = 100, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.height = 100, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.width = o.height = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.width = o.height = 4096, o.n_frames = 2, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.n_points = 1000000, o.n_lights = 60000, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.n_frames = 0, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.light_width = 100, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.elevation_rad = 2, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.turn_rad = NAN, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.shadows = 0, o.interreflection = 1, expect_refusal(o, NQM_ERR_ARG);
+    o = good, o.shape = "/nowhere/shape.ply", expect_no_scene(o, NQM_ERR_IO);
+    o = good, o.width = 100, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.height = 100, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.width = o.height = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.width = o.height = 4096, o.n_frames = 2, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.n_points = 1000000, o.n_lights = 60000, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.n_frames = 0, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.light_width = 100, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.elevation_rad = 2, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.turn_rad = NAN, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.shadows = 0, o.interreflection = 1, expect_no_scene(o, NQM_ERR_ARG);
 }
 
 static void out_of_memory(void **state) {
@@ -360,16 +352,7 @@ static void out_of_memory(void **state) {
     o.n_lights = 16;
     o.interreflection = 1;
     o.light_width = 16;
-    nqm_status status = NQM_ERR_NOMEM;
-    for (long n = 0; status != NQM_OK; ++n) {
-        nqm_scene *scene;
-        nqm_alloc_fail_after(n);
-        status = nqm_scene_create(&o, &scene, NULL);
-        nqm_alloc_fail_after(-1);
-        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !scene));
-        assert_true(n < 300);
-        nqm_scene_free(scene);
-    }
+    check_scene_without_memory(&o, 300);
 }
 
 int main(void) {

@@ -4,11 +4,11 @@
  * constant light (vectors/render.py) and under the built-in sky, and what a label maker must promise: equal BRDFs give
  * exactly 0, other seeds and more samples the same label, one thread and two the same bits.
  */
-#include "base/memory_test.h"
 #include "brdf/brdf.h"
 #include "math/math.h"
 #include "render/render.h"
 #include "support/check.h"
+#include "support/scenes.h"
 #include "vectors/render_vectors.h"
 
 #include <math.h>
@@ -416,27 +416,19 @@ static void brighter_than_the_display_is_clipped(void **state) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-static void expect_refusal(nqm_scene_options o, nqm_status expected) {
-    nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */
-    nqm_error err = {0};
-    assert_int_equal(nqm_scene_create(&o, &scene, &err), expected);
-    assert_null(scene);
-    assert_true(err.message[0] != 0);
-}
-
 static void bad_options_and_lights(void **state) {
     (void)state;
     nqm_scene_options good = nqm_scene_options_default(), o;
-    o = good, o.n_points = 0, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.n_points = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.n_lights = 3, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.n_lights = SIZE_MAX, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.exposure_cdm2 = NAN, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.peak_cdm2 = 0, expect_refusal(o, NQM_ERR_ARG);
-    o = good, o.light = "/nowhere/light.exr", expect_refusal(o, NQM_ERR_IO);
+    o = good, o.n_points = 0, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.n_points = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.n_lights = 3, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.n_lights = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.exposure_cdm2 = NAN, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.peak_cdm2 = 0, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.light = "/nowhere/light.exr", expect_no_scene(o, NQM_ERR_IO);
     char path[] = "/tmp/nqm-black-XXXXXX";
     write_constant_map(path, 0);
-    o = good, o.light = path, o.n_points = 20, expect_refusal(o, NQM_ERR_FORMAT);
+    o = good, o.light = path, o.n_points = 20, expect_no_scene(o, NQM_ERR_FORMAT);
     unlink(path);
 }
 
@@ -445,16 +437,7 @@ static void out_of_memory(void **state) {
     nqm_scene_options o = nqm_scene_options_default();
     o.n_points = 3;
     o.n_lights = 16;
-    nqm_status status = NQM_ERR_NOMEM;
-    for (long n = 0; status != NQM_OK; ++n) {
-        nqm_scene *scene;
-        nqm_alloc_fail_after(n);
-        status = nqm_scene_create(&o, &scene, NULL);
-        nqm_alloc_fail_after(-1);
-        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !scene));
-        assert_true(n < 50);
-        nqm_scene_free(scene);
-    }
+    check_scene_without_memory(&o, 50);
 }
 
 int main(void) {
