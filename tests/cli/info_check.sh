@@ -3,28 +3,20 @@
 # nqm info and nqm check: text and JSON, the list of presets, verdicts with their exit codes, messages for what is no BRDF.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
-# expect CODE ARGUMENTS...: run, keep the output in $dir/out and $dir/err
-expect() {
-    code=$1
-    shift
-    got=0
-    "$tool" "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*: $(cat "$dir/err")"
-}
 has() { grep -q -- "$1" "$dir/out" || fail "no '$1' in: $(cat "$dir/out")"; }
 complains() { grep -q -- "$1" "$dir/err" || fail "no '$1' in: $(cat "$dir/err")"; }
 
-expect 0 info list
+run 0 info list
 [ "$(wc -l <"$dir/out")" = 1216 ] || fail "presets: $(wc -l <"$dir/out")"
 [ "$(grep -c '^sgd:' "$dir/out")" = 100 ] || fail "sgd presets"
 [ "$(grep -c '^ward:' "$dir/out")" = 86 ] || fail "ward presets"
-expect 0 info list --json
+run 0 info list --json
 [ "$(grep -c '"material"' "$dir/out")" = 1216 ] || fail "presets in JSON"
 
-expect 0 info sgd:nickel
+run 0 info sgd:nickel
 has 'format *sgd'
 has 'doi:10.1111/j.1467-8659.2012.03147.x'
-expect 0 info 'lambert:kd=.5,.25,.125' --json
+run 0 info 'lambert:kd=.5,.25,.125' --json
 has '"kind": "brdf"'
 has '"format": "lambert"'
 has '"spec": "lambert:kd=0.5,0.25,0.125"'
@@ -32,40 +24,40 @@ has '"source_doi": null'
 has '"n_values": 3'
 has '"reciprocal": true'
 has '^ *0.25,$' # the albedo
-expect 2 info 'ggx:alpha=7e9'
+run 2 info 'ggx:alpha=7e9'
 complains 'alpha needs one number from 0.0001 to 10'
 [ ! -s "$dir/out" ] || fail "results on failure"
-expect 2 info
-expect 2 info sgd:nickle
+run 2 info
+run 2 info sgd:nickle
 complains 'sgd:nickel'
-expect 3 info "$dir/nowhere.bsdf"
+run 3 info "$dir/nowhere.bsdf"
 complains 'nowhere.bsdf'
-expect 3 info "$dir"
+run 3 info "$dir"
 printf 'no BRDF at all' >"$dir/text"
-expect 4 info "$dir/text"
+run 4 info "$dir/text"
 complains 'text'
 # A safetensors file that is neither a model nor a dataset; one whose header is cut off; one that claims a huge header.
 printf '\020\000\000\000\000\000\000\000{"__metadata__":' >"$dir/cut.safetensors"
-expect 4 info "$dir/cut.safetensors"
+run 4 info "$dir/cut.safetensors"
 complains 'cut.safetensors'
 printf '\002\000\000\000\000\000\000\000{}' >"$dir/other.safetensors"
-expect 6 info "$dir/other.safetensors"
+run 6 info "$dir/other.safetensors"
 complains 'other.safetensors'
 printf '\377\377\377\377\377\377\377\177{}' >"$dir/huge.safetensors"
-expect 4 info "$dir/huge.safetensors"
+run 4 info "$dir/huge.safetensors"
 
-expect 0 check sgd:nickel 'ggx:kd=.3;alpha=.002'
+run 0 check sgd:nickel 'ggx:kd=.3;alpha=.002'
 [ "$(grep -c 'plausible$' "$dir/out")" = 2 ] || fail "two verdicts: $(cat "$dir/out")"
-expect 1 check lambert:kd=1 lambert:kd=1.1
+run 1 check lambert:kd=1 lambert:kd=1.1
 has 'lambert:kd=1: plausible'
 has 'lambert:kd=1.1: NOT PLAUSIBLE'
 has 'FAILS.*110.0 %'
-expect 1 check 'ggx:ks=30;f0=1;alpha=.0005' --json # a lobe of 0.03 degrees that reflects too much
+run 1 check 'ggx:ks=30;f0=1;alpha=.0005' --json # a lobe of 0.03 degrees that reflects too much
 has '"ok": false'
 has '"energy"'
-expect 0 check sgd:nickel --json --seed 5
+run 0 check sgd:nickel --json --seed 5
 cp "$dir/out" "$dir/first"
-expect 0 check sgd:nickel --json --seed 5
+run 0 check sgd:nickel --json --seed 5
 cmp -s "$dir/out" "$dir/first" || fail "the same seed gave other results"
-expect 3 check sgd:nickel "$dir/nowhere"
-expect 2 check
+run 3 check sgd:nickel "$dir/nowhere"
+run 2 check

@@ -8,11 +8,8 @@
 label() {
     code=$1
     shift
-    got=0
-    "$tool" label "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: label $*"
+    run "$code" label "$@"
 }
-number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; }
 
 # A white light of 8 x 4 pixels. Lambert at half and quarter show as greys of 100 and 50 cd/m2; ITP of greys is (PQ, 0, 0).
 header='#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n'

@@ -7,11 +7,8 @@
 label() {
     code=$1
     shift
-    got=0
-    "$tool" label "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: label $*"
+    run "$code" label "$@"
 }
-png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4, $7 * 256 + $8}'; }
 lambert=lambert:kd=.5,.5,.5
 
 "$tool" label $lambert $lambert --size 8 --map "$dir/probe.png" >"$dir/out" 2>"$dir/err" || {

@@ -8,12 +8,8 @@
 render() {
     code=$1
     shift
-    got=0
-    "$tool" render "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: render $*"
+    run "$code" render "$@"
 }
-# png_size FILE: "width height" from its header.
-png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4, $7 * 256 + $8}'; }
 
 {
     printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n'

@@ -6,16 +6,12 @@
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
 
-# score CODE ARGUMENTS...: run with the model; results in out, talk in err.
+# score CODE ARGUMENTS...
 score() {
     code=$1
     shift
-    got=0
-    "$tool" score --model "$dir/model.safetensors" "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: score $*"
+    run "$code" score --model "$dir/model.safetensors" "$@"
 }
-# number KEY N: the N-th value of "KEY" in out.
-number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; }
 
 ref=sgd:nickel
 ward=ward:nickel

@@ -9,14 +9,6 @@ OMP_NUM_THREADS=1 # these networks are too small to share
 export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors"
 
-# run CODE ARGUMENTS...: results in out, talk in err.
-run() {
-    code=$1
-    shift
-    got=0
-    "$tool" "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
-}
 # says PATTERN: on standard error, with nothing on standard output.
 says() {
     grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
