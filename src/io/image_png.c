@@ -2,10 +2,10 @@
  *
  * RGBE packed in an 8-bit RGBA PNG: linear rgb = (r, g, b)/255 * 2^(a - 128).
  */
+#include "io/image_png.h"
 #include "io/io.h"
 
 #include <math.h>
-#include <png.h>
 #include <setjmp.h>
 #include <string.h>
 
@@ -15,23 +15,12 @@ static const double max_pixels_per_byte = 1032 / 4;
 typedef struct png_file {
     const nqm_map *map;
     size_t position;
-    char message[120];
+    char message[NQM_PNG_MESSAGE_SIZE];
     nqm_image image;
     unsigned char *rgba; /* (height, width, 4) */
     nqm_status status;
     nqm_error *err;
 } png_file;
-
-static void on_error(png_structp png, png_const_charp message) {
-    png_file *file = png_get_error_ptr(png);
-    snprintf(file->message, sizeof file->message, "%s", message);
-    longjmp(png_jmpbuf(png), 1);
-}
-
-static void on_warning(png_structp png, png_const_charp message) {
-    (void)png;
-    (void)message;
-}
 
 static void on_read(png_structp png, png_bytep out, size_t n) {
     png_file *file = png_get_io_ptr(png);
@@ -79,7 +68,7 @@ static void read_png(png_structp png, png_infop info, png_file *file) {
 nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
     *image_ret = (nqm_image){0};
     png_file file = {.map = map, .err = err};
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &file, on_error, on_warning);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, file.message, nqm_png_on_error, nqm_png_on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info) {
         png_set_read_fn(png, &file, on_read);

@@ -2,29 +2,18 @@
  *
  * PNG pictures for looking at: 8-bit RGB, marked as sRGB, packed as tightly as deflate can.
  */
+#include "io/image_png.h"
 #include "io/io.h"
 
-#include <png.h>
 #include <setjmp.h>
 
 typedef struct png_output {
     FILE *stream;
     size_t width, height;
     const unsigned char *rgb; /* (height, width, 3) */
-    char message[120];
+    char message[NQM_PNG_MESSAGE_SIZE];
     bool failed;
 } png_output;
-
-static void on_error(png_structp png, png_const_charp message) {
-    png_output *o = png_get_error_ptr(png);
-    snprintf(o->message, sizeof o->message, "%s", message);
-    longjmp(png_jmpbuf(png), 1);
-}
-
-static void on_warning(png_structp png, png_const_charp message) {
-    (void)png;
-    (void)message;
-}
 
 /* Everything that libpng may leave by longjmp. */
 static void write_png(png_structp png, png_infop info, png_output *o) {
@@ -50,7 +39,7 @@ nqm_status nqm_image_write_png(const char *path, size_t width, size_t height, co
     if (status != NQM_OK)
         return status;
     png_output o = {.stream = out.stream, .width = width, .height = height, .rgb = rgb, .message = "out of memory"};
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &o, on_error, on_warning);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, o.message, nqm_png_on_error, nqm_png_on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info)
         write_png(png, info, &o);
