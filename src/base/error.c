@@ -39,6 +39,10 @@ const char *nqm_status_text(nqm_status status) {
     return "unknown status";
 }
 
+/* What base.h makes of them for clang-tidy. */
+#undef nqm_fail
+#undef nqm_fail_nomem
+
 nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset, const char *format, ...) {
     if (err) {
         err->status = status;

@@ -79,6 +79,7 @@ static void place_rows(const nqm_perturbation *self, const double *hd, double *r
         theta_h[k] = warp(self, theta_h[k], largest);
     theta_h[self->n_taps] = 0.7 * largest; /* off the highlight */
     for (size_t k = 0; k < self->n_rows; ++k) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): n_rows is at most n_taps + 1 */
         rows[3 * k] = theta_h[k];
         rows[3 * k + 1] = hd[1];
         rows[3 * k + 2] = hd[2];
@@ -170,8 +171,8 @@ static void distort_value(const nqm_perturbation *self, const double *hd, const 
     }
 }
 
-void nqm_perturbation_eval(const void *state, size_t n, const double *hd, double *rgb) {
-    const nqm_perturbation *self = state;
+void nqm_perturbation_eval(const void *perturbation, size_t n, const double *hd, double *rgb) {
+    const nqm_perturbation *self = perturbation;
     double rows[3 * MAX_ROWS], values[3 * MAX_ROWS], weight[MAX_ROWS];
     uint8_t flag[MAX_ROWS];
     size_t n_rows = self->n_rows, n_block = MAX_ROWS / n_rows;
