@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: the answers of people in a CSV, up to the BRDFs that it names, which are not opened. What is accepted is
+ * a number for every test of every row, and of choices somebody's.
+ */
+#include "fuzz.h"
+#include "train/human.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void must(bool holds) {
+    if (!holds)
+        abort();
+}
+
+static void look_at(const nqm_answers *a) {
+    double sum = 0;
+    must(a->n_rows > 0 && a->n_slots == (a->kind == NQM_HUMAN_CHOICE ? 2u : 1u));
+    for (size_t i = 0; i < a->n_rows * a->n_slots; ++i) {
+        must(isfinite(a->values[i]) && (a->n_slots == 1 || a->values[i] >= 0));
+        sum += a->values[i];
+        must(nqm_csv_text(a->csv, i / a->n_slots, a->test[i % a->n_slots]) != NULL);
+        must(nqm_csv_text(a->csv, i / a->n_slots, a->reference) != NULL);
+    }
+    must(a->n_slots == 1 || sum > 0);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    nqm_csv *csv;
+    nqm_answers answers;
+    nqm_error err = {0};
+    if (nqm_csv_parse((const char *)data, n_bytes, "fuzz", &csv, NULL) != NQM_OK)
+        return 0;
+    if (nqm_answers_read(csv, "fuzz", &answers, &err) == NQM_OK) {
+        look_at(&answers);
+        nqm_free(answers.values);
+    } else {
+        must(strstr(err.message, "fuzz") != NULL);
+    }
+    nqm_csv_free(csv);
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    static const char text[] = "reference,test_a,test_b,n_a,n_b,material\nsgd:nickel,ward:nickel,sgd:brass,8,2,metal\n"
+                               "lambert:kd=.5,lambert:kd=.6,lambert:kd=.9,3,1,grey\n";
+    blob b = {.data = malloc(sizeof text - 1), .n_bytes = sizeof text - 1};
+    must(b.data != NULL);
+    memcpy(b.data, text, b.n_bytes);
+    return b;
+}
