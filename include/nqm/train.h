@@ -192,7 +192,7 @@ typedef struct nqm_agreement {
     double spearman_mean_by_material, spearman_mean_by_material_ci95[2]; /**< mean over groups with >= 3 pairs */
     double pearson, kendall;                                             /**< Kendall's tau-b */
     double mae, rmse, r2; /**< of predicted JOD; NaN for metrics, which have no JOD, and for labels that are none */
-    double pearson_ci95[2], mae_ci95[2], rmse_ci95[2], r2_ci95[2];
+    double pearson_ci95[2], kendall_ci95[2], mae_ci95[2], rmse_ci95[2], r2_ci95[2];
     size_t n_ordered;            /**< pairs of tests of one material whose labels differ by more than order_margin */
     double order, order_ci95[2]; /**< share of them that is predicted in the order of the labels; ties count half */
     int best_of_family; /**< 1: the metric has the higher `spearman` of its family (RMSE and MAE, CRWE, LogE, LogWE) */

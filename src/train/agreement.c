@@ -63,7 +63,7 @@ static void release(judging *w) {
     nqm_free(w->figures);
 }
 
-static nqm_status begin(judging *w, uint64_t seed, nqm_error *err) {
+static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_error *err) {
     const nqm_judgement *j = w->j;
     if (j->n_groups < 2)
         w->n_resamples = 0; /* resampling one material gives it again: an interval without width would be a lie */
@@ -81,6 +81,7 @@ static nqm_status begin(judging *w, uint64_t seed, nqm_error *err) {
                              .sums = w->sums,
                              .seed = seed,
                              .n_resamples = w->n_resamples,
+                             .without_kendall = without_kendall,
                              .n_occurring = w->n_occurring,
                              .occurring = w->occurring};
     return nqm_bootstrap_run(&b, w->figures, err);
@@ -117,13 +118,14 @@ static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a)
     double figures[NQM_FIGURE_COUNT];
     *a = (nqm_agreement){.n = j->n, .n_materials = w->n_occurring};
     a->n_ordered = plain_figures(w, predictor, figures);
-    a->kendall = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
+    figures[NQM_FIGURE_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
     const struct {
         double *value, *ci95;
     } places[NQM_FIGURE_COUNT] = {
         [NQM_FIGURE_SPEARMAN] = {&a->spearman, a->spearman_ci95},
         [NQM_FIGURE_BY_GROUP] = {&a->spearman_mean_by_material, a->spearman_mean_by_material_ci95},
         [NQM_FIGURE_PEARSON] = {&a->pearson, a->pearson_ci95},
+        [NQM_FIGURE_KENDALL] = {&a->kendall, a->kendall_ci95},
         [NQM_FIGURE_MAE] = {&a->mae, a->mae_ci95},
         [NQM_FIGURE_RMSE] = {&a->rmse, a->rmse_ci95},
         [NQM_FIGURE_R2] = {&a->r2, a->r2_ci95},
@@ -138,7 +140,7 @@ static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a)
 nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_agreement *results,
                      nqm_error *err) {
     judging w = {.j = j, .n_resamples = n_bootstrap};
-    nqm_status status = begin(&w, seed, err);
+    nqm_status status = begin(&w, seed, false, err);
     for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p)
         fill_agreement(&w, p, &results[p]);
     release(&w);
@@ -184,7 +186,7 @@ nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint6
                                nqm_contrast *contrasts, nqm_error *err) {
     judging w = {.j = j, .n_resamples = n_bootstrap};
     double *scratch = nqm_alloc(n_bootstrap, sizeof *scratch);
-    nqm_status status = scratch ? begin(&w, seed, err) : nqm_fail_nomem(err, n_bootstrap * sizeof *scratch);
+    nqm_status status = scratch ? begin(&w, seed, true, err) : nqm_fail_nomem(err, n_bootstrap * sizeof *scratch);
     for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i)
         fill_contrast(&w, contrasts[i].first, contrasts[i].second, scratch, &contrasts[i]);
     nqm_free(scratch);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * bootstrap.h - figures of agreement over resamples of groups. Most follow from sums that each group adds to; only the
- * rank correlation over all pairs needs the pairs themselves.
+ * rank correlations over all pairs need the pairs themselves.
  */
 #ifndef NQM_SRC_TRAIN_BOOTSTRAP_H
 #define NQM_SRC_TRAIN_BOOTSTRAP_H
@@ -29,6 +29,7 @@ enum {
     NQM_FIGURE_SPEARMAN,
     NQM_FIGURE_BY_GROUP,
     NQM_FIGURE_PEARSON,
+    NQM_FIGURE_KENDALL,
     NQM_FIGURE_MAE,
     NQM_FIGURE_RMSE,
     NQM_FIGURE_R2,
@@ -36,7 +37,7 @@ enum {
     NQM_FIGURE_COUNT
 };
 
-/** All figures but NQM_FIGURE_SPEARMAN, of sums (NQM_SUM_COUNT) over groups; NaN where there is no such figure. */
+/** All figures but NQM_FIGURE_SPEARMAN and NQM_FIGURE_KENDALL, of sums (NQM_SUM_COUNT) over groups; NaN where there is no such figure. */
 void nqm_figures_of_sums(const double *sums, double figures[NQM_FIGURE_COUNT]);
 
 /** What the resamples of one judgement start from. */
@@ -45,6 +46,7 @@ typedef struct nqm_bootstrap {
     const double *sums; /* (n_predictors, n_groups, NQM_SUM_COUNT) */
     uint64_t seed;
     size_t n_resamples;
+    bool without_kendall; /* which takes longer than all others: leave it NaN */
     size_t n_occurring;
     const size_t *occurring; /* (n_occurring) groups that hold pairs, ascending */
 } nqm_bootstrap;

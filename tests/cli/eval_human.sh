@@ -83,6 +83,10 @@ has ' order$' '^[a-z_]* \* ' 'differ by more than 0.25'
 run 0 "$dir/toy.safetensors" --model none --split all --bootstrap 100 --margin 2 --json
 has '"order_margin": 2.0' '"ci95_order": \[' '"ci95_pearson": \['
 
+run 0 "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
+[ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of a dataset"
+head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0$' || fail "CSV columns"
+
 # Faults.
 run 2 --human "$dir/choices.csv" --root "$dir/root" --model none --by kind
 says 'choices'

@@ -76,7 +76,7 @@ static void figures_are_scipys(void **state) {
 }
 
 /* The figures of one resample, in the order of `figures_of`. */
-enum { POOLED, BY_GROUP, PEARSON, MAE, RMSE, R2, ORDER, N_FIGURES };
+enum { POOLED, BY_GROUP, PEARSON, KENDALL, MAE, RMSE, R2, ORDER, N_FIGURES };
 
 /* Share of the pairs in x, y [begin, end) with labels apart that are in order. */
 static void add_orders(const double *x, const double *y, size_t begin, size_t end, double *right, double *n) {
@@ -115,9 +115,13 @@ static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double f
         squared += (x[i] - y[i]) * (x[i] - y[i]) / (double)n;
         variance += pow(y[i] - nqm_mean(n, y), 2) / (double)n;
     }
-    const double found[N_FIGURES] = {[POOLED] = nqm_spearman(n, x, y), [BY_GROUP] = sum / (double)n_rho,
-                                     [PEARSON] = nqm_pearson(n, x, y), [MAE] = absolute,
-                                     [RMSE] = sqrt(squared),           [R2] = 1 - squared / variance,
+    const double found[N_FIGURES] = {[POOLED] = nqm_spearman(n, x, y),
+                                     [BY_GROUP] = sum / (double)n_rho,
+                                     [PEARSON] = nqm_pearson(n, x, y),
+                                     [KENDALL] = nqm_kendall(n, x, y),
+                                     [MAE] = absolute,
+                                     [RMSE] = sqrt(squared),
+                                     [R2] = 1 - squared / variance,
                                      [ORDER] = right / ordered};
     memcpy(figures, found, sizeof found);
 }
@@ -143,9 +147,9 @@ static void bootstrap_repeats_groups(void **state) {
         repeat_all(p, figures);
         const double *intervals[N_FIGURES] = {
             [POOLED] = a[p].spearman_ci95, [BY_GROUP] = a[p].spearman_mean_by_material_ci95,
-            [PEARSON] = a[p].pearson_ci95, [MAE] = a[p].mae_ci95,
-            [RMSE] = a[p].rmse_ci95,       [R2] = a[p].r2_ci95,
-            [ORDER] = a[p].order_ci95};
+            [PEARSON] = a[p].pearson_ci95, [KENDALL] = a[p].kendall_ci95,
+            [MAE] = a[p].mae_ci95,         [RMSE] = a[p].rmse_ci95,
+            [R2] = a[p].r2_ci95,           [ORDER] = a[p].order_ci95};
         for (size_t f = 0; f < N_FIGURES; ++f) {
             assert_near(intervals[f][0], nqm_quantile(N_RESAMPLES, figures[f], 0.025), 1e-9);
             assert_near(intervals[f][1], nqm_quantile(N_RESAMPLES, figures[f], 0.975), 1e-9);

@@ -129,7 +129,7 @@ static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts
 static json_t *agreement_json(const eval_run *run, const eval_table *table, size_t predictor) {
     const nqm_agreement *a = &table->results[predictor];
     const struct {
-        const char *name, *interval; /* interval NULL: there is none */
+        const char *name, *interval;
         double value;
         const double *ci95;
     } figures[] = {
@@ -137,7 +137,7 @@ static json_t *agreement_json(const eval_run *run, const eval_table *table, size
         {"spearman_mean_by_material", "ci95_mean_by_material", a->spearman_mean_by_material,
          a->spearman_mean_by_material_ci95},
         {"pearson", "ci95_pearson", a->pearson, a->pearson_ci95},
-        {"kendall", NULL, a->kendall, NULL},
+        {"kendall", "ci95_kendall", a->kendall, a->kendall_ci95},
         {"mae", "ci95_mae", a->mae, a->mae_ci95},
         {"rmse", "ci95_rmse", a->rmse, a->rmse_ci95},
         {"r2", "ci95_r2", a->r2, a->r2_ci95},
@@ -147,8 +147,7 @@ static json_t *agreement_json(const eval_run *run, const eval_table *table, size
                             "n", (json_int_t)a->n, "n_materials", (json_int_t)a->n_materials);
     for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i) {
         json_object_set_new(row, figures[i].name, json_number(figures[i].value));
-        if (figures[i].interval)
-            json_object_set_new(row, figures[i].interval, interval_json(figures[i].ci95));
+        json_object_set_new(row, figures[i].interval, interval_json(figures[i].ci95));
     }
     json_object_set_new(row, "n_ordered", json_integer((json_int_t)a->n_ordered));
     if (is_model(run, predictor)) {
@@ -237,6 +236,8 @@ static void print_csv_row(const eval_run *run, const eval_table *table, size_t p
                               a->r2,
                               a->pearson_ci95[0],
                               a->pearson_ci95[1],
+                              a->kendall_ci95[0],
+                              a->kendall_ci95[1],
                               a->mae_ci95[0],
                               a->mae_ci95[1],
                               a->rmse_ci95[0],
@@ -260,10 +261,10 @@ static void print_csv_row(const eval_run *run, const eval_table *table, size_t p
 static int print_csv(const eval_run *run) {
     end_progress();
     puts("by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,spearman_mean_by_material,mean_ci95_low,"
-         "mean_ci95_high,pearson,kendall,mae,rmse,r2,pearson_low,pearson_high,mae_low,mae_high,rmse_low,rmse_high,r2_"
-         "low,"
-         "r2_high,order,order_low,order_high,n_ordered,best_of_family,best_baseline,rival,difference,difference_low,"
-         "difference_high,share_below_0,rival_2,difference_2,difference_2_low,difference_2_high,share_2_below_0");
+         "mean_ci95_high,pearson,kendall,mae,rmse,r2,pearson_low,pearson_high,kendall_low,kendall_high,mae_low,"
+         "mae_high,rmse_low,rmse_high,r2_low,r2_high,order,order_low,order_high,n_ordered,best_of_family,"
+         "best_baseline,rival,difference,difference_low,difference_high,share_below_0,rival_2,difference_2,"
+         "difference_2_low,difference_2_high,share_2_below_0");
     for (size_t i = 0; i < run->n_tables * run->n_predictors; ++i)
         if (run->tables[i / run->n_predictors].results)
             print_csv_row(run, &run->tables[i / run->n_predictors], i % run->n_predictors);
