@@ -25,6 +25,9 @@ grep -q 'validated on 144' "$dir/out" || fail "text"
 [ "$(wc -l <"$dir/a.csv")" = 7 ] || fail "the log has a line an epoch"
 [ "$(head -n 1 "$dir/a.csv")" = "epoch,train_loss,validation_loss,lr_first" ] || fail "head of the log"
 # shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/dash.safetensors" $small --epochs 1 --log -
+grep -q '^epoch,train_loss' "$dir/out" || fail "the log on standard output"
+# shellcheck disable=SC2086
 run 0 train "$dir/toy.safetensors" -o "$dir/b.safetensors" $small --epochs 6 --json
 cmp -s "$dir/a.safetensors" "$dir/b.safetensors" || fail "equal commands, different models"
 [ "$(number schema)" = 1 ] || fail "schema"

@@ -30,6 +30,10 @@ static FILE *open_temporary(char *name) {
 int open_output(const char *verb, const char *path, output_file *out) {
     struct stat st;
     *out = (output_file){.path = path};
+    if (strcmp(path, "-") == 0) {
+        out->stream = stdout;
+        return EXIT_OK;
+    }
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) { /* a device or a pipe is written in place */
         out->stream = fopen(path, "w");
         return out->stream ? EXIT_OK : cannot_write(verb, path);
@@ -52,7 +56,8 @@ int close_output(const char *verb, output_file *out, bool keep) {
     if (!out->stream)
         return EXIT_OK;
     bool bad = fflush(out->stream) != 0 || ferror(out->stream);
-    bad = fclose(out->stream) != 0 || bad;
+    if (out->stream != stdout)
+        bad = fclose(out->stream) != 0 || bad;
     if (!bad && keep && out->temporary)
         bad = rename(out->temporary, out->path) != 0;
     int exit_code = bad && keep ? cannot_write(verb, out->path) : EXIT_OK;

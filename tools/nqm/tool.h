@@ -141,7 +141,7 @@ typedef struct output_file {
     char *temporary;  /* where it is written; NULL: in place, a device */
 } output_file;
 
-/** Open; EXIT_OK, or the fault is reported and its exit code returned. */
+/** Open ("-": standard output); EXIT_OK, or the fault is reported and its exit code returned. */
 int open_output(const char *verb, const char *path, output_file *out);
 /** Close, and rename to the final name or, without `keep`, remove what was written. A zeroed file is allowed. */
 int close_output(const char *verb, output_file *out, bool keep);
