@@ -225,6 +225,7 @@ nqm_status nqm_corpus_scan(const char *data_dir, uint64_t seed, const char *path
     char *dir = nqm_alloc(n_dir + 1, 1);
     if (!dir)
         return nqm_fail_nomem(err, n_dir + 1);
+    /* NOLINTNEXTLINE(bugprone-not-null-terminated-result): nqm_alloc() gives zeros */
     memcpy(dir, data_dir, n_dir);
     scan s = {.dir = dir, .seed = seed};
     nqm_outfile out = {0};

@@ -73,6 +73,7 @@ void nqm_compare_members(const nqm_model *model, const nqm_score_options *option
     for (size_t k = 0; k < n; ++k) {
         bool valid = has_value(ref->flag[k]) && has_value(test->flag[k]);
         result->n_valid += valid;
+        /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits are meant */
         equal = equal && (!valid || memcmp(ref->rgb + 3 * k, test->rgb + 3 * k, 3 * sizeof(float)) == 0);
         used[k] = valid || options->invalid != NQM_INVALID_DROP;
     }

@@ -81,6 +81,7 @@ static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_option
         if (i == most)
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: hardly anything of the shape can be seen", o->shape);
         size_t frame = i % o->n_frames;
+        /* NOLINTNEXTLINE(bugprone-integer-division): whole rounds of the frames */
         double step = (double)(i / o->n_frames + 1);
         double x = random_unit(o->seed, UINT64_MAX - 2 * frame) + step / plastic;
         double y = random_unit(o->seed, UINT64_MAX - 2 * frame - 1) + step / (plastic * plastic);

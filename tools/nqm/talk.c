@@ -47,6 +47,7 @@ int report_error(const char *verb, const nqm_error *err) {
     return exit_code_of(err->status);
 }
 
+#undef report /* what tool.h makes of it for clang-tidy */
 int report(const char *verb, int exit_code, const char *format, ...) {
     end_progress();
     fprintf(stderr, "nqm %s: ", verb);
