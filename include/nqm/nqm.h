@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm/nqm.h - all of nqm. Programs that link libnqm (score and train) need base.h, batch.h, brdf.h, samples.h,
- * metric.h, train.h and human.h only; fit.h, label.h and picture.h are in libnqm-full.
+ * metric.h, train.h and human.h only; fit.h, label.h, picture.h and plot.h are in libnqm-full.
  */
 #ifndef NQM_NQM_H
 #define NQM_NQM_H
@@ -14,6 +14,7 @@
 #include <nqm/label.h>
 #include <nqm/metric.h>
 #include <nqm/picture.h>
+#include <nqm/plot.h>
 #include <nqm/samples.h>
 #include <nqm/train.h>
 

@@ -3,8 +3,7 @@
  * Figures: a grid of pictures and maps with titles, captions and a scale, drawn by cairo on white. Lengths are pixels.
  */
 #include "io/io.h"
-#include "plot/lettering.h"
-#include "plot/plot.h"
+#include "plot/draw.h"
 
 #include <math.h>
 #include <string.h>
@@ -184,26 +183,6 @@ static nqm_status draw_panels(cairo_surface_t *surface, const nqm_figure *f, con
     return NQM_OK;
 }
 
-static nqm_status write_surface(const char *path, cairo_surface_t *surface, nqm_error *err) {
-    cairo_surface_flush(surface);
-    const unsigned char *data = cairo_image_surface_get_data(surface);
-    size_t stride = (size_t)cairo_image_surface_get_stride(surface);
-    size_t width = (size_t)cairo_image_surface_get_width(surface);
-    size_t height = (size_t)cairo_image_surface_get_height(surface);
-    unsigned char *rgb = nqm_alloc(width * height, 3);
-    if (!rgb)
-        return nqm_fail_nomem(err, 3 * width * height);
-    for (size_t i = 0; i < width * height; ++i) {
-        uint32_t pixel;
-        memcpy(&pixel, data + i / width * stride + 4 * (i % width), sizeof pixel);
-        for (size_t k = 0; k < 3; ++k)
-            rgb[3 * i + k] = (unsigned char)(pixel >> (16 - 8 * k));
-    }
-    nqm_status status = nqm_image_write_png(path, width, height, rgb, err);
-    nqm_free(rgb);
-    return status;
-}
-
 static nqm_status draw(const char *path, const nqm_figure *f, const layout *l, size_t supersample, const nqm_tone *tone,
                        nqm_error *err) {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)l->width, (int)l->height);
@@ -220,7 +199,7 @@ static nqm_status draw(const char *path, const nqm_figure *f, const layout *l, s
         draw_texts(cr, f, l);
         if (l->delta_e_max > 0)
             draw_scale(cr, l);
-        status = cairo_status(cr) == CAIRO_STATUS_SUCCESS ? write_surface(path, surface, err)
+        status = cairo_status(cr) == CAIRO_STATUS_SUCCESS ? nqm_surface_write_png(path, surface, err)
                                                           : nqm_fail_nomem(err, (size_t)(l->width * l->height));
     }
     cairo_destroy(cr);

@@ -9,7 +9,7 @@ Outlines in the library make figures the same on every machine, whatever fonts i
 import struct
 import sys
 
-CHARACTERS = [chr(c) for c in range(0x20, 0x7F)] + list("\u00b0\u00b7\u00d7\u0394\u2013\u2265")
+CHARACTERS = [chr(c) for c in range(0x20, 0x7F)] + list("\u00b0\u00b2\u00b7\u00d7\u0394\u03b8\u03c6\u2013\u2212\u2264\u2265")
 
 font = open(sys.argv[1], "rb").read()
 tables = {}

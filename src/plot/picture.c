@@ -105,7 +105,7 @@ static nqm_status write_linear(const char *path, bool exr, const nqm_picture *pi
     return status;
 }
 
-static bool ends_in(const char *path, const char *suffix) {
+bool nqm_name_ends_in(const char *path, const char *suffix) {
     size_t n = strlen(path), n_suffix = strlen(suffix);
     return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
 }
@@ -125,9 +125,9 @@ nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_
     if (!(tone->white_cdm2 > 0 && tone->shoulder > 0 && tone->shoulder <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the tone curve needs a white above 0 and a shoulder in (0, 1]",
                         path);
-    if (ends_in(path, ".png"))
+    if (nqm_name_ends_in(path, ".png"))
         return write_png(path, picture, supersample, tone, err);
-    if (ends_in(path, ".exr") || ends_in(path, ".hdr"))
-        return write_linear(path, ends_in(path, ".exr"), picture, supersample, err);
+    if (nqm_name_ends_in(path, ".exr") || nqm_name_ends_in(path, ".hdr"))
+        return write_linear(path, nqm_name_ends_in(path, ".exr"), picture, supersample, err);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture's name ends in .png, .exr or .hdr", path);
 }

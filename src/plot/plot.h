@@ -10,6 +10,9 @@
 
 #include <nqm/picture.h>
 
+/** Whether a file's name ends so, any case, and is not just that. */
+bool nqm_name_ends_in(const char *path, const char *suffix);
+
 /** What a display shows of a value in cd/m2: 0 to 1 of its white, linear in light. */
 double nqm_tone_apply(const nqm_tone *tone, double value_cdm2);
 /** Linear light in [0, 1] to a byte of sRGB (IEC 61966-2-1). */

@@ -19,7 +19,7 @@ declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^N
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
 core_headers="base brdf samples metric batch train human"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
-for h in $core_headers fit label picture; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
+for h in $core_headers fit label picture plot; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test looks at nothing"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"

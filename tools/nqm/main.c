@@ -31,6 +31,7 @@ static const verb verbs[] = {
     {"train", cmd_train, "train a model on a dataset"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
     {"reproduce", cmd_reproduce, "the paper's study on its authors' data: which of its figures come out"},
+    {"plot", cmd_plot, "drawings of labels, evaluations, trainings, models and BRDFs"},
     {"models", cmd_models, "the models that are built in"},
     {"selftest", cmd_selftest, "check this build against golden values"},
     {NULL, NULL, NULL}};

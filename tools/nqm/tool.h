@@ -160,6 +160,7 @@ int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
 int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
+int cmd_plot(int argc, char **argv);
 int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_render(int argc, char **argv);

@@ -1,0 +1,128 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm plot: every drawing in every format, the same bytes again, sizes and titles, what wrong inputs give.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+OMP_NUM_THREADS=1
+export OMP_NUM_THREADS
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 40
+
+# plot CODE ARGUMENTS...
+plot() {
+    code=$1
+    shift
+    got=0
+    "$tool" plot "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: plot $*"
+}
+# says PATTERN: on standard error.
+says() { grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"; }
+png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4 "x" $7 * 256 + $8}'; }
+
+"$tool" plot network "$dir/model.safetensors" -o "$dir/probe.svg" 2>"$dir/err" || {
+    grep -q 'NQM_CAIRO is off' "$dir/err" || fail "nothing can be drawn"
+    exit 77
+}
+
+# Inputs: labels about a curve, an evaluation, its pairs, two logs.
+awk 'BEGIN {print "material,model,level,DeltaE,JOD,class"
+    for (i = 1; i <= 60; ++i) printf "m,%s,0,%g,%g,1\n", i % 2 ? "ward" : "ggx", i, 10 / (1 + (i / 25) ^ 1.5) + (i % 3 - 1) / 5}' \
+    >"$dir/labels.csv"
+cat >"$dir/eval.json" <<'JSON'
+{"schema": 1, "dataset": {"split": "test"}, "results": [
+ {"name": "rmse", "type": "metric", "n": 60, "n_materials": 6, "spearman": -0.1, "ci95": null, "spearman_mean_by_material": null},
+ {"name": "default", "type": "model", "n": 60, "n_materials": 6, "spearman": 0.9, "ci95": [0.8, 0.95],
+  "spearman_mean_by_material": 0.92, "ci95_mean_by_material": [0.85, 0.97]}]}
+JSON
+awk 'BEGIN {print "ref,material,test,kind,split,delta_e,jod,default,rmse,family"
+    for (i = 1; i <= 50; ++i) printf "r,m,t,k,test,%g,%g,%g,%g,%s\n", i, 10 - i / 10, 10 - i / 11, i / 90, i % 2 ? "encoding" : ""}' \
+    >"$dir/pairs.csv"
+awk 'BEGIN {print "epoch,train_loss,validation_loss,lr_first"
+    for (i = 1; i <= 20; ++i) printf "%d,%g,%g,%g\n", i, 1 / i, 1.2 / i, i < 11 ? 1e-4 : 1e-5}' >"$dir/log.csv"
+cp "$dir/log.csv" "$dir/second.csv"
+
+# well_formed FILE: every element that opens closes, in turn.
+well_formed() {
+    head -n 2 "$1" | grep -q '<svg xmlns=' || fail "$1 is no SVG"
+    tr '\n' ' ' <"$1" | sed 's/<?[^>]*?>//; s/</\n</g' | awk '
+        /^<\// {sub(/^<\//, ""); sub(/>.*/, ""); if (n < 1 || open[n] != $0) exit bad = 1; --n; next}
+        /^</ {if (!/>/) exit bad = 1; if (/\/>/) next; sub(/^</, ""); sub(/[ >].*/, ""); open[++n] = $0}
+        END {exit bad || n != 0}' || fail "$1: elements do not match"
+    if grep -qi 'nan\|inf"' "$1"; then fail "$1 holds numbers that are none"; fi
+}
+
+# draw NAME ARGUMENTS...: in all formats, each twice.
+draw() {
+    name=$1
+    shift
+    for format in svg pdf png; do
+        plot 0 "$@" -o "$dir/$name.$format"
+        [ ! -s "$dir/out" ] && [ ! -s "$dir/err" ] || fail "$name talks"
+        [ "$(wc -c <"$dir/$name.$format")" -gt 2000 ] || fail "$name.$format is empty"
+        plot 0 "$@" -o "$dir/again.$format"
+        cmp "$dir/$name.$format" "$dir/again.$format" || fail "$name.$format differs the second time"
+    done
+    well_formed "$dir/$name.svg"
+    [ "$(head -c 5 "$dir/$name.pdf")" = %PDF- ] || fail "$name.pdf is no PDF"
+    [ "$(od -A n -t x1 -N 4 "$dir/$name.png")" = ' 89 50 4e 47' ] || fail "$name.png is no PNG"
+}
+draw curve curve "$dir/labels.csv"
+draw bars bars "$dir/eval.json"
+draw scatter scatter "$dir/pairs.csv"
+draw loss loss "$dir/log.csv" "$dir/second.csv"
+draw directions directions "$dir/model.safetensors"
+draw slice slice sgd:nickel ward:nickel lambert:kd=0,0,0
+draw attribution attribution sgd:nickel ward:nickel
+draw network network "$dir/model.safetensors"
+
+# What is drawn depends on the input; equal BRDFs differ nowhere, and are drawn all the same.
+plot 0 attribution sgd:nickel sgd:nickel -o "$dir/same.svg"
+cmp -s "$dir/same.svg" "$dir/attribution.svg" && fail "a difference is drawn like none"
+plot 0 scatter "$dir/pairs.csv" --predictor rmse -o "$dir/rmse.svg"
+cmp -s "$dir/rmse.svg" "$dir/scatter.svg" && fail "--predictor changes nothing"
+plot 0 slice sgd:nickel ward:nickel lambert:kd=0,0,0 --theta-d 40 -o "$dir/slice40.svg"
+cmp -s "$dir/slice40.svg" "$dir/slice.svg" && fail "--theta-d changes nothing"
+
+# Size, scale, title, JSON, standard input.
+[ "$(png_size "$dir/curve.png")" = 1280x880 ] || fail "default size: $(png_size "$dir/curve.png")"
+plot 0 curve "$dir/labels.csv" --size 300x250 --scale 1 -o "$dir/small.PNG" --json
+[ "$(png_size "$dir/small.PNG")" = 300x250 ] || fail "--size: $(png_size "$dir/small.PNG")"
+grep -q '"drawing": "curve"' "$dir/out" || fail "JSON"
+plot 0 bars - -o "$dir/piped.svg" <"$dir/eval.json"
+cmp "$dir/piped.svg" "$dir/bars.svg" || fail "standard input"
+plot 0 curve "$dir/labels.csv" --title "" -o "$dir/untitled.svg"
+cmp -s "$dir/untitled.svg" "$dir/curve.svg" && fail "--title '' leaves a title"
+
+# Refusals: no file appears, and the message names what is wrong.
+plot 2 curve "$dir/labels.csv"
+plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
+says "no drawing 'pie'"
+plot 2 attribution sgd:nickel -o "$dir/x.svg"
+plot 2 curve "$dir/labels.csv" -o "$dir/x.gif"
+says 'svg, .pdf or .png'
+plot 2 curve "$dir/labels.csv" --size 10x10 -o "$dir/x.svg"
+plot 2 curve "$dir/labels.csv" --size 300 -o "$dir/x.svg"
+plot 2 slice sgd:nonsense -o "$dir/x.svg"
+plot 3 curve "$dir/nowhere.csv" -o "$dir/x.svg"
+plot 3 bars "$dir/nowhere.json" -o "$dir/x.svg"
+plot 3 curve "$dir/labels.csv" -o "$dir/nowhere/x.svg"
+plot 3 curve "$dir/labels.csv" -o "$dir/nowhere/x.png"
+plot 4 curve "$dir/log.csv" -o "$dir/x.svg"
+says 'log.csv.*DeltaE'
+plot 4 bars "$dir/labels.csv" -o "$dir/x.svg"
+says 'labels.csv: line 1'
+echo '{"results": [{"name": "a", "spearman": null}]}' >"$dir/bad.json"
+plot 4 bars "$dir/bad.json" -o "$dir/x.svg"
+says 'result 0 (a)'
+sed '3s/0.5/half/' "$dir/log.csv" >"$dir/bad.csv"
+plot 4 loss "$dir/bad.csv" -o "$dir/x.svg"
+says 'bad.csv.*3'
+plot 4 scatter "$dir/pairs.csv" --predictor nobody -o "$dir/x.svg"
+head -n 1 "$dir/log.csv" >"$dir/empty.csv"
+plot 5 loss "$dir/empty.csv" -o "$dir/x.svg"
+echo '{"results": []}' >"$dir/bad.json"
+plot 5 bars "$dir/bad.json" -o "$dir/x.svg"
+plot 6 network nobody -o "$dir/x.svg"
+for file in "$dir"/x.* "$dir"/*.part; do
+    [ ! -e "$file" ] || fail "a refusal left $file"
+done
