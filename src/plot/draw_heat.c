@@ -51,17 +51,11 @@ static void draw_cells(cairo_t *cr, nqm_box box, const nqm_heat *heat) {
 }
 
 static void draw_scale(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
-    enum { N_STEPS = 128 };
-    cairo_set_antialias(cr, CAIRO_ANTIALIAS_NONE);
-    for (int i = 0; i < N_STEPS; ++i) {
-        double height = bar.height / N_STEPS;
-        unsigned char c[3];
-        viridis_bytes((i + 0.5) / N_STEPS, c);
-        cairo_set_source_rgb(cr, c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
-        cairo_rectangle(cr, bar.x, bar.y + bar.height - height * (i + 1), bar.width, height);
-        cairo_fill(cr);
-    }
-    cairo_set_antialias(cr, CAIRO_ANTIALIAS_DEFAULT);
+    enum { N_STEPS = 64 };
+    double ramp[N_STEPS];
+    for (int i = 0; i < N_STEPS; ++i)
+        ramp[i] = axis->min + (axis->max - axis->min) * (i + 0.5) / N_STEPS;
+    draw_cells(cr, bar, &(nqm_heat){.value = *axis, .n_columns = 1, .n_rows = N_STEPS, .values = ramp});
     nqm_tick_mark ticks[NQM_MAX_TICKS];
     size_t n = nqm_axis_ticks(axis, nqm_ticks_down(bar.height), ticks);
     double widest = 0;

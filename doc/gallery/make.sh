@@ -1,0 +1,31 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# make.sh DATA [CORPUS LOG [NQM]] - draw the pictures of doc/gallery.md. DATA is the folder of doc/corpus.md (labels/ and rgl/); CORPUS
+# a training corpus (models/make.sh makes it), whose validation pairs give bars and scatter; LOG what `nqm train --log` wrote. Without
+# these two, bars, scatter and loss stay as they are. Takes a minute, mostly for the evaluation.
+set -eu
+data=${1:?say where the data are: make.sh DATA [CORPUS LOG [NQM]]}
+corpus=${2:-}
+log=${3:-}
+gallery=$(cd "$(dirname "$0")" && pwd)
+nqm=${4:-$gallery/../../build/nqm}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# draw NAME SCALE WHAT INPUT...: PNG, so many pixels a CSS pixel that files stay below 150 KB.
+draw() {
+    name=$1 scale=$2
+    shift 2
+    "$nqm" plot "$@" --scale "$scale" -o "$gallery/$name.png"
+}
+draw curve 1.5 curve "$data/labels/labels_real.csv"
+draw directions 1.25 directions default
+draw network 1.5 network paper
+draw slice 1 slice "$data/rgl/vch_ultra_pink_rgb.bsdf" sgd:nickel ward:nickel
+draw attribution 1.5 attribution sgd:nickel ward:nickel
+if [ -n "$corpus" ]; then
+    "$nqm" eval "$corpus" --split validation --pairs "$work/pairs.csv" --json >"$work/eval.json"
+    draw bars 1.5 bars "$work/eval.json"
+    draw scatter 1.25 scatter "$work/pairs.csv"
+fi
+[ -z "$log" ] || draw loss 1.5 loss "$log"
