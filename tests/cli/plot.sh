@@ -57,7 +57,7 @@ draw() {
     shift
     for format in svg pdf png; do
         plot 0 "$@" -o "$dir/$name.$format"
-        [ ! -s "$dir/out" ] && [ ! -s "$dir/err" ] || fail "$name talks"
+        { [ ! -s "$dir/out" ] && [ ! -s "$dir/err" ]; } || fail "$name talks"
         [ "$(wc -c <"$dir/$name.$format")" -gt 2000 ] || fail "$name.$format is empty"
         plot 0 "$@" -o "$dir/again.$format"
         cmp "$dir/$name.$format" "$dir/again.$format" || fail "$name.$format differs the second time"
