@@ -78,10 +78,12 @@ NQM_API nqm_score_options nqm_score_options_default(void);
 
 /** The score of one test. */
 typedef struct nqm_score_result {
-    nqm_status status; /**< NQM_OK, or why this test has no score (all numbers are NaN then) */
-    double jod;        /**< predicted quality, jod_min..jod_max of the model */
-    double delta_e;    /**< the Delta-E ITP that the JOD stands for; NaN if the model does not predict one */
-    int identical;     /**< 1 when both are equal at every valid direction */
+    nqm_status status;        /**< NQM_OK, or why this test has no score (all numbers are NaN then) */
+    double jod;               /**< predicted quality, jod_min..jod_max of the model */
+    double delta_e;           /**< the Delta-E ITP that the JOD stands for; NaN if the model does not predict one */
+    double jod_low, jod_high; /**< the interval in which the JOD of rendered images lies for 95 % of pairs of materials
+                                   that the model has not seen; NaN if the model file holds no calibration */
+    int identical;            /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
     size_t n_valid;                       /**< directions at which both BRDFs hold a value */
     size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, taken as 0 */

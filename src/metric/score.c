@@ -42,7 +42,7 @@ static bool has_value(uint8_t flag) {
 }
 
 nqm_score_result nqm_no_score(nqm_status status) {
-    nqm_score_result result = {.status = status, .jod = NAN, .delta_e = NAN};
+    nqm_score_result result = {.status = status, .jod = NAN, .delta_e = NAN, .jod_low = NAN, .jod_high = NAN};
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         result.metrics[m] = NAN;
     return result;
