@@ -47,6 +47,25 @@ NQM_API void nqm_model_free(nqm_model *model);
 /** Facts about `model`. */
 NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
 
+/** What the network's products are computed in. Everything else - sums, LayerNorm, GELU, the output - is float or double. */
+typedef enum nqm_precision {
+    NQM_PRECISION_F32 = 0, /**< float: the reference, and what JODs are quoted in */
+    NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8 bits), to nearest even */
+    NQM_PRECISION_INT8, /**< weights in signed bytes with a scale for each output, activations in bytes with a scale for
+                                each row; scoring only */
+    NQM_PRECISION_COUNT
+} nqm_precision;
+/** "f32", "bf16", "int8"; static storage; NULL beyond. */
+NQM_API const char *nqm_precision_name(nqm_precision precision);
+/** The i-th way to compute ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor knows, best first;
+ *  static storage; NULL beyond. "scalar" is plain loops, slow, and the definition of the results. */
+NQM_API const char *nqm_kernels_name(size_t i);
+/** Choose one of them for the whole process, for tests and benchmarks; NULL: back to the best. NQM_ERR_ARG when this
+ *  processor does not know it. Not while another thread computes. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
+/** The one in use. */
+NQM_API const char *nqm_kernels_selected(void);
+
 /** The scalar metrics, on the samples of both BRDFs: means over directions and channels;
  *  c = cos(theta_i) cos(theta_o). */
 typedef enum nqm_metric {

@@ -101,8 +101,19 @@ uint64_t nqm_rng_below(nqm_rng *rng, uint64_t n);
 void nqm_rng_shuffle(nqm_rng *rng, size_t n, size_t *idx);
 /** A counter-based hash: 64 well-mixed bits of (seed, counter); the same whatever the order of calls (splitmix64). */
 uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter);
-/** values[i] = nqm_hash_u64(seed, first + i) for n values, faster than one by one. */
-void nqm_hash_fill(uint64_t seed, uint64_t first, size_t n, uint64_t *values);
+/** The same in two steps, for loops: nqm_hash_u64(seed, counter) = nqm_hash_keyed(nqm_hash_key(seed), counter). */
+static inline uint64_t nqm_hash_mix(uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+#define NQM_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 / golden ratio */
+static inline uint64_t nqm_hash_key(uint64_t seed) {
+    return nqm_hash_mix(seed + NQM_GOLDEN);
+}
+static inline uint64_t nqm_hash_keyed(uint64_t key, uint64_t counter) {
+    return nqm_hash_mix(key + (counter + 1) * NQM_GOLDEN);
+}
 
 /* ---- parallel loops ---------------------------------------------------------------------------------------------- */
 

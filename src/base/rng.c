@@ -8,22 +8,8 @@
 
 #include <math.h>
 
-static uint64_t mix(uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static const uint64_t golden = 0x9e3779b97f4a7c15u;
-
 uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter) {
-    return mix(mix(seed + golden) + (counter + 1) * golden);
-}
-
-void nqm_hash_fill(uint64_t seed, uint64_t first, size_t n, uint64_t *values) {
-    const uint64_t key = mix(seed + golden);
-    for (size_t i = 0; i < n; ++i)
-        values[i] = mix(key + (first + i + 1) * golden);
+    return nqm_hash_keyed(nqm_hash_key(seed), counter);
 }
 
 nqm_rng nqm_rng_make(uint64_t seed, uint64_t stream) {

@@ -43,7 +43,7 @@ static void gemm_block(const nqm_gemm *g, blocks size, size_t row, size_t col) {
         nqm_kernels_scalar.gemm(&part);
 }
 
-static void gemm(const nqm_gemm *g) {
+void nqm_gemm_onednn(const nqm_gemm *g) {
     if (g->m == 0 || g->n == 0)
         return;
     blocks size = choose_blocks(g);
@@ -57,5 +57,3 @@ static void gemm(const nqm_gemm *g) {
             gemm_block(g, size, i % n_down * size.rows, i / n_down * size.cols);
     }
 }
-
-const nqm_kernels nqm_kernels_onednn = {"onednn", gemm};

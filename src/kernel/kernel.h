@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * kernel.h - the arithmetic that dominates the network's time: float matrix products, GELU, Adam. Every product has a
- * scalar reference that defines the result; faster variants stay within rounding of it and stand behind one table.
+ * kernel.h - the arithmetic that dominates the network's time, as tables of functions: one table for each instruction
+ * set, and one of plain loops that defines the results. Products, rows of hidden layers, GELU and Adam stand here; how
+ * matrices lie in memory, and the loops over them on several threads, in kernel/panel.h.
  *
- * Results do not depend on the number of threads: the output is cut into blocks whose size depends on its shape only,
- * and each element is summed over k by one thread in a fixed order.
+ * Results do not depend on the number of threads: each number is summed by one thread, over ascending k, in one chain
+ * that starts from 0 or from what C holds; however the work is cut, the same operations are done. The tables of one
+ * machine differ by rounding only: those with fused multiply-add give the same bits in NQM_PRECISION_F32.
  */
 #ifndef NQM_SRC_KERNEL_H
 #define NQM_SRC_KERNEL_H
 
 #include "base/base.h"
+#include <nqm/metric.h>
 
 /** C = alpha op(A) op(B) + beta C, row-major; op(A) is (m, k), op(B) is (k, n), C is (m, n). beta 0 ignores what C
  * holds. */
@@ -22,37 +25,107 @@ typedef struct nqm_gemm {
     size_t lda, ldb, ldc; /**< numbers from one row to the next, as stored */
 } nqm_gemm;
 
-/** One way to compute; all fields are set. */
-typedef struct nqm_kernels {
-    const char *name;
-    void (*gemm)(const nqm_gemm *g);
-} nqm_kernels;
+enum {
+    NQM_PANEL = 32, /**< columns of C that a panel holds */
+    NQM_STRIP = 12  /**< rows of C that a strip holds */
+};
 
-/** Plain loops, products summed in double and rounded once: the definition. */
-extern const nqm_kernels nqm_kernels_scalar;
-/** oneDNN's sgemm on blocks. */
-extern const nqm_kernels nqm_kernels_onednn;
+/** Factors lie in units of 32 bits: 1, 2 or 4 neighbours along k. The last unit is filled up with zeros. */
+static inline size_t nqm_units(nqm_precision precision, size_t k) {
+    return ((k - 1) >> precision) + 1;
+}
 
-/** The table in use: oneDNN unless nqm_kernels_use() chose another. Any thread. */
-const nqm_kernels *nqm_kernels_get(void);
-/** Choose the table for the whole process; for tests and benchmarks. NULL: back to the default. */
-void nqm_kernels_use(const nqm_kernels *kernels);
+/** C (m, NQM_PANEL) = A B, or C + A B. A unit counts as many products as it holds factors. */
+typedef struct nqm_product {
+    size_t m, units;
+    bool add;      /**< go on from C; false: from 0 */
+    const void *a; /**< (m, units), lda units from row to row */
+    const void *b; /**< (units, NQM_PANEL): a panel, aligned to 64 bytes */
+    void *c;       /**< (m, NQM_PANEL) float, or int32_t for NQM_PRECISION_INT8; ldc numbers from row to row */
+    size_t lda, ldc;
+} nqm_product;
 
-/**
- * GELU with the exact (erf) definition: y = x Phi(x), slope = dy/dx = Phi(x) + x phi(x), for n values. Phi is within
- * 3e-7 of the true normal distribution function everywhere.
- *
- * @param y      (n) may be x
- * @param slope  (n), or NULL; neither x nor y
- */
-void nqm_gelu(size_t n, const float *x, float *y, float *slope);
+#define NQM_LAYERNORM_EPS 1e-5f
+
+/** One row of a hidden layer behind its matrix product: xhat = normalise(x + bias), y = dropout(gelu(gamma xhat + beta)).
+ *  All arrays: (n). */
+typedef struct nqm_hidden_row {
+    size_t n;
+    const float *bias, *gamma, *beta;
+    float *x;            /**< in: the product; out: xhat; may be y */
+    float *y;            /**< out */
+    float *slope;        /**< out: dy / d(gamma xhat + beta), dropout included; NULL: not wanted, no dropout then */
+    float *rstd;         /**< out (1): 1 / standard deviation of x + bias; NULL: not wanted */
+    const uint8_t *keep; /**< dropout: 0 drops; NULL: see threshold */
+    double p;            /**< probability of 0: what is kept is scaled by 1/(1-p); 0: no dropout */
+    uint64_t key,
+        counter; /**< without `keep`, element i is dropped when 16 bits of hash (key, counter + i/4) are < p */
+} nqm_hidden_row;
+
+/** The way back through such a row, with the sums over rows: every array (n). */
+typedef struct nqm_hidden_row_back {
+    size_t n;
+    const float *gamma, *xhat, *slope;
+    float rstd;
+    float *dy;                     /**< in: d loss / d y; out: d loss / d(product) */
+    float *dbias, *dgamma, *dbeta; /**< this row is added */
+} nqm_hidden_row_back;
 
 /** How far a step of Adam goes. */
 typedef struct nqm_adam_rate {
     double lr, weight_decay;
     uint64_t step; /**< 1 for the first */
 } nqm_adam_rate;
-/** One step of Adam for n parameters; m, v: (n) the moments, zeros before the first step. */
-void nqm_adam_update(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
+
+/** One way to compute; all fields are set. */
+typedef struct nqm_kernels {
+    const char *name;
+    /** oneDNN's, or plain loops: the products of fits, whose shapes and layouts vary. */
+    void (*gemm)(const nqm_gemm *g);
+    /** Rows times a panel. */
+    void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
+    /** c (NQM_STRIP, NQM_PANEL) = strip^T panel, summed over `units` rows of both: a weight gradient. Strip: (units,
+     *  NQM_STRIP), panel: (units, NQM_PANEL). NQM_PRECISION_F32 and _BF16 only; the last is NULL. */
+    void (*gradient[NQM_PRECISION_COUNT])(size_t units, const void *strip, const void *panel, float *c);
+    void (*hidden_row)(const nqm_hidden_row *row);
+    void (*hidden_row_back)(const nqm_hidden_row_back *row);
+    /**
+     * GELU with the exact (erf) definition: y = x Phi(x), slope = dy/dx = Phi(x) + x phi(x), for n values. Phi is within
+     * 3e-7 of the true normal distribution function everywhere. y may be x; slope may be NULL.
+     */
+    void (*gelu)(size_t n, const float *x, float *y, float *slope);
+    /** One step of Adam for n parameters; m, v: (n) the moments, zeros before the first step. */
+    void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
+} nqm_kernels;
+
+/** Plain loops, products summed in double and rounded once: the definition. */
+extern const nqm_kernels nqm_kernels_scalar;
+/** Vectors of 16 bytes, for every machine of the build's target: SSE2, NEON. */
+extern const nqm_kernels nqm_kernels_generic;
+#if defined __x86_64__
+extern const nqm_kernels nqm_kernels_avx2;        /**< AVX2, FMA */
+extern const nqm_kernels nqm_kernels_avx512;      /**< AVX-512 F, BW, DQ, VL */
+extern const nqm_kernels nqm_kernels_avx512_bf16; /**< and BF16, VNNI */
+#endif
+
+/** The table in use: the best that the processor can run, unless nqm_kernels_use() chose another. Any thread. */
+const nqm_kernels *nqm_kernels_get(void);
+/** Choose the table for the whole process; for tests and benchmarks. NULL: back to the best. */
+void nqm_kernels_use(const nqm_kernels *kernels);
+/** The i-th table that this processor can run, best first, the plain loops last; NULL beyond. */
+const nqm_kernels *nqm_kernels_at(size_t i);
+
+/** oneDNN's sgemm on blocks (gemm_onednn.c). */
+void nqm_gemm_onednn(const nqm_gemm *g);
+
+/** GELU by the table in use. */
+static inline void nqm_gelu(size_t n, const float *x, float *y, float *slope) {
+    nqm_kernels_get()->gelu(n, x, y, slope);
+}
+/** Adam by the table in use. */
+static inline void nqm_adam_update(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v,
+                                   float *param) {
+    nqm_kernels_get()->adam(n, rate, grad, m, v, param);
+}
 
 #endif

@@ -1,17 +1,70 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which table of kernels is in use.
+ * Which table of kernels is in use: the best that the processor can run, found out once.
  */
 #include "kernel/kernel.h"
 
+#include <pthread.h>
 #include <stdatomic.h>
+#include <string.h>
 
-static const nqm_kernels *_Atomic active = &nqm_kernels_onednn;
+enum { MAX_TABLES = 5 };
+
+static const nqm_kernels *tables[MAX_TABLES]; /* that can run here, best first */
+static size_t n_tables;
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static const nqm_kernels *_Atomic chosen; /* NULL: the best */
+
+static void find_tables(void) {
+#if defined __x86_64__
+    __builtin_cpu_init();
+    bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                  __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+    if (avx512 && __builtin_cpu_supports("avx512bf16") && __builtin_cpu_supports("avx512vnni"))
+        tables[n_tables++] = &nqm_kernels_avx512_bf16;
+    if (avx512)
+        tables[n_tables++] = &nqm_kernels_avx512;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        tables[n_tables++] = &nqm_kernels_avx2;
+#endif
+    tables[n_tables++] = &nqm_kernels_generic;
+    tables[n_tables++] = &nqm_kernels_scalar;
+}
+
+const nqm_kernels *nqm_kernels_at(size_t i) {
+    pthread_once(&once, find_tables);
+    return i < n_tables ? tables[i] : NULL;
+}
 
 const nqm_kernels *nqm_kernels_get(void) {
-    return atomic_load_explicit(&active, memory_order_acquire);
+    const nqm_kernels *kernels = atomic_load_explicit(&chosen, memory_order_acquire);
+    return kernels ? kernels : nqm_kernels_at(0);
 }
 
 void nqm_kernels_use(const nqm_kernels *kernels) {
-    atomic_store_explicit(&active, kernels ? kernels : &nqm_kernels_onednn, memory_order_release);
+    atomic_store_explicit(&chosen, kernels, memory_order_release);
+}
+
+const char *nqm_kernels_name(size_t i) {
+    const nqm_kernels *kernels = nqm_kernels_at(i);
+    return kernels ? kernels->name : NULL;
+}
+
+const char *nqm_kernels_selected(void) {
+    return nqm_kernels_get()->name;
+}
+
+nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
+    const nqm_kernels *kernels = NULL;
+    for (size_t i = 0; name && (kernels = nqm_kernels_at(i)) && strcmp(kernels->name, name) != 0;)
+        ++i;
+    if (name && !kernels)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "kernels '%.40s': this processor does not know them", name);
+    nqm_kernels_use(kernels);
+    return NQM_OK;
+}
+
+const char *nqm_precision_name(nqm_precision precision) {
+    static const char *const names[] = {"f32", "bf16", "int8"};
+    return (unsigned)precision < NQM_PRECISION_COUNT ? names[precision] : NULL;
 }

@@ -86,7 +86,8 @@ static void apply_hashed_mask(const nqm_hidden *h, size_t row, const nqm_dropout
         uint64_t hashes[HASHES];
         uint16_t bits[ELEMENTS];
         uint8_t keep[ELEMENTS];
-        nqm_hash_fill(key, counter, HASHES, hashes);
+        for (size_t i = 0; i < HASHES; ++i)
+            hashes[i] = nqm_hash_u64(key, counter + i);
         memcpy(bits, hashes, sizeof bits);
 #pragma omp simd
         for (size_t i = 0; i < ELEMENTS; ++i)

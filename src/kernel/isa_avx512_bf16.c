@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Kernels for x86-64 with AVX-512 and its products of bfloat16 and of bytes (BF16, VNNI).
+ */
+#if defined __x86_64__
+#include <immintrin.h>
+
+#define VECTOR_BYTES        64
+#define TILE_ROWS           12
+#define TILE_VECTORS        2
+#define MADD_F32(sum, a, b) ((vector_f)_mm512_fmadd_ps(_mm512_set1_ps(a), (__m512)(b), (__m512)(sum)))
+#define MADD_BF16(sum, a, b)                                                                                           \
+    ((vector_f)_mm512_dpbf16_ps((__m512)(sum), (__m512bh)_mm512_set1_epi32((int)(a)), (__m512bh)(b)))
+#define MADD_INT8(sum, a, b) ((vector_i)_mm512_dpbusd_epi32((__m512i)(sum), _mm512_set1_epi32((int)(a)), (__m512i)(b)))
+#include "kernel/tiles.h"
+
+#include "kernel/rows.h"
+
+NQM_DEFINE_KERNELS(avx512_bf16, "avx512+bf16");
+#endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Kernels in vectors of 16 bytes, for every machine of the build's target.
+ */
+#define VECTOR_BYTES 16
+#ifdef __ARM_NEON
+#include <arm_neon.h>
+#define TILE_ROWS           6 /* of 32 registers, 24 hold sums */
+#define TILE_VECTORS        4
+#define MADD_F32(sum, a, b) ((vector_f)vfmaq_n_f32((float32x4_t)(sum), (float32x4_t)(b), a))
+#else
+#define TILE_ROWS           4 /* of 16 registers, 8 hold sums: SSE's instructions destroy one operand */
+#define TILE_VECTORS        2
+#define MADD_F32(sum, a, b) ((sum) + (a) * (b))
+#endif
+#include "kernel/tiles.h"
+
+#include "kernel/rows.h"
+
+NQM_DEFINE_KERNELS(generic, "generic");

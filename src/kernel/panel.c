@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The loops over panels, strips and rows. What a thread gets depends on the shape only, and no sum is shared.
+ */
+#include "kernel/panel.h"
+
+#include <omp.h>
+
+enum {
+    MIN_PARALLEL = 1 << 18, /* multiplications; below, waking a thread costs more than it saves */
+    ROWS_AT_ONCE = 11 * NQM_STRIP,
+    STRIPS_AT_ONCE = 25
+};
+
+static size_t ceil_div(size_t a, size_t b) {
+    return (a + b - 1) / b;
+}
+
+static size_t smaller(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const size_t n_row_blocks = ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
+    /* Neighbouring blocks share a panel, which stays in the second cache meanwhile. */
+#pragma omp parallel for schedule(static) if (m * b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
+    for (size_t i = 0; i < n_blocks; ++i) {
+        const size_t panel = i / n_row_blocks, row = i % n_row_blocks * ROWS_AT_ONCE;
+        nqm_product p = {.m = smaller(m - row, ROWS_AT_ONCE), .units = b->units, .add = add, .lda = lda, .ldc = ldc};
+        p.a = (const uint32_t *)a + row * lda;
+        p.b = nqm_panel_at(b, panel);
+        p.c = (uint32_t *)c + row * ldc + panel * NQM_PANEL; /* floats and integers are as large */
+        kernels->product[b->precision](&p);
+    }
+}
+
+void nqm_gradient_run(const nqm_gradient *g) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const size_t units = nqm_units(g->precision, g->m), n_strips = ceil_div(g->k, NQM_STRIP);
+    const size_t n_across = ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * ceil_div(g->n, NQM_PANEL);
+#pragma omp parallel for schedule(static) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
+    for (size_t i = 0; i < n_blocks; ++i) {
+        const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
+        for (size_t strip = first; strip < smaller(first + STRIPS_AT_ONCE, n_strips); ++strip) {
+            _Alignas(64) float tile[NQM_STRIP * NQM_PANEL];
+            kernels->gradient[g->precision](units, g->strips + strip * units * NQM_STRIP,
+                                            g->panels + panel * units * NQM_PANEL, tile);
+            g->sink(g->user, strip, panel, tile);
+        }
+    }
+}

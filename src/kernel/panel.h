@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * panel.h - matrices as the products of kernel/kernel.h read them, and the loops over them on several threads.
+ *
+ * Panels: a matrix B (k, n) cut into panels of NQM_PANEL columns, so that a product reads it once, in order. Weights are
+ * kept this way. Strips: columns of activations in groups of NQM_STRIP, the left factor of a weight gradient. Rows: the
+ * left factor of a product, row-major in units (nqm_units()). Whatever stands beyond an edge is 0.
+ */
+#ifndef NQM_SRC_KERNEL_PANEL_H
+#define NQM_SRC_KERNEL_PANEL_H
+
+#include "kernel/kernel.h"
+
+/** A matrix (k, n) in panels. */
+typedef struct nqm_panels {
+    nqm_precision precision;
+    size_t k, n;
+    size_t units;    /**< nqm_units(precision, k) */
+    size_t stride;   /**< units from one panel to the next, a row of NQM_PANEL each: `units` rounded up to NQM_STRIP */
+    size_t n_panels; /**< n / NQM_PANEL, rounded up */
+    uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) units */
+    float *scale;    /**< NQM_PRECISION_INT8: (n) a signed factor stands for factor * scale; else NULL */
+    int32_t *sum;    /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the sum of each column's signed factors; else NULL */
+} nqm_panels;
+
+/** Room for a matrix, all 0. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels_ret,
+                                            nqm_error *err);
+void nqm_panels_free(nqm_panels *panels);
+/** Fill panels of (k, n) from the transpose of w (n, k), row-major, ldw numbers from row to row: weights (out, in).
+ *  Works on all threads. */
+void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw);
+/** The way back, from NQM_PRECISION_F32. */
+void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
+/** to (n, k) becomes the transpose of from (k, n); from is in NQM_PRECISION_F32, `to` in that or in _BF16. */
+void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to);
+/** Panel p. */
+static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
+    return panels->data + p * panels->stride * NQM_PANEL;
+}
+
+/** x (n) as a row of bfloat16: nqm_units() units. */
+void nqm_round_row(size_t n, const float *x, uint32_t *units);
+/** x (n) as a row of unsigned bytes, round(x / scale) + 128, with the smallest scale that holds all; returns it. */
+float nqm_quantise_row(size_t n, const float *x, uint32_t *units);
+/** C = A B, or C + A B where A and B are what bytes stand for: c (n) from the integer sums of a row of nqm_quantise_row()
+ *  with `scale`. */
+void nqm_dequantise_row(const nqm_panels *b, float scale, bool add, const int32_t *sums, float *c);
+
+/**
+ * C (m, n) = A B, or C + A B, on all threads where that pays.
+ *
+ * @param a    (m, b->units) units, lda units from row to row; best not a multiple of 1024: see nqm_row_stride()
+ * @param c    (m, b->n_panels NQM_PANEL) numbers, ldc from row to row: float, or int32_t for NQM_PRECISION_INT8
+ */
+void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
+
+/** Numbers from row to row for rows of n: whole panels, and an odd number of cache lines, so that rows one below the
+ *  other do not fall upon the same few places of a cache. */
+static inline size_t nqm_row_stride(size_t n) {
+    return (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL + 16;
+}
+
+/** Columns of x (m, n), ldx numbers from row to row, in groups of `width` (NQM_STRIP or NQM_PANEL): out (ceil(n / width),
+ *  nqm_units(precision, m), width) units. NQM_PRECISION_F32 and _BF16; works on all threads. */
+void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const float *x, size_t ldx,
+                      uint32_t *out);
+
+/** Takes a finished tile (NQM_STRIP, NQM_PANEL) of a gradient: rows from NQM_STRIP strip on, columns from NQM_PANEL panel
+ *  on. Called on several threads, for each tile once. */
+typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t panel, const float *tile);
+
+/** X^T Z of x (m, k) and z (m, n), both packed by nqm_pack_columns(): strips and panels. Tile by tile into `sink`, so that
+ *  a gradient need not be stored before it is used. */
+typedef struct nqm_gradient {
+    nqm_precision precision;
+    size_t m, k, n;
+    const uint32_t *strips, *panels;
+    nqm_tile_sink sink;
+    void *user;
+} nqm_gradient;
+void nqm_gradient_run(const nqm_gradient *gradient);
+
+#endif

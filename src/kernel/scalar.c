@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The kernels by their definition: plain loops in double, each result rounded once. Slow on purpose; every other table
+ * is judged by this one.
+ */
+#include "kernel/kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- products ---------------------------------------------------------------------------------------------------- */
+
+static float element(const nqm_gemm *g, size_t i, size_t j) {
+    size_t a_step = g->trans_a ? g->lda : 1;
+    size_t b_step = g->trans_b ? 1 : g->ldb;
+    const float *a = g->trans_a ? g->a + i : g->a + i * g->lda;
+    const float *b = g->trans_b ? g->b + j * g->ldb : g->b + j;
+    double sum = 0;
+    for (size_t k = 0; k < g->k; ++k)
+        sum += (double)a[k * a_step] * (double)b[k * b_step];
+    double kept = g->beta != 0.0f ? (double)g->beta * (double)g->c[i * g->ldc + j] : 0;
+    return (float)((double)g->alpha * sum + kept);
+}
+
+static void gemm(const nqm_gemm *g) {
+    for (size_t i = 0; i < g->m; ++i)
+        for (size_t j = 0; j < g->n; ++j)
+            g->c[i * g->ldc + j] = element(g, i, j);
+}
+
+/* The product of two units: the sum of the products of the factors that they hold. */
+static double unit_f32(uint32_t a, uint32_t b) {
+    float x, y;
+    memcpy(&x, &a, sizeof x);
+    memcpy(&y, &b, sizeof y);
+    return (double)x * (double)y;
+}
+
+static double unit_bf16(uint32_t a, uint32_t b) {
+    return unit_f32(a << 16, b << 16) + unit_f32(a & 0xffff0000u, b & 0xffff0000u);
+}
+
+static double unit_int8(uint32_t a, uint32_t b) {
+    double sum = 0;
+    for (int shift = 0; shift < 32; shift += 8)
+        sum += (double)(uint8_t)(a >> shift) * (double)(int8_t)(uint8_t)(b >> shift);
+    return sum;
+}
+
+typedef double (*unit_product)(uint32_t a, uint32_t b);
+
+static double sum_units(size_t units, const uint32_t *a, size_t a_step, const uint32_t *b, unit_product product) {
+    double sum = 0;
+    for (size_t u = 0; u < units; ++u)
+        sum += product(a[u * a_step], b[u * NQM_PANEL]);
+    return sum;
+}
+
+static void product_float(const nqm_product *p, unit_product product) {
+    const uint32_t *a = p->a, *b = p->b;
+    float *c = p->c;
+    for (size_t i = 0; i < p->m; ++i)
+        for (size_t j = 0; j < NQM_PANEL; ++j) {
+            double before = p->add ? (double)c[i * p->ldc + j] : 0;
+            c[i * p->ldc + j] = (float)(before + sum_units(p->units, a + i * p->lda, 1, b + j, product));
+        }
+}
+
+static void product_f32(const nqm_product *p) {
+    product_float(p, unit_f32);
+}
+
+static void product_bf16(const nqm_product *p) {
+    product_float(p, unit_bf16);
+}
+
+static void product_int8(const nqm_product *p) {
+    const uint32_t *a = p->a, *b = p->b;
+    int32_t *c = p->c;
+    for (size_t i = 0; i < p->m; ++i)
+        for (size_t j = 0; j < NQM_PANEL; ++j) {
+            double before = p->add ? (double)c[i * p->ldc + j] : 0;
+            c[i * p->ldc + j] = (int32_t)(before + sum_units(p->units, a + i * p->lda, 1, b + j, unit_int8));
+        }
+}
+
+static void gradient(size_t units, const uint32_t *strip, const uint32_t *panel, unit_product product, float *c) {
+    for (size_t i = 0; i < NQM_STRIP; ++i)
+        for (size_t j = 0; j < NQM_PANEL; ++j)
+            c[i * NQM_PANEL + j] = (float)sum_units(units, strip + i, NQM_STRIP, panel + j, product);
+}
+
+static void gradient_f32(size_t units, const void *strip, const void *panel, float *c) {
+    gradient(units, strip, panel, unit_f32, c);
+}
+
+static void gradient_bf16(size_t units, const void *strip, const void *panel, float *c) {
+    gradient(units, strip, panel, unit_bf16, c);
+}
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+static double distribution(double x) {
+    return 0.5 * erfc(-x / sqrt(2));
+}
+
+static double gelu_slope(double x) {
+    return distribution(x) + x * exp(-0.5 * x * x) * 0.39894228040143268; /* 1 / sqrt(2 pi) */
+}
+
+static void gelu(size_t n, const float *x, float *y, float *slope) {
+    for (size_t i = 0; i < n; ++i) {
+        double at = (double)x[i];
+        if (slope)
+            slope[i] = (float)gelu_slope(at);
+        y[i] = (float)(at * distribution(at));
+    }
+}
+
+/* What is kept of element i, scaled; 0: dropped. */
+static double dropout_factor(const nqm_hidden_row *r, size_t i) {
+    if (!(r->p > 0))
+        return 1;
+    uint64_t hash = nqm_hash_u64(r->key, r->counter + i / 4);
+    bool keep = r->keep ? r->keep[i] : (long)(hash >> i % 4 * 16 & 0xffff) >= lrint(r->p * 65536.0);
+    return keep ? 1 / (1 - r->p) : 0;
+}
+
+static void hidden_row(const nqm_hidden_row *r) {
+    double mean = 0, variance = 0;
+    for (size_t i = 0; i < r->n; ++i)
+        mean += ((double)r->x[i] + (double)r->bias[i]) / (double)r->n;
+    for (size_t i = 0; i < r->n; ++i) {
+        double d = (double)r->x[i] + (double)r->bias[i] - mean;
+        variance += d * d / (double)r->n;
+    }
+    double rstd = 1 / sqrt(variance + (double)NQM_LAYERNORM_EPS);
+    for (size_t i = 0; i < r->n; ++i) {
+        double xhat = ((double)r->x[i] + (double)r->bias[i] - mean) * rstd;
+        double at = (double)r->gamma[i] * xhat + (double)r->beta[i];
+        r->x[i] = (float)xhat;
+        r->y[i] = (float)(at * distribution(at) * dropout_factor(r, i));
+        if (r->slope)
+            r->slope[i] = (float)(gelu_slope(at) * dropout_factor(r, i));
+    }
+    if (r->rstd)
+        *r->rstd = (float)rstd;
+}
+
+static void hidden_row_back(const nqm_hidden_row_back *r) {
+    double mean = 0, along = 0;
+    for (size_t i = 0; i < r->n; ++i) {
+        double da = (double)r->dy[i] * (double)r->slope[i];
+        mean += (double)r->gamma[i] * da / (double)r->n;
+        along += (double)r->gamma[i] * da * (double)r->xhat[i] / (double)r->n;
+    }
+    for (size_t i = 0; i < r->n; ++i) {
+        double da = (double)r->dy[i] * (double)r->slope[i], xhat = (double)r->xhat[i];
+        double dx = (double)r->rstd * ((double)r->gamma[i] * da - mean - xhat * along);
+        r->dbeta[i] = (float)((double)r->dbeta[i] + da);
+        r->dgamma[i] = (float)((double)r->dgamma[i] + da * xhat);
+        r->dbias[i] = (float)((double)r->dbias[i] + dx);
+        r->dy[i] = (float)dx;
+    }
+}
+
+static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param) {
+    const double beta1 = 0.9, beta2 = 0.999, t = (double)rate->step;
+    for (size_t i = 0; i < n; ++i) {
+        double g = (double)grad[i] + rate->weight_decay * (double)param[i];
+        double m1 = beta1 * (double)m[i] + (1 - beta1) * g, v1 = beta2 * (double)v[i] + (1 - beta2) * g * g;
+        double step = rate->lr * (m1 / (1 - pow(beta1, t))) / (sqrt(v1 / (1 - pow(beta2, t))) + 1e-8);
+        m[i] = (float)m1;
+        v[i] = (float)v1;
+        param[i] = (float)((double)param[i] - step);
+    }
+}
+
+const nqm_kernels nqm_kernels_scalar = {
+    .name = "scalar",
+    .gemm = gemm,
+    .product = {product_f32, product_bf16, product_int8},
+    .gradient = {gradient_f32, gradient_bf16, NULL},
+    .hidden_row = hidden_row,
+    .hidden_row_back = hidden_row_back,
+    .gelu = gelu,
+    .adam = adam,
+};

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * tiles.h - the products of kernel.h for one instruction set. A file isa_*.c defines the parameters and includes this:
+ *
+ * VECTOR_BYTES           of a register
+ * TILE_ROWS, TILE_VECTORS  rows and registers a row of the part of C that is summed in registers
+ * MADD_F32(sum, a, b)    sum + a b: a a float, b and sum vectors of float
+ * MADD_BF16(sum, a, b)   the same for both halves of units of bfloat16
+ * MADD_INT8(sum, a, b)   the same for the four quarters of units, a unsigned, b signed; sum a vector of int32_t
+ *
+ * Vectors are GCC's and Clang's own types, so that one text serves all: the tile's loops are unrolled, its sums stay in
+ * registers, and each unit of A is spread over a vector as it is read.
+ */
+#include "kernel/kernel.h"
+
+#include <string.h>
+
+typedef float vector_f __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
+typedef int32_t vector_i __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
+typedef uint32_t vector_u __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
+
+enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS };
+
+#define UNROLL _Pragma("GCC unroll 16")
+#define INLINE static inline __attribute__((always_inline))
+
+#ifndef MADD_BF16 /* for processors without bfloat16: the same two steps in float, whose products are exact */
+#define MADD_BF16 madd_bf16
+INLINE vector_f madd_bf16(vector_f sum, uint32_t a, vector_u b) {
+    float low, high;
+    uint32_t low_bits = a << 16, high_bits = a & 0xffff0000u;
+    memcpy(&low, &low_bits, sizeof low);
+    memcpy(&high, &high_bits, sizeof high);
+    sum = MADD_F32(sum, high, (vector_f)(b & 0xffff0000u));
+    return MADD_F32(sum, low, (vector_f)(b << 16));
+}
+#endif
+
+#ifndef MADD_INT8
+#define MADD_INT8 madd_int8
+INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
+    sum += (int32_t)(a & 255) * (b << 24 >> 24);
+    sum += (int32_t)(a >> 8 & 255) * (b << 16 >> 24);
+    sum += (int32_t)(a >> 16 & 255) * (b << 8 >> 24);
+    return sum + (int32_t)(a >> 24) * (b >> 24);
+}
+#endif
+
+/* C (rows, TILE_COLUMNS) = A B: unit u of row i of A lies at a[i row_step + u unit_step]. */
+#define DEFINE_TILE(NAME, UNIT, VECTOR_B, NUMBER, VECTOR_C, MADD)                                                      \
+    INLINE void NAME(size_t rows, size_t units, const UNIT *restrict a, size_t row_step, size_t unit_step,             \
+                     const UNIT *restrict b, NUMBER *restrict c, size_t ldc, bool add) {                               \
+        VECTOR_C sum[TILE_ROWS][TILE_VECTORS];                                                                         \
+        UNROLL for (size_t i = 0; i < rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =          \
+            add ? *(const VECTOR_C *)(c + i * ldc + j * LANES) : (VECTOR_C){0};                                        \
+        for (size_t u = 0; u < units; ++u) {                                                                           \
+            VECTOR_B right[TILE_VECTORS];                                                                              \
+            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] =                                                \
+                *(const VECTOR_B *)(b + u * NQM_PANEL + j * LANES);                                                    \
+            UNROLL for (size_t i = 0; i < rows; ++i) {                                                                 \
+                UNIT left = a[i * row_step + u * unit_step];                                                           \
+                UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);          \
+            }                                                                                                          \
+        }                                                                                                              \
+        UNROLL for (size_t i = 0; i < rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) *                    \
+            (VECTOR_C *)(c + i * ldc + j * LANES) = sum[i][j];                                                         \
+    }
+
+DEFINE_TILE(tile_f32, float, vector_f, float, vector_f, MADD_F32)
+DEFINE_TILE(tile_bf16, uint32_t, vector_u, float, vector_f, MADD_BF16)
+DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
+
+/* Rows in tiles, the rest in smaller ones. */
+#define DEFINE_PRODUCT(NAME, TILE, UNIT, NUMBER)                                                                       \
+    static void NAME(const nqm_product *p) {                                                                           \
+        const UNIT *a = p->a;                                                                                          \
+        for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {                                          \
+            const UNIT *b = (const UNIT *)p->b + column;                                                               \
+            NUMBER *c = (NUMBER *)p->c + column;                                                                       \
+            size_t i = 0;                                                                                              \
+            for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)                                                              \
+                TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);               \
+            for (; i + 4 <= p->m; i += 4)                                                                              \
+                TILE(4, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
+            for (; i < p->m; ++i)                                                                                      \
+                TILE(1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
+        }                                                                                                              \
+    }
+
+DEFINE_PRODUCT(product_f32, tile_f32, float, float)
+DEFINE_PRODUCT(product_bf16, tile_bf16, uint32_t, float)
+DEFINE_PRODUCT(product_int8, tile_int8, uint32_t, int32_t)
+
+#define DEFINE_GRADIENT(NAME, TILE, UNIT)                                                                              \
+    static void NAME(size_t units, const void *strip, const void *panel, float *c) {                                   \
+        for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)                                            \
+            for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)                                                          \
+                TILE(TILE_ROWS, units, (const UNIT *)strip + i, 1, NQM_STRIP, (const UNIT *)panel + column,            \
+                     c + i * NQM_PANEL + column, NQM_PANEL, false);                                                    \
+    }
+
+_Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");
+DEFINE_GRADIENT(gradient_f32, tile_f32, float)
+DEFINE_GRADIENT(gradient_bf16, tile_bf16, uint32_t)

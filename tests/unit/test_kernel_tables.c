@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Every table of kernels that this processor can run against the plain loops: products and weight gradients in float,
+ * bfloat16 and bytes within the bound of rounding, bytes exactly, rows of hidden layers and Adam; the same bits from
+ * tables with fused multiply-add, for any number of rows and of threads.
+ */
+#include "kernel/panel.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t seed = 17;
+
+static float *random_block(nqm_rng *rng, size_t n) {
+    float *block = nqm_alloc(n, sizeof *block);
+    for (size_t i = 0; i < n; ++i)
+        block[i] = (float)nqm_rng_normal(rng);
+    return block;
+}
+
+/* ---- products ---------------------------------------------------------------------------------------------------- */
+
+/* A product with rows and panels in the units of a precision; C begins as `before`. */
+typedef struct problem {
+    nqm_precision precision;
+    size_t m, k, n, lda, ldc;
+    float *x, *w;
+    uint32_t *a;
+    nqm_panels b;
+    float *before;
+} problem;
+
+static problem make_problem(nqm_rng *rng, nqm_precision precision, size_t m, size_t k, size_t n) {
+    problem p = {.precision = precision, .m = m, .k = k, .n = n, .lda = nqm_row_stride(k), .ldc = nqm_row_stride(n)};
+    p.x = random_block(rng, m * k);
+    p.w = random_block(rng, n * k);
+    p.a = nqm_alloc(m * p.lda, sizeof *p.a);
+    for (size_t i = 0; i < m; ++i) {
+        uint32_t *row = p.a + i * p.lda;
+        if (precision == NQM_PRECISION_F32)
+            memcpy(row, p.x + i * k, k * sizeof(float));
+        else if (precision == NQM_PRECISION_BF16)
+            nqm_round_row(k, p.x + i * k, row);
+        else
+            nqm_quantise_row(k, p.x + i * k, row);
+    }
+    assert_int_equal(nqm_panels_create(precision, k, n, &p.b, NULL), NQM_OK);
+    nqm_panels_pack(&p.b, p.w, k);
+    p.before = random_block(rng, m * p.ldc);
+    if (precision == NQM_PRECISION_INT8)
+        for (size_t i = 0; i < m * p.ldc; ++i) {
+            int32_t whole = (int32_t)(100 * p.before[i]);
+            memcpy(&p.before[i], &whole, sizeof whole);
+        }
+    return p;
+}
+
+static void free_problem(problem *p) {
+    nqm_free(p->x);
+    nqm_free(p->w);
+    nqm_free(p->a);
+    nqm_free(p->before);
+    nqm_panels_free(&p->b);
+}
+
+static void *solve(const problem *p, const nqm_kernels *kernels, size_t first, size_t m, bool add) {
+    float *c = nqm_alloc(m * p->ldc, sizeof *c);
+    memcpy(c, p->before + first * p->ldc, m * p->ldc * sizeof *c);
+    nqm_kernels_use(kernels);
+    nqm_multiply(&p->b, m, p->a + first * p->lda, p->lda, add, c, p->ldc);
+    nqm_kernels_use(NULL);
+    return c;
+}
+
+static double magnitude(const problem *p, size_t i, size_t j) {
+    double sum = fabs((double)p->before[i * p->ldc + j]);
+    for (size_t k = 0; k < p->k; ++k)
+        sum += fabs((double)p->x[i * p->k + k] * (double)p->w[j * p->k + k]);
+    return sum;
+}
+
+static void check_product(const problem *p, const nqm_kernels *kernels, bool add) {
+    float *expected = solve(p, &nqm_kernels_scalar, 0, p->m, add), *actual = solve(p, kernels, 0, p->m, add);
+    if (p->precision == NQM_PRECISION_INT8) {
+        assert_memory_equal(actual, expected, p->m * p->ldc * sizeof *actual);
+    } else {
+        for (size_t i = 0; i < p->m; ++i)
+            for (size_t j = 0; j < p->n; ++j)
+                assert_near((double)actual[i * p->ldc + j], (double)expected[i * p->ldc + j],
+                            (double)(p->k + 2) * 0x1p-24 * 1.02 * magnitude(p, i, j));
+    }
+    nqm_free(expected);
+    nqm_free(actual);
+}
+
+static const size_t shapes[][3] = {{1, 1, 1},    {1, 45, 33}, {2, 7, 64},  {3, 9, 5},    {4, 33, 31},
+                                   {12, 64, 40}, {13, 3, 96}, {29, 50, 7}, {70, 130, 65}};
+enum { N_SHAPES = sizeof shapes / sizeof *shapes };
+
+static void products_of_every_table(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        print_message("%s\n", nqm_kernels_at(t)->name);
+        for (size_t s = 0; s < N_SHAPES; ++s)
+            for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+                problem p = make_problem(&rng, (nqm_precision)precision, shapes[s][0], shapes[s][1], shapes[s][2]);
+                check_product(&p, nqm_kernels_at(t), false);
+                check_product(&p, nqm_kernels_at(t), true);
+                free_problem(&p);
+            }
+    }
+    assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
+}
+
+/* By hand, so that the definition itself is not taken on trust: x w^T with the rounding of each precision. */
+static void the_definition_by_hand(void **state) {
+    (void)state;
+    const float x[] = {1, -2, 0.5f, 127}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
+    const double expected[] = {3 - 2 - 2 + 127.0 * 127, 0.25 + 63.5 - 127.0 * 127};
+    for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+        nqm_panels b;
+        uint32_t a[4];
+        float c[NQM_PANEL] = {0};
+        int32_t sums[NQM_PANEL];
+        assert_int_equal(nqm_panels_create((nqm_precision)precision, 4, 2, &b, NULL), NQM_OK);
+        nqm_panels_pack(&b, w, 4);
+        nqm_kernels_use(&nqm_kernels_scalar);
+        if (precision == NQM_PRECISION_INT8) {
+            float scale = nqm_quantise_row(4, x, a);
+            assert_true(scale == 1 && b.scale[0] == 1 && b.scale[1] == 1);
+            nqm_multiply(&b, 1, a, 4, false, sums, NQM_PANEL);
+            nqm_dequantise_row(&b, scale, true, sums, c);
+            /* 0.5 and 0.25 become 0 */
+            assert_true(c[0] == 3 - 2 + 127 * 127 && c[1] == -127 * 127);
+        } else {
+            memcpy(a, x, sizeof x);
+            if (precision == NQM_PRECISION_BF16)
+                nqm_round_row(4, x, a);
+            nqm_multiply(&b, 1, a, 4, false, c, NQM_PANEL);
+            for (size_t j = 0; j < 2; ++j)
+                assert_near((double)c[j], expected[j], 1e-3);
+        }
+        nqm_kernels_use(NULL);
+        nqm_panels_free(&b);
+    }
+}
+
+static bool has_fma(const nqm_kernels *kernels) {
+#if defined __aarch64__
+    return kernels != &nqm_kernels_scalar;
+#else
+    return kernels != &nqm_kernels_scalar && kernels != &nqm_kernels_generic;
+#endif
+}
+
+/* Whatever the instruction set, the number of rows and of threads: float products with fused multiply-add. */
+static void the_same_bits(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 1);
+    int threads = omp_get_max_threads();
+    for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+        problem p = make_problem(&rng, (nqm_precision)precision, 150, 301, 90);
+        float *first = solve(&p, nqm_kernels_at(0), 0, p.m, true);
+        for (size_t t = 0; nqm_kernels_at(t); ++t) {
+            const nqm_kernels *kernels = nqm_kernels_at(t);
+            omp_set_num_threads((int)(t % 2) + 1);
+            float *all = solve(&p, kernels, 0, p.m, true);
+            if (precision == NQM_PRECISION_INT8 || (precision == NQM_PRECISION_F32 && has_fma(kernels)))
+                assert_memory_equal(all, first, p.m * p.ldc * sizeof *all);
+            for (size_t i = 0; i < p.m; i += 7) {
+                omp_set_num_threads((int)(i % 3) + 1);
+                float *one = solve(&p, kernels, i, 1, true);
+                assert_memory_equal(one, all + i * p.ldc, p.n * sizeof *one);
+                nqm_free(one);
+            }
+            nqm_free(all);
+        }
+        nqm_free(first);
+        free_problem(&p);
+    }
+    omp_set_num_threads(threads);
+}
+
+static void panels_and_back(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 2);
+    enum { K = 45, N = 70 };
+    float *w = random_block(&rng, K * N), back[K * N], back_t[K * N];
+    nqm_panels b, t, bf16, bf16_t;
+    assert_int_equal(nqm_panels_create(NQM_PRECISION_F32, K, N, &b, NULL), NQM_OK);
+    assert_int_equal(nqm_panels_create(NQM_PRECISION_F32, N, K, &t, NULL), NQM_OK);
+    assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, N, K, &bf16, NULL), NQM_OK);
+    assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, N, K, &bf16_t, NULL), NQM_OK);
+    nqm_panels_pack(&b, w, K);
+    nqm_panels_unpack(&b, back, K);
+    assert_memory_equal(back, w, sizeof back);
+    nqm_panels_transpose(&b, &t);
+    nqm_panels_unpack(&t, back_t, N);
+    for (size_t i = 0; i < N; ++i)
+        for (size_t j = 0; j < K; ++j)
+            assert_true(back_t[j * N + i] == w[i * K + j]);
+    nqm_panels_transpose(&b, &bf16);
+    nqm_panels_pack(&bf16_t, back_t, N);
+    assert_memory_equal(bf16.data, bf16_t.data, bf16.n_panels * bf16.stride * NQM_PANEL * sizeof *bf16.data);
+    nqm_panels *all[] = {&b, &t, &bf16, &bf16_t};
+    for (size_t i = 0; i < 4; ++i)
+        nqm_panels_free(all[i]);
+    nqm_free(w);
+}
+
+static void rounding_to_bfloat16(void **state) {
+    (void)state;
+    const float x[] = {1, 0x1.01p0f, 0x1.03p0f, 0x1.0101p0f, -0x1.01p0f, 0x1.ffp127f, INFINITY, -0.0f, 3.14159f, NAN};
+    const float expected[] = {1, 1, 0x1.04p0f, 0x1.02p0f, -1, INFINITY, INFINITY, -0.0f, 0x1.92p1f};
+    uint32_t units[5];
+    nqm_round_row(10, x, units);
+    for (size_t i = 0; i < 10; ++i) {
+        uint32_t bits = i % 2 ? units[i / 2] & 0xffff0000u : units[i / 2] << 16;
+        float value;
+        memcpy(&value, &bits, sizeof value);
+        if (i == 9)
+            assert_true(isnan(value));
+        else
+            assert_true(value == expected[i] && signbit(value) == signbit(expected[i]));
+    }
+}
+
+/* ---- gradients --------------------------------------------------------------------------------------------------- */
+
+typedef struct collected {
+    size_t ld;
+    float *c;
+    unsigned char *seen;
+    size_t n_panels;
+} collected;
+
+static void collect(void *user, size_t strip, size_t panel, const float *tile) {
+    collected *all = user;
+    all->seen[strip * all->n_panels + panel]++;
+    for (size_t i = 0; i < NQM_STRIP; ++i)
+        memcpy(all->c + (strip * NQM_STRIP + i) * all->ld + panel * NQM_PANEL, tile + i * NQM_PANEL,
+               NQM_PANEL * sizeof *tile);
+}
+
+static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, const size_t size[3], const float *x,
+                          const float *z) {
+    const size_t m = size[0], k = size[1], n = size[2], units = nqm_units(precision, m);
+    const size_t n_strips = (k + NQM_STRIP - 1) / NQM_STRIP, n_panels = (n + NQM_PANEL - 1) / NQM_PANEL;
+    uint32_t *strips = nqm_alloc(n_strips * units, NQM_STRIP * sizeof *strips);
+    uint32_t *panels = nqm_alloc(n_panels * units, NQM_PANEL * sizeof *panels);
+    nqm_pack_columns(precision, NQM_STRIP, m, k, x, k, strips);
+    nqm_pack_columns(precision, NQM_PANEL, m, n, z, n, panels);
+    collected all = {.ld = n_panels * NQM_PANEL, .n_panels = n_panels};
+    all.c = nqm_alloc(n_strips * NQM_STRIP * all.ld, sizeof *all.c);
+    all.seen = nqm_alloc(n_strips * n_panels, 1);
+    nqm_kernels_use(kernels);
+    nqm_gradient_run(&(nqm_gradient){precision, m, k, n, strips, panels, collect, &all});
+    nqm_kernels_use(NULL);
+    for (size_t i = 0; i < n_strips * n_panels; ++i)
+        assert_int_equal(all.seen[i], 1);
+    nqm_free(all.seen);
+    nqm_free(strips);
+    nqm_free(panels);
+    return all.c;
+}
+
+static void gradients_of_every_table(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 3);
+    static const size_t sizes[][3] = {{1, 1, 1}, {7, 25, 40}, {64, 12, 32}, {33, 50, 70}, {200, 400, 65}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
+        const size_t m = sizes[s][0], k = sizes[s][1], n = sizes[s][2],
+                     ld = (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL;
+        float *x = random_block(&rng, m * k), *z = random_block(&rng, m * n);
+        for (size_t t = 0; nqm_kernels_at(t); ++t)
+            for (int precision = 0; precision < NQM_PRECISION_INT8; ++precision) {
+                float *c = gradient_of(nqm_kernels_at(t), (nqm_precision)precision, sizes[s], x, z);
+                for (size_t i = 0; i < k; i += 1 + k / 20)
+                    for (size_t j = 0; j < n; ++j) {
+                        double sum = 0, size = 0;
+                        for (size_t r = 0; r < m; ++r) {
+                            sum += (double)x[r * k + i] * (double)z[r * n + j];
+                            size += fabs((double)x[r * k + i] * (double)z[r * n + j]);
+                        }
+                        double rounding = precision == NQM_PRECISION_BF16 ? 0x1p-7 : 0;
+                        assert_near((double)c[i * ld + j], sum, (rounding + (double)m * 0x1p-24) * size);
+                    }
+                nqm_free(c);
+            }
+        nqm_free(x);
+        nqm_free(z);
+    }
+}
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+enum { N = 501 };
+
+/* One hidden row forward and back by a table. */
+typedef struct row_result {
+    float x[N], y[N], slope[N], dy[N], dbias[N], dgamma[N], dbeta[N], rstd;
+} row_result;
+
+static void run_row(const nqm_kernels *kernels, const float *x, const float *layer, double p, row_result *r) {
+    *r = (row_result){.rstd = 0};
+    memcpy(r->x, x, sizeof r->x);
+    memcpy(r->dy, layer + 3 * N, sizeof r->dy);
+    kernels->hidden_row(&(nqm_hidden_row){.n = N,
+                                          .bias = layer,
+                                          .gamma = layer + N,
+                                          .beta = layer + 2 * N,
+                                          .x = r->x,
+                                          .y = r->y,
+                                          .slope = r->slope,
+                                          .rstd = &r->rstd,
+                                          .p = p,
+                                          .key = 5,
+                                          .counter = 77});
+    kernels->hidden_row_back(
+        &(nqm_hidden_row_back){N, layer + N, r->x, r->slope, r->rstd, r->dy, r->dbias, r->dgamma, r->dbeta});
+}
+
+static void check_close(const char *what, const float *actual, const float *expected) {
+    double largest = 0, worst = 0;
+    for (size_t i = 0; i < N; ++i) {
+        largest = fmax(largest, fabs((double)expected[i]));
+        worst = fmax(worst, fabs((double)actual[i] - (double)expected[i]));
+    }
+    if (!(worst <= 2e-6 * largest))
+        print_error("%s: %g of %g\n", what, worst, largest);
+    assert_true(worst <= 2e-6 * largest);
+}
+
+static void rows_of_every_table(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 4);
+    float *x = random_block(&rng, N), *layer = random_block(&rng, 4 * N);
+    for (int dropout = 0; dropout < 2; ++dropout) {
+        static row_result expected, actual, first;
+        run_row(&nqm_kernels_scalar, x, layer, dropout ? 0.3 : 0, &expected);
+        run_row(nqm_kernels_at(0), x, layer, dropout ? 0.3 : 0, &first);
+        for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t) {
+            run_row(nqm_kernels_at(t), x, layer, dropout ? 0.3 : 0, &actual);
+            assert_memory_equal(&actual, &first, sizeof actual);
+            check_close("xhat", actual.x, expected.x);
+            check_close("y", actual.y, expected.y);
+            check_close("slope", actual.slope, expected.slope);
+            check_close("dy", actual.dy, expected.dy);
+            check_close("dbias", actual.dbias, expected.dbias);
+            check_close("dgamma", actual.dgamma, expected.dgamma);
+            check_close("dbeta", actual.dbeta, expected.dbeta);
+        }
+    }
+    nqm_free(x);
+    nqm_free(layer);
+}
+
+static void adam_of_every_table(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 5);
+    float *start = random_block(&rng, N), *grad = random_block(&rng, N);
+    static float moments[2][2][N], first[N], param[2][N];
+    for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t) {
+        const nqm_kernels *tables[] = {&nqm_kernels_scalar, nqm_kernels_at(t)};
+        memset(moments, 0, sizeof moments);
+        for (size_t which = 0; which < 2; ++which) {
+            memcpy(param[which], start, sizeof param[which]);
+            for (uint64_t step = 1; step <= 5; ++step)
+                tables[which]->adam(N, &(nqm_adam_rate){1e-3, 1e-2, step}, grad, moments[which][0], moments[which][1],
+                                    param[which]);
+        }
+        check_close("parameters", param[1], param[0]);
+        check_close("second moments", moments[1][1], moments[0][1]);
+        if (t == 0)
+            memcpy(first, param[1], sizeof first);
+        assert_memory_equal(param[1], first, sizeof first);
+    }
+    nqm_free(start);
+    nqm_free(grad);
+}
+
+static void choice_by_name(void **state) {
+    (void)state;
+    for (size_t i = 0; nqm_kernels_name(i); ++i) {
+        assert_int_equal(nqm_kernels_select(nqm_kernels_name(i), NULL), NQM_OK);
+        assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(i));
+        assert_string_equal(nqm_kernels_selected(), nqm_kernels_name(i));
+    }
+    nqm_error err = {0};
+    assert_int_equal(nqm_kernels_select("abacus", &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, "abacus"));
+    assert_ptr_equal(nqm_kernels_get(), &nqm_kernels_scalar); /* a refused choice changes nothing */
+    assert_int_equal(nqm_kernels_select(NULL, NULL), NQM_OK);
+    assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
+    assert_string_equal(nqm_precision_name(NQM_PRECISION_BF16), "bf16");
+    assert_null(nqm_precision_name(NQM_PRECISION_COUNT));
+}
+
+int main(void) {
+    printf("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_definition_by_hand), cmocka_unit_test(products_of_every_table),
+        cmocka_unit_test(the_same_bits),          cmocka_unit_test(panels_and_back),
+        cmocka_unit_test(rounding_to_bfloat16),   cmocka_unit_test(gradients_of_every_table),
+        cmocka_unit_test(rows_of_every_table),    cmocka_unit_test(adam_of_every_table),
+        cmocka_unit_test(choice_by_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
