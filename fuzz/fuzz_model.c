@@ -5,6 +5,7 @@
 #include "fuzz.h"
 #include "net/net.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -15,7 +16,10 @@ static void score(const struct nqm_model *model) {
     if (!x || nqm_net_work_create(shape, 1, false, &work, NULL) != NQM_OK)
         abort();
     nqm_net_forward(&model->params, work, 1, x, NULL, &z);
-    nqm_model_jod(model, (double)z, NULL);
+    double jod = nqm_model_jod(model, (double)z, NULL), low, high;
+    nqm_model_interval(model, jod, &low, &high);
+    if (model->interval && isfinite(jod) && !(low <= jod && jod <= high))
+        abort();
     nqm_net_work_free(work);
     free(x);
 }
@@ -41,6 +45,11 @@ blob fuzz_seed(void) {
     struct nqm_model model = {.n_directions = N_DIRECTIONS, .directions_deg = directions, .target_std = 1, .out_hi = 1};
     static char scalar_names[] = "a";
     model.scalar_names = scalar_names;
+    double interval[6] = {0, 0, 1, 10, 9, 10};
+    static char calibration[] = "{}";
+    model.interval = interval;
+    model.n_interval = 2;
+    model.calibration = calibration;
     model.scalar_scale = 1;
     for (size_t i = 0; i < 3; ++i)
         model.std[i] = 1;

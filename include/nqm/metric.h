@@ -32,6 +32,8 @@ typedef struct nqm_model_info {
     double whitening_mean[3], whitening_std[3]; /**< of log(cbrt(f_r) + 1), R G B */
     double target_mean, target_std;             /**< of the training targets: JOD, or log Delta-E ITP */
     const nqm_directions *directions;
+    const char
+        *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/files.md); "": no intervals */
 } nqm_model_info;
 
 /** Load a model file (safetensors; doc/files.md). Checks names, shapes, finiteness and the SHA-256.
@@ -46,6 +48,9 @@ NQM_API const char *nqm_model_builtin_name(size_t i);
 NQM_API void nqm_model_free(nqm_model *model);
 /** Facts about `model`. */
 NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
+/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model file holds no calibration. Both
+ *  ends rise with the JOD. */
+NQM_API void nqm_model_interval(const nqm_model *model, double jod, double *low_ret, double *high_ret);
 
 /** What the network's products are computed in. Everything else - sums, LayerNorm, GELU, the output - is float or double. */
 typedef enum nqm_precision {
@@ -101,7 +106,8 @@ typedef struct nqm_score_result {
     double jod;               /**< predicted quality, jod_min..jod_max of the model */
     double delta_e;           /**< the Delta-E ITP that the JOD stands for; NaN if the model does not predict one */
     double jod_low, jod_high; /**< the interval in which the JOD of rendered images lies for 95 % of pairs of materials
-                                   that the model has not seen; NaN if the model file holds no calibration */
+                                   that the model has not seen; NaN if the model file holds no calibration; 10 and 10
+                                   when `identical` */
     int identical;            /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
     size_t n_valid;                       /**< directions at which both BRDFs hold a value */

@@ -153,6 +153,18 @@ typedef struct nqm_train_options {
 NQM_API NQM_MUST_CHECK nqm_status nqm_train_options_recipe(const char *recipe, nqm_train_options *options_ret,
                                                            nqm_error *err);
 
+enum { NQM_CALIBRATION_MIN_PAIRS = 100, NQM_CALIBRATION_MIN_MATERIALS = 10 };
+
+/** What the intervals around a model's JOD were made from, and how many labels they held with each of these materials
+ *  left out in turn. doc/evaluation.md explains the method. */
+typedef struct nqm_calibration {
+    size_t n_pairs, n_materials;
+    double coverage;        /**< share of labels inside: mean over the materials */
+    double coverage_pairs;  /**< over all pairs */
+    double coverage_lowest; /**< of the worst material */
+    double mean_width;      /**< JOD, of the final intervals over all pairs */
+} nqm_calibration;
+
 /** What a training did. */
 typedef struct nqm_train_report {
     size_t n_train, n_validation;       /**< pairs, after augmentation */
@@ -160,6 +172,9 @@ typedef struct nqm_train_report {
     size_t epochs_resumed;              /**< epochs that came from the checkpoint */
     double train_loss, validation_loss; /**< of the last epoch */
     double validation_spearman;         /**< predicted JOD with labels, validation pairs without noisy copies */
+    nqm_calibration
+        calibration; /**< of the model's intervals, on the validation pairs; n_materials 0: it has none, since
+                                      they were drawn over pairs or are too few (NQM_CALIBRATION_MIN_..) */
     double seconds;
 } nqm_train_report;
 
@@ -180,6 +195,19 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const c
  *  set. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *model, const char *markdown,
                                                            const char *path, nqm_error *err);
+/**
+ * The same with intervals around its JOD, calibrated on the validation pairs of `dataset`, in place of any it has; the
+ * card says what was measured.
+ *
+ * @param dataset            the one that the model was trained on, unless materials_are_new
+ * @param materials_are_new  1: the caller knows that the model was not trained on the validation materials of `dataset`
+ * @param calibration        receives what was measured
+ * @return NQM_ERR_INCOMPATIBLE: another dataset, a model trained on materials of both splits, too few pairs or materials,
+ *         other directions; else as nqm_model_save()
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_calibrated(const nqm_model *model, const nqm_dataset *dataset,
+                                                            int materials_are_new, const char *path,
+                                                            nqm_calibration *calibration, nqm_error *err);
 
 /* ---- judging ----------------------------------------------------------------------------------------------------- */
 
@@ -279,6 +307,36 @@ typedef struct nqm_contrast {
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation,
                                                           const nqm_eval_options *options, size_t n_contrasts,
                                                           nqm_contrast *contrasts, nqm_error *err);
+
+/** Ranges of predicted JOD in which coverage is counted: below 4, 4-8, 8-9.5, 9.5-9.9, 9.9 and more. */
+enum { NQM_COVERAGE_RANGES = 5 };
+/** Their lower ends: 0 (all that is lower, too), 4, 8, 9.5, 9.9. */
+NQM_API double nqm_coverage_range_from(size_t i);
+
+/** How many labels a model's 95 % intervals hold. Shares and widths are NaN where there is no pair, intervals of shares
+ *  for fewer than 2 materials. */
+typedef struct nqm_coverage {
+    size_t n, n_materials;
+    double inside, inside_ci95[2];           /**< share of the labels, over all pairs */
+    double by_material, by_material_ci95[2]; /**< mean over materials */
+    double lowest;                           /**< of the material with the lowest share */
+    const char *lowest_material;             /**< its name; lent by the dataset */
+    double below, above;                     /**< shares of labels below and above their interval */
+    double mean_width;                       /**< JOD */
+    size_t range_n[NQM_COVERAGE_RANGES];     /**< pairs by predicted JOD */
+    double range_inside[NQM_COVERAGE_RANGES], range_width[NQM_COVERAGE_RANGES];
+} nqm_coverage;
+
+/**
+ * Count on the pairs that `options` selects, with the resamples of nqm_evaluation_judge().
+ *
+ * @param model    number of a predictor that is a model with intervals (nqm_model_info.calibration)
+ * @param options  NULL: the defaults
+ * @return NQM_ERR_ARG: no such model; NQM_ERR_INCOMPATIBLE: no pair is left, or labels are no JOD; NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation,
+                                                          const nqm_eval_options *options, size_t model,
+                                                          nqm_coverage *coverage_ret, nqm_error *err);
 
 /** Both steps for one model: results (1 + NQM_METRIC_COUNT). */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset,

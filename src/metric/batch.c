@@ -139,7 +139,7 @@ static void score_block(nqm_batch *batch, size_t n) {
     nqm_sampled_pairs sampled = {.n = n, .ref = batch->ref, .test = batch->test, .used = batch->used};
     nqm_predictor_run(batch->predictor, &sampled, batch->jod, batch->delta_e);
     for (size_t i = 0; i < n; ++i) {
-        nqm_score_settle(&batch->results[i], batch->jod[i], batch->delta_e[i]);
+        nqm_score_settle(batch->model, &batch->results[i], batch->jod[i], batch->delta_e[i]);
         if (batch->errors)
             explain(batch, i, &batch->errors[i]);
     }

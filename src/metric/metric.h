@@ -76,7 +76,7 @@ void nqm_compare_members(const nqm_model *model, const nqm_score_options *option
 /** A result with a status and NaN for all numbers. */
 nqm_score_result nqm_no_score(nqm_status status);
 /** Complete a result that has no fault with what nqm_predictor_run() gave. */
-void nqm_score_settle(nqm_score_result *result, double jod, double delta_e);
+void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e);
 
 /**
  * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They

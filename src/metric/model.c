@@ -117,7 +117,8 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
                            .layer_sizes = shape->sizes,
                            .target_mean = model->target_mean,
                            .target_std = model->target_std,
-                           .directions = model->directions};
+                           .directions = model->directions,
+                           .calibration = model->calibration ? model->calibration : ""};
     for (size_t k = 0; k < 3; ++k) {
         info.whitening_mean[k] = (double)model->mean[k];
         info.whitening_std[k] = (double)model->std[k];

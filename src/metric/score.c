@@ -88,7 +88,7 @@ void nqm_compare_members(const nqm_model *model, const nqm_score_options *option
         nqm_metrics_compute(model->directions, ref->rgb, test->rgb, used, result->metrics);
 }
 
-void nqm_score_settle(nqm_score_result *result, double jod, double delta_e) {
+void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e) {
     if (result->status != NQM_OK)
         return;
     if (!isfinite(jod)) {
@@ -97,6 +97,9 @@ void nqm_score_settle(nqm_score_result *result, double jod, double delta_e) {
     }
     result->jod = jod;
     result->delta_e = delta_e;
+    nqm_model_interval(model, jod, &result->jod_low, &result->jod_high);
+    if (result->identical && model->interval) /* equal BRDFs make equal pictures */
+        result->jod_low = result->jod_high = 10;
 }
 
 /* Sample test i of the batch and compare it with the reference, all but the JOD. */
@@ -123,7 +126,7 @@ static void score_batch(scorer *s, size_t n) {
     nqm_sampled_pairs pairs = {.n = n, .one_ref = true, .ref = s->ref, .test = s->test, .used = s->used};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
     for (size_t i = 0; i < n; ++i)
-        nqm_score_settle(&s->results[i], s->jod[i], s->delta_e[i]);
+        nqm_score_settle(s->model, &s->results[i], s->jod[i], s->delta_e[i]);
 }
 
 static nqm_status make_room(scorer *s, nqm_error *err) {

@@ -28,11 +28,13 @@ void nqm_model_destroy(struct nqm_model *model) {
     if (model->directions_free)
         model->directions_free(model->directions);
     nqm_params_free(&model->params);
-    char *texts[] = {model->id,       model->recipe,          model->card,   model->licence,
-                     model->training, model->manifest_sha256, model->golden, model->scalar_names};
+    char *texts[] = {model->id,      model->recipe,       model->card,
+                     model->licence, model->training,     model->manifest_sha256,
+                     model->golden,  model->scalar_names, model->calibration};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         nqm_free(texts[i]);
     nqm_free(model->directions_deg);
+    nqm_free(model->interval);
     if (model->file)
         nqm_map_close(model->file);
     nqm_free(model->file);

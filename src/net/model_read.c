@@ -210,6 +210,8 @@ static nqm_status read_texts(const reader *r, struct nqm_model *model) {
         status = read_text(r, "golden", &model->golden);
     if (status == NQM_OK && nqm_safetensors_meta(r->st, "scalars")) /* models of only samples have none */
         status = read_text(r, "scalars", &model->scalar_names);
+    if (status == NQM_OK && nqm_safetensors_meta(r->st, "calibration"))
+        status = read_text(r, "calibration", &model->calibration);
     const char *sha256 = nqm_safetensors_meta(r->st, "sha256");
     snprintf(model->sha256, sizeof model->sha256, "%s", sha256 ? sha256 : "");
     return status;
@@ -259,6 +261,25 @@ static nqm_status read_scalar_whitening(reader *r, struct nqm_model *model) {
     return status;
 }
 
+static nqm_status read_interval(reader *r, struct nqm_model *model) {
+    const nqm_tensor *tensor = nqm_safetensors_find(r->st, "interval");
+    if (!model->calibration && !tensor)
+        return NQM_OK;
+    if (!model->calibration)
+        return refuse(r, tensor, "needs the metadata 'calibration'");
+    size_t n = tensor && tensor->n_dims == 2 ? tensor->dims[0] : 1;
+    nqm_status status = get(r, &(wanted){"interval", NQM_F64, n, 3, false}, &tensor);
+    if (status != NQM_OK)
+        return status;
+    model->n_interval = n;
+    model->interval = nqm_alloc(n, 3 * sizeof(double));
+    if (!model->interval)
+        return nqm_fail_nomem(r->err, tensor->n_bytes);
+    memcpy(model->interval, tensor->data, tensor->n_bytes);
+    const char *fault = nqm_interval_table_fault(n, model->interval);
+    return fault ? refuse(r, tensor, fault) : NQM_OK;
+}
+
 static nqm_status read_numbers(reader *r, struct nqm_model *model) {
     double target[4], curve[3];
     nqm_status status = get_floats(r, "whitening.mean", 3, model->mean);
@@ -303,6 +324,8 @@ static nqm_status read_model(reader *r, struct nqm_model *model) {
         status = read_numbers(r, model);
     if (status == NQM_OK)
         status = read_scalar_whitening(r, model);
+    if (status == NQM_OK)
+        status = read_interval(r, model);
     return status == NQM_OK ? refuse_surplus(r) : status;
 }
 

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 9 };
+enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 10 };
 
 /* The tensors of a file in the making, with room for their names and for the small ones' numbers. */
 typedef struct contents {
@@ -64,6 +64,8 @@ static void collect(contents *c, const struct nqm_model *model) {
         add(c, "scalars.std", NQM_F32, NQM_SCALAR_COUNT, model->scalar_std);
         add(c, "scalars.scale", NQM_F64, 1, &model->scalar_scale);
     }
+    if (model->interval)
+        set_matrix(add(c, "interval", NQM_F64, 3 * model->n_interval, model->interval), model->n_interval, 3);
 }
 
 static const char *text_or_empty(const char *text) {
@@ -75,19 +77,23 @@ nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error 
     if (!c)
         return nqm_fail_nomem(err, sizeof *c);
     collect(c, model);
-    const nqm_meta meta[] = {{"format", NQM_MODEL_FORMAT},
-                             {"schema", NQM_MODEL_SCHEMA},
-                             {"id", text_or_empty(model->id)},
-                             {"recipe", text_or_empty(model->recipe)},
-                             {"layout", nqm_layout_names[model->layout]},
-                             {"target", nqm_target_names[model->target]},
-                             {"licence", text_or_empty(model->licence)},
-                             {"card", text_or_empty(model->card)},
-                             {"training", text_or_empty(model->training)},
-                             {"manifest_sha256", text_or_empty(model->manifest_sha256)},
-                             {"golden", text_or_empty(model->golden)},
-                             {"scalars", model->scalar_names}};
-    size_t n_meta = sizeof meta / sizeof *meta - (model->scalar_names ? 0 : 1);
+    enum { N_ALWAYS = 11, N_OPTIONAL = 2 };
+    nqm_meta meta[N_ALWAYS + N_OPTIONAL] = {{"format", NQM_MODEL_FORMAT},
+                                            {"schema", NQM_MODEL_SCHEMA},
+                                            {"id", text_or_empty(model->id)},
+                                            {"recipe", text_or_empty(model->recipe)},
+                                            {"layout", nqm_layout_names[model->layout]},
+                                            {"target", nqm_target_names[model->target]},
+                                            {"licence", text_or_empty(model->licence)},
+                                            {"card", text_or_empty(model->card)},
+                                            {"training", text_or_empty(model->training)},
+                                            {"manifest_sha256", text_or_empty(model->manifest_sha256)},
+                                            {"golden", text_or_empty(model->golden)}};
+    size_t n_meta = N_ALWAYS;
+    if (model->scalar_names)
+        meta[n_meta++] = (nqm_meta){"scalars", model->scalar_names};
+    if (model->interval)
+        meta[n_meta++] = (nqm_meta){"calibration", text_or_empty(model->calibration)};
     nqm_status status = nqm_safetensors_write(path, c->n, c->tensor, n_meta, meta, model->sha256, err);
     nqm_free(c);
     return status;

@@ -116,10 +116,13 @@ struct nqm_model {
     double out_lo, out_hi;          /* range of the sigmoid, in normalised targets */
     nqm_jod_curve curve;            /* for NQM_TARGET_LOG_DELTA_E */
     char *id, *recipe, *card, *licence, *manifest_sha256;
-    char *training;   /* JSON: options and report of the training */
-    char *golden;     /* JSON: pairs of specs and the JOD each had when the model was saved; NULL: none */
-    char sha256[65];  /* checksum of the file it came from or was saved to */
-    void *directions; /* nqm_directions made by the sample layer; see metric/model.c */
+    char *training; /* JSON: options and report of the training */
+    char *golden;   /* JSON: pairs of specs and the JOD each had when the model was saved; NULL: none */
+    size_t n_interval;
+    double *interval;  /* (n_interval, 3) predicted JOD, ends of its 95 % interval; all rise; NULL: not calibrated */
+    char *calibration; /* JSON: what `interval` was made from and covers; NULL together with it */
+    char sha256[65];   /* checksum of the file it came from or was saved to */
+    void *directions;  /* nqm_directions made by the sample layer; see metric/model.c */
     void (*directions_free)(void *);
     nqm_map *file; /* of nqm_alloc(): the mapping that `params` point into, closed by nqm_model_destroy(); or NULL */
 };
@@ -140,6 +143,10 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
 static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
     return model->scalar_names ? NQM_SCALAR_COUNT : 0;
 }
+/** What is wrong with a table (n, 3) of finite numbers that is to be struct nqm_model.interval; NULL: nothing. */
+const char *nqm_interval_table_fault(size_t n, const double *table);
+/** Look up a table: the interval around `jod`, which is finite. */
+void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret, double *high_ret);
 /** Write a model file; sets model->sha256. */
 NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
 void nqm_model_destroy(struct nqm_model *model);

@@ -8,93 +8,50 @@
 #include <math.h>
 #include <string.h>
 
-static bool is(const char *wanted, const char *value) {
-    return !wanted || strcmp(wanted, value) == 0;
-}
+/* Memory of one judgement. */
+typedef struct chosen {
+    nqm_selection pairs;
+    double *label;      /* (n) */
+    double *prediction; /* (n_predictors, n) */
+} chosen;
 
-static bool in_range(const nqm_dataset *d, const nqm_eval_options *o, size_t pair) {
-    return d->order_only || (d->jod[pair] >= o->jod_from && d->jod[pair] < o->jod_to);
-}
-
-static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t pair) {
+static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
-    size_t kind = d->pair_kind[pair];
-    return nqm_evaluation_in_split(d, pair, o->split) && nqm_evaluation_in_split(d, pair, ev->split) &&
-           in_range(d, o, pair) && is(o->kind, d->kind_names[kind]) &&
-           is(o->family, nqm_dataset_kind_family(d, kind)) &&
-           is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
-}
-
-/* Memory of one judgement; the chosen pairs by group. */
-typedef struct selection {
-    size_t n;
-    size_t *group_begin; /* (n_groups + 1) */
-    size_t *pairs;       /* (n) */
-    double *label;       /* (n) */
-    double *prediction;  /* (n_predictors, n) */
-} selection;
-
-/* Counting sort of the chosen pairs by group. */
-static nqm_status select_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, selection *s, nqm_error *err) {
-    const nqm_dataset *d = ev->dataset;
-    size_t *next = nqm_alloc(d->n_groups, sizeof *next);
-    s->group_begin = nqm_alloc(d->n_groups + 1, sizeof *s->group_begin);
-    s->pairs = nqm_alloc(d->n_pairs, sizeof *s->pairs);
-    bool ok = next && s->group_begin && s->pairs;
-    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
-        s->group_begin[d->ref_group[d->pair_ref[pair]] + 1] += selected(ev, o, pair);
-    for (size_t g = 0; ok && g < d->n_groups; ++g) {
-        next[g] = s->group_begin[g];
-        s->group_begin[g + 1] += s->group_begin[g];
-    }
-    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
-        if (selected(ev, o, pair))
-            s->pairs[next[d->ref_group[d->pair_ref[pair]]]++] = pair;
-    nqm_free(next);
-    s->n = ok ? s->group_begin[d->n_groups] : 0;
-    return ok ? NQM_OK : nqm_fail_nomem(err, (2 * d->n_groups + d->n_pairs) * sizeof *next);
-}
-
-static nqm_status collect(const nqm_evaluation *ev, selection *s, nqm_error *err) {
-    const nqm_dataset *d = ev->dataset;
-    s->label = nqm_alloc(s->n, sizeof *s->label);
-    s->prediction = nqm_alloc(ev->n_predictors, s->n * sizeof *s->prediction);
-    if (!s->label || !s->prediction)
-        return nqm_fail_nomem(err, ev->n_predictors * s->n * sizeof *s->prediction);
-    for (size_t k = 0; k < s->n; ++k)
-        s->label[k] = d->jod[s->pairs[k]];
+    c->label = nqm_alloc(c->pairs.n, sizeof *c->label);
+    c->prediction = nqm_alloc(ev->n_predictors, c->pairs.n * sizeof *c->prediction);
+    if (!c->label || !c->prediction)
+        return nqm_fail_nomem(err, ev->n_predictors * c->pairs.n * sizeof *c->prediction);
+    for (size_t k = 0; k < c->pairs.n; ++k)
+        c->label[k] = d->jod[c->pairs.pairs[k]];
     for (size_t i = 0; i < ev->n_predictors; ++i) {
         double sign = i < ev->n_models ? 1 : -1; /* a metric is a distance */
-        for (size_t k = 0; k < s->n; ++k)
-            s->prediction[i * s->n + k] = sign * ev->values[i * d->n_pairs + s->pairs[k]];
+        for (size_t k = 0; k < c->pairs.n; ++k)
+            c->prediction[i * c->pairs.n + k] = sign * ev->values[i * d->n_pairs + c->pairs.pairs[k]];
     }
     return NQM_OK;
 }
 
-static nqm_status begin(const nqm_evaluation *ev, const nqm_eval_options *o, selection *s, nqm_judgement *j,
+static nqm_status begin(const nqm_evaluation *ev, const nqm_eval_options *o, chosen *c, nqm_judgement *j,
                         nqm_error *err) {
     if (!(o->order_margin >= 0))
         return nqm_fail(err, NQM_ERR_ARG, -1, "margin of the order: %g is below 0", o->order_margin);
-    nqm_status status = select_pairs(ev, o, s, err);
-    if (status == NQM_OK && s->n == 0)
-        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair is left to judge on");
+    nqm_status status = nqm_selection_create(ev, o, &c->pairs, err);
     if (status == NQM_OK)
-        status = collect(ev, s, err);
-    *j = (nqm_judgement){.n = s->n,
+        status = collect(ev, c, err);
+    *j = (nqm_judgement){.n = c->pairs.n,
                          .n_groups = ev->dataset->n_groups,
                          .n_predictors = ev->n_predictors,
-                         .group_begin = s->group_begin,
-                         .label = s->label,
-                         .prediction = s->prediction,
+                         .group_begin = c->pairs.group_begin,
+                         .label = c->label,
+                         .prediction = c->prediction,
                          .order_margin = o->order_margin};
     return status;
 }
 
-static void release(selection *s) {
-    nqm_free(s->group_begin);
-    nqm_free(s->pairs);
-    nqm_free(s->label);
-    nqm_free(s->prediction);
+static void release(chosen *c) {
+    nqm_selection_free(&c->pairs);
+    nqm_free(c->label);
+    nqm_free(c->prediction);
 }
 
 /* Distances, and predictions of JOD beside labels that are none, have no errors in JOD. */
@@ -107,9 +64,9 @@ static void forget_errors(nqm_agreement *a) {
 nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_agreement *results,
                                 nqm_error *err) {
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    selection s = {0};
+    chosen c = {0};
     nqm_judgement j;
-    nqm_status status = begin(ev, &o, &s, &j, err);
+    nqm_status status = begin(ev, &o, &c, &j, err);
     if (status == NQM_OK)
         status = nqm_judge(&j, o.n_bootstrap, o.seed, results, err);
     for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
@@ -119,22 +76,22 @@ nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options
     }
     if (status == NQM_OK)
         nqm_mark_best(results + ev->n_models);
-    release(&s);
+    release(&c);
     return status;
 }
 
 nqm_status nqm_evaluation_contrast(const nqm_evaluation *ev, const nqm_eval_options *options, size_t n_contrasts,
                                    nqm_contrast *contrasts, nqm_error *err) {
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    selection s = {0};
+    chosen c = {0};
     nqm_judgement j;
     for (size_t i = 0; i < n_contrasts; ++i)
         if (contrasts[i].first >= ev->n_predictors || contrasts[i].second >= ev->n_predictors)
             return nqm_fail(err, NQM_ERR_ARG, -1, "contrast %zu: there are %zu predictors", i, ev->n_predictors);
-    nqm_status status = begin(ev, &o, &s, &j, err);
+    nqm_status status = begin(ev, &o, &c, &j, err);
     if (status == NQM_OK)
         status = nqm_judge_contrasts(&j, o.n_bootstrap, o.seed, n_contrasts, contrasts, err);
-    release(&s);
+    release(&c);
     return status;
 }
 

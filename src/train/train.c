@@ -5,6 +5,7 @@
  */
 #include "train/train.h"
 #include "metric/metric.h"
+#include "train/calibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -222,24 +223,34 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     return nqm_model_attach_directions(m, err);
 }
 
-/* Spearman of predicted JOD with the labels over the validation pairs that are no noisy copies. */
-static double validation_spearman(const run *r, const struct nqm_model *m, const float *z) {
+/* From the outputs z of the validation examples that are no noisy copies: Spearman of predicted JOD with the labels, and
+ * the intervals, where the materials are new to the model and many enough. */
+static nqm_status judge_validation(const run *r, struct nqm_model *m, const float *z, nqm_train_report *report,
+                                   nqm_error *err) {
     const nqm_rows *rows = &r->examples.rows;
-    double *values = nqm_alloc(rows->n_validation, 2 * sizeof *values), rho = NAN;
-    if (!values)
-        return NAN;
-    double *labels = values + rows->n_validation;
-    size_t n = 0;
-    for (size_t i = 0; i < rows->n_validation; ++i) {
+    const nqm_dataset *d = r->dataset;
+    double *values = nqm_alloc(rows->n_validation, sizeof *values);
+    double *labels = nqm_alloc(rows->n_validation, sizeof *labels);
+    uint32_t *group = nqm_alloc(rows->n_validation, sizeof *group);
+    nqm_residuals residuals = {.n_groups = d->n_groups, .predicted = values, .label = labels, .group = group};
+    bool ok = values && labels && group;
+    nqm_status status = ok ? NQM_OK : nqm_fail_nomem(err, rows->n_validation * 2 * sizeof *values);
+    for (size_t i = 0; status == NQM_OK && i < rows->n_validation; ++i) {
         const nqm_row *row = &rows->row[rows->n_train + i];
         if (row->copy)
             continue;
-        values[n] = nqm_model_jod(m, (double)z[i], NULL);
-        labels[n++] = r->dataset->jod[row->pair];
+        values[residuals.n] = nqm_model_jod(m, (double)z[i], NULL);
+        labels[residuals.n] = d->jod[row->pair];
+        group[residuals.n++] = d->ref_group[d->pair_ref[row->pair]];
     }
-    rho = nqm_spearman(n, values, labels);
+    if (status == NQM_OK)
+        report->validation_spearman = nqm_spearman(residuals.n, values, labels);
+    if (status == NQM_OK && !r->options->split_by_pair && nqm_residuals_suffice(&residuals, NULL))
+        status = nqm_model_set_interval(m, &residuals, d->sha256, &report->calibration, err);
     nqm_free(values);
-    return rho;
+    nqm_free(labels);
+    nqm_free(group);
+    return status;
 }
 
 /* The facts of the training as JSON, without times, so that equal trainings make equal files. */
@@ -265,7 +276,11 @@ static nqm_status name_model(const run *r, struct nqm_model *m, const nqm_train_
     m->licence = nqm_strdup(o->licence ? o->licence : "");
     m->manifest_sha256 = nqm_strdup(r->dataset->sha256);
     m->training = training_text(r, report);
-    m->card = m->id && m->recipe ? nqm_model_card(r->dataset, o, report, m) : NULL;
+    char *card = m->id && m->recipe ? nqm_model_card(r->dataset, o, report, m) : NULL;
+    bool calibrated = report->calibration.n_materials > 0;
+    m->card = card && calibrated ? nqm_card_with_interval(card, &report->calibration, r->dataset->sha256) : card;
+    if (calibrated)
+        nqm_free(card);
     bool ok = m->licence && m->manifest_sha256 && m->training && m->card;
     return ok ? NQM_OK : nqm_fail_nomem(err, 0);
 }
@@ -287,9 +302,10 @@ static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret
         report->epochs_resumed = r->epochs_resumed;
         report->train_loss = last->train_loss;
         report->validation_loss = last->validation_loss;
-        report->validation_spearman = validation_spearman(r, m, z);
-        status = name_model(r, m, report, err);
+        status = judge_validation(r, m, z, report, err);
     }
+    if (status == NQM_OK)
+        status = name_model(r, m, report, err);
     nqm_free(z);
     if (status == NQM_OK)
         *model_ret = m;
@@ -323,33 +339,5 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
     report.seconds = nqm_clock_s() - begin_s;
     if (status == NQM_OK && report_ret)
         *report_ret = report;
-    return status;
-}
-
-/* Models are immutable: card, checksum and golden scores of the new file are those of a copy. */
-static nqm_status save_copy(const nqm_model *model, char *card, const char *path, nqm_error *err) {
-    struct nqm_model copy = *model;
-    copy.card = card;
-    nqm_status status = nqm_golden_make(model, &copy.golden, err);
-    if (status == NQM_OK) {
-        status = nqm_model_write(&copy, path, err);
-        nqm_free(copy.golden);
-    }
-    return status;
-}
-
-nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err) {
-    return save_copy(model, model->card, path, err);
-}
-
-nqm_status nqm_model_save_annotated(const nqm_model *model, const char *markdown, const char *path, nqm_error *err) {
-    const char *before = model->card ? model->card : "";
-    size_t n = strlen(before) + strlen(markdown) + 2;
-    char *card = nqm_alloc(n, 1);
-    if (!card)
-        return nqm_fail_nomem(err, n);
-    snprintf(card, n, "%s%s%s", before, *before ? "\n" : "", markdown);
-    nqm_status status = save_copy(model, card, path, err);
-    nqm_free(card);
     return status;
 }

@@ -30,7 +30,7 @@ Note,Reference,test,JOD
 "# last",ward:nickel,ward:nickel," x "
 END
 batch 0 "$dir/pairs.csv" --metrics rmse,log_diff
-head -n 1 "$dir/out" | grep -qx 'Note,Reference,test,JOD,jod,delta_e_itp,identical,n_valid,rmse,log_diff,warnings,error' || fail "header"
+head -n 1 "$dir/out" | grep -qx 'Note,Reference,test,JOD,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,rmse,log_diff,warnings,error' || fail "header"
 [ "$(wc -l <"$dir/out")" = 5 ] || fail "a row a pair"
 sed -n 2p "$dir/out" | grep -q '^"b, ""c""",sgd:nickel,ward:nickel,7.5,[0-9]' || fail "first row"
 sed -n 3p "$dir/out" | grep -q '^é,sgd:nickel,"perturb:tint=1.2,1,1;of=sgd:nickel",,[0-9]' || fail "second row"
@@ -89,7 +89,7 @@ says 'row 2: .*nowhere.binary'
 [ "$(wc -l <"$dir/out")" = 2 ] || fail "the rows before the first fault"
 batch 9 "$dir/faulty.csv" --keep-going
 says '2 of 4 rows'
-sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,0,0,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
+sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,,,0,0,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
 sed -n 5p "$dir/out" | grep -q '^ward:nickel,sgd:nickel,[0-9]' || fail "the row behind the faults"
 batch 9 "$dir/faulty.csv" --keep-going --jsonl
 sed -n 3p "$dir/out" | grep -q '"jod":null,.*"error":".*nonsense' || fail "errors in JSON Lines"
@@ -220,7 +220,7 @@ batch 4 "$dir/bad.csv"
 says "'jod'"
 printf 'reference,test\n' >"$dir/none.csv"
 batch 0 "$dir/none.csv" -o "$dir/none-out.csv"
-[ "$(cat "$dir/none-out.csv")" = 'reference,test,jod,delta_e_itp,identical,n_valid,warnings,error' ] || fail "an empty list"
+[ "$(cat "$dir/none-out.csv")" = 'reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,warnings,error' ] || fail "an empty list"
 batch 0 "$dir/none.csv" --json
 if [ -c /dev/full ]; then
     got=0

@@ -17,7 +17,7 @@ ref=sgd:nickel a=ward:nickel b=lambert:kd=.4 c='perturb:tint=1.5,1,1;of=sgd:nick
 
 # The order is that of the scores; equal tests share a rank and the next one is counted on.
 rank 0 $ref $a $b "$c" $b --csv
-head -n 1 "$dir/out" | grep -qx 'reference,rank,test,jod,over_next,best_preferred,error' || fail "header"
+head -n 1 "$dir/out" | grep -qx 'reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,error' || fail "header"
 "$tool" score --model "$dir/model.safetensors" $ref $a $b "$c" --csv | sed 1d |
     sed 's/"[^"]*"/"tint"/; s/^sgd:nickel,\([^,]*\),\([^,]*\),.*/\2 \1/' | sort -rn >"$dir/scores"
 sed 1d "$dir/out" | sed 's/"[^"]*"/"tint"/' >"$dir/rows"
@@ -34,7 +34,7 @@ awk -F, 'NR == FNR {split($0, s, " "); order[++n] = s[2]; jod[s[2]] = s[1]; next
 awk -F, 'function phi(x,   t, s, k) {t = x; s = x; for (k = 1; k < 60; ++k) {t *= -x * x / (2 * k); s += t / (2 * k + 1)}
         return 0.5 + s / sqrt(2 * 3.14159265358979)}
     function off(a, b) {return a - b > 1e-5 || b - a > 1e-5}
-    {jod[NR] = $4; next_[NR] = $5; best[NR] = $6}
+    {jod[NR] = $4; next_[NR] = $7; best[NR] = $8}
     END {if (best[1] != "" || next_[NR] != "") {print "first and last"; exit 1}
         for (i = 1; i <= NR; ++i) {
             if (i > 1 && off(best[i], phi(0.67448975 * (jod[1] - jod[i])))) {print "best over row " i; exit 1}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * tiny_dataset FILE [SEED]: write a small labelled dataset from a few formulas (support/toy_dataset.h), for the
+ * tiny_dataset FILE [SEED [MATERIALS]]: write a small labelled dataset from a few formulas (support/toy_dataset.h), for the
  * command-line tests.
  */
 #include "support/toy_dataset.h"
@@ -10,11 +10,12 @@
 
 int main(int argc, char **argv) {
     if (argc < 2) {
-        fputs("usage: tiny_dataset FILE [SEED]\n", stderr);
+        fputs("usage: tiny_dataset FILE [SEED [MATERIALS]]\n", stderr);
         return 2;
     }
     toy_options options = toy_options_default();
     options.seed = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
+    options.n_groups = argc > 3 ? strtoul(argv[3], NULL, 10) : options.n_groups;
     nqm_dataset *dataset = toy_dataset(&options);
     nqm_error err = {0};
     nqm_status status = nqm_dataset_write(dataset, argv[1], NULL, &err);

@@ -12,7 +12,8 @@
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
 static bool is_added(const batch_form *form, const char *name) {
-    static const char *const added[] = {"jod", "delta_e_itp", "identical", "n_valid", "metrics", "warnings", "error"};
+    static const char *const added[] = {"jod",     "jod_low", "jod_high", "delta_e_itp", "identical",
+                                        "n_valid", "metrics", "warnings", "error"};
     for (size_t i = 0; i < sizeof added / sizeof *added; ++i)
         if (strcmp(name, added[i]) == 0)
             return true;
@@ -42,7 +43,7 @@ static void print_csv_head(const batch_form *form, FILE *out) {
         print_csv_text(out, nqm_pair_list_column(form->list, i));
         fputc(',', out);
     }
-    fputs("jod,delta_e_itp,identical,n_valid", out);
+    fputs("jod,jod_low,jod_high,delta_e_itp,identical,n_valid", out);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (form->metrics[m])
             fprintf(out, ",%s", nqm_metric_name((nqm_metric)m));
@@ -71,9 +72,12 @@ static void print_csv_warnings(FILE *out, const json_t *warnings) {
 static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
                           const nqm_error *err, const json_t *warnings) {
     print_csv_cells(form, out, row);
-    print_csv_number(out, r->jod);
-    fputc(',', out);
-    print_csv_number(out, r->delta_e);
+    const double numbers[] = {r->jod, r->jod_low, r->jod_high, r->delta_e};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; ++k) {
+        if (k)
+            fputc(',', out);
+        print_csv_number(out, numbers[k]);
+    }
     fprintf(out, ",%d,%zu", r->identical, r->n_valid);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (form->metrics[m]) {
@@ -122,6 +126,10 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
     fputc('{', out);
     print_json_cells(form, out, row);
     print_json_number(out, "jod", r->jod);
+    fputc(',', out);
+    print_json_number(out, "jod_low", r->jod_low);
+    fputc(',', out);
+    print_json_number(out, "jod_high", r->jod_high);
     fputc(',', out);
     print_json_number(out, "delta_e_itp", r->delta_e);
     fprintf(out, ",\"identical\":%s,\"n_valid\":%zu,\"metrics\":{", r->identical ? "true" : "false", r->n_valid);

@@ -63,6 +63,12 @@ static nqm_status contrast(const eval_run *run, const nqm_eval_options *o, eval_
     return n ? nqm_evaluation_contrast(run->evaluation, o, n, table->contrasts, err) : NQM_OK;
 }
 
+static void release_table(eval_table *table) {
+    free(table->results);
+    free(table->contrasts);
+    free(table->coverage);
+}
+
 /* Judge one selection; a selection without pairs leaves results NULL, unless it is that of all pairs. */
 static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by, const char *name, nqm_error *err) {
     eval_table *table = &run->tables[run->n_tables++];
@@ -70,11 +76,14 @@ static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by
     snprintf(table->name, sizeof table->name, "%s", name);
     table->results = calloc(run->n_predictors, sizeof *table->results);
     table->contrasts = calloc(run->n_models * N_RIVALS + 1, sizeof *table->contrasts);
-    if (!table->results || !table->contrasts)
+    table->coverage = calloc(run->n_models + 1, sizeof *table->coverage);
+    if (!table->results || !table->contrasts || !table->coverage)
         return err->status = NQM_ERR_NOMEM;
     nqm_status status = nqm_evaluation_judge(run->evaluation, o, table->results, err);
     if (status == NQM_OK)
         status = contrast(run, o, table, err);
+    if (status == NQM_OK)
+        status = judge_coverage(run, o, table, err);
     if (status == NQM_ERR_INCOMPATIBLE && run->n_tables > 1) {
         free(table->results);
         table->results = NULL;
@@ -106,7 +115,7 @@ static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, 
         o.material_class = nqm_material_class_name(i);
         status = judge(run, &o, "class", o.material_class, err);
         if (status == NQM_OK && !run->tables[run->n_tables - 1].results) /* no such material */
-            free(run->tables[--run->n_tables].contrasts);
+            release_table(&run->tables[--run->n_tables]);
     }
     return status;
 }
@@ -153,10 +162,8 @@ static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int 
 }
 
 static void release(eval_run *run) {
-    for (size_t i = 0; i < run->n_tables; ++i) {
-        free(run->tables[i].results);
-        free(run->tables[i].contrasts);
-    }
+    for (size_t i = 0; i < run->n_tables; ++i)
+        release_table(&run->tables[i]);
     free(run->tables);
     nqm_evaluation_free(run->evaluation);
     for (size_t i = 0; i < run->n_models; ++i)

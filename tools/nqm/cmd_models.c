@@ -21,11 +21,12 @@ static json_t *model_json(const nqm_model *model) {
     json_t *layers = json_array();
     for (size_t l = 0; l <= info.n_layers; ++l)
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
-    return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
+    return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
                      "parameters", (json_int_t)info.n_parameters, "sha256", info.sha256, "layers", layers, "directions",
                      "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions),
-                     "jod_range", json_number(info.jod_min), json_number(info.jod_max), "licence", info.licence,
-                     "manifest_sha256", info.manifest_sha256, "card", info.card);
+                     "jod_range", json_number(info.jod_min), json_number(info.jod_max), "calibration",
+                     stored_calibration_json(&info), "licence", info.licence, "manifest_sha256", info.manifest_sha256,
+                     "card", info.card);
 }
 
 static int show_model(const char *name, bool json) {
@@ -44,6 +45,7 @@ static int show_model(const char *name, bool json) {
                info.n_parameters, layers_text(&info, layers, sizeof layers));
         printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
                nqm_directions_id(info.directions), info.jod_min, info.jod_max);
+        print_stored_calibration(&info);
         printf("licence     %s\nsha256      %s\n", info.licence, info.sha256);
         if (*info.manifest_sha256)
             printf("trained on  %s (sha256 of the dataset)\n", info.manifest_sha256);

@@ -175,14 +175,15 @@ static int print_report(const train_run *run, const nqm_model_info *info) {
     const nqm_train_report *r = &run->report;
     const char *path = run->arguments->output;
     if (run->arguments->json)
-        return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:o,s:o,s:o,s:o}", "schema",
-                                    1, "tool", json_tool(), "model", "path", path, "id", info->id, "recipe",
+        return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o}",
+                                    "schema", 1, "tool", json_tool(), "model", "path", path, "id", info->id, "recipe",
                                     info->recipe, "sha256", info->sha256, "parameters", (json_int_t)info->n_parameters,
                                     "n_train", (json_int_t)r->n_train, "n_validation", (json_int_t)r->n_validation,
                                     "epochs", (json_int_t)r->epochs, "epochs_resumed", (json_int_t)r->epochs_resumed,
                                     "steps", (json_int_t)r->n_steps, "train_loss", json_number(r->train_loss),
                                     "validation_loss", json_number(r->validation_loss), "validation_spearman",
-                                    json_number(r->validation_spearman), "seconds", json_number(r->seconds)));
+                                    json_number(r->validation_spearman), "calibration",
+                                    calibration_json(&r->calibration), "seconds", json_number(r->seconds)));
     end_progress();
     printf("model       %s (id %s, recipe %s, %zu parameters)\n", path, info->id, info->recipe, info->n_parameters);
     printf("sha256      %s\n", info->sha256);
@@ -192,6 +193,12 @@ static int print_report(const train_run *run, const nqm_model_info *info) {
     printf("loss        %.4f, validation %.4f\n", r->train_loss, r->validation_loss);
     if (isfinite(r->validation_spearman))
         printf("Spearman    %.3f with the labels of the validation pairs\n", r->validation_spearman);
+    if (r->calibration.n_materials)
+        print_calibration(&r->calibration);
+    else
+        printf("interval    none: %s\n", run->arguments->options.split_by_pair
+                                             ? "the validation materials were trained on"
+                                             : "too few validation pairs or materials");
     return EXIT_OK;
 }
 

@@ -16,6 +16,7 @@ typedef struct eval_table {
     char name[80];           /* "all", "ggx", "JOD >= 9.5" */
     nqm_agreement *results;  /* (n_predictors); NULL where no pair is selected */
     nqm_contrast *contrasts; /* (n_models, N_RIVALS); first and second equal: there is no such rival */
+    nqm_coverage *coverage;  /* (n_models) of their intervals; n 0: there are none, or labels are no JOD */
 } eval_table;
 
 typedef struct eval_run {
@@ -40,6 +41,14 @@ int evaluate_choices(const eval_run *run, const nqm_eval_options *options, eval_
 int open_human(eval_run *run, const char *root);
 /** Write label, predictions and scalar features of every pair that was judged, as CSV. */
 int write_pairs(const eval_run *run, const char *path);
+
+/** Count the labels inside the intervals of those models that have them. */
+nqm_status judge_coverage(const eval_run *run, const nqm_eval_options *o, eval_table *table, nqm_error *err);
+/** As text below a table; as JSON, null where there is none; as CSV, with commas before each, NULL: empty fields. */
+void print_coverage(const eval_run *run, const eval_table *table);
+json_t *coverage_json(const eval_table *table, size_t model);
+extern const char coverage_columns[];
+void print_csv_coverage(const nqm_coverage *coverage);
 
 /* Parts of what is printed. */
 void print_interval(double value, const double ci95[2]);

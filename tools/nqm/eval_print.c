@@ -82,6 +82,7 @@ static void print_table(const eval_run *run, const eval_table *table) {
         putchar('\n');
     }
     print_contrasts(run, table);
+    print_coverage(run, table);
 }
 
 static int print_text(const eval_run *run) {
@@ -152,6 +153,7 @@ static json_t *agreement_json(const eval_run *run, const eval_table *table, size
     json_object_set_new(row, "n_ordered", json_integer((json_int_t)a->n_ordered));
     if (is_model(run, predictor)) {
         json_object_set_new(row, "contrasts", contrasts_json(run, table->contrasts + predictor * N_RIVALS));
+        json_object_set_new(row, "interval", coverage_json(table, predictor));
     } else {
         json_object_set_new(row, "best_of_family", json_boolean(a->best_of_family));
         json_object_set_new(row, "best_baseline", json_boolean(a->best_baseline));
@@ -255,16 +257,18 @@ static void print_csv_row(const eval_run *run, const eval_table *table, size_t p
         print_csv_difference(there ? nqm_evaluation_name(run->evaluation, c->second) : NULL,
                              there ? &c->spearman : NULL);
     }
+    print_csv_coverage(is_model(run, predictor) ? &table->coverage[predictor] : NULL);
     putchar('\n');
 }
 
 static int print_csv(const eval_run *run) {
     end_progress();
-    puts("by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,spearman_mean_by_material,mean_ci95_low,"
-         "mean_ci95_high,pearson,kendall,mae,rmse,r2,pearson_low,pearson_high,kendall_low,kendall_high,mae_low,"
-         "mae_high,rmse_low,rmse_high,r2_low,r2_high,order,order_low,order_high,n_ordered,best_of_family,"
-         "best_baseline,rival,difference,difference_low,difference_high,share_below_0,rival_2,difference_2,"
-         "difference_2_low,difference_2_high,share_2_below_0");
+    printf("by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,spearman_mean_by_material,mean_ci95_low,"
+           "mean_ci95_high,pearson,kendall,mae,rmse,r2,pearson_low,pearson_high,kendall_low,kendall_high,mae_low,"
+           "mae_high,rmse_low,rmse_high,r2_low,r2_high,order,order_low,order_high,n_ordered,best_of_family,"
+           "best_baseline,rival,difference,difference_low,difference_high,share_below_0,rival_2,difference_2,"
+           "difference_2_low,difference_2_high,share_2_below_0,%s\n",
+           coverage_columns);
     for (size_t i = 0; i < run->n_tables * run->n_predictors; ++i)
         if (run->tables[i / run->n_predictors].results)
             print_csv_row(run, &run->tables[i / run->n_predictors], i % run->n_predictors);

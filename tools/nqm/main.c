@@ -29,6 +29,7 @@ static const verb verbs[] = {
     {"regress", cmd_regress, "fit the curve from Delta-E ITP to JOD to human scores"},
     {"agree", cmd_agree, "our labels beside somebody else's for the same pairs"},
     {"train", cmd_train, "train a model on a dataset"},
+    {"calibrate", cmd_calibrate, "give a model the intervals around its JOD"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
     {"reproduce", cmd_reproduce, "the paper's study on its authors' data: which of its figures come out"},
     {"plot", cmd_plot, "drawings of labels, evaluations, trainings, models and BRDFs"},

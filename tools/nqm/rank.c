@@ -86,16 +86,20 @@ static void print_percent(double share) {
 }
 
 static void print_text(const ranking *r) {
+    char text[INTERVAL_TEXT];
+    bool calibrated = *nqm_model_get_info(r->model).calibration;
     printf("model      %s\n", nqm_model_get_info(r->model).id);
     for (size_t i = 0; i < r->n_rows; ++i) {
         const rank_row *row = &r->rows[i];
         if (i == 0 || !same_group(r, i - 1, i))
-            printf("%sreference  %s\n\n  %4s  %5s  %9s  %9s  test\n", i ? "\n" : "", row->pair.ref, "rank", "JOD",
-                   "over next", "best over");
+            printf("%sreference  %s\n\n  %4s  %5s%s  %9s  %9s  test\n", i ? "\n" : "", row->pair.ref, "rank", "JOD",
+                   calibrated ? "  [95 %]        " : "", "over next", "best over");
         if (has_score(row))
             printf("  %4zu  %5.2f", row->rank, row->result.jod);
         else
             printf("  %4s  %5s", "-", "-");
+        if (calibrated)
+            printf("  %-*s", INTERVAL_WIDTH, has_score(row) ? interval_text(&row->result, text) : "-");
         print_percent(row->over_next);
         print_percent(row->best_preferred);
         printf("  %s\n", row->pair.test);
@@ -105,7 +109,7 @@ static void print_text(const ranking *r) {
 }
 
 static void print_csv(const ranking *r) {
-    puts("reference,rank,test,jod,over_next,best_preferred,error");
+    puts("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,error");
     for (size_t i = 0; i < r->n_rows; ++i) {
         const rank_row *row = &r->rows[i];
         print_csv_text(stdout, row->pair.ref);
@@ -114,7 +118,8 @@ static void print_csv(const ranking *r) {
             printf("%zu", row->rank);
         putchar(',');
         print_csv_text(stdout, row->pair.test);
-        const double numbers[] = {row->result.jod, row->over_next, row->best_preferred};
+        const double numbers[] = {row->result.jod, row->result.jod_low, row->result.jod_high, row->over_next,
+                                  row->best_preferred};
         for (size_t k = 0; k < sizeof numbers / sizeof *numbers; ++k) {
             putchar(',');
             print_csv_number(stdout, numbers[k]);
@@ -131,9 +136,10 @@ static int print_ranking_json(const ranking *r) {
     for (size_t i = 0; i < r->n_rows; ++i) {
         const rank_row *row = &r->rows[i];
         json_t *object =
-            json_pack("{s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "rank",
+            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "rank",
                       row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test", json_name(row->pair.test),
-                      "jod", json_number(row->result.jod), "identical", row->result.identical, "over_next",
+                      "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low), "jod_high",
+                      json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
                       json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
         if (!has_score(row))
             json_object_set_new(object, "error", json_name(row->err->message));

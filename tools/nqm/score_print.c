@@ -44,9 +44,24 @@ static int metric_width(int m) {
     return n > 9 ? n : 9;
 }
 
+static void print_jod(const score_row *row, bool calibrated) {
+    char text[INTERVAL_TEXT];
+    bool scored = row->err.status == NQM_OK;
+    if (scored)
+        printf("  %5.2f", row->result.jod);
+    else
+        printf("  %5s", "-");
+    if (calibrated)
+        printf("  %-*s", INTERVAL_WIDTH, scored ? interval_text(&row->result, text) : "-");
+}
+
 static void print_text(const score_run *run) {
     printf("reference  %s\nmodel      %s\n\n", run->ref_name, nqm_model_get_info(run->model).id);
-    printf("  %5s  %7s  %-20s", "JOD", "noticed", "verdict");
+    bool calibrated = *nqm_model_get_info(run->model).calibration;
+    printf("  %5s", "JOD");
+    if (calibrated)
+        printf("  %-*s", INTERVAL_WIDTH, "[95 %]");
+    printf("  %7s  %-20s", "noticed", "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
@@ -55,10 +70,11 @@ static void print_text(const score_run *run) {
         const score_row *row = &run->rows[i];
         const nqm_score_result *r = &row->result;
         bool scored = row->err.status == NQM_OK;
+        print_jod(row, calibrated);
         if (scored)
-            printf("  %5.2f  %5.0f %%  %-20s", r->jod, r->identical ? 50 : noticed_percent(r->jod), verdict(r));
+            printf("  %5.0f %%  %-20s", r->identical ? 50 : noticed_percent(r->jod), verdict(r));
         else
-            printf("  %5s  %7s  %-20s", "-", "-", "no score");
+            printf("  %7s  %-20s", "-", "no score");
         for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
             if (run->metrics[m] && scored)
                 printf("  %*.4g", metric_width(m), r->metrics[m]);
@@ -69,6 +85,9 @@ static void print_text(const score_run *run) {
     }
     puts("\nJOD 10: no visible difference; above 9.5: practically the same; one JOD less: 75 % of people notice.\n"
          "noticed: people who would say that the reference looks better (50 % is guessing).");
+    if (calibrated)
+        puts("[95 %]: where the JOD of rendered pictures lies for 95 % of pairs of materials that are new to the "
+             "model.");
 }
 
 static void print_quiet(const score_run *run) {
@@ -99,8 +118,9 @@ static json_t *row_json(const score_run *run, const score_row *row) {
         remark_on_reference(&terms, "reference", r, warnings);
         remark_on_test(&terms, "test", r, warnings);
     }
-    json_t *object = json_pack("{s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->name), "jod",
-                               json_number(number_of(row, r->jod)), "delta_e_itp",
+    json_t *object = json_pack("{s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->name), "jod",
+                               json_number(number_of(row, r->jod)), "jod_low", json_number(number_of(row, r->jod_low)),
+                               "jod_high", json_number(number_of(row, r->jod_high)), "delta_e_itp",
                                json_number(number_of(row, r->delta_e)), "identical", scored && r->identical, "n_valid",
                                (json_int_t)r->n_valid, "metrics", metrics, "warnings", warnings);
     if (!scored)
@@ -119,7 +139,7 @@ static int print_scores_json(const score_run *run) {
 }
 
 static void print_scores_csv(const score_run *run) {
-    printf("reference,test,jod,delta_e_itp,identical,n_valid");
+    printf("reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             printf(",%s", nqm_metric_name((nqm_metric)m));
@@ -130,10 +150,11 @@ static void print_scores_csv(const score_run *run) {
         print_csv_text(stdout, run->ref_name);
         putchar(',');
         print_csv_text(stdout, row->name);
-        putchar(',');
-        print_csv_number(stdout, number_of(row, r->jod));
-        putchar(',');
-        print_csv_number(stdout, number_of(row, r->delta_e));
+        const double numbers[] = {r->jod, r->jod_low, r->jod_high, r->delta_e};
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; ++k) {
+            putchar(',');
+            print_csv_number(stdout, number_of(row, numbers[k]));
+        }
         printf(",%d,%zu", row->err.status == NQM_OK && r->identical, r->n_valid);
         for (int m = 0; m < NQM_METRIC_COUNT; ++m)
             if (run->metrics[m]) {

@@ -127,6 +127,15 @@ json_t *json_number(double value);
 json_t *json_tool(void);
 /** What a JOD below 10 means, in words; doc/cli.md has the table. */
 const char *jod_words(double jod);
+/** Two lines on the intervals of a model, as made now and as its file has them; JSON of the same, null when there are
+ *  none. */
+void print_calibration(const nqm_calibration *calibration);
+void print_stored_calibration(const nqm_model_info *info);
+json_t *calibration_json(const nqm_calibration *calibration);
+json_t *stored_calibration_json(const nqm_model_info *info);
+enum { INTERVAL_TEXT = 32, INTERVAL_WIDTH = 14 };
+/** "[3.62, 4.47]", at most INTERVAL_WIDTH characters, for a result that has an interval. */
+const char *interval_text(const nqm_score_result *result, char text[INTERVAL_TEXT]);
 /** One CSV field on standard output, quoted when needed. */
 void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing when it is not finite. */
@@ -150,6 +159,7 @@ int close_output(const char *verb, output_file *out, bool keep);
 
 int cmd_agree(int argc, char **argv);
 int cmd_batch(int argc, char **argv);
+int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_dataset(int argc, char **argv);

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Giving a model its intervals: from the validation materials of the dataset it was trained on, or of another whose
+ * materials are known to be new to it. The model file and the card say what was measured.
+ */
+#include "train/calibrate.h"
+#include "metric/metric.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what the file says ------------------------------------------------------------------------------------------ */
+
+static double rounded(double x) {
+    return round(x * 1e4) / 1e4;
+}
+
+static char *calibration_text(const nqm_calibration *c, const char *dataset_sha256) {
+    json_t *json =
+        json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:s}", "level", 0.95, "materials", (json_int_t)c->n_materials,
+                  "pairs", (json_int_t)c->n_pairs, "coverage", rounded(c->coverage), "coverage_pairs",
+                  rounded(c->coverage_pairs), "coverage_lowest", rounded(c->coverage_lowest), "mean_width",
+                  rounded(c->mean_width), "dataset_sha256", dataset_sha256);
+    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
+    char *text = dump ? nqm_strdup(dump) : NULL;
+    free(dump);
+    json_decref(json);
+    return text;
+}
+
+static const char section_head[] = "\n## Interval\n";
+
+/* Where a section begins and ends in a card; both at its end when there is none. */
+static void find_section(const char *card, size_t *begin_ret, size_t *end_ret) {
+    const char *begin = strstr(card, section_head);
+    *begin_ret = *end_ret = strlen(card);
+    if (!begin)
+        return;
+    const char *next = strstr(begin + sizeof section_head - 1, "\n## ");
+    *begin_ret = (size_t)(begin - card);
+    if (next)
+        *end_ret = (size_t)(next - card);
+}
+
+char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const char *dataset_sha256) {
+    enum { SECTION_BYTES = 1000, NUMBER_BYTES = 32 };
+    size_t begin, end, n_card = strlen(card), n = n_card + SECTION_BYTES;
+    find_section(card, &begin, &end);
+    char *text = nqm_alloc(n, 1);
+    if (!text)
+        return NULL;
+    char percent[3][NUMBER_BYTES], width[NUMBER_BYTES]; /* with a point in any locale */
+    const double shares[3] = {c->coverage, c->coverage_pairs, c->coverage_lowest};
+    for (size_t i = 0; i < 3; ++i)
+        nqm_format_double(percent[i], sizeof percent[i], round(1000 * shares[i]) / 10);
+    nqm_format_double(width, sizeof width, round(100 * c->mean_width) / 100);
+    int n_written = snprintf(
+        text, n,
+        "%.*s%s\nThe 95 %% interval of a JOD was calibrated on %zu validation pairs of %zu materials, which the model "
+        "was\n"
+        "not trained on (dataset `%.64s`).\nWith each material left out in turn, it held %s %% of that material's "
+        "labels as the mean over materials\n(%s %% of all pairs; of the worst material %s %%); mean width %s JOD. It "
+        "is "
+        "about labels by rendering of\nmaterials and distortions like these, not about people.\n%s",
+        (int)begin, card, section_head, c->n_pairs, c->n_materials, dataset_sha256, percent[0], percent[1], percent[2],
+        width, card + end);
+    if (n_written < 0 || (size_t)n_written >= n) {
+        nqm_free(text);
+        return NULL;
+    }
+    return text;
+}
+
+nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_residuals *residuals, const char *dataset_sha256,
+                                  nqm_calibration *report, nqm_error *err) {
+    double *table = nqm_alloc(NQM_INTERVAL_ROWS, 3 * sizeof *table);
+    if (!table)
+        return nqm_fail_nomem(err, NQM_INTERVAL_ROWS * 3 * sizeof *table);
+    nqm_status status = nqm_interval_fit(residuals, table, report, err);
+    char *text = status == NQM_OK ? calibration_text(report, dataset_sha256) : NULL;
+    if (status == NQM_OK && !text)
+        status = nqm_fail_nomem(err, 0);
+    if (status != NQM_OK) {
+        nqm_free(table);
+        return status;
+    }
+    model->n_interval = NQM_INTERVAL_ROWS;
+    model->interval = table;
+    model->calibration = text;
+    return NQM_OK;
+}
+
+/* ---- a model that exists ----------------------------------------------------------------------------------------- */
+
+static bool was_split_by_pair(const nqm_model *model) {
+    json_t *training = model->training ? json_loads(model->training, 0, NULL) : NULL;
+    bool by_pair = json_is_true(json_object_get(json_object_get(training, "options"), "split_by_pair"));
+    json_decref(training);
+    return by_pair;
+}
+
+/* The materials must be new to the model, else the interval would be too narrow. */
+static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, nqm_error *err) {
+    if (!model->manifest_sha256 || strcmp(model->manifest_sha256, dataset->sha256) != 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "model '%s' was not trained on this dataset, so that its validation materials may have been "
+                        "trained on",
+                        model->id);
+    if (was_split_by_pair(model))
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "model '%s' was trained on the validation materials: its validation pairs were drawn over all "
+                        "pairs",
+                        model->id);
+    return NQM_OK;
+}
+
+static nqm_status calibrate(struct nqm_model *copy, const nqm_dataset *d, nqm_calibration *report, nqm_error *err) {
+    const nqm_model *model = copy;
+    nqm_eval_options options = nqm_eval_options_default();
+    options.split = NQM_SPLIT_VALIDATION;
+    nqm_evaluation *ev;
+    nqm_status status = nqm_evaluation_create(d, 1, &model, &options, &ev, err);
+    if (status != NQM_OK)
+        return status;
+    const double *values = nqm_evaluation_values(ev, 0);
+    double *predicted = nqm_alloc(d->n_pairs, sizeof *predicted), *label = nqm_alloc(d->n_pairs, sizeof *label);
+    uint32_t *group = nqm_alloc(d->n_pairs, sizeof *group);
+    nqm_residuals r = {.n_groups = d->n_groups, .predicted = predicted, .label = label, .group = group};
+    if (!predicted || !label || !group)
+        status = nqm_fail_nomem(err, d->n_pairs * 2 * sizeof *label);
+    for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
+        if (isfinite(values[i])) {
+            predicted[r.n] = values[i];
+            label[r.n] = d->jod[i];
+            group[r.n++] = d->ref_group[d->pair_ref[i]];
+        }
+    if (status == NQM_OK)
+        status = nqm_model_set_interval(copy, &r, d->sha256, report, err);
+    nqm_free(predicted);
+    nqm_free(label);
+    nqm_free(group);
+    nqm_evaluation_free(ev);
+    return status;
+}
+
+nqm_status nqm_model_save_calibrated(const nqm_model *model, const nqm_dataset *dataset, int materials_are_new,
+                                     const char *path, nqm_calibration *calibration, nqm_error *err) {
+    nqm_status status = materials_are_new ? NQM_OK : check_new(model, dataset, err);
+    if (status != NQM_OK)
+        return status;
+    struct nqm_model copy = *model;
+    copy.interval = NULL;
+    copy.calibration = NULL;
+    status = calibrate(&copy, dataset, calibration, err);
+    if (status == NQM_OK) {
+        copy.card = nqm_card_with_interval(model->card ? model->card : "", calibration, dataset->sha256);
+        status = copy.card ? nqm_model_save(&copy, path, err) : nqm_fail_nomem(err, 0);
+        nqm_free(copy.card);
+    }
+    nqm_free(copy.interval);
+    nqm_free(copy.calibration);
+    return status;
+}

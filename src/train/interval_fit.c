@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Intervals around predictions from residuals of unseen materials: locally scaled conformal prediction (Lei et al. 2018,
+ * arXiv:1604.04173, section 5.2; Romano et al. 2019, arXiv:1905.03222) for data in groups (Dunn et al. 2022,
+ * arXiv:1809.07441; Lee et al. 2023, arXiv:2306.06342).
+ *
+ * 1. Residuals live on the scale y = log(JOD / (10 - JOD)), where the saturation near 10 does not squeeze them.
+ * 2. Their scale, up and down, is their 95 % quantile in windows of neighbouring predictions.
+ * 3. The score of a pair is its residual over the scale, which for this purpose was found without its material.
+ * 4. The interval is the scale times one factor: the smallest for which the mean share of scores below it, over
+ *    materials, is 0.95 even at its lower 95 % confidence limit. Pairs of a material go together, so materials are the
+ *    sample; the limit is the price of having few.
+ */
+#include "train/calibrate.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double level = 0.95;
+static const double jod_top = 10;
+static const double softening = 1e-3;   /* JOD: differences far below this are nobody's concern */
+static const double least_scale = 0.02; /* on y: so that a factor can widen windows of perfect predictions, too */
+enum { MAX_WINDOWS = 10, PAIRS_PER_WINDOW = 50 };
+
+static const size_t nobody = SIZE_MAX; /* no material is left out */
+
+/* ---- the scale y ------------------------------------------------------------------------------------------------- */
+
+static double y_of_jod(double jod) {
+    double inside = fmin(jod_top, fmax(0, jod));
+    return log((inside + softening) / (jod_top - inside + softening));
+}
+
+static double jod_of_y(double y) {
+    double odds = exp(-y);
+    double jod = (jod_top + softening - softening * odds) / (1 + odds);
+    return odds < INFINITY ? fmin(jod_top, fmax(0, jod)) : 0;
+}
+
+/* ---- local scales ------------------------------------------------------------------------------------------------ */
+
+/* How far residuals reach at a prediction: linear between the windows' medians, constant beyond. */
+typedef struct scales {
+    size_t n;
+    double at[MAX_WINDOWS], down[MAX_WINDOWS], up[MAX_WINDOWS];
+} scales;
+
+static double scale_at(const scales *s, const double *values, double y) {
+    size_t i = 0;
+    while (i < s->n && y > s->at[i])
+        ++i;
+    if (i == 0 || i == s->n)
+        return values[i ? s->n - 1 : 0];
+    double t = (y - s->at[i - 1]) / (s->at[i] - s->at[i - 1]);
+    return (1 - t) * values[i - 1] + t * values[i];
+}
+
+/* A value with a material, sorted by the value. */
+typedef struct item {
+    double value;
+    size_t pair;
+} item;
+
+static int by_value(const void *a, const void *b) {
+    const item *x = a, *y = b;
+    if (x->value != y->value)
+        return x->value < y->value ? -1 : 1;
+    return x->pair < y->pair ? -1 : x->pair > y->pair;
+}
+
+/* Everything of one fit. */
+typedef struct fit {
+    const nqm_residuals *r;
+    size_t n_materials;
+    size_t *count;  /* (n_groups) pairs */
+    double *y;      /* (n) of the prediction */
+    double *error;  /* (n) y of the label less that */
+    double *score;  /* (n) see 3. */
+    item *sorted;   /* (n) pairs by prediction */
+    item *window;   /* (n) scratch */
+    size_t *kept;   /* (n) scratch: pairs of the other materials, by prediction */
+    item *by_score; /* (n) */
+    size_t *inside; /* (n_groups) scratch */
+} fit;
+
+/* The smallest of `n` values, which are sorted, with a share `level` of the weight at or below it; every material weighs the
+ * same in the whole. step -1: of the negated values. */
+static double weighted_quantile(const fit *f, size_t n, const item *values, int step) {
+    double total = 0, sum = 0;
+    for (size_t i = 0; i < n; ++i)
+        total += 1 / (double)f->count[f->r->group[values[i].pair]];
+    for (size_t k = 0; k < n; ++k) {
+        const item *v = &values[step > 0 ? k : n - 1 - k];
+        sum += 1 / (double)f->count[f->r->group[v->pair]];
+        if (sum >= level * total)
+            return step * v->value;
+    }
+    return step * values[step > 0 ? n - 1 : 0].value;
+}
+
+/* Scales from all materials but one. */
+static scales find_scales(const fit *f, size_t left_out) {
+    size_t n = 0;
+    for (size_t i = 0; i < f->r->n; ++i)
+        if (f->r->group[f->sorted[i].pair] != left_out)
+            f->kept[n++] = f->sorted[i].pair;
+    size_t n_windows = n / PAIRS_PER_WINDOW;
+    n_windows = n_windows < 1 ? 1 : n_windows > MAX_WINDOWS ? MAX_WINDOWS : n_windows;
+    scales s = {.n = n_windows};
+    for (size_t w = 0; w < n_windows; ++w) { /* each overlaps half of its neighbours */
+        size_t begin = w ? n * (2 * w - 1) / (2 * n_windows) : 0;
+        size_t end = w + 1 < n_windows ? n * (2 * w + 3) / (2 * n_windows) : n;
+        for (size_t i = begin; i < end; ++i)
+            f->window[i - begin] = (item){f->error[f->kept[i]], f->kept[i]};
+        s.at[w] = f->y[f->kept[begin + (end - begin) / 2]];
+        qsort(f->window, end - begin, sizeof *f->window, by_value);
+        s.up[w] = fmax(least_scale, weighted_quantile(f, end - begin, f->window, 1));
+        s.down[w] = fmax(least_scale, weighted_quantile(f, end - begin, f->window, -1));
+    }
+    return s;
+}
+
+/* ---- the factor -------------------------------------------------------------------------------------------------- */
+
+/* The 95 % quantile of Student's t (Abramowitz and Stegun, 26.7.5). */
+static double student95(double freedom) {
+    double z = 1.6448536269514722, z3 = z * z * z, z5 = z3 * z * z;
+    return z + (z3 + z) / (4 * freedom) + (5 * z5 + 16 * z3 + 3 * z) / (96 * freedom * freedom);
+}
+
+/* Whether the share inside, f->inside of each material, is surely high enough as a mean over n materials. */
+static bool suffices(const fit *f, size_t left_out, size_t n) {
+    double sum = 0, squares = 0;
+    for (size_t g = 0; g < f->r->n_groups; ++g)
+        if (f->count[g] && g != left_out)
+            sum += (double)f->inside[g] / (double)f->count[g];
+    double mean = sum / (double)n;
+    for (size_t g = 0; g < f->r->n_groups; ++g)
+        if (f->count[g] && g != left_out)
+            squares += pow((double)f->inside[g] / (double)f->count[g] - mean, 2);
+    double error = sqrt(squares / ((double)(n - 1) * (double)n));
+    return mean - student95((double)(n - 1)) * error >= level;
+}
+
+/* From the largest score down, as far as every factor on the way suffices. */
+static double find_factor(const fit *f, size_t left_out) {
+    size_t n = f->n_materials - (left_out != nobody);
+    double factor = 0;
+    for (size_t g = 0; g < f->r->n_groups; ++g)
+        f->inside[g] = f->count[g];
+    for (size_t i = f->r->n; i-- > 0;) {
+        size_t group = f->r->group[f->by_score[i].pair];
+        if (group == left_out)
+            continue;
+        if (f->by_score[i].value < factor && !suffices(f, left_out, n))
+            return factor;
+        factor = f->by_score[i].value;
+        --f->inside[group]; /* those at or above this score are outside of any smaller factor */
+    }
+    return factor;
+}
+
+/* ---- all together ------------------------------------------------------------------------------------------------ */
+
+static nqm_status make_room(fit *f, nqm_error *err) {
+    size_t n = f->r->n;
+    f->count = nqm_alloc(f->r->n_groups, sizeof *f->count);
+    f->inside = nqm_alloc(f->r->n_groups, sizeof *f->inside);
+    f->kept = nqm_alloc(n, sizeof *f->kept);
+    f->y = nqm_alloc(n, sizeof *f->y);
+    f->error = nqm_alloc(n, sizeof *f->error);
+    f->score = nqm_alloc(n, sizeof *f->score);
+    f->sorted = nqm_alloc(n, sizeof *f->sorted);
+    f->window = nqm_alloc(n, sizeof *f->window);
+    f->by_score = nqm_alloc(n, sizeof *f->by_score);
+    bool ok = f->count && f->inside && f->kept && f->y && f->error && f->score && f->sorted && f->window && f->by_score;
+    return ok ? NQM_OK : nqm_fail_nomem(err, n * 3 * (sizeof(item) + sizeof(double)));
+}
+
+static void release(fit *f) {
+    void *blocks[] = {f->count, f->inside, f->kept, f->y, f->error, f->score, f->sorted, f->window, f->by_score};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
+        nqm_free(blocks[i]);
+}
+
+static void prepare(fit *f) {
+    for (size_t i = 0; i < f->r->n; ++i) {
+        ++f->count[f->r->group[i]];
+        f->y[i] = y_of_jod(f->r->predicted[i]);
+        f->error[i] = y_of_jod(f->r->label[i]) - f->y[i];
+        f->sorted[i] = (item){f->y[i], i};
+    }
+    qsort(f->sorted, f->r->n, sizeof *f->sorted, by_value);
+}
+
+/* Scores with the scales of the other materials. */
+static void find_scores(fit *f) {
+    for (size_t g = 0; g < f->r->n_groups; ++g) {
+        if (!f->count[g])
+            continue;
+        scales s = find_scales(f, g);
+        for (size_t i = 0; i < f->r->n; ++i)
+            if (f->r->group[i] == g)
+                f->score[i] =
+                    fmax(f->error[i] / scale_at(&s, s.up, f->y[i]), -f->error[i] / scale_at(&s, s.down, f->y[i]));
+    }
+    for (size_t i = 0; i < f->r->n; ++i)
+        f->by_score[i] = (item){f->score[i], i};
+    qsort(f->by_score, f->r->n, sizeof *f->by_score, by_value);
+}
+
+static void fill_table(const fit *f, double *table) {
+    scales s = find_scales(f, nobody);
+    double factor = find_factor(f, nobody);
+    for (size_t k = 0; k < NQM_INTERVAL_ROWS; ++k) {
+        double y = y_of_jod(jod_top) * (2 * (double)k / (NQM_INTERVAL_ROWS - 1) - 1), *row = table + 3 * k;
+        row[0] = jod_of_y(y);
+        row[1] = fmin(row[0], jod_of_y(y - factor * scale_at(&s, s.down, y)));
+        row[2] = fmax(row[0], jod_of_y(y + factor * scale_at(&s, s.up, y)));
+    }
+    for (size_t k = 1; k < NQM_INTERVAL_ROWS; ++k) /* rise, by widening only */
+        table[3 * k + 2] = fmax(table[3 * k + 2], table[3 * k - 1]);
+    for (size_t k = NQM_INTERVAL_ROWS - 1; k-- > 0;)
+        table[3 * k + 1] = fmin(table[3 * k + 1], table[3 * k + 4]);
+}
+
+/* What a table from the other materials would have made of each material. */
+static void measure(const fit *f, const double *table, nqm_calibration *report) {
+    *report = (nqm_calibration){.n_pairs = f->r->n, .n_materials = f->n_materials, .coverage_lowest = 1};
+    for (size_t g = 0; g < f->r->n_groups; ++g) {
+        if (!f->count[g])
+            continue;
+        double factor = find_factor(f, g), n_inside = 0;
+        for (size_t i = 0; i < f->r->n; ++i)
+            n_inside += f->r->group[i] == g && f->score[i] <= factor;
+        double share = n_inside / (double)f->count[g];
+        report->coverage += share / (double)f->n_materials;
+        report->coverage_pairs += n_inside / (double)f->r->n;
+        report->coverage_lowest = fmin(report->coverage_lowest, share);
+    }
+    for (size_t i = 0; i < f->r->n; ++i) {
+        double low, high;
+        nqm_interval_at(NQM_INTERVAL_ROWS, table, f->r->predicted[i], &low, &high);
+        report->mean_width += (high - low) / (double)f->r->n;
+    }
+}
+
+bool nqm_residuals_suffice(const nqm_residuals *r, size_t *n_materials_ret) {
+    uint8_t *seen = nqm_alloc(r->n_groups, sizeof *seen);
+    size_t n_materials = 0;
+    for (size_t i = 0; seen && i < r->n; ++i) {
+        n_materials += !seen[r->group[i]];
+        seen[r->group[i]] = 1;
+    }
+    nqm_free(seen);
+    if (n_materials_ret)
+        *n_materials_ret = n_materials;
+    return r->n >= NQM_CALIBRATION_MIN_PAIRS && n_materials >= NQM_CALIBRATION_MIN_MATERIALS;
+}
+
+nqm_status nqm_interval_fit(const nqm_residuals *residuals, double *table, nqm_calibration *report, nqm_error *err) {
+    fit f = {.r = residuals};
+    if (!nqm_residuals_suffice(residuals, &f.n_materials))
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "%zu pairs of %zu materials are too few for an interval: %d of %d are needed", residuals->n,
+                        f.n_materials, NQM_CALIBRATION_MIN_PAIRS, NQM_CALIBRATION_MIN_MATERIALS);
+    nqm_status status = make_room(&f, err);
+    if (status == NQM_OK) {
+        prepare(&f);
+        find_scores(&f);
+        fill_table(&f, table);
+        measure(&f, table, report);
+    }
+    release(&f);
+    return status;
+}

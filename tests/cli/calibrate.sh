@@ -1,0 +1,96 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Intervals on the command line: nqm train and nqm calibrate make them, score, batch and rank show them, nqm eval counts the
+# labels inside; a model without them says so, and where an interval cannot be honest there is none.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+OMP_NUM_THREADS=1 # these networks are too small to share
+export OMP_NUM_THREADS
+"${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors" 1 48
+"$NQM_BUILD/tests/tiny_dataset" "$dir/other.safetensors" 2 48
+"$NQM_BUILD/tests/tiny_dataset" "$dir/small.safetensors" 1 24
+"$NQM_BUILD/tests/tiny_model" "$dir/without.safetensors" 16
+
+says() { grep -q -- "$1" "$dir/err" || fail "no '$1' in the message: $(cat "$dir/err")"; }
+small="--hidden 32,16 --batch 64 --lr-first 0.001 --epochs 3"
+
+# Training calibrates when the validation materials are new and many.
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/a.safetensors" $small
+grep -q '^interval    95 %, from 288 pairs of 12 materials' "$dir/out" || fail "train: $(cat "$dir/out")"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/pairs.safetensors" $small --split pair --json
+[ "$(number calibration 1)" = null ] || fail "a split over pairs was calibrated"
+# shellcheck disable=SC2086
+run 0 train "$dir/small.safetensors" -o "$dir/small-model.safetensors" $small
+grep -q '^interval    none: too few' "$dir/out" || fail "train with few materials"
+run 0 models show "$dir/a.safetensors"
+{ grep -q '^interval    95 %, from 288 pairs of 12 materials' "$dir/out" && grep -q '^## Interval' "$dir/out"; } || fail "models show"
+run 0 models show "$dir/a.safetensors" --json
+[ "$(number materials 1)" = 12 ] || fail "models show --json"
+run 0 models show "$dir/pairs.safetensors"
+grep -q '^interval    none: not calibrated' "$dir/out" || fail "models show without"
+run 0 models show "$dir/pairs.safetensors" --json
+[ "$(number calibration 1)" = null ] || fail "models show --json without"
+
+# Afterwards: the same table, once in the card; what is not honest is refused.
+run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/b.safetensors" --json
+for word in '"schema": 1' '"materials": 12' '"pairs": 288' '"coverage": 0\.' '"mean_width": '; do
+    grep -q "$word" "$dir/out" || fail "JSON lacks $word"
+done
+run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/b.safetensors"
+grep -q '^interval    95 %' "$dir/out" || fail "text of calibrate"
+run 0 models show "$dir/b.safetensors"
+[ "$(grep -c '^## Interval' "$dir/out")" = 1 ] || fail "two sections in the card"
+run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o -
+cmp -s "$dir/out" "$dir/b.safetensors" || fail "the model on standard output"
+run 5 calibrate "$dir/pairs.safetensors" "$dir/toy.safetensors" -o "$dir/x.safetensors"
+says 'drawn over all'
+run 5 calibrate "$dir/a.safetensors" "$dir/small.safetensors" -o "$dir/x.safetensors"
+says 'not trained on this dataset'
+run 5 calibrate "$dir/a.safetensors" "$dir/other.safetensors" -o "$dir/x.safetensors" --new-materials
+says 'directions'
+run 5 calibrate "$dir/small-model.safetensors" "$dir/small.safetensors" -o "$dir/x.safetensors"
+says 'too few'
+[ ! -e "$dir/x.safetensors" ] || fail "a model was written nevertheless"
+run 2 calibrate "$dir/a.safetensors" "$dir/toy.safetensors"
+run 3 calibrate "$dir/nowhere" "$dir/toy.safetensors" -o "$dir/x.safetensors"
+run 4 calibrate "$dir/a.safetensors" "$dir/a.safetensors" -o "$dir/x.safetensors"
+run 3 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/no/such/folder/x"
+"$tool" calibrate --help | grep -q 'nqm calibrate my' || fail "help with an example"
+
+# score, batch, rank: low <= jod <= high; identical pairs are 10 for sure; nothing without a calibration.
+run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors" --json
+low=$(number jod_low 1) jod=$(number jod 1) high=$(number jod_high 1)
+awk -v l="$low" -v j="$jod" -v h="$high" 'BEGIN {exit !(l <= j && j <= h && l < h)}' || fail "interval: $low $jod $high"
+{ [ "$(number jod_low 2)" = 10.0 ] && [ "$(number jod_high 2)" = 10.0 ]; } || fail "identical"
+run 0 score sgd:nickel ward:nickel -m "$dir/a.safetensors" --csv
+grep -q '^reference,test,jod,jod_low,jod_high,delta_e_itp,' "$dir/out" || fail "CSV header of score"
+awk -F, -v l="$low" 'NR == 2 {exit !($4 - l < 1e-4 && l - $4 < 1e-4)}' "$dir/out" || fail "CSV of score"
+run 0 score sgd:nickel ward:nickel -m "$dir/a.safetensors"
+grep -q ' \[[0-9.]*, [0-9.]*\] .*ward:nickel$' "$dir/out" || fail "text of score"
+printf 'reference,test\nsgd:nickel,ward:nickel\n' >"$dir/list.csv"
+run 0 batch "$dir/list.csv" -m "$dir/a.safetensors" --jsonl
+grep -q '"jod":[0-9.]*,"jod_low":[0-9.]*,"jod_high":[0-9.]*,' "$dir/out" || fail "batch: $(cat "$dir/out")"
+run 0 rank sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors"
+grep -q '  1 .* \[10.00, 10.00\] .*sgd:nickel$' "$dir/out" || fail "rank: $(cat "$dir/out")"
+run 0 rank sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors" --json
+[ "$(number jod_low 1)" = 10.0 ] || fail "rank --json"
+run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/without.safetensors" --json
+{ [ "$(number jod_low 1)" = null ] && [ "$(number jod_high 2)" = null ]; } || fail "null without a calibration"
+for verb in score rank; do
+    run 0 $verb sgd:nickel ward:nickel -m "$dir/without.safetensors"
+    if grep -q '\[' "$dir/out"; then fail "$verb: an interval without a calibration"; fi
+done
+run 0 batch "$dir/list.csv" -m "$dir/without.safetensors"
+sed -n 2p "$dir/out" | grep -q '^sgd:nickel,ward:nickel,[0-9.]*,,,' || fail "batch without a calibration: $(cat "$dir/out")"
+
+# eval counts.
+run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --by range --bootstrap 50
+[ "$(grep -c 'labels inside its 95 % interval: [0-9.]* % \[' "$dir/out")" -ge 2 ] || fail "eval: $(cat "$dir/out")"
+run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --bootstrap 50 --json
+grep -q '"inside": 0\.' "$dir/out" || grep -q '"inside": 1\.0' "$dir/out" || fail "eval --json"
+[ "$(grep -c '"interval": null' "$dir/out")" = 1 ] || fail "eval --json without a calibration"
+run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --bootstrap 0 --csv
+head -n 1 "$dir/out" | grep -q ',coverage,.*,interval_width$' || fail "CSV header of eval"
+[ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of eval"

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Models with intervals: the model file, scores, training that calibrates, models that are calibrated afterwards, and the
+ * count of labels inside.
+ */
+#include "io/io.h"
+#include "support/check.h"
+#include "support/temp_file.h"
+#include "support/tiny_model.h"
+#include "support/toy_dataset.h"
+#include "train/calibrate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double small_table[9] = {0, 0, 3, 8, 6, 9, 10, 9.5, 10};
+
+static nqm_model *calibrated_model(void) {
+    nqm_model *model;
+    assert_int_equal(make_tiny_model(20, &model, NULL), NQM_OK);
+    model->interval = nqm_alloc(9, sizeof(double));
+    memcpy(model->interval, small_table, sizeof small_table);
+    model->n_interval = 3;
+    model->calibration = nqm_strdup("{\"materials\":12}");
+    return model;
+}
+
+static void assert_interval(const nqm_model *model, double jod, double low, double high) {
+    double l, h;
+    nqm_model_interval(model, jod, &l, &h);
+    assert_near(l, low, 1e-12);
+    assert_near(h, high, 1e-12);
+}
+
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
+
+static void tables_are_interpolated_and_stored(void **state) {
+    (void)state;
+    nqm_model *model = calibrated_model(), *read;
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    for (int i = 0; i < 2; ++i) {
+        const nqm_model *m = i ? read : model;
+        assert_interval(m, 8, 6, 9);
+        assert_interval(m, 4, 3, 6);
+        assert_interval(m, 9, 7.75, 9.5);
+        assert_interval(m, 10.5, 9.5, 10.5); /* predictions beyond the table stay inside */
+        assert_interval(m, -1, -1, 3);
+        assert_string_equal(nqm_model_get_info(m).calibration, "{\"materials\":12}");
+    }
+    double low, high;
+    nqm_model_interval(model, NAN, &low, &high);
+    assert_true(isnan(low) && isnan(high));
+    nqm_model_free(read);
+    nqm_model_free(model);
+}
+
+static void models_without_have_none(void **state) {
+    (void)state;
+    nqm_model *model, *read;
+    assert_int_equal(make_tiny_model(20, &model, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    double low, high;
+    nqm_model_interval(read, 8, &low, &high);
+    assert_true(isnan(low) && isnan(high));
+    assert_string_equal(nqm_model_get_info(read).calibration, "");
+    nqm_model_free(read);
+    nqm_model_free(model);
+}
+
+static void broken_tables_are_refused(void **state) {
+    (void)state;
+    const double breaks[][2] = {
+        {3, 0},  /* a prediction twice */
+        {4, 9},  /* a low end above its prediction */
+        {5, 2},  /* a high end below */
+        {7, 5},  /* low ends fall */
+        {4, -1}, /* likewise */
+    };
+    for (size_t i = 0; i < sizeof breaks / sizeof *breaks; ++i) {
+        nqm_model *model = calibrated_model(), *read = NULL;
+        nqm_error err = {0};
+        model->interval[(size_t)breaks[i][0]] = breaks[i][1];
+        assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_non_null(strstr(err.message, "interval"));
+        model->interval[(size_t)breaks[i][0]] = NAN;
+        assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        nqm_model_free(model);
+    }
+    assert_non_null(nqm_interval_table_fault(1, small_table));
+    assert_null(nqm_interval_table_fault(3, small_table));
+}
+
+/* Change the one occurrence of a name in the header to another of the same length. */
+static void rename_in_header(nqm_map *map, unsigned char *copy, const char *from, const char *to) {
+    memcpy(copy, map->data, map->n_bytes);
+    char *at = strstr((char *)copy + sizeof(uint64_t), from); /* behind the length */
+    assert_non_null(at);
+    memcpy(at, to, strlen(to));
+}
+
+static void table_and_text_go_together(void **state) {
+    (void)state;
+    nqm_model *model = calibrated_model(), *read;
+    nqm_map map;
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    unsigned char *copy = malloc(map.n_bytes);
+    rename_in_header(&map, copy, "\"calibration\"", "\"calibratiox\"");
+    assert_int_equal(nqm_model_parse(copy, map.n_bytes, "m", false, &read, NULL), NQM_ERR_MODEL);
+    rename_in_header(&map, copy, "\"interval\"", "\"intervax\"");
+    assert_int_equal(nqm_model_parse(copy, map.n_bytes, "m", false, &read, NULL), NQM_ERR_MODEL);
+    free(copy);
+    nqm_map_close(&map);
+    nqm_model_free(model);
+}
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
+
+static void scores_have_intervals(void **state) {
+    (void)state;
+    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf("ward:nickel");
+    const nqm_brdf *tests[] = {ref, test};
+    nqm_model *model = calibrated_model();
+    nqm_score_result r[2];
+    assert_int_equal(nqm_score(model, ref, 2, tests, NULL, r, NULL), NQM_OK);
+    assert_true(r[0].identical && r[0].jod_low == 10 && r[0].jod_high == 10);
+    assert_interval(model, r[1].jod, r[1].jod_low, r[1].jod_high);
+    assert_true(r[1].jod_low < r[1].jod && r[1].jod < r[1].jod_high);
+    nqm_free(model->interval);
+    model->interval = NULL;
+    assert_int_equal(nqm_score(model, ref, 2, tests, NULL, r, NULL), NQM_OK);
+    for (size_t i = 0; i < 2; ++i)
+        assert_true(isfinite(r[i].jod) && isnan(r[i].jod_low) && isnan(r[i].jod_high));
+    nqm_model_free(model);
+    nqm_brdf_free(ref);
+    nqm_brdf_free(test);
+}
+
+/* ---- training and afterwards ------------------------------------------------------------------------------------- */
+
+static nqm_dataset *dataset; /* 12 validation materials */
+static nqm_model *trained;
+static nqm_train_report report;
+
+static nqm_train_options quick(const char *recipe) {
+    nqm_train_options o;
+    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
+    o.n_hidden = 2;
+    o.hidden[0] = 32, o.hidden[1] = 16;
+    o.batch = 64;
+    o.epochs = 3;
+    o.lr_first = 1e-3;
+    return o;
+}
+
+static int train_once(void **state) {
+    toy_options toy = toy_options_default();
+    toy.n_groups = 48;
+    dataset = toy_dataset(&toy);
+    nqm_train_options o = quick("nqm");
+    return make_temp_file(state) || nqm_train(dataset, &o, &trained, &report, NULL) != NQM_OK;
+}
+
+static int forget(void **state) {
+    nqm_model_free(trained);
+    nqm_dataset_free(dataset);
+    return remove_temp_file(state);
+}
+
+static size_t count_in(const char *text, const char *word) {
+    size_t n = 0;
+    for (const char *at = strstr(text, word); at; at = strstr(at + 1, word))
+        ++n;
+    return n;
+}
+
+static void training_calibrates(void **state) {
+    (void)state;
+    assert_int_equal(report.calibration.n_materials, 12);
+    assert_int_equal(report.calibration.n_pairs, report.n_validation);
+    assert_true(report.calibration.coverage > 0.8 && report.calibration.coverage <= 1);
+    assert_true(report.calibration.mean_width > 0);
+    nqm_model_info info = nqm_model_get_info(trained);
+    assert_non_null(strstr(info.calibration, "\"materials\":12"));
+    assert_non_null(strstr(info.calibration, dataset->sha256));
+    assert_int_equal(count_in(info.card, "## Interval"), 1);
+}
+
+static void materials_on_both_sides_do_not(void **state) {
+    (void)state;
+    nqm_train_options o = quick("paper");
+    nqm_model *model;
+    nqm_train_report r;
+    nqm_error err = {0};
+    nqm_calibration c;
+    o.epochs = 1;
+    assert_int_equal(nqm_train(dataset, &o, &model, &r, NULL), NQM_OK);
+    assert_int_equal(r.calibration.n_materials, 0);
+    assert_string_equal(nqm_model_get_info(model).calibration, "");
+    assert_int_equal(nqm_model_save_calibrated(model, dataset, 0, temp_file, &c, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "drawn over all pairs"));
+    nqm_model_free(model);
+}
+
+static void existing_models_are_calibrated(void **state) {
+    (void)state;
+    nqm_model *read;
+    nqm_calibration c;
+    assert_int_equal(nqm_model_save_calibrated(trained, dataset, 0, temp_file, &c, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(read->n_interval, trained->n_interval);
+    for (size_t i = 0; i < 3 * read->n_interval; ++i) /* predictions of other batches differ by rounding */
+        assert_near(read->interval[i], trained->interval[i], 1e-3);
+    assert_near(c.coverage, report.calibration.coverage, 0.02);
+    assert_int_equal(count_in(nqm_model_get_info(read).card, "## Interval"), 1);
+    nqm_model_free(read);
+}
+
+static void other_datasets_are_refused(void **state) {
+    (void)state;
+    toy_options toy = toy_options_default();
+    toy.n_groups = 48;
+    toy.pairs_per_ref = 11;
+    nqm_dataset *other = toy_dataset(&toy), *small;
+    nqm_calibration c;
+    nqm_error err = {0};
+    assert_int_equal(nqm_model_save_calibrated(trained, other, 0, temp_file, &c, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "not trained on this dataset"));
+    assert_int_equal(nqm_model_save_calibrated(trained, other, 1, temp_file, &c, NULL), NQM_OK);
+    assert_int_equal(c.n_pairs, 12 * 2 * 11);
+    toy.n_groups = 24; /* 6 validation materials */
+    small = toy_dataset(&toy);
+    assert_int_equal(nqm_model_save_calibrated(trained, small, 1, temp_file, &c, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "too few"));
+    nqm_dataset_free(small);
+    nqm_dataset_free(other);
+}
+
+static void cards_hold_one_section(void **state) {
+    (void)state;
+    const nqm_calibration c = {100, 10, 0.951, 0.94, 0.8, 1.25};
+    char *first = nqm_card_with_interval("# Card\n", &c, "abc");
+    assert_non_null(strstr(first, "95.1 %"));
+    assert_non_null(strstr(first, "1.25 JOD"));
+    char longer[2000];
+    snprintf(longer, sizeof longer, "%s\n## Judged on\n\nnothing\n", first);
+    char *second = nqm_card_with_interval(longer, &(nqm_calibration){200, 20, 0.96, 0.95, 0.9, 1}, "def");
+    assert_int_equal(count_in(second, "## Interval"), 1);
+    assert_null(strstr(second, "95.1 %"));
+    assert_non_null(strstr(second, "96 %"));
+    assert_non_null(strstr(second, "\n## Judged on\n\nnothing\n"));
+    assert_memory_equal(second, "# Card\n\n## Interval\n", 20);
+    nqm_free(first);
+    nqm_free(second);
+}
+
+/* ---- the count --------------------------------------------------------------------------------------------------- */
+
+static void labels_inside_are_counted(void **state) {
+    (void)state;
+    const nqm_model *model = trained;
+    nqm_eval_options o = nqm_eval_options_default();
+    nqm_evaluation *ev;
+    nqm_coverage c, again;
+    o.split = NQM_SPLIT_TEST;
+    o.n_bootstrap = 100;
+    assert_int_equal(nqm_evaluation_create(dataset, 1, &model, &o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &c, NULL), NQM_OK);
+    const double *jod = nqm_evaluation_values(ev, 0);
+    size_t n = 0, n_inside = 0, n_high = 0, n_ranges = 0;
+    double width = 0;
+    for (size_t i = 0; i < dataset->n_pairs; ++i) {
+        if (nqm_dataset_pair_split(dataset, i) != NQM_SPLIT_TEST)
+            continue;
+        double low, high;
+        nqm_model_interval(model, jod[i], &low, &high);
+        n_inside += dataset->jod[i] >= low && dataset->jod[i] <= high;
+        n_high += jod[i] >= 9.9;
+        width += high - low;
+        ++n;
+    }
+    for (size_t i = 0; i < NQM_COVERAGE_RANGES; ++i)
+        n_ranges += c.range_n[i];
+    assert_int_equal(c.n, n);
+    assert_int_equal(n_ranges, n);
+    assert_int_equal(c.range_n[NQM_COVERAGE_RANGES - 1], n_high);
+    assert_int_equal(c.n_materials, 12);
+    assert_near(c.inside, (double)n_inside / (double)n, 1e-12);
+    assert_near(c.by_material, c.inside, 1e-12); /* as many pairs each */
+    assert_near(c.inside + c.below + c.above, 1, 1e-12);
+    assert_near(c.mean_width, width / (double)n, 1e-12);
+    assert_true(c.inside > 0.7 && c.lowest <= c.inside && c.lowest_material != NULL);
+    assert_true(c.inside_ci95[0] <= c.inside && c.inside <= c.inside_ci95[1]);
+    assert_true(nqm_coverage_range_from(4) == 9.9);
+    o.jod_from = 9;
+    o.n_bootstrap = 0;
+    assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &again, NULL), NQM_OK);
+    assert_true(again.n < n && isnan(again.inside_ci95[0]));
+    assert_int_equal(nqm_evaluation_coverage(ev, &o, 1, &again, NULL), NQM_ERR_ARG); /* a metric */
+    nqm_evaluation_free(ev);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tables_are_interpolated_and_stored),
+        cmocka_unit_test(models_without_have_none),
+        cmocka_unit_test(broken_tables_are_refused),
+        cmocka_unit_test(table_and_text_go_together),
+        cmocka_unit_test(scores_have_intervals),
+        cmocka_unit_test(training_calibrates),
+        cmocka_unit_test(materials_on_both_sides_do_not),
+        cmocka_unit_test(existing_models_are_calibrated),
+        cmocka_unit_test(other_datasets_are_refused),
+        cmocka_unit_test(cards_hold_one_section),
+        cmocka_unit_test(labels_inside_are_counted),
+    };
+    return cmocka_run_group_tests(tests, train_once, forget);
+}

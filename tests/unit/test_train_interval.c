@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The fit of intervals to residuals of a known law, in which materials have effects of their own: coverage on fresh
+ * materials over many repetitions, what the fit says about itself, and the shape of its table.
+ */
+#include "support/check.h"
+#include "train/calibrate.h"
+
+#include <math.h>
+
+enum { N_MATERIALS = 24, PAIRS_EACH = 40, MAX = N_MATERIALS * PAIRS_EACH };
+
+/* Residuals on the logit of JOD / 10: wider in the middle than at the top, skewed, each material with a bias and a
+ * spread of its own. */
+typedef struct material {
+    double bias, spread;
+} material;
+
+static material draw_material(nqm_rng *rng) {
+    return (material){0.6 * nqm_rng_normal(rng), exp(0.4 * nqm_rng_normal(rng))};
+}
+
+static double logit_jod(double x) {
+    return 10 / (1 + exp(-x));
+}
+
+static void draw_pair(const material *m, nqm_rng *rng, double *predicted, double *label) {
+    double x = 5.5 * nqm_rng_uniform(rng), scale = 0.25 + 0.1 * (5.5 - x);
+    double e = m->bias + m->spread * nqm_rng_normal(rng);
+    *predicted = logit_jod(x);
+    *label = logit_jod(x + scale * (e > 0 ? e : 2 * e));
+}
+
+static double predicted[MAX], label[MAX];
+static uint32_t group[MAX];
+static nqm_residuals residuals = {
+    .n = MAX, .n_groups = N_MATERIALS, .predicted = predicted, .label = label, .group = group};
+
+static void draw_residuals(nqm_rng *rng) {
+    for (size_t g = 0; g < N_MATERIALS; ++g) {
+        material m = draw_material(rng);
+        for (size_t i = g * PAIRS_EACH; i < (g + 1) * PAIRS_EACH; ++i) {
+            draw_pair(&m, rng, &predicted[i], &label[i]);
+            group[i] = (uint32_t)g;
+        }
+    }
+}
+
+/* Shares of fresh pairs inside, each of a material of its own: below 9.5 JOD predicted, and above. */
+enum { N_ZONES = 2, N_FRESH = 4000 };
+
+static double fresh_coverage(const double *table, nqm_rng *rng, double inside[N_ZONES], double n[N_ZONES]) {
+    double all = 0;
+    for (size_t i = 0; i < N_FRESH; ++i) {
+        material m = draw_material(rng);
+        double jod, truth, low, high;
+        draw_pair(&m, rng, &jod, &truth);
+        nqm_interval_at(NQM_INTERVAL_ROWS, table, jod, &low, &high);
+        size_t zone = jod >= 9.5;
+        inside[zone] += truth >= low && truth <= high;
+        n[zone] += 1;
+        all += truth >= low && truth <= high;
+    }
+    return all / N_FRESH;
+}
+
+static void new_materials_are_covered(void **state) {
+    (void)state;
+    enum { N_REPEATS = 40 };
+    double mean = 0, said = 0, inside[N_ZONES] = {0}, n[N_ZONES] = {0}, table[3 * NQM_INTERVAL_ROWS];
+    int n_short = 0;
+    for (uint64_t repeat = 0; repeat < N_REPEATS; ++repeat) {
+        nqm_rng rng = nqm_rng_make(7, repeat);
+        nqm_calibration c;
+        draw_residuals(&rng);
+        assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
+        assert_null(nqm_interval_table_fault(NQM_INTERVAL_ROWS, table));
+        double coverage = fresh_coverage(table, &rng, inside, n);
+        mean += coverage / N_REPEATS;
+        said += c.coverage / N_REPEATS;
+        n_short += coverage < 0.95;
+    }
+    /* A limit of 95 % confidence: at most one calibration in 20 should fall short, and three for luck. */
+    assert_in_range(n_short, 0, 5);
+    assert_true(mean > 0.95 && mean < 0.985);
+    assert_near(said, mean, 0.01);
+    for (size_t z = 0; z < N_ZONES; ++z)
+        assert_near(inside[z] / n[z], mean, 0.02);
+}
+
+/* Were pairs taken for independent, biased materials would be missed: few materials must widen the interval. */
+static void materials_are_the_sample(void **state) {
+    (void)state;
+    enum { N_REPEATS = 20 };
+    double table[3 * NQM_INTERVAL_ROWS], width_together = 0, width_apart = 0;
+    nqm_calibration together, apart;
+    static uint32_t own[MAX];
+    for (size_t i = 0; i < MAX; ++i) /* pairs of all materials in each of many groups */
+        own[i] = (uint32_t)(i % (MAX / 4));
+    nqm_residuals scattered = residuals;
+    scattered.group = own;
+    scattered.n_groups = MAX / 4;
+    for (uint64_t repeat = 0; repeat < N_REPEATS; ++repeat) {
+        nqm_rng rng = nqm_rng_make(8, repeat);
+        draw_residuals(&rng);
+        assert_int_equal(nqm_interval_fit(&residuals, table, &together, NULL), NQM_OK);
+        assert_int_equal(nqm_interval_fit(&scattered, table, &apart, NULL), NQM_OK);
+        width_together += together.mean_width;
+        width_apart += apart.mean_width;
+    }
+    assert_int_equal(together.n_materials, N_MATERIALS);
+    assert_int_equal(apart.n_materials, MAX / 4);
+    assert_true(together.coverage_lowest <= together.coverage);
+    assert_true(width_together > 1.04 * width_apart);
+}
+
+static void tables_keep_their_promises(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(9, 0);
+    double table[3 * NQM_INTERVAL_ROWS], again[3 * NQM_INTERVAL_ROWS], last_low = 0, last_high = 0;
+    nqm_calibration c;
+    draw_residuals(&rng);
+    label[0] = 10.3; /* human labels may pass 10 */
+    predicted[1] = 0;
+    label[2] = 0;
+    assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
+    assert_int_equal(nqm_interval_fit(&residuals, again, &c, NULL), NQM_OK);
+    assert_memory_equal(table, again, sizeof table);
+    assert_true(table[0] == 0 && table[3 * NQM_INTERVAL_ROWS - 3] == 10);
+    for (int i = -10; i <= 1100; ++i) {
+        double jod = i / 100.0, low, high;
+        nqm_interval_at(NQM_INTERVAL_ROWS, table, jod, &low, &high);
+        assert_true(low <= jod && jod <= high);
+        if (jod >= 0 && jod <= 10)
+            assert_true(low >= 0 && high <= 10 && low >= last_low && high >= last_high);
+        last_low = low, last_high = high;
+    }
+    double low, high;
+    nqm_interval_at(NQM_INTERVAL_ROWS, table, 10, &low, &high);
+    assert_true(high == 10 && low > 9.9);
+}
+
+static void right_predictions_have_narrow_intervals(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(10, 0);
+    double table[3 * NQM_INTERVAL_ROWS];
+    nqm_calibration c;
+    draw_residuals(&rng);
+    for (size_t i = 0; i < MAX; ++i)
+        label[i] = predicted[i];
+    assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
+    assert_true(c.mean_width < 0.3 && c.coverage_lowest == 1);
+    assert_near(c.coverage, 1, 1e-12);
+    for (size_t i = 0; i < MAX; ++i) /* and a network that always says the same has a wide one */
+        predicted[i] = 8;
+    assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
+    assert_true(c.mean_width > 4 && c.coverage > 0.9);
+}
+
+static void few_are_refused(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(11, 0);
+    double table[3 * NQM_INTERVAL_ROWS];
+    nqm_calibration c;
+    size_t n_materials;
+    draw_residuals(&rng);
+    nqm_residuals few = residuals;
+    few.n = (NQM_CALIBRATION_MIN_MATERIALS - 1) * PAIRS_EACH;
+    assert_false(nqm_residuals_suffice(&few, &n_materials));
+    assert_int_equal(n_materials, NQM_CALIBRATION_MIN_MATERIALS - 1);
+    assert_int_equal(nqm_interval_fit(&few, table, &c, NULL), NQM_ERR_INCOMPATIBLE);
+    few.n = NQM_CALIBRATION_MIN_MATERIALS * PAIRS_EACH;
+    assert_int_equal(nqm_interval_fit(&few, table, &c, NULL), NQM_OK);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(new_materials_are_covered),
+        cmocka_unit_test(materials_are_the_sample),
+        cmocka_unit_test(tables_keep_their_promises),
+        cmocka_unit_test(right_predictions_have_narrow_intervals),
+        cmocka_unit_test(few_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
