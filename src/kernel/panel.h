@@ -34,6 +34,10 @@ void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw);
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) becomes the transpose of from (k, n); from is in NQM_PRECISION_F32, `to` in that or in _BF16. */
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to);
+/** `to` (NQM_PRECISION_BF16) becomes `from` (NQM_PRECISION_F32) rounded. */
+void nqm_panels_round(const nqm_panels *from, nqm_panels *to);
+/** The same for one tile (NQM_STRIP, NQM_PANEL) of numbers: NQM_STRIP / 2 rows of NQM_PANEL units. */
+void nqm_round_tile(const float *tile, uint32_t *units);
 /** Panel p. */
 static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
     return panels->data + p * panels->stride * NQM_PANEL;

@@ -135,6 +135,21 @@ void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to) {
         transpose_panel(from, to, p * NQM_PANEL);
 }
 
+void nqm_round_tile(const float *tile, uint32_t *units) {
+    for (size_t i = 0; i < NQM_STRIP; i += 2, tile += 2 * NQM_PANEL, units += NQM_PANEL)
+#pragma omp simd
+        for (size_t j = 0; j < NQM_PANEL; ++j)
+            units[j] = bf16_bits(tile[j]) | bf16_bits(tile[j + NQM_PANEL]) << 16;
+}
+
+void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
+#pragma omp parallel for schedule(static) if (from->n_panels > 1)
+    for (size_t p = 0; p < from->n_panels; ++p)
+        for (size_t i = 0; i < from->stride; i += NQM_STRIP)
+            nqm_round_tile((const float *)nqm_panel_at(from, p) + i * NQM_PANEL,
+                           nqm_panel_at(to, p) + i / 2 * NQM_PANEL);
+}
+
 /* ---- activations ------------------------------------------------------------------------------------------------- */
 
 void nqm_round_row(size_t n, const float *x, uint32_t *units) {

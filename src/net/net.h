@@ -37,6 +37,11 @@ typedef struct nqm_params {
     nqm_layer layer[NQM_NET_MAX_LAYERS];
 } nqm_params;
 
+/** NQM_ERR_ARG when a width or the number of layers is out of range, or the last width is not 1. */
+NQM_MUST_CHECK nqm_status nqm_net_shape_check(const nqm_net_shape *shape, nqm_error *err);
+
+enum { NQM_MIN_PARALLEL = 16384 }; /* numbers; for fewer, waking a thread costs more than it saves */
+
 size_t nqm_params_count(const nqm_net_shape *shape);
 NQM_MUST_CHECK nqm_status nqm_params_create(const nqm_net_shape *shape, nqm_params *params_ret, nqm_error *err);
 void nqm_params_free(nqm_params *params);

@@ -44,10 +44,17 @@ static void set_views(nqm_params *params) {
     }
 }
 
+nqm_status nqm_net_shape_check(const nqm_net_shape *shape, nqm_error *err) {
+    if (shape_is_sane(shape))
+        return NQM_OK;
+    return nqm_fail(err, NQM_ERR_ARG, -1, "network: a layer count or width is out of range, or the last is not 1");
+}
+
 nqm_status nqm_params_create(const nqm_net_shape *shape, nqm_params *params_ret, nqm_error *err) {
     *params_ret = (nqm_params){0};
-    if (!shape_is_sane(shape))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "network: a layer count or width is out of range, or the last is not 1");
+    nqm_status status = nqm_net_shape_check(shape, err);
+    if (status != NQM_OK)
+        return status;
     size_t n = nqm_params_count(shape);
     float *block = nqm_alloc(n, sizeof *block);
     if (!block)

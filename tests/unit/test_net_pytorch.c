@@ -7,7 +7,7 @@
  */
 #include "io/io.h"
 #include "kernel/kernel.h"
-#include "net/net.h"
+#include "net/trainer.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -86,8 +86,7 @@ static void compare_tensor(const char *name, size_t n, float *values) {
 
 typedef struct fixture {
     nqm_params params, grads;
-    nqm_adam adam;
-    nqm_net_work *work;
+    nqm_trainer *trainer;
     nqm_dropout dropout;
     uint8_t *masks[N_LAYERS - 1]; /* (steps, batch, width) */
 } fixture;
@@ -96,9 +95,10 @@ static int make_fixture(void **state) {
     fixture *f = nqm_alloc(1, sizeof *f);
     assert_int_equal(nqm_params_create(&shape, &f->params, NULL), NQM_OK);
     assert_int_equal(nqm_params_create(&shape, &f->grads, NULL), NQM_OK);
-    assert_int_equal(nqm_adam_create(&shape, &f->adam, NULL), NQM_OK);
-    assert_int_equal(nqm_net_work_create(&shape, BATCH, true, &f->work, NULL), NQM_OK);
+    const nqm_trainer_options options = {.max_batch = BATCH, .input_gradient = true};
+    assert_int_equal(nqm_trainer_create(&shape, &options, &f->trainer, NULL), NQM_OK);
     each_tensor("start.", &f->params, get_floats);
+    nqm_trainer_load(f->trainer, &f->params, NULL);
     f->dropout.p = dropout_p;
     for (size_t l = 0; l + 1 < N_LAYERS; ++l) {
         char name[32];
@@ -117,8 +117,7 @@ static int free_fixture(void **state) {
         nqm_free(f->masks[l]);
     nqm_params_free(&f->params);
     nqm_params_free(&f->grads);
-    nqm_adam_free(&f->adam);
-    nqm_net_work_free(f->work);
+    nqm_trainer_free(f->trainer);
     nqm_free(f);
     nqm_kernels_use(NULL);
     return 0;
@@ -130,17 +129,18 @@ static const nqm_dropout *masks_of_step(fixture *f, size_t step) {
     return &f->dropout;
 }
 
-static double loss_and_gradients(fixture *f, const nqm_dropout *dropout, float *z, float *dx) {
-    float dz[BATCH];
-    nqm_net_forward(&f->params, f->work, BATCH, x, dropout, z);
-    double loss = nqm_logcosh_loss(BATCH, z, target, lo, hi, dz);
-    nqm_net_backward(&f->params, f->work, BATCH, x, dz, &f->grads, dx);
-    return loss;
+/* Loss of a batch; dz (BATCH) receives its gradient. */
+static double loss_of(fixture *f, const nqm_dropout *dropout, float *z, float *dz) {
+    for (size_t i = 0; i < BATCH; ++i)
+        memcpy(nqm_trainer_input(f->trainer, i), x + i * INPUTS, INPUTS * sizeof *x);
+    nqm_trainer_forward(f->trainer, BATCH, dropout, z);
+    return nqm_logcosh_loss(BATCH, z, target, lo, hi, dz);
 }
 
 static void check_one_pass(fixture *f, const char *kind, const nqm_dropout *dropout) {
-    float z[BATCH], dx[BATCH * INPUTS];
-    double loss = loss_and_gradients(f, dropout, z, dx), expected;
+    float z[BATCH], dz[BATCH], dx[BATCH * INPUTS];
+    double loss = loss_of(f, dropout, z, dz), expected;
+    nqm_trainer_gradients(f->trainer, BATCH, dz, &f->grads, dx);
     char name[64];
     snprintf(name, sizeof name, "%s.loss", kind);
     get_doubles(name, 1, &expected);
@@ -159,10 +159,13 @@ static void check_adam(fixture *f, const char *kind, bool with_masks, bool freez
     snprintf(name, sizeof name, "%s.adam.losses", kind);
     get_doubles(name, STEPS, losses);
     for (size_t step = 0; step < STEPS; ++step) {
-        float z[BATCH];
-        assert_relative(loss_and_gradients(f, with_masks ? masks_of_step(f, step) : NULL, z, NULL), losses[step], 1e-5);
-        nqm_adam_step(&f->adam, &f->params, &f->grads, lr_first, lr_deeper, weight_decay, freeze_first_layernorm);
+        float z[BATCH], dz[BATCH];
+        assert_relative(loss_of(f, with_masks ? masks_of_step(f, step) : NULL, z, dz), losses[step], 1e-5);
+        nqm_trainer_step(f->trainer, BATCH, dz,
+                         &(nqm_step_rates){lr_first, lr_deeper, weight_decay, freeze_first_layernorm});
     }
+    assert_int_equal(nqm_trainer_steps(f->trainer), STEPS);
+    nqm_trainer_store(f->trainer, &f->params, NULL);
     snprintf(name, sizeof name, "%s.adam.", kind);
     each_tensor(name, &f->params, compare_tensor);
 }
@@ -175,9 +178,12 @@ static void pass_with_masks(void **state) {
     check_one_pass(*state, "masked", masks_of_step(*state, 0));
 }
 
-static void pass_of_the_scalar_reference(void **state) {
-    nqm_kernels_use(&nqm_kernels_scalar);
-    check_one_pass(*state, "plain", NULL);
+/* All tables of kernels, the plain loops that define them among them. */
+static void passes_of_every_table(void **state) {
+    for (size_t i = 0; nqm_kernels_at(i); ++i) {
+        nqm_kernels_use(nqm_kernels_at(i));
+        check_one_pass(*state, "plain", NULL);
+    }
 }
 
 static void adam_without_dropout(void **state) {
@@ -241,14 +247,9 @@ static int close_vectors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        WITH_FIXTURE(pass_without_dropout),
-        WITH_FIXTURE(pass_with_masks),
-        WITH_FIXTURE(pass_of_the_scalar_reference),
-        WITH_FIXTURE(adam_without_dropout),
-        WITH_FIXTURE(adam_with_masks),
-        WITH_FIXTURE(adam_with_frozen_layernorm),
-        cmocka_unit_test(schedule),
-        cmocka_unit_test(parameter_count),
+        WITH_FIXTURE(pass_without_dropout), WITH_FIXTURE(pass_with_masks),     WITH_FIXTURE(passes_of_every_table),
+        WITH_FIXTURE(adam_without_dropout), WITH_FIXTURE(adam_with_masks),     WITH_FIXTURE(adam_with_frozen_layernorm),
+        cmocka_unit_test(schedule),         cmocka_unit_test(parameter_count),
     };
     return cmocka_run_group_tests(tests, open_vectors, close_vectors);
 }

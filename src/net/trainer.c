@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A training's memory, its weights to and from the form of net.h, and the forward pass.
+ */
+#include "net/trainer_state.h"
+
+#include <string.h>
+
+static bool has_norm(const nqm_trainer *t, size_t l) {
+    return l + 1 < t->shape.n_layers;
+}
+
+static bool is_rounded(const nqm_trainer *t) {
+    return t->options.precision == NQM_PRECISION_BF16;
+}
+
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+static float *numbers(size_t n, bool *complete) {
+    float *block = nqm_alloc(n, sizeof *block);
+    *complete = *complete && block;
+    return block;
+}
+
+static uint32_t *units(size_t n, bool *complete) {
+    return (uint32_t *)numbers(n, complete);
+}
+
+static void create_values(nqm_layer_values *values, size_t in, size_t out, bool norm, bool *complete) {
+    *complete = *complete && nqm_panels_create(NQM_PRECISION_F32, in, out, &values->w, NULL) == NQM_OK;
+    for (size_t i = 0; i < (norm ? NQM_VECTORS : NQM_GAMMA); ++i)
+        values->vector[i] = numbers(out, complete);
+}
+
+static void free_values(nqm_layer_values *values) {
+    nqm_panels_free(&values->w);
+    for (size_t i = 0; i < NQM_VECTORS; ++i)
+        nqm_free(values->vector[i]);
+}
+
+static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
+    nqm_trainer_layer *layer = &t->layer[l];
+    const size_t in = t->shape.sizes[l], out = t->shape.sizes[l + 1], batch = t->options.max_batch;
+    layer->in = in, layer->out = out, layer->ld = nqm_row_stride(out);
+    create_values(&layer->value, in, out, has_norm(t, l), complete);
+    create_values(&layer->m, in, out, has_norm(t, l), complete);
+    create_values(&layer->v, in, out, has_norm(t, l), complete);
+    if (is_rounded(t))
+        *complete = *complete && nqm_panels_create(t->options.precision, in, out, &layer->rounded, NULL) == NQM_OK;
+    if (l > 0 || t->options.input_gradient)
+        *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
+    layer->xhat = numbers(batch * layer->ld, complete);
+    if (!has_norm(t, l))
+        return;
+    layer->y = numbers(batch * layer->ld, complete);
+    layer->slope = numbers(batch * layer->ld, complete);
+    layer->rstd = numbers(batch, complete);
+    if (is_rounded(t))
+        layer->rounded_y = units(batch * layer->ld, complete);
+}
+
+static void create_scratch(nqm_trainer *t, bool *complete) {
+    const size_t batch = t->options.max_batch;
+    size_t widest_in = 0, widest_out = 0;
+    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+        widest_in = t->layer[l].in > widest_in ? t->layer[l].in : widest_in;
+        widest_out = t->layer[l].ld > widest_out ? t->layer[l].ld : widest_out;
+    }
+    t->ld_input = nqm_row_stride(t->shape.sizes[0]);
+    t->x = numbers(batch * t->ld_input, complete);
+    const size_t packed_rows = nqm_units(t->options.precision, batch);
+    t->strips = units(packed_rows * (widest_in + NQM_STRIP), complete);
+    t->panels = units(packed_rows * (widest_out + NQM_PANEL), complete);
+    t->sums = numbers(nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
+    if (!is_rounded(t))
+        return;
+    t->rounded_x = units(batch * t->ld_input, complete);
+    t->rounded_dz = units(batch * widest_out, complete);
+}
+
+nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_options *options, nqm_trainer **trainer_ret,
+                              nqm_error *err) {
+    *trainer_ret = NULL;
+    nqm_status status = nqm_net_shape_check(shape, err);
+    if (status != NQM_OK)
+        return status;
+    if (options->max_batch < 1 || options->max_batch > (size_t)1 << 24)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "network: batch of %zu is out of range (1..16777216)",
+                        options->max_batch);
+    if (options->precision != NQM_PRECISION_F32 && options->precision != NQM_PRECISION_BF16)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "network: training is in f32 or bf16");
+    nqm_trainer *t = nqm_alloc(1, sizeof *t);
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    t->shape = *shape;
+    t->options = *options;
+    bool complete = true;
+    for (size_t l = 0; l < shape->n_layers; ++l)
+        create_layer(t, l, &complete);
+    create_scratch(t, &complete);
+    if (!complete) {
+        nqm_trainer_free(t);
+        return nqm_fail_nomem(err, 3 * nqm_params_count(shape) * sizeof(float));
+    }
+    *trainer_ret = t;
+    return NQM_OK;
+}
+
+void nqm_trainer_free(nqm_trainer *t) {
+    if (!t)
+        return;
+    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+        nqm_trainer_layer *layer = &t->layer[l];
+        free_values(&layer->value);
+        free_values(&layer->m);
+        free_values(&layer->v);
+        nqm_panels_free(&layer->rounded);
+        nqm_panels_free(&layer->backward);
+        nqm_free(layer->xhat);
+        nqm_free(layer->y);
+        nqm_free(layer->rounded_y);
+        nqm_free(layer->slope);
+        nqm_free(layer->rstd);
+    }
+    nqm_free(t->x);
+    nqm_free(t->rounded_x);
+    nqm_free(t->strips);
+    nqm_free(t->panels);
+    nqm_free(t->rounded_dz);
+    nqm_free(t->sums);
+    nqm_free(t);
+}
+
+/* ---- weights and moments ----------------------------------------------------------------------------------------- */
+
+static void load_layer(nqm_layer_values *values, const nqm_layer *layer) {
+    nqm_panels_pack(&values->w, layer->w, values->w.k);
+    const float *const vectors[] = {layer->b, layer->gamma, layer->beta};
+    for (size_t i = 0; i < NQM_VECTORS; ++i)
+        if (values->vector[i])
+            memcpy(values->vector[i], vectors[i], values->w.n * sizeof(float));
+}
+
+static void store_layer(const nqm_layer_values *values, const nqm_layer *layer) {
+    nqm_panels_unpack(&values->w, layer->w, values->w.k);
+    float *const vectors[] = {layer->b, layer->gamma, layer->beta};
+    for (size_t i = 0; i < NQM_VECTORS; ++i)
+        if (values->vector[i])
+            memcpy(vectors[i], values->vector[i], values->w.n * sizeof(float));
+}
+
+static void clear_values(nqm_layer_values *values) {
+    memset(values->w.data, 0, values->w.n_panels * values->w.stride * NQM_PANEL * sizeof *values->w.data);
+    for (size_t i = 0; i < NQM_VECTORS; ++i)
+        if (values->vector[i])
+            memset(values->vector[i], 0, values->w.n * sizeof(float));
+}
+
+void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *adam) {
+    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+        nqm_trainer_layer *layer = &t->layer[l];
+        load_layer(&layer->value, &params->layer[l]);
+        if (adam) {
+            load_layer(&layer->m, &adam->m.layer[l]);
+            load_layer(&layer->v, &adam->v.layer[l]);
+        } else {
+            clear_values(&layer->m);
+            clear_values(&layer->v);
+        }
+    }
+    t->n_steps = adam ? adam->step : 0;
+    nqm_trainer_refresh(t);
+}
+
+void nqm_trainer_store(const nqm_trainer *t, nqm_params *params, nqm_adam *adam) {
+    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+        store_layer(&t->layer[l].value, &params->layer[l]);
+        if (adam) {
+            store_layer(&t->layer[l].m, &adam->m.layer[l]);
+            store_layer(&t->layer[l].v, &adam->v.layer[l]);
+        }
+    }
+    if (adam)
+        adam->step = t->n_steps;
+}
+
+uint64_t nqm_trainer_steps(const nqm_trainer *t) {
+    return t->n_steps;
+}
+
+void nqm_trainer_refresh(nqm_trainer *t) {
+    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+        nqm_trainer_layer *layer = &t->layer[l];
+        if (is_rounded(t))
+            nqm_panels_round(&layer->value.w, &layer->rounded);
+        if (layer->backward.data)
+            nqm_panels_transpose(&layer->value.w, &layer->backward);
+    }
+}
+
+/* ---- forward ----------------------------------------------------------------------------------------------------- */
+
+float *nqm_trainer_input(nqm_trainer *t, size_t i) {
+    return t->x + i * t->ld_input;
+}
+
+void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {
+    r->p = dropout->p;
+    r->keep = dropout->given[layer] ? dropout->given[layer] + row * n : NULL;
+    r->key = nqm_hash_u64(dropout->seed, dropout->step * NQM_NET_MAX_LAYERS + layer);
+    r->counter = row * ((n + 3) / 4);
+}
+
+static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, const nqm_dropout *dropout) {
+    const nqm_trainer_layer *layer = &t->layer[l];
+    nqm_hidden_row r = {.n = layer->out,
+                        .bias = layer->value.vector[NQM_BIAS],
+                        .gamma = layer->value.vector[NQM_GAMMA],
+                        .beta = layer->value.vector[NQM_BETA],
+                        .x = layer->xhat + row * layer->ld,
+                        .y = layer->y + row * layer->ld,
+                        .slope = layer->slope + row * layer->ld,
+                        .rstd = layer->rstd + row};
+    if (dropout && dropout->p > 0)
+        nqm_dropout_of_row(dropout, l, row, layer->out, &r);
+    return r;
+}
+
+static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dropout *dropout) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    nqm_trainer_layer *layer = &t->layer[l];
+#pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
+    for (size_t row = 0; row < batch; ++row) {
+        nqm_hidden_row r = hidden_row_at(t, l, row, dropout);
+        kernels->hidden_row(&r);
+        if (layer->rounded_y)
+            nqm_round_row(layer->out, r.y, layer->rounded_y + row * layer->ld);
+    }
+}
+
+static void round_input(nqm_trainer *t, size_t batch) {
+#pragma omp parallel for schedule(static) if (batch * t->shape.sizes[0] >= NQM_MIN_PARALLEL)
+    for (size_t row = 0; row < batch; ++row)
+        nqm_round_row(t->shape.sizes[0], t->x + row * t->ld_input, t->rounded_x + row * t->ld_input);
+}
+
+void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {
+    const size_t last = t->shape.n_layers - 1;
+    const bool rounded = is_rounded(t);
+    if (rounded)
+        round_input(t, batch);
+    const void *x = rounded ? (const void *)t->rounded_x : t->x;
+    size_t ld = t->ld_input;
+    for (size_t l = 0; l <= last; ++l) {
+        nqm_trainer_layer *layer = &t->layer[l];
+        nqm_multiply(rounded ? &layer->rounded : &layer->value.w, batch, x, ld, false, layer->xhat, layer->ld);
+        if (l == last)
+            break;
+        hidden_forward(t, l, batch, dropout);
+        x = rounded ? (const void *)layer->rounded_y : layer->y;
+        ld = layer->ld;
+    }
+    const nqm_trainer_layer *output = &t->layer[last];
+    for (size_t i = 0; i < batch; ++i)
+        z[i] = output->xhat[i * output->ld] + output->value.vector[NQM_BIAS][0];
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The way back through the network in training. Layer by layer from the last: the gradient with respect to a layer's
+ * input takes the place of that input, once this is packed; tiles of the gradient of its weights go into a sink, which
+ * steps the weights or stores the gradient.
+ */
+#include "net/trainer_state.h"
+
+#include <string.h>
+
+enum { TILE = NQM_STRIP * NQM_PANEL };
+
+/* What becomes of gradients. */
+typedef struct sink {
+    nqm_trainer_layer *layer;
+    nqm_adam_rate rate;   /* of the layer's weights and bias */
+    nqm_adam_rate norm;   /* of its LayerNorm; step 0: none is taken */
+    const nqm_layer *out; /* store here instead of stepping; NULL: step */
+} sink;
+
+/* ---- weights ----------------------------------------------------------------------------------------------------- */
+
+static void step_tile(void *user, size_t strip, size_t panel, const float *tile) {
+    const sink *s = user;
+    nqm_layer_values *value = &s->layer->value;
+    const size_t at = (panel * value->w.stride + strip * NQM_STRIP) * NQM_PANEL;
+    float *w = (float *)value->w.data + at;
+    nqm_adam_update(TILE, &s->rate, tile, (float *)s->layer->m.w.data + at, (float *)s->layer->v.w.data + at, w);
+    if (s->layer->rounded.data)
+        nqm_round_tile(w, nqm_panel_at(&s->layer->rounded, panel) + strip * NQM_STRIP / 2 * NQM_PANEL);
+}
+
+static void store_tile(void *user, size_t strip, size_t panel, const float *tile) {
+    const sink *s = user;
+    const size_t in = s->layer->in, out = s->layer->out;
+    for (size_t i = 0; i < NQM_STRIP && strip * NQM_STRIP + i < in; ++i)
+        for (size_t j = 0; j < NQM_PANEL && panel * NQM_PANEL + j < out; ++j)
+            s->out->w[(panel * NQM_PANEL + j) * in + strip * NQM_STRIP + i] = tile[i * NQM_PANEL + j];
+}
+
+/* After pack(): the gradient of the layer's weights, into the sink. */
+static void weight_gradient(nqm_trainer *t, sink *s, size_t batch) {
+    nqm_gradient_run(&(nqm_gradient){.precision = t->options.precision,
+                                     .m = batch,
+                                     .k = s->layer->in,
+                                     .n = s->layer->out,
+                                     .strips = t->strips,
+                                     .panels = t->panels,
+                                     .sink = s->out ? store_tile : step_tile,
+                                     .user = s});
+}
+
+static void pack(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *x, size_t ldx,
+                 const float *dz) {
+    const nqm_precision precision = t->options.precision;
+    nqm_pack_columns(precision, NQM_STRIP, batch, layer->in, x, ldx, t->strips);
+    nqm_pack_columns(precision, NQM_PANEL, batch, layer->out, dz, layer->ld, t->panels);
+}
+
+/* ---- bias and LayerNorm ------------------------------------------------------------------------------------------ */
+
+static void take_vector(const sink *s, size_t which, const float *gradient) {
+    const size_t n = s->layer->out;
+    float *const stored[] = {s->out ? s->out->b : NULL, s->out ? s->out->gamma : NULL, s->out ? s->out->beta : NULL};
+    if (s->out)
+        memcpy(stored[which], gradient, n * sizeof *gradient);
+    else
+        nqm_adam_update(n, which == NQM_BIAS ? &s->rate : &s->norm, gradient, s->layer->m.vector[which],
+                        s->layer->v.vector[which], s->layer->value.vector[which]);
+}
+
+static void block_back(nqm_trainer *t, size_t l, size_t block, size_t batch) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const nqm_trainer_layer *layer = &t->layer[l];
+    float *sums = t->sums + block * NQM_VECTORS * layer->ld;
+    memset(sums, 0, NQM_VECTORS * layer->ld * sizeof *sums);
+    const size_t end = (block + 1) * NQM_ROW_BLOCK < batch ? (block + 1) * NQM_ROW_BLOCK : batch;
+    for (size_t row = block * NQM_ROW_BLOCK; row < end; ++row)
+        kernels->hidden_row_back(&(nqm_hidden_row_back){.n = layer->out,
+                                                        .gamma = layer->value.vector[NQM_GAMMA],
+                                                        .xhat = layer->xhat + row * layer->ld,
+                                                        .slope = layer->slope + row * layer->ld,
+                                                        .rstd = layer->rstd[row],
+                                                        .dy = layer->y + row * layer->ld,
+                                                        .dbias = sums + NQM_BIAS * layer->ld,
+                                                        .dgamma = sums + NQM_GAMMA * layer->ld,
+                                                        .dbeta = sums + NQM_BETA * layer->ld});
+}
+
+/* Hidden layer l: its y holds d loss / d y, and afterwards d loss / d (its product). */
+static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
+    const nqm_trainer_layer *layer = &t->layer[l];
+    const size_t n_blocks = nqm_row_blocks(batch), n = NQM_VECTORS * layer->ld;
+#pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
+    for (size_t block = 0; block < n_blocks; ++block)
+        block_back(t, l, block, batch);
+    for (size_t block = 1; block < n_blocks; ++block)
+        for (size_t i = 0; i < n; ++i)
+            t->sums[i] += t->sums[block * n + i];
+    for (size_t which = 0; which < NQM_VECTORS; ++which)
+        if (s->out || which == NQM_BIAS || s->norm.step > 0)
+            take_vector(s, which, t->sums + which * layer->ld);
+}
+
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
+
+static void round_dz(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *dz) {
+#pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
+    for (size_t row = 0; row < batch; ++row)
+        nqm_round_row(layer->out, dz + row * layer->ld, t->rounded_dz + row * layer->ld);
+}
+
+/* dx (batch, ldx) = dz w. */
+static void input_gradient(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *dz, float *dx,
+                           size_t ldx) {
+    const void *left = dz;
+    if (t->rounded_dz) {
+        round_dz(t, layer, batch, dz);
+        left = t->rounded_dz;
+    }
+    nqm_multiply(&layer->backward, batch, left, layer->ld, false, dx, ldx);
+}
+
+/* dz as the gradient of the output layer, whose bias' gradient is their sum. */
+static void begin(nqm_trainer *t, const sink *s, size_t batch, const float *dz) {
+    nqm_trainer_layer *output = &t->layer[t->shape.n_layers - 1];
+    double sum = 0;
+    for (size_t i = 0; i < batch; ++i) {
+        output->xhat[i * output->ld] = dz[i];
+        sum += (double)dz[i];
+    }
+    const float gradient = (float)sum;
+    take_vector(s, NQM_BIAS, &gradient);
+}
+
+typedef struct way_back {
+    size_t batch;
+    const float *dz;
+    const nqm_step_rates *rates; /* NULL: store */
+    nqm_params *grads;
+    float *dx; /* NULL: not wanted */
+} way_back;
+
+static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
+    sink s = {.layer = &t->layer[l]};
+    if (way->grads) {
+        s.out = &way->grads->layer[l];
+        return s;
+    }
+    const nqm_step_rates *rates = way->rates;
+    s.rate = (nqm_adam_rate){l == 0 ? rates->lr_first : rates->lr_deeper, rates->weight_decay, t->n_steps};
+    if (l > 0 || !rates->freeze_first_layernorm)
+        s.norm = (nqm_adam_rate){rates->lr_deeper, rates->weight_decay, t->n_steps};
+    return s;
+}
+
+/* Layer l: dz is the gradient of its product. Returns that of the product below. */
+static const float *layer_back(nqm_trainer *t, const way_back *way, size_t l, const float *dz) {
+    const size_t batch = way->batch;
+    sink s = sink_of(t, way, l);
+    if (l == 0) {
+        pack(t, s.layer, batch, t->x, t->ld_input, dz);
+        if (way->dx) {
+            input_gradient(t, s.layer, batch, dz, t->x, t->ld_input);
+            for (size_t i = 0; i < batch; ++i)
+                memcpy(way->dx + i * s.layer->in, t->x + i * t->ld_input, s.layer->in * sizeof *way->dx);
+        }
+        weight_gradient(t, &s, batch);
+        return NULL;
+    }
+    nqm_trainer_layer *below = &t->layer[l - 1];
+    pack(t, s.layer, batch, below->y, below->ld, dz);
+    input_gradient(t, s.layer, batch, dz, below->y, below->ld); /* by the weights before their step */
+    weight_gradient(t, &s, batch);
+    const sink s_below = sink_of(t, way, l - 1);
+    hidden_back(t, &s_below, l - 1, batch);
+    return below->y;
+}
+
+static void go_back(nqm_trainer *t, const way_back *way) {
+    const size_t last = t->shape.n_layers - 1;
+    const sink s = sink_of(t, way, last);
+    begin(t, &s, way->batch, way->dz);
+    const float *dz = t->layer[last].xhat;
+    for (size_t l = last + 1; l-- > 0;)
+        dz = layer_back(t, way, l, dz);
+}
+
+void nqm_trainer_step(nqm_trainer *t, size_t batch, const float *dz, const nqm_step_rates *rates) {
+    t->n_steps++;
+    go_back(t, &(way_back){.batch = batch, .dz = dz, .rates = rates});
+    for (size_t l = 0; l < t->shape.n_layers; ++l)
+        if (t->layer[l].backward.data)
+            nqm_panels_transpose(&t->layer[l].value.w, &t->layer[l].backward);
+}
+
+void nqm_trainer_gradients(nqm_trainer *t, size_t batch, const float *dz, nqm_params *grads, float *dx) {
+    go_back(t, &(way_back){.batch = batch, .dz = dz, .grads = grads, .dx = dx});
+}

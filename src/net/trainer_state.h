@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * trainer_state.h - what a training holds: used by trainer.c (forward) and trainer_back.c (backward) only.
+ */
+#ifndef NQM_SRC_NET_TRAINER_STATE_H
+#define NQM_SRC_NET_TRAINER_STATE_H
+
+#include "kernel/panel.h"
+#include "net/trainer.h"
+
+/** Bias and LayerNorm of a layer: (out) each; gamma and beta NULL in the last layer. */
+enum { NQM_BIAS, NQM_GAMMA, NQM_BETA, NQM_VECTORS };
+
+/** A value of every trained number of a layer: the weights, a moment. */
+typedef struct nqm_layer_values {
+    nqm_panels w; /* (in, out), NQM_PRECISION_F32 */
+    float *vector[NQM_VECTORS];
+} nqm_layer_values;
+
+/** A linear layer with what follows it, and its activations for a batch. */
+typedef struct nqm_trainer_layer {
+    size_t in, out, ld; /* ld: from row to row of the activations */
+    nqm_layer_values value, m, v;
+    nqm_panels rounded; /* the weights as the forward product reads them; NQM_PRECISION_BF16 only */
+    nqm_panels
+        backward; /* (out, in) the transpose, as the product for the input's gradient reads it; empty: not needed */
+    float *xhat;  /* (max_batch, ld) the product, then the normalised values; in the last layer the output */
+    float *y;     /* (max_batch, ld) output of a hidden layer; on the way back the gradient with respect to it */
+    uint32_t *rounded_y; /* (max_batch, ld) units; NQM_PRECISION_BF16 only */
+    float *slope;        /* (max_batch, ld) */
+    float *rstd;         /* (max_batch) */
+} nqm_trainer_layer;
+
+struct nqm_trainer {
+    nqm_net_shape shape;
+    nqm_trainer_options options;
+    size_t ld_input;
+    float *x;            /* (max_batch, ld_input) */
+    uint32_t *rounded_x; /* likewise, units; NQM_PRECISION_BF16 only */
+    nqm_trainer_layer layer[NQM_NET_MAX_LAYERS];
+    uint32_t *strips;     /* a layer's input and */
+    uint32_t *panels;     /* its output's gradient, packed for the weights' gradient */
+    uint32_t *rounded_dz; /* (max_batch, widest ld) units; NQM_PRECISION_BF16 only */
+    float *sums;          /* (blocks of rows, NQM_VECTORS, widest ld) of the gradients of bias and LayerNorm */
+    uint64_t n_steps;
+};
+
+/** Rows whose sums are added first, so that these do not depend on the number of threads. */
+enum { NQM_ROW_BLOCK = 32 };
+
+static inline size_t nqm_row_blocks(size_t batch) {
+    return (batch + NQM_ROW_BLOCK - 1) / NQM_ROW_BLOCK;
+}
+
+/** Bring the weights' other forms up to date. */
+void nqm_trainer_refresh(nqm_trainer *trainer);
+
+#endif
