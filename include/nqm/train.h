@@ -136,6 +136,7 @@ typedef struct nqm_train_options {
     size_t plateau_patience;    /**< epochs; default 5 */
     size_t batch;               /**< pairs; default 512 (nqm: 128) */
     size_t epochs;              /**< default 100 (nqm: 40) */
+    nqm_precision precision;    /**< of the factors of all products: NQM_PRECISION_F32 (default) or _BF16 */
     uint64_t seed;              /**< default 1 */
     const char *checkpoint;     /**< file rewritten after each epoch; NULL: none */
     int resume;       /**< 1: go on from `checkpoint`, to the same bits as an uninterrupted run. It must come from the

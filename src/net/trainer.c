@@ -200,8 +200,9 @@ void nqm_trainer_refresh(nqm_trainer *t) {
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
-float *nqm_trainer_input(nqm_trainer *t, size_t i) {
-    return t->x + i * t->ld_input;
+float *nqm_trainer_inputs(nqm_trainer *t, size_t *ld_ret) {
+    *ld_ret = t->ld_input;
+    return t->x;
 }
 
 void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {

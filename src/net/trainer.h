@@ -34,8 +34,8 @@ void nqm_trainer_store(const nqm_trainer *trainer, nqm_params *params, nqm_adam 
 /** Steps taken so far. */
 uint64_t nqm_trainer_steps(const nqm_trainer *trainer);
 
-/** Where input row i (sizes[0]) of the next batch belongs, i < max_batch. */
-float *nqm_trainer_input(nqm_trainer *trainer, size_t i);
+/** Where the inputs of the next batch belong: (max_batch, sizes[0]), *ld_ret numbers from row to row. */
+float *nqm_trainer_inputs(nqm_trainer *trainer, size_t *ld_ret);
 /** z (batch): the last layer's output before the sigmoid, for the inputs that were filled in. dropout NULL: none. */
 void nqm_trainer_forward(nqm_trainer *trainer, size_t batch, const nqm_dropout *dropout, float *z);
 

@@ -4,6 +4,7 @@
  * training examples, and the gathering of batches, with the scaled copies made on the fly. Every random number comes
  * from a counter (seed, stream, example), so that neither order nor threads matter.
  */
+#include "kernel/exp_log.h"
 #include "train/train.h"
 
 #include <math.h>
@@ -51,8 +52,9 @@ static void transform_noisy(void *user, size_t i) {
  * 0.0173, so that four terms of the logarithm's series leave less than 4e-10. */
 static void scale_reflectance(size_t n, double s, const float *t, float *out) {
     const float k1 = (float)(cbrt(s) - 1);
+#pragma omp simd
     for (size_t i = 0; i < n; ++i) {
-        float a = k1 * (1 - expf(-t[i]));
+        float a = k1 * (1 - nqm_exp_core(-t[i]));
         out[i] = t[i] + a * (1 - a * (0.5f - a * (1.0f / 3 - a * 0.25f)));
     }
 }
@@ -239,7 +241,7 @@ void nqm_examples_free(nqm_examples *e) {
 typedef struct gather_job {
     const nqm_examples *e;
     const size_t *index; /* NULL: the rows from `first` on, unscaled */
-    size_t first;
+    size_t first, ldx;
     float *x, *target;
 } gather_job;
 
@@ -252,7 +254,7 @@ static void gather_row(void *user, size_t r) {
     nqm_examples_samples(e, row, job->index && i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
-    float *x = job->x + r * e->width;
+    float *x = job->x + r * job->ldx;
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->scalars)
         memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
@@ -260,12 +262,13 @@ static void gather_row(void *user, size_t r) {
     job->target[r] = e->target[row];
 }
 
-void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, float *x, float *target) {
-    gather_job job = {.e = e, .index = index, .x = x, .target = target};
+void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, float *x, size_t ldx, float *target) {
+    gather_job job = {.e = e, .index = index, .ldx = ldx, .x = x, .target = target};
     nqm_parallel_for(n, gather_row, &job);
 }
 
-void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, float *x, float *target) {
-    gather_job job = {.e = e, .first = e->rows.n_train + first, .x = x, .target = target};
+void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, float *x, size_t ldx,
+                                    float *target) {
+    gather_job job = {.e = e, .first = e->rows.n_train + first, .ldx = ldx, .x = x, .target = target};
     nqm_parallel_for(n, gather_row, &job);
 }

@@ -111,6 +111,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
         {"the weight decay", o->weight_decay, 0, 1},
         {"the plateau factor", o->plateau_factor, 0.001, 1},
         {"the batch", (double)o->batch, 1, MAX_BATCH},
+        {"the precision", o->precision, NQM_PRECISION_F32, NQM_PRECISION_BF16},
         {"the number of epochs", (double)o->epochs, 1, MAX_EPOCHS},
     };
     nqm_status status = NQM_OK;
@@ -149,6 +150,8 @@ json_t *nqm_train_options_json(const nqm_train_options *o) {
         o->freeze_first_layernorm != 0, "dropout", o->dropout, "lr_first", o->lr_first, "lr_deeper", o->lr_deeper,
         "weight_decay", o->weight_decay, "schedule", schedule_names[o->schedule], "plateau_factor", o->plateau_factor,
         "plateau_patience", (json_int_t)o->plateau_patience, "batch", (json_int_t)o->batch, "seed", seed);
+    if (o->precision != NQM_PRECISION_F32) /* left out where it is float: older files do not name it */
+        json_object_set_new(json, "precision", json_string(nqm_precision_name(o->precision)));
     if (o->schedule == NQM_SCHEDULE_COSINE) /* every epoch's rate depends on it */
         json_object_set_new(json, "epochs", json_integer((json_int_t)o->epochs));
     return json;

@@ -5,6 +5,7 @@
  */
 #include "train/train.h"
 #include "metric/metric.h"
+#include "net/trainer.h"
 #include "train/calibrate.h"
 
 #include <math.h>
@@ -17,10 +18,8 @@ typedef struct run {
     const nqm_train_options *options;
     nqm_examples examples;
     nqm_training state;
-    nqm_params grads;
-    nqm_net_work *work;
+    nqm_trainer *trainer;
     size_t *order; /* (n_train) */
-    float *x;      /* (batch, width) */
     float *target; /* (batch) */
     float *z, *dz; /* (batch) */
     nqm_ticker ticker;
@@ -39,36 +38,32 @@ static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs) {
 static nqm_status allocate(run *r, nqm_error *err) {
     const nqm_train_options *o = r->options;
     nqm_net_shape shape = shape_of(o, r->examples.width);
+    const nqm_trainer_options options = {.precision = o->precision, .max_batch = o->batch};
     nqm_status status = nqm_params_create(&shape, &r->state.params, err);
-    if (status == NQM_OK)
-        status = nqm_params_create(&shape, &r->grads, err);
-    if (status == NQM_OK)
+    if (status == NQM_OK && o->checkpoint)
         status = nqm_adam_create(&shape, &r->state.adam, err);
     if (status == NQM_OK)
-        status = nqm_net_work_create(&shape, o->batch, true, &r->work, err);
+        status = nqm_trainer_create(&shape, &options, &r->trainer, err);
     if (status != NQM_OK)
         return status;
     r->order = nqm_alloc(r->examples.n_train, sizeof *r->order);
-    r->x = nqm_alloc(o->batch, r->examples.width * sizeof(float));
     r->target = nqm_alloc(o->batch, sizeof(float));
     r->z = nqm_alloc(o->batch, sizeof(float));
     r->dz = nqm_alloc(o->batch, sizeof(float));
     r->state.history = nqm_alloc(o->epochs, sizeof *r->state.history);
     r->state.max_epochs = o->epochs;
-    if (r->order && r->x && r->target && r->z && r->dz && r->state.history)
+    if (r->order && r->target && r->z && r->dz && r->state.history)
         return NQM_OK;
-    return nqm_fail_nomem(err, o->batch * r->examples.width * sizeof(float));
+    return nqm_fail_nomem(err, r->examples.n_train * sizeof *r->order);
 }
 
 static void release(run *r) {
     nqm_examples_free(&r->examples);
     nqm_params_free(&r->state.params);
-    nqm_params_free(&r->grads);
     nqm_adam_free(&r->state.adam);
-    nqm_net_work_free(r->work);
+    nqm_trainer_free(r->trainer);
     nqm_free(r->state.history);
     nqm_free(r->order);
-    nqm_free(r->x);
     nqm_free(r->target);
     nqm_free(r->z);
     nqm_free(r->dz);
@@ -80,6 +75,7 @@ static void begin_state(run *r) {
     r->state.plateau = (nqm_plateau){.factor = o->plateau_factor, .patience = o->plateau_patience, .best = INFINITY};
     r->state.lr_first = o->lr_first;
     r->state.lr_deeper = o->lr_deeper;
+    nqm_trainer_load(r->trainer, &r->state.params, NULL);
 }
 
 /* ---- epochs ------------------------------------------------------------------------------------------------------ */
@@ -95,14 +91,17 @@ static void shuffle(run *r) {
 /* One step on n examples; returns their mean loss. */
 static double step(run *r, size_t n, const size_t *index) {
     const nqm_train_options *o = r->options;
-    nqm_training *s = &r->state;
-    const nqm_dropout dropout = {.p = o->dropout, .seed = r->dropout_seed, .step = s->adam.step};
-    nqm_examples_gather(&r->examples, n, index, r->x, r->target);
-    nqm_net_forward(&s->params, r->work, n, r->x, &dropout, r->z);
+    const nqm_dropout dropout = {.p = o->dropout, .seed = r->dropout_seed, .step = nqm_trainer_steps(r->trainer)};
+    const nqm_step_rates rates = {.lr_first = r->state.lr_first,
+                                  .lr_deeper = r->state.lr_deeper,
+                                  .weight_decay = o->weight_decay,
+                                  .freeze_first_layernorm = o->freeze_first_layernorm != 0};
+    size_t ldx;
+    float *x = nqm_trainer_inputs(r->trainer, &ldx);
+    nqm_examples_gather(&r->examples, n, index, x, ldx, r->target);
+    nqm_trainer_forward(r->trainer, n, &dropout, r->z);
     double loss = nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, r->dz);
-    nqm_net_backward(&s->params, r->work, n, r->x, r->dz, &r->grads, NULL);
-    nqm_adam_step(&s->adam, &s->params, &r->grads, s->lr_first, s->lr_deeper, o->weight_decay,
-                  o->freeze_first_layernorm != 0);
+    nqm_trainer_step(r->trainer, n, r->dz, &rates);
     return loss;
 }
 
@@ -132,10 +131,12 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
 static double validate(run *r, float *z_ret) {
     size_t n_validation = r->examples.rows.n_validation, batch = r->options->batch;
     double sum = 0;
+    size_t ldx;
+    float *x = nqm_trainer_inputs(r->trainer, &ldx);
     for (size_t first = 0; first < n_validation; first += batch) {
         size_t n = n_validation - first < batch ? n_validation - first : batch;
-        nqm_examples_gather_validation(&r->examples, first, n, r->x, r->target);
-        nqm_net_forward(&r->state.params, r->work, n, r->x, NULL, r->z);
+        nqm_examples_gather_validation(&r->examples, first, n, x, ldx, r->target);
+        nqm_trainer_forward(r->trainer, n, NULL, r->z);
         sum += (double)n * nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, NULL);
         if (z_ret)
             memcpy(z_ret + first, r->z, n * sizeof *z_ret);
@@ -172,8 +173,10 @@ static nqm_status run_epoch(run *r, nqm_error *err) {
         s->lr_deeper = nqm_plateau_rate(s->lr_deeper, factor);
     }
     s->epoch++;
-    if (o->checkpoint)
+    if (o->checkpoint) {
+        nqm_trainer_store(r->trainer, &s->params, &s->adam);
         status = nqm_checkpoint_write(s, o, r->dataset->sha256, err);
+    }
     report_epoch(r, s->epoch - 1);
     return status;
 }
@@ -183,6 +186,8 @@ static nqm_status run_epochs(run *r, nqm_error *err) {
     nqm_status status = NQM_OK;
     if (o->resume)
         status = nqm_checkpoint_read(&r->state, o, r->dataset->sha256, err);
+    if (status == NQM_OK && o->resume)
+        nqm_trainer_load(r->trainer, &r->state.params, &r->state.adam);
     r->epochs_resumed = r->state.epoch;
     for (size_t i = 0; status == NQM_OK && i < r->state.epoch; ++i)
         report_epoch(r, i);
@@ -197,6 +202,7 @@ static nqm_status run_epochs(run *r, nqm_error *err) {
 static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     const nqm_examples *e = &r->examples;
     size_t n = r->dataset->n_directions;
+    nqm_trainer_store(r->trainer, &r->state.params, NULL);
     m->params = r->state.params;
     r->state.params = (nqm_params){0};
     m->n_directions = n;
@@ -297,7 +303,7 @@ static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret
         const nqm_epoch *last = &r->state.history[r->state.epoch - 1];
         report->n_train = r->examples.n_train;
         report->n_validation = r->examples.rows.n_validation;
-        report->n_steps = (size_t)r->state.adam.step;
+        report->n_steps = (size_t)nqm_trainer_steps(r->trainer);
         report->epochs = r->state.epoch;
         report->epochs_resumed = r->epochs_resumed;
         report->train_loss = last->train_loss;

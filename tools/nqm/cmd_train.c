@@ -19,12 +19,13 @@ static const choice schedules[] = {{"plateau", NQM_SCHEDULE_PLATEAU}, {"cosine",
 static const choice whitenings[] = {{"channel", NQM_WHITEN_CHANNEL}, {"scalar", NQM_WHITEN_SCALAR}, {0}};
 static const choice scale_copies[] = {
     {"pair", NQM_SCALE_PAIR_REFLECTANCE}, {"element", NQM_SCALE_ELEMENT_TRANSFORMED}, {"none", NQM_SCALE_NONE}, {0}};
+static const choice precisions[] = {{"f32", NQM_PRECISION_F32}, {"bf16", NQM_PRECISION_BF16}, {0}};
 static const choice splits[] = {{"group", 0}, {"pair", 1}, {0}};
 
 /* What the command line says. Words and counts are kept as they are parsed and moved into `options` afterwards. */
 typedef struct train_arguments {
     const char *recipe, *output, *labels, *log, *card, *hidden;
-    const char *layout, *target, *schedule, *whitening, *scale_copy, *split;
+    const char *layout, *target, *schedule, *whitening, *scale_copy, *split, *precision;
     uint64_t epochs, batch, patience;
     bool balance, no_balance, freeze, no_freeze, scalars, no_scalars, resume, json;
     nqm_train_options options;
@@ -63,6 +64,7 @@ static void begin_with_recipe(train_arguments *a, char *hidden, size_t n_hidden)
     a->whitening = choice_name(whitenings, o->whitening);
     a->scale_copy = choice_name(scale_copies, o->scale_copy);
     a->split = choice_name(splits, o->split_by_pair);
+    a->precision = choice_name(precisions, o->precision);
     a->epochs = o->epochs;
     a->batch = o->batch;
     a->patience = o->plateau_patience;
@@ -92,7 +94,7 @@ static bool parse_hidden(const char *text, nqm_train_options *o) {
 
 static int settle_options(train_arguments *a) {
     nqm_train_options *o = &a->options;
-    int layout = 0, target = 0, schedule = 0, whitening = 0, scale_copy = 0;
+    int layout = 0, target = 0, schedule = 0, whitening = 0, scale_copy = 0, precision = 0;
     int exit_code = choose("train", "layout", layouts, a->layout, &layout);
     if (exit_code == EXIT_OK)
         exit_code = choose("train", "target", targets, a->target, &target);
@@ -104,6 +106,8 @@ static int settle_options(train_arguments *a) {
         exit_code = choose("train", "scale-copy", scale_copies, a->scale_copy, &scale_copy);
     if (exit_code == EXIT_OK)
         exit_code = choose("train", "split", splits, a->split, &o->split_by_pair);
+    if (exit_code == EXIT_OK)
+        exit_code = choose("train", "precision", precisions, a->precision, &precision);
     if (exit_code != EXIT_OK)
         return exit_code;
     if (!parse_hidden(a->hidden, o))
@@ -114,6 +118,7 @@ static int settle_options(train_arguments *a) {
     if (!a->output)
         return report("train", EXIT_USAGE, "where to? give the model file: -o FILE");
     o->layout = (nqm_layout)layout;
+    o->precision = (nqm_precision)precision;
     o->target = (nqm_target)target;
     o->schedule = (nqm_schedule)schedule;
     o->whitening = (nqm_whitening)whitening;
@@ -261,6 +266,7 @@ static void list_options(train_arguments *a, option options[MAX_OPTIONS]) {
         {"labels", 0, OPTION_TEXT, &a->labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
         {"epochs", 0, OPTION_COUNT, &a->epochs, "N", "passes over the training pairs", 1, 1e6},
         {"batch", 0, OPTION_COUNT, &a->batch, "N", "pairs a step", 1, 65536},
+        {"precision", 0, OPTION_TEXT, &a->precision, "WORD", "of the factors of all products: f32 or bf16", 0, 0},
         {"seed", 0, OPTION_COUNT, &o->seed, "N", "of weights, split, augmentation, order and dropout", 0, 0},
         {"layout", 0, OPTION_TEXT, &a->layout, "WORD", "input: ref_test or ref_diff_absdiff", 0, 0},
         {"difference-scale", 0, OPTION_NUMBER, &o->difference_scale, "S", "times the differences", 1e-6, 1e6},
