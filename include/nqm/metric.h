@@ -106,8 +106,9 @@ typedef struct nqm_score_result {
     double jod;               /**< predicted quality, jod_min..jod_max of the model */
     double delta_e;           /**< the Delta-E ITP that the JOD stands for; NaN if the model does not predict one */
     double jod_low, jod_high; /**< the interval in which the JOD of rendered images lies for 95 % of pairs of materials
-                                   that the model has not seen; NaN if the model file holds no calibration; 10 and 10
-                                   when `identical` */
+                                   that the model has not seen, with kinds of distortion that it has (doc/evaluation.md
+                                   has the measured shares); NaN if the model file holds no calibration; 10 and 10 when
+                                   `identical` */
     int identical;            /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
     size_t n_valid;                       /**< directions at which both BRDFs hold a value */
