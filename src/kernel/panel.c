@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The loops over panels, strips and rows. What a thread gets depends on the shape only, and no sum is shared.
+ * The loops over panels, strips and rows. Blocks depend on the shape only, and no sum is shared, so that threads may take
+ * the next block as they come by: on a busy machine the other one does not wait.
  */
 #include "kernel/panel.h"
 
@@ -24,7 +25,7 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
     const nqm_kernels *kernels = nqm_kernels_get();
     const size_t n_row_blocks = ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
     /* Neighbouring blocks share a panel, which stays in the second cache meanwhile. */
-#pragma omp parallel for schedule(static) if (m * b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
+#pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
         const size_t panel = i / n_row_blocks, row = i % n_row_blocks * ROWS_AT_ONCE;
         nqm_product p = {.m = smaller(m - row, ROWS_AT_ONCE), .units = b->units, .add = add, .lda = lda, .ldc = ldc};
@@ -39,7 +40,7 @@ void nqm_gradient_run(const nqm_gradient *g) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const size_t units = nqm_units(g->precision, g->m), n_strips = ceil_div(g->k, NQM_STRIP);
     const size_t n_across = ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * ceil_div(g->n, NQM_PANEL);
-#pragma omp parallel for schedule(static) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
+#pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
         for (size_t strip = first; strip < smaller(first + STRIPS_AT_ONCE, n_strips); ++strip) {

@@ -175,41 +175,52 @@ void nqm_dequantise_row(const nqm_panels *b, float scale, bool add, const int32_
         c[j] = (add ? c[j] : 0) + scale * b->scale[j] * (float)(sums[j] - 128 * b->sum[j]);
 }
 
-/* One group of columns; `width` is a constant where this is inlined. */
-static inline void pack_group_f32(size_t width, size_t m, size_t n, const float *x, size_t ldx, uint32_t *out) {
-    const size_t there = smaller(n, width);
-    for (size_t i = 0; i < m; ++i) {
+enum { ROWS_AT_ONCE = 16 }; /* even */
+
+/* Rows [row, row + rows) of one group of columns; `width` is a constant where this is inlined. */
+static inline void pack_group_f32(size_t width, size_t rows, size_t there, const float *x, size_t ldx, uint32_t *out) {
+    for (size_t i = 0; i < rows; ++i) {
         memcpy(out + i * width, x + i * ldx, there * sizeof *x);
         memset(out + i * width + there, 0, (width - there) * sizeof *out);
     }
 }
 
-static inline void pack_group_bf16(size_t width, size_t m, size_t n, const float *x, size_t ldx, uint32_t *out) {
-    const size_t there = smaller(n, width);
-    for (size_t i = 0; i < m; i += 2) {
-        const float *even = x + i * ldx, *odd = even + (i + 1 < m ? ldx : 0);
-        const uint32_t second = i + 1 < m ? 0xffffffffu : 0;
+static inline void pack_group_bf16(size_t width, size_t rows, size_t there, const float *x, size_t ldx, uint32_t *out) {
+    for (size_t i = 0; i < rows; i += 2) {
+        const bool alone = i + 1 == rows;
+        const float *even = x + i * ldx, *odd = even + (alone ? 0 : ldx);
+        const uint32_t second = alone ? 0 : 0xffffffffu;
         uint32_t *units = out + i / 2 * width;
+#pragma omp simd
         for (size_t j = 0; j < there; ++j)
             units[j] = bf16_bits(even[j]) | (bf16_bits(odd[j]) << 16 & second);
         memset(units + there, 0, (width - there) * sizeof *units);
     }
 }
 
+static inline void pack_rows(nqm_precision precision, size_t width, size_t rows, size_t n, size_t group_units,
+                             const float *x, size_t ldx, uint32_t *out) {
+    for (size_t first = 0; first < n; first += width, out += group_units * width)
+        if (precision == NQM_PRECISION_BF16)
+            pack_group_bf16(width, rows, smaller(n - first, width), x + first, ldx, out);
+        else if (n - first >= width)
+            pack_group_f32(width, rows, width, x + first, ldx, out);
+        else
+            pack_group_f32(width, rows, n - first, x + first, ldx, out);
+}
+
 void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const float *x, size_t ldx,
                       uint32_t *out) {
-    const size_t units = nqm_units(precision, m), n_groups = ceil_div(n, width);
+    const size_t units = nqm_units(precision, m);
+    /* Some rows at a time, all the way across: they are read in order, and what is written stays a few lines a group. */
 #pragma omp parallel for schedule(static) if (m * n > 65536)
-    for (size_t g = 0; g < n_groups; ++g) {
-        uint32_t *to = out + g * units * width;
-        const float *from = x + g * width;
-        if (precision == NQM_PRECISION_BF16)
-            pack_group_bf16(width, m, n - g * width, from, ldx, to);
-        else if (n - g * width >= NQM_STRIP && width == NQM_STRIP)
-            pack_group_f32(NQM_STRIP, m, NQM_STRIP, from, ldx, to);
-        else if (n - g * width >= NQM_PANEL && width == NQM_PANEL)
-            pack_group_f32(NQM_PANEL, m, NQM_PANEL, from, ldx, to);
+    for (size_t row = 0; row < m; row += ROWS_AT_ONCE) {
+        const size_t rows = smaller(m - row, ROWS_AT_ONCE);
+        const float *from = x + row * ldx;
+        uint32_t *to = out + (row >> precision) * width;
+        if (width == NQM_STRIP)
+            pack_rows(precision, NQM_STRIP, rows, n, units, from, ldx, to);
         else
-            pack_group_f32(width, m, n - g * width, from, ldx, to);
+            pack_rows(precision, NQM_PANEL, rows, n, units, from, ldx, to);
     }
 }

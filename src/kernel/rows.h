@@ -54,6 +54,18 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
     }
 }
 
+/* ---- scaled copies of samples ------------------------------------------------------------------------------------ */
+
+/* With c = cbrt(f_r) and k = 1 + k1: log(k c + 1) = t + log(1 + k1 c / (c + 1)) and c / (c + 1) = 1 - exp(-t). The
+ * argument's magnitude is below 0.018, so that four terms of the logarithm's series leave less than 4e-10. */
+static void scale_log(size_t n, float k1, const float *t, float *scaled) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        float a = k1 * (1.0f - exp_negative(-t[i]));
+        scaled[i] = t[i] + a * (1.0f - a * (0.5f - a * (1.0f / 3.0f - a * 0.25f)));
+    }
+}
+
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
 
 /* Kingma and Ba 2015, arXiv:1412.6980, as torch.optim.Adam does it: L2 weight decay is added to the gradient, and both
@@ -210,5 +222,6 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .hidden_row = hidden_row,                                                                                      \
         .hidden_row_back = hidden_row_back,                                                                            \
         .gelu = gelu,                                                                                                  \
+        .scale_log = scale_log,                                                                                        \
         .adam = adam,                                                                                                  \
     }

@@ -117,6 +117,11 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
     }
 }
 
+static void scale_log(size_t n, float k1, const float *t, float *scaled) {
+    for (size_t i = 0; i < n; ++i)
+        scaled[i] = (float)log1p((1 + (double)k1) * expm1((double)t[i]));
+}
+
 /* What is kept of element i, scaled; 0: dropped. */
 static double dropout_factor(const nqm_hidden_row *r, size_t i) {
     if (!(r->p > 0))
@@ -184,5 +189,6 @@ const nqm_kernels nqm_kernels_scalar = {
     .hidden_row = hidden_row,
     .hidden_row_back = hidden_row_back,
     .gelu = gelu,
+    .scale_log = scale_log,
     .adam = adam,
 };

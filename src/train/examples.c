@@ -4,7 +4,7 @@
  * training examples, and the gathering of batches, with the scaled copies made on the fly. Every random number comes
  * from a counter (seed, stream, example), so that neither order nor threads matter.
  */
-#include "kernel/exp_log.h"
+#include "kernel/kernel.h"
 #include "train/train.h"
 
 #include <math.h>
@@ -47,18 +47,6 @@ static void transform_noisy(void *user, size_t i) {
 
 /* ---- scaled copies ----------------------------------------------------------------------------------------------- */
 
-/* f_r scaled by s, 0.95 <= s <= 1.05, in terms of t = log(c + 1), c = cbrt(f_r): with k = cbrt(s),
- * log(k c + 1) = t + log(1 + (k - 1) c / (c + 1)) and c / (c + 1) = 1 - exp(-t). The argument's magnitude is below
- * 0.0173, so that four terms of the logarithm's series leave less than 4e-10. */
-static void scale_reflectance(size_t n, double s, const float *t, float *out) {
-    const float k1 = (float)(cbrt(s) - 1);
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        float a = k1 * (1 - nqm_exp_core(-t[i]));
-        out[i] = t[i] + a * (1 - a * (0.5f - a * (1.0f / 3 - a * 0.25f)));
-    }
-}
-
 static double uniform_factor(uint64_t seed, uint64_t counter) {
     return 0.95 + 0.1 * ((double)(nqm_hash_u64(seed, counter) >> 11) * 0x1p-53);
 }
@@ -83,9 +71,9 @@ void nqm_examples_samples(const nqm_examples *e, size_t i, bool scaled, float *s
     if (e->options->scale_copy == NQM_SCALE_ELEMENT_TRANSFORMED) {
         scale_elements(n, nqm_hash_u64(seed, i), *ref_t, *test_t, scratch);
     } else {
-        double s = uniform_factor(seed, i);
-        scale_reflectance(n, s, *ref_t, scratch);
-        scale_reflectance(n, s, *test_t, scratch + n);
+        const float k1 = (float)(cbrt(uniform_factor(seed, i)) - 1);
+        nqm_kernels_get()->scale_log(n, k1, *ref_t, scratch);
+        nqm_kernels_get()->scale_log(n, k1, *test_t, scratch + n);
     }
     *ref_t = scratch;
     *test_t = scratch + n;

@@ -383,6 +383,24 @@ static void adam_of_every_table(void **state) {
     nqm_free(grad);
 }
 
+static void scaled_logs_of_every_table(void **state) {
+    (void)state;
+    static float t[N], expected[N], first[N], actual[N];
+    for (size_t i = 0; i < N; ++i)
+        t[i] = 6.0f * (float)i / N;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float k1 = 0.0172f * (float)sign;
+        nqm_kernels_scalar.scale_log(N, k1, t, expected);
+        nqm_kernels_at(0)->scale_log(N, k1, t, first);
+        for (size_t k = 0; nqm_kernels_at(k) != &nqm_kernels_scalar; ++k) {
+            nqm_kernels_at(k)->scale_log(N, k1, t, actual);
+            assert_memory_equal(actual, first, sizeof actual);
+            for (size_t i = 0; i < N; ++i)
+                assert_near((double)actual[i], (double)expected[i], 4e-7);
+        }
+    }
+}
+
 static void choice_by_name(void **state) {
     (void)state;
     for (size_t i = 0; nqm_kernels_name(i); ++i) {
@@ -407,7 +425,7 @@ int main(void) {
         cmocka_unit_test(the_same_bits),          cmocka_unit_test(panels_and_back),
         cmocka_unit_test(rounding_to_bfloat16),   cmocka_unit_test(gradients_of_every_table),
         cmocka_unit_test(rows_of_every_table),    cmocka_unit_test(adam_of_every_table),
-        cmocka_unit_test(choice_by_name),
+        cmocka_unit_test(choice_by_name),         cmocka_unit_test(scaled_logs_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
