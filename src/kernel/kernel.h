@@ -94,7 +94,7 @@ typedef struct nqm_kernels {
      * 3e-7 of the true normal distribution function everywhere. y may be x; slope may be NULL.
      */
     void (*gelu)(size_t n, const float *x, float *y, float *slope);
-    /** n values t = log(cbrt(f_r) + 1) become those of s f_r, with k1 = cbrt(s) - 1, |k1| <= 0.018: within 4e-7. */
+    /** n values t = log(cbrt(f_r) + 1) become those of s f_r, with k1 = cbrt(s) - 1, |k1| <= 0.018: within 3e-7 (1 + t). */
     void (*scale_log)(size_t n, float k1, const float *t, float *scaled);
     /** One step of Adam for n parameters; m, v: (n) the moments, zeros before the first step. */
     void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
