@@ -15,11 +15,18 @@
 
 #include <string.h>
 
+#ifdef __SANITIZE_ADDRESS__ /* each access becomes many instructions: small tiles do the same operations, and compile */
+#undef TILE_ROWS
+#undef TILE_VECTORS
+#define TILE_ROWS    2
+#define TILE_VECTORS 1
+#endif
+
 typedef float vector_f __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 typedef int32_t vector_i __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 typedef uint32_t vector_u __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 
-enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS };
+enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS, FEW_ROWS = (TILE_ROWS + 2) / 3 };
 
 #define UNROLL _Pragma("GCC unroll 16")
 #define INLINE static inline __attribute__((always_inline))
@@ -80,8 +87,8 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
             size_t i = 0;                                                                                              \
             for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)                                                              \
                 TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);               \
-            for (; i + 4 <= p->m; i += 4)                                                                              \
-                TILE(4, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
+            for (; i + FEW_ROWS <= p->m; i += FEW_ROWS)                                                                \
+                TILE(FEW_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                \
             for (; i < p->m; ++i)                                                                                      \
                 TILE(1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
         }                                                                                                              \
