@@ -38,11 +38,31 @@ typedef struct nqm_map {
     const unsigned char *data;
     size_t n_bytes;
     const char *path; /**< lent; for messages */
+    bool has_fd;      /**< the file is open as `fd`: nqm_map_open_sparse() */
+    int fd;
 } nqm_map;
+
+/** A few bytes of a file, and where they go. */
+typedef struct nqm_piece {
+    size_t offset;
+    void *out;
+} nqm_piece;
 
 /** Map a regular file. Directories, missing and unreadable files give NQM_ERR_IO with a plain message. The pages are
  *  not read until they are touched. `path` must outlive the map. */
 NQM_MUST_CHECK nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err);
+/** The same for a file of which perhaps only a little is read: touching a page loads that page only, until
+ *  nqm_map_expect(). The file stays open for nqm_map_gather(), unless the process has hundreds of files open. */
+NQM_MUST_CHECK nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err);
+/** End the loading of single pages. `everything`: most of the map is read next, the system is asked to fetch it at once.
+ */
+void nqm_map_expect(const nqm_map *map, bool everything);
+/** Copy n pieces of n_each bytes out of a map. Where the map has a file they are read from that: a page fault costs more
+ *  than reading a piece. Those that are not in memory are fetched from the disk side by side, neighbours together. What
+ *  lies behind the end, also of a file that has become shorter, is given as bytes of 0xff. Reorders `pieces`. */
+void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each);
+/** For maps that are kept but not gathered from: close their file, if they have one. */
+void nqm_map_close_file(nqm_map *map);
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);
 

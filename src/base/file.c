@@ -13,7 +13,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err) {
+void nqm_map_close_file(nqm_map *map) {
+    if (map->has_fd)
+        close(map->fd);
+    map->has_fd = false;
+}
+
+/* keep: the descriptor stays with the map. */
+static nqm_status open_map(const char *path, bool keep, nqm_map *map_ret, nqm_error *err) {
     *map_ret = (nqm_map){0};
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: a FIFO must not hang us */
     if (fd < 0)
@@ -37,11 +44,40 @@ nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err) {
     }
     if (status == NQM_OK)
         map_ret->path = path;
-    close(fd);
+    if (status == NQM_OK && keep && map_ret->data) {
+        map_ret->has_fd = true;
+        map_ret->fd = fd;
+    } else {
+        close(fd);
+    }
     return status;
 }
 
+nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err) {
+    return open_map(path, false, map_ret, err);
+}
+
+nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err) {
+    enum { MAX_KEPT_FD = 256 }; /* of the 1024 that a process may usually have */
+    nqm_status status = open_map(path, true, map_ret, err);
+    if (map_ret->data) /* advice only, failure is harmless */
+        (void)posix_madvise((void *)(uintptr_t)map_ret->data, map_ret->n_bytes, POSIX_MADV_RANDOM);
+    if (map_ret->has_fd && map_ret->fd >= MAX_KEPT_FD)
+        nqm_map_close_file(map_ret);
+    return status;
+}
+
+void nqm_map_expect(const nqm_map *map, bool everything) {
+    if (!map->data)
+        return;
+    void *data = (void *)(uintptr_t)map->data;
+    (void)posix_madvise(data, map->n_bytes, POSIX_MADV_NORMAL);
+    if (everything)
+        (void)posix_madvise(data, map->n_bytes, POSIX_MADV_WILLNEED);
+}
+
 void nqm_map_close(nqm_map *map) {
+    nqm_map_close_file(map);
     if (map->data)
         munmap((void *)(uintptr_t)map->data, map->n_bytes);
     *map = (nqm_map){0};

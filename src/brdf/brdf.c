@@ -63,7 +63,7 @@ static nqm_status ask_for_member(const char *path, nqm_error *err) {
 
 static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_map map = {0};
-    nqm_status status = nqm_map_open(path, &map, err);
+    nqm_status status = nqm_map_open_sparse(path, &map, err);
     if (status != NQM_OK)
         return status;
     if (map.n_bytes == 0) {
@@ -99,7 +99,7 @@ done:
 static nqm_status open_member(const char *path, const char *material, const char *name, nqm_brdf **brdf_ret,
                               nqm_error *err) {
     nqm_map map = {0};
-    nqm_status status = nqm_map_open(path, &map, err);
+    nqm_status status = nqm_map_open_sparse(path, &map, err);
     if (status != NQM_OK)
         return status;
     bool zip = is_zip(&map), decoder = nqm_nps_probe(&map);

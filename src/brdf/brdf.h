@@ -74,9 +74,9 @@ void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights);
 
 /** A table over half-vector coordinates, linear between nodes: theta_h of node i = (i / (n_h - 1))^2 pi/2 (dense about
  *  the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of node k = k / n_p pi, which
- *  closes on itself. rgb (n_h, n_d, n_p, 3) f_r, finite; NaN in channel 0: no value, left out of the mean. `rgb` is copied.
- *  NQM_ERR_LIMIT: fewer than 2 x 2 x 1 nodes, or more than 2^24. */
-nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb, const char *name, nqm_brdf **brdf_ret,
+ *  closes on itself. rgb (n_h, n_d, n_p, 3) f_r, finite; NaN in channel 0: no value, left out of the mean. `rgb` are floats
+ *  at any alignment, copied. NQM_ERR_LIMIT: fewer than 2 x 2 x 1 nodes, or more than 2^24. */
+nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err);
 /** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * MERL tables (Matusik et al. 2003, DOI 10.1145/882262.882343): a measured BRDF as 90 x 90 x 180 cells in half-vector
- * coordinates, read in place from the mapped file so that only the touched pages are loaded, and written. The nearest
- * cell is taken, as in the database's own reader; no interpolation. DTU tables (Nielsen et al. 2015, DOI
+ * coordinates, read and written. The first few directions come straight from the file, so that a sampling loads the
+ * pages that it needs and no others; who asks for more reads the mapped file in place. The nearest cell is taken, as in the database's own reader; no interpolation. DTU tables (Nielsen et al. 2015, DOI
  * 10.1145/2816795.2818085) have the same layout.
  *
  * File, little-endian: int32 dimensions (90, 90, 180); double cells (3 channels, 90 theta_h, 90 theta_d, 180 phi_d).
@@ -14,8 +14,6 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 enum { N_THETA_H = 90, N_THETA_D = 90, N_PHI_D = 180, N_CELLS = N_THETA_H * N_THETA_D * N_PHI_D };
 enum { HEADER_BYTES = 12, FILE_BYTES = HEADER_BYTES + 3 * N_CELLS * 8 };
@@ -26,11 +24,13 @@ static const unsigned char header[HEADER_BYTES] = {N_THETA_H, 0, 0, 0, N_THETA_D
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
+/* The first pairs are read from the file, the later ones through the mapping, which costs page faults first. */
+enum { N_GATHERED = 1024, GATHER_BLOCK = 512 };
+
 typedef struct merl {
     nqm_map map;
-    size_t page_bytes;
-    atomic_int hints;       /* pages that may still be announced to the system */
-    atomic_int *hints_left; /* that counter, for evaluations, to which the table is const */
+    atomic_int gathered;     /* pairs that may still be read from the file */
+    atomic_int *gather_left; /* that counter, for evaluations, to which the table is const */
 } merl;
 
 static size_t cell_index(double position, size_t n) {
@@ -45,29 +45,41 @@ static size_t find_cell(const double *hd) {
     return (h * N_THETA_D + d) * N_PHI_D + p;
 }
 
-/* Ask the system for all pages of a batch before the first is read: from a disk they then come side by side, not one
- * after the other. Advice only, failure is harmless. */
-static void announce_pages(const merl *table, size_t n, const double *hd) {
-    unsigned char *begin = (unsigned char *)(uintptr_t)table->map.data;
-    for (size_t i = 0; i < n && atomic_fetch_sub(table->hints_left, 3) > 0; ++i) {
-        for (size_t c = 0; c < 3; ++c) {
-            size_t at = HEADER_BYTES + 8 * (c * N_CELLS + find_cell(hd + 3 * i));
-            (void)posix_madvise(begin + at / table->page_bytes * table->page_bytes, 1, POSIX_MADV_WILLNEED);
-        }
+static size_t cell_offset(size_t channel, size_t cell) {
+    return HEADER_BYTES + 8 * (channel * N_CELLS + cell);
+}
+
+static double settle(const unsigned char *stored, size_t channel) {
+    double value = nqm_load_f64(stored);
+    return value >= 0 ? value * channel_scale[channel] : NAN;
+}
+
+static void gather_block(const nqm_map *map, size_t n, const double *hd, double *rgb) {
+    unsigned char stored[3 * GATHER_BLOCK][8];
+    nqm_piece pieces[3 * GATHER_BLOCK];
+    for (size_t i = 0; i < n; ++i) {
+        size_t cell = find_cell(hd + 3 * i);
+        for (size_t c = 0; c < 3; ++c)
+            pieces[3 * i + c] = (nqm_piece){cell_offset(c, cell), stored[3 * i + c]};
     }
+    nqm_map_gather(map, 3 * n, pieces, sizeof *stored);
+    for (size_t i = 0; i < 3 * n; ++i)
+        rgb[i] = settle(stored[i], i % 3);
 }
 
 static void merl_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
     const merl *table = self;
-    const unsigned char *cells = table->map.data + HEADER_BYTES;
-    if (atomic_load_explicit(table->hints_left, memory_order_relaxed) > 0)
-        announce_pages(table, n, hd);
-    for (size_t i = 0; i < n; ++i) {
+    size_t i = 0;
+    while (i < n && atomic_load_explicit(table->gather_left, memory_order_relaxed) > 0) {
+        size_t n_block = n - i < GATHER_BLOCK ? n - i : GATHER_BLOCK;
+        atomic_fetch_sub(table->gather_left, (int)n_block);
+        gather_block(&table->map, n_block, hd + 3 * i, rgb + 3 * i);
+        i += n_block;
+    }
+    for (; i < n; ++i) {
         size_t cell = find_cell(hd + 3 * i);
-        for (size_t c = 0; c < 3; ++c) {
-            double stored = nqm_load_f64(cells + 8 * (c * N_CELLS + cell));
-            rgb[3 * i + c] = stored >= 0 ? stored * channel_scale[c] : NAN;
-        }
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = settle(table->map.data + cell_offset(c, cell), c);
     }
 }
 
@@ -97,19 +109,6 @@ static bool any_cell_finite(const nqm_map *map) {
     return false;
 }
 
-/* How many pages are worth announcing: none when the file is in memory already. Later batches find most of their pages
- * there, so a few thousand are enough. */
-static int count_hints(const nqm_map *map, size_t page_bytes) {
-    enum { MAX_HINTS = 6000 };
-    size_t n_pages = (map->n_bytes + page_bytes - 1) / page_bytes, n_absent = 0;
-    unsigned char *present = nqm_alloc(n_pages, 1);
-    if (present && mincore((void *)(uintptr_t)map->data, map->n_bytes, present) == 0)
-        for (size_t i = 0; i < n_pages; ++i)
-            n_absent += !(present[i] & 1);
-    nqm_free(present);
-    return n_absent < MAX_HINTS ? (int)n_absent : MAX_HINTS;
-}
-
 nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     if (map->n_bytes < HEADER_BYTES || memcmp(map->data, header, HEADER_BYTES) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0,
@@ -126,12 +125,10 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
     merl *table = nqm_alloc(1, sizeof *table);
     if (!table)
         return nqm_fail_nomem(err, sizeof *table);
-    /* Cells are met in no order: reading ahead would load most of the file. Advice only, failure is harmless. */
-    (void)posix_madvise((void *)(uintptr_t)map->data, map->n_bytes, POSIX_MADV_RANDOM);
+    nqm_map_expect(map, false);
     table->map = *map;
-    table->page_bytes = (size_t)sysconf(_SC_PAGESIZE);
-    table->hints = count_hints(map, table->page_bytes);
-    table->hints_left = &table->hints;
+    table->gathered = map->has_fd ? N_GATHERED : 0;
+    table->gather_left = &table->gathered;
     nqm_status status = nqm_brdf_wrap(&merl_class, table, name, NULL, "90 x 90 x 180 cells", brdf_ret, err);
     *map = (nqm_map){0};
     if (status != NQM_OK)

@@ -139,6 +139,7 @@ bool nqm_nbrdf_probe(const nqm_map *map) {
 }
 
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_map_expect(map, true);
     nqm_status status = open_bytes(map->data, map->n_bytes, name, brdf_ret, err);
     if (status == NQM_OK)
         nqm_map_close(map);

@@ -11,6 +11,7 @@
 #include "io/io.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -19,7 +20,7 @@ enum { N_NUMBERS = (N_IN + 1) * N_HIDDEN + (N_LAYERS - 2) * (N_HIDDEN + 1) * N_H
 
 typedef struct nps {
     float latent[N_LATENTS];
-    float weights[N_NUMBERS];
+    nqm_map map; /* the decoder; weights (N_NUMBERS) as they lie in the file */
 } nps;
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
@@ -52,7 +53,7 @@ static void eval_tile(const nps *net, size_t n, const double *hd, double *rgb) {
         row[3] = (float)(hd[3 * i + 1] / (NQM_PI / 2));
         memcpy(row + 4, net->latent, sizeof net->latent);
     }
-    const float *w = net->weights;
+    const float *w = (const void *)net->map.data;
     for (size_t layer = 0; layer < N_LAYERS; ++layer) {
         w = apply_layer(n, layer == 0 ? N_IN : N_HIDDEN, layer == N_LAYERS - 1 ? N_OUT : N_HIDDEN, w, x, y);
         float *swap = x;
@@ -68,8 +69,14 @@ static void nps_eval_half_diff(const void *self, size_t n, const double *hd, dou
         eval_tile(self, n - i < TILE ? n - i : TILE, hd + 3 * i, rgb + 3 * i);
 }
 
+static void nps_free(void *self) {
+    nps *net = self;
+    nqm_map_close(&net->map);
+    nqm_free(net);
+}
+
 static const nqm_brdf_class nps_class = {
-    .format = "nps", .reciprocal = 1, .eval_half_diff = nps_eval_half_diff, .free = nqm_free};
+    .format = "nps", .reciprocal = 1, .eval_half_diff = nps_eval_half_diff, .free = nps_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
@@ -77,22 +84,20 @@ bool nqm_nps_probe(const nqm_map *map) {
     return map->n_bytes == (size_t)N_NUMBERS * 4;
 }
 
-static nqm_status read_weights(const char *path, nps *net, nqm_error *err) {
-    nqm_map map;
-    nqm_status status = nqm_map_open(path, &map, err);
+static nqm_status map_weights(const char *path, nps *net, nqm_error *err) {
+    nqm_map *map = &net->map;
+    nqm_status status = nqm_map_open(path, map, err);
     if (status != NQM_OK)
         return status;
-    if (!nqm_nps_probe(&map))
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map.n_bytes,
-                          "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map.n_bytes);
-    for (size_t i = 0; i < N_NUMBERS && status == NQM_OK; ++i) {
-        net->weights[i] = nqm_load_f32(map.data + 4 * i);
-        if (!isfinite(net->weights[i]))
-            status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)(4 * i), "%s: the weight at byte %zu is not finite", path,
-                              4 * i);
-    }
-    nqm_map_close(&map);
-    return status;
+    if (!nqm_nps_probe(map))
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes,
+                        "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map->n_bytes);
+    nqm_map_expect(map, true);
+    const float *weights = (const void *)map->data;
+    if (nqm_all_within(N_NUMBERS, weights, -FLT_MAX))
+        return NQM_OK;
+    size_t at = 4 * nqm_first_outside(N_NUMBERS, weights, -FLT_MAX);
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", path, at);
 }
 
 static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *material, nps *net, nqm_error *err) {
@@ -142,9 +147,9 @@ nqm_status nqm_nps_open(const char *decoder_path, const char *material, const ch
         return nqm_fail_nomem(err, sizeof *net);
     nqm_status status = read_latent(decoder_path, material, net, err);
     if (status == NQM_OK)
-        status = read_weights(decoder_path, net, err);
+        status = map_weights(decoder_path, net, err);
     if (status != NQM_OK) {
-        nqm_free(net);
+        nps_free(net);
         return status;
     }
     status = nqm_brdf_wrap(&nps_class, net, name, NULL, "7 latents, shared decoder 11-400x6-3", brdf_ret, err);
@@ -152,6 +157,6 @@ nqm_status nqm_nps_open(const char *decoder_path, const char *material, const ch
         return status;
     (*brdf_ret)->source_doi = "10.1145/3490385";
     (*brdf_ret)->n_values = N_NUMBERS + N_LATENTS;
-    (*brdf_ret)->n_bytes = sizeof net->weights;
+    (*brdf_ret)->n_bytes = (size_t)N_NUMBERS * 4;
     return NQM_OK;
 }

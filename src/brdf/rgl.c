@@ -23,12 +23,14 @@
 /** A table over the unit square, first coordinate along a row; (height, width) or several of them. */
 typedef struct grid {
     size_t width, height;
-    float *value;
+    const float *value; /* in the mapped file, or own */
+    float *own;         /* or NULL */
 } grid;
 
 typedef struct rgl {
+    nqm_map map;
     size_t n_theta;
-    float *theta_i;      /* (n_theta), rising, radians */
+    grid angles;         /* theta_i: (n_theta), rising, radians */
     grid ndf, sigma;     /* microfacet density over half vectors; projected area over incidence: (height, width) */
     grid vndf;           /* visible-normal density, not normalised: (n_theta, height, width) */
     double *conditional; /* (n_theta, vndf.height, vndf.width): integral of a row up to a column, in cells */
@@ -135,9 +137,10 @@ static void eval_pair(const rgl *m, const double *omega_i, const double *omega_o
     double u = theta_to_unit(polar_angle(h)), v = azimuth_to_unit(omega_i, h);
 
     size_t k = 0;
-    while (k + 2 < m->n_theta && theta_i >= (double)m->theta_i[k + 1])
+    const float *angle = m->angles.value;
+    while (k + 2 < m->n_theta && theta_i >= (double)angle[k + 1])
         ++k;
-    double before = (double)m->theta_i[k], after = (double)m->theta_i[k + 1];
+    double before = (double)angle[k], after = (double)angle[k + 1];
     double t = fmin(fmax((theta_i - before) / (after - before), 0), 1);
 
     double scale = 1 / omega_o[2];
@@ -161,13 +164,14 @@ static void rgl_free(void *self) {
     rgl *m = self;
     if (!m)
         return;
-    nqm_free(m->theta_i);
-    nqm_free(m->ndf.value);
-    nqm_free(m->sigma.value);
-    nqm_free(m->vndf.value);
+    nqm_free(m->angles.own);
+    nqm_free(m->ndf.own);
+    nqm_free(m->sigma.own);
+    nqm_free(m->vndf.own);
     nqm_free(m->conditional);
     nqm_free(m->marginal);
-    nqm_free(m->rgb.value);
+    nqm_free(m->rgb.own);
+    nqm_map_close(&m->map);
     nqm_free(m);
 }
 
@@ -233,36 +237,34 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* A tensor's floats in memory of their own; values below `least` and such that are not finite are refused. */
-static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float least, float **value_ret, nqm_error *err) {
-    size_t n = t->n_bytes / 4;
-    float *value = *value_ret = nqm_alloc(n, sizeof *value); /* the material owns it, whatever happens here */
-    if (!value)
-        return nqm_fail_nomem(err, t->n_bytes);
-    for (size_t i = 0; i < n; ++i) {
-        value[i] = nqm_load_f32((const unsigned char *)t->data + 4 * i);
-        if (!(value[i] >= least && value[i] <= FLT_MAX)) {
-            long long at = (long long)t->byte_offset + 4 * (long long)i;
-            return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: '%s' holds %g at byte %lld", c->path, t->name,
-                            (double)value[i], at);
-        }
-    }
-    return NQM_OK;
-}
-
-static nqm_status copy_grid(const contents *c, const nqm_tensor *t, float least, grid *g, nqm_error *err) {
-    g->height = t->dims[t->n_dims - 2];
+/* A tensor's floats, in place where they are aligned; values below `least` and such that are not finite are refused. */
+static nqm_status view_floats(const contents *c, const nqm_tensor *t, float least, grid *g, nqm_error *err) {
+    size_t n = t->n_bytes / sizeof(float);
+    g->height = t->n_dims > 1 ? t->dims[t->n_dims - 2] : 1;
     g->width = t->dims[t->n_dims - 1];
-    return copy_floats(c, t, least, &g->value, err);
+    if ((uintptr_t)t->data % sizeof(float) == 0) {
+        g->value = t->data;
+    } else {
+        g->value = g->own = nqm_alloc(n, sizeof(float)); /* the material owns it, whatever happens here */
+        if (!g->own)
+            return nqm_fail_nomem(err, t->n_bytes);
+        memcpy(g->own, t->data, n * sizeof(float));
+    }
+    if (nqm_all_within(n, g->value, least))
+        return NQM_OK;
+    size_t i = nqm_first_outside(n, g->value, least);
+    long long at = (long long)t->byte_offset + 4 * (long long)i;
+    return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: '%s' holds %g at byte %lld", c->path, t->name, (double)g->value[i],
+                    at);
 }
 
-static nqm_status copy_angles(const contents *c, rgl *m, nqm_error *err) {
-    nqm_status status = copy_floats(c, c->theta_i, 0, &m->theta_i, err);
+static nqm_status view_angles(const contents *c, rgl *m, nqm_error *err) {
+    nqm_status status = view_floats(c, c->theta_i, 0, &m->angles, err);
     if (status != NQM_OK)
         return status;
     m->n_theta = c->theta_i->dims[0];
     for (size_t k = 1; k < m->n_theta; ++k)
-        if (!(m->theta_i[k] > m->theta_i[k - 1]))
+        if (!(m->angles.value[k] > m->angles.value[k - 1]))
             return fail_tensor(c, c->theta_i, "does not rise", err);
     return NQM_OK;
 }
@@ -270,36 +272,52 @@ static nqm_status copy_angles(const contents *c, rgl *m, nqm_error *err) {
 /* Channels side by side, so that the four neighbours of a point lie in two short runs of memory. */
 static nqm_status copy_rgb(const contents *c, rgl *m, nqm_error *err) {
     grid planes = {0};
-    nqm_status status = copy_grid(c, c->rgb, -FLT_MAX, &planes, err);
-    m->rgb = (grid){planes.width, planes.height, NULL};
+    nqm_status status = view_floats(c, c->rgb, -FLT_MAX, &planes, err);
     size_t n_slice = planes.width * planes.height;
-    if (status == NQM_OK && !(m->rgb.value = nqm_alloc(3 * m->n_theta * n_slice, sizeof(float))))
+    float *rgb = m->rgb.own = status == NQM_OK ? nqm_alloc(3 * m->n_theta * n_slice, sizeof *rgb) : NULL;
+    m->rgb = (grid){planes.width, planes.height, rgb, rgb};
+    if (status == NQM_OK && !rgb)
         status = nqm_fail_nomem(err, c->rgb->n_bytes);
-    if (status == NQM_OK)
-        for (size_t k = 0; k < m->n_theta; ++k)
-            for (size_t i = 0; i < 3 * n_slice; ++i)
-                m->rgb.value[3 * k * n_slice + i] = planes.value[(3 * k + i % 3) * n_slice + i / 3];
-    nqm_free(planes.value);
+    for (size_t k = 0; status == NQM_OK && k < m->n_theta; ++k) {
+        const float *red = planes.value + 3 * k * n_slice, *green = red + n_slice, *blue = green + n_slice;
+        for (size_t i = 0; i < n_slice; ++i, rgb += 3) {
+            rgb[0] = red[i];
+            rgb[1] = green[i];
+            rgb[2] = blue[i];
+        }
+    }
+    nqm_free(planes.own);
     return status;
 }
 
-/* Integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that of the whole. */
+/* Integrals of n_rows rows up to each column by the trapezoidal rule, which is exact for bilinear densities. A sum waits
+ * for the one before it; the rows' sums do not wait for each other. Inlined, so that n_rows is a constant. */
+static inline void integrate_rows(size_t n_rows, size_t width, const float *density, double *integral) {
+    double sum[4] = {0};
+    for (size_t x = 1; x < width; ++x)
+        for (size_t y = 0; y < n_rows; ++y) {
+            const float *d = density + y * width + x;
+            sum[y] += 0.5 * ((double)d[-1] + (double)d[0]);
+            integral[y * width + x] = sum[y];
+        }
+}
+
+/* The integrals of slice k; returns that of the whole. */
 static double integrate_slice(rgl *m, size_t k) {
-    size_t width = m->vndf.width, height = m->vndf.height;
-    double *marginal = m->marginal + k * height;
-    for (size_t y = 0; y < height; ++y) {
-        const float *density = m->vndf.value + (k * height + y) * width;
-        double *row = m->conditional + (k * height + y) * width;
-        for (size_t x = 1; x < width; ++x)
-            row[x] = row[x - 1] + 0.5 * ((double)density[x - 1] + (double)density[x]);
-        if (y > 0)
-            marginal[y] = marginal[y - 1] + 0.5 * (row[-1] + row[width - 1]); /* row[-1] ends the row before */
-    }
+    size_t width = m->vndf.width, height = m->vndf.height, y = 0;
+    const float *density = m->vndf.value + k * height * width;
+    double *conditional = m->conditional + k * height * width, *marginal = m->marginal + k * height;
+    for (; y + 4 <= height; y += 4)
+        integrate_rows(4, width, density + y * width, conditional + y * width);
+    for (; y < height; ++y)
+        integrate_rows(1, width, density + y * width, conditional + y * width);
+    for (y = 1; y < height; ++y)
+        marginal[y] = marginal[y - 1] + 0.5 * (conditional[y * width - 1] + conditional[(y + 1) * width - 1]);
     return marginal[height - 1];
 }
 
 static nqm_status build_warp(const contents *c, rgl *m, nqm_error *err) {
-    nqm_status status = copy_grid(c, c->vndf, 0, &m->vndf, err);
+    nqm_status status = view_floats(c, c->vndf, 0, &m->vndf, err);
     if (status != NQM_OK)
         return status;
     size_t n_rows = m->n_theta * m->vndf.height;
@@ -319,11 +337,11 @@ static nqm_status read_material(const nqm_tensor_file *file, const char *path, r
     if (status == NQM_OK)
         status = check_shapes(&c, err);
     if (status == NQM_OK)
-        status = copy_angles(&c, m, err);
+        status = view_angles(&c, m, err);
     if (status == NQM_OK)
-        status = copy_grid(&c, c.ndf, 0, &m->ndf, err);
+        status = view_floats(&c, c.ndf, 0, &m->ndf, err);
     if (status == NQM_OK)
-        status = copy_grid(&c, c.sigma, FLT_MIN, &m->sigma, err);
+        status = view_floats(&c, c.sigma, FLT_MIN, &m->sigma, err);
     if (status == NQM_OK)
         status = copy_rgb(&c, m, err);
     if (status == NQM_OK)
@@ -344,6 +362,7 @@ nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm
     rgl *m = nqm_alloc(1, sizeof *m);
     if (!m)
         return nqm_fail_nomem(err, sizeof *m);
+    nqm_map_expect(map, true);
     nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
     if (status == NQM_OK)
         status = read_material(file, map->path, m, err);
@@ -357,12 +376,15 @@ nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm
              m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
     size_t n_values = m->n_theta * (3 * m->rgb.height * m->rgb.width + m->vndf.height * m->vndf.width) +
                       m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
+    size_t n_bytes = map->n_bytes;
+    nqm_map_close_file(map);
+    m->map = *map;
+    *map = (nqm_map){0};
     status = nqm_brdf_wrap(&rgl_class, m, name, NULL, layout, brdf_ret, err);
     if (status != NQM_OK)
         return status;
     (*brdf_ret)->source_doi = "10.1145/3272127.3275059";
     (*brdf_ret)->n_values = n_values;
-    (*brdf_ret)->n_bytes = map->n_bytes;
-    nqm_map_close(map);
+    (*brdf_ret)->n_bytes = n_bytes;
     return NQM_OK;
 }

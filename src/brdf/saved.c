@@ -91,13 +91,32 @@ static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_te
     return NQM_OK;
 }
 
-/* Copy a tensor's floats, which foreign writers need not align; all but the missing values of tables must be finite. */
-static nqm_status copy(const char *name, const nqm_tensor *tensor, bool may_miss, float *values, nqm_error *err) {
+static nqm_status refuse_value(const char *name, const nqm_tensor *tensor, size_t i, nqm_error *err) {
+    return refuse(name, tensor, i * sizeof(float), "holds a value that is not finite", err);
+}
+
+/* Copy a network's floats, which foreign writers need not align. */
+static nqm_status copy(const char *name, const nqm_tensor *tensor, float *values, nqm_error *err) {
     size_t n = count(tensor);
     memcpy(values, tensor->data, n * sizeof *values);
     for (size_t i = 0; i < n; ++i)
-        if (!isfinite(values[i]) && !(may_miss && isnan(values[i - i % 3])))
-            return refuse(name, tensor, i * sizeof *values, "holds a value that is not finite", err);
+        if (!isfinite(values[i]))
+            return refuse_value(name, tensor, i, err);
+    return NQM_OK;
+}
+
+/* A table's values must be finite where the first channel does not say that there is none. */
+static nqm_status check_nodes(const char *name, const nqm_tensor *tensor, nqm_error *err) {
+    const unsigned char *p = tensor->data;
+    for (size_t i = 0; i < count(tensor); i += 3) {
+        float rgb[3];
+        memcpy(rgb, p + i * sizeof *rgb, sizeof rgb);
+        if (isnan(rgb[0]))
+            continue;
+        for (size_t c = 0; c < 3; ++c)
+            if (!isfinite(rgb[c]))
+                return refuse_value(name, tensor, i + c, err);
+    }
     return NQM_OK;
 }
 
@@ -108,7 +127,7 @@ static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_
         const nqm_tensor *tensor;
         status = find(st, name, &network_tensors[i], &tensor, err);
         if (status == NQM_OK)
-            status = copy(name, tensor, false, next, err);
+            status = copy(name, tensor, next, err);
         next += count(&network_tensors[i]);
     }
     return status == NQM_OK ? nqm_nbrdf_create(weights, name, brdf_ret, err) : status;
@@ -121,14 +140,10 @@ static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_br
         return status;
     if (tensor->dims[0] < 2 || tensor->dims[1] < 2)
         return refuse(name, tensor, 0, "has fewer than two nodes along theta_h or theta_d", err);
-    float *rgb = nqm_alloc(tensor->n_bytes, 1);
-    if (!rgb)
-        return nqm_fail_nomem(err, tensor->n_bytes);
-    status = copy(name, tensor, true, rgb, err);
-    if (status == NQM_OK)
-        status = nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], rgb, name, brdf_ret, err);
-    nqm_free(rgb);
-    return status;
+    status = check_nodes(name, tensor, err);
+    return status == NQM_OK
+               ? nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err)
+               : status;
 }
 
 /* Kind, schema, number of tensors and checksum. */
@@ -158,6 +173,7 @@ bool nqm_saved_probe(const nqm_map *map) {
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_safetensors *st;
     bool network = false;
+    nqm_map_expect(map, true);
     nqm_status status = nqm_safetensors_parse(map->data, map->n_bytes, name, &st, err);
     if (status != NQM_OK)
         return status;

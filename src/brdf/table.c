@@ -84,7 +84,7 @@ const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims) {
     return t->rgb;
 }
 
-nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb, const char *name, nqm_brdf **brdf_ret,
+nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err) {
     size_t n_nodes;
     char layout[80];
@@ -96,15 +96,15 @@ nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const float *rgb
     table *t = nqm_alloc(1, sizeof *t);
     if (!t)
         return nqm_fail_nomem(err, sizeof *t);
-    *t = (table){.n_h = n_h, .n_d = n_d, .n_p = n_p, .rgb = nqm_alloc(3 * n_nodes, sizeof *rgb)};
+    *t = (table){.n_h = n_h, .n_d = n_d, .n_p = n_p, .rgb = nqm_alloc(3 * n_nodes, sizeof(float))};
     if (!t->rgb) {
         table_free(t);
-        return nqm_fail_nomem(err, 3 * n_nodes * sizeof *rgb);
+        return nqm_fail_nomem(err, 3 * n_nodes * sizeof(float));
     }
     t->per_h = (double)(n_h - 1) / sqrt(NQM_PI / 2);
     t->per_d = (double)(n_d - 1) / (NQM_PI / 2);
     t->per_p = (double)n_p / NQM_PI;
-    memcpy(t->rgb, rgb, 3 * n_nodes * sizeof *rgb);
+    memcpy(t->rgb, rgb, 3 * n_nodes * sizeof *t->rgb);
     snprintf(layout, sizeof layout, "%zux%zux%zu nodes", n_h, n_d, n_p);
     nqm_status status = nqm_brdf_wrap(&table_class, t, name, NULL, layout, brdf_ret, err);
     if (status == NQM_OK)

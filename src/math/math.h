@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), the JOD curve, a front to
- * nonlinear least squares, eigenvectors. Knows nothing of BRDFs or files.
+ * nonlinear least squares, eigenvectors, checks of numbers. Knows nothing of BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H
@@ -25,6 +25,13 @@ double nqm_luminance(const double *rgb);
 
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
+
+/* ---- numbers from files ------------------------------------------------------------------------------------------ */
+
+/** Whether all n values are finite and at least `least`. */
+bool nqm_all_within(size_t n, const float *value, float least);
+/** The first that is not; n when all are. */
+size_t nqm_first_outside(size_t n, const float *value, float least);
 
 /* ---- statistics -------------------------------------------------------------------------------------------------- */
 

@@ -46,6 +46,8 @@ typedef struct rgl_change {
 } rgl_change;
 /** A small isotropic RGL material; `change` may be NULL. */
 blob make_rgl(const rgl_change *change);
+/** The valid one, with all tensors' data so many bytes behind a multiple of 8. */
+blob make_shifted_rgl(size_t shift);
 
 typedef enum nbrdf_kind {
     NBRDF_VALID,

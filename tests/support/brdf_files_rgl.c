@@ -96,7 +96,7 @@ static size_t put_entry(const tensor *t, size_t offset, unsigned char *at) {
     return (size_t)(p - at);
 }
 
-blob make_rgl(const rgl_change *change) {
+static blob make_file(const rgl_change *change, size_t shift) {
     static const char magic[12] = "tensor_file";
     tensor tensors[N_VALID + 1];
     size_t n = choose(change, tensors);
@@ -110,10 +110,18 @@ blob make_rgl(const rgl_change *change) {
     for (size_t i = 0; i < n; ++i)
         data_at += put_entry(tensors + i, 0, b.data + data_at);
     for (size_t i = 0; i < n; ++i) {
-        data_at = (data_at + 7) / 8 * 8;
+        data_at = (data_at + 7) / 8 * 8 + shift;
         entry_at += put_entry(tensors + i, data_at, b.data + entry_at);
         data_at += put_data(tensors + i, b.data + data_at);
     }
     b.n_bytes = data_at;
     return b;
+}
+
+blob make_rgl(const rgl_change *change) {
+    return make_file(change, 0);
+}
+
+blob make_shifted_rgl(size_t shift) {
+    return make_file(NULL, shift);
 }

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Few bytes from many places of a large file: first what is in memory, without waiting; then the rest, after the disk
+ * has been told of all of it. Measurements behind this are in doc/performance.md.
+ */
+#define _GNU_SOURCE /* preadv2 */
+#include "base/base.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+/* Pieces this near to each other are fetched as one: a request to a disk costs as much as reading some pages more. */
+enum { MAX_GAP = 8192 };
+
+static void copy_mapped(const nqm_map *map, const nqm_piece *piece, size_t n_each) {
+    bool inside = piece->offset <= map->n_bytes && n_each <= map->n_bytes - piece->offset;
+    if (inside)
+        memcpy(piece->out, map->data + piece->offset, n_each);
+    else
+        memset(piece->out, 0xff, n_each);
+}
+
+/* Read the pieces up to the first one that is not in memory; returns how many were read. */
+static size_t read_present(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
+    for (size_t i = 0; i < n; ++i) {
+        const struct iovec to = {.iov_base = pieces[i].out, .iov_len = n_each};
+        if (preadv2(fd, &to, 1, (off_t)pieces[i].offset, RWF_NOWAIT) != (ssize_t)n_each)
+            return i;
+    }
+    return n;
+}
+
+static int by_offset(const void *a, const void *b) {
+    size_t left = ((const nqm_piece *)a)->offset, right = ((const nqm_piece *)b)->offset;
+    return (left > right) - (left < right);
+}
+
+/* Tell the system of all pieces before the first is waited for. Advice only, failure is harmless. */
+static void announce(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
+    for (size_t i = 0; i < n;) {
+        size_t begin = pieces[i].offset, end = begin + n_each;
+        for (; i < n && pieces[i].offset <= end + MAX_GAP; ++i)
+            end = pieces[i].offset + n_each;
+        (void)posix_fadvise(fd, (off_t)begin, (off_t)(end - begin), POSIX_FADV_WILLNEED);
+    }
+}
+
+static void read_waiting(int fd, const nqm_piece *piece, size_t n_each) {
+    if (pread(fd, piece->out, n_each, (off_t)piece->offset) != (ssize_t)n_each)
+        memset(piece->out, 0xff, n_each);
+}
+
+void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each) {
+    if (!map->has_fd) {
+        for (size_t i = 0; i < n; ++i)
+            copy_mapped(map, &pieces[i], n_each);
+        return;
+    }
+    (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no reading ahead of what is asked for */
+    size_t n_read = read_present(map->fd, n, pieces, n_each);
+    pieces += n_read, n -= n_read;
+    qsort(pieces, n, sizeof *pieces, by_offset);
+    announce(map->fd, n, pieces, n_each);
+    for (size_t i = 0; i < n; ++i)
+        read_waiting(map->fd, &pieces[i], n_each);
+}

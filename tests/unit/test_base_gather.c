@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Gathering of scattered bytes from a file: the right ones, in memory or not, with and without an open file, across
+ * borders of pages, and past the end.
+ */
+#include "base/base.h"
+#include "support/check.h"
+#include "support/temp_file.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { N_BYTES = 3000001, N_EACH = 8, N_PIECES = 700 };
+
+static unsigned char byte_at(size_t i) {
+    return (unsigned char)nqm_hash_u64(3, i);
+}
+
+static int make_file(void **state) {
+    make_temp_file(state);
+    unsigned char *data = malloc(N_BYTES);
+    nqm_outfile out;
+    if (!data || nqm_outfile_open(temp_file, &out, NULL) != NQM_OK)
+        return -1;
+    for (size_t i = 0; i < N_BYTES; ++i)
+        data[i] = byte_at(i);
+    fwrite(data, 1, N_BYTES, out.stream);
+    free(data);
+    return nqm_outfile_commit(&out, NULL) == NQM_OK ? 0 : -1;
+}
+
+static void drop_from_memory(void) {
+    int fd = open(temp_file, O_RDONLY);
+    (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED); /* where it fails the bytes stay the same */
+    close(fd);
+}
+
+/* Some at the ends, some over borders of pages, most anywhere. */
+static size_t choose_offset(size_t i, nqm_rng *rng) {
+    const size_t special[] = {0, N_BYTES - N_EACH, 4096 - 4, 8192 - 1, 4096, 2 * 65536 - 7};
+    return i < 6 ? special[i] : (size_t)nqm_rng_below(rng, N_BYTES - N_EACH + 1);
+}
+
+static void check_gathered(const nqm_map *map) {
+    static unsigned char out[N_PIECES][N_EACH];
+    nqm_piece pieces[N_PIECES];
+    size_t offset[N_PIECES];
+    nqm_rng rng = nqm_rng_make(5, 0);
+    memset(out, 0, sizeof out);
+    for (size_t i = 0; i < N_PIECES; ++i) {
+        offset[i] = choose_offset(i, &rng);
+        pieces[i] = (nqm_piece){offset[i], out[i]};
+    }
+    nqm_map_gather(map, N_PIECES, pieces, N_EACH);
+    for (size_t i = 0; i < N_PIECES; ++i)
+        for (size_t k = 0; k < N_EACH; ++k)
+            assert_int_equal(out[i][k], byte_at(offset[i] + k));
+}
+
+static void gathers_from_disk_and_memory(void **state) {
+    (void)state;
+    nqm_map map;
+    drop_from_memory();
+    assert_int_equal(nqm_map_open_sparse(temp_file, &map, NULL), NQM_OK);
+    assert_true(map.has_fd);
+    check_gathered(&map);
+    check_gathered(&map);
+    nqm_map_expect(&map, false);
+    check_gathered(&map);
+    nqm_map_expect(&map, true);
+    check_gathered(&map);
+    nqm_map_close_file(&map);
+    assert_false(map.has_fd);
+    check_gathered(&map);
+    nqm_map_close(&map);
+    assert_null(map.data);
+}
+
+/* Part of a file in memory, and not at the begin of a page. */
+static void gathers_at_any_alignment(void **state) {
+    (void)state;
+    unsigned char *data = malloc(N_BYTES + 3);
+    assert_non_null(data);
+    for (size_t i = 0; i < N_BYTES; ++i)
+        data[3 + i] = byte_at(i);
+    const nqm_map map = {.data = data + 3, .n_bytes = N_BYTES};
+    check_gathered(&map);
+    free(data);
+}
+
+static void assert_past_end(const nqm_map *map, size_t offset) {
+    static const unsigned char missing[N_EACH] = {255, 255, 255, 255, 255, 255, 255, 255};
+    unsigned char out[2][N_EACH] = {{0}};
+    nqm_piece pieces[2] = {{offset, out[0]}, {100, out[1]}};
+    nqm_map_gather(map, 2, pieces, N_EACH);
+    assert_memory_equal(out[0], missing, N_EACH);
+    for (size_t k = 0; k < N_EACH; ++k)
+        assert_int_equal(out[1][k], byte_at(100 + k));
+}
+
+static void says_what_is_past_the_end(void **state) {
+    (void)state;
+    nqm_map map;
+    assert_int_equal(nqm_map_open_sparse(temp_file, &map, NULL), NQM_OK);
+    const size_t offsets[] = {N_BYTES - N_EACH + 1, N_BYTES, N_BYTES + 10000};
+    for (size_t i = 0; i < 3; ++i)
+        assert_past_end(&map, offsets[i]);
+    assert_int_equal(truncate(temp_file, 1000), 0); /* after it was opened: a plain map would be fatal */
+    assert_past_end(&map, 500000);
+    nqm_map_close_file(&map);
+    for (size_t i = 1; i < 3; ++i) {
+        unsigned char out[N_EACH] = {0};
+        nqm_piece piece = {offsets[i], out};
+        nqm_map_gather(&map, 1, &piece, N_EACH);
+        assert_int_equal(out[0] & out[N_EACH - 1], 255);
+    }
+    nqm_map_close(&map);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(gathers_from_disk_and_memory),
+                                       cmocka_unit_test(gathers_at_any_alignment),
+                                       cmocka_unit_test(says_what_is_past_the_end)};
+    return cmocka_run_group_tests_name("base_gather", tests, make_file, remove_temp_file);
+}
