@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Names: every symbol that the objects define starts with nqm_; the shared libraries export exactly the functions that the
 # public headers declare with NQM_API; and the core library holds nothing of the labelling chain (fit, render, percept,
-# plot, label) nor needs its libraries: scoring never depends on rendering.
+# plot, label, bench) nor needs its libraries: scoring never depends on rendering.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
 bad=0
@@ -19,12 +19,12 @@ declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^N
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
 core_headers="base brdf samples metric batch train human"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
-for h in $core_headers fit label picture plot; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
+for h in $core_headers fit label picture plot bench; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test looks at nothing"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
-for module in fit render percept plot label; do
+for module in fit render percept plot label bench; do
     for object in "$build"/CMakeFiles/nqm_label_objects.dir/src/"$module"/*.o; do
         nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
     done

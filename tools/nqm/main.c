@@ -34,6 +34,7 @@ static const verb verbs[] = {
     {"reproduce", cmd_reproduce, "the paper's study on its authors' data: which of its figures come out"},
     {"plot", cmd_plot, "drawings of labels, evaluations, trainings, models and BRDFs"},
     {"models", cmd_models, "the models that are built in"},
+    {"bench", cmd_bench, "how fast this build is on this machine, beside what the machine can do"},
     {"selftest", cmd_selftest, "check this build against golden values"},
     {NULL, NULL, NULL}};
 
@@ -59,10 +60,15 @@ static int settle(int exit_code) {
 }
 
 int main(int argc, char **argv) {
+    static char help_option[] = "--help";
     catch_interrupt();
     if (argc < 2) {
         print_usage(stderr);
         return EXIT_USAGE;
+    }
+    if (argc == 3 && strcmp(argv[1], "help") == 0) { /* nqm help VERB is nqm VERB --help */
+        argv[1] = argv[2];
+        argv[2] = help_option;
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_usage(stdout);

@@ -159,6 +159,7 @@ int close_output(const char *verb, output_file *out, bool keep);
 
 int cmd_agree(int argc, char **argv);
 int cmd_batch(int argc, char **argv);
+int cmd_bench(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Benchmarks in general: timing several ways in turns with samples of the machine's peaks between them, and rows, which
+ * are settled at the end, when all samples of the peaks are there.
+ */
+#include "bench/bench.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+#include <time.h>
+
+nqm_bench_options nqm_bench_options_default(void) {
+    return (nqm_bench_options){
+        .rounds = 7, .round_s = 0.01, .precisions = (1U << NQM_PRECISION_COUNT) - 1, .memory_mb = 256};
+}
+
+static nqm_status check_options(const nqm_bench_options *o, nqm_error *err) {
+    if (o->rounds < 1 || o->rounds > 1000)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "rounds %zu: not 1 to 1000", o->rounds);
+    if (!(o->round_s >= 1e-4 && o->round_s <= 10))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "seconds of a round %g: not 0.0001 to 10", o->round_s);
+    if (!(o->memory_mb >= 1 && o->memory_mb <= 65536))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "megabytes of memory %g: not 1 to 65536", o->memory_mb);
+    if (o->precisions == 0 || o->precisions >> NQM_PRECISION_COUNT)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "precisions: none, or an unknown one");
+    return NQM_OK;
+}
+
+nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err) {
+    *bench_ret = NULL;
+    const nqm_bench_options o = options ? *options : nqm_bench_options_default();
+    nqm_status status = check_options(&o, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_bench *bench = nqm_alloc(1, sizeof *bench);
+    if (!bench)
+        return nqm_fail_nomem(err, sizeof *bench);
+    bench->options = o;
+    status = nqm_bench_take_memory(bench, err);
+    if (status != NQM_OK) {
+        nqm_bench_free(bench);
+        return status;
+    }
+    for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision)
+        nqm_bench_peak_meter(bench, (nqm_precision)precision);
+    for (size_t threads = 1; threads <= (size_t)omp_get_max_threads(); threads *= 2)
+        nqm_bench_read_meter(bench, bench->memory_bytes, threads);
+    *bench_ret = bench;
+    return NQM_OK;
+}
+
+void nqm_bench_free(nqm_bench *bench) {
+    if (!bench)
+        return;
+    nqm_bench_release_memory(bench);
+    nqm_free(bench->entry);
+    nqm_free(bench);
+}
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+static const nqm_bench_row nothing = {.precision = -1,
+                                      .seconds = NAN,
+                                      .seconds_median = NAN,
+                                      .seconds_worst = NAN,
+                                      .ms_per_pair = NAN,
+                                      .gflop = NAN,
+                                      .gflops = NAN,
+                                      .peak_gflops = NAN,
+                                      .peak_median = NAN,
+                                      .megabytes = NAN,
+                                      .gb_per_s = NAN,
+                                      .peak_gb_per_s = NAN,
+                                      .floor_seconds = NAN,
+                                      .floor_f32 = NAN,
+                                      .ratio = NAN,
+                                      .times_floor = NAN,
+                                      .cpu_share = NAN,
+                                      .max_rss_mb = NAN,
+                                      .train_loss = NAN,
+                                      .validation_loss = NAN,
+                                      .seconds_100 = NAN,
+                                      .times_alternative = NAN};
+
+nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name) {
+    nqm_bench_entry entry = {nothing, NQM_METER_NONE, NQM_METER_NONE, NQM_METER_NONE};
+    entry.row.bench = bench_name;
+    entry.row.name = name;
+    entry.row.by = "nqm";
+    entry.row.kernels = nqm_kernels_selected();
+    entry.row.threads = (size_t)omp_get_max_threads();
+    return entry;
+}
+
+void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop) {
+    entry->row.precision = (int)precision;
+    entry->row.gflop = 1e-9 * flop;
+    entry->peak = nqm_bench_peak_meter(bench, precision);
+    entry->peak_f32 = nqm_bench_peak_meter(bench, NQM_PRECISION_F32);
+}
+
+void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes) {
+    entry->row.megabytes = 1e-6 * (double)n_bytes;
+    entry->read = nqm_bench_read_meter(bench, n_bytes, (size_t)omp_get_max_threads());
+}
+
+nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err) {
+    if (bench->n_entries == bench->max_entries) {
+        size_t larger = bench->max_entries ? 2 * bench->max_entries : 64;
+        nqm_bench_entry *entries = nqm_alloc(larger, sizeof *entries);
+        if (!entries)
+            return nqm_fail_nomem(err, larger * sizeof *entries);
+        if (bench->n_entries)
+            memcpy(entries, bench->entry, bench->n_entries * sizeof *entries);
+        nqm_free(bench->entry);
+        bench->entry = entries;
+        bench->max_entries = larger;
+    }
+    bench->entry[bench->n_entries++] = *entry;
+    return NQM_OK;
+}
+
+/* What follows from the times, the work and the peaks. */
+static void settle(const nqm_bench *bench, nqm_bench_entry *entry) {
+    nqm_bench_row *row = &entry->row;
+    double arithmetic = NAN, reading = NAN;
+    if (row->batch && strcmp(row->bench, "score") == 0)
+        row->ms_per_pair = 1e3 * row->seconds / (double)row->batch;
+    row->gflops = row->gflop / row->seconds;
+    row->gb_per_s = row->megabytes / row->seconds / 1000;
+    if (entry->peak != NQM_METER_NONE) {
+        row->peak_gflops = bench->meter[entry->peak].best;
+        row->peak_median = nqm_bench_meter_median(&bench->meter[entry->peak]);
+        arithmetic = row->gflop / row->peak_gflops;
+    }
+    if (entry->peak_f32 != NQM_METER_NONE && entry->row.precision == NQM_PRECISION_BF16)
+        row->floor_f32 = row->gflop / bench->meter[entry->peak_f32].best;
+    if (entry->read != NQM_METER_NONE) {
+        row->peak_gb_per_s = bench->meter[entry->read].best;
+        reading = row->megabytes / row->peak_gb_per_s / 1000;
+    }
+    row->floor_seconds = fmax(arithmetic, reading); /* fmax() leaves NaN out */
+    row->ratio = row->floor_seconds / row->seconds;
+    row->times_floor = row->seconds / row->floor_seconds;
+}
+
+static nqm_bench_entry meter_entry(const nqm_meter *meter) {
+    nqm_bench_entry entry = nqm_bench_entry_make("peak", meter->bytes ? "reading" : "arithmetic");
+    nqm_bench_row *row = &entry.row;
+    row->by = NULL;
+    row->kernels = meter->kernels;
+    row->threads = meter->threads;
+    row->rounds = meter->n_samples;
+    if (meter->bytes) {
+        row->megabytes = 1e-6 * (double)meter->bytes;
+        row->gb_per_s = row->peak_gb_per_s = meter->best;
+        row->seconds = row->megabytes / 1000 / meter->best;
+        row->seconds_median = row->megabytes / 1000 / nqm_bench_meter_median(meter);
+    } else {
+        row->precision = (int)meter->precision;
+        row->gflops = row->peak_gflops = meter->best;
+        row->peak_median = nqm_bench_meter_median(meter);
+    }
+    return entry;
+}
+
+nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err) {
+    const size_t n_timed = bench->n_entries;
+    nqm_status status = nqm_bench_take_memory(bench, err);
+    for (size_t i = 0; i < (size_t)bench->n_meters && status == NQM_OK; ++i) {
+        nqm_bench_sample(bench, (int)i);
+        const nqm_bench_entry entry = meter_entry(&bench->meter[i]);
+        status = nqm_bench_add(bench, &entry, err);
+    }
+    nqm_bench_release_memory(bench);
+    for (size_t i = 0; i < n_timed; ++i)
+        settle(bench, &bench->entry[i]);
+    return status;
+}
+
+size_t nqm_bench_count(const nqm_bench *bench) {
+    return bench->n_entries;
+}
+
+nqm_bench_row nqm_bench_get_row(const nqm_bench *bench, size_t i) {
+    return bench->entry[i].row;
+}
+
+/* ---- timing ------------------------------------------------------------------------------------------------------ */
+
+nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err) {
+    const nqm_bench_options *o = &bench->options;
+    bench->done += 1;
+    if (o->progress && o->progress(o->progress_user, stage, bench->done, bench->total) != 0)
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted: nothing is printed of what was measured");
+    return NQM_OK;
+}
+
+static double process_clock_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Seconds of one call, from as many as fill a round. */
+static double time_calls(const nqm_contender *c, double round_s, double *cpu_s) {
+    size_t n = 0;
+    double cpu_begin = process_clock_s(), begin = nqm_clock_s(), now;
+    do {
+        c->run(c->user);
+        ++n;
+        now = nqm_clock_s();
+    } while (now - begin < round_s);
+    *cpu_s += (process_clock_s() - cpu_begin) / (double)n;
+    return (now - begin) / (double)n;
+}
+
+static void store_times(nqm_bench_row *row, size_t n, double *seconds, double cpu_s) {
+    row->rounds = n;
+    row->seconds_median = nqm_quantile(n, seconds, 0.5);
+    row->seconds = seconds[0]; /* sorted now */
+    row->seconds_worst = seconds[n - 1];
+    row->cpu_share = cpu_s / (double)n / nqm_mean(n, seconds) / (double)row->threads;
+}
+
+nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_contender *contenders, const nqm_bench_entry *entries,
+                          nqm_error *err) {
+    const size_t rounds = bench->options.rounds;
+    double *seconds = nqm_alloc(n * (rounds + 1), sizeof *seconds);
+    if (!seconds)
+        return nqm_fail_nomem(err, n * rounds * sizeof *seconds);
+    double *cpu_s = seconds + n * rounds;
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; i < n; ++i)
+        contenders[i].run(contenders[i].user); /* warm */
+    for (size_t round = 0; round < rounds && status == NQM_OK; ++round) {
+        for (size_t i = 0; i < n; ++i) {
+            seconds[i * rounds + round] = time_calls(&contenders[i], bench->options.round_s, &cpu_s[i]);
+            nqm_bench_sample(bench, entries[i].peak);
+            nqm_bench_sample(bench, entries[i].read);
+        }
+        status = nqm_bench_step(bench, entries[0].row.bench, err);
+    }
+    for (size_t i = 0; i < n && status == NQM_OK; ++i) {
+        nqm_bench_entry entry = entries[i];
+        store_times(&entry.row, rounds, seconds + i * rounds, cpu_s[i]);
+        status = nqm_bench_add(bench, &entry, err);
+    }
+    nqm_free(seconds);
+    return status;
+}

@@ -1,0 +1,48 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm bench at tiny sizes: the figures are there, finite and positive, ratios follow from their parts, wrong arguments are
+# refused, Ctrl-C leaves nothing behind. How fast anything is, no test may say.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+TMPDIR=$dir
+export TMPDIR
+
+# check_rows: every row of the JSON in out is consistent.
+check_rows() {
+    awk '
+        function value(line) { sub(/^[^:]*: */, "", line); sub(/,$/, "", line); gsub(/"/, "", line); return line }
+        function near(a, b) { return a > 0 && b > 0 && a / b > 1 - 1e-6 && a / b < 1 + 1e-6 }
+        /^    \{/ { delete f; inside = 1 }
+        /^      "/ { split($0, part, "\""); f[part[2]] = value($0) }
+        /nan|inf/ { print "not a number: " $0; bad = 1 }
+        inside && /^    \}/ {
+            inside = 0
+            ++rows
+            for (k in f) if (f[k] ~ /^-?[0-9.]/ && !(f[k] > 0)) { print k " of " f["name"] " is " f[k]; bad = 1 }
+            if ("floor_seconds" in f) {
+                ++ratios
+                if (!near(f["ratio"], f["floor_seconds"] / f["seconds"])) { print "ratio of " f["name"]; bad = 1 }
+                if (!near(f["times_floor"], f["seconds"] / f["floor_seconds"])) { print "times_floor"; bad = 1 }
+            }
+            if (("gflop" in f) && !near(f["gflops"], f["gflop"] / f["seconds"])) { print "gflops of " f["name"]; bad = 1 }
+            if (f["bench"] != "peak" && f["seconds"] + 0 > f["seconds_worst"] + 0) { print "best above worst"; bad = 1 }
+        }
+        END { if (rows < 4 || ratios < 2) { print rows " rows, " ratios " ratios: too few"; bad = 1 }; exit bad }' "$dir/out" ||
+        fail "rows of $1"
+}
+
+run 0 bench gemm --quick --precision bf16 --json
+for word in '"schema": 1' '"cpu":' '"kernels":' '"bench": "peak"' '"name": "forward"' '"name": "weight gradient"' \
+    '"by": "onednn"' '"peak_gb_per_s":' '"cpu_share":'; do
+    grep -q "$word" "$dir/out" || fail "JSON lacks $word"
+done
+check_rows gemm
+run 0 bench gemm --quick --precision int8
+grep -q '^| .* layer 3 forward | 512 | 512 x 501 x 716 | int8 | nqm |' "$dir/out" || fail "table"
+
+run 2 bench nonsense
+run 2 bench gemm --precision f64
+run 2 bench gemm --kernels nonsense
+run 2 bench gemm --rounds 0
+run 0 help bench
+grep -q 'nqm bench gemm' "$dir/out" || fail "help"

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm bench - how fast this build is on this machine, beside what the machine can do.
+ */
+#include "bench.h"
+
+#include <string.h>
+
+typedef struct bench_arguments {
+    bool json, quick;
+    const char *kernels, *precision;
+    uint64_t rounds;
+} bench_arguments;
+
+static const choice precisions[] = {
+    {"f32", NQM_PRECISION_F32}, {"bf16", NQM_PRECISION_BF16}, {"int8", NQM_PRECISION_INT8}, {0}};
+
+/* One benchmark with the kernels that are selected. */
+typedef nqm_status run_fn(nqm_bench *bench, const bench_arguments *a, nqm_error *err);
+
+static nqm_status run_gemm(nqm_bench *bench, const bench_arguments *a, nqm_error *err) {
+    (void)a;
+    return nqm_bench_gemm(bench, err);
+}
+
+static const struct {
+    const char *name;
+    run_fn *run;
+} benches[] = {{"gemm", run_gemm}};
+enum { N_BENCHES = sizeof benches / sizeof *benches };
+
+static nqm_status run_with_kernels(nqm_bench *bench, const bench_arguments *a, run_fn *run, nqm_error *err) {
+    if (!a->kernels)
+        return run(bench, a, err);
+    nqm_status status = NQM_OK;
+    if (strcmp(a->kernels, "all") != 0) {
+        status = nqm_kernels_select(a->kernels, err);
+        return status == NQM_OK ? run(bench, a, err) : status;
+    }
+    for (size_t i = 0; nqm_kernels_name(i) && status == NQM_OK; ++i) {
+        status = nqm_kernels_select(nqm_kernels_name(i), err);
+        if (status == NQM_OK)
+            status = run(bench, a, err);
+    }
+    return status;
+}
+
+static int settle_options(const bench_arguments *a, nqm_bench_options *options) {
+    *options = nqm_bench_options_default();
+    options->progress = show_progress;
+    options->rounds = (size_t)a->rounds;
+    options->quick = a->quick;
+    if (a->quick) {
+        options->rounds = 2;
+        options->round_s = 0.001;
+        options->memory_mb = 16;
+    }
+    int precision;
+    if (a->precision) {
+        if (choose("bench", "precision", precisions, a->precision, &precision) != EXIT_OK)
+            return EXIT_USAGE;
+        options->precisions = 1U << precision;
+    }
+    return EXIT_OK;
+}
+
+/* `which`: the benchmark's name, NULL: all. */
+static int run_benches(const bench_arguments *a, const char *which) {
+    nqm_bench_options options;
+    nqm_bench *bench = NULL;
+    nqm_error err = {0};
+    int exit_code = settle_options(a, &options);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    nqm_status status = nqm_bench_create(&options, &bench, &err);
+    for (size_t i = 0; i < N_BENCHES && status == NQM_OK; ++i)
+        if (!which || strcmp(which, benches[i].name) == 0)
+            status = run_with_kernels(bench, a, benches[i].run, &err);
+    if (status == NQM_OK)
+        status = nqm_bench_finish(bench, &err);
+    if (status != NQM_OK)
+        exit_code = report_error("bench", &err);
+    else if (a->json)
+        exit_code = print_bench_json(bench);
+    else
+        print_bench_tables(bench);
+    nqm_bench_free(bench);
+    return exit_code;
+}
+
+int cmd_bench(int argc, char **argv) {
+    bench_arguments a = {.rounds = 7};
+    const option options[] = {
+        {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
+        {"precision", 0, OPTION_TEXT, &a.precision, "P", "f32, bf16 or int8 only", 0, 0},
+        {"kernels", 0, OPTION_TEXT, &a.kernels, "NAME",
+         "the way to compute, or `all` that this processor knows (nqm bench gemm) [default: the best]", 0, 0},
+        {"rounds", 0, OPTION_COUNT, &a.rounds, "N", "timings of each figure", 1, 1000},
+        {"quick", 0, OPTION_FLAG, &a.quick, NULL, "fewer, smaller, hardly repeated: to see that it works, not how fast",
+         0, 0},
+        {0}};
+    const command cmd = {
+        .name = "bench",
+        .usage = "[gemm] [options]",
+        .about = "Measure this build on this machine, beside the machine's own peaks of arithmetic and memory, which "
+                 "are measured\n"
+                 "between the timings. Without a name, everything. `gemm`: the matrix products of the networks, and "
+                 "oneDNN's.\n"
+                 "Each figure is the best of several rounds; other programs on the machine make them worse and are "
+                 "seen in the medians.",
+        .example = "nqm bench gemm\nnqm bench gemm --kernels all --json",
+        .options = options,
+        .min_arguments = 0,
+        .max_arguments = 1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    for (size_t i = 0; i < N_BENCHES; ++i)
+        if (n_arguments == 0 || strcmp(argv[0], benches[i].name) == 0)
+            return run_benches(&a, n_arguments ? argv[0] : NULL);
+    return report("bench", EXIT_USAGE, "there is no benchmark '%s': gemm", argv[0]);
+}
