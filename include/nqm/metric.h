@@ -95,6 +95,7 @@ typedef struct nqm_score_options {
     nqm_invalid_policy invalid; /**< default NQM_INVALID_DROP */
     double min_valid_fraction;  /**< a pair with fewer directions at which both hold a value is refused, under every
                                      policy: NQM_ERR_INCOMPATIBLE in its result; 0..1; default 0.9 */
+    nqm_precision precision; /**< default NQM_PRECISION_F32; doc/performance.md says what the others cost in accuracy */
 } nqm_score_options;
 
 /** The defaults above. */
@@ -119,8 +120,8 @@ typedef struct nqm_score_result {
 } nqm_score_result;
 
 /**
- * Score n_tests approximations against one reference. The reference is sampled once. How many tests are scored together
- * changes a JOD by rounding only (below 1e-5).
+ * Score n_tests approximations against one reference. The reference is sampled once. A result does not depend on the tests
+ * beside it.
  *
  * @param tests    (n_tests)
  * @param options  NULL: the defaults

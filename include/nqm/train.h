@@ -238,6 +238,7 @@ typedef struct nqm_eval_options {
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
     size_t n_bootstrap;         /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
     uint64_t seed;              /**< of the resampling; default 1 */
+    nqm_precision precision;    /**< that models predict in; default NQM_PRECISION_F32 */
     nqm_progress_fn progress;
     void *progress_user;
 } nqm_eval_options;

@@ -19,8 +19,8 @@ typedef struct nqm_panels {
     size_t stride;   /**< units from one panel to the next, a row of NQM_PANEL each: `units` rounded up to NQM_STRIP */
     size_t n_panels; /**< n / NQM_PANEL, rounded up */
     uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) units */
-    float *scale;    /**< NQM_PRECISION_INT8: (n) a signed factor stands for factor * scale; else NULL */
-    int32_t *sum;    /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the sum of each column's signed factors; else NULL */
+    float *scale; /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) a signed factor stands for factor * scale; else NULL */
+    int32_t *sum; /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the sum of each column's signed factors; else NULL */
 } nqm_panels;
 
 /** Room for a matrix, all 0. NQM_ERR_NOMEM. */
@@ -47,9 +47,11 @@ static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
 void nqm_round_row(size_t n, const float *x, uint32_t *units);
 /** x (n) as a row of unsigned bytes, round(x / scale) + 128, with the smallest scale that holds all; returns it. */
 float nqm_quantise_row(size_t n, const float *x, uint32_t *units);
-/** C = A B, or C + A B where A and B are what bytes stand for: c (n) from the integer sums of a row of nqm_quantise_row()
- *  with `scale`. */
+/** C = A B, or C + A B where A and B are what bytes stand for: c (n, rounded up to NQM_PANEL) from the integer sums of a
+ *  row of nqm_quantise_row() with `scale`. */
 void nqm_dequantise_row(const nqm_panels *b, float scale, bool add, const int32_t *sums, float *c);
+/** The same for the columns of panel p: sums, c (NQM_PANEL). */
+void nqm_dequantise_panel(const nqm_panels *b, size_t p, float scale, bool add, const int32_t *sums, float *c);
 
 /**
  * C (m, n) = A B, or C + A B, on all threads where that pays.

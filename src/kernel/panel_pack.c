@@ -36,7 +36,7 @@ nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_pa
     panels->n_panels = ceil_div(n, NQM_PANEL);
     bool bytes = precision == NQM_PRECISION_INT8;
     panels->data = nqm_alloc(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
-    panels->scale = bytes ? nqm_alloc(n, sizeof *panels->scale) : NULL;
+    panels->scale = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->scale) : NULL;
     panels->sum = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->sum) : NULL;
     if (panels->data && (!bytes || (panels->scale && panels->sum)))
         return NQM_OK;
@@ -170,9 +170,17 @@ float nqm_quantise_row(size_t n, const float *x, uint32_t *units) {
     return scale;
 }
 
+void nqm_dequantise_panel(const nqm_panels *b, size_t panel, float scale, bool add, const int32_t *sums, float *c) {
+    const float *scales = b->scale + panel * NQM_PANEL;
+    const int32_t *columns = b->sum + panel * NQM_PANEL;
+#pragma omp simd
+    for (size_t j = 0; j < NQM_PANEL; ++j)
+        c[j] = (add ? c[j] : 0) + scale * scales[j] * (float)(sums[j] - 128 * columns[j]);
+}
+
 void nqm_dequantise_row(const nqm_panels *b, float scale, bool add, const int32_t *sums, float *c) {
-    for (size_t j = 0; j < b->n; ++j)
-        c[j] = (add ? c[j] : 0) + scale * b->scale[j] * (float)(sums[j] - 128 * b->sum[j]);
+    for (size_t p = 0; p < b->n_panels; ++p)
+        nqm_dequantise_panel(b, p, scale, add, sums + p * NQM_PANEL, c + p * NQM_PANEL);
 }
 
 enum { ROWS_AT_ONCE = 16 }; /* even */

@@ -39,7 +39,8 @@ static nqm_status make_room(nqm_batch *batch, nqm_error *err) {
     batch->entries = nqm_alloc(NQM_BATCH_BLOCK, 2 * sizeof(nqm_cached *));
     if (!batch->ref || !batch->test || !batch->used || !batch->jod || !batch->delta_e || !batch->entries)
         return nqm_fail_nomem(err, NQM_BATCH_BLOCK * n * (6 * sizeof(float) + 1));
-    nqm_status status = nqm_predictor_create(batch->model, NQM_BATCH_BLOCK, &batch->predictor, err);
+    nqm_status status =
+        nqm_predictor_create(batch->model, batch->options.score.precision, NQM_BATCH_BLOCK, &batch->predictor, err);
     if (status == NQM_OK)
         status = nqm_sample_cache_create(batch->model, batch->options.score.invalid, &batch->cache, err);
     return status;

@@ -39,11 +39,11 @@ enum { NQM_PREDICT_BATCH = 256 };
 typedef struct nqm_predictor nqm_predictor;
 
 /** max_batch: 1..NQM_PREDICT_BATCH */
-NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_predictor **predictor_ret,
-                                               nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
+                                               nqm_predictor **predictor_ret, nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /**
- * Predict pairs->n (at most max_batch) pairs. How pairs are grouped changes a JOD by rounding only (below 1e-5).
+ * Predict pairs->n (at most max_batch) pairs. A JOD does not depend on the other pairs.
  *
  * @param jod      (n)
  * @param delta_e  (n) NULL allowed; NaN where the model has no curve

@@ -2,21 +2,28 @@
  *
  * From sampled pairs to JOD: features of each pair, one forward pass for the batch, the meaning of its output.
  */
+#include "kernel/panel.h"
 #include "metric/metric.h"
+#include "net/inference.h"
 
 struct nqm_predictor {
     const nqm_model *model;
     nqm_features features;
-    size_t max_batch, width, samples_width; /* input; the part of it that comes from samples */
-    nqm_net_work *work;
+    size_t samples_width; /* the part of the input that comes from samples */
+    size_t stride;        /* numbers from one input to the next */
+    nqm_inference_work *work;
     float *t; /* (max_batch, 2, n_directions, 3) transformed reference and test */
-    float *x; /* (max_batch, width) */
+    float *x; /* (max_batch, stride) */
     float *z; /* (max_batch) */
 };
 
-nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_predictor **predictor_ret,
-                                nqm_error *err) {
+nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
+                                nqm_predictor **predictor_ret, nqm_error *err) {
     *predictor_ret = NULL;
+    const nqm_inference_net *net;
+    nqm_status status = nqm_model_inference(model, precision, &net, err);
+    if (status != NQM_OK)
+        return status;
     nqm_predictor *p = nqm_alloc(1, sizeof *p);
     if (!p)
         return nqm_fail_nomem(err, sizeof *p);
@@ -26,17 +33,15 @@ nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_pr
         p->features.mean[k] = model->mean[k];
         p->features.std[k] = model->std[k];
     }
-    p->max_batch = max_batch;
     p->samples_width = nqm_features_width(model->layout, model->n_directions);
-    p->width = p->samples_width + nqm_model_n_scalars(model);
+    p->stride = nqm_row_stride(p->samples_width + nqm_model_n_scalars(model));
     p->t = nqm_alloc(max_batch, 6 * model->n_directions * sizeof *p->t);
-    p->x = nqm_alloc(max_batch, p->width * sizeof *p->x);
+    p->x = nqm_alloc(max_batch, p->stride * sizeof *p->x);
     p->z = nqm_alloc(max_batch, sizeof *p->z);
-    nqm_status status = NQM_OK;
     if (!p->t || !p->x || !p->z)
-        status = nqm_fail_nomem(err, max_batch * (6 * model->n_directions + p->width + 1) * sizeof(float));
+        status = nqm_fail_nomem(err, max_batch * (6 * model->n_directions + p->stride + 1) * sizeof(float));
     else
-        status = nqm_net_work_create(&model->params.shape, max_batch, false, &p->work, err);
+        status = nqm_inference_work_create(net, max_batch, &p->work, err);
     if (status != NQM_OK) {
         nqm_predictor_free(p);
         return status;
@@ -48,7 +53,7 @@ nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_pr
 void nqm_predictor_free(nqm_predictor *predictor) {
     if (!predictor)
         return;
-    nqm_net_work_free(predictor->work);
+    nqm_inference_work_free(predictor->work);
     nqm_free(predictor->t);
     nqm_free(predictor->x);
     nqm_free(predictor->z);
@@ -72,7 +77,7 @@ static void compose_pair(void *user, size_t i) {
         nqm_features_transform(n, pairs->ref + n * i, ref_t);
     nqm_features_transform(n, pairs->test + n * i, test_t);
     const uint8_t *used = pairs->used ? pairs->used + n_directions * i : NULL;
-    float *x = p->x + p->width * i;
+    float *x = p->x + p->stride * i;
     nqm_features_compose(&p->features, n_directions, ref_t, test_t, used, x);
     if (nqm_model_n_scalars(p->model) == 0)
         return;
@@ -93,7 +98,7 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         compose_pair(&job, 0);
     else
         nqm_parallel_for(pairs->n, compose_pair, &job);
-    nqm_net_forward(&p->model->params, p->work, pairs->n, p->x, NULL, p->z);
+    nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
     for (size_t i = 0; i < pairs->n; ++i)
         jod[i] = nqm_model_jod(p->model, (double)p->z[i], delta_e ? &delta_e[i] : NULL);
 }
@@ -103,8 +108,8 @@ nqm_status nqm_model_predict(const nqm_model *model, size_t n_pairs, const float
     if (n_pairs == 0)
         return NQM_OK;
     nqm_predictor *predictor;
-    nqm_status status =
-        nqm_predictor_create(model, n_pairs < NQM_PREDICT_BATCH ? n_pairs : NQM_PREDICT_BATCH, &predictor, err);
+    nqm_status status = nqm_predictor_create(
+        model, NQM_PRECISION_F32, n_pairs < NQM_PREDICT_BATCH ? n_pairs : NQM_PREDICT_BATCH, &predictor, err);
     if (status != NQM_OK)
         return status;
     size_t n = 3 * model->n_directions;

@@ -31,10 +31,12 @@ nqm_score_options nqm_score_options_default(void) {
 }
 
 nqm_status nqm_score_options_check(const nqm_score_options *options, nqm_error *err) {
-    if (options->min_valid_fraction >= 0 && options->min_valid_fraction <= 1)
-        return NQM_OK;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
-                    options->min_valid_fraction);
+    if (!(options->min_valid_fraction >= 0 && options->min_valid_fraction <= 1))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
+                        options->min_valid_fraction);
+    if (!nqm_precision_name(options->precision))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "precision: %d is none", (int)options->precision);
+    return NQM_OK;
 }
 
 static bool has_value(uint8_t flag) {
@@ -139,7 +141,7 @@ static nqm_status make_room(scorer *s, nqm_error *err) {
     s->delta_e = nqm_alloc(s->batch, sizeof *s->delta_e);
     if (!s->ref || !s->ref_flag || !s->test || !s->used || !s->jod || !s->delta_e)
         return nqm_fail_nomem(err, (s->batch + 1) * n * (3 * sizeof(float) + 1));
-    return nqm_predictor_create(s->model, s->batch, &s->predictor, err);
+    return nqm_predictor_create(s->model, s->options.precision, s->batch, &s->predictor, err);
 }
 
 static void release(scorer *s) {

@@ -7,6 +7,7 @@
 #include "kernel/kernel.h"
 #include "metric/metric.h"
 #include "metric/selftest_golden.h"
+#include "net/inference.h"
 #include "net/models_table.h"
 
 #include <float.h>
@@ -140,30 +141,41 @@ static nqm_status check_brdfs(nqm_error *err) {
 
 /* ---- built-in models --------------------------------------------------------------------------------------------- */
 
-/* The forward pass of the kernels in use beside that of the plain loops, on noise. */
-static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
+/* Three rows of noise through the network. */
+static nqm_status run_network(const nqm_inference_net *net, size_t width, float *z, nqm_error *err) {
     enum { BATCH = 3 };
-    size_t width = model->params.shape.sizes[0];
-    float *x = nqm_alloc(BATCH, width * sizeof *x), fast[BATCH], plain[BATCH];
-    nqm_net_work *work = NULL;
-    nqm_status status = x ? nqm_net_work_create(&model->params.shape, BATCH, false, &work, err)
-                          : nqm_fail_nomem(err, BATCH * width * sizeof *x);
-    if (status == NQM_OK) {
-        nqm_rng rng = nqm_rng_make(3, 0);
-        for (size_t i = 0; i < BATCH * width; ++i)
-            x[i] = (float)nqm_rng_normal(&rng);
-        nqm_net_forward(&model->params, work, BATCH, x, NULL, fast);
-        const nqm_kernels *in_use = nqm_kernels_get();
-        nqm_kernels_use(&nqm_kernels_scalar); /* other threads compute the same meanwhile, only slower */
-        nqm_net_forward(&model->params, work, BATCH, x, NULL, plain);
-        nqm_kernels_use(in_use);
-        for (size_t i = 0; i < BATCH && status == NQM_OK; ++i)
-            if (!(fabs((double)fast[i] - (double)plain[i]) <= 1e-4 * fmax(1, fabs((double)plain[i]))))
-                status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s': output %g, by plain loops %g", model->id,
-                                  (double)fast[i], (double)plain[i]);
-    }
-    nqm_net_work_free(work);
+    float *x = nqm_alloc(BATCH, width * sizeof *x);
+    nqm_inference_work *work = NULL;
+    nqm_status status =
+        x ? nqm_inference_work_create(net, BATCH, &work, err) : nqm_fail_nomem(err, BATCH * width * sizeof *x);
+    nqm_rng rng = nqm_rng_make(3, 0);
+    for (size_t i = 0; status == NQM_OK && i < BATCH * width; ++i)
+        x[i] = (float)nqm_rng_normal(&rng);
+    if (status == NQM_OK)
+        nqm_inference_run(work, BATCH, x, width, z);
+    nqm_inference_work_free(work);
     nqm_free(x);
+    return status;
+}
+
+/* The network by the kernels in use beside that by the plain loops. */
+static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
+    float fast[3], plain[3];
+    const size_t width = model->params.shape.sizes[0];
+    const nqm_inference_net *net;
+    nqm_status status = nqm_model_inference(model, NQM_PRECISION_F32, &net, err);
+    if (status == NQM_OK)
+        status = run_network(net, width, fast, err);
+    if (status != NQM_OK)
+        return status;
+    const nqm_kernels *in_use = nqm_kernels_get();
+    nqm_kernels_use(&nqm_kernels_scalar); /* other threads compute the same meanwhile, only slower */
+    status = run_network(net, width, plain, err);
+    nqm_kernels_use(in_use);
+    for (size_t i = 0; status == NQM_OK && i < 3; ++i)
+        if (!(fabs((double)fast[i] - (double)plain[i]) <= 1e-4 * fmax(1, fabs((double)plain[i]))))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s': output %g, by plain loops %g", model->id,
+                            (double)fast[i], (double)plain[i]);
     return status;
 }
 

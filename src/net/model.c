@@ -2,6 +2,7 @@
  *
  * What a model's raw output means, the names in its file, and its end.
  */
+#include "net/inference.h"
 #include "net/model_file.h"
 #include "net/net.h"
 
@@ -33,6 +34,8 @@ void nqm_model_destroy(struct nqm_model *model) {
                      model->golden,  model->scalar_names, model->calibration};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         nqm_free(texts[i]);
+    for (size_t i = 0; i < NQM_PRECISION_COUNT; ++i)
+        nqm_inference_net_free(model->inference[i]);
     nqm_free(model->directions_deg);
     nqm_free(model->interval);
     if (model->file)

@@ -130,6 +130,7 @@ struct nqm_model {
     void *directions;  /* nqm_directions made by the sample layer; see metric/model.c */
     void (*directions_free)(void *);
     nqm_map *file; /* of nqm_alloc(): the mapping that `params` point into, closed by nqm_model_destroy(); or NULL */
+    struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT]; /* packed at first use; NULL: not yet */
 };
 
 /**

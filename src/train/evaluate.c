@@ -44,7 +44,8 @@ typedef struct model_job {
     double jod[NQM_PREDICT_BATCH];
 } model_job;
 
-static nqm_status begin_model(model_job *job, const nqm_dataset *d, const nqm_model *m, nqm_error *err) {
+static nqm_status begin_model(model_job *job, const nqm_evaluation *ev, const nqm_model *m, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
     *job = (model_job){0};
     size_t n = d->n_directions, n_bytes = 3 * n * sizeof(float);
     if (m->n_directions != n || memcmp(m->directions_deg, d->directions_deg, 3 * n * sizeof(double)) != 0)
@@ -56,7 +57,7 @@ static nqm_status begin_model(model_job *job, const nqm_dataset *d, const nqm_mo
     job->used = nqm_alloc(NQM_PREDICT_BATCH, n);
     if (!job->ref || !job->test || !job->used)
         return nqm_fail_nomem(err, NQM_PREDICT_BATCH * 2 * n_bytes);
-    return nqm_predictor_create(m, NQM_PREDICT_BATCH, &job->predictor, err);
+    return nqm_predictor_create(m, ev->precision, NQM_PREDICT_BATCH, &job->predictor, err);
 }
 
 static void end_model(model_job *job) {
@@ -106,7 +107,7 @@ static nqm_status tick(predict_run *run, size_t n, nqm_error *err) {
 
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
     model_job job;
-    nqm_status status = begin_model(&job, run->ev->dataset, run->ev->models[model], err);
+    nqm_status status = begin_model(&job, run->ev, run->ev->models[model], err);
     for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
         size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
         status = predict_batch(run->ev, model, &job, n, run->pairs + first, err);
@@ -160,6 +161,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     ev->n_models = n_models;
     ev->models = models;
     ev->split = o.split;
+    ev->precision = o.precision;
     ev->n_predictors = n_models + NQM_METRIC_COUNT;
     ev->values = nqm_alloc(ev->n_predictors, dataset->n_pairs * sizeof *ev->values);
     ev->scalars = nqm_alloc(dataset->n_pairs, NQM_SCALAR_COUNT * sizeof *ev->scalars);

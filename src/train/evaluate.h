@@ -12,6 +12,7 @@ struct nqm_evaluation {
     size_t n_models, n_predictors;
     const nqm_model *const *models;
     nqm_split split;
+    nqm_precision precision;
     double *values;     /* (n_predictors, n_pairs of the dataset) NaN where not predicted */
     double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) likewise */
     size_t *ref_class;  /* (n_refs) */

@@ -5,6 +5,7 @@
  */
 #include "base/memory_test.h"
 #include "io/io.h"
+#include "net/inference.h"
 #include "net/net.h"
 #include "support/check.h"
 
@@ -75,14 +76,16 @@ static unsigned char *model_file(size_t *n_bytes) {
     return read_file(path_of_output(), n_bytes);
 }
 
-static float output_of(const nqm_params *params) {
+static float output_of(const struct nqm_model *model) {
     float x[6 * N_DIRECTIONS + NQM_SCALAR_COUNT], z;
-    nqm_net_work *work;
-    for (size_t i = 0; i < params->shape.sizes[0]; ++i)
+    const nqm_inference_net *net;
+    nqm_inference_work *work;
+    for (size_t i = 0; i < model->params.shape.sizes[0]; ++i)
         x[i] = sinf((float)i);
-    assert_int_equal(nqm_net_work_create(&params->shape, 1, false, &work, NULL), NQM_OK);
-    nqm_net_forward(params, work, 1, x, NULL, &z);
-    nqm_net_work_free(work);
+    assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
+    nqm_inference_run(work, 1, x, model->params.shape.sizes[0], &z);
+    nqm_inference_work_free(work);
     return z;
 }
 
@@ -97,7 +100,7 @@ static void round_trip(void **state) {
     assert_null(model->params.block); /* in place */
     assert_true((const unsigned char *)model->params.layer[0].w > file);
     assert_int_equal((uintptr_t)model->params.layer[0].w % 64, 0);
-    assert_true(output_of(&model->params) == output_of(&made->params));
+    assert_true(output_of(model) == output_of(made));
     assert_int_equal(model->n_directions, N_DIRECTIONS);
     assert_memory_equal(model->directions_deg, made->directions_deg, 3 * N_DIRECTIONS * sizeof(double));
     assert_memory_equal(model->mean, made->mean, sizeof made->mean);
@@ -151,7 +154,7 @@ static void unaligned_bytes(void **state) {
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(nqm_model_parse(shifted + 1, n, "f", true, &odd, NULL), NQM_OK);
     assert_non_null(odd->params.block);
-    assert_true(output_of(&odd->params) == output_of(&model->params));
+    assert_true(output_of(odd) == output_of(model));
     nqm_model_destroy(model);
     nqm_model_destroy(odd);
     nqm_free(shifted);

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Packing a network for inference, and keeping it with its model.
+ */
+#include "net/inference.h"
+#include "net/inference_net.h"
+
+#include <nqm/train.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+nqm_input_groups nqm_model_input_groups(const struct nqm_model *model) {
+    nqm_input_groups inputs = {.n_groups = model->layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
+                               .n_scalars = nqm_model_n_scalars(model)};
+    for (size_t i = 0; i < inputs.n_groups; ++i)
+        inputs.width[i] = 3 * model->n_directions;
+    return inputs;
+}
+
+/* ---- packing ----------------------------------------------------------------------------------------------------- */
+
+/* Inputs [from, from + n) of a layer become its next segment. */
+static nqm_status add_segment(nqm_inference_layer *layer, const nqm_layer *weights, size_t n_in, size_t from, size_t n,
+                              nqm_precision precision, nqm_error *err) {
+    nqm_segment *s = &layer->segment[layer->n_segments++];
+    nqm_status status = nqm_panels_create(precision, n, layer->n_out, &s->panel, err);
+    if (status != NQM_OK)
+        return status;
+    s->from = from;
+    s->at = layer->rounded;
+    if (precision != NQM_PRECISION_F32)
+        layer->rounded += s->panel.units;
+    nqm_panels_pack(&s->panel, weights->w + from, n_in);
+    return NQM_OK;
+}
+
+static nqm_status add_first_layer(nqm_inference_layer *layer, const nqm_params *params, const nqm_input_groups *inputs,
+                                  nqm_precision precision, nqm_error *err) {
+    const size_t n_in = params->shape.sizes[0];
+    size_t from = 0;
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; ++i) {
+        status = add_segment(layer, &params->layer[0], n_in, from, inputs->width[i], precision, err);
+        from += inputs->width[i];
+    }
+    if (status == NQM_OK && inputs->n_scalars)
+        status = add_segment(layer, &params->layer[0], n_in, from, inputs->n_scalars, NQM_PRECISION_F32, err);
+    return status;
+}
+
+static nqm_status pack(nqm_inference_net *net, const nqm_params *params, const nqm_input_groups *inputs,
+                       nqm_precision precision, nqm_error *err) {
+    const nqm_net_shape *shape = &params->shape;
+    nqm_status status = NQM_OK;
+    net->n_layers = shape->n_layers;
+    for (size_t l = 0; status == NQM_OK && l < net->n_layers; ++l) {
+        const nqm_layer *from = &params->layer[l];
+        net->layer[l] = (nqm_inference_layer){
+            .n_out = shape->sizes[l + 1], .bias = from->b, .gamma = from->gamma, .beta = from->beta};
+        if (l == 0)
+            status = add_first_layer(&net->layer[l], params, inputs, precision, err);
+        else
+            status = add_segment(&net->layer[l], from, shape->sizes[l], 0, shape->sizes[l],
+                                 from->gamma ? precision : NQM_PRECISION_F32, err);
+    }
+    return status;
+}
+
+nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_groups *inputs, nqm_precision precision,
+                                    nqm_inference_net **net_ret, nqm_error *err) {
+    *net_ret = NULL;
+    nqm_inference_net *net = nqm_alloc(1, sizeof *net);
+    if (!net)
+        return nqm_fail_nomem(err, sizeof *net);
+    nqm_status status = pack(net, params, inputs, precision, err);
+    if (status != NQM_OK) {
+        nqm_inference_net_free(net);
+        return status;
+    }
+    *net_ret = net;
+    return NQM_OK;
+}
+
+void nqm_inference_net_free(nqm_inference_net *net) {
+    if (!net)
+        return;
+    for (size_t l = 0; l < net->n_layers; ++l)
+        for (size_t s = 0; s < net->layer[l].n_segments; ++s)
+            nqm_panels_free(&net->layer[l].segment[s].panel);
+    nqm_free(net);
+}
+
+/* ---- with the model ---------------------------------------------------------------------------------------------- */
+
+static pthread_mutex_t packing = PTHREAD_MUTEX_INITIALIZER; /* held while any model is packed */
+
+nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
+                               const nqm_inference_net **net_ret, nqm_error *err) {
+    nqm_inference_net *_Atomic *place = &((struct nqm_model *)(uintptr_t)model)->inference[precision];
+    nqm_inference_net *net = atomic_load_explicit(place, memory_order_acquire);
+    nqm_status status = NQM_OK;
+    if (!net) {
+        pthread_mutex_lock(&packing);
+        net = atomic_load_explicit(place, memory_order_acquire);
+        if (!net) { /* nobody packed it while we waited */
+            const nqm_input_groups inputs = nqm_model_input_groups(model);
+            status = nqm_inference_net_create(&model->params, &inputs, precision, &net, err);
+            atomic_store_explicit(place, net, memory_order_release);
+        }
+        pthread_mutex_unlock(&packing);
+    }
+    *net_ret = net;
+    return status;
+}

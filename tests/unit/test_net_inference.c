@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The packed network: against plain loops in double, in each precision; the same bits however rows are grouped, on any
+ * number of threads, with and without shared references; packing once per model; running out of memory.
+ */
+#include "base/memory_test.h"
+#include "kernel/kernel.h"
+#include "net/inference.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/train.h>
+#include <omp.h>
+#include <pthread.h>
+#include <string.h>
+
+enum {
+    GROUP = 75,
+    N_SCALARS = 5,
+    WIDTH = 3 * GROUP + N_SCALARS,
+    STRIDE = WIDTH + 3,
+    ROWS = 135
+}; /* more than a block of rows */
+
+static const nqm_input_groups inputs = {3, {GROUP, GROUP, GROUP}, N_SCALARS};
+static const uint64_t seed = 11;
+
+static nqm_params params;
+static float x[ROWS * STRIDE];
+static double expected[ROWS];
+
+/* The paper's formulas, in double. */
+static double forward(const float *row) {
+    double from[256], to[256];
+    for (size_t i = 0; i < WIDTH; ++i)
+        from[i] = (double)row[i];
+    for (size_t l = 0; l < params.shape.n_layers; ++l) {
+        const nqm_layer *layer = &params.layer[l];
+        const size_t n_in = params.shape.sizes[l], n = params.shape.sizes[l + 1];
+        double mean = 0, variance = 0;
+        for (size_t j = 0; j < n; ++j) {
+            to[j] = (double)layer->b[j];
+            for (size_t i = 0; i < n_in; ++i)
+                to[j] += (double)layer->w[j * n_in + i] * from[i];
+            mean += to[j] / (double)n;
+        }
+        for (size_t j = 0; j < n; ++j)
+            variance += (to[j] - mean) * (to[j] - mean) / (double)n;
+        for (size_t j = 0; j < n && layer->gamma; ++j) {
+            double v = (double)layer->gamma[j] * (to[j] - mean) / sqrt(variance + 1e-5) + (double)layer->beta[j];
+            to[j] = v * 0.5 * erfc(-v / sqrt(2));
+        }
+        memcpy(from, to, n * sizeof *to);
+    }
+    return from[0];
+}
+
+/* Rows that share their reference in runs of 1 to 5, some of them twice the same. */
+static int setup(void **state) {
+    (void)state;
+    const nqm_net_shape shape = {4, {WIDTH, 100, 64, 33, 1}};
+    assert_int_equal(nqm_params_create(&shape, &params, NULL), NQM_OK);
+    nqm_params_init(&params, seed);
+    nqm_rng rng = nqm_rng_make(seed, 1);
+    for (size_t l = 0; l < shape.n_layers; ++l)
+        for (size_t i = 0; i < shape.sizes[l + 1]; ++i) {
+            params.layer[l].b[i] = (float)nqm_rng_normal(&rng);
+            if (params.layer[l].gamma) {
+                params.layer[l].gamma[i] = (float)(1 + 0.2 * nqm_rng_normal(&rng));
+                params.layer[l].beta[i] = (float)(0.2 * nqm_rng_normal(&rng));
+            }
+        }
+    for (size_t i = 0; i < ROWS; ++i) {
+        float *row = x + i * STRIDE;
+        for (size_t j = 0; j < STRIDE; ++j)
+            row[j] = (float)nqm_rng_normal(&rng);
+        for (size_t j = 2 * GROUP; j < 3 * GROUP; ++j)
+            row[j] = fabsf(row[j - GROUP]);
+        for (size_t j = 3 * GROUP; j < WIDTH; ++j)
+            row[j] *= 8;
+        if (i % 15 != 0 && i % 15 != 1 && i % 15 != 3 && i % 15 != 6 && i % 15 != 10)
+            memcpy(row, row - STRIDE, GROUP * sizeof *row);
+        expected[i] = forward(row);
+    }
+    return 0;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    nqm_params_free(&params);
+    return 0;
+}
+
+typedef struct session {
+    nqm_inference_net *net;
+    nqm_inference_work *work;
+} session;
+
+static session begin(nqm_precision precision) {
+    session s;
+    assert_int_equal(nqm_inference_net_create(&params, &inputs, precision, &s.net, NULL), NQM_OK);
+    assert_int_equal(nqm_inference_work_create(s.net, ROWS, &s.work, NULL), NQM_OK);
+    return s;
+}
+
+static void end(session *s) {
+    nqm_inference_work_free(s->work);
+    nqm_inference_net_free(s->net);
+}
+
+/* All rows, `batch` at a time. */
+static void run(const session *s, size_t batch, float *z) {
+    for (size_t first = 0; first < ROWS; first += batch)
+        nqm_inference_run(s->work, ROWS - first < batch ? ROWS - first : batch, x + first * STRIDE, STRIDE, z + first);
+}
+
+/* Beside the spread of the outputs, which is near 1. */
+static const double bounds[NQM_PRECISION_COUNT] = {2e-6, 0.03, 0.1};
+
+static void outputs_by_the_formulas(void **state) {
+    (void)state;
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+            float z[ROWS];
+            double worst = 0;
+            nqm_kernels_use(nqm_kernels_at(t));
+            session s = begin((nqm_precision)precision);
+            run(&s, ROWS, z);
+            for (size_t i = 0; i < ROWS; ++i)
+                worst = fmax(worst, fabs((double)z[i] - expected[i]));
+            print_message("%s, %s: %.2g\n", nqm_kernels_at(t)->name, nqm_precision_name((nqm_precision)precision),
+                          worst);
+            assert_true(worst <= bounds[precision]);
+            assert_true(precision == NQM_PRECISION_F32 || worst > 1e-5); /* it is another precision */
+            end(&s);
+        }
+    nqm_kernels_use(NULL);
+}
+
+/* Fused multiply-add is the same everywhere, and sums of bytes are exact; the last layer is float in any precision. */
+static bool same_bits(const nqm_kernels *kernels, int precision) {
+#if defined __aarch64__
+    const bool fused = true;
+#else
+    const bool fused = kernels != &nqm_kernels_generic;
+#endif
+    return kernels != &nqm_kernels_scalar && fused && precision != NQM_PRECISION_BF16;
+}
+
+static void the_same_bits(void **state) {
+    (void)state;
+    static const size_t batches[] = {ROWS, 1, 2, 13, 100};
+    const int threads = omp_get_max_threads();
+    static float first[NQM_PRECISION_COUNT][ROWS], all[ROWS], z[ROWS];
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+            nqm_kernels_use(nqm_kernels_at(t));
+            session s = begin((nqm_precision)precision);
+            run(&s, ROWS, all);
+            for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
+                omp_set_num_threads((int)(b + t) % 3 + 1);
+                run(&s, batches[b], z);
+                assert_memory_equal(z, all, sizeof z);
+            }
+            omp_set_num_threads(threads);
+            if (t == 0)
+                memcpy(first[precision], all, sizeof all);
+            if (same_bits(nqm_kernels_at(t), precision))
+                assert_memory_equal(all, first[precision], sizeof all);
+            end(&s);
+        }
+    nqm_kernels_use(NULL);
+}
+
+/* The reference that is kept from one call to the next belongs to the kernels that computed its part. */
+static void kernels_change(void **state) {
+    (void)state;
+    session s = begin(NQM_PRECISION_BF16), fresh = begin(NQM_PRECISION_BF16);
+    float before, after, expected_after;
+    nqm_inference_run(s.work, 1, x, STRIDE, &before);
+    nqm_kernels_use(&nqm_kernels_scalar);
+    nqm_inference_run(s.work, 1, x, STRIDE, &after);
+    nqm_inference_run(fresh.work, 1, x, STRIDE, &expected_after);
+    nqm_kernels_use(NULL);
+    assert_true(before != expected_after); /* else this test shows nothing */
+    assert_true(after == expected_after);
+    end(&s);
+    end(&fresh);
+}
+
+static void *find(void *model) {
+    const nqm_inference_net *net;
+    return nqm_model_inference(model, NQM_PRECISION_BF16, &net, NULL) == NQM_OK ? (void *)(uintptr_t)net : NULL;
+}
+
+static void packed_once(void **state) {
+    (void)state;
+    struct nqm_model *model = nqm_alloc(1, sizeof *model);
+    const nqm_net_shape shape = {2, {9 * 7, 300, 1}};
+    assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
+    model->n_directions = 7;
+    model->layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
+    nqm_alloc_fail_after(3);
+    assert_null(find(model));
+    nqm_alloc_fail_after(-1);
+    enum { N_THREADS = 8 };
+    pthread_t thread[N_THREADS];
+    void *net[N_THREADS];
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_create(&thread[i], NULL, find, model), 0);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_join(thread[i], &net[i]), 0);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_true(net[i] && net[i] == net[0]);
+    nqm_model_destroy(model);
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    session s;
+    bool made = false;
+    for (long n = 0; !made; ++n) {
+        nqm_alloc_fail_after(n);
+        nqm_status status = nqm_inference_net_create(&params, &inputs, NQM_PRECISION_INT8, &s.net, NULL);
+        if (status == NQM_OK)
+            status = nqm_inference_work_create(s.net, 3, &s.work, NULL);
+        else
+            s = (session){0};
+        nqm_alloc_fail_after(-1);
+        made = status == NQM_OK;
+        assert_true(made || (status == NQM_ERR_NOMEM && !s.work));
+        end(&s);
+        assert_true(n < 60);
+    }
+    s = begin(NQM_PRECISION_F32);
+    nqm_inference_work *none;
+    assert_int_equal(nqm_inference_work_create(s.net, 0, &none, NULL), NQM_ERR_ARG);
+    assert_null(none);
+    end(&s);
+}
+
+int main(void) {
+    printf("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(outputs_by_the_formulas), cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(kernels_change),          cmocka_unit_test(packed_once),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
