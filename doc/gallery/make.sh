@@ -29,3 +29,10 @@ if [ -n "$corpus" ]; then
     draw scatter 1.25 scatter "$work/pairs.csv"
 fi
 [ -z "$log" ] || draw loss 1.5 loss "$log"
+
+# The page needs a browser; without one its picture stays as it is.
+if command -v chromium >/dev/null 2>&1; then
+    "$nqm" report sgd:nickel 'perturb:gloss=0.9;of=sgd:nickel' abc:nickel ward:nickel -o "$work/report.html"
+    chromium --headless --no-sandbox --disable-gpu --no-first-run --user-data-dir="$work/profile" --hide-scrollbars \
+        --window-size=1040,1900 --screenshot="$gallery/report.png" "file://$work/report.html"
+fi

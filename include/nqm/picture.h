@@ -43,6 +43,25 @@ NQM_API nqm_tone nqm_tone_default(void);
 NQM_API NQM_MUST_CHECK nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_t supersample,
                                                     const nqm_tone *tone, nqm_error *err);
 
+/**
+ * The upper end of a scale for maps of differences: what 99 % of their values stay below, rounded up to a multiple of
+ * 1, 2 or 5; at least 1.
+ *
+ * @param delta_e  (n_maps) maps of n values each; NaN: none
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_map_scale(size_t n_maps, const double *const *delta_e, size_t n, double *end_ret,
+                                                nqm_error *err);
+
+/**
+ * Write a map of differences alone as PNG, in the colours of nqm_figure_write(), for those who draw the scale themselves.
+ *
+ * @param delta_e      (height, width) >= 0; NaN is white
+ * @param delta_e_max  upper end of the scale, > 0; larger values have its colour
+ * @return as nqm_picture_write(), whose limits hold; NQM_ERR_ARG unless the name ends in ".png"
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_map_write(const char *path, size_t width, size_t height, const double *delta_e,
+                                                size_t supersample, double delta_e_max, nqm_error *err);
+
 /** One place of a figure: a picture, or a map of differences, or nothing. All lent. */
 typedef struct nqm_panel {
     const double *rgb_cdm2; /**< (height, width, 3), as in nqm_picture; NULL: no picture */

@@ -54,7 +54,7 @@ static nqm_status find_scale(const nqm_figure *f, double *end, nqm_error *err) {
     if (n_maps && f->delta_e_max > 0)
         *end = f->delta_e_max;
     else if (n_maps)
-        return nqm_scale_end(n_maps, maps, f->width * f->height, end, err);
+        return nqm_map_scale(n_maps, maps, f->width * f->height, end, err);
     return NQM_OK;
 }
 

@@ -110,18 +110,40 @@ bool nqm_name_ends_in(const char *path, const char *suffix) {
     return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
 }
 
+static nqm_status check_size(const char *path, size_t width, size_t height, size_t supersample, nqm_error *err) {
+    if (width < 1 || height < 1 || width > NQM_IMAGE_MAX_WIDTH || height > NQM_IMAGE_MAX_HEIGHT)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture has 1 x 1 to %d x %d pixels", path,
+                        (int)NQM_IMAGE_MAX_WIDTH, (int)NQM_IMAGE_MAX_HEIGHT);
+    if (supersample < 1 || supersample > MAX_SUPERSAMPLE || width % supersample || height % supersample)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels cannot become one in a picture of %zu x %zu", path,
+                        supersample, width, height);
+    return NQM_OK;
+}
+
+nqm_status nqm_map_write(const char *path, size_t width, size_t height, const double *delta_e, size_t supersample,
+                         double delta_e_max, nqm_error *err) {
+    nqm_status status = check_size(path, width, height, supersample, err);
+    if (status != NQM_OK)
+        return status;
+    if (!(delta_e_max > 0) || !nqm_name_ends_in(path, ".png"))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0 and a name that ends in .png", path);
+    size_t n = width / supersample * (height / supersample);
+    unsigned char *rgb = nqm_alloc(n, 3);
+    if (!rgb)
+        return nqm_fail_nomem(err, 3 * n);
+    nqm_map_bytes(width, height, delta_e, supersample, delta_e_max, rgb);
+    status = nqm_image_write_png(path, width / supersample, height / supersample, rgb, err);
+    nqm_free(rgb);
+    return status;
+}
+
 nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
                              nqm_error *err) {
     const nqm_tone defaults = nqm_tone_default();
     tone = tone ? tone : &defaults;
-    if (picture->width < 1 || picture->height < 1 || picture->width > NQM_IMAGE_MAX_WIDTH ||
-        picture->height > NQM_IMAGE_MAX_HEIGHT)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture has 1 x 1 to %d x %d pixels", path,
-                        (int)NQM_IMAGE_MAX_WIDTH, (int)NQM_IMAGE_MAX_HEIGHT);
-    if (supersample < 1 || supersample > MAX_SUPERSAMPLE || picture->width % supersample ||
-        picture->height % supersample)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels cannot become one in a picture of %zu x %zu", path,
-                        supersample, picture->width, picture->height);
+    nqm_status status = check_size(path, picture->width, picture->height, supersample, err);
+    if (status != NQM_OK)
+        return status;
     if (!(tone->white_cdm2 > 0 && tone->shoulder > 0 && tone->shoulder <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the tone curve needs a white above 0 and a shoulder in (0, 1]",
                         path);

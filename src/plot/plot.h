@@ -33,9 +33,5 @@ void nqm_viridis(double t, double *rgb);
 /** Where the ticks of a scale from 0 to `max` stand: multiples of 1, 2 or 5 times a power of ten, at most n_most
  *  steps. */
 double nqm_tick_step(double max, size_t n_most);
-/** The upper end of a scale that n values (NaN: none) need: what 99 % of them stay below, rounded up to a multiple of
- *  1, 2 or 5; at least 1. NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_scale_end(size_t n_maps, const double *const *maps, size_t n, double *end_ret,
-                                        nqm_error *err);
 
 #endif

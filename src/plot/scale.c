@@ -21,7 +21,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-nqm_status nqm_scale_end(size_t n_maps, const double *const *maps, size_t n, double *end_ret, nqm_error *err) {
+nqm_status nqm_map_scale(size_t n_maps, const double *const *maps, size_t n, double *end_ret, nqm_error *err) {
     size_t n_values = 0, room;
     double *values = nqm_mul_size(n_maps, n, &room) ? nqm_alloc(room, sizeof *values) : NULL;
     if (!values)

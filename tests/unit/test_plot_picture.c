@@ -204,10 +204,39 @@ static void scales(void **state) {
         other[i] = (double)NAN;
     }
     const double *const maps[] = {other, map}, *const nothing[] = {other};
-    assert_int_equal(nqm_scale_end(2, maps, 1000, &end, NULL), NQM_OK);
+    assert_int_equal(nqm_map_scale(2, maps, 1000, &end, NULL), NQM_OK);
     assert_near(end, 10, 1e-9);
-    assert_int_equal(nqm_scale_end(1, nothing, 1000, &end, NULL), NQM_OK);
+    assert_int_equal(nqm_map_scale(1, nothing, 1000, &end, NULL), NQM_OK);
     assert_near(end, 1, 1e-9);
+}
+
+/* A map alone: as many pixels as it has, reduced on request; sizes, scales and names out of range are refused. */
+static void maps_alone(void **state) {
+    (void)state;
+    double map[8 * 4];
+    for (size_t i = 0; i < 8 * 4; ++i)
+        map[i] = i == 0 ? (double)NAN : i == 31 ? 99 : 0;
+    nqm_error err = {0};
+    const char *path = scratch_path("map.png");
+    assert_int_equal(nqm_map_write(path, 8, 4, map, 1, 40, &err), NQM_OK);
+    size_t width, height;
+    unsigned char *rgb = read_png(path, &width, &height);
+    assert_true(width == 8 && height == 4);
+    static const unsigned char none[] = {255, 255, 255}, least[] = {68, 1, 84}, most[] = {253, 231, 37};
+    assert_memory_equal(rgb, none, 3);
+    assert_memory_equal(rgb + 3, least, 3);
+    assert_memory_equal(rgb + 3 * 31, most, 3);
+    free(rgb);
+    assert_int_equal(nqm_map_write(path, 8, 4, map, 4, 40, &err), NQM_OK);
+    rgb = read_png(path, &width, &height);
+    assert_true(width == 2 && height == 1);
+    free(rgb);
+    assert_int_equal(nqm_map_write(path, 8, 4, map, 3, 40, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_map_write(path, 0, 4, map, 1, 40, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_map_write(path, 8, 4, map, 1, 0, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_map_write(path, 8, 4, map, 1, (double)NAN, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_map_write("map.exr", 8, 4, map, 1, 40, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_map_write("/nonexistent/map.png", 8, 4, map, 1, 40, &err), NQM_ERR_IO);
 }
 
 /* A figure of a grey picture, a map whose left half is empty, and a hole; the panels stand where their pixels say. */
@@ -262,7 +291,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exr_and_hdr), cmocka_unit_test(hdr_limits), cmocka_unit_test(png_bytes),
         cmocka_unit_test(averaging),   cmocka_unit_test(refusals),   cmocka_unit_test(tone_curve),
-        cmocka_unit_test(colour_map),  cmocka_unit_test(scales),     cmocka_unit_test(figures),
+        cmocka_unit_test(colour_map),  cmocka_unit_test(scales),     cmocka_unit_test(maps_alone),
+        cmocka_unit_test(figures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,44 +33,12 @@ static int read_items(label_run *run, int n_arguments, char **argv) {
     return EXIT_OK;
 }
 
-static nqm_status render_item(const label_run *run, label_item *item) {
-    item->delta_e = item->jod = (double)NAN;
-    item->rgb_cdm2 = calloc(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
-    if (item->rgb_cdm2)
-        return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
-    item->err = (nqm_error){.status = NQM_ERR_NOMEM, .byte_offset = -1};
-    return NQM_ERR_NOMEM;
-}
-
-/* Render item i and compare it with its reference. Faults of tests stay in the item. */
-static nqm_status label_item_at(label_run *run, size_t i) {
-    label_item *item = &run->items[i], *reference = &run->items[item->reference];
-    nqm_status status = render_item(run, item);
-    if (item == reference)
-        return status;
-    if (status == NQM_OK) {
-        const nqm_curve curve = nqm_curve_default();
-        item->delta_e = nqm_scene_delta_e(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
-        item->jod = nqm_curve_jod(&curve, item->delta_e);
-    }
-    if (!run->map && !run->grid && !run->keep) { /* nobody will look at it */
-        free(item->rgb_cdm2);
-        item->rgb_cdm2 = NULL;
-    }
-    return NQM_OK;
-}
-
 static int run_label(label_run *run) {
-    nqm_error err = {0};
-    if (nqm_scene_create(&run->scene_options, &run->scene, &err) != NQM_OK)
-        return report_error("label", &err);
-    for (size_t i = 0; i < run->n_items; ++i) {
-        if (show_progress(NULL, "label", (double)i, (double)run->n_items))
-            return report("label", EXIT_INTERRUPTED, "interrupted");
-        if (label_item_at(run, i) != NQM_OK)
-            return report_error("label", &run->items[i].err);
-    }
-    int exit_code = print_labels(run), draw_code = draw_labels(run);
+    int exit_code = make_labels("label", run);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    exit_code = print_labels(run);
+    int draw_code = draw_labels(run);
     exit_code = exit_code == EXIT_OK ? draw_code : exit_code;
     for (size_t i = 0; i < run->n_items; ++i)
         if (run->items[i].err.status != NQM_OK) {
@@ -84,18 +52,12 @@ static int run_label(label_run *run) {
 static int check_label(label_run *run, uint64_t shrink) {
     bool pictures = run->map || run->grid || run->keep;
     run->shrink = (size_t)shrink;
+    run->keep_rgb = pictures;
     if (pictures && !run->scene_options.width)
         return report("label", EXIT_USAGE, "--points makes no pictures for --map, --grid and --keep-renders");
     if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
         return report("label", EXIT_USAGE, "--shrink must divide the size of the picture");
     return EXIT_OK;
-}
-
-static void clear_run(label_run *run) {
-    for (size_t i = 0; i < run->n_items; ++i)
-        free(run->items[i].rgb_cdm2);
-    free(run->items);
-    nqm_scene_free(run->scene);
 }
 
 int cmd_label(int argc, char **argv) {
@@ -144,6 +106,6 @@ int cmd_label(int argc, char **argv) {
         exit_code = read_items(&run, n_arguments, argv);
     if (exit_code == EXIT_OK)
         exit_code = run_label(&run);
-    clear_run(&run);
+    free_labels(&run);
     return exit_code;
 }

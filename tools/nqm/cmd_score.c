@@ -1,59 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm score - how good approximations look beside their reference. score_print.c prints the results.
+ * nqm score - how good approximations look beside their reference. score_run.c makes the scores, score_print.c prints
+ * them.
  */
 #include "score.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-/* Why a test that could be opened has no score. */
-static void explain(const score_run *run, score_row *row) {
-    const nqm_score_result *r = &row->result;
-    row->err.status = r->status;
-    if (r->status == NQM_ERR_INCOMPATIBLE && run->options.invalid == NQM_INVALID_ERROR && r->n_invalid_test)
-        snprintf(row->err.message, sizeof row->err.message, "%s: no value at %zu of %zu directions", row->name,
-                 r->n_invalid_test, run->n_directions);
-    else if (r->status == NQM_ERR_INCOMPATIBLE)
-        snprintf(row->err.message, sizeof row->err.message,
-                 "%s: only at %zu of %zu directions have both BRDFs a value (--min-valid asks for %.0f)", row->name,
-                 r->n_valid, run->n_directions, ceil(run->options.min_valid_fraction * (double)run->n_directions));
-    else
-        snprintf(row->err.message, sizeof row->err.message, "%s: %s", row->name, nqm_status_text(r->status));
-}
-
-/* Open every test, score those that open, leave the reason in the rows of the others. */
-static nqm_status score_tests(score_run *run, nqm_error *err) {
-    const nqm_brdf **tests = calloc(run->n_rows, sizeof *tests);
-    nqm_score_result *results = calloc(run->n_rows, sizeof *results);
-    nqm_status status = NQM_OK;
-    if (!tests || !results) {
-        status = err->status = NQM_ERR_NOMEM;
-        goto done;
-    }
-    size_t n = 0;
-    for (size_t i = 0; i < run->n_rows && !interrupted(); ++i)
-        if (nqm_brdf_open(run->rows[i].name, &run->rows[i].brdf, &run->rows[i].err) == NQM_OK)
-            tests[n++] = run->rows[i].brdf;
-    if (interrupted()) {
-        status = err->status = NQM_ERR_CANCELLED;
-        goto done;
-    }
-    status = nqm_score(run->model, run->ref, n, tests, &run->options, results, err);
-    n = 0;
-    for (size_t i = 0; status == NQM_OK && i < run->n_rows; ++i) {
-        score_row *row = &run->rows[i];
-        if (!row->brdf)
-            continue;
-        row->result = results[n++];
-        if (row->result.status != NQM_OK)
-            explain(run, row);
-    }
-done:
-    free(tests);
-    free(results);
-    return status;
-}
 
 /* The first fault of a test decides; then the gate. */
 static int settle_exit_code(const score_run *run, double fail_under) {
@@ -67,33 +20,16 @@ static int settle_exit_code(const score_run *run, double fail_under) {
 }
 
 static int run_score(score_run *run, const char *model_name, double fail_under) {
-    nqm_error err = {0};
-    int exit_code;
-    run->rows = calloc(run->n_rows, sizeof *run->rows);
-    if (!run->rows)
-        return report("score", EXIT_LIMIT, "out of memory");
-    for (size_t i = 0; i < run->n_rows; ++i)
-        run->rows[i].name = run->test_names[i];
-    exit_code = open_model("score", model_name, &run->model);
-    if (exit_code != EXIT_OK)
-        goto done;
-    run->n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
-    if (nqm_brdf_open(run->ref_name, &run->ref, &err) != NQM_OK || score_tests(run, &err) != NQM_OK) {
-        exit_code = report_error("score", &err);
-        goto done;
+    int exit_code = make_scores("score", run, model_name);
+    if (exit_code == EXIT_OK) {
+        exit_code = print_scores(run);
+        for (size_t i = 0; i < run->n_rows; ++i)
+            if (run->rows[i].err.status != NQM_OK)
+                report_error("score", &run->rows[i].err);
+        if (exit_code == EXIT_OK)
+            exit_code = settle_exit_code(run, fail_under);
     }
-    exit_code = print_scores(run);
-    for (size_t i = 0; i < run->n_rows; ++i)
-        if (run->rows[i].err.status != NQM_OK)
-            report_error("score", &run->rows[i].err);
-    if (exit_code == EXIT_OK)
-        exit_code = settle_exit_code(run, fail_under);
-done:
-    for (size_t i = 0; i < run->n_rows; ++i)
-        nqm_brdf_free(run->rows[i].brdf);
-    free(run->rows);
-    nqm_brdf_free(run->ref);
-    nqm_model_free(run->model);
+    free_scores(run);
     return exit_code;
 }
 

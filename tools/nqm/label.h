@@ -25,12 +25,21 @@ typedef struct label_run {
     size_t n_items, n_groups;
     label_item *items;
     label_format format;
+    bool keep_rgb; /* for pictures; else what was rendered is freed at once */
     /* figures; NULL: not wanted */
     const char *map, *grid, *keep;
     const char *rows, *columns; /* titles, separated by commas */
     size_t shrink;
 } label_run;
 
+/** Make the scene of run->scene_options, render the items and compare each test with its reference; faults of tests stand
+ *  in their items. EXIT_OK, or the fault is reported and its exit code returned. free_labels() in any case. */
+int make_labels(const char *verb, label_run *run);
+/** Free the items and the scene. */
+void free_labels(label_run *run);
+
+/** What `nqm label --json` prints. */
+json_t *json_labels(const label_run *run);
 /** Results on standard output. */
 int print_labels(const label_run *run);
 /** Draw the figures and keep the renders that were asked for. */

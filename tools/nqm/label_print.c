@@ -12,7 +12,7 @@ static const char *reference_of(const label_run *run, size_t i) {
     return run->items[run->items[i].reference].name;
 }
 
-static int print_json_labels(const label_run *run) {
+json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
@@ -26,9 +26,8 @@ static int print_json_labels(const label_run *run) {
             json_object_set_new(result, "error", json_name(item->err.message));
         json_array_append_new(results, result);
     }
-    return print_json(json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
-                                json_name(run->items[0].name), "scene", json_scene(&run->scene_options), "results",
-                                results));
+    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
+                     json_name(run->items[0].name), "scene", json_scene(&run->scene_options), "results", results);
 }
 
 static void print_test(const label_run *run, const label_item *item) {
@@ -56,7 +55,7 @@ static void print_test(const label_run *run, const label_item *item) {
 int print_labels(const label_run *run) {
     end_progress();
     if (run->format == LABEL_JSON)
-        return print_json_labels(run);
+        return print_json(json_labels(run));
     if (run->format == LABEL_CSV)
         puts(run->n_groups > 1 ? "test,delta_e_itp,jod,error,reference" : "test,delta_e_itp,jod,error");
     for (size_t i = 0; i < run->n_items; ++i) {

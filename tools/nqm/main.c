@@ -32,6 +32,7 @@ static const verb verbs[] = {
     {"calibrate", cmd_calibrate, "give a model the intervals around its JOD"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
     {"reproduce", cmd_reproduce, "the paper's study on its authors' data: which of its figures come out"},
+    {"report", cmd_report, "one page with pictures, scores and differences, for people to read"},
     {"plot", cmd_plot, "drawings of labels, evaluations, trainings, models and BRDFs"},
     {"models", cmd_models, "the models that are built in"},
     {"bench", cmd_bench, "how fast this build is on this machine, beside what the machine can do"},

@@ -46,6 +46,19 @@ int choose_metrics(const char *verb, const char *text, bool *chosen);
 /** The policy of --invalid, or a usage error. */
 int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *policy_ret);
 
+/** Open the model, the reference and the tests that run->ref_name and run->test_names name, and score them; faults of
+ *  single tests stand in their rows. EXIT_OK, or the fault is reported and its exit code returned. free_scores() in any
+ *  case. */
+int make_scores(const char *verb, score_run *run, const char *model_name);
+/** Free what make_scores() made. */
+void free_scores(score_run *run);
+
+/** What `nqm score --json` prints. */
+json_t *json_scores(const score_run *run);
+/** Share of people who would say that the reference looks better; 0.5 is guessing. */
+double noticed_share(const nqm_score_result *result);
+/** What a score means, in words. */
+const char *verdict_words(const nqm_score_result *result);
 /** Print the results on standard output, remarks on standard error. EXIT_OK or EXIT_OPEN. */
 int print_scores(const score_run *run);
 

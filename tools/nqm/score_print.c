@@ -30,12 +30,11 @@ static void print_remarks(const score_run *run) {
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* Share of people who would say that the reference looks better, in percent. */
-static double noticed_percent(double jod) {
-    return 100 * nqm_jod_preference(fmax(10, jod), jod);
+double noticed_share(const nqm_score_result *result) {
+    return result->identical ? 0.5 : nqm_jod_preference(fmax(10, result->jod), result->jod);
 }
 
-static const char *verdict(const nqm_score_result *result) {
+const char *verdict_words(const nqm_score_result *result) {
     return result->identical ? "identical" : jod_words(result->jod);
 }
 
@@ -72,7 +71,7 @@ static void print_text(const score_run *run) {
         bool scored = row->err.status == NQM_OK;
         print_jod(row, calibrated);
         if (scored)
-            printf("  %5.0f %%  %-20s", r->identical ? 50 : noticed_percent(r->jod), verdict(r));
+            printf("  %5.0f %%  %-20s", 100 * noticed_share(r), verdict_words(r));
         else
             printf("  %7s  %-20s", "-", "no score");
         for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
@@ -129,14 +128,14 @@ static json_t *row_json(const score_run *run, const score_row *row) {
     return object;
 }
 
-static int print_scores_json(const score_run *run) {
+json_t *json_scores(const score_run *run) {
     nqm_model_info info = nqm_model_get_info(run->model);
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_rows; ++i)
         json_array_append_new(results, row_json(run, &run->rows[i]));
-    return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:o,s:o}", "schema", 1, "tool", json_tool(), "model", "id",
-                                info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters,
-                                "reference", json_name(run->ref_name), "results", results));
+    return json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:o,s:o}", "schema", 1, "tool", json_tool(), "model", "id", info.id,
+                     "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters, "reference",
+                     json_name(run->ref_name), "results", results);
 }
 
 static void print_scores_csv(const score_run *run) {
@@ -171,7 +170,7 @@ static void print_scores_csv(const score_run *run) {
 int print_scores(const score_run *run) {
     switch (run->format) {
     case SCORE_JSON: /* the remarks stand in it */
-        return print_scores_json(run);
+        return print_json(json_scores(run));
     case SCORE_CSV:
         print_scores_csv(run);
         break;

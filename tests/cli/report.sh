@@ -1,0 +1,117 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm report: the page is well-formed, leans on nothing outside itself, holds the numbers of nqm score and nqm label, escapes names,
+# and is the same twice; faults and Ctrl-C leave no file.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+command -v xmllint >/dev/null || {
+    echo "xmllint (libxml2-utils) reads the page here, and is not installed"
+    exit 77
+}
+unset SOURCE_DATE_EPOCH
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
+mkdir "$dir/files" "$dir/pages"
+"$NQM_BUILD/tests/make_brdf_files" "$dir/files" >/dev/null
+page=$dir/pages/page.html
+
+# report CODE ARGUMENTS...
+report() {
+    code=$1
+    shift
+    run "$code" report --model "$dir/model.safetensors" --size 24 "$@"
+}
+# query XPATH: what the page holds there.
+query() { xmllint --xpath "$1" "$page"; }
+# empty: no page and no unfinished file lies about.
+empty() { [ -z "$(ls "$dir/pages")" ] || fail "left: $(ls "$dir/pages")"; }
+
+report 0 sgd:nickel ward:nickel -o "$page" || true
+! grep -q 'NQM_CAIRO is off' "$dir/err" || exit 77
+
+# ---- the page: a name that would be markup, tests in another order than that of their scores
+awkward="$dir/files/a<script>&amp;\"'b.bsdf"
+cp "$dir/files/valid.bsdf" "$awkward"
+set -- sgd:nickel ward:nickel "$awkward" sgd:nickel lambert:kd=.4
+report 0 "$@" -o "$page" --title "<b>&'\"" --json
+cp "$dir/out" "$dir/printed"
+xmllint --noout "$page" || fail "not well-formed"
+[ "$(query 'string(/html/@lang)')" = en ] || fail "a language"
+[ "$(query 'string(/html/head/title)')" = "<b>&'\"" ] || fail "title: $(query 'string(/html/head/title)')"
+[ "$(query 'count(//h1)') $(query 'count(//section[@class="test"])')" = "1 4" ] || fail "one heading and 4 tests"
+[ "$(query 'count(//p[@class="argument"]/code[contains(., "a<script>&amp;")])')" = 1 ] || fail "the awkward name"
+[ "$(query 'string(//table[@class="summary"]/tbody/tr[th/a="sgd:nickel"]/td[4])')" = identical ] || fail "the verdict of equal BRDFs"
+[ "$(query 'count(//table[@class="matrix"]/tbody/tr)')" = 4 ] || fail "preferences between 4 tests"
+[ "$(query 'count(//table[@class="metrics"][1]/tbody/tr)')" = 36 ] || fail "nine metrics a test"
+[ "$(query 'count(//img)') $(query 'count(//img[string-length(@alt) > 10])')" = "24 24" ] || fail "6 pictures a test, with words"
+
+# ---- nothing from outside: what is named is inside, and the policy forbids the rest
+query 'string(//meta[@http-equiv="Content-Security-Policy"]/@content)' | grep -q "^default-src 'none'; img-src data:;" || fail "policy"
+[ "$(query 'count(//@src) - count(//img/@src[starts-with(., "data:image/png;base64,iVBORw0KGgo")])')" = 0 ] || fail "foreign src"
+[ "$(query 'count(//@href[not(starts-with(., "#"))])')" = 0 ] || fail "foreign links"
+[ "$(query 'count(//link) + count(//iframe) + count(//object) + count(//script[@type != "application/json" or not(@type)])')" = 0 ] ||
+    fail "elements that load or run something"
+! grep -qiE 'https?:|url\(|@import|<script>' "$page" || fail "an address in the page"
+
+# ---- the numbers: nqm score and nqm label of the same arguments
+# same ID FILE: the block of data is the document in the file, but for blanks.
+same() {
+    query "string(//script[@id='$1'])" | sed 's/\\u003c/</g; s/\\u003e/>/g; s/\\u0026/\&/g' | tr -d ' \n' >"$dir/block"
+    tr -d ' \n' <"$2" | cmp - "$dir/block" || fail "$1 differs"
+}
+run 0 score --model "$dir/model.safetensors" "$@" --json
+cmp "$dir/out" "$dir/printed" || fail "--json"
+same nqm-report "$dir/out"
+number jod '1,$' | sort -g | awk '{printf "%.2f\n", $1}' >"$dir/jods"
+for i in 4 3 2 1; do query "string(//table[@class='summary']/tbody/tr[$i]/td[2]/strong)"; done | diff "$dir/jods" - || fail "JODs of the summary"
+query '//table[@class="summary"]/tbody/tr/th/a/text()' >"$dir/ranked"
+query '//section[@class="test"]/h2/span[@class="name"]/text()' | diff "$dir/ranked" - || fail "sections in the order of the summary"
+run 0 label "$@" --size 24 --json
+same nqm-label "$dir/out"
+
+# ---- the same bytes again, with one thread; the date is an argument
+cp "$page" "$dir/first.html"
+OMP_NUM_THREADS=1 report 0 "$@" -o "$page" --title "<b>&'\"" --json
+cmp "$page" "$dir/first.html" || fail "another page the second time"
+report 0 sgd:nickel ward:nickel -o "$page" --date 'on Sunday'
+query 'string(//p[@class="quote"])' | grep -q '; on Sunday\.$' || fail "date"
+SOURCE_DATE_EPOCH=86400 report 0 sgd:nickel ward:nickel -o "$page"
+query 'string(//p[@class="quote"])' | grep -q '; 1970-01-02\.$' || fail "SOURCE_DATE_EPOCH"
+[ "$(query 'string(/html/head/title)')" = "How close ward:nickel comes to sgd:nickel" ] || fail "title of one test"
+[ "$(query 'count(//table[@class="matrix"])')" = 0 ] || fail "a comparison with nothing"
+report 0 sgd:nickel ward:nickel -o "$page" --shrink 2 --frames 2
+[ "$(query 'string(//img[1]/@width)')" = 12 ] || fail "--shrink"
+
+# ---- faults: the exit code, the old page as it was, nothing new
+cp "$page" "$dir/first.html"
+report 3 sgd:nickel ward:nickel "$dir/nowhere.binary" -o "$page"
+cmp "$page" "$dir/first.html" || fail "a fault touched the old page"
+rm "$page"
+SOURCE_DATE_EPOCH=soon report 2 sgd:nickel ward:nickel -o "$page"
+report 3 "$dir/nowhere.binary" ward:nickel -o "$page"
+report 2 sgd:nickel lambert:nonsense=1 -o "$page"
+report 2 sgd:nickel ward:nickel
+report 2 sgd:nickel ward:nickel -o -
+report 2 sgd:nickel ward:nickel -o /dev/null
+report 2 sgd:nickel ward:nickel -o "$page" --points 100
+report 2 sgd:nickel ward:nickel -o "$page" --shrink 7
+report 3 sgd:nickel ward:nickel -o "$dir/nowhere/page.html"
+report 3 sgd:nickel ward:nickel -o "$page" --light "$dir/nowhere.exr"
+empty
+
+# ---- Ctrl-C
+i=0
+set -- sgd:nickel
+while [ $i -lt 300 ]; do
+    set -- "$@" "lambert:kd=.$((100 + i))"
+    i=$((i + 1))
+done
+"$tool" report --model "$dir/model.safetensors" --size 24 "$@" -o "$page" 2>"$dir/err" &
+while [ -z "$(ls "$dir/pages")" ]; do sleep 0.01; done
+kill -INT $!
+got=0
+wait $! || got=$?
+[ "$got" = 130 ] || fail "exit code $got of an interrupted report"
+empty
+
+run 0 help report
+grep -q '^  nqm report sgd:nickel' "$dir/out" || fail "help with an example"

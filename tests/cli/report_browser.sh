@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm report in a real browser, headless and with every address unreachable: it shows the JOD, text and pictures reach the screen at
+# desktop and phone width without running over the edge, and it prints on as many sheets as it should.
+# Skipped without Chromium or xmllint.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+{ [ -n "$browser" ] && command -v xmllint >/dev/null; } || exit 77
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
+page=$dir/page.html
+"$tool" report --model "$dir/model.safetensors" sgd:nickel ward:nickel "perturb:gloss=0.7;of=sgd:nickel" --size 120 -o "$page" 2>"$dir/err" || {
+    grep -q 'NQM_CAIRO is off' "$dir/err" || fail "no page"
+    exit 77
+}
+jod=$(xmllint --xpath 'string(//table[@class="summary"]/tbody/tr[1]/td[2]/strong)' "$page")
+
+# browse OPTION...: open the page with a profile of its own.
+browse() {
+    rm -rf "$dir/profile"
+    timeout 100 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
+        --disable-component-update --disable-sync --disable-dev-shm-usage --host-resolver-rules='MAP * ~NOTFOUND' \
+        --proxy-server=127.0.0.1:9 --hide-scrollbars --user-data-dir="$dir/profile" "$@" "file://$page" 2>"$dir/err"
+}
+
+# ---- the document as the browser understands it; a policy that is broken would be told
+browse --enable-logging=stderr --dump-dom >"$dir/dom.html" || fail "the browser does not open the page"
+grep -q "<strong>$jod</strong>" "$dir/dom.html" || fail "no JOD $jod in the browser's document"
+! grep -qi 'Content.Security.Policy' "$dir/err" || fail "the page breaks its own policy"
+
+# ---- the screen: as large as asked for, dark text on white, the colours of pictures and maps
+# colours FILE: number of distinct colours, share of white pixels in percent.
+colours() { "${NQM_BUILD:?}/tests/png_colours" "$1"; }
+for width in 1280 500; do
+    browse --window-size=$width,3000 --screenshot="$dir/shot.png" >/dev/null || fail "no picture of the screen"
+    [ "$(png_size "$dir/shot.png")" = "$width 3000" ] || fail "size of the picture: $(png_size "$dir/shot.png")"
+    # shellcheck disable=SC2046
+    set -- $(colours "$dir/shot.png")
+    { [ "$1" -gt 1000 ] && [ "$2" -gt 30 ] && [ "$2" -lt 97 ]; } || fail "$width wide: $1 colours, $2 % white"
+done
+
+# The browser obeys the policy: with one that forbids pictures they are gone, and few colours are left.
+cp "$page" "$dir/whole.html"
+sed "s/img-src data:/img-src 'none'/" "$dir/whole.html" >"$page"
+browse --enable-logging=stderr --window-size=500,3000 --screenshot="$dir/shot.png" >/dev/null || fail "no picture of the screen"
+grep -qi 'Content.Security.Policy' "$dir/err" || fail "a broken policy is not told"
+# shellcheck disable=SC2046
+set -- $(colours "$dir/shot.png")
+[ "$1" -lt 500 ] || fail "$1 colours without pictures"
+mv "$dir/whole.html" "$page"
+
+# ---- paper: a sheet for the summary, one or two a test, one or two to explain
+browse --no-pdf-header-footer --print-to-pdf="$dir/page.pdf" >/dev/null || fail "no print"
+sheets=$(grep -ac '/Type */Page\>' "$dir/page.pdf")
+{ [ "$sheets" -ge 4 ] && [ "$sheets" -le 7 ]; } || fail "$sheets sheets of paper"

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * png_colours FILE.png - print how many colours a picture has, to 5 bits a channel, and how many percent of it are
+ * white: what tells a drawn page from a blank one.
+ */
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+int main(int argc, char **argv) {
+    enum { N_COLOURS = 1 << 15 };
+    static unsigned char seen[N_COLOURS];
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    if (argc != 2 || !png_image_begin_read_from_file(&image, argv[1]))
+        return EXIT_FAILURE;
+    image.format = PNG_FORMAT_RGB;
+    unsigned char *rgb = malloc(PNG_IMAGE_SIZE(image));
+    if (!rgb || !png_image_finish_read(&image, NULL, rgb, 0, NULL)) {
+        free(rgb);
+        return EXIT_FAILURE;
+    }
+    size_t n = (size_t)image.width * image.height, n_white = 0, n_colours = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const unsigned char *p = rgb + 3 * i;
+        int colour = (p[0] >> 3) << 10 | (p[1] >> 3) << 5 | p[2] >> 3;
+        n_white += p[0] == 255 && p[1] == 255 && p[2] == 255;
+        n_colours += !seen[colour];
+        seen[colour] = 1;
+    }
+    printf("%zu %zu\n", n_colours, 100 * n_white / n);
+    free(rgb);
+    return EXIT_SUCCESS;
+}
