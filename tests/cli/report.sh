@@ -25,8 +25,10 @@ query() { xmllint --xpath "$1" "$page"; }
 # empty: no page and no unfinished file lies about.
 empty() { [ -z "$(ls "$dir/pages")" ] || fail "left: $(ls "$dir/pages")"; }
 
-report 0 sgd:nickel ward:nickel -o "$page" || true
-! grep -q 'NQM_CAIRO is off' "$dir/err" || exit 77
+"$tool" plot network "$dir/model.safetensors" -o "$dir/probe.png" 2>"$dir/err" || {
+    grep -q 'NQM_CAIRO is off' "$dir/err" || fail "nothing can be drawn"
+    exit 77
+}
 
 # ---- the page: a name that would be markup, tests in another order than that of their scores
 awkward="$dir/files/a<script>&amp;\"'b.bsdf"
@@ -74,12 +76,20 @@ OMP_NUM_THREADS=1 report 0 "$@" -o "$page" --title "<b>&'\"" --json
 cmp "$page" "$dir/first.html" || fail "another page the second time"
 report 0 sgd:nickel ward:nickel -o "$page" --date 'on Sunday'
 query 'string(//p[@class="quote"])' | grep -q '; on Sunday\.$' || fail "date"
-SOURCE_DATE_EPOCH=86400 report 0 sgd:nickel ward:nickel -o "$page"
+SOURCE_DATE_EPOCH=86400 report 0 sgd:nickel ward:nickel -o "$page" --shrink 2 --frames 2
 query 'string(//p[@class="quote"])' | grep -q '; 1970-01-02\.$' || fail "SOURCE_DATE_EPOCH"
 [ "$(query 'string(/html/head/title)')" = "How close ward:nickel comes to sgd:nickel" ] || fail "title of one test"
 [ "$(query 'count(//table[@class="matrix"])')" = 0 ] || fail "a comparison with nothing"
-report 0 sgd:nickel ward:nickel -o "$page" --shrink 2 --frames 2
 [ "$(query 'string(//img[1]/@width)')" = 12 ] || fail "--shrink"
+
+# ---- the interval, where the model has one
+[ "$(query 'count(//*[@class="interval"])')" = 0 ] || fail "an interval of a model that has none"
+"$NQM_BUILD/tests/tiny_dataset" "$dir/toy.safetensors" 1 48
+run 0 train "$dir/toy.safetensors" -o "$dir/calibrated.safetensors" --hidden 16 --batch 64 --epochs 1
+run 0 report sgd:nickel ward:nickel -m "$dir/calibrated.safetensors" --size 24 -o "$page" --json
+[ "$(query 'string(//table[@class="summary"]/tbody/tr/td[2]/span)')" = "$(printf '%.2f to %.2f' "$(number jod_low 1)" "$(number jod_high 1)")" ] ||
+    fail "interval: $(query 'string(//table[@class="summary"]/tbody/tr/td[2])')"
+[ "$(query 'count(//p[@class="verdict"]/span[@class="interval"])')" = 1 ] || fail "an interval in words"
 
 # ---- faults: the exit code, the old page as it was, nothing new
 cp "$page" "$dir/first.html"

@@ -54,8 +54,13 @@ static void put_head(const report_page *page) {
 
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
 
+/* That of identical BRDFs is a point. */
+static bool has_interval(const nqm_score_result *r) {
+    return !r->identical && isfinite(r->jod_low) && isfinite(r->jod_high);
+}
+
 void put_interval(FILE *out, const nqm_score_result *r) {
-    if (isfinite(r->jod_low) && isfinite(r->jod_high))
+    if (has_interval(r))
         html(out, " <span class='interval'>(95&#160;%% interval %s to %s)</span>", html_fixed(r->jod_low, 2).text,
              html_fixed(r->jod_high, 2).text);
 }
@@ -65,7 +70,7 @@ void put_strip(FILE *out, const nqm_score_result *r, double rendered_jod) {
          "<svg class='strip' viewBox='-4 0 108 14' width='135' height='17' role='img' aria-label='predicted %s, "
          "rendered %s of 10'><path d='M0 3V11M50 3V11M100 3V11M0 7H100'/>",
          html_fixed(r->jod, 2).text, html_fixed(rendered_jod, 2).text);
-    if (isfinite(r->jod_low) && isfinite(r->jod_high))
+    if (has_interval(r))
         html(out, "<path class='interval' d='M%s 7H%s'/>", html_fixed(10 * r->jod_low, 2).text,
              html_fixed(10 * r->jod_high, 2).text);
     html(out, "<circle class='ring' cx='%s' cy='7' r='3.4'/><circle cx='%s' cy='7' r='3.4'/></svg>",
@@ -81,7 +86,7 @@ static void put_summary_row(const report_page *page, size_t place) {
          "<tr><td class='n'>%s</td><th scope='row'><a href='#test-%s'>%s</a></th><td class='n'><strong>%s</strong>",
          html_count(ranked->rank).text, html_count(place + 1).text, name_at(page, place),
          html_fixed(row->result.jod, 2).text);
-    if (isfinite(row->result.jod_low) && isfinite(row->result.jod_high))
+    if (has_interval(&row->result))
         html(out, "<br/><span class='interval'>%s to %s</span>", html_fixed(row->result.jod_low, 2).text,
              html_fixed(row->result.jod_high, 2).text);
     html(out, "</td><td class='graph'>");
@@ -157,9 +162,12 @@ static void put_guide(const report_page *page) {
          "<p>The JOD is what the network predicts, without rendering, for pictures in the scene that its training "
          "labels come from. The JOD of pictures holds for the renderings shown here, through the published curve from "
          "\xce\x94"
-         "E&#160;ITP (ITU-R BT.2124). Where both are far apart, look at the pictures.</p>\n</div>\n"
-         "<table><thead><tr><th scope='col'>JOD</th><th scope='col'>In words</th>"
-         "<th scope='col' class='n'>Prefer the reference</th></tr></thead>\n<tbody>\n");
+         "E&#160;ITP (ITU-R BT.2124). Where both are far apart, look at the pictures.</p>\n");
+    if (*nqm_model_get_info(page->run->scores.model).calibration)
+        html(out, "<p>The 95&#160;%% interval is where the JOD of rendered pictures lies for 95&#160;%% of pairs of "
+                  "materials that are new to the model.</p>\n");
+    html(out, "</div>\n<table><thead><tr><th scope='col'>JOD</th><th scope='col'>In words</th>"
+              "<th scope='col' class='n'>Prefer the reference</th></tr></thead>\n<tbody>\n");
     for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i)
         put_range(out, ends[i], ends[i - 1]);
     html(out, "</tbody></table>\n</div>\n</section>\n");
