@@ -4,9 +4,9 @@
  * trusts the sizes in it; the HDF5-based v7.3 is refused.
  */
 #include "io/mat_check.h"
+#include "io/mat_library.h"
 
 #include <math.h>
-#include <matio.h>
 #include <string.h>
 
 enum {
@@ -15,6 +15,7 @@ enum {
 };
 
 struct nqm_mat {
+    const nqm_matio *matio;
     mat_t *file;
     const char *path;
     size_t n_bytes; /* of the file */
@@ -41,14 +42,18 @@ static nqm_status check_file(const char *path, size_t *n_bytes_ret, nqm_error *e
 nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err) {
     *mat_ret = NULL;
     size_t n_bytes;
+    const nqm_matio *matio = NULL;
     nqm_status status = check_file(path, &n_bytes, err);
+    if (status == NQM_OK)
+        status = nqm_matio_get(&matio, err);
     if (status != NQM_OK)
         return status;
     nqm_mat *mat = nqm_alloc(1, sizeof *mat);
     if (!mat)
         return nqm_fail_nomem(err, sizeof *mat);
-    *mat = (nqm_mat){.file = Mat_Open(path, MAT_ACC_RDONLY), .path = path, .n_bytes = n_bytes};
-    if (!mat->file || Mat_GetVersion(mat->file) != MAT_FT_MAT5) {
+    *mat = (nqm_mat){.matio = matio, .path = path, .n_bytes = n_bytes};
+    mat->file = matio->Mat_Open(path, MAT_ACC_RDONLY);
+    if (!mat->file || matio->Mat_GetVersion(mat->file) != MAT_FT_MAT5) {
         nqm_mat_close(mat);
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a readable MAT v5 file", path);
     }
@@ -60,13 +65,13 @@ void nqm_mat_close(nqm_mat *mat) {
     if (!mat)
         return;
     if (mat->file)
-        Mat_Close(mat->file);
+        mat->matio->Mat_Close(mat->file);
     nqm_free(mat);
 }
 
 static nqm_status find_variable(nqm_mat *mat, const char *variable, matvar_t **info_ret, nqm_error *err) {
     *info_ret = NULL;
-    matvar_t *info = Mat_VarReadInfo(mat->file, variable);
+    matvar_t *info = mat->matio->Mat_VarReadInfo(mat->file, variable);
     if (!info)
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: no variable '%s' can be read", mat->path, variable);
     bool real = (info->class_type == MAT_C_DOUBLE || info->class_type == MAT_C_SINGLE) && !info->isComplex;
@@ -85,7 +90,7 @@ static nqm_status find_variable(nqm_mat *mat, const char *variable, matvar_t **i
     if (status == NQM_OK)
         *info_ret = info;
     else
-        Mat_VarFree(info);
+        mat->matio->Mat_VarFree(info);
     return status;
 }
 
@@ -96,7 +101,7 @@ nqm_status nqm_mat_shape(nqm_mat *mat, const char *variable, size_t *rows_ret, s
         return status;
     *rows_ret = info->dims[0];
     *cols_ret = info->dims[1];
-    Mat_VarFree(info);
+    mat->matio->Mat_VarFree(info);
     return NQM_OK;
 }
 
@@ -136,12 +141,12 @@ nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_t rows, size_t 
         goto done;
     }
     memset(data, 0xff, n * sizeof *data); /* all NaN: what matio leaves out of a cut-off file is noticed */
-    if (n && Mat_VarReadDataLinear(mat->file, info, data, 0, 1, (int)n) != 0)
+    if (n && mat->matio->Mat_VarReadDataLinear(mat->file, info, data, 0, 1, (int)n) != 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the data of '%s' are damaged or cut off", mat->path, variable);
     else
         status = transpose(mat, info, data, rows, cols, out, err);
 done:
     nqm_free(data);
-    Mat_VarFree(info);
+    mat->matio->Mat_VarFree(info);
     return status;
 }

@@ -3,11 +3,11 @@
  * Real matrices into MAT v5 files, by matio: uncompressed, without a date, so that equal matrices make equal files. What
  * was written is read back before the file gets its name, because matio does not report a full disk.
  */
-#include "io/mat_check.h"
+#include "io/io.h"
+#include "io/mat_library.h"
 
 #include <ctype.h>
 #include <math.h>
-#include <matio.h>
 #include <string.h>
 
 enum {
@@ -37,7 +37,8 @@ static nqm_status check_variable(const nqm_mat_variable *v, nqm_error *err) {
     return NQM_OK;
 }
 
-static nqm_status write_variable(mat_t *file, const nqm_mat_variable *v, const char *path, nqm_error *err) {
+static nqm_status write_variable(const nqm_matio *matio, mat_t *file, const nqm_mat_variable *v, const char *path,
+                                 nqm_error *err) {
     size_t dims[2] = {v->rows, v->cols};
     double *columns = nqm_alloc(v->rows * v->cols, sizeof *columns);
     if (!columns)
@@ -45,9 +46,10 @@ static nqm_status write_variable(mat_t *file, const nqm_mat_variable *v, const c
     for (size_t i = 0; i < v->rows; ++i)
         for (size_t k = 0; k < v->cols; ++k)
             columns[k * v->rows + i] = v->data[i * v->cols + k];
-    matvar_t *variable = Mat_VarCreate(v->name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, columns, MAT_F_DONT_COPY_DATA);
-    bool written = variable && Mat_VarWrite(file, variable, MAT_COMPRESSION_NONE) == 0;
-    Mat_VarFree(variable);
+    matvar_t *variable =
+        matio->Mat_VarCreate(v->name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, columns, MAT_F_DONT_COPY_DATA);
+    bool written = variable && matio->Mat_VarWrite(file, variable, MAT_COMPRESSION_NONE) == 0;
+    matio->Mat_VarFree(variable);
     nqm_free(columns);
     return written ? NQM_OK : nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write '%s'", path, v->name);
 }
@@ -67,13 +69,16 @@ static nqm_status check_written(const char *written, size_t n, const nqm_mat_var
 
 static nqm_status write_file(const char *written, size_t n, const nqm_mat_variable *variables, const char *path,
                              nqm_error *err) {
-    mat_t *file = Mat_CreateVer(written, "MATLAB 5.0 MAT-file, created by nqm", MAT_FT_MAT5);
+    const nqm_matio *matio;
+    nqm_status status = nqm_matio_get(&matio, err);
+    if (status != NQM_OK)
+        return status;
+    mat_t *file = matio->Mat_CreateVer(written, "MATLAB 5.0 MAT-file, created by nqm", MAT_FT_MAT5);
     if (!file)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write", path);
-    nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
-        status = write_variable(file, &variables[i], path, err);
-    if (Mat_Close(file) != 0 && status == NQM_OK)
+        status = write_variable(matio, file, &variables[i], path, err);
+    if (matio->Mat_Close(file) != 0 && status == NQM_OK)
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write", path);
     return status == NQM_OK ? check_written(written, n, variables, path, err) : status;
 }
