@@ -115,8 +115,10 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
     return NQM_OK;
 }
 
-static nqm_status calibrate(struct nqm_model *copy, const nqm_dataset *d, nqm_calibration *report, nqm_error *err) {
-    const nqm_model *model = copy;
+/* Predict with the model, and give the interval to its copy, which is made afterwards: it shares what the model makes at
+ * its first prediction. */
+static nqm_status calibrate(const nqm_model *model, struct nqm_model *copy, const nqm_dataset *d,
+                            nqm_calibration *report, nqm_error *err) {
     nqm_eval_options options = nqm_eval_options_default();
     options.split = NQM_SPLIT_VALIDATION;
     nqm_evaluation *ev;
@@ -135,6 +137,9 @@ static nqm_status calibrate(struct nqm_model *copy, const nqm_dataset *d, nqm_ca
             label[r.n] = d->jod[i];
             group[r.n++] = d->ref_group[d->pair_ref[i]];
         }
+    *copy = *model;
+    copy->interval = NULL;
+    copy->calibration = NULL;
     if (status == NQM_OK)
         status = nqm_model_set_interval(copy, &r, d->sha256, report, err);
     nqm_free(predicted);
@@ -149,10 +154,8 @@ nqm_status nqm_model_save_calibrated(const nqm_model *model, const nqm_dataset *
     nqm_status status = materials_are_new ? NQM_OK : check_new(model, dataset, err);
     if (status != NQM_OK)
         return status;
-    struct nqm_model copy = *model;
-    copy.interval = NULL;
-    copy.calibration = NULL;
-    status = calibrate(&copy, dataset, calibration, err);
+    struct nqm_model copy = {0};
+    status = calibrate(model, &copy, dataset, calibration, err);
     if (status == NQM_OK) {
         copy.card = nqm_card_with_interval(model->card ? model->card : "", calibration, dataset->sha256);
         status = copy.card ? nqm_model_save(&copy, path, err) : nqm_fail_nomem(err, 0);
