@@ -82,6 +82,7 @@ static const nqm_bench_row nothing = {.precision = -1,
                                       .train_loss = NAN,
                                       .validation_loss = NAN,
                                       .seconds_100 = NAN,
+                                      .best_epoch_seconds = NAN,
                                       .times_alternative = NAN};
 
 nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name) {
@@ -198,7 +199,7 @@ nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err) {
     return NQM_OK;
 }
 
-static double process_clock_s(void) {
+double nqm_process_clock_s(void) {
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -207,13 +208,13 @@ static double process_clock_s(void) {
 /* Seconds of one call, from as many as fill a round. */
 static double time_calls(const nqm_contender *c, double round_s, double *cpu_s) {
     size_t n = 0;
-    double cpu_begin = process_clock_s(), begin = nqm_clock_s(), now;
+    double cpu_begin = nqm_process_clock_s(), begin = nqm_clock_s(), now;
     do {
         c->run(c->user);
         ++n;
         now = nqm_clock_s();
     } while (now - begin < round_s);
-    *cpu_s += (process_clock_s() - cpu_begin) / (double)n;
+    *cpu_s += (nqm_process_clock_s() - cpu_begin) / (double)n;
     return (now - begin) / (double)n;
 }
 

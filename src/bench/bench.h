@@ -99,6 +99,21 @@ static inline bool nqm_bench_wants(const nqm_bench *bench, nqm_precision precisi
     return bench->options.precisions >> precision & 1;
 }
 
+/** Seconds of processor time of all threads. */
+double nqm_process_clock_s(void);
+
+/* ---- the process and the machine (machine.c) --------------------------------------------------------------------- */
+
+/** Begin to count the largest resident memory anew, where the system can (Linux). */
+void nqm_reset_peak_memory(void);
+/** Largest resident memory since then, or since the process began, 1e6 bytes; NaN: not known. */
+double nqm_peak_memory_mb(void);
+
+/* ---- something to train on (pairs.c) ----------------------------------------------------------------------------- */
+
+/** 10 labelled pairs for each of n_refs references, always the same. */
+NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, nqm_dataset **dataset_ret, nqm_error *err);
+
 /* ---- oneDNN beside us (library.c) -------------------------------------------------------------------------------- */
 
 /** C (m, n) = A (m, k) B (k, n). */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What machine this is, from the operating system; where that does not say, nothing.
+ * What the operating system says of the machine and of this process; where it does not, nothing.
  */
-#include "base/base.h"
-#include <nqm/bench.h>
+#include "bench/bench.h"
 
+#include <math.h>
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,10 +12,10 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-/* The value of the first line "key : value" of /proc/cpuinfo; "" when there is none. */
-static void read_cpuinfo(const char *key, char *value, size_t n_value) {
+/* The value of the first line "key : value" of a file; "" when there is none. */
+static void read_value(const char *path, const char *key, char *value, size_t n_value) {
     char line[512];
-    FILE *file = fopen("/proc/cpuinfo", "r");
+    FILE *file = fopen(path, "r");
     value[0] = '\0';
     while (file && !*value && fgets(line, sizeof line, file)) {
         char *colon = strchr(line, ':');
@@ -38,8 +38,8 @@ nqm_bench_machine nqm_bench_get_machine(void) {
     char mhz[40];
     struct utsname names;
     nqm_bench_machine machine = {.cpu = cpu, .system = system_text, .threads = (size_t)omp_get_max_threads()};
-    read_cpuinfo("model name", cpu, sizeof cpu);
-    read_cpuinfo("cpu MHz", mhz, sizeof mhz);
+    read_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    read_value("/proc/cpuinfo", "cpu MHz", mhz, sizeof mhz);
     const char *end;
     if (!nqm_parse_double(mhz, &end, &machine.mhz))
         machine.mhz = 0;
@@ -54,4 +54,20 @@ nqm_bench_machine nqm_bench_get_machine(void) {
     if (getloadavg(&machine.load, 1) != 1)
         machine.load = 0;
     return machine;
+}
+
+void nqm_reset_peak_memory(void) {
+    FILE *file = fopen("/proc/self/clear_refs", "w");
+    if (!file)
+        return;
+    fputs("5", file); /* proc(5): the peak becomes what is resident now */
+    fclose(file);
+}
+
+double nqm_peak_memory_mb(void) {
+    char text[40];
+    const char *end;
+    double kib;
+    read_value("/proc/self/status", "VmHWM", text, sizeof text);
+    return nqm_parse_double(text, &end, &kib) ? kib * 1024e-6 : NAN;
 }

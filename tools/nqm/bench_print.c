@@ -46,11 +46,9 @@ static json_t *row_json(const nqm_bench_row *r) {
     const struct {
         const char *key;
         size_t n;
-    } counts[] = {{"batch", r->batch},   {"threads", r->threads},
-                  {"epochs", r->epochs}, {"seed", r->seed},
-                  {"layer", r->layer},   {"m", r->m},
-                  {"n", r->n},           {"k", r->k},
-                  {"rounds", r->rounds}};
+    } counts[] = {{"batch", r->batch}, {"threads", r->threads}, {"epochs", r->epochs}, {"seed", r->seed},
+                  {"pairs", r->pairs}, {"layer", r->layer},     {"m", r->m},           {"n", r->n},
+                  {"k", r->k},         {"rounds", r->rounds}};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
         add_count(o, counts[i].key, counts[i].n);
     const struct {
@@ -59,6 +57,7 @@ static json_t *row_json(const nqm_bench_row *r) {
     } numbers[] = {{"seconds", r->seconds},
                    {"seconds_median", r->seconds_median},
                    {"seconds_worst", r->seconds_worst},
+                   {"best_epoch_seconds", r->best_epoch_seconds},
                    {"seconds_100_epochs", r->seconds_100},
                    {"ms_per_pair", r->ms_per_pair},
                    {"gflop", r->gflop},
@@ -134,6 +133,23 @@ static void print_gemm(const nqm_bench_row *r) {
     putchar('\n');
 }
 
+static void print_train(const nqm_bench_row *r) {
+    printf("| %s | %s | %s | %zu | %zu | %zu |", r->model, precision_text(r), r->kernels, r->seed, r->pairs, r->epochs);
+    const double best = (double)r->epochs * r->best_epoch_seconds;
+    cell(r->gflop / 1000, 4);
+    cell(r->seconds, 3);
+    cell(best, 3);
+    cell(r->seconds_100, 3);
+    cell(r->gflops, 3);
+    cell(r->floor_seconds, 3);
+    cell(r->times_floor, 3);
+    cell(best / r->floor_seconds, 3);
+    cell(r->cpu_share, 2);
+    cell(r->max_rss_mb, 3);
+    cell(r->validation_loss, 4);
+    putchar('\n');
+}
+
 static const struct table {
     const char *bench, *title, *head, *rule;
     void (*print)(const nqm_bench_row *row);
@@ -142,6 +158,11 @@ static const struct table {
     {"gemm", "Matrix products",
      "| kernels | product | batch | m x n x k | precision | by | GFLOP/s | GB/s | of the peak | median / best |",
      "|---|---|---|---|---|---|---|---|---|---|", print_gemm},
+    {"train", "Training",
+     "| recipe | precision | kernels | seed | pairs | epochs | TFLOP | s | s, all as the best epoch | s, extrapolated "
+     "to 100 epochs | GFLOP/s "
+     "| floor, s | x floor | best x floor | share of processors | MB | validation loss |",
+     "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|", print_train},
 };
 
 static void print_machine(void) {

@@ -8,8 +8,8 @@
 
 typedef struct bench_arguments {
     bool json, quick;
-    const char *kernels, *precision;
-    uint64_t rounds;
+    const char *kernels, *precision, *recipe;
+    uint64_t rounds, epochs, seeds;
 } bench_arguments;
 
 static const choice precisions[] = {
@@ -23,10 +23,14 @@ static nqm_status run_gemm(nqm_bench *bench, const bench_arguments *a, nqm_error
     return nqm_bench_gemm(bench, err);
 }
 
+static nqm_status run_train(nqm_bench *bench, const bench_arguments *a, nqm_error *err) {
+    return nqm_bench_train(bench, a->recipe, (size_t)a->epochs, (size_t)a->seeds, err);
+}
+
 static const struct {
     const char *name;
     run_fn *run;
-} benches[] = {{"gemm", run_gemm}};
+} benches[] = {{"gemm", run_gemm}, {"train", run_train}};
 enum { N_BENCHES = sizeof benches / sizeof *benches };
 
 static nqm_status run_with_kernels(nqm_bench *bench, const bench_arguments *a, run_fn *run, nqm_error *err) {
@@ -89,26 +93,31 @@ static int run_benches(const bench_arguments *a, const char *which) {
 }
 
 int cmd_bench(int argc, char **argv) {
-    bench_arguments a = {.rounds = 7};
+    bench_arguments a = {.recipe = "paper", .rounds = 7, .seeds = 1};
     const option options[] = {
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
         {"precision", 0, OPTION_TEXT, &a.precision, "P", "f32, bf16 or int8 only", 0, 0},
         {"kernels", 0, OPTION_TEXT, &a.kernels, "NAME",
          "the way to compute, or `all` that this processor knows (nqm bench gemm) [default: the best]", 0, 0},
         {"rounds", 0, OPTION_COUNT, &a.rounds, "N", "timings of each figure", 1, 1000},
+        {"recipe", 0, OPTION_TEXT, &a.recipe, "NAME", "train: paper, notebook or nqm", 0, 0},
+        {"epochs", 0, OPTION_COUNT, &a.epochs, "N", "train: how many, instead of the recipe's", 1, 10000},
+        {"seeds", 0, OPTION_COUNT, &a.seeds, "N", "train: repeat with the seeds 1 to N", 1, 100},
         {"quick", 0, OPTION_FLAG, &a.quick, NULL, "fewer, smaller, hardly repeated: to see that it works, not how fast",
          0, 0},
         {0}};
     const command cmd = {
         .name = "bench",
-        .usage = "[gemm] [options]",
+        .usage = "[gemm | train] [options]",
         .about = "Measure this build on this machine, beside the machine's own peaks of arithmetic and memory, which "
                  "are measured\n"
                  "between the timings. Without a name, everything. `gemm`: the matrix products of the networks, and "
                  "oneDNN's.\n"
+                 "`train`: a training of the paper's size, on pairs made on the spot.\n"
                  "Each figure is the best of several rounds; other programs on the machine make them worse and are "
                  "seen in the medians.",
-        .example = "nqm bench gemm\nnqm bench gemm --kernels all --json",
+        .example = "nqm bench gemm\nnqm bench gemm --kernels all --json\nnqm bench train --precision bf16\n"
+                   "nqm bench train --recipe nqm --epochs 5",
         .options = options,
         .min_arguments = 0,
         .max_arguments = 1,
@@ -119,5 +128,5 @@ int cmd_bench(int argc, char **argv) {
     for (size_t i = 0; i < N_BENCHES; ++i)
         if (n_arguments == 0 || strcmp(argv[0], benches[i].name) == 0)
             return run_benches(&a, n_arguments ? argv[0] : NULL);
-    return report("bench", EXIT_USAGE, "there is no benchmark '%s': gemm", argv[0]);
+    return report("bench", EXIT_USAGE, "there is no benchmark '%s': gemm, train", argv[0]);
 }
