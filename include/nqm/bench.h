@@ -34,6 +34,7 @@ NQM_API nqm_bench_machine nqm_bench_get_machine(void);
 typedef struct nqm_bench_row {
     const char *bench;   /**< "peak", "gemm", "train", "score", "load" */
     const char *name;    /**< what was timed: "layer 1 forward" */
+    const char *subject; /**< the file or command */
     const char *model;   /**< the network: "paper", "default", a recipe */
     const char *by;      /**< whose code: "nqm", "onednn sgemm", "onednn" */
     const char *kernels; /**< nqm_kernels_name() in use */
@@ -112,6 +113,31 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *er
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, size_t n_seeds,
                                                   nqm_error *err);
+
+/**
+ * Scoring of 1, 9, 180 and 512 pairs in each precision: the network alone, and the chain from sampled pairs to JOD; each
+ * pair with a reference of its own, and 9 tests with one reference, whose part of the first layer is then computed once.
+ * The floor of one pair is reading the weights. Quick: 1 and 9 pairs. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *err);
+
+/**
+ * From a file to samples at `directions` - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - while its pages are in memory
+ * ("warm"), and after they were dropped ("cold"; files on a disk only).
+ *
+ * @param folder  where a MERL table may lie for a moment, which is then loaded; NULL: no such table
+ * @param files   (n_files) arguments for nqm_brdf_open()
+ * @return as those functions, and NQM_ERR_CANCELLED
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_bench_load(nqm_bench *bench, const nqm_directions *directions, const char *folder,
+                                                 size_t n_files, const char *const *files, nqm_error *err);
+/** A whole command from its start to its end, with its standard output thrown away. `name` is for the row.
+ *
+ * @param argv  the path of the program, its arguments, NULL
+ * @return NQM_ERR_IO when it cannot be run or does not end with 0; NQM_ERR_CANCELLED
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_bench_command(nqm_bench *bench, const char *name, const char *const *argv,
+                                                    nqm_error *err);
 
 /** Measure the peaks for the last time and settle all rows. NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);

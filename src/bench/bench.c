@@ -56,6 +56,9 @@ void nqm_bench_free(nqm_bench *bench) {
         return;
     nqm_bench_release_memory(bench);
     nqm_free(bench->entry);
+    for (size_t i = 0; i < bench->n_texts; ++i)
+        nqm_free(bench->text[i]);
+    nqm_free(bench->text);
     nqm_free(bench);
 }
 
@@ -86,7 +89,7 @@ static const nqm_bench_row nothing = {.precision = -1,
                                       .times_alternative = NAN};
 
 nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name) {
-    nqm_bench_entry entry = {nothing, NQM_METER_NONE, NQM_METER_NONE, NQM_METER_NONE};
+    nqm_bench_entry entry = {nothing, NQM_METER_NONE, NQM_METER_NONE, NQM_METER_NONE, 0};
     entry.row.bench = bench_name;
     entry.row.name = name;
     entry.row.by = "nqm";
@@ -107,20 +110,37 @@ void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_
     entry->read = nqm_bench_read_meter(bench, n_bytes, (size_t)omp_get_max_threads());
 }
 
+/* Room for one more at the end of an array of n, which begins as NULL; the array doubles. NULL: out of memory. */
+static void *grow(void *array, size_t n, size_t size) {
+    if (n & (n - 1) || (n == 0 && array)) /* there is room up to the next power of two */
+        return array;
+    void *larger = nqm_alloc(n ? 2 * n : 1, size);
+    if (!larger)
+        return NULL;
+    if (n)
+        memcpy(larger, array, n * size);
+    nqm_free(array);
+    return larger;
+}
+
 nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err) {
-    if (bench->n_entries == bench->max_entries) {
-        size_t larger = bench->max_entries ? 2 * bench->max_entries : 64;
-        nqm_bench_entry *entries = nqm_alloc(larger, sizeof *entries);
-        if (!entries)
-            return nqm_fail_nomem(err, larger * sizeof *entries);
-        if (bench->n_entries)
-            memcpy(entries, bench->entry, bench->n_entries * sizeof *entries);
-        nqm_free(bench->entry);
-        bench->entry = entries;
-        bench->max_entries = larger;
-    }
+    void *entries = grow(bench->entry, bench->n_entries, sizeof *entry);
+    if (!entries)
+        return nqm_fail_nomem(err, 2 * bench->n_entries * sizeof *entry);
+    bench->entry = entries;
     bench->entry[bench->n_entries++] = *entry;
     return NQM_OK;
+}
+
+const char *nqm_bench_keep_text(nqm_bench *bench, const char *text) {
+    char *copy = nqm_strdup(text);
+    void *texts = copy ? grow(bench->text, bench->n_texts, sizeof *bench->text) : NULL;
+    if (!texts) {
+        nqm_free(copy);
+        return NULL;
+    }
+    bench->text = texts;
+    return bench->text[bench->n_texts++] = copy;
 }
 
 /* What follows from the times, the work and the peaks. */
@@ -176,8 +196,12 @@ nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err) {
         status = nqm_bench_add(bench, &entry, err);
     }
     nqm_bench_release_memory(bench);
-    for (size_t i = 0; i < n_timed; ++i)
-        settle(bench, &bench->entry[i]);
+    for (size_t i = 0; i < n_timed; ++i) {
+        nqm_bench_entry *entry = &bench->entry[i];
+        settle(bench, entry);
+        if (entry->alternative)
+            entry->row.times_alternative = bench->entry[i - entry->alternative].row.seconds / entry->row.seconds;
+    }
     return status;
 }
 
@@ -218,12 +242,16 @@ static double time_calls(const nqm_contender *c, double round_s, double *cpu_s) 
     return (now - begin) / (double)n;
 }
 
-static void store_times(nqm_bench_row *row, size_t n, double *seconds, double cpu_s) {
+nqm_status nqm_bench_add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds, double cpu_s,
+                               nqm_error *err) {
+    nqm_bench_entry timed = *entry;
+    nqm_bench_row *row = &timed.row;
     row->rounds = n;
     row->seconds_median = nqm_quantile(n, seconds, 0.5);
     row->seconds = seconds[0]; /* sorted now */
     row->seconds_worst = seconds[n - 1];
     row->cpu_share = cpu_s / (double)n / nqm_mean(n, seconds) / (double)row->threads;
+    return nqm_bench_add(bench, &timed, err);
 }
 
 nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_contender *contenders, const nqm_bench_entry *entries,
@@ -244,11 +272,8 @@ nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_contender *conte
         }
         status = nqm_bench_step(bench, entries[0].row.bench, err);
     }
-    for (size_t i = 0; i < n && status == NQM_OK; ++i) {
-        nqm_bench_entry entry = entries[i];
-        store_times(&entry.row, rounds, seconds + i * rounds, cpu_s[i]);
-        status = nqm_bench_add(bench, &entry, err);
-    }
+    for (size_t i = 0; i < n && status == NQM_OK; ++i)
+        status = nqm_bench_add_times(bench, &entries[i], rounds, seconds + i * rounds, cpu_s[i], err);
     nqm_free(seconds);
     return status;
 }

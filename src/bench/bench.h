@@ -43,6 +43,7 @@ typedef struct nqm_meter {
 typedef struct nqm_bench_entry {
     nqm_bench_row row;
     int peak, peak_f32, read; /**< meters, or NQM_METER_NONE */
+    size_t alternative;       /**< how many entries before stands the other way to the same result; 0: there is none */
 } nqm_bench_entry;
 
 struct nqm_bench {
@@ -52,7 +53,9 @@ struct nqm_bench {
     unsigned char *memory; /**< what reading is measured on */
     size_t memory_bytes;
     nqm_bench_entry *entry;
-    size_t n_entries, max_entries;
+    size_t n_entries;
+    char **text; /**< strings of rows */
+    size_t n_texts;
     double done, total; /**< of the benchmark that runs, for the progress */
 };
 
@@ -91,7 +94,12 @@ nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name);
 void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop);
 /** Bytes that an entry must read each time. */
 void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes);
-/** Add an entry whose times are known. NQM_ERR_NOMEM. */
+/** A copy of `text` that lives as long as the rows; NULL when out of memory. */
+const char *nqm_bench_keep_text(nqm_bench *bench, const char *text);
+/** Add an entry with the seconds (n) of its rounds, which are sorted, and the processor time of all. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_bench_add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds,
+                                              double cpu_s, nqm_error *err);
+/** Add an entry whose times are in its row. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err);
 /** One more of bench->total things is done; NQM_ERR_CANCELLED when the user wants to stop. */
 NQM_MUST_CHECK nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err);
@@ -111,8 +119,9 @@ double nqm_peak_memory_mb(void);
 
 /* ---- something to train on (pairs.c) ----------------------------------------------------------------------------- */
 
-/** 10 labelled pairs for each of n_refs references, always the same. */
-NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, nqm_dataset **dataset_ret, nqm_error *err);
+/** 10 labelled pairs for each of n_refs references, always the same, at `directions`, which are copied. */
+NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret,
+                                          nqm_error *err);
 
 /* ---- oneDNN beside us (library.c) -------------------------------------------------------------------------------- */
 

@@ -106,10 +106,11 @@ static nqm_status fill_reference(const nqm_dataset *d, arrays *a, size_t ref, nq
     return status;
 }
 
-static nqm_status fill(nqm_dataset *d, nqm_error *err) {
+static nqm_status fill(nqm_dataset *d, const nqm_directions *directions, nqm_error *err) {
     static const char *const kinds[] = {"random"};
     arrays a;
-    nqm_status status = nqm_directions_create(NULL, 0, NULL, &d->directions, err);
+    nqm_status status = nqm_directions_from_degrees(nqm_directions_count(directions),
+                                                    nqm_directions_degrees(directions), &d->directions, err);
     if (status != NQM_OK)
         return status;
     d->n_directions = nqm_directions_count(d->directions);
@@ -124,7 +125,7 @@ static nqm_status fill(nqm_dataset *d, nqm_error *err) {
     return status == NQM_OK ? nqm_dataset_hash(d, d->sha256, err) : status;
 }
 
-nqm_status nqm_bench_pairs(size_t n_refs, nqm_dataset **dataset_ret, nqm_error *err) {
+nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret, nqm_error *err) {
     *dataset_ret = NULL;
     nqm_dataset *d = nqm_alloc(1, sizeof *d);
     if (!d)
@@ -132,7 +133,7 @@ nqm_status nqm_bench_pairs(size_t n_refs, nqm_dataset **dataset_ret, nqm_error *
     d->n_refs = d->n_groups = n_refs;
     d->n_pairs = n_refs * TESTS_PER_REF;
     d->n_kinds = 1;
-    nqm_status status = fill(d, err);
+    nqm_status status = fill(d, directions, err);
     if (status == NQM_OK)
         *dataset_ret = d;
     else

@@ -104,10 +104,15 @@ static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_t
 
 nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, size_t n_seeds, nqm_error *err) {
     nqm_train_options o;
-    nqm_dataset *dataset;
+    nqm_directions *directions;
+    nqm_dataset *dataset = NULL;
     nqm_status status = nqm_train_options_recipe(recipe, &o, err);
     if (status == NQM_OK)
-        status = nqm_bench_pairs(bench->options.quick ? N_REFS_QUICK : N_REFS, &dataset, err);
+        status = nqm_directions_create(NULL, 0, NULL, &directions, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_bench_pairs(bench->options.quick ? N_REFS_QUICK : N_REFS, directions, &dataset, err);
+    nqm_directions_free(directions);
     if (status != NQM_OK)
         return status;
     o.balance = 0;

@@ -39,6 +39,7 @@ static json_t *row_json(const nqm_bench_row *r) {
     json_t *o = json_object();
     add_text(o, "bench", r->bench);
     add_text(o, "name", r->name);
+    add_text(o, "subject", r->subject);
     add_text(o, "model", r->model);
     add_text(o, "by", r->by);
     add_text(o, "kernels", r->kernels);
@@ -150,6 +151,27 @@ static void print_train(const nqm_bench_row *r) {
     putchar('\n');
 }
 
+static void print_score(const nqm_bench_row *r) {
+    printf("| %s | %s | %s | %s | %zu |", r->model, r->name, precision_text(r), r->kernels, r->batch);
+    cell(r->ms_per_pair, 3);
+    cell(1e3 * r->floor_seconds / (double)r->batch, 3);
+    cell(r->times_floor, 3);
+    cell(r->gflops, 3);
+    cell(r->gb_per_s, 3);
+    cell(r->times_alternative, 3);
+    cell(r->seconds_median / r->seconds, 3);
+    putchar('\n');
+}
+
+static void print_load(const nqm_bench_row *r) {
+    printf("| %s | %s |", r->subject, r->name);
+    cell(r->megabytes, 3);
+    cell(1e3 * r->seconds, 3);
+    cell(1e3 * r->seconds_median, 3);
+    cell(1e3 * r->seconds_worst, 3);
+    putchar('\n');
+}
+
 static const struct table {
     const char *bench, *title, *head, *rule;
     void (*print)(const nqm_bench_row *row);
@@ -163,6 +185,12 @@ static const struct table {
      "to 100 epochs | GFLOP/s "
      "| floor, s | x floor | best x floor | share of processors | MB | validation loss |",
      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|", print_train},
+    {"score", "Scoring",
+     "| model | what | precision | kernels | pairs | ms a pair | floor, ms | x floor | GFLOP/s | GB/s | gain of one "
+     "reference | median / best |",
+     "|---|---|---|---|---|---|---|---|---|---|---|---|", print_score},
+    {"load", "Loading and starting", "| what | | MB | best, ms | median, ms | worst, ms |", "|---|---|---|---|---|---|",
+     print_load},
 };
 
 static void print_machine(void) {

@@ -4,12 +4,17 @@
  */
 #include "bench.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct bench_arguments {
     bool json, quick;
     const char *kernels, *precision, *recipe;
+    const char *model;
     uint64_t rounds, epochs, seeds;
+    size_t n_files;
+    const char *const *files;
 } bench_arguments;
 
 static const choice precisions[] = {
@@ -27,10 +32,49 @@ static nqm_status run_train(nqm_bench *bench, const bench_arguments *a, nqm_erro
     return nqm_bench_train(bench, a->recipe, (size_t)a->epochs, (size_t)a->seeds, err);
 }
 
+/* Whole commands: starting the program, and a first score. */
+static nqm_status run_commands(nqm_bench *bench, nqm_error *err) {
+    char self[4096];
+    ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (n < 0) /* no such path here: nothing to start */
+        return NQM_OK;
+    self[n] = '\0';
+    const char *version[] = {self, "--version", NULL};
+    const char *score[] = {self, "score", "sgd:nickel", "ward:nickel", "-q", NULL};
+    nqm_status status = nqm_bench_command(bench, "nqm --version", version, err);
+    return status == NQM_OK ? nqm_bench_command(bench, "nqm score sgd:nickel ward:nickel", score, err) : status;
+}
+
+static nqm_status run_score(nqm_bench *bench, const bench_arguments *a, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; i < (a->model ? 1 : nqm_model_builtin_count()) && status == NQM_OK; ++i) {
+        nqm_model *model;
+        if (a->model && strchr(a->model, '.'))
+            status = nqm_model_load(a->model, &model, err);
+        else
+            status = nqm_model_builtin(a->model ? a->model : nqm_model_builtin_name(i), &model, err);
+        if (status == NQM_OK)
+            status = nqm_bench_score(bench, model, err);
+        nqm_model_free(model);
+    }
+    return status;
+}
+
+static nqm_status run_load(nqm_bench *bench, const bench_arguments *a, nqm_error *err) {
+    const char *folder = getenv("TMPDIR");
+    nqm_directions *directions;
+    nqm_status status = nqm_directions_create(NULL, 0, NULL, &directions, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_bench_load(bench, directions, folder && *folder ? folder : "/tmp", a->n_files, a->files, err);
+    nqm_directions_free(directions);
+    return status == NQM_OK ? run_commands(bench, err) : status;
+}
+
 static const struct {
     const char *name;
     run_fn *run;
-} benches[] = {{"gemm", run_gemm}, {"train", run_train}};
+} benches[] = {{"gemm", run_gemm}, {"train", run_train}, {"score", run_score}, {"load", run_load}};
 enum { N_BENCHES = sizeof benches / sizeof *benches };
 
 static nqm_status run_with_kernels(nqm_bench *bench, const bench_arguments *a, run_fn *run, nqm_error *err) {
@@ -103,30 +147,39 @@ int cmd_bench(int argc, char **argv) {
         {"recipe", 0, OPTION_TEXT, &a.recipe, "NAME", "train: paper, notebook or nqm", 0, 0},
         {"epochs", 0, OPTION_COUNT, &a.epochs, "N", "train: how many, instead of the recipe's", 1, 10000},
         {"seeds", 0, OPTION_COUNT, &a.seeds, "N", "train: repeat with the seeds 1 to N", 1, 100},
+        {"model", 0, OPTION_TEXT, &a.model, "MODEL", "score: a built-in model or a file [default: all built-in ones]",
+         0, 0},
         {"quick", 0, OPTION_FLAG, &a.quick, NULL, "fewer, smaller, hardly repeated: to see that it works, not how fast",
          0, 0},
         {0}};
     const command cmd = {
         .name = "bench",
-        .usage = "[gemm | train] [options]",
+        .usage = "[gemm | train | score | load [FILE...]] [options]",
         .about = "Measure this build on this machine, beside the machine's own peaks of arithmetic and memory, which "
                  "are measured\n"
                  "between the timings. Without a name, everything. `gemm`: the matrix products of the networks, and "
                  "oneDNN's.\n"
                  "`train`: a training of the paper's size, on pairs made on the spot.\n"
+                 "`score`: the network and the whole chain for 1 to 512 pairs, in each precision.\n"
+                 "`load`: from files to samples, a MERL table among them, and the start of this program.\n"
                  "Each figure is the best of several rounds; other programs on the machine make them worse and are "
                  "seen in the medians.",
         .example = "nqm bench gemm\nnqm bench gemm --kernels all --json\nnqm bench train --precision bf16\n"
-                   "nqm bench train --recipe nqm --epochs 5",
+                   "nqm bench train --recipe nqm --epochs 5\n"
+                   "nqm bench score --model default --json\nnqm bench load measured.bsdf network.h5",
         .options = options,
         .min_arguments = 0,
-        .max_arguments = 1,
+        .max_arguments = -1,
     };
     int n_arguments, exit_code;
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
+    if (n_arguments > 1 && strcmp(argv[0], "load") != 0)
+        return report("bench", EXIT_USAGE, "%s: only `load` takes files", argv[1]);
+    a.n_files = n_arguments > 1 ? (size_t)n_arguments - 1 : 0;
+    a.files = (const char *const *)argv + 1;
     for (size_t i = 0; i < N_BENCHES; ++i)
         if (n_arguments == 0 || strcmp(argv[0], benches[i].name) == 0)
             return run_benches(&a, n_arguments ? argv[0] : NULL);
-    return report("bench", EXIT_USAGE, "there is no benchmark '%s': gemm, train", argv[0]);
+    return report("bench", EXIT_USAGE, "there is no benchmark '%s': gemm, train, score, load", argv[0]);
 }
