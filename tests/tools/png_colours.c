@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * png_colours FILE.png - print how many colours a picture has, to 5 bits a channel, and how many percent of it are
- * white: what tells a drawn page from a blank one.
+ * png_colours FILE.png - print how many colours a picture has, to 5 bits a channel, how many percent of it are white,
+ * and how many columns at its right are all white: what tells a drawn page from a blank one, and one that fits its
+ * window from one that does not.
  */
 #include <png.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -19,15 +21,18 @@ int main(int argc, char **argv) {
         free(rgb);
         return EXIT_FAILURE;
     }
-    size_t n = (size_t)image.width * image.height, n_white = 0, n_colours = 0;
+    size_t n = (size_t)image.width * image.height, n_white = 0, n_colours = 0, n_reached = 0;
     for (size_t i = 0; i < n; ++i) {
         const unsigned char *p = rgb + 3 * i;
         int colour = (p[0] >> 3) << 10 | (p[1] >> 3) << 5 | p[2] >> 3;
-        n_white += p[0] == 255 && p[1] == 255 && p[2] == 255;
+        bool white = p[0] == 255 && p[1] == 255 && p[2] == 255;
+        n_white += white;
+        if (!white && i % image.width >= n_reached)
+            n_reached = i % image.width + 1;
         n_colours += !seen[colour];
         seen[colour] = 1;
     }
-    printf("%zu %zu\n", n_colours, 100 * n_white / n);
+    printf("%zu %zu %zu\n", n_colours, 100 * n_white / n, image.width - n_reached);
     free(rgb);
     return EXIT_SUCCESS;
 }

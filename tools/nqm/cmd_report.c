@@ -38,6 +38,12 @@ static int render_all(report_run *run) {
     return make_labels("report", labels);
 }
 
+/* Presets and short specs say it best themselves. */
+static bool is_telling(const char *argument) {
+    enum { MAX_LENGTH = 40 };
+    return strlen(argument) <= MAX_LENGTH && !strchr(argument, '/');
+}
+
 /* What the page calls the items. */
 static int name_all(report_run *run) {
     const label_run *labels = &run->labels;
@@ -45,14 +51,14 @@ static int name_all(report_run *run) {
     run->names = calloc(labels->n_items, sizeof *run->names);
     if (!run->short_names || !run->names)
         return report("report", EXIT_LIMIT, "out of memory");
-    for (size_t i = 0; i < labels->n_items; ++i) {
-        short_name(labels->items[i].name, run->short_names[i], sizeof run->short_names[i]);
-        run->names[i] = run->short_names[i];
-    }
     for (size_t i = 0; i < labels->n_items; ++i)
+        short_name(labels->items[i].name, run->short_names[i], sizeof run->short_names[i]);
+    for (size_t i = 0; i < labels->n_items; ++i) {
+        bool whole = is_telling(labels->items[i].name);
         for (size_t k = 0; k < labels->n_items; ++k)
-            if (k != i && strcmp(run->short_names[i], run->short_names[k]) == 0)
-                run->names[i] = labels->items[i].name;
+            whole = whole || (k != i && strcmp(run->short_names[i], run->short_names[k]) == 0);
+        run->names[i] = whole ? labels->items[i].name : run->short_names[i];
+    }
     return EXIT_OK;
 }
 

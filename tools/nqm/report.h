@@ -17,7 +17,8 @@ typedef struct report_run {
     label_run labels; /* item 0 is the reference, item i + 1 is test i */
     ranking ranking;  /* the tests, best first; `order` is the index of the test */
     char (*short_names)[NAME_SIZE];
-    const char **names; /* (n_items) of the labels' items: short where that tells them apart, else the argument */
+    const char **names; /* (n_items) of the labels' items: the argument, or a short form where it is long and
+                           that tells them apart */
 } report_run;
 
 /** A page that is being written. Parts return EXIT_OK, or the fault is reported and its exit code returned. */

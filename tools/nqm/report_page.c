@@ -98,7 +98,8 @@ static void put_summary_row(const report_page *page, size_t place) {
 
 static void put_summary(const report_page *page) {
     FILE *out = page->out;
-    html(out, "<section>\n<h2>Summary</h2>\n<div class='scroll' tabindex='0'>\n<table class='summary'>\n<thead><tr>"
+    html(out, "<section>\n<h2>Summary</h2>\n<div class='scroll' role='region' aria-label='Summary' "
+              "tabindex='0'>\n<table class='summary'>\n<thead><tr>"
               "<th scope='col' class='n'>Rank</th><th scope='col'>Test</th><th scope='col' class='n'>JOD</th>"
               "<th scope='col' class='graph'>0 to 10</th><th scope='col'>In words</th>"
               "<th scope='col' class='n'>Prefer the reference</th><th scope='col' class='n'>JOD of pictures</th>"
@@ -121,10 +122,12 @@ static void put_preferences(const report_page *page) {
     FILE *out = page->out;
     if (n < 2 || n > MAX_COMPARED)
         return;
-    html(out,
-         "<section>\n<h2>Preferences between the tests</h2>\n<div class='scroll' tabindex='0'>\n"
-         "<table class='matrix'><caption>Expected share of people who prefer the row to the column (numbered as the "
-         "rows), with the reference in sight</caption>\n<thead><tr><th scope='col'>Test</th>");
+    html(
+        out,
+        "<section>\n<h2>Preferences between the tests</h2>\n<div class='scroll' role='region' aria-label='Preferences' "
+        "tabindex='0'>\n"
+        "<table class='matrix'><caption>Expected share of people who prefer the row to the column (numbered as the "
+        "rows), with the reference in sight</caption>\n<thead><tr><th scope='col'>Test</th>");
     for (size_t k = 0; k < n; ++k)
         html(out, "<th scope='col' class='n'>(%s)</th>", html_count(k + 1).text);
     html(out, "</tr></thead>\n<tbody>\n");
