@@ -43,9 +43,9 @@ void html(FILE *out, const char *markup, ...) {
     va_list texts;
     va_start(texts, markup);
     for (const char *p = markup; *p; ++p) {
-        if (*p != '%')
-            fputc(*p, out);
-        else if (*++p == 's')
+        bool conversion = *p == '%';
+        p += conversion;
+        if (conversion && *p == 's')
             put_text(out, va_arg(texts, const char *));
         else
             fputc(*p, out);

@@ -34,7 +34,7 @@ html_number html_fixed(double value, int decimals);
 html_number html_digits(double value, int significant);
 /** The same with all its digits: "0.0250". */
 html_number html_all_digits(double value, int significant);
-html_number html_count(size_t n);
+html_number html_count(size_t count);
 /** A share of people: "71 %", "> 99 %". */
 html_number html_share(double share);
 
