@@ -3,24 +3,26 @@
  * Fuzz target: the model reader, with and without its checksum. A model that it accepts must score without a fault.
  */
 #include "fuzz.h"
-#include "net/net.h"
+#include "net/inference.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 static void score(const struct nqm_model *model) {
-    const nqm_net_shape *shape = &model->params.shape;
-    nqm_net_work *work;
-    float z, *x = calloc(shape->sizes[0], sizeof *x);
-    if (!x || nqm_net_work_create(shape, 1, false, &work, NULL) != NQM_OK)
+    const size_t width = model->params.shape.sizes[0];
+    const nqm_inference_net *net;
+    nqm_inference_work *work = NULL;
+    float z, *x = calloc(width, sizeof *x);
+    if (!x || nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL) != NQM_OK ||
+        nqm_inference_work_create(net, 1, &work, NULL) != NQM_OK)
         abort();
-    nqm_net_forward(&model->params, work, 1, x, NULL, &z);
+    nqm_inference_run(work, 1, x, width, &z);
     double jod = nqm_model_jod(model, (double)z, NULL), low, high;
     nqm_model_interval(model, jod, &low, &high);
     if (model->interval && isfinite(jod) && !(low <= jod && jod <= high))
         abort();
-    nqm_net_work_free(work);
+    nqm_inference_work_free(work);
     free(x);
 }
 

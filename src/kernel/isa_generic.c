@@ -5,7 +5,7 @@
 #define VECTOR_BYTES 16
 #ifdef __ARM_NEON
 #include <arm_neon.h>
-#define TILE_ROWS           6 /* of 32 registers, 24 hold sums */
+#define TILE_ROWS           4 /* of 32 registers, 16 hold sums: with more, compilers begin to spill */
 #define TILE_VECTORS        4
 #define MADD_F32(sum, a, b) ((vector_f)vfmaq_n_f32((float32x4_t)(sum), (float32x4_t)(b), a))
 #else

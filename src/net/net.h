@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, forward, backward, loss, Adam, schedule,
- * and the model file that carries it. Sizes are data; the paper's are 3000-1024-716-501-1.
+ * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, loss, schedule, and the model file that
+ * carries it. Sizes are data; the paper's are 3000-1024-716-501-1. Training is in net/trainer.h, scoring in
+ * net/inference.h.
  *
  * hidden layer l:  y = dropout(gelu(layernorm(x W_l^T + b_l))) ; output: z = x W^T + b ; prediction = lo + (hi-lo)
  * sigmoid(z)
@@ -48,12 +49,6 @@ void nqm_params_free(nqm_params *params);
 /** He-uniform weights (limit sqrt(6 / in)), zero biases, gamma 1, beta 0 (paper's notebook). */
 void nqm_params_init(nqm_params *params, uint64_t seed);
 
-/** Activations and scratch for batches up to a size; owned by one thread of work. */
-typedef struct nqm_net_work nqm_net_work;
-NQM_MUST_CHECK nqm_status nqm_net_work_create(const nqm_net_shape *shape, size_t max_batch, bool for_training,
-                                              nqm_net_work **work_ret, nqm_error *err);
-void nqm_net_work_free(nqm_net_work *work);
-
 /** How dropout masks are made: by a counter-based hash of (seed, step, layer, element), or given (tests), or not at
  * all. */
 typedef struct nqm_dropout {
@@ -62,30 +57,18 @@ typedef struct nqm_dropout {
     const uint8_t *given[NQM_NET_MAX_LAYERS]; /* (batch, out) 1 = keep, or NULL: hash */
 } nqm_dropout;
 
-/** z (batch): the last layer's output before the sigmoid. x (batch, sizes[0]). dropout NULL: inference. */
-void nqm_net_forward(const nqm_params *params, nqm_net_work *work, size_t batch, const float *x,
-                     const nqm_dropout *dropout, float *z);
-/** Gradients of a loss with d loss / d z = dz (batch), after nqm_net_forward() of the same batch in a training work;
- * they overwrite grads. dx (batch, sizes[0]) receives the input's gradient, or NULL. */
-void nqm_net_backward(const nqm_params *params, nqm_net_work *work, size_t batch, const float *x, const float *dz,
-                      nqm_params *grads, float *dx);
-
 /** Mean log-cosh of (prediction - target), prediction = lo + (hi-lo) sigmoid(z); dz receives d loss/d z (NULL allowed).
  *  log cosh written stably: |d| + log1p(exp(-2|d|)) - log 2. */
 double nqm_logcosh_loss(size_t batch, const float *z, const float *target, double lo, double hi, float *dz);
 double nqm_sigmoid(double z);
 
-/** Adam with L2 in the gradient (Kingma and Ba 2014; torch.optim.Adam): beta 0.9, 0.999, eps 1e-8. */
+/** The state of Adam between steps: moments in the form of the parameters. net/trainer.h takes the steps. */
 typedef struct nqm_adam {
     nqm_params m, v;
     uint64_t step;
 } nqm_adam;
 NQM_MUST_CHECK nqm_status nqm_adam_create(const nqm_net_shape *shape, nqm_adam *adam_ret, nqm_error *err);
 void nqm_adam_free(nqm_adam *adam);
-/** One step. lr_first: layer 0's w and b; lr_deeper: everything else (also layer 0's LayerNorm, unless frozen). */
-void nqm_adam_step(nqm_adam *adam, nqm_params *params, const nqm_params *grads, double lr_first, double lr_deeper,
-                   double weight_decay, bool freeze_first_layernorm);
-
 /** ReduceLROnPlateau of PyTorch: mode min, relative threshold 1e-4, cooldown 0. */
 typedef struct nqm_plateau {
     double factor;
