@@ -1,0 +1,22 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The kernels on ARM with NEON: compiled for aarch64 and tested under an emulator. The rest of nqm is the same on every machine.
+# Needs Debian's gcc-aarch64-linux-gnu, libc6-dev-arm64-cross, qemu-user, and libcmocka-dev of the foreign architecture arm64.
+# usage: tests/arm/run.sh (./dev arm installs what it needs)
+set -eu
+cd "$(dirname "$0")/../.."
+out=build-arm
+mkdir -p "$out"
+cc="aarch64-linux-gnu-gcc -std=c17 -D_XOPEN_SOURCE=700 -D_DEFAULT_SOURCE -ffp-contract=off -fno-math-errno -fno-trapping-math
+-Wall -Wextra -Wconversion -Wno-psabi -Wno-unknown-pragmas -Werror -ffunction-sections -Isrc -Iinclude -Itests -I/usr/include"
+objects=
+for name in isa_generic scalar kernels panel panel_pack; do
+    # shellcheck disable=SC2086 # a command with its options. One thread: the emulator is slow at waking others
+    $cc -O3 -fopenmp-simd -c "src/kernel/$name.c" -o "$out/$name.o"
+    objects="$objects $out/$name.o"
+done
+# shellcheck disable=SC2086
+$cc -O2 -fopenmp $objects src/base/memory.c src/base/error.c src/base/rng.c tests/support/check.c tests/unit/test_kernel_tables.c \
+    -o "$out/test_kernel_tables" -lcmocka -lm -Wl,--gc-sections -Wl,--defsym=nqm_gemm_onednn=0
+gomp=$(dirname "$(aarch64-linux-gnu-gcc -print-file-name=libgomp.so)")
+exec qemu-aarch64 -E LD_LIBRARY_PATH="/usr/aarch64-linux-gnu/lib:$gomp" -L / "$out/test_kernel_tables"
