@@ -37,7 +37,8 @@ for word in '"schema": 1' '"cpu":' '"kernels":' '"bench": "peak"' '"name": "forw
     grep -q "$word" "$dir/out" || fail "JSON lacks $word"
 done
 check_rows gemm
-run 0 bench gemm --quick --precision int8
+run 0 bench gemm --quick --precision int8 -o "$dir/gemm.json"
+grep -q '"schema": 1' "$dir/gemm.json" || fail "JSON into a file"
 grep -q '^| .* layer 3 forward | 512 | 512 x 501 x 716 | int8 | nqm |' "$dir/out" || fail "table"
 
 run 0 bench train --quick --epochs 2 --recipe paper --json

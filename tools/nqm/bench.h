@@ -7,8 +7,8 @@
 
 #include "tool.h"
 
-/** Rows as {"machine", "rows"}: fields that do not apply are left out. EXIT_OK, or a fault was reported. */
-int print_bench_json(const nqm_bench *bench);
+/** Rows as {"machine", "rows"}: fields that do not apply are left out. */
+json_t *bench_json(const nqm_bench *bench);
 /** A table for each benchmark, the peaks first. */
 void print_bench_tables(const nqm_bench *bench);
 

@@ -5,19 +5,32 @@
 #include "bench.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
+
+/* What the user told OpenMP: waiting threads that sleep ("passive") cost small batches a good deal. */
+static json_t *openmp_json(void) {
+    static const char *const names[] = {"OMP_NUM_THREADS", "OMP_PROC_BIND", "OMP_WAIT_POLICY"};
+    json_t *openmp = json_object();
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        const char *value = getenv(names[i]);
+        if (value)
+            json_object_set_new(openmp, names[i], json_name(value));
+    }
+    return openmp;
+}
 
 static json_t *machine_json(void) {
     const nqm_bench_machine m = nqm_bench_get_machine();
     json_t *caches = json_array();
     for (size_t i = 0; i < sizeof m.cache_kib / sizeof *m.cache_kib; ++i)
         json_array_append_new(caches, json_integer((json_int_t)m.cache_kib[i]));
-    return json_pack("{s:o,s:o,s:I,s:I,s:f,s:o,s:f,s:f,s:s,s:s}", "cpu", json_name(m.cpu), "system",
+    return json_pack("{s:o,s:o,s:I,s:I,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_name(m.cpu), "system",
                      json_name(m.system), "cores", (json_int_t)m.cores, "threads", (json_int_t)m.threads, "mhz", m.mhz,
                      "cache_kib", caches, "memory_mb", m.memory_mb, "load_average", m.load, "kernels",
-                     nqm_kernels_selected(), "build", nqm_build_info());
+                     nqm_kernels_selected(), "build", nqm_build_info(), "openmp", openmp_json());
 }
 
 static void add_text(json_t *object, const char *key, const char *text) {
@@ -82,14 +95,13 @@ static json_t *row_json(const nqm_bench_row *r) {
     return o;
 }
 
-int print_bench_json(const nqm_bench *bench) {
+json_t *bench_json(const nqm_bench *bench) {
     json_t *rows = json_array();
     for (size_t i = 0; i < nqm_bench_count(bench); ++i) {
         const nqm_bench_row row = nqm_bench_get_row(bench, i);
         json_array_append_new(rows, row_json(&row));
     }
-    return print_json(
-        json_pack("{s:i,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "machine", machine_json(), "rows", rows));
+    return json_pack("{s:i,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "machine", machine_json(), "rows", rows);
 }
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
@@ -199,6 +211,11 @@ static void print_machine(void) {
            "nqm %s, kernels %s; %s\n",
            m.cpu, m.cores, m.threads, m.cache_kib[0], m.cache_kib[1], m.cache_kib[2], m.memory_mb / 1000, m.system,
            m.load, nqm_version(), nqm_kernels_selected(), nqm_build_info());
+    json_t *openmp = openmp_json();
+    const char *name;
+    json_t *value;
+    json_object_foreach(openmp, name, value) printf("%s=%s\n", name, json_string_value(value));
+    json_decref(openmp);
 }
 
 void print_bench_tables(const nqm_bench *bench) {

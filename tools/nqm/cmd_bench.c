@@ -10,7 +10,7 @@
 
 typedef struct bench_arguments {
     bool json, quick;
-    const char *kernels, *precision, *recipe;
+    const char *kernels, *precision, *recipe, *output;
     const char *model;
     uint64_t rounds, epochs, seeds;
     size_t n_files;
@@ -112,12 +112,31 @@ static int settle_options(const bench_arguments *a, nqm_bench_options *options) 
     return EXIT_OK;
 }
 
+/* JSON or tables on standard output, and JSON into `output` if there is one. */
+static int print_rows(const nqm_bench *bench, const bench_arguments *a, output_file *output) {
+    if (output->stream) {
+        json_t *json = bench_json(bench);
+        bool bad = !json || json_dumpf(json, output->stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
+        json_decref(json);
+        if (bad)
+            return report("bench", EXIT_OPEN, "%s: cannot write", output->path);
+        fputc('\n', output->stream);
+    }
+    if (a->json)
+        return print_json(bench_json(bench));
+    print_bench_tables(bench);
+    return EXIT_OK;
+}
+
 /* `which`: the benchmark's name, NULL: all. */
 static int run_benches(const bench_arguments *a, const char *which) {
     nqm_bench_options options;
     nqm_bench *bench = NULL;
     nqm_error err = {0};
+    output_file output = {0};
     int exit_code = settle_options(a, &options);
+    if (exit_code == EXIT_OK && a->output)
+        exit_code = open_output("bench", a->output, &output);
     if (exit_code != EXIT_OK)
         return exit_code;
     nqm_status status = nqm_bench_create(&options, &bench, &err);
@@ -128,10 +147,11 @@ static int run_benches(const bench_arguments *a, const char *which) {
         status = nqm_bench_finish(bench, &err);
     if (status != NQM_OK)
         exit_code = report_error("bench", &err);
-    else if (a->json)
-        exit_code = print_bench_json(bench);
     else
-        print_bench_tables(bench);
+        exit_code = print_rows(bench, a, &output);
+    int closed = close_output("bench", &output, exit_code == EXIT_OK);
+    if (exit_code == EXIT_OK)
+        exit_code = closed;
     nqm_bench_free(bench);
     return exit_code;
 }
@@ -140,6 +160,7 @@ int cmd_bench(int argc, char **argv) {
     bench_arguments a = {.recipe = "paper", .rounds = 7, .seeds = 1};
     const option options[] = {
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
+        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "write the JSON there, too", 0, 0},
         {"precision", 0, OPTION_TEXT, &a.precision, "P", "f32, bf16 or int8 only", 0, 0},
         {"kernels", 0, OPTION_TEXT, &a.kernels, "NAME",
          "the way to compute, or `all` that this processor knows (nqm bench gemm) [default: the best]", 0, 0},

@@ -1,0 +1,34 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Every benchmark of nqm into one folder: tables in report.md, all figures in NAME.json. ./dev bench runs it, for some two
+# minutes; figures mean something only while nothing else runs.
+# usage: run.sh TOOL FOLDER [options of nqm bench, such as --quick]
+set -eu
+tool=$1 folder=$2
+shift 2
+data=${NQM_DATA:-$(dirname "$0")/../../shared/data}
+mkdir -p "$folder"
+
+# report NAME ARGUMENTS...: one run of nqm bench.
+report() {
+    name=$1
+    shift
+    printf '== nqm bench %s\n' "$*" >&2
+    printf '\n## nqm bench %s\n\n' "$*"
+    "$tool" bench "$@" -o "$folder/$name.json"
+}
+
+{
+    printf '# Benchmarks, %s\n' "$(date -u +%Y-%m-%d)"
+    report gemm gemm "$@"
+    report train train "$@"
+    report train-nqm train --recipe nqm --epochs 5 "$@"
+    report score score "$@"
+    set -- load "$@"
+    for file in "$data/rgl/satin_purple_rgb.bsdf" "$data/rgl/cg_sunflower_rgb.bsdf"; do
+        [ ! -f "$file" ] || set -- "$@" "$file"
+    done
+    [ ! -f "$data/nbrdf/merl_nbrdf.zip" ] || set -- "$@" "$data/nbrdf/merl_nbrdf.zip:gold-paint"
+    report load "$@"
+} >"$folder/report.md"
+cat "$folder/report.md"
