@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * A dataset made on the spot: random analytic materials and changed copies of them, labelled by how far their logarithms
- * are apart. Training on it does the same work as training on rendered labels, and there is something to learn.
+ * are apart. Training on it does the same work as training on rendered labels, and there is something to learn. The JODs
+ * are spread evenly, as the paper's balancing leaves them: where nearly all labels stand at the upper end, its recipe
+ * sticks there.
  */
 #include "bench/bench.h"
 #include "math/math.h"
@@ -99,11 +101,22 @@ static nqm_status fill_reference(const nqm_dataset *d, arrays *a, size_t ref, nq
         status = sample_material(&changed, d->directions, test_rgb, err);
         a->pair_ref[i] = (uint32_t)ref;
         a->delta_e[i] = label_delta_e(width, ref_rgb, test_rgb);
-        a->jod[i] = nqm_jod_from_delta_e(&nqm_jod_curve_published, a->delta_e[i]);
         a->pair_names[i] = a->text + (d->n_refs + i) * NAME_BYTES;
         snprintf(a->text + (d->n_refs + i) * NAME_BYTES, NAME_BYTES, "copy %zu", i);
     }
     return status;
+}
+
+/* From 10 down to 0, in the order of Delta-E. */
+static nqm_status spread_jods(const nqm_dataset *d, double *jod, nqm_error *err) {
+    size_t *order = nqm_alloc(d->n_pairs, sizeof *order);
+    if (!order)
+        return nqm_fail_nomem(err, d->n_pairs * sizeof *order);
+    nqm_ranks(d->n_pairs, d->delta_e, jod, order);
+    for (size_t i = 0; i < d->n_pairs; ++i)
+        jod[i] = 10 * (1 - jod[i] / (double)d->n_pairs);
+    nqm_free(order);
+    return NQM_OK;
 }
 
 static nqm_status fill(nqm_dataset *d, const nqm_directions *directions, nqm_error *err) {
@@ -122,6 +135,8 @@ static nqm_status fill(nqm_dataset *d, const nqm_directions *directions, nqm_err
     nqm_rng rng = nqm_rng_make(1, 0);
     for (size_t ref = 0; ref < d->n_refs && status == NQM_OK; ++ref)
         status = fill_reference(d, &a, ref, &rng, err);
+    if (status == NQM_OK)
+        status = spread_jods(d, a.jod, err);
     return status == NQM_OK ? nqm_dataset_hash(d, d->sha256, err) : status;
 }
 
