@@ -160,54 +160,14 @@ fail:
     return status;
 }
 
-nqm_status nqm_read_standard_input(char **text_ret, size_t *n_ret, nqm_error *err) {
-    enum { MAX_BYTES = 1 << 30 };
-    char *text = NULL;
-    size_t n = 0, room = 0;
-    for (;;) {
-        if (n == room) {
-            size_t more = room ? 2 * room : 65536;
-            char *larger = more <= MAX_BYTES ? nqm_alloc(more, 1) : NULL;
-            if (larger && n)
-                memcpy(larger, text, n);
-            nqm_free(text);
-            text = larger;
-            room = more;
-            if (!text)
-                return nqm_fail(err, NQM_ERR_LIMIT, (int64_t)n, "standard input: more than %zu bytes do not fit", n);
-        }
-        size_t n_read = fread(text + n, 1, room - n, stdin);
-        if (n_read == 0)
-            break;
-        n += n_read;
-    }
-    if (ferror(stdin)) {
-        nqm_free(text);
-        return nqm_fail(err, NQM_ERR_IO, (int64_t)n, "standard input: cannot be read, after %zu bytes", n);
-    }
-    *text_ret = text;
-    *n_ret = n;
-    return NQM_OK;
-}
-
 nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
     *csv_ret = NULL;
-    if (strcmp(path, "-") == 0) {
-        char *text = NULL;
-        size_t n = 0;
-        nqm_status status = nqm_read_standard_input(&text, &n, err);
-        if (status == NQM_OK) {
-            status = nqm_csv_parse(text, n, "standard input", csv_ret, err);
-            nqm_free(text);
-        }
-        return status;
-    }
-    nqm_map map;
-    nqm_status status = nqm_map_open(path, &map, err);
+    nqm_input input;
+    nqm_status status = nqm_input_open(path, &input, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_csv_parse((const char *)map.data, map.n_bytes, path, csv_ret, err);
-    nqm_map_close(&map);
+    status = nqm_csv_parse(input.text, input.n_bytes, input.name, csv_ret, err);
+    nqm_input_close(&input);
     return status;
 }
 

@@ -59,6 +59,20 @@ void nqm_tensor_file_free(nqm_tensor_file *file);
 /** By name, or NULL; fields of a type that nqm_dtype lacks are not found. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
+/* ---- files or standard input ------------------------------------------------------------------------------------- */
+
+/** All bytes of a file, or of standard input. */
+typedef struct nqm_input {
+    const char *text; /**< without a NUL behind it; may be NULL when empty */
+    size_t n_bytes;
+    const char *name; /**< for messages: lent, or "standard input" */
+    nqm_map map;
+    char *owned;
+} nqm_input;
+/** "-" is standard input, of which at most 1 GiB is taken. On failure there is nothing to close. */
+NQM_MUST_CHECK nqm_status nqm_input_open(const char *path, nqm_input *input_ret, nqm_error *err);
+void nqm_input_close(nqm_input *input);
+
 /* ---- CSV with a header line -------------------------------------------------------------------------------------- */
 
 typedef struct nqm_csv nqm_csv;
@@ -78,9 +92,6 @@ const char *nqm_csv_header(const nqm_csv *csv, int column);
 const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
 /** The field as a number; NQM_ERR_FORMAT names file, line and byte when it is none. */
 NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
-
-/** All of standard input, at most 1 GiB, in a new block (nqm_free). */
-NQM_MUST_CHECK nqm_status nqm_read_standard_input(char **text_ret, size_t *n_ret, nqm_error *err);
 
 /* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
 

@@ -252,21 +252,11 @@ done:
 
 nqm_status nqm_pair_list_load(const char *path, nqm_pair_list **list_ret, nqm_error *err) {
     *list_ret = NULL;
-    char *text;
-    size_t n_bytes;
-    if (strcmp(path, "-") == 0) {
-        nqm_status status = nqm_read_standard_input(&text, &n_bytes, err);
-        if (status != NQM_OK)
-            return status;
-        status = nqm_pair_list_parse(text, n_bytes, "standard input", list_ret, err);
-        nqm_free(text);
-        return status;
-    }
-    nqm_map map;
-    nqm_status status = nqm_map_open(path, &map, err);
+    nqm_input input;
+    nqm_status status = nqm_input_open(path, &input, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_pair_list_parse((const char *)map.data, map.n_bytes, path, list_ret, err);
-    nqm_map_close(&map);
+    status = nqm_pair_list_parse(input.text, input.n_bytes, input.name, list_ret, err);
+    nqm_input_close(&input);
     return status;
 }
