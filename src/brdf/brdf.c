@@ -134,6 +134,26 @@ nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_erro
     return status;
 }
 
+char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root) {
+    if (n_root == 0 || *path_or_spec == '/' || nqm_spec_probe(path_or_spec))
+        return nqm_strdup(path_or_spec);
+    size_t n = n_root + strlen(path_or_spec) + 2;
+    char *path = nqm_alloc(n, 1);
+    if (path)
+        snprintf(path, n, "%.*s/%s", (int)n_root, root, path_or_spec);
+    return path;
+}
+
+nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret, nqm_error *err) {
+    *brdf_ret = NULL;
+    char *path = nqm_brdf_path_below(path_or_spec, root, root ? strlen(root) : 0);
+    if (!path)
+        return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
+    nqm_status status = nqm_brdf_open(path, brdf_ret, err);
+    nqm_free(path);
+    return status;
+}
+
 void nqm_brdf_free(nqm_brdf *brdf) {
     if (!brdf)
         return;

@@ -45,6 +45,15 @@ struct nqm_brdf {
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                                         const char *layout, nqm_brdf **brdf_ret, nqm_error *err);
 
+/* ---- BRDFs that a list names ------------------------------------------------------------------------------------- */
+
+/** What nqm_brdf_open() takes for a BRDF of a list: specs and absolute paths as they are, relative paths below the
+ *  folder of n_root characters (0: the working folder). NULL: out of memory. nqm_free() it. */
+char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root);
+/** Open such a BRDF; `root` NULL or "" is the working folder. */
+NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret,
+                                              nqm_error *err);
+
 /* ---- constructors, one a format ---------------------------------------------------------------------------------- */
 
 /* Files: `map` holds the whole file. The constructor takes the map over when it succeeds (it keeps it or closes it);

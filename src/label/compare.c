@@ -36,18 +36,9 @@ typedef struct comparing {
 
 /* ---- our labels -------------------------------------------------------------------------------------------------- */
 
-static nqm_status open_brdf(const comparing *c, const char *name, nqm_brdf **brdf_ret) {
-    char path[4096];
-    bool relative = c->root && *name != '/' && !nqm_spec_probe(name);
-    if ((size_t)snprintf(path, sizeof path, "%s%s%s", relative ? c->root : "", relative ? "/" : "", name) >=
-        sizeof path)
-        return nqm_fail(c->err, NQM_ERR_ARG, -1, "%s: a path is too long", c->path);
-    return nqm_brdf_open(path, brdf_ret, c->err);
-}
-
 static nqm_status take_reference(comparing *c, size_t row) {
     nqm_brdf_free(c->ref);
-    nqm_status status = open_brdf(c, c->pairs[row].reference, &c->ref);
+    nqm_status status = nqm_brdf_open_below(c->pairs[row].reference, c->root, &c->ref, c->err);
     return status == NQM_OK ? nqm_scene_render(c->scene, c->ref, c->ref_rgb, c->err) : status;
 }
 
@@ -69,7 +60,7 @@ static nqm_status label_row(comparing *c, size_t row) {
         status = take_reference(c, row);
     if (status == NQM_OK)
         status = strcmp(test_name, "fit") == 0 ? nqm_fit(c->ref, p->encoding, c->fit, &report, &test, c->err)
-                                               : open_brdf(c, test_name, &test);
+                                               : nqm_brdf_open_below(test_name, c->root, &test, c->err);
     if (status == NQM_OK)
         status = nqm_scene_render(c->scene, test, c->test_rgb, c->err);
     if (status == NQM_OK) {

@@ -18,17 +18,6 @@ bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part) {
     return (group->split == NQM_SPLIT_TEST) == (part == NQM_CORPUS_TEST);
 }
 
-/* `brdf` as nqm_brdf_open() takes it: specs as they are, relative paths behind the root. */
-static char *resolve(const char *brdf, const char *root, size_t n_root) {
-    if (nqm_spec_probe(brdf) || *brdf == '/' || n_root == 0)
-        return nqm_strdup(brdf);
-    size_t n = n_root + strlen(brdf) + 2;
-    char *path = nqm_alloc(n, 1);
-    if (path)
-        snprintf(path, n, "%.*s/%s", (int)n_root, root, brdf);
-    return path;
-}
-
 /* ---- checksums of the files -------------------------------------------------------------------------------------- */
 
 /* The length of the file's part of a BRDF argument: all of it, or up to the colon before a member's name; specs: 0. */
@@ -218,7 +207,7 @@ nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm
         status = read_row(&list, i, &c, materials_csv, err);
         if (status != NQM_OK)
             goto fail;
-        list.refs[i].path = resolve(list.refs[i].brdf, root ? root : materials_csv, n_root);
+        list.refs[i].path = nqm_brdf_path_below(list.refs[i].brdf, root ? root : materials_csv, n_root);
         list.n_refs = i + 1;
         status = list.refs[i].path ? hash_ref(&list, i, err) : nqm_fail_nomem(err, strlen(list.refs[i].brdf));
         if (status != NQM_OK)

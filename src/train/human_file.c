@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_PATH_BYTES = 4096 };
-
 /* One test of one row. Strings are lent by the CSV. */
 typedef struct entry {
     const char *ref, *test;
@@ -96,14 +94,9 @@ static nqm_status group_references(reader *r, uint32_t *ref_group, const char **
 
 /* Sample a BRDF; used (n_directions) becomes 1 where it has a value. */
 static nqm_status sample_brdf(const reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
-    char path[MAX_PATH_BYTES];
-    const char *root = r->options->root;
-    bool relative = root && *name != '/' && !nqm_spec_probe(name);
     nqm_error inner = {0};
     nqm_brdf *brdf = NULL;
-    int n = snprintf(path, sizeof path, "%s%s%s", relative ? root : "", relative ? "/" : "", name);
-    nqm_status status = n >= 0 && (size_t)n < sizeof path ? nqm_brdf_open(path, &brdf, &inner)
-                                                          : nqm_fail(&inner, NQM_ERR_ARG, -1, "the path is too long");
+    nqm_status status = nqm_brdf_open_below(name, r->options->root, &brdf, &inner);
     if (status == NQM_OK)
         status = nqm_sample(brdf, r->d->directions, NQM_INVALID_DROP, rgb, used, NULL, &inner);
     for (size_t i = 0; status == NQM_OK && i < r->d->n_directions; ++i)

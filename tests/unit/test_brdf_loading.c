@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * How files are read: a sampling of a MERL table loads few of its pages, the first and the later directions get the same
- * numbers, however many files are open; tensors of RGL files may lie at any byte.
+ * numbers, however many files are open; tensors of RGL files may lie at any byte; names in lists find their file.
  */
 #include "base/base.h"
+#include "brdf/brdf.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
 
@@ -146,9 +147,36 @@ static void reads_tensors_at_any_byte(void **state) {
     }
 }
 
+/* ---- names in lists ---------------------------------------------------------------------------------------------- */
+
+static void relative_paths_start_at_the_root(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *root, *path;
+    } cases[] = {{"a/b.binary", "data", "data/a/b.binary"},
+                 {"/a.binary", "data", "/a.binary"},
+                 {"sgd:nickel", "data", "sgd:nickel"},
+                 {"archive.zip:steel", "data", "data/archive.zip:steel"},
+                 {"a.binary", "", "a.binary"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char *path = nqm_brdf_path_below(cases[i].name, cases[i].root, strlen(cases[i].root));
+        assert_string_equal(path, cases[i].path);
+        nqm_free(path);
+    }
+    const char *merl = merl_path(), *slash = strrchr(merl, '/');
+    char folder[4096];
+    nqm_brdf *brdf;
+    assert_true((size_t)snprintf(folder, sizeof folder, "%.*s", (int)(slash - merl), merl) < sizeof folder);
+    assert_int_equal(nqm_brdf_open_below(slash + 1, folder, &brdf, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+    assert_int_equal(nqm_brdf_open_below(slash + 1, NULL, &brdf, NULL), NQM_ERR_IO);
+    assert_null(brdf);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gives_the_same_to_early_and_late), cmocka_unit_test(loads_only_what_a_sampling_needs),
-        cmocka_unit_test(leaves_files_to_others), cmocka_unit_test(reads_tensors_at_any_byte)};
+        cmocka_unit_test(leaves_files_to_others), cmocka_unit_test(reads_tensors_at_any_byte),
+        cmocka_unit_test(relative_paths_start_at_the_root)};
     return cmocka_run_group_tests_name("brdf_loading", tests, NULL, NULL);
 }
