@@ -11,9 +11,7 @@
 batch() {
     code=$1
     shift
-    got=0
-    "$tool" batch --model "$dir/model.safetensors" "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: batch $*"
+    run "$code" batch --model "$dir/model.safetensors" "$@"
 }
 # says PATTERN: what went to standard error.
 says() { grep -q -- "$1" "$dir/err" || fail "no message '$1'"; }

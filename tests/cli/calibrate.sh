@@ -11,7 +11,6 @@ export OMP_NUM_THREADS
 "$NQM_BUILD/tests/tiny_dataset" "$dir/small.safetensors" 1 24
 "$NQM_BUILD/tests/tiny_model" "$dir/without.safetensors" 16
 
-says() { grep -q -- "$1" "$dir/err" || fail "no '$1' in the message: $(cat "$dir/err")"; }
 small="--hidden 32,16 --batch 64 --lr-first 0.001 --epochs 3"
 
 # Training calibrates when the validation materials are new and many.

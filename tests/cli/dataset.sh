@@ -52,22 +52,13 @@ grep -q '^"nps-so ""called""","so ""called""",' "$dir/quoted.csv" || fail "quote
 grep -qx 'sgd-brass,brass,sgd:brass,sgd,test' "$dir/list.csv" || fail "brass"
 [ "$(grep -c '^sgd-' "$dir/list.csv")" = 100 ] || fail "100 presets"
 
-# expect CODE PATTERN ARGUMENTS...
-expect() {
-    code=$1 pattern=$2
-    shift 2
-    got=0
-    "$tool" dataset "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: dataset $*: $(cat "$dir/err")"
-    grep -q -- "$pattern" "$dir/err" || fail "message: $(cat "$dir/err")"
-}
-expect 2 'directions' "$dir/materials.csv" -o "$dir/x"
-expect 2 '-o FILE' "$dir/materials.csv" --directions "$dir/directions.csv"
-expect 2 'standard output' "$dir/materials.csv" --directions "$dir/directions.csv" -o -
-expect 2 'ggxx' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --models ward,ggxx
-expect 3 'nowhere' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
-expect 2 'validation' "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
-expect 3 'missing.csv' "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"
-expect 3 'labels_real.csv' --scan "$dir"
+refuses 2 'directions' dataset "$dir/materials.csv" -o "$dir/x"
+refuses 2 '-o FILE' dataset "$dir/materials.csv" --directions "$dir/directions.csv"
+refuses 2 'standard output' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o -
+refuses 2 'ggxx' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --models ward,ggxx
+refuses 3 'nowhere' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
+refuses 2 'validation' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
+refuses 3 'missing.csv' dataset "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"
+refuses 3 'labels_real.csv' dataset --scan "$dir"
 printf 'name,group\n' >"$dir/bad.csv"
-expect 4 "'brdf'" "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"
+refuses 4 "'brdf'" dataset "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"

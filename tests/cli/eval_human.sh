@@ -8,24 +8,11 @@ export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 60
 "$NQM_BUILD/tests/tiny_dataset" "$dir/toy.safetensors"
 
-# run CODE ARGUMENTS...: results in out, talk in err.
-run() {
-    code=$1
-    shift
-    got=0
-    "$tool" eval "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
-}
 # has PATTERN...: each in out.
 has() {
     for word in "$@"; do
         grep -q -- "$word" "$dir/out" || fail "no '$word' in: $(cat "$dir/out")"
     done
-}
-# says PATTERN: on standard error, with nothing on standard output.
-says() {
-    grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
-    [ ! -s "$dir/out" ] || fail "results on failure"
 }
 # field ROW COLUMN: of the CSV in out.
 field() {
@@ -43,64 +30,64 @@ lambert:kd=.5,lambert:kd=.52,4.5,near
 lambert:kd=.5,lambert:kd=.6,3,far
 lambert:kd=.5,lambert:kd=.9,0.5,far
 END
-run 0 --human "$dir/scores.csv" --model "$dir/model.safetensors" --pairs "$dir/pairs.csv" --by all
+run 0 eval --human "$dir/scores.csv" --model "$dir/model.safetensors" --pairs "$dir/pairs.csv" --by all
 has 'column: score' '^all: 6 pairs of 2 materials' '^near: 3 pairs' '^tiny  ' '^mae ' 'differ by more than 0\.' '^tiny less .*, best of the eight: '
 [ "$(wc -l <"$dir/pairs.csv")" = 7 ] || fail "a line a score"
 grep -q nan "$dir/pairs.csv" && fail "nan in a CSV"
-run 0 "$dir/scores.csv" --human --model none --json --bootstrap 50
+run 0 eval "$dir/scores.csv" --human --model none --json --bootstrap 50
 has '"kind": "score"' '"materials": 2' '"spearman": 1.0' '"best_of_family": true' '"n_ordered": 6' '"order": 1.0' '"mae": null'
 sed 's/,score,/,distance,/' "$dir/scores.csv" >"$dir/distance.csv"
-run 0 --human "$dir/distance.csv" --model none --json
+run 0 eval --human "$dir/distance.csv" --model none --json
 has '"spearman": -1.0' '"order": 0.0'
 sed 's/,score,/,jod,/' "$dir/scores.csv" >"$dir/jod.csv"
-run 0 --human "$dir/jod.csv" --model "$dir/model.safetensors" --by range
+run 0 eval --human "$dir/jod.csv" --model "$dir/model.safetensors" --by range
 has 'more than 0.25' '^JOD < 9.5: 6 pairs' '^JOD >= 9.5: no pairs'
 
 # Choices: paths below --root; counts.
 printf 'reference,test_a,test_b,n_a,n_b\nref.binary,near.binary,sgd:brass,8,2\nlambert:kd=.5,lambert:kd=.6,lambert:kd=.9,3,1\n' >"$dir/choices.csv"
-run 3 --human "$dir/choices.csv" --model none
+run 3 eval --human "$dir/choices.csv" --model none
 says 'choices.csv: row 1: '
 mkdir "$dir/root"
 "$tool" convert lambert:kd=.3 -o "$dir/root/ref.binary" >"$dir/log" 2>&1 || fail "convert"
 cp "$dir/root/ref.binary" "$dir/root/near.binary"
-run 0 --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors"
+run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors"
 has '14 between 2 pairs of tests, 2 references of 2 materials' 'reaches 0.786' '^mae  *\*\{0,1\}  *0.786 \['  'best of the eight'
-run 0 --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --json
+run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --json
 has '"ceiling": 0.785714' '"triplets": 2' '"choices": 14.0' '"agreement": 0.785714' '"contrasts": \[' '"share_below_0"'
 cp "$dir/out" "$dir/first"
-run 0 --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --json
+run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --json
 cmp -s "$dir/out" "$dir/first" || fail "equal commands, different results"
-run 0 --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --csv
+run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields"
 [ "$(field mae agreement)" = 0.785714286 ] || fail "agreement in CSV: $(field mae agreement)"
 [ "$(field tiny rival_2)" = log_diff ] || fail "rivals in CSV"
-run 0 --human "$dir/choices.csv" --root "$dir/root" --model none --bootstrap 0
+run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model none --bootstrap 0
 has '^mae  *\*\{0,1\}  *0.786  '
 
 # The same further figures for a dataset.
-run 0 "$dir/toy.safetensors" --model none --split all --bootstrap 100
+run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100
 has ' order$' '^[a-z_]* \* ' 'differ by more than 0.25'
-run 0 "$dir/toy.safetensors" --model none --split all --bootstrap 100 --margin 2 --json
+run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --margin 2 --json
 has '"order_margin": 2.0' '"ci95_order": \[' '"ci95_pearson": \['
 
-run 0 "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
+run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of a dataset"
 head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width$' || fail "CSV columns"
 
 # Faults.
-run 2 --human "$dir/choices.csv" --root "$dir/root" --model none --by kind
+run 2 eval --human "$dir/choices.csv" --root "$dir/root" --model none --by kind
 says 'choices'
-run 2 --human "$dir/scores.csv" --labels x.csv --model none
+run 2 eval --human "$dir/scores.csv" --labels x.csv --model none
 says '--labels'
-run 2 "$dir/toy.safetensors" --root "$dir" --model none
+run 2 eval "$dir/toy.safetensors" --root "$dir" --model none
 says '--human'
-run 3 --human "$dir/nowhere.csv" --model none
+run 3 eval --human "$dir/nowhere.csv" --model none
 echo 'reference,test,opinion' >"$dir/bad.csv"
-run 4 --human "$dir/bad.csv" --model none
+run 4 eval --human "$dir/bad.csv" --model none
 says 'none of the columns'
 printf 'reference,test,score\nlambert:kd=.2,lambert:kd=.3,1\nlambert:kd=.2,lambert:kd=.3,fine\n' >"$dir/bad.csv"
-run 4 --human "$dir/bad.csv" --model none
+run 4 eval --human "$dir/bad.csv" --model none
 says 'bad.csv: line 3'
 printf 'reference,test,score\nlambert:kd=.2,lambert:kd=.3,1\nlambert:kd=.2,lambert:kx=.3,2\n' >"$dir/bad.csv"
-run 2 --human "$dir/bad.csv" --model none
+run 2 eval --human "$dir/bad.csv" --model none
 says 'bad.csv: row 2'

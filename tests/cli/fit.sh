@@ -54,26 +54,17 @@ code=0
 grep -q 'ggx: the bounds of f0' "$dir/err" || fail "the failure is not named"
 { grep -q '"error":' "$dir/out" && grep -q '"lafortune:' "$dir/out"; } || fail "results: $(cat "$dir/out")"
 
-# expect CODE ARGUMENTS...
-expect() {
-    code=$1
-    shift
-    got=0
-    "$tool" fit "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: fit $*: $(cat "$dir/err")"
-    { [ -s "$dir/err" ] && [ ! -s "$dir/out" ]; } || fail "output of a failure: fit $*"
-}
-expect 2 "$ref" --model phong
-expect 2 "$ref" --model ward,
-expect 2 "$ref" --model ward --bounds alpha=.1
-expect 2 "$ref" --model ward --bounds alpha=.5:.1
-expect 2 "$ref" --model ward --bounds f0=.1:.5
-expect 2 "$ref" --starts 0
-expect 3 "$ref" -o "$dir/no/such/"
-expect 2 "$ref" --loss square
-expect 2 "$ref" --samples 3
-expect 2
-expect 3 "$dir/missing.bsdf"
-expect 2 'ward:kd=5000'
+refuses 2 . fit "$ref" --model phong
+refuses 2 . fit "$ref" --model ward,
+refuses 2 . fit "$ref" --model ward --bounds alpha=.1
+refuses 2 . fit "$ref" --model ward --bounds alpha=.5:.1
+refuses 2 . fit "$ref" --model ward --bounds f0=.1:.5
+refuses 2 . fit "$ref" --starts 0
+refuses 3 . fit "$ref" -o "$dir/no/such/"
+refuses 2 . fit "$ref" --loss square
+refuses 2 . fit "$ref" --samples 3
+refuses 2 . fit
+refuses 3 . fit "$dir/missing.bsdf"
+refuses 2 . fit 'ward:kd=5000'
 echo nonsense >"$dir/bad.bsdf"
-expect 4 "$dir/bad.bsdf"
+refuses 4 . fit "$dir/bad.bsdf"

@@ -19,28 +19,15 @@ if cmp -s one.safetensors other.safetensors; then fail "another seed gives the s
 head -c 2000 one.safetensors | tr -d '\134' | grep -qaF '"sgd:nickel","sgd:green-plastic"' || fail "the file does not name its references"
 
 rm -f ./*.safetensors
-got=0
 "$tool" learn sparse sgd:nickel sgd:green-plastic --steps 1000000 -o stopped.safetensors 2>err &
-learner=$!
 sleep 0.5
-kill -INT "$learner" 2>/dev/null || fail "it did not learn"
-wait "$learner" || got=$?
-[ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+ctrl_c
 [ -z "$(find . -name 'stopped*')" ] || fail "a stopped run leaves a file"
 
-# expect CODE ARGUMENTS...
-expect() {
-    code=$1
-    shift
-    got=0
-    "$tool" learn "$@" >out 2>err || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: learn $*"
-    { [ -s err ] && [ ! -s out ]; } || fail "output of a failure: learn $*"
-}
-expect 2 dictionary sgd:nickel -o x
-expect 2 sparse -o x
-expect 2 sparse sgd:nickel
-expect 2 sparse 'lambert:kd=5000' -o x
-expect 3 sparse missing.bsdf -o x
-expect 3 sparse sgd:nickel sgd:green-plastic --steps 1 -o missing/x
-expect 5 sparse lambert:kd=0.3 -o x
+refuses 2 . learn dictionary sgd:nickel -o x
+refuses 2 . learn sparse -o x
+refuses 2 . learn sparse sgd:nickel
+refuses 2 . learn sparse 'lambert:kd=5000' -o x
+refuses 3 . learn sparse missing.bsdf -o x
+refuses 3 . learn sparse sgd:nickel sgd:green-plastic --steps 1 -o missing/x
+refuses 5 . learn sparse lambert:kd=0.3 -o x

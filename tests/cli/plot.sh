@@ -11,12 +11,8 @@ export OMP_NUM_THREADS
 plot() {
     code=$1
     shift
-    got=0
-    "$tool" plot "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: plot $*"
+    run "$code" plot "$@"
 }
-# says PATTERN: on standard error.
-says() { grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"; }
 png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4 "x" $7 * 256 + $8}'; }
 
 "$tool" plot network "$dir/model.safetensors" -o "$dir/probe.svg" 2>"$dir/err" || {

@@ -9,9 +9,7 @@
 rank() {
     code=$1
     shift
-    got=0
-    "$tool" rank --model "$dir/model.safetensors" "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: rank $*"
+    run "$code" rank --model "$dir/model.safetensors" "$@"
 }
 ref=sgd:nickel a=ward:nickel b=lambert:kd=.4 c='perturb:tint=1.5,1,1;of=sgd:nickel'
 

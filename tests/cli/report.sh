@@ -119,10 +119,7 @@ while [ $i -lt 300 ]; do
 done
 "$tool" report --model "$dir/model.safetensors" --size 24 "$@" -o "$page" 2>"$dir/err" &
 while [ -z "$(ls "$dir/pages")" ]; do sleep 0.01; done
-kill -INT $!
-got=0
-wait $! || got=$?
-[ "$got" = 130 ] || fail "exit code $got of an interrupted report"
+ctrl_c
 empty
 
 run 0 help report

@@ -8,19 +8,6 @@
 OMP_NUM_THREADS=1
 export OMP_NUM_THREADS
 
-# run CODE ARGUMENTS...: results in out, talk in err.
-run() {
-    code=$1
-    shift
-    got=0
-    "$tool" "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
-}
-# says PATTERN: on standard error, with nothing on standard output.
-says() {
-    grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
-    [ ! -s "$dir/out" ] || fail "results on failure"
-}
 # values KEY FILE: one a line, in order.
 values() { sed -n 's/^ *"'"$1"'": \([^,[{]*\),*$/\1/p' "$2"; }
 # same KEY FILE: every value of KEY in FILE stands behind KEY in the study, too.
@@ -130,16 +117,8 @@ cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "the fir
 
 # Ctrl-C.
 "$tool" reproduce "$dir/small" --recipes paper --epochs 100000 -o "$dir/long" >"$dir/out" 2>"$dir/err" &
-pid=$!
-i=0
-while [ ! -s "$dir/long/paper-1.checkpoint" ] && [ $i -lt 300 ]; do
-    sleep 0.1
-    i=$((i + 1))
-done
-kill -INT $pid
-got=0
-wait $pid || got=$?
-[ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+until_written "$dir/long/paper-1.checkpoint"
+ctrl_c
 says 'same command again'
 [ -s "$dir/long/paper-1.checkpoint" ] || fail "no checkpoint is left"
 for file in "$dir"/long/*.part "$dir"/long/*.csv.*; do

@@ -6,20 +6,11 @@
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "$tool" directions -n 30 -o "$dir/d.csv" 2>/dev/null
 
-# refused CODE PATTERN ARGUMENTS...
-refused() {
-    code=$1 pattern=$2
-    shift 2
-    got=0
-    "$tool" sample "$@" >"$dir/out" 2>"$dir/err" || got=$?
-    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
-    grep -q -- "$pattern" "$dir/err" || fail "no '$pattern' in the message"
-    [ ! -e "$dir/x.mat" ] || fail "a file from a refusal"
-}
 printf 'theta_h,theta_d,phi_d\n10,20,30\n89,80,0\n' >"$dir/horizon.csv"
-refused 5 'invalid zero' lambert:kd=.5,.5,.5 -d "$dir/horizon.csv" -o "$dir/x.mat"
-refused 2 'exclude' sgd:nickel -d "$dir/d.csv" --csv -o "$dir/x.mat"
-refused 3 'no/such' sgd:nickel -d "$dir/d.csv" -o "$dir/no/such/x.mat"
+refuses 5 'invalid zero' sample lambert:kd=.5,.5,.5 -d "$dir/horizon.csv" -o "$dir/x.mat"
+refuses 2 'exclude' sample sgd:nickel -d "$dir/d.csv" --csv -o "$dir/x.mat"
+refuses 3 'no/such' sample sgd:nickel -d "$dir/d.csv" -o "$dir/no/such/x.mat"
+[ ! -e "$dir/x.mat" ] || fail "a file from a refusal"
 "$tool" sample lambert:kd=.5,.5,.5 -d "$dir/horizon.csv" --invalid zero -o "$dir/zero.mat" 2>/dev/null
 "$tool" sample sgd:nickel -d "$dir/d.csv" >"$dir/nickel.csv"
 "$tool" sample sgd:nickel -d "$dir/d.csv" -o "$dir/nickel.mat" >"$dir/out"

@@ -9,11 +9,6 @@ OMP_NUM_THREADS=1 # these networks are too small to share
 export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors"
 
-# says PATTERN: on standard error, with nothing on standard output.
-says() {
-    grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
-    [ ! -s "$dir/out" ] || fail "results on failure"
-}
 # number KEY: the first value of "KEY" in out.
 number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n 1p; }
 small="--hidden 32,16 --batch 64 --lr-first 0.001 --schedule plateau"
@@ -64,17 +59,8 @@ says 'another dataset'
 # shellcheck disable=SC2086
 "$tool" train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs 100000 --checkpoint "$dir/d.checkpoint" \
     >"$dir/out" 2>"$dir/err" &
-pid=$!
-i=0
-while [ ! -s "$dir/d.checkpoint" ] && [ $i -lt 100 ]; do
-    sleep 0.1
-    i=$((i + 1))
-done
-kill -INT $pid
-got=0
-wait $pid || got=$?
-# A shell without job control starts background commands with SIGINT ignored; the tool installs its handler nevertheless.
-[ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+until_written "$dir/d.checkpoint"
+ctrl_c
 says 'interrupted'
 [ ! -e "$dir/d.safetensors" ] || fail "a model from an interrupted training"
 for file in "$dir"/*.part; do

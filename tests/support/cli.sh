@@ -24,6 +24,38 @@ run() {
     [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
 }
 
+# says PATTERN: the last run said so on standard error, and nothing on standard output.
+says() {
+    grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
+    [ ! -s "$dir/out" ] || fail "results on failure"
+}
+
+# refuses CODE PATTERN ARGUMENTS...: run the tool, which must end with CODE and say PATTERN (. is anything).
+refuses() {
+    code=$1 pattern=$2
+    shift 2
+    run "$code" "$@"
+    says "$pattern"
+}
+
+# until_written FILE: wait until FILE is there and not empty, for half a minute at most.
+until_written() {
+    i=0
+    while [ ! -s "$1" ] && [ $i -lt 300 ]; do
+        sleep 0.1
+        i=$((i + 1))
+    done
+}
+
+# ctrl_c: interrupt the command that was started last, which must end with 130. (A shell without job control starts
+# background commands with SIGINT ignored; the tool installs its handler nevertheless.)
+ctrl_c() {
+    kill -INT $! 2>/dev/null || fail "it ended before Ctrl-C"
+    got=0
+    wait $! || got=$?
+    [ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
+}
+
 # number KEY N: the N-th value of "KEY" in the JSON in out.
 number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; }
 
