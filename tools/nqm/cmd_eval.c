@@ -198,7 +198,7 @@ static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *
 
 static int evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
     nqm_error err = {0};
-    eval_format format = a->json ? EVAL_JSON : a->csv ? EVAL_CSV : EVAL_TEXT;
+    result_format format = a->json ? FORMAT_JSON : a->csv ? FORMAT_CSV : FORMAT_TEXT;
     bool choices = run->human && nqm_human_get_info(run->human).kind == NQM_HUMAN_CHOICE;
     if (choices && by)
         return report("eval", EXIT_USAGE, "--by: choices have one table only");

@@ -95,9 +95,9 @@ int cmd_label(int argc, char **argv) {
     int n_arguments, exit_code;
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
-    if (json + csv + quiet > 1)
-        return report("label", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
-    run.format = json ? LABEL_JSON : csv ? LABEL_CSV : quiet ? LABEL_QUIET : LABEL_TEXT;
+    exit_code = choose_result_format("label", json, csv, quiet, &run.format);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     exit_code = scene_args_end("label", &scene);
     run.scene_options = scene.scene;
     if (exit_code == EXIT_OK)

@@ -136,11 +136,11 @@ int cmd_rank(int argc, char **argv) {
     int n_arguments, exit_code;
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
-    if (json + csv + quiet > 1)
-        return report("rank", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
+    exit_code = choose_result_format("rank", json, csv, quiet, &run.ranking.format);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     if (run.list_path ? n_arguments > 0 : n_arguments < 2)
         return report("rank", EXIT_USAGE, "give a reference and its tests, or --list LIST");
-    run.ranking.format = json ? SCORE_JSON : csv ? SCORE_CSV : quiet ? SCORE_QUIET : SCORE_TEXT;
     exit_code = choose_invalid("rank", invalid, &run.options.score.invalid);
     return exit_code == EXIT_OK ? run_rank(&run, n_arguments, argv) : exit_code;
 }

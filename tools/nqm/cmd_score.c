@@ -67,9 +67,9 @@ int cmd_score(int argc, char **argv) {
     int n_arguments, exit_code;
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
-    if (json + csv + quiet > 1)
-        return report("score", EXIT_USAGE, "--json, --csv and --quiet exclude each other");
-    run.format = json ? SCORE_JSON : csv ? SCORE_CSV : quiet ? SCORE_QUIET : SCORE_TEXT;
+    exit_code = choose_result_format("score", json, csv, quiet, &run.format);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     exit_code = choose_invalid("score", invalid, &run.options.invalid);
     if (exit_code == EXIT_OK)
         exit_code = choose_metrics("score", metrics ? metrics : json || csv ? "all" : "", run.metrics);

@@ -35,6 +35,13 @@ int choose(const char *verb, const char *option_name, const choice *choices, con
     return report(verb, EXIT_USAGE, "--%s is one of %s; not '%s'", option_name, known, word);
 }
 
+int choose_result_format(const char *verb, bool json, bool csv, bool quiet, result_format *format_ret) {
+    if (json + csv + quiet > 1)
+        return report(verb, EXIT_USAGE, "--json, --csv and --quiet exclude each other");
+    *format_ret = json ? FORMAT_JSON : csv ? FORMAT_CSV : quiet ? FORMAT_QUIET : FORMAT_TEXT;
+    return EXIT_OK;
+}
+
 const char *choice_name(const choice *choices, int value) {
     const char *name = "";
     for (const choice *c = choices; c->name; ++c)

@@ -31,12 +31,10 @@ typedef struct eval_run {
     eval_table *tables; /* the first is over all pairs */
 } eval_run;
 
-typedef enum eval_format { EVAL_TEXT, EVAL_JSON, EVAL_CSV } eval_format;
-
 /** Print all tables; returns an exit code. */
-int print_evaluation(const eval_run *run, eval_format format);
+int print_evaluation(const eval_run *run, result_format format);
 /** The same for choices of people, which it judges first. */
-int evaluate_choices(const eval_run *run, const nqm_eval_options *options, eval_format format);
+int evaluate_choices(const eval_run *run, const nqm_eval_options *options, result_format format);
 /** Read run->dataset_path as a CSV of answers, looked at where the first model looks. As open_model(). */
 int open_human(eval_run *run, const char *root);
 /** Write label, predictions and scalar features of every pair that was judged, as CSV. */
@@ -59,7 +57,6 @@ json_t *difference_json(const nqm_difference *difference);
 json_t *models_json(const eval_run *run);
 json_t *human_json(const nqm_human *human);
 /** Commas before each; `rival` and `difference` NULL: empty fields. */
-void print_csv_numbers(size_t n, const double *numbers);
 void print_csv_difference(const char *rival, const nqm_difference *difference);
 
 #endif

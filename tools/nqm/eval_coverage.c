@@ -89,5 +89,5 @@ void print_csv_coverage(const nqm_coverage *c) {
         for (size_t i = 0; i < N_COLUMNS; ++i)
             numbers[i] = known[i];
     }
-    print_csv_numbers(N_COLUMNS, numbers);
+    print_csv_numbers(stdout, N_COLUMNS, numbers);
 }

@@ -150,8 +150,9 @@ static int print_choices_csv(const choices_run *c) {
         bool model = i < run->n_models;
         print_csv_text(stdout, r->name);
         printf(",%s,%zu,%.0f", model ? "model" : "metric", info.n_triplets, info.n_choices);
-        print_csv_numbers(6, (const double[]){r->agreement, r->agreement_ci95[0], r->agreement_ci95[1], r->majority,
-                                              info.ceiling, info.ceiling_other_people});
+        print_csv_numbers(stdout, 6,
+                          (const double[]){r->agreement, r->agreement_ci95[0], r->agreement_ci95[1], r->majority,
+                                           info.ceiling, info.ceiling_other_people});
         printf(",%d,%d", r->best_of_family, r->best_baseline);
         for (size_t k = 0; k < N_RIVALS; ++k) {
             const rivalry *v = model ? &c->rivalries[i * N_RIVALS + k] : NULL;
@@ -163,7 +164,7 @@ static int print_choices_csv(const choices_run *c) {
     return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
 }
 
-int evaluate_choices(const eval_run *run, const nqm_eval_options *o, eval_format format) {
+int evaluate_choices(const eval_run *run, const nqm_eval_options *o, result_format format) {
     nqm_error err = {0};
     choices_run c = {.run = run,
                      .results = calloc(run->n_predictors, sizeof *c.results),
@@ -175,9 +176,9 @@ int evaluate_choices(const eval_run *run, const nqm_eval_options *o, eval_format
         exit_code = report_error("eval", &err);
     end_progress();
     if (exit_code == EXIT_OK)
-        exit_code = format == EVAL_JSON  ? print_choices_json(&c)
-                    : format == EVAL_CSV ? print_choices_csv(&c)
-                                         : print_choices_text(&c);
+        exit_code = format == FORMAT_JSON  ? print_choices_json(&c)
+                    : format == FORMAT_CSV ? print_choices_csv(&c)
+                                           : print_choices_text(&c);
     free(c.results);
     free(c.rivalries);
     return exit_code;

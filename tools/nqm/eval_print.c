@@ -202,54 +202,23 @@ static int print_json_tables(const eval_run *run) {
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
-void print_csv_numbers(size_t n, const double *numbers) {
-    for (size_t i = 0; i < n; ++i) {
-        putchar(',');
-        print_csv_number(stdout, numbers[i]);
-    }
-}
-
 void print_csv_difference(const char *rival, const nqm_difference *difference) {
     nqm_difference d = {NAN, {NAN, NAN}, NAN};
     if (difference)
         d = *difference;
     printf(",%s", rival ? rival : "");
-    print_csv_numbers(4, (const double[]){d.value, d.ci95[0], d.ci95[1], d.share_below_0});
+    print_csv_numbers(stdout, 4, (const double[]){d.value, d.ci95[0], d.ci95[1], d.share_below_0});
 }
 
 static void print_csv_row(const eval_run *run, const eval_table *table, size_t predictor) {
     const nqm_agreement *a = &table->results[predictor];
     const nqm_contrast *contrasts = is_model(run, predictor) ? table->contrasts + predictor * N_RIVALS : NULL;
-    printf("%s,", table->by);
-    print_csv_text(stdout, table->name);
-    putchar(',');
-    print_csv_text(stdout, a->name);
-    printf(",%s,%zu,%zu", is_model(run, predictor) ? "model" : "metric", a->n, a->n_materials);
-    const double numbers[] = {a->spearman,
-                              a->spearman_ci95[0],
-                              a->spearman_ci95[1],
-                              a->spearman_mean_by_material,
-                              a->spearman_mean_by_material_ci95[0],
-                              a->spearman_mean_by_material_ci95[1],
-                              a->pearson,
-                              a->kendall,
-                              a->mae,
-                              a->rmse,
-                              a->r2,
-                              a->pearson_ci95[0],
-                              a->pearson_ci95[1],
-                              a->kendall_ci95[0],
-                              a->kendall_ci95[1],
-                              a->mae_ci95[0],
-                              a->mae_ci95[1],
-                              a->rmse_ci95[0],
-                              a->rmse_ci95[1],
-                              a->r2_ci95[0],
-                              a->r2_ci95[1],
-                              a->order,
-                              a->order_ci95[0],
+    print_csv_agreement(stdout, table->by, table->name, is_model(run, predictor) ? "model" : "metric", a);
+    const double numbers[] = {a->pearson_ci95[0], a->pearson_ci95[1], a->kendall_ci95[0], a->kendall_ci95[1],
+                              a->mae_ci95[0],     a->mae_ci95[1],     a->rmse_ci95[0],    a->rmse_ci95[1],
+                              a->r2_ci95[0],      a->r2_ci95[1],      a->order,           a->order_ci95[0],
                               a->order_ci95[1]};
-    print_csv_numbers(sizeof numbers / sizeof *numbers, numbers);
+    print_csv_numbers(stdout, sizeof numbers / sizeof *numbers, numbers);
     printf(",%zu,%d,%d", a->n_ordered, a->best_of_family, a->best_baseline);
     for (size_t i = 0; i < N_RIVALS; ++i) {
         const nqm_contrast *c = contrasts ? &contrasts[i] : NULL;
@@ -263,18 +232,17 @@ static void print_csv_row(const eval_run *run, const eval_table *table, size_t p
 
 static int print_csv(const eval_run *run) {
     end_progress();
-    printf("by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,spearman_mean_by_material,mean_ci95_low,"
-           "mean_ci95_high,pearson,kendall,mae,rmse,r2,pearson_low,pearson_high,kendall_low,kendall_high,mae_low,"
+    printf("%s,pearson_low,pearson_high,kendall_low,kendall_high,mae_low,"
            "mae_high,rmse_low,rmse_high,r2_low,r2_high,order,order_low,order_high,n_ordered,best_of_family,"
            "best_baseline,rival,difference,difference_low,difference_high,share_below_0,rival_2,difference_2,"
            "difference_2_low,difference_2_high,share_2_below_0,%s\n",
-           coverage_columns);
+           agreement_columns, coverage_columns);
     for (size_t i = 0; i < run->n_tables * run->n_predictors; ++i)
         if (run->tables[i / run->n_predictors].results)
             print_csv_row(run, &run->tables[i / run->n_predictors], i % run->n_predictors);
     return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
 }
 
-int print_evaluation(const eval_run *run, eval_format format) {
-    return format == EVAL_JSON ? print_json_tables(run) : format == EVAL_CSV ? print_csv(run) : print_text(run);
+int print_evaluation(const eval_run *run, result_format format) {
+    return format == FORMAT_JSON ? print_json_tables(run) : format == FORMAT_CSV ? print_csv(run) : print_text(run);
 }

@@ -17,14 +17,12 @@ typedef struct label_item {
     double *rgb_cdm2; /* (points, 3); NULL once it is of no further use */
 } label_item;
 
-typedef enum label_format { LABEL_TEXT, LABEL_JSON, LABEL_CSV, LABEL_QUIET } label_format;
-
 typedef struct label_run {
     nqm_scene_options scene_options;
     nqm_scene *scene;
     size_t n_items, n_groups;
     label_item *items;
-    label_format format;
+    result_format format;
     bool keep_rgb; /* for pictures; else what was rendered is freed at once */
     /* figures; NULL: not wanted */
     const char *map, *grid, *keep;

@@ -33,9 +33,9 @@ json_t *json_labels(const label_run *run) {
 static void print_test(const label_run *run, const label_item *item) {
     bool good = item->err.status == NQM_OK;
     const char *words = !good ? "failed" : item->delta_e > 0 ? jod_words(item->jod) : "equal pictures";
-    if (run->format == LABEL_QUIET) {
+    if (run->format == FORMAT_QUIET) {
         printf("%.4f\n", item->jod);
-    } else if (run->format == LABEL_TEXT) {
+    } else if (run->format == FORMAT_TEXT) {
         printf("%9.3f  %6.2f  %-20s  %s\n", item->delta_e, item->jod, words, item->name);
     } else {
         print_csv_text(stdout, item->name);
@@ -54,14 +54,14 @@ static void print_test(const label_run *run, const label_item *item) {
 
 int print_labels(const label_run *run) {
     end_progress();
-    if (run->format == LABEL_JSON)
+    if (run->format == FORMAT_JSON)
         return print_json(json_labels(run));
-    if (run->format == LABEL_CSV)
+    if (run->format == FORMAT_CSV)
         puts(run->n_groups > 1 ? "test,delta_e_itp,jod,error,reference" : "test,delta_e_itp,jod,error");
     for (size_t i = 0; i < run->n_items; ++i) {
         if (is_test(run, i))
             print_test(run, &run->items[i]);
-        else if (run->format == LABEL_TEXT)
+        else if (run->format == FORMAT_TEXT)
             printf("%9s  %6s  %-20s  test, rendered beside %s\n", "Delta-E", "JOD", "", run->items[i].name);
     }
     return fflush(stdout) == 0 ? EXIT_OK : EXIT_OPEN;

@@ -158,15 +158,15 @@ static void print_names(const ranking *r) {
 
 int print_ranking(const ranking *r) {
     switch (r->format) {
-    case SCORE_JSON:
+    case FORMAT_JSON:
         return print_ranking_json(r);
-    case SCORE_CSV:
+    case FORMAT_CSV:
         print_csv(r);
         break;
-    case SCORE_QUIET:
+    case FORMAT_QUIET:
         print_names(r);
         break;
-    case SCORE_TEXT:
+    case FORMAT_TEXT:
         print_text(r);
         break;
     }

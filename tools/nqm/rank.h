@@ -20,7 +20,7 @@ typedef struct rank_row {
 
 typedef struct ranking {
     const nqm_model *model;
-    score_format format;
+    result_format format;
     size_t n_rows;
     rank_row *rows; /* (n_rows) by reference, then best first, those without a score last */
 } ranking;

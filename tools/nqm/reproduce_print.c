@@ -263,29 +263,12 @@ json_t *study_json(const study *s) {
 /* ---- bars -------------------------------------------------------------------------------------------------------- */
 
 static void write_bar(const char *type, const nqm_agreement *a, FILE *out) {
-    fprintf(out, "all,all,%s,%s,%zu,%zu", a->name, type, a->n, a->n_materials);
-    const double numbers[] = {a->spearman,
-                              a->spearman_ci95[0],
-                              a->spearman_ci95[1],
-                              a->spearman_mean_by_material,
-                              a->spearman_mean_by_material_ci95[0],
-                              a->spearman_mean_by_material_ci95[1],
-                              a->pearson,
-                              a->kendall,
-                              a->mae,
-                              a->rmse,
-                              a->r2};
-    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; ++k) {
-        fputc(',', out);
-        print_csv_number(out, numbers[k]);
-    }
+    print_csv_agreement(out, "all", "all", type, a);
     fprintf(out, ",%d\n", a->best_of_family);
 }
 
 void study_write_bars(const study *s, FILE *out) {
-    fputs("by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,spearman_mean_by_material,mean_ci95_low,"
-          "mean_ci95_high,pearson,kendall,mae,rmse,r2,best_of_family\n",
-          out);
+    fprintf(out, "%s,best_of_family\n", agreement_columns);
     for (size_t i = 0; i < s->options->n_recipes; ++i) {
         nqm_agreement bar = recipe_bar(s, s->options->recipes[i]);
         write_bar("model", &bar, out);

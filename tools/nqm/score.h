@@ -15,8 +15,6 @@ typedef struct score_row {
     nqm_score_result result;
 } score_row;
 
-typedef enum score_format { SCORE_TEXT, SCORE_JSON, SCORE_CSV, SCORE_QUIET } score_format;
-
 typedef struct score_run {
     const char *ref_name;
     char **test_names; /* (n_rows) */
@@ -25,7 +23,7 @@ typedef struct score_run {
     size_t n_directions;
     nqm_score_options options;
     bool metrics[NQM_METRIC_COUNT]; /* which to print */
-    score_format format;
+    result_format format;
     size_t n_rows;
     score_row *rows; /* (n_rows) in the order of the arguments */
 } score_run;

@@ -169,15 +169,15 @@ static void print_scores_csv(const score_run *run) {
 
 int print_scores(const score_run *run) {
     switch (run->format) {
-    case SCORE_JSON: /* the remarks stand in it */
+    case FORMAT_JSON: /* the remarks stand in it */
         return print_json(json_scores(run));
-    case SCORE_CSV:
+    case FORMAT_CSV:
         print_scores_csv(run);
         break;
-    case SCORE_QUIET:
+    case FORMAT_QUIET:
         print_quiet(run);
         break;
-    case SCORE_TEXT:
+    case FORMAT_TEXT:
         print_text(run);
         break;
     }

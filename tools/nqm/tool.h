@@ -89,6 +89,11 @@ int choose(const char *verb, const char *option_name, const choice *choices, con
 /** The name of a value. */
 const char *choice_name(const choice *choices, int value);
 
+/** The form of results: a verb's --json, --csv and --quiet, or none of them. */
+typedef enum result_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_QUIET } result_format;
+/** EXIT_OK, or a usage error when there is more than one. */
+int choose_result_format(const char *verb, bool json, bool csv, bool quiet, result_format *format_ret);
+
 /* ---- several processes ------------------------------------------------------------------------------------------- */
 
 /** This process among those that one launcher (mpirun, srun) started; 0 of 1 when started alone. */
@@ -140,6 +145,11 @@ const char *interval_text(const nqm_score_result *result, char text[INTERVAL_TEX
 void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing when it is not finite. */
 void print_csv_number(FILE *out, double value);
+/** n of them, with a comma before each. */
+void print_csv_numbers(FILE *out, size_t n, const double *values);
+/** Begin a row on a predictor with the columns of agreement_columns. */
+void print_csv_agreement(FILE *out, const char *by, const char *selection, const char *type, const nqm_agreement *a);
+extern const char agreement_columns[];
 
 /* ---- files that a verb writes itself ----------------------------------------------------------------------------- */
 
