@@ -109,15 +109,16 @@ static nqm_status make_merl(nqm_bench *bench, const char *folder, int *fd_ret, n
     return status;
 }
 
-static nqm_status bench_merl(nqm_bench *bench, load_job *job, const char *folder, nqm_error *err) {
+static nqm_status bench_merl(nqm_bench *bench, const load_job *like, const char *folder, nqm_error *err) {
     char path[64];
-    nqm_status status = make_merl(bench, folder, &job->fd, err);
+    load_job job = *like;
+    nqm_status status = make_merl(bench, folder, &job.fd, err);
     if (status != NQM_OK)
         return status;
-    snprintf(path, sizeof path, "/proc/self/fd/%d", job->fd);
-    job->path = path;
-    status = bench_file(bench, job, "MERL table", err);
-    close(job->fd);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", job.fd);
+    job.path = path;
+    status = bench_file(bench, &job, "MERL table", err);
+    close(job.fd);
     return status;
 }
 

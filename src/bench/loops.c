@@ -16,6 +16,8 @@
 #define FOR(ISA)   __attribute__((noinline, target(ISA)))
 #define ANY_TARGET __attribute__((noinline))
 
+/* NOLINTBEGIN(bugprone-macro-parentheses): types and attributes cannot stand in parentheses */
+
 /* SUMS chains: as many as the latency of the instruction times its rate needs, and no more than registers; begun from
  * different places, lest the compiler see that they are one. */
 #define DEFINE_PEAK(NAME, ATTRIBUTE, SUMS, VECTOR, LOAD, STEP)                                                         \
@@ -48,6 +50,8 @@
             total ^= sum[0][i];                                                                                        \
         return total;                                                                                                  \
     }
+
+/* NOLINTEND(bugprone-macro-parentheses) */
 
 typedef float vector_4f __attribute__((vector_size(16), may_alias, aligned(4)));
 DEFINE_READ(read_generic, ANY_TARGET, 16)

@@ -13,7 +13,11 @@
 #include <string.h>
 #include <time.h>
 
-enum { TIMINGS_A_SAMPLE = 3, READ_BYTES = 512 /* the loops read so much at once */ };
+enum {
+    TIMINGS_A_SAMPLE = 3,
+    READ_BYTES = 512, /* the loops read so much at once */
+    MAX_STEPS = 1 << 30
+};
 #define TIMING_S 0.001
 
 static volatile float float_sink;
@@ -40,7 +44,7 @@ static void work(const nqm_bench *bench, const nqm_meter *meter, size_t thread) 
 static double amount(const nqm_meter *meter) {
     const double steps = 1e-9 * (double)meter->steps;
     if (meter->bytes)
-        return steps * (double)(meter->bytes / READ_BYTES * READ_BYTES);
+        return steps * (double)meter->bytes;
     return steps * (double)meter->threads * nqm_peak_loop_find(meter->kernels, meter->precision).flop;
 }
 
@@ -78,7 +82,7 @@ static double measure(const nqm_bench *bench, const nqm_meter *meter) {
 /* As many steps as fill a timing. */
 static void calibrate(const nqm_bench *bench, nqm_meter *meter) {
     double seconds = 0;
-    for (meter->steps = 1; seconds < TIMING_S; meter->steps *= 2) {
+    for (meter->steps = 1; seconds < TIMING_S && meter->steps < MAX_STEPS; meter->steps *= 2) {
         double begin = thread_clock_s();
         work(bench, meter, 0);
         seconds = thread_clock_s() - begin;
