@@ -14,6 +14,11 @@
 extern "C" {
 #endif
 
+/** One line on what libnqm-full holds beside nqm_build_info(): the libraries that draw, trace rays and read pictures,
+ *  with their versions or "off", and what is loaded when it is needed only; nothing is loaded to say so. Static storage.
+ *  Any thread. */
+NQM_API const char *nqm_full_build_info(void);
+
 /* ---- colour ------------------------------------------------------------------------------------------------------ */
 
 /** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels

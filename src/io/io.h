@@ -141,6 +141,8 @@ typedef struct nqm_mat_variable {
 /** Write them as a MAT v5 file, uncompressed: equal matrices make equal files. `path` must not be "-" or a device.
  *  NQM_ERR_ARG: a bad name, or a value that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
 NQM_MUST_CHECK nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err);
+/** The library that the first MAT file loads, "libmatio.so.11". */
+const char *nqm_matio_name(void);
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 

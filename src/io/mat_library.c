@@ -4,6 +4,8 @@
  */
 #include "io/mat_library.h"
 
+#include "io/io.h"
+
 #include <dlfcn.h>
 #include <pthread.h>
 #include <string.h>
@@ -25,6 +27,10 @@ static void load(void) {
 #define FIND(name) loaded = loaded && find(handle, #name, &library.name);
     NQM_MATIO_FUNCTIONS(FIND)
 #undef FIND
+}
+
+const char *nqm_matio_name(void) {
+    return NQM_MATIO_SONAME;
 }
 
 nqm_status nqm_matio_get(const nqm_matio **matio_ret, nqm_error *err) {

@@ -207,6 +207,10 @@ static nqm_status draw(const char *path, const nqm_figure *f, const layout *l, s
     return status;
 }
 
+const char *nqm_cairo_version(void) {
+    return cairo_version_string();
+}
+
 nqm_status nqm_figure_write(const char *path, const nqm_figure *f, nqm_error *err) {
     size_t supersample = f->supersample ? f->supersample : 1;
     const nqm_tone tone = f->tone.white_cdm2 > 0 ? f->tone : nqm_tone_default();

@@ -10,6 +10,9 @@
 
 #include <nqm/picture.h>
 
+/** cairo's version, "1.16.0"; NULL: this build has none, and draws neither figures nor sheets. */
+const char *nqm_cairo_version(void);
+
 /** Whether a file's name ends so, any case, and is not just that. */
 bool nqm_name_ends_in(const char *path, const char *suffix);
 

@@ -51,8 +51,8 @@ NQM_MUST_CHECK nqm_status nqm_sky_draw(nqm_image *image_ret, nqm_error *err);
 /** A mesh that rays can be sent to (Embree). */
 typedef struct nqm_tracer nqm_tracer;
 
-/** false: this build has no Embree, and nqm_tracer_create() says so. */
-bool nqm_tracer_present(void);
+/** Embree's version, "3.13.5"; NULL: this build has none, and nqm_tracer_create() says so. */
+const char *nqm_tracer_version(void);
 /** Build the hierarchy; positions are copied. */
 NQM_MUST_CHECK nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err);
 void nqm_tracer_free(nqm_tracer *tracer);

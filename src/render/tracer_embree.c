@@ -15,8 +15,8 @@ struct nqm_tracer {
     RTCScene scene;
 };
 
-bool nqm_tracer_present(void) {
-    return true;
+const char *nqm_tracer_version(void) {
+    return RTC_VERSION_STRING;
 }
 
 static nqm_status fail_embree(RTCDevice device, nqm_error *err) {

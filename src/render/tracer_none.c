@@ -4,8 +4,8 @@
  */
 #include "render/render.h"
 
-bool nqm_tracer_present(void) {
-    return false;
+const char *nqm_tracer_version(void) {
+    return NULL;
 }
 
 nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {

@@ -61,3 +61,9 @@ run 0 check sgd:nickel --json --seed 5
 cmp -s "$dir/out" "$dir/first" || fail "the same seed gave other results"
 run 3 check sgd:nickel "$dir/nowhere"
 run 2 check
+
+run 0 --version
+[ "$(wc -l <"$dir/out")" = 3 ] || fail "lines: $(cat "$dir/out")"
+has '^nqm [0-9]'
+has '^oneDNN [0-9]'
+has '^cairo \([0-9.]*[0-9]\|off\), Embree \([0-9.]*[0-9]\|off\), libpng [0-9].*, OpenEXR [0-9].*, libmatio.* when needed'

@@ -59,7 +59,7 @@ static void label_all(const nqm_scene_options *o, double *delta_e) {
 
 static nqm_scene_options small_scene(const char *shape) {
     nqm_scene_options o = nqm_scene_options_default();
-    o.shape = nqm_tracer_present() ? shape : NULL;
+    o.shape = nqm_tracer_version() ? shape : NULL;
     o.n_points = 768;
     o.n_lights = 64;
     o.n_frames = 4;
@@ -113,7 +113,7 @@ static void shapes(const char *light, const char *mesh, double least) {
 
 static void blob_and_sphere_rank_alike(void **state) {
     (void)state;
-    if (!nqm_tracer_present())
+    if (!nqm_tracer_version())
         skip();
     shapes(NULL, "blob", 0.97);
 }
@@ -123,7 +123,7 @@ static void bunny_and_sphere_rank_alike(void **state) {
     char *light =
         shared_data("scene/pixar_campus_rgbe.png") ? nqm_strdup(shared_data("scene/pixar_campus_rgbe.png")) : NULL;
     const char *bunny = shared_data("scene/bunny.ply");
-    if (!light || !bunny || !nqm_tracer_present()) {
+    if (!light || !bunny || !nqm_tracer_version()) {
         nqm_free(light);
         skip();
     }

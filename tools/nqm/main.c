@@ -76,7 +76,7 @@ int main(int argc, char **argv) {
         return EXIT_OK;
     }
     if (strcmp(argv[1], "--version") == 0) {
-        printf("nqm %s\n%s\n", nqm_version(), nqm_build_info());
+        printf("nqm %s\n%s\n%s\n", nqm_version(), nqm_build_info(), nqm_full_build_info());
         return EXIT_OK;
     }
     for (const verb *v = verbs; v->name; ++v)
