@@ -16,6 +16,7 @@ typedef struct batch_form {
     batch_format format;
     const nqm_pair_list *list;
     const nqm_model *model;
+    nqm_precision precision;
     bool metrics[NQM_METRIC_COUNT]; /* which to write */
     remark_terms terms;
 } batch_form;

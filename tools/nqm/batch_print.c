@@ -150,12 +150,10 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
 }
 
 static void print_json_head(const batch_form *form, FILE *out) {
-    nqm_model_info info = nqm_model_get_info(form->model);
     fputs("{\"schema\":1,\"tool\":", out);
     print_json_value(out, json_tool());
     fputs(",\"model\":", out);
-    print_json_value(out, json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters",
-                                    (json_int_t)info.n_parameters));
+    print_json_value(out, model_json(form->model, form->precision));
     fputs(",\"results\":[\n", out);
 }
 

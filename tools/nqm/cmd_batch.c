@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 typedef struct batch_run {
-    const char *list_path, *output, *model_name, *metrics, *invalid, *root;
+    const char *list_path, *output, *model_name, *metrics, *invalid, *precision, *root;
     bool keep_going, resume, json, json_lines;
     uint64_t cache_mb;
     nqm_batch_options options;
@@ -51,10 +51,10 @@ static batch_format choose_format(const batch_run *run) {
 static json_t *make_terms(const batch_run *run) {
     static const char *const formats[] = {"csv", "jsonl", "json"};
     nqm_model_info info = nqm_model_get_info(run->model);
-    return json_pack("{s:s,s:s,s:s,s:s,s:s,s:f,s:o}", "version of nqm", nqm_version(), "list",
+    return json_pack("{s:s,s:s,s:s,s:s,s:s,s:f,s:s,s:o}", "version of nqm", nqm_version(), "list",
                      nqm_pair_list_sha256(run->list), "model", info.sha256, "format", formats[run->form.format],
-                     "--invalid", run->invalid, "--min-valid", run->options.score.min_valid_fraction, "--metrics",
-                     json_name(run->metrics));
+                     "--invalid", run->invalid, "--min-valid", run->options.score.min_valid_fraction, "--precision",
+                     run->precision, "--metrics", json_name(run->metrics));
 }
 
 static int show_speed(const batch_run *run) {
@@ -169,6 +169,7 @@ static int open_all(batch_run *run) {
         return report_error("batch", &err);
     run->form.list = run->list;
     run->form.model = run->model;
+    run->form.precision = run->options.score.precision;
     run->form.terms =
         (remark_terms){nqm_directions_count(nqm_model_get_info(run->model).directions), run->options.score.invalid};
     exit_code = check_batch_columns(&run->form);
@@ -210,6 +211,8 @@ static int check_options(batch_run *run) {
     run->options.cache_bytes = (size_t)run->cache_mb << 20;
     int exit_code = choose_invalid("batch", run->invalid, &run->options.score.invalid);
     if (exit_code == EXIT_OK)
+        exit_code = choose_precision("batch", run->precision, &run->options.score.precision);
+    if (exit_code == EXIT_OK)
         exit_code = choose_metrics("batch", run->metrics, run->form.metrics);
     run->options.metrics = *run->metrics != 0;
     return exit_code;
@@ -220,6 +223,7 @@ int cmd_batch(int argc, char **argv) {
     run = (batch_run){.model_name = "default",
                       .metrics = "",
                       .invalid = "drop",
+                      .precision = "f32",
                       .options = nqm_batch_options_default(),
                       .cache_mb = nqm_batch_options_default().cache_bytes >> 20};
     const option options[] = {
@@ -234,6 +238,7 @@ int cmd_batch(int argc, char **argv) {
          0},
         {"min-valid", 0, OPTION_NUMBER, &run.options.score.min_valid_fraction, "F",
          "refuse pairs with fewer valid directions than this fraction", 0, 1},
+        {"precision", 0, OPTION_TEXT, &run.precision, "WORD", "of the network's products: f32, bf16 or int8", 0, 0},
         {"cache", 0, OPTION_COUNT, &run.cache_mb, "MB", "memory for BRDFs that may come again", 0, 1 << 20},
         {"json", 0, OPTION_FLAG, &run.json, NULL, "write one JSON document", 0, 0},
         {"jsonl", 0, OPTION_FLAG, &run.json_lines, NULL, "write JSON Lines", 0, 0},

@@ -174,7 +174,7 @@ static void release(eval_run *run) {
 }
 
 typedef struct eval_arguments {
-    const char *models, *labels, *split, *by, *pairs, *root;
+    const char *models, *labels, *split, *by, *pairs, *root, *precision;
     bool human, json, csv;
     double margin; /* NaN: the default */
     uint64_t n_bootstrap;
@@ -222,11 +222,14 @@ static int run_eval(const eval_arguments *a, const char *dataset_path) {
     int exit_code = choose("eval", "split", splits, a->split, &split);
     if (exit_code == EXIT_OK)
         exit_code = choose("eval", "by", bys, a->by, &by);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_precision("eval", a->precision, &o.precision);
     if (exit_code != EXIT_OK)
         return exit_code;
     o.split = (nqm_split)split;
     o.n_bootstrap = (size_t)a->n_bootstrap;
     o.progress = show_progress;
+    run.precision = o.precision;
     char *list = strdup(a->models);
     exit_code = list ? open_models(&run, list) : report("eval", EXIT_LIMIT, "out of memory");
     free(list);
@@ -242,6 +245,7 @@ int cmd_eval(int argc, char **argv) {
     eval_arguments a = {.models = "default",
                         .split = "test",
                         .by = "none",
+                        .precision = "f32",
                         .margin = (double)NAN,
                         .options = nqm_eval_options_default()};
     a.n_bootstrap = a.options.n_bootstrap;
@@ -265,6 +269,7 @@ int cmd_eval(int argc, char **argv) {
         {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
          1e6},
         {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
+        {"precision", 0, OPTION_TEXT, &a.precision, "WORD", "of the network's products: f32, bf16 or int8", 0, 0},
         {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
          0},
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},

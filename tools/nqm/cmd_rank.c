@@ -50,6 +50,7 @@ static int report_faults(const rank_run *run, size_t n) {
 static int rank_pairs(rank_run *run, size_t n) {
     ranking *r = &run->ranking;
     r->model = run->model;
+    r->precision = run->options.score.precision;
     r->n_rows = n;
     r->rows = calloc(n + 1, sizeof *r->rows);
     run->results = calloc(n + 1, sizeof *run->results);
@@ -106,7 +107,7 @@ static int run_rank(rank_run *run, int n_arguments, char **arguments) {
 
 int cmd_rank(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
-    const char *invalid = "drop";
+    const char *invalid = "drop", *precision = "f32";
     rank_run run = {.model_name = "default", .options = nqm_batch_options_default()};
     run.options.metrics = 0;
     const option options[] = {
@@ -117,6 +118,7 @@ int cmd_rank(int argc, char **argv) {
         {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "where a BRDF has no value: drop, zero, nearest, error", 0, 0},
         {"min-valid", 0, OPTION_NUMBER, &run.options.score.min_valid_fraction, "F",
          "refuse pairs with fewer valid directions than this fraction", 0, 1},
+        {"precision", 0, OPTION_TEXT, &precision, "WORD", "of the network's products: f32, bf16 or int8", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the names only, best first", 0, 0},
@@ -142,5 +144,7 @@ int cmd_rank(int argc, char **argv) {
     if (run.list_path ? n_arguments > 0 : n_arguments < 2)
         return report("rank", EXIT_USAGE, "give a reference and its tests, or --list LIST");
     exit_code = choose_invalid("rank", invalid, &run.options.score.invalid);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_precision("rank", precision, &run.options.score.precision);
     return exit_code == EXIT_OK ? run_rank(&run, n_arguments, argv) : exit_code;
 }

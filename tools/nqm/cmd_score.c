@@ -35,7 +35,7 @@ static int run_score(score_run *run, const char *model_name, double fail_under) 
 
 int cmd_score(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
-    const char *metrics = NULL, *model = "default", *invalid = "drop";
+    const char *metrics = NULL, *model = "default", *invalid = "drop", *precision = "f32";
     double fail_under = (double)-INFINITY;
     score_run run = {.options = nqm_score_options_default()};
     const option options[] = {
@@ -46,6 +46,7 @@ int cmd_score(int argc, char **argv) {
         {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "where a BRDF has no value: drop, zero, nearest, error", 0, 0},
         {"min-valid", 0, OPTION_NUMBER, &run.options.min_valid_fraction, "F",
          "refuse pairs with fewer valid directions than this fraction", 0, 1},
+        {"precision", 0, OPTION_TEXT, &precision, "WORD", "of the network's products: f32, bf16 or int8", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
@@ -71,6 +72,8 @@ int cmd_score(int argc, char **argv) {
     if (exit_code != EXIT_OK)
         return exit_code;
     exit_code = choose_invalid("score", invalid, &run.options.invalid);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_precision("score", precision, &run.options.precision);
     if (exit_code == EXIT_OK)
         exit_code = choose_metrics("score", metrics ? metrics : json || csv ? "all" : "", run.metrics);
     if (exit_code != EXIT_OK)

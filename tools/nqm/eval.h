@@ -5,7 +5,7 @@
 #ifndef NQM_TOOL_EVAL_H
 #define NQM_TOOL_EVAL_H
 
-#include "tool.h"
+#include "score.h"
 
 /** Each model is compared with two metrics. */
 enum { RIVAL_BASELINE, RIVAL_LOG_DIFF, N_RIVALS };
@@ -27,6 +27,7 @@ typedef struct eval_run {
     size_t n_models, n_predictors, n_tables;
     nqm_model **models;
     nqm_evaluation *evaluation;
+    nqm_precision precision;
     double order_margin;
     eval_table *tables; /* the first is over all pairs */
 } eval_run;

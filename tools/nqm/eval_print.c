@@ -170,11 +170,8 @@ static json_t *table_json(const eval_run *run, const eval_table *table) {
 
 json_t *models_json(const eval_run *run) {
     json_t *models = json_array();
-    for (size_t i = 0; i < run->n_models; ++i) {
-        nqm_model_info info = nqm_model_get_info(run->models[i]);
-        json_array_append_new(models, json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters",
-                                                (json_int_t)info.n_parameters));
-    }
+    for (size_t i = 0; i < run->n_models; ++i)
+        json_array_append_new(models, model_json(run->models[i], run->precision));
     return models;
 }
 

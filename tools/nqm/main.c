@@ -4,6 +4,7 @@
  */
 #include "tool.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct verb {
@@ -60,9 +61,24 @@ static int settle(int exit_code) {
     return EXIT_OPEN;
 }
 
+/* NQM_KERNELS=NAME: one way to compute instead of the best one, for tests and comparisons. */
+static int choose_kernels(void) {
+    nqm_error err = {0};
+    const char *name = getenv("NQM_KERNELS");
+    if (!name || !*name || nqm_kernels_select(name, &err) == NQM_OK)
+        return EXIT_OK;
+    fprintf(stderr, "nqm: NQM_KERNELS: %s; there are:", err.message);
+    for (size_t i = 0; nqm_kernels_name(i); ++i)
+        fprintf(stderr, " %s", nqm_kernels_name(i));
+    fputc('\n', stderr);
+    return EXIT_USAGE;
+}
+
 int main(int argc, char **argv) {
     static char help_option[] = "--help";
     catch_interrupt();
+    if (choose_kernels() != EXIT_OK)
+        return EXIT_USAGE;
     if (argc < 2) {
         print_usage(stderr);
         return EXIT_USAGE;

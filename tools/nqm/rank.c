@@ -131,7 +131,6 @@ static void print_csv(const ranking *r) {
 }
 
 static int print_ranking_json(const ranking *r) {
-    nqm_model_info info = nqm_model_get_info(r->model);
     json_t *results = json_array();
     for (size_t i = 0; i < r->n_rows; ++i) {
         const rank_row *row = &r->rows[i];
@@ -145,9 +144,8 @@ static int print_ranking_json(const ranking *r) {
             json_object_set_new(object, "error", json_name(row->err->message));
         json_array_append_new(results, object);
     }
-    return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:o}", "schema", 1, "tool", json_tool(), "model", "id",
-                                info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters, "results",
-                                results));
+    return print_json(json_pack("{s:i,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model",
+                                model_json(r->model, r->precision), "results", results));
 }
 
 static void print_names(const ranking *r) {

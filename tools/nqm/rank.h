@@ -20,6 +20,7 @@ typedef struct rank_row {
 
 typedef struct ranking {
     const nqm_model *model;
+    nqm_precision precision;
     result_format format;
     size_t n_rows;
     rank_row *rows; /* (n_rows) by reference, then best first, those without a score last */

@@ -43,6 +43,11 @@ void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_
 int choose_metrics(const char *verb, const char *text, bool *chosen);
 /** The policy of --invalid, or a usage error. */
 int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *policy_ret);
+/** The precision of --precision, or a usage error. */
+int choose_precision(const char *verb, const char *text, nqm_precision *precision_ret);
+
+/** The "model" member of results: id, sha256, parameters, and the precision where it is not the usual one. */
+json_t *model_json(const nqm_model *model, nqm_precision precision);
 
 /** Open the model, the reference and the tests that run->ref_name and run->test_names name, and score them; faults of
  *  single tests stand in their rows. EXIT_OK, or the fault is reported and its exit code returned. free_scores() in any

@@ -129,13 +129,12 @@ static json_t *row_json(const score_run *run, const score_row *row) {
 }
 
 json_t *json_scores(const score_run *run) {
-    nqm_model_info info = nqm_model_get_info(run->model);
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_rows; ++i)
         json_array_append_new(results, row_json(run, &run->rows[i]));
-    return json_pack("{s:i,s:o,s:{s:s,s:s,s:I},s:o,s:o}", "schema", 1, "tool", json_tool(), "model", "id", info.id,
-                     "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters, "reference",
-                     json_name(run->ref_name), "results", results);
+    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model",
+                     model_json(run->model, run->options.precision), "reference", json_name(run->ref_name), "results",
+                     results);
 }
 
 static void print_scores_csv(const score_run *run) {

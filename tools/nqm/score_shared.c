@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the verbs that score share: remarks on values of a pair, and the words of --metrics and --invalid.
+ * What the verbs that score share: remarks on values of a pair, the words of --metrics, --invalid and --precision, and the model.
  */
 #include "score.h"
 
@@ -78,4 +78,24 @@ int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *polic
     if (nqm_invalid_policy_parse(text, policy_ret))
         return EXIT_OK;
     return report(verb, EXIT_USAGE, "--invalid is drop, zero, nearest or error, not '%s'", text);
+}
+
+int choose_precision(const char *verb, const char *text, nqm_precision *precision_ret) {
+    static const choice precisions[] = {
+        {"f32", NQM_PRECISION_F32}, {"bf16", NQM_PRECISION_BF16}, {"int8", NQM_PRECISION_INT8}, {0}};
+    int precision = 0;
+    int exit_code = choose(verb, "precision", precisions, text, &precision);
+    *precision_ret = (nqm_precision)precision;
+    return exit_code;
+}
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+json_t *model_json(const nqm_model *model, nqm_precision precision) {
+    nqm_model_info info = nqm_model_get_info(model);
+    json_t *json =
+        json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters);
+    if (precision != NQM_PRECISION_F32)
+        json_object_set_new(json, "precision", json_string(nqm_precision_name(precision)));
+    return json;
 }
