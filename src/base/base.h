@@ -26,6 +26,11 @@ nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes);
 void *nqm_alloc(size_t n, size_t size);
 /** Free a block of nqm_alloc(); NULL allowed. */
 void nqm_free(void *block);
+/** As nqm_alloc(), for large blocks that several threads fill: whole pages, large ones where the system has them, which are
+ *  cleared when they are first touched, each by the thread that does. Free with nqm_free_pages(). */
+void *nqm_alloc_pages(size_t n, size_t size);
+/** Free a block of nqm_alloc_pages(), with its n and size; NULL allowed. */
+void nqm_free_pages(void *block, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
 /** true and *product = a * b, or false on overflow. */

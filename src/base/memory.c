@@ -9,6 +9,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector register */
 
@@ -16,6 +17,10 @@ static _Atomic long countdown = -1;
 
 void nqm_alloc_fail_after(long n) {
     atomic_store(&countdown, n);
+}
+
+static bool told_to_fail(void) {
+    return atomic_load_explicit(&countdown, memory_order_relaxed) >= 0 && atomic_fetch_sub(&countdown, 1) == 0;
 }
 
 bool nqm_mul_size(size_t a, size_t b, size_t *product) {
@@ -26,7 +31,7 @@ void *nqm_alloc(size_t n, size_t size) {
     size_t n_bytes;
     if (!nqm_mul_size(n, size, &n_bytes) || n_bytes > SIZE_MAX - ALIGNMENT)
         return NULL;
-    if (atomic_load_explicit(&countdown, memory_order_relaxed) >= 0 && atomic_fetch_sub(&countdown, 1) == 0)
+    if (told_to_fail())
         return NULL;
     n_bytes = (n_bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     void *block = aligned_alloc(ALIGNMENT, n_bytes ? n_bytes : ALIGNMENT);
@@ -37,6 +42,30 @@ void *nqm_alloc(size_t n, size_t size) {
 
 void nqm_free(void *block) {
     free(block);
+}
+
+enum { MIN_PAGES = 1 << 20 }; /* bytes; below, a mapping of its own does not pay */
+
+void *nqm_alloc_pages(size_t n, size_t size) {
+    size_t n_bytes;
+    if (!nqm_mul_size(n, size, &n_bytes) || n_bytes < MIN_PAGES)
+        return nqm_alloc(n, size);
+    if (told_to_fail())
+        return NULL;
+    void *block = mmap(NULL, n_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (block == MAP_FAILED)
+        return NULL;
+#ifdef MADV_HUGEPAGE
+    (void)madvise(block, n_bytes, MADV_HUGEPAGE); /* without them it works as well */
+#endif
+    return block;
+}
+
+void nqm_free_pages(void *block, size_t n, size_t size) {
+    if (n * size < MIN_PAGES)
+        nqm_free(block);
+    else if (block)
+        munmap(block, n * size);
 }
 
 char *nqm_strdup(const char *text) {

@@ -45,6 +45,34 @@ typedef struct nqm_product {
     size_t lda, ldc;
 } nqm_product;
 
+/** The same for one row and neighbouring panels: c (n_panels, NQM_PANEL) = a B, or c + a B. How fast the panels come
+ *  bounds it: several of them at once keep enough sums going. */
+typedef struct nqm_row_product {
+    size_t units, n_panels;
+    size_t stride; /**< units of a column from one panel to the next */
+    bool add;
+    const void *a, *b;
+    void *c;
+} nqm_row_product;
+
+/** What a row of unsigned bytes stands for: (byte - zero) scale. */
+typedef struct nqm_byte_scale {
+    float scale;
+    int32_t zero; /**< 0..255 */
+} nqm_byte_scale;
+
+/** The smallest scale for numbers of [low, high], low <= 0 <= high. */
+static inline nqm_byte_scale nqm_byte_scale_of(float low, float high) {
+    const float scale = high > low ? (high - low) / 255 : 1;
+    return (nqm_byte_scale){scale, (int32_t)(-low / scale + 0.5f)};
+}
+
+/** What the columns of a panel of signed bytes stand for. */
+typedef struct nqm_byte_columns {
+    const float *scale; /**< (NQM_PANEL) a byte is worth this much */
+    const int32_t *sum; /**< (NQM_PANEL) of all bytes of the column */
+} nqm_byte_columns;
+
 #define NQM_LAYERNORM_EPS 1e-5f
 
 /** One row of a hidden layer behind its matrix product: xhat = normalise(x + bias), y = dropout(gelu(gamma xhat + beta)).
@@ -84,6 +112,8 @@ typedef struct nqm_kernels {
     void (*gemm)(const nqm_gemm *g);
     /** Rows times a panel. */
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
+    /** The same bits as `product` with m = 1. */
+    void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
     /** c (NQM_STRIP, NQM_PANEL) = strip^T panel, summed over `units` rows of both: a weight gradient. Strip: (units,
      *  NQM_STRIP), panel: (units, NQM_PANEL). NQM_PRECISION_F32 and _BF16 only; the last is NULL. */
     void (*gradient[NQM_PRECISION_COUNT])(size_t units, const void *strip, const void *panel, float *c);
@@ -96,6 +126,13 @@ typedef struct nqm_kernels {
     void (*gelu)(size_t n, const float *x, float *y, float *slope);
     /** n values t = log(cbrt(f_r) + 1) become those of s f_r, with k1 = cbrt(s) - 1, |k1| <= 0.018: within 3e-7 (1 + t). */
     void (*scale_log)(size_t n, float k1, const float *t, float *scaled);
+    /** x (n) as bfloat16 (nqm_units() units), to nearest, ties to even. */
+    void (*round_row)(size_t n, const float *x, uint32_t *units);
+    /** x (n) as unsigned bytes; returns what they stand for: 0 stands for itself. */
+    nqm_byte_scale (*quantise_row)(size_t n, const float *x, uint32_t *units);
+    /** c (m, NQM_PANEL) = what the integer sums (m, NQM_PANEL) of bytes stand for, or c + that; rows: (m). */
+    void (*dequantise)(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
+                       const int32_t *sums, float *c, size_t ldc);
     /** One step of Adam for n parameters; m, v: (n) the moments, zeros before the first step. */
     void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
 } nqm_kernels;

@@ -43,15 +43,22 @@ static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
     return panels->data + p * panels->stride * NQM_PANEL;
 }
 
-/** x (n) as a row of bfloat16: nqm_units() units. */
-void nqm_round_row(size_t n, const float *x, uint32_t *units);
-/** x (n) as a row of unsigned bytes, round(x / scale) + 128, with the smallest scale that holds all; returns it. */
-float nqm_quantise_row(size_t n, const float *x, uint32_t *units);
+/** What the bytes of panel p stand for. */
+static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_t p) {
+    return (nqm_byte_columns){panels->scale + p * NQM_PANEL, panels->sum + p * NQM_PANEL};
+}
+
+/** x (n) as a row of bfloat16: nqm_units() units; by the table in use. */
+static inline void nqm_round_row(size_t n, const float *x, uint32_t *units) {
+    nqm_kernels_get()->round_row(n, x, units);
+}
+/** x (n) as a row of unsigned bytes, with the smallest scale that holds all and 0; by the table in use. */
+static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t *units) {
+    return nqm_kernels_get()->quantise_row(n, x, units);
+}
 /** C = A B, or C + A B where A and B are what bytes stand for: c (n, rounded up to NQM_PANEL) from the integer sums of a
- *  row of nqm_quantise_row() with `scale`. */
-void nqm_dequantise_row(const nqm_panels *b, float scale, bool add, const int32_t *sums, float *c);
-/** The same for the columns of panel p: sums, c (NQM_PANEL). */
-void nqm_dequantise_panel(const nqm_panels *b, size_t p, float scale, bool add, const int32_t *sums, float *c);
+ *  row of nqm_quantise_row(). */
+void nqm_dequantise_row(const nqm_panels *b, nqm_byte_scale row, bool add, const int32_t *sums, float *c);
 
 /**
  * C (m, n) = A B, or C + A B, on all threads where that pays.

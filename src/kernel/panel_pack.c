@@ -3,10 +3,13 @@
  * Into panels, strips and rows, and back: rounding to bfloat16, to signed bytes with a scale for each column, to unsigned
  * bytes with a scale for each row.
  */
+#include "kernel/bf16.h"
 #include "kernel/panel.h"
 
 #include <math.h>
 #include <string.h>
+
+enum { MIN_PARALLEL = 65536 }; /* numbers; below, waking a thread costs more than it saves */
 
 static size_t ceil_div(size_t a, size_t b) {
     return (a + b - 1) / b;
@@ -14,14 +17,6 @@ static size_t ceil_div(size_t a, size_t b) {
 
 static size_t smaller(size_t a, size_t b) {
     return a < b ? a : b;
-}
-
-/* To nearest, ties to even; a NaN stays one. */
-static inline uint32_t bf16_bits(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    uint32_t rounded = (bits + 0x7fff + (bits >> 16 & 1)) >> 16;
-    return (bits & 0x7fffffff) > 0x7f800000 ? bits >> 16 | 0x40 : rounded;
 }
 
 static inline uint32_t float_bits(float x) {
@@ -35,7 +30,7 @@ nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_pa
     panels->stride = ceil_div(panels->units, NQM_STRIP) * NQM_STRIP;
     panels->n_panels = ceil_div(n, NQM_PANEL);
     bool bytes = precision == NQM_PRECISION_INT8;
-    panels->data = nqm_alloc(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
+    panels->data = nqm_alloc_pages(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
     panels->scale = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->scale) : NULL;
     panels->sum = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->sum) : NULL;
     if (panels->data && (!bytes || (panels->scale && panels->sum)))
@@ -45,7 +40,7 @@ nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_pa
 }
 
 void nqm_panels_free(nqm_panels *panels) {
-    nqm_free(panels->data);
+    nqm_free_pages(panels->data, panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
     nqm_free(panels->scale);
     nqm_free(panels->sum);
     *panels = (nqm_panels){0};
@@ -53,51 +48,80 @@ void nqm_panels_free(nqm_panels *panels) {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
-/* Column j of a panel from row j of w: x (k). */
-static void pack_f32(size_t k, const float *x, uint32_t *panel) {
-    for (size_t i = 0; i < k; ++i)
-        panel[i * NQM_PANEL] = float_bits(x[i]);
+enum { PACK_AT_ONCE = 64 }; /* numbers of a row: the lines that are written stay in the first cache for all rows */
+
+/* Panels are packed from `width` rows of w (width, k), some numbers of each row at a time. */
+static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
+    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
+        for (size_t j = 0; j < width; ++j)
+            for (size_t i = first; i < smaller(first + PACK_AT_ONCE, k); ++i)
+                panel[i * NQM_PANEL + j] = float_bits(w[j * ldw + i]);
 }
 
-static void pack_bf16(size_t k, const float *x, uint32_t *panel) {
-    for (size_t i = 0; i < k; ++i) {
-        uint32_t *unit = panel + i / 2 * NQM_PANEL, bits = bf16_bits(x[i]);
-        *unit = i % 2 ? *unit | bits << 16 : bits;
-    }
+static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    uint32_t units[PACK_AT_ONCE / 2];
+    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
+        for (size_t j = 0; j < width; ++j) {
+            const size_t n = smaller(k - first, PACK_AT_ONCE);
+            kernels->round_row(n, w + j * ldw + first, units);
+            for (size_t u = 0; u < nqm_units(NQM_PRECISION_BF16, n); ++u)
+                panel[(first / 2 + u) * NQM_PANEL + j] = units[u];
+        }
 }
 
 static float largest_magnitude(size_t n, const float *x) {
     float largest = 0;
+#pragma omp simd reduction(max : largest)
     for (size_t i = 0; i < n; ++i)
-        largest = fmaxf(largest, fabsf(x[i]));
+        largest = fabsf(x[i]) > largest ? fabsf(x[i]) : largest;
     return largest;
 }
 
-static void pack_int8(size_t k, const float *x, uint32_t *panel, float *scale_ret, int32_t *sum_ret) {
-    const float largest = largest_magnitude(k, x), scale = largest > 0 ? largest / 127 : 1;
-    int32_t sum = 0;
-    for (size_t i = 0; i < k; ++i) {
-        uint32_t *unit = panel + i / 4 * NQM_PANEL;
-        int32_t q = (int32_t)lrintf(x[i] / scale);
-        sum += q;
-        *unit = (i % 4 ? *unit : 0) | ((uint32_t)q & 255) << i % 4 * 8;
+/* x (n), at most PACK_AT_ONCE, as signed bytes; adds them to *sum. */
+static void signed_bytes(size_t n, const float *x, float per_unit, uint32_t *units, int32_t *sum) {
+    signed char bytes[PACK_AT_ONCE] = {0};
+    int32_t total = 0;
+#pragma omp simd reduction(+ : total)
+    for (size_t i = 0; i < n; ++i) {
+        int32_t q = (int32_t)(x[i] * per_unit + copysignf(0.5f, x[i])); /* to nearest */
+        total += q;
+        bytes[i] = (signed char)q;
     }
-    *scale_ret = scale;
-    *sum_ret = sum;
+    *sum += total;
+    memcpy(units, bytes, sizeof bytes);
+}
+
+static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel, float *scale, int32_t *sum) {
+    float per_unit[NQM_PANEL];
+    for (size_t j = 0; j < width; ++j) {
+        const float largest = largest_magnitude(k, w + j * ldw);
+        scale[j] = largest > 0 ? largest / 127 : 1;
+        per_unit[j] = 1 / scale[j];
+        sum[j] = 0;
+    }
+    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
+        for (size_t j = 0; j < width; ++j) {
+            uint32_t units[PACK_AT_ONCE / 4];
+            const size_t n = smaller(k - first, PACK_AT_ONCE);
+            signed_bytes(n, w + j * ldw + first, per_unit[j], units, &sum[j]);
+            for (size_t u = 0; u < nqm_units(NQM_PRECISION_INT8, n); ++u)
+                panel[(first / 4 + u) * NQM_PANEL + j] = units[u];
+        }
 }
 
 void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw) {
-#pragma omp parallel for schedule(static) if (panels->n_panels > 1)
-    for (size_t p = 0; p < panels->n_panels; ++p)
-        for (size_t j = p * NQM_PANEL; j < smaller((p + 1) * NQM_PANEL, panels->n); ++j) {
-            uint32_t *column = nqm_panel_at(panels, p) + j % NQM_PANEL;
-            if (panels->precision == NQM_PRECISION_F32)
-                pack_f32(panels->k, w + j * ldw, column);
-            else if (panels->precision == NQM_PRECISION_BF16)
-                pack_bf16(panels->k, w + j * ldw, column);
-            else
-                pack_int8(panels->k, w + j * ldw, column, &panels->scale[j], &panels->sum[j]);
-        }
+#pragma omp parallel for schedule(dynamic, 1) if (panels->n * panels->k > MIN_PARALLEL)
+    for (size_t p = 0; p < panels->n_panels; ++p) {
+        const size_t first = p * NQM_PANEL, width = smaller(panels->n - first, NQM_PANEL);
+        const float *rows = w + first * ldw;
+        if (panels->precision == NQM_PRECISION_F32)
+            pack_f32(width, panels->k, rows, ldw, nqm_panel_at(panels, p));
+        else if (panels->precision == NQM_PRECISION_BF16)
+            pack_bf16(width, panels->k, rows, ldw, nqm_panel_at(panels, p));
+        else
+            pack_int8(width, panels->k, rows, ldw, nqm_panel_at(panels, p), panels->scale + first, panels->sum + first);
+    }
 }
 
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
@@ -124,7 +148,7 @@ static void transpose_panel(const nqm_panels *from, nqm_panels *to, size_t first
         for (size_t i = 0; i < width; ++i) {
             float value;
             memcpy(&value, &column[i * NQM_PANEL], sizeof value);
-            units[i] = j % 2 ? units[i] | bf16_bits(value) << 16 : bf16_bits(value);
+            units[i] = j % 2 ? units[i] | nqm_bf16_bits(value) << 16 : nqm_bf16_bits(value);
         }
     }
 }
@@ -139,7 +163,7 @@ void nqm_round_tile(const float *tile, uint32_t *units) {
     for (size_t i = 0; i < NQM_STRIP; i += 2, tile += 2 * NQM_PANEL, units += NQM_PANEL)
 #pragma omp simd
         for (size_t j = 0; j < NQM_PANEL; ++j)
-            units[j] = bf16_bits(tile[j]) | bf16_bits(tile[j + NQM_PANEL]) << 16;
+            units[j] = nqm_bf16_bits(tile[j]) | nqm_bf16_bits(tile[j + NQM_PANEL]) << 16;
 }
 
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
@@ -152,35 +176,11 @@ void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
 
 /* ---- activations ------------------------------------------------------------------------------------------------- */
 
-void nqm_round_row(size_t n, const float *x, uint32_t *units) {
-#pragma omp simd
-    for (size_t i = 0; i < n / 2; ++i)
-        units[i] = bf16_bits(x[2 * i]) | bf16_bits(x[2 * i + 1]) << 16;
-    if (n % 2)
-        units[n / 2] = bf16_bits(x[n - 1]);
-}
-
-float nqm_quantise_row(size_t n, const float *x, uint32_t *units) {
-    const float largest = largest_magnitude(n, x), scale = largest > 0 ? largest / 127 : 1;
-    unsigned char *bytes = (unsigned char *)units;
-    const float per_unit = 1 / scale;
-    for (size_t i = 0; i < n; ++i)
-        bytes[i] = (unsigned char)(lrintf(x[i] * per_unit) + 128);
-    memset(bytes + n, 128, -n & 3); /* zeros, which the panels' zeros make harmless anyway */
-    return scale;
-}
-
-void nqm_dequantise_panel(const nqm_panels *b, size_t panel, float scale, bool add, const int32_t *sums, float *c) {
-    const float *scales = b->scale + panel * NQM_PANEL;
-    const int32_t *columns = b->sum + panel * NQM_PANEL;
-#pragma omp simd
-    for (size_t j = 0; j < NQM_PANEL; ++j)
-        c[j] = (add ? c[j] : 0) + scale * scales[j] * (float)(sums[j] - 128 * columns[j]);
-}
-
-void nqm_dequantise_row(const nqm_panels *b, float scale, bool add, const int32_t *sums, float *c) {
-    for (size_t p = 0; p < b->n_panels; ++p)
-        nqm_dequantise_panel(b, p, scale, add, sums + p * NQM_PANEL, c + p * NQM_PANEL);
+void nqm_dequantise_row(const nqm_panels *b, nqm_byte_scale row, bool add, const int32_t *sums, float *c) {
+    for (size_t p = 0; p < b->n_panels; ++p) {
+        const nqm_byte_columns columns = nqm_panel_columns(b, p);
+        nqm_kernels_get()->dequantise(1, &row, &columns, add, sums + p * NQM_PANEL, c + p * NQM_PANEL, 0);
+    }
 }
 
 enum { ROWS_AT_ONCE = 16 }; /* even */
@@ -201,7 +201,7 @@ static inline void pack_group_bf16(size_t width, size_t rows, size_t there, cons
         uint32_t *units = out + i / 2 * width;
 #pragma omp simd
         for (size_t j = 0; j < there; ++j)
-            units[j] = bf16_bits(even[j]) | (bf16_bits(odd[j]) << 16 & second);
+            units[j] = nqm_bf16_bits(even[j]) | (nqm_bf16_bits(odd[j]) << 16 & second);
         memset(units + there, 0, (width - there) * sizeof *units);
     }
 }

@@ -3,6 +3,7 @@
  * The kernels by their definition: plain loops in double, each result rounded once. Slow on purpose; every other table
  * is judged by this one.
  */
+#include "kernel/bf16.h"
 #include "kernel/kernel.h"
 
 #include <math.h>
@@ -84,6 +85,29 @@ static void product_int8(const nqm_product *p) {
         }
 }
 
+/* A row product as the products of its panels. */
+static void by_panels(const nqm_row_product *p, void (*product)(const nqm_product *)) {
+    for (size_t i = 0; i < p->n_panels; ++i)
+        product(&(nqm_product){.m = 1,
+                               .units = p->units,
+                               .add = p->add,
+                               .a = p->a,
+                               .b = (const uint32_t *)p->b + i * p->stride * NQM_PANEL,
+                               .c = (uint32_t *)p->c + i * NQM_PANEL});
+}
+
+static void row_product_f32(const nqm_row_product *p) {
+    by_panels(p, product_f32);
+}
+
+static void row_product_bf16(const nqm_row_product *p) {
+    by_panels(p, product_bf16);
+}
+
+static void row_product_int8(const nqm_row_product *p) {
+    by_panels(p, product_int8);
+}
+
 static void gradient(size_t units, const uint32_t *strip, const uint32_t *panel, unit_product product, float *c) {
     for (size_t i = 0; i < NQM_STRIP; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j)
@@ -120,6 +144,35 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
 static void scale_log(size_t n, float k1, const float *t, float *scaled) {
     for (size_t i = 0; i < n; ++i)
         scaled[i] = (float)log1p((1 + (double)k1) * expm1((double)t[i]));
+}
+
+static void round_row(size_t n, const float *x, uint32_t *units) {
+    for (size_t i = 0; i < n; i += 2)
+        units[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
+}
+
+static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
+    unsigned char *bytes = (unsigned char *)units;
+    float low = 0, high = 0;
+    for (size_t i = 0; i < n; ++i) {
+        low = fminf(low, x[i]);
+        high = fmaxf(high, x[i]);
+    }
+    const nqm_byte_scale by = nqm_byte_scale_of(low, high);
+    for (size_t i = 0; i < n; ++i)
+        bytes[i] = (unsigned char)fminf(rintf(x[i] * (1 / by.scale) + (float)by.zero), 255);
+    memset(bytes + n, 0, -n & 3);
+    return by;
+}
+
+static void dequantise(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
+                       const int32_t *sums, float *c, size_t ldc) {
+    for (size_t i = 0; i < m; ++i)
+        for (size_t j = 0; j < NQM_PANEL; ++j) {
+            double sum = (double)sums[i * NQM_PANEL + j] - (double)rows[i].zero * (double)columns->sum[j];
+            double before = add ? (double)c[i * ldc + j] : 0;
+            c[i * ldc + j] = (float)(before + (double)rows[i].scale * (double)columns->scale[j] * sum);
+        }
 }
 
 /* What is kept of element i, scaled; 0: dropped. */
@@ -185,10 +238,14 @@ const nqm_kernels nqm_kernels_scalar = {
     .name = "scalar",
     .gemm = gemm,
     .product = {product_f32, product_bf16, product_int8},
+    .row_product = {row_product_f32, row_product_bf16, row_product_int8},
     .gradient = {gradient_f32, gradient_bf16, NULL},
     .hidden_row = hidden_row,
     .hidden_row_back = hidden_row_back,
     .gelu = gelu,
+    .round_row = round_row,
+    .quantise_row = quantise_row,
+    .dequantise = dequantise,
     .scale_log = scale_log,
     .adam = adam,
 };

@@ -89,6 +89,8 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
                 TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);               \
             for (; i + FEW_ROWS <= p->m; i += FEW_ROWS)                                                                \
                 TILE(FEW_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                \
+            for (; i + 3 <= p->m; i += 3)                                                                              \
+                TILE(3, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
             for (; i < p->m; ++i)                                                                                      \
                 TILE(1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
         }                                                                                                              \
@@ -97,6 +99,36 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 DEFINE_PRODUCT(product_f32, tile_f32, float, float)
 DEFINE_PRODUCT(product_bf16, tile_bf16, uint32_t, float)
 DEFINE_PRODUCT(product_int8, tile_int8, uint32_t, int32_t)
+
+/* One row: ROW_PANELS panels side by side are eight registers of sums. */
+enum { PANEL_VECTORS = NQM_PANEL / LANES, ROW_PANELS = PANEL_VECTORS < 8 ? 8 / PANEL_VECTORS : 1 };
+
+#define DEFINE_ROW_PRODUCT(NAME, UNIT, VECTOR_B, NUMBER, VECTOR_C, MADD)                                               \
+    INLINE void NAME##_panels(size_t n, const nqm_row_product *p, const UNIT *restrict b, NUMBER *restrict c) {        \
+        const UNIT *restrict a = p->a;                                                                                 \
+        VECTOR_C sum[ROW_PANELS * PANEL_VECTORS];                                                                      \
+        UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) sum[i] =                                                 \
+            p->add ? *(const VECTOR_C *)(c + i * LANES) : (VECTOR_C){0};                                               \
+        for (size_t u = 0; u < p->units; ++u)                                                                          \
+            UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) {                                                    \
+                const UNIT *right = b + (i / PANEL_VECTORS * p->stride + u) * NQM_PANEL + i % PANEL_VECTORS * LANES;   \
+                sum[i] = MADD(sum[i], a[u], *(const VECTOR_B *)right);                                                 \
+            }                                                                                                          \
+        UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) * (VECTOR_C *)(c + i * LANES) = sum[i];                  \
+    }                                                                                                                  \
+    static void NAME(const nqm_row_product *p) {                                                                       \
+        const UNIT *b = p->b;                                                                                          \
+        NUMBER *c = p->c;                                                                                              \
+        size_t panel = 0;                                                                                              \
+        for (; panel + ROW_PANELS <= p->n_panels; panel += ROW_PANELS)                                                 \
+            NAME##_panels(ROW_PANELS, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);                    \
+        for (; panel < p->n_panels; ++panel)                                                                           \
+            NAME##_panels(1, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);                             \
+    }
+
+DEFINE_ROW_PRODUCT(row_product_f32, float, vector_f, float, vector_f, MADD_F32)
+DEFINE_ROW_PRODUCT(row_product_bf16, uint32_t, vector_u, float, vector_f, MADD_BF16)
+DEFINE_ROW_PRODUCT(row_product_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 
 #define DEFINE_GRADIENT(NAME, TILE, UNIT)                                                                              \
     static void NAME(size_t units, const void *strip, const void *panel, float *c) {                                   \

@@ -11,7 +11,8 @@
 
 nqm_input_groups nqm_model_input_groups(const struct nqm_model *model) {
     nqm_input_groups inputs = {.n_groups = model->layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
-                               .n_scalars = nqm_model_n_scalars(model)};
+                               .n_scalars = nqm_model_n_scalars(model),
+                               .test_itself = model->layout == NQM_LAYOUT_REF_TEST};
     for (size_t i = 0; i < inputs.n_groups; ++i)
         inputs.width[i] = 3 * model->n_directions;
     return inputs;
@@ -19,32 +20,59 @@ nqm_input_groups nqm_model_input_groups(const struct nqm_model *model) {
 
 /* ---- packing ----------------------------------------------------------------------------------------------------- */
 
-/* Inputs [from, from + n) of a layer become its next segment. */
-static nqm_status add_segment(nqm_inference_layer *layer, const nqm_layer *weights, size_t n_in, size_t from, size_t n,
+/* Some neighbouring inputs of a layer. */
+typedef struct range {
+    size_t from, n;
+} range;
+
+/* Those inputs become the layer's next segment; w (n_out, n), ldw numbers from row to row, are their weights. */
+static nqm_status add_segment(nqm_inference_layer *layer, const float *w, size_t ldw, range inputs,
                               nqm_precision precision, nqm_error *err) {
     nqm_segment *s = &layer->segment[layer->n_segments++];
-    nqm_status status = nqm_panels_create(precision, n, layer->n_out, &s->panel, err);
+    nqm_status status = nqm_panels_create(precision, inputs.n, layer->n_out, &s->panel, err);
     if (status != NQM_OK)
         return status;
-    s->from = from;
+    s->from = inputs.from;
     s->at = layer->rounded;
     if (precision != NQM_PRECISION_F32)
         layer->rounded += s->panel.units;
-    nqm_panels_pack(&s->panel, weights->w + from, n_in);
+    nqm_panels_pack(&s->panel, w, ldw);
     return NQM_OK;
+}
+
+/* W_ref ref + W_test test = (W_ref + W_test) ref + W_test (test - ref): a test that hardly differs from its reference is
+ * told apart by numbers that are rounded at their own, small, scale. */
+static nqm_status add_sum_of_groups(nqm_inference_layer *layer, const float *w, size_t ldw, size_t n,
+                                    nqm_precision precision, nqm_error *err) {
+    float *sum = nqm_alloc(layer->n_out, n * sizeof *sum);
+    if (!sum)
+        return nqm_fail_nomem(err, layer->n_out * n * sizeof *sum);
+    for (size_t j = 0; j < layer->n_out; ++j)
+        for (size_t i = 0; i < n; ++i)
+            sum[j * n + i] = w[j * ldw + i] + w[j * ldw + n + i];
+    nqm_status status = add_segment(layer, sum, n, (range){0, n}, precision, err);
+    layer->differences = true;
+    nqm_free(sum);
+    return status;
 }
 
 static nqm_status add_first_layer(nqm_inference_layer *layer, const nqm_params *params, const nqm_input_groups *inputs,
                                   nqm_precision precision, nqm_error *err) {
     const size_t n_in = params->shape.sizes[0];
-    size_t from = 0;
+    const float *w = params->layer[0].w;
+    range next = {0};
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; ++i) {
-        status = add_segment(layer, &params->layer[0], n_in, from, inputs->width[i], precision, err);
-        from += inputs->width[i];
+        next.n = inputs->width[i];
+        if (i == 0 && inputs->test_itself && precision != NQM_PRECISION_F32)
+            status = add_sum_of_groups(layer, w, n_in, next.n, precision, err);
+        else
+            status = add_segment(layer, w + next.from, n_in, next, precision, err);
+        next.from += next.n;
     }
-    if (status == NQM_OK && inputs->n_scalars)
-        status = add_segment(layer, &params->layer[0], n_in, from, inputs->n_scalars, NQM_PRECISION_F32, err);
+    next.n = inputs->n_scalars;
+    if (status == NQM_OK && next.n)
+        status = add_segment(layer, w + next.from, n_in, next, NQM_PRECISION_F32, err);
     return status;
 }
 
@@ -60,7 +88,7 @@ static nqm_status pack(nqm_inference_net *net, const nqm_params *params, const n
         if (l == 0)
             status = add_first_layer(&net->layer[l], params, inputs, precision, err);
         else
-            status = add_segment(&net->layer[l], from, shape->sizes[l], 0, shape->sizes[l],
+            status = add_segment(&net->layer[l], from->w, shape->sizes[l], (range){0, shape->sizes[l]},
                                  from->gamma ? precision : NQM_PRECISION_F32, err);
     }
     return status;

@@ -19,6 +19,7 @@ enum { NQM_MAX_INPUT_GROUPS = 3 };
 typedef struct nqm_input_groups {
     size_t n_groups, width[NQM_MAX_INPUT_GROUPS];
     size_t n_scalars; /**< never rounded: few, and of wide range */
+    bool test_itself; /**< the second group holds the test, not how it differs from the reference */
 } nqm_input_groups;
 
 /** Those of a model. */

@@ -20,6 +20,7 @@ typedef struct nqm_segment {
 /** A layer: the sum over its segments, and what follows. */
 typedef struct nqm_inference_layer {
     size_t n_out, n_segments;
+    bool differences; /**< the second segment wants its inputs less those of the first */
     nqm_segment segment[NQM_MAX_SEGMENTS];
     size_t rounded;            /**< units of a row of all segments that are not float */
     const float *bias;         /**< (n_out) */

@@ -119,8 +119,8 @@ static void products_of_every_table(void **state) {
 /* By hand, so that the definition itself is not taken on trust: x w^T with the rounding of each precision. */
 static void the_definition_by_hand(void **state) {
     (void)state;
-    const float x[] = {1, -2, 0.5f, 127}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
-    const double expected[] = {3 - 2 - 2 + 127.0 * 127, 0.25 + 63.5 - 127.0 * 127};
+    const float x[] = {1, -2, 0.25f, 253}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
+    const double expected[] = {3 - 2 - 1 + 253.0 * 127, 0.25 + 31.75 - 253.0 * 127};
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
         nqm_panels b;
         uint32_t a[4];
@@ -130,12 +130,12 @@ static void the_definition_by_hand(void **state) {
         nqm_panels_pack(&b, w, 4);
         nqm_kernels_use(&nqm_kernels_scalar);
         if (precision == NQM_PRECISION_INT8) {
-            float scale = nqm_quantise_row(4, x, a);
-            assert_true(scale == 1 && b.scale[0] == 1 && b.scale[1] == 1);
+            nqm_byte_scale by = nqm_quantise_row(4, x, a);
+            assert_true(by.scale == 1 && by.zero == 2 && b.scale[0] == 1 && b.scale[1] == 1);
             nqm_multiply(&b, 1, a, 4, false, sums, NQM_PANEL);
-            nqm_dequantise_row(&b, scale, true, sums, c);
-            /* 0.5 and 0.25 become 0 */
-            assert_true(c[0] == 3 - 2 + 127 * 127 && c[1] == -127 * 127);
+            nqm_dequantise_row(&b, by, true, sums, c);
+            /* 0.25 becomes 0 */
+            assert_true(c[0] == 3 - 2 + 253 * 127 && c[1] == -253 * 127);
         } else {
             memcpy(a, x, sizeof x);
             if (precision == NQM_PRECISION_BF16)

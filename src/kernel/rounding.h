@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * rounding.h - rows of factors as bfloat16 and as bytes, and sums of bytes back to float, for one instruction set: loops
+ * that a compiler vectorises, included by rows.h. Every instruction set gives the same bits.
+ */
+#include "kernel/bf16.h"
+#include "kernel/kernel.h"
+
+#include <string.h>
+
+static void round_row(size_t n, const float *x, uint32_t *units) {
+#pragma omp simd
+    for (size_t i = 0; i < n / 2; ++i)
+        units[i] = nqm_bf16_bits(x[2 * i]) | nqm_bf16_bits(x[2 * i + 1]) << 16;
+    if (n % 2)
+        units[n / 2] = nqm_bf16_bits(x[n - 1]);
+}
+
+/* The range of the bytes is that of x and 0, so that 0 stands for itself. */
+static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
+    const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */
+    float low = 0, high = 0;
+#pragma omp simd reduction(min : low) reduction(max : high)
+    for (size_t i = 0; i < n; ++i) {
+        low = x[i] < low ? x[i] : low;
+        high = x[i] > high ? x[i] : high;
+    }
+    const nqm_byte_scale by = nqm_byte_scale_of(low, high);
+    const float per_unit = 1 / by.scale, zero = (float)by.zero;
+    unsigned char *bytes = (unsigned char *)units;
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        float byte = x[i] * per_unit + zero;
+        float shifted = (byte < 255.0f ? byte : 255.0f) + round_magic;
+        uint32_t bits;
+        memcpy(&bits, &shifted, sizeof bits);
+        bytes[i] = (unsigned char)bits;
+    }
+    memset(bytes + n, 0, -n & 3); /* the panels hold zeros there */
+    return by;
+}
+
+static void dequantise(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
+                       const int32_t *sums, float *c, size_t ldc) {
+    const float *scale = columns->scale;
+    const int32_t *sum = columns->sum;
+    for (size_t i = 0; i < m; ++i, sums += NQM_PANEL, c += ldc) {
+        const float row_scale = rows[i].scale;
+        const int32_t zero = rows[i].zero;
+        for (size_t j = 0; !add && j < NQM_PANEL; ++j)
+            c[j] = 0;
+#pragma omp simd
+        for (size_t j = 0; j < NQM_PANEL; ++j)
+            c[j] += row_scale * scale[j] * (float)(sums[j] - zero * sum[j]);
+    }
+}
