@@ -27,7 +27,8 @@ typedef struct job {
     size_t m, n, k;
     float *x, *w, *c;       /* A or its transpose, B or its transpose, row-major; C */
     nqm_panels panels;      /* B; the gradient */
-    uint32_t *rows;         /* A in units */
+    uint32_t *rows;         /* A in units; of a weight gradient its transpose, and */
+    uint32_t *rows_right;   /* B, both where they are rounded */
     uint32_t *left, *right; /* packed columns, of a weight gradient */
     nqm_library_product *library;
 } job;
@@ -57,8 +58,11 @@ static void run_gradient(void *user) {
 
 static void run_packed_gradient(void *user) {
     job *j = user;
-    nqm_pack_columns(j->precision, NQM_STRIP, j->k, j->m, j->x, j->m, j->left);
-    nqm_pack_columns(j->precision, NQM_PANEL, j->k, j->n, j->w, j->n, j->right);
+    const bool rounded = j->precision == NQM_PRECISION_BF16;
+    const size_t units_m = nqm_units(j->precision, j->m), units_n = nqm_units(j->precision, j->n);
+    nqm_pack_columns(j->precision, NQM_STRIP, j->k, j->m, rounded ? (const void *)j->rows : j->x, units_m, j->left);
+    nqm_pack_columns(j->precision, NQM_PANEL, j->k, j->n, rounded ? (const void *)j->rows_right : j->w, units_n,
+                     j->right);
     run_gradient(j);
 }
 
@@ -108,10 +112,20 @@ static void free_job(job *j) {
     nqm_free(j->w);
     nqm_free(j->c);
     nqm_free(j->rows);
+    nqm_free(j->rows_right);
     nqm_free(j->left);
     nqm_free(j->right);
     nqm_panels_free(&j->panels);
     nqm_library_product_free(j->library);
+}
+
+/* The factors of a weight gradient as training has them: it rounds them once, for all products. */
+static void round_factors(const job *j) {
+    const size_t units_m = nqm_units(j->precision, j->m), units_n = nqm_units(j->precision, j->n);
+    for (size_t i = 0; i < j->k; ++i) {
+        nqm_round_row(j->m, j->x + i * j->m, j->rows + i * units_m);
+        nqm_round_row(j->n, j->w + i * j->n, j->rows_right + i * units_n);
+    }
 }
 
 static nqm_status make_job(job *j, nqm_error *err) {
@@ -130,15 +144,19 @@ static nqm_status make_job(job *j, nqm_error *err) {
         const size_t units = nqm_units(j->precision, j->k);
         j->left = nqm_alloc((j->m + NQM_STRIP) * units, sizeof *j->left);
         j->right = nqm_alloc(padded(j->n) * units, sizeof *j->right);
+        j->rows = nqm_alloc(j->m * j->k, sizeof *j->rows);
+        j->rows_right = nqm_alloc(j->n * j->k, sizeof *j->rows_right);
     } else
         j->rows = nqm_alloc(j->m * nqm_row_stride(j->panels.units), sizeof *j->rows);
-    if (!j->x || !j->w || !j->c || (gradient ? !j->left || !j->right : !j->rows))
+    if (!j->x || !j->w || !j->c || !j->rows || (gradient && (!j->left || !j->right || !j->rows_right)))
         return nqm_fail_nomem(err, (j->m + j->n) * j->k * sizeof *j->x);
     fill_random(j->m * j->k, j->x, 1);
     fill_random(j->n * j->k, j->w, 2);
-    if (gradient)
+    if (gradient) {
+        if (j->precision == NQM_PRECISION_BF16)
+            round_factors(j);
         run_packed_gradient(j);
-    else {
+    } else {
         nqm_panels_pack(&j->panels, j->w, j->k);
         fill_rows(j);
     }

@@ -36,8 +36,6 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to);
 /** `to` (NQM_PRECISION_BF16) becomes `from` (NQM_PRECISION_F32) rounded. */
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to);
-/** The same for one tile (NQM_STRIP, NQM_PANEL) of numbers: NQM_STRIP / 2 rows of NQM_PANEL units. */
-void nqm_round_tile(const float *tile, uint32_t *units);
 /** Panel p. */
 static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
     return panels->data + p * panels->stride * NQM_PANEL;
@@ -74,9 +72,12 @@ static inline size_t nqm_row_stride(size_t n) {
     return (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL + 16;
 }
 
-/** Columns of x (m, n), ldx numbers from row to row, in groups of `width` (NQM_STRIP or NQM_PANEL): out (ceil(n / width),
- *  nqm_units(precision, m), width) units. NQM_PRECISION_F32 and _BF16; works on all threads. */
-void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const float *x, size_t ldx,
+/** Columns of x in groups of `width` (NQM_STRIP or NQM_PANEL): out (ceil(n / width), nqm_units(precision, m), width) units.
+ *  NQM_PRECISION_F32 and _BF16; works on all threads.
+ *
+ *  @param x  (m, n) row-major in units, ldx units from row to row: floats, or rows of nqm_round_row()
+ */
+void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const void *x, size_t ldx,
                       uint32_t *out);
 
 /** Takes a finished tile (NQM_STRIP, NQM_PANEL) of a gradient: rows from NQM_STRIP strip on, columns from NQM_PANEL panel

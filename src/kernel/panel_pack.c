@@ -132,46 +132,50 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
     }
 }
 
-/* Rows [first, first + NQM_PANEL) of `from` are panel first / NQM_PANEL of `to`. */
-static void transpose_panel(const nqm_panels *from, nqm_panels *to, size_t first) {
-    uint32_t *panel = nqm_panel_at(to, first / NQM_PANEL);
-    const size_t width = smaller(to->n - first, NQM_PANEL);
-    const size_t per_unit = to->precision == NQM_PRECISION_BF16 ? 2 : 1;
-    for (size_t j = 0; j < from->n; ++j) {
-        const uint32_t *column = nqm_panel_at(from, j / NQM_PANEL) + first * NQM_PANEL + j % NQM_PANEL;
-        uint32_t *units = panel + j / per_unit * NQM_PANEL;
-        if (per_unit == 1) {
-            for (size_t i = 0; i < width; ++i)
-                units[i] = column[i * NQM_PANEL];
-            continue;
-        }
-        for (size_t i = 0; i < width; ++i) {
-            float value;
-            memcpy(&value, &column[i * NQM_PANEL], sizeof value);
-            units[i] = j % 2 ? units[i] | nqm_bf16_bits(value) << 16 : nqm_bf16_bits(value);
-        }
+/* Four rows of four units, ld units apart, transposed. */
+static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
+    typedef uint32_t four __attribute__((vector_size(16), aligned(4), may_alias));
+    const four a = *(const four *)from, b = *(const four *)(from + ld_from), c = *(const four *)(from + 2 * ld_from),
+               d = *(const four *)(from + 3 * ld_from);
+    const four ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const four cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    *(four *)to = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+    *(four *)(to + ld_to) = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+    *(four *)(to + 2 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+    *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+}
+
+/* NQM_PANEL rows of `from`, from `first` on, in its panel j: rows of `to` in the panel that they make. Both are filled up
+ * with zeros, so that whole blocks can be moved, but for the rows of `from` beyond its last strip. */
+static void transpose_block(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
+    const uint32_t *rows = nqm_panel_at(from, j) + first * NQM_PANEL;
+    const size_t n_rows = smaller(from->stride - first, NQM_PANEL), n_units = NQM_PANEL >> to->precision;
+    uint32_t *units = nqm_panel_at(to, first / NQM_PANEL) + j * n_units * NQM_PANEL, rounded[NQM_PANEL * NQM_PANEL];
+    if (to->precision == NQM_PRECISION_BF16) {
+        for (size_t i = 0; i < n_rows; ++i)
+            nqm_round_row(NQM_PANEL, (const float *)rows + i * NQM_PANEL, rounded + i * NQM_PANEL);
+        rows = rounded;
     }
+    const size_t last = smaller(to->stride - j * n_units, n_units); /* n_units, NQM_STRIP are multiples of 4 */
+    for (size_t u = 0; u < last; u += 4)
+        for (size_t i = 0; i < n_rows; i += 4)
+            transpose_4x4(rows + i * NQM_PANEL + u, NQM_PANEL, units + u * NQM_PANEL + i, NQM_PANEL);
 }
 
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to) {
-#pragma omp parallel for schedule(static) if (to->n_panels > 1)
+#pragma omp parallel for schedule(dynamic, 1) if (to->n_panels > 1)
     for (size_t p = 0; p < to->n_panels; ++p)
-        transpose_panel(from, to, p * NQM_PANEL);
-}
-
-void nqm_round_tile(const float *tile, uint32_t *units) {
-    for (size_t i = 0; i < NQM_STRIP; i += 2, tile += 2 * NQM_PANEL, units += NQM_PANEL)
-#pragma omp simd
-        for (size_t j = 0; j < NQM_PANEL; ++j)
-            units[j] = nqm_bf16_bits(tile[j]) | nqm_bf16_bits(tile[j + NQM_PANEL]) << 16;
+        for (size_t j = 0; j < from->n_panels; ++j)
+            transpose_block(from, to, p * NQM_PANEL, j);
 }
 
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
+    const nqm_kernels *kernels = nqm_kernels_get();
 #pragma omp parallel for schedule(static) if (from->n_panels > 1)
     for (size_t p = 0; p < from->n_panels; ++p)
         for (size_t i = 0; i < from->stride; i += NQM_STRIP)
-            nqm_round_tile((const float *)nqm_panel_at(from, p) + i * NQM_PANEL,
-                           nqm_panel_at(to, p) + i / 2 * NQM_PANEL);
+            kernels->round_tile((const float *)nqm_panel_at(from, p) + i * NQM_PANEL,
+                                nqm_panel_at(to, p) + i / 2 * NQM_PANEL);
 }
 
 /* ---- activations ------------------------------------------------------------------------------------------------- */
@@ -185,7 +189,7 @@ void nqm_dequantise_row(const nqm_panels *b, nqm_byte_scale row, bool add, const
 
 enum { ROWS_AT_ONCE = 16 }; /* even */
 
-/* Rows [row, row + rows) of one group of columns; `width` is a constant where this is inlined. */
+/* Some rows of one group of columns; `width` is a constant where this is inlined. */
 static inline void pack_group_f32(size_t width, size_t rows, size_t there, const float *x, size_t ldx, uint32_t *out) {
     for (size_t i = 0; i < rows; ++i) {
         memcpy(out + i * width, x + i * ldx, there * sizeof *x);
@@ -193,42 +197,49 @@ static inline void pack_group_f32(size_t width, size_t rows, size_t there, const
     }
 }
 
-static inline void pack_group_bf16(size_t width, size_t rows, size_t there, const float *x, size_t ldx, uint32_t *out) {
+/* Rows of bfloat16 hold neighbours in a row; here a unit holds neighbours in a column. */
+static inline void pack_group_bf16(size_t width, size_t rows, size_t there, const uint16_t *x, size_t ldx,
+                                   uint32_t *out) {
     for (size_t i = 0; i < rows; i += 2) {
         const bool alone = i + 1 == rows;
-        const float *even = x + i * ldx, *odd = even + (alone ? 0 : ldx);
+        const uint16_t *even = x + i * ldx, *odd = even + (alone ? 0 : ldx);
         const uint32_t second = alone ? 0 : 0xffffffffu;
         uint32_t *units = out + i / 2 * width;
 #pragma omp simd
         for (size_t j = 0; j < there; ++j)
-            units[j] = nqm_bf16_bits(even[j]) | (nqm_bf16_bits(odd[j]) << 16 & second);
+            units[j] = even[j] | ((uint32_t)odd[j] << 16 & second);
         memset(units + there, 0, (width - there) * sizeof *units);
     }
 }
 
+/* Rows of all groups; ldx in numbers of the precision. */
 static inline void pack_rows(nqm_precision precision, size_t width, size_t rows, size_t n, size_t group_units,
-                             const float *x, size_t ldx, uint32_t *out) {
-    for (size_t first = 0; first < n; first += width, out += group_units * width)
-        if (precision == NQM_PRECISION_BF16)
-            pack_group_bf16(width, rows, smaller(n - first, width), x + first, ldx, out);
-        else if (n - first >= width)
-            pack_group_f32(width, rows, width, x + first, ldx, out);
+                             const void *x, size_t ldx, uint32_t *out) {
+    for (size_t first = 0; first < n; first += width, out += group_units * width) {
+        const size_t there = smaller(n - first, width);
+        if (precision == NQM_PRECISION_BF16 && there == width)
+            pack_group_bf16(width, rows, width, (const uint16_t *)x + first, ldx, out);
+        else if (precision == NQM_PRECISION_BF16)
+            pack_group_bf16(width, rows, there, (const uint16_t *)x + first, ldx, out);
+        else if (there == width)
+            pack_group_f32(width, rows, width, (const float *)x + first, ldx, out);
         else
-            pack_group_f32(width, rows, n - first, x + first, ldx, out);
+            pack_group_f32(width, rows, there, (const float *)x + first, ldx, out);
+    }
 }
 
-void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const float *x, size_t ldx,
+void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const void *x, size_t ldx,
                       uint32_t *out) {
     const size_t units = nqm_units(precision, m);
     /* Some rows at a time, all the way across: they are read in order, and what is written stays a few lines a group. */
-#pragma omp parallel for schedule(static) if (m * n > 65536)
+#pragma omp parallel for schedule(static) if (m * n > MIN_PARALLEL)
     for (size_t row = 0; row < m; row += ROWS_AT_ONCE) {
         const size_t rows = smaller(m - row, ROWS_AT_ONCE);
-        const float *from = x + row * ldx;
+        const uint32_t *from = (const uint32_t *)x + row * ldx;
         uint32_t *to = out + (row >> precision) * width;
         if (width == NQM_STRIP)
-            pack_rows(precision, NQM_STRIP, rows, n, units, from, ldx, to);
+            pack_rows(precision, NQM_STRIP, rows, n, units, from, ldx << precision, to);
         else
-            pack_rows(precision, NQM_PANEL, rows, n, units, from, ldx, to);
+            pack_rows(precision, NQM_PANEL, rows, n, units, from, ldx << precision, to);
     }
 }

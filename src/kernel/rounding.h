@@ -16,6 +16,14 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
         units[n / 2] = nqm_bf16_bits(x[n - 1]);
 }
 
+static void round_tile(const float *x, uint32_t *units) {
+    for (size_t i = 0; i < NQM_STRIP / 2; ++i)
+#pragma omp simd
+        for (size_t j = 0; j < NQM_PANEL; ++j)
+            units[i * NQM_PANEL + j] =
+                nqm_bf16_bits(x[2 * i * NQM_PANEL + j]) | nqm_bf16_bits(x[(2 * i + 1) * NQM_PANEL + j]) << 16;
+}
+
 /* The range of the bytes is that of x and 0, so that 0 stands for itself. */
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
     const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */

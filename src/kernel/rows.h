@@ -242,6 +242,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .hidden_row_back = hidden_row_back,                                                                            \
         .gelu = gelu,                                                                                                  \
         .round_row = round_row,                                                                                        \
+        .round_tile = round_tile,                                                                                      \
         .quantise_row = quantise_row,                                                                                  \
         .dequantise = dequantise,                                                                                      \
         .scale_log = scale_log,                                                                                        \

@@ -151,6 +151,14 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
         units[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
 }
 
+static void round_tile(const float *x, uint32_t *units) {
+    for (size_t i = 0; i < NQM_STRIP; ++i)
+        for (size_t j = 0; j < NQM_PANEL; ++j) {
+            uint32_t *unit = &units[i / 2 * NQM_PANEL + j], bits = nqm_bf16_bits(x[i * NQM_PANEL + j]);
+            *unit = i % 2 ? *unit | bits << 16 : bits;
+        }
+}
+
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
     unsigned char *bytes = (unsigned char *)units;
     float low = 0, high = 0;
@@ -244,6 +252,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .hidden_row_back = hidden_row_back,
     .gelu = gelu,
     .round_row = round_row,
+    .round_tile = round_tile,
     .quantise_row = quantise_row,
     .dequantise = dequantise,
     .scale_log = scale_log,

@@ -18,16 +18,23 @@ typedef struct sink {
     const nqm_layer *out; /* store here instead of stepping; NULL: step */
 } sink;
 
+/* A layer's input, and the gradient of its product, in the precision of products. */
+typedef struct factors {
+    const void *x, *dz;
+    size_t ldx;
+} factors;
+
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
 static void step_tile(void *user, size_t strip, size_t panel, const float *tile) {
     const sink *s = user;
     nqm_layer_values *value = &s->layer->value;
     const size_t at = (panel * value->w.stride + strip * NQM_STRIP) * NQM_PANEL;
-    float *w = (float *)value->w.data + at;
-    nqm_adam_update(TILE, &s->rate, tile, (float *)s->layer->m.w.data + at, (float *)s->layer->v.w.data + at, w);
+    float *w = (float *)value->w.data + at, *m = (float *)s->layer->m.w.data + at,
+          *v = (float *)s->layer->v.w.data + at;
+    nqm_adam_update(TILE, &s->rate, tile, m, v, w);
     if (s->layer->rounded.data)
-        nqm_round_tile(w, nqm_panel_at(&s->layer->rounded, panel) + strip * NQM_STRIP / 2 * NQM_PANEL);
+        nqm_kernels_get()->round_tile(w, nqm_panel_at(&s->layer->rounded, panel) + strip * NQM_STRIP / 2 * NQM_PANEL);
 }
 
 static void store_tile(void *user, size_t strip, size_t panel, const float *tile) {
@@ -50,11 +57,10 @@ static void weight_gradient(nqm_trainer *t, sink *s, size_t batch) {
                                      .user = s});
 }
 
-static void pack(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *x, size_t ldx,
-                 const float *dz) {
+static void pack(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const factors *f) {
     const nqm_precision precision = t->options.precision;
-    nqm_pack_columns(precision, NQM_STRIP, batch, layer->in, x, ldx, t->strips);
-    nqm_pack_columns(precision, NQM_PANEL, batch, layer->out, dz, layer->ld, t->panels);
+    nqm_pack_columns(precision, NQM_STRIP, batch, layer->in, f->x, f->ldx, t->strips);
+    nqm_pack_columns(precision, NQM_PANEL, batch, layer->out, f->dz, layer->ld, t->panels);
 }
 
 /* ---- bias and LayerNorm ------------------------------------------------------------------------------------------ */
@@ -104,21 +110,11 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
-static void round_dz(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *dz) {
+static const void *round_dz(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *dz) {
 #pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
     for (size_t row = 0; row < batch; ++row)
         nqm_round_row(layer->out, dz + row * layer->ld, t->rounded_dz + row * layer->ld);
-}
-
-/* dx (batch, ldx) = dz w. */
-static void input_gradient(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *dz, float *dx,
-                           size_t ldx) {
-    const void *left = dz;
-    if (t->rounded_dz) {
-        round_dz(t, layer, batch, dz);
-        left = t->rounded_dz;
-    }
-    nqm_multiply(&layer->backward, batch, left, layer->ld, false, dx, ldx);
+    return t->rounded_dz;
 }
 
 /* dz as the gradient of the output layer, whose bias' gradient is their sum. */
@@ -154,27 +150,36 @@ static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
     return s;
 }
 
-/* Layer l: dz is the gradient of its product. Returns that of the product below. */
+static factors factors_of(nqm_trainer *t, size_t l, size_t batch, const float *dz) {
+    const nqm_trainer_layer *below = l > 0 ? &t->layer[l - 1] : NULL;
+    const bool rounded = t->options.precision == NQM_PRECISION_BF16;
+    factors f = {.x = below ? below->y : t->x, .dz = dz, .ldx = below ? below->ld : t->ld_input};
+    if (rounded) {
+        f.x = below ? below->rounded_y : t->rounded_x;
+        f.dz = round_dz(t, &t->layer[l], batch, dz);
+    }
+    return f;
+}
+
+/* Layer l: dz is the gradient of its product. The gradient of its input takes the place of that input. Returns the gradient
+ * of the product below. */
 static const float *layer_back(nqm_trainer *t, const way_back *way, size_t l, const float *dz) {
     const size_t batch = way->batch;
     sink s = sink_of(t, way, l);
-    if (l == 0) {
-        pack(t, s.layer, batch, t->x, t->ld_input, dz);
-        if (way->dx) {
-            input_gradient(t, s.layer, batch, dz, t->x, t->ld_input);
-            for (size_t i = 0; i < batch; ++i)
-                memcpy(way->dx + i * s.layer->in, t->x + i * t->ld_input, s.layer->in * sizeof *way->dx);
-        }
-        weight_gradient(t, &s, batch);
-        return NULL;
-    }
-    nqm_trainer_layer *below = &t->layer[l - 1];
-    pack(t, s.layer, batch, below->y, below->ld, dz);
-    input_gradient(t, s.layer, batch, dz, below->y, below->ld); /* by the weights before their step */
+    nqm_trainer_layer *layer = s.layer;
+    const factors f = factors_of(t, l, batch, dz);
+    pack(t, layer, batch, &f);
+    if (l > 0 || way->dx) /* by the weights before their step */
+        nqm_multiply(&layer->backward, batch, f.dz, layer->ld, false, l > 0 ? t->layer[l - 1].y : t->x, f.ldx);
     weight_gradient(t, &s, batch);
-    const sink s_below = sink_of(t, way, l - 1);
-    hidden_back(t, &s_below, l - 1, batch);
-    return below->y;
+    if (l > 0) {
+        const sink s_below = sink_of(t, way, l - 1);
+        hidden_back(t, &s_below, l - 1, batch);
+        return t->layer[l - 1].y;
+    }
+    for (size_t i = 0; way->dx && i < batch; ++i)
+        memcpy(way->dx + i * layer->in, t->x + i * t->ld_input, layer->in * sizeof *way->dx);
+    return NULL;
 }
 
 static void go_back(nqm_trainer *t, const way_back *way) {

@@ -246,14 +246,28 @@ static void collect(void *user, size_t strip, size_t panel, const float *tile) {
                NQM_PANEL * sizeof *tile);
 }
 
+/* (m, n) units apart by n. */
+static uint32_t *rows_of(nqm_precision precision, size_t m, size_t n, const float *x) {
+    uint32_t *rows = nqm_alloc(m * n, sizeof *rows);
+    for (size_t i = 0; i < m; ++i)
+        if (precision == NQM_PRECISION_BF16)
+            nqm_round_row(n, x + i * n, rows + i * n);
+        else
+            memcpy(rows + i * n, x + i * n, n * sizeof *x);
+    return rows;
+}
+
 static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, const size_t size[3], const float *x,
                           const float *z) {
     const size_t m = size[0], k = size[1], n = size[2], units = nqm_units(precision, m);
     const size_t n_strips = (k + NQM_STRIP - 1) / NQM_STRIP, n_panels = (n + NQM_PANEL - 1) / NQM_PANEL;
     uint32_t *strips = nqm_alloc(n_strips * units, NQM_STRIP * sizeof *strips);
     uint32_t *panels = nqm_alloc(n_panels * units, NQM_PANEL * sizeof *panels);
-    nqm_pack_columns(precision, NQM_STRIP, m, k, x, k, strips);
-    nqm_pack_columns(precision, NQM_PANEL, m, n, z, n, panels);
+    uint32_t *rows_x = rows_of(precision, m, k, x), *rows_z = rows_of(precision, m, n, z);
+    nqm_pack_columns(precision, NQM_STRIP, m, k, rows_x, k, strips);
+    nqm_pack_columns(precision, NQM_PANEL, m, n, rows_z, n, panels);
+    nqm_free(rows_x);
+    nqm_free(rows_z);
     collected all = {.ld = n_panels * NQM_PANEL, .n_panels = n_panels};
     all.c = nqm_alloc(n_strips * NQM_STRIP * all.ld, sizeof *all.c);
     all.seen = nqm_alloc(n_strips * n_panels, 1);
