@@ -126,8 +126,8 @@ static void descend(learner *l) {
     float shorten = (float)(1 / fmax(1, sqrt(square)));
     for (size_t i = 0; i < l->hyper.n; ++i)
         gradient[i] *= shorten;
-    nqm_adam_rate rate = {.step = l->step + 1};
-    rate.lr = peak_rate * fmin(1, t / warm_up) * 0.5 * (1 + cos(NQM_PI * t / (double)l->n_steps));
+    const double lr = peak_rate * fmin(1, t / warm_up) * 0.5 * (1 + cos(NQM_PI * t / (double)l->n_steps));
+    const nqm_adam_rate rate = nqm_adam_rate_at(lr, 0, l->step + 1);
     nqm_adam_update(l->hyper.n, &rate, gradient, l->moments[0], l->moments[1], l->hyper.block);
 }
 

@@ -155,8 +155,8 @@ static nqm_status train(course *c, learner *l, size_t last) {
             return nqm_fail(c->err, NQM_ERR_CANCELLED, -1, "the training of a network was cancelled");
         nqm_nbrdf_batch batch = batch_at(c->train, l->n_steps % c->train->n_batches);
         nqm_nbrdf_loss(l->weights, &batch, gradient);
-        nqm_adam_rate rate = {.step = ++l->n_steps};
-        rate.lr = learning_rate * 0.5 * (1 + cos(NQM_PI * (double)(l->n_steps - 1) / (double)c->n_steps));
+        const double lr = learning_rate * 0.5 * (1 + cos(NQM_PI * (double)l->n_steps / (double)c->n_steps));
+        const nqm_adam_rate rate = nqm_adam_rate_at(lr, 0, ++l->n_steps);
         nqm_adam_update(NQM_NBRDF_WEIGHTS, &rate, gradient, l->m, l->v, l->weights);
     }
     return NQM_OK;

@@ -99,11 +99,19 @@ typedef struct nqm_hidden_row_back {
     float *dbias, *dgamma, *dbeta; /**< this row is added */
 } nqm_hidden_row_back;
 
-/** How far a step of Adam goes. */
+/** Adam's decay of the first and the second moment, and what keeps it from dividing by zero. */
+#define NQM_ADAM_BETA1   0.9
+#define NQM_ADAM_BETA2   0.999
+#define NQM_ADAM_EPSILON 1e-8
+
+/** How far a step of Adam goes: nqm_adam_rate_at(). */
 typedef struct nqm_adam_rate {
-    double lr, weight_decay;
-    uint64_t step; /**< 1 for the first */
+    double step_size; /**< learning rate / (1 - beta1^step) */
+    double v_scale;   /**< 1 / sqrt(1 - beta2^step): both moments begin at 0 */
+    double weight_decay;
 } nqm_adam_rate;
+/** The rate of a step, from 1 for the first. */
+nqm_adam_rate nqm_adam_rate_at(double lr, double weight_decay, uint64_t step);
 
 /** One way to compute; all fields are set. */
 typedef struct nqm_kernels {

@@ -4,6 +4,7 @@
  */
 #include "kernel/kernel.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -43,6 +44,13 @@ const nqm_kernels *nqm_kernels_get(void) {
 
 void nqm_kernels_use(const nqm_kernels *kernels) {
     atomic_store_explicit(&chosen, kernels, memory_order_release);
+}
+
+nqm_adam_rate nqm_adam_rate_at(double lr, double weight_decay, uint64_t step) {
+    const double t = (double)step;
+    return (nqm_adam_rate){.step_size = lr / (1 - pow(NQM_ADAM_BETA1, t)),
+                           .v_scale = 1 / sqrt(1 - pow(NQM_ADAM_BETA2, t)),
+                           .weight_decay = weight_decay};
 }
 
 const char *nqm_kernels_name(size_t i) {

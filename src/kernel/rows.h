@@ -89,11 +89,10 @@ static void scale_log(size_t n, float k1, const float *t, float *scaled) {
 /* Kingma and Ba 2015, arXiv:1412.6980, as torch.optim.Adam does it: L2 weight decay is added to the gradient, and both
  * moments are corrected for their start at zero. */
 static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param) {
-    const double beta1 = 0.9, beta2 = 0.999;
-    const float keep1 = (float)beta1, keep2 = (float)beta2, add1 = (float)(1 - beta1), add2 = (float)(1 - beta2);
-    const float small = 1e-8f, decay = (float)rate->weight_decay;
-    const float step_size = (float)(rate->lr / (1 - pow(beta1, (double)rate->step)));
-    const float scale = (float)(1 / sqrt(1 - pow(beta2, (double)rate->step)));
+    const float keep1 = (float)NQM_ADAM_BETA1, add1 = (float)(1 - NQM_ADAM_BETA1);
+    const float keep2 = (float)NQM_ADAM_BETA2, add2 = (float)(1 - NQM_ADAM_BETA2);
+    const float small = (float)NQM_ADAM_EPSILON, decay = (float)rate->weight_decay;
+    const float step_size = (float)rate->step_size, scale = (float)rate->v_scale;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         float g = grad[i] + decay * param[i];

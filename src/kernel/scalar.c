@@ -231,11 +231,11 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
 }
 
 static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param) {
-    const double beta1 = 0.9, beta2 = 0.999, t = (double)rate->step;
     for (size_t i = 0; i < n; ++i) {
         double g = (double)grad[i] + rate->weight_decay * (double)param[i];
-        double m1 = beta1 * (double)m[i] + (1 - beta1) * g, v1 = beta2 * (double)v[i] + (1 - beta2) * g * g;
-        double step = rate->lr * (m1 / (1 - pow(beta1, t))) / (sqrt(v1 / (1 - pow(beta2, t))) + 1e-8);
+        double m1 = NQM_ADAM_BETA1 * (double)m[i] + (1 - NQM_ADAM_BETA1) * g;
+        double v1 = NQM_ADAM_BETA2 * (double)v[i] + (1 - NQM_ADAM_BETA2) * g * g;
+        double step = rate->step_size * m1 / (sqrt(v1) * rate->v_scale + NQM_ADAM_EPSILON);
         m[i] = (float)m1;
         v[i] = (float)v1;
         param[i] = (float)((double)param[i] - step);

@@ -14,7 +14,8 @@ enum { TILE = NQM_STRIP * NQM_PANEL };
 typedef struct sink {
     nqm_trainer_layer *layer;
     nqm_adam_rate rate;   /* of the layer's weights and bias */
-    nqm_adam_rate norm;   /* of its LayerNorm; step 0: none is taken */
+    nqm_adam_rate norm;   /* of its LayerNorm */
+    bool frozen_norm;     /* which takes no step */
     const nqm_layer *out; /* store here instead of stepping; NULL: step */
 } sink;
 
@@ -26,12 +27,23 @@ typedef struct factors {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
+/* Ask for the numbers of the next tile, which follow: they arrive while its gradient is being summed. */
+static void prefetch_tile(const float *w, const float *m, const float *v) {
+    enum { LINE = 16 };
+    for (size_t i = TILE; i < 2 * TILE; i += LINE) {
+        __builtin_prefetch(w + i, 1);
+        __builtin_prefetch(m + i, 1);
+        __builtin_prefetch(v + i, 1);
+    }
+}
+
 static void step_tile(void *user, size_t strip, size_t panel, const float *tile) {
     const sink *s = user;
     nqm_layer_values *value = &s->layer->value;
     const size_t at = (panel * value->w.stride + strip * NQM_STRIP) * NQM_PANEL;
     float *w = (float *)value->w.data + at, *m = (float *)s->layer->m.w.data + at,
           *v = (float *)s->layer->v.w.data + at;
+    prefetch_tile(w, m, v);
     nqm_adam_update(TILE, &s->rate, tile, m, v, w);
     if (s->layer->rounded.data)
         nqm_kernels_get()->round_tile(w, nqm_panel_at(&s->layer->rounded, panel) + strip * NQM_STRIP / 2 * NQM_PANEL);
@@ -104,7 +116,7 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
         for (size_t i = 0; i < n; ++i)
             t->sums[i] += t->sums[block * n + i];
     for (size_t which = 0; which < NQM_VECTORS; ++which)
-        if (s->out || which == NQM_BIAS || s->norm.step > 0)
+        if (which == NQM_BIAS || !s->frozen_norm)
             take_vector(s, which, t->sums + which * layer->ld);
 }
 
@@ -144,9 +156,9 @@ static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
         return s;
     }
     const nqm_step_rates *rates = way->rates;
-    s.rate = (nqm_adam_rate){l == 0 ? rates->lr_first : rates->lr_deeper, rates->weight_decay, t->n_steps};
-    if (l > 0 || !rates->freeze_first_layernorm)
-        s.norm = (nqm_adam_rate){rates->lr_deeper, rates->weight_decay, t->n_steps};
+    s.rate = nqm_adam_rate_at(l == 0 ? rates->lr_first : rates->lr_deeper, rates->weight_decay, t->n_steps);
+    s.norm = nqm_adam_rate_at(rates->lr_deeper, rates->weight_decay, t->n_steps);
+    s.frozen_norm = l == 0 && rates->freeze_first_layernorm;
     return s;
 }
 

@@ -383,9 +383,10 @@ static void adam_of_every_table(void **state) {
         memset(moments, 0, sizeof moments);
         for (size_t which = 0; which < 2; ++which) {
             memcpy(param[which], start, sizeof param[which]);
-            for (uint64_t step = 1; step <= 5; ++step)
-                tables[which]->adam(N, &(nqm_adam_rate){1e-3, 1e-2, step}, grad, moments[which][0], moments[which][1],
-                                    param[which]);
+            for (uint64_t step = 1; step <= 5; ++step) {
+                const nqm_adam_rate rate = nqm_adam_rate_at(1e-3, 1e-2, step);
+                tables[which]->adam(N, &rate, grad, moments[which][0], moments[which][1], param[which]);
+            }
         }
         check_close("parameters", param[1], param[0]);
         check_close("second moments", moments[1][1], moments[0][1]);
