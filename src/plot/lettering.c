@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Text from outlines: UTF-8 to characters, quadratic curves to cubic ones, and lines that must fit.
+ * Text from outlines: UTF-8 to characters, quadratic curves to cubic ones, lines that must fit, and the font that keeps
+ * an SVG small.
  */
 #include "plot/lettering.h"
 
@@ -9,6 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { TEXT_BYTES = 256 }; /* of a line */
 
 static int compare_glyph(const void *key, const void *glyph) {
     uint32_t a = *(const uint32_t *)key, b = ((const struct glyph *)glyph)->character;
@@ -84,24 +87,82 @@ static void contour_path(cairo_t *cr, const int16_t *contour) {
     cairo_close_path(cr);
 }
 
-static void draw_line(cairo_t *cr, double x, double y, double size, const char *text) {
+/* Fill a glyph at the origin, in units of the outlines. */
+static void draw_glyph(cairo_t *cr, const struct glyph *g) {
+    const int16_t *contour = glyph_outlines + g->first;
+    cairo_set_fill_rule(cr, CAIRO_FILL_RULE_WINDING);
+    for (int i = 0; i < g->n_contours; ++i, contour += 1 + 2 * contour[0])
+        contour_path(cr, contour);
+    cairo_fill(cr);
+}
+
+static void draw_outlines(cairo_t *cr, double x, double y, double size, const char *text) {
     cairo_save(cr);
     cairo_translate(cr, x, y);
     cairo_scale(cr, size / GLYPH_UNITS, -size / GLYPH_UNITS);
-    cairo_set_fill_rule(cr, CAIRO_FILL_RULE_WINDING);
     for (uint32_t c; (c = next_character(&text)) != 0;) {
         const struct glyph *g = find_glyph(c);
-        const int16_t *contour = glyph_outlines + g->first;
-        for (int i = 0; i < g->n_contours; ++i, contour += 1 + 2 * contour[0])
-            contour_path(cr, contour);
-        cairo_fill(cr);
+        draw_glyph(cr, g);
         cairo_translate(cr, g->advance, 0);
     }
     cairo_restore(cr);
 }
 
+/* ---- as a font: SVG ---------------------------------------------------------------------------------------------- */
+
+static cairo_status_t render_glyph(cairo_scaled_font_t *font, unsigned long index, cairo_t *cr,
+                                   cairo_text_extents_t *extents) {
+    (void)font;
+    cairo_scale(cr, 1.0 / GLYPH_UNITS, -1.0 / GLYPH_UNITS);
+    draw_glyph(cr, &glyphs[index]);
+    extents->x_advance = (double)glyphs[index].advance / GLYPH_UNITS;
+    return CAIRO_STATUS_SUCCESS;
+}
+
+static void destroy_face(void *face) {
+    cairo_font_face_destroy(face);
+}
+
+/* The glyphs as a font, one for all text of a surface, which is how cairo knows a glyph again; NULL: out of memory. */
+static cairo_font_face_t *face_of(cairo_surface_t *surface) {
+    static const cairo_user_data_key_t key;
+    cairo_font_face_t *face = cairo_surface_get_user_data(surface, &key);
+    if (face)
+        return face;
+    face = cairo_user_font_face_create();
+    cairo_user_font_face_set_render_glyph_func(face, render_glyph);
+    if (cairo_surface_set_user_data(surface, &key, face, destroy_face) == CAIRO_STATUS_SUCCESS)
+        return face;
+    cairo_font_face_destroy(face);
+    return NULL;
+}
+
+static void show_glyphs(cairo_t *cr, cairo_font_face_t *face, double x, double y, double size, const char *text) {
+    cairo_glyph_t line[TEXT_BYTES];
+    int n = 0;
+    for (uint32_t c; (c = next_character(&text)) != 0; ++n) {
+        const struct glyph *g = find_glyph(c);
+        line[n] = (cairo_glyph_t){(unsigned long)(g - glyphs), x, y};
+        x += g->advance * size / GLYPH_UNITS;
+    }
+    cairo_set_font_face(cr, face);
+    cairo_set_font_size(cr, size);
+    cairo_show_glyphs(cr, line, n);
+}
+
+/* An SVG holds a glyph of a font once, and an outline as often as it is drawn. On pixels outlines are better: they stand
+ * where they belong, the glyphs of a font on whole pixels. `text` is shorter than TEXT_BYTES. */
+static void draw_line(cairo_t *cr, double x, double y, double size, const char *text) {
+    cairo_surface_t *target = cairo_get_target(cr);
+    cairo_font_face_t *face = cairo_surface_get_type(target) == CAIRO_SURFACE_TYPE_SVG ? face_of(target) : NULL;
+    if (face)
+        show_glyphs(cr, face, x, y, size, text);
+    else
+        draw_outlines(cr, x, y, size, text);
+}
+
 void nqm_text_draw(cairo_t *cr, double x, double y, nqm_align align, double size, double room, const char *text) {
-    char shown[256];
+    char shown[TEXT_BYTES];
     double width = nqm_text_width(text, size), smallest = size * 2 / 3;
     size_t n = strnlen(text, sizeof shown - 4);
     memcpy(shown, text, n);

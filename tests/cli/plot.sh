@@ -72,6 +72,8 @@ draw attribution attribution sgd:nickel ward:nickel
 draw network network "$dir/model.safetensors"
 
 # What is drawn depends on the input; equal BRDFs differ nowhere, and are drawn all the same.
+{ [ "$(grep -c '<symbol' "$dir/slice.svg")" -gt 10 ] && [ "$(grep -c '<symbol' "$dir/slice.svg")" -lt 150 ]; } ||
+    fail "an SVG does not hold each glyph once: $(grep -c '<symbol' "$dir/slice.svg")"
 plot 0 attribution sgd:nickel sgd:nickel -o "$dir/same.svg"
 cmp -s "$dir/same.svg" "$dir/attribution.svg" && fail "a difference is drawn like none"
 plot 0 scatter "$dir/pairs.csv" --predictor rmse -o "$dir/rmse.svg"
