@@ -44,15 +44,16 @@ static void run_product(void *user) {
     nqm_multiply(&j->panels, j->m, j->rows, nqm_row_stride(j->panels.units), false, j->c, nqm_row_stride(j->n));
 }
 
-static void keep_tile(void *user, size_t strip, size_t panel, const float *tile) {
+static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
     job *j = user;
-    memcpy(nqm_panel_at(&j->panels, panel) + strip * NQM_STRIP * NQM_PANEL, tile, NQM_STRIP * NQM_PANEL * sizeof *tile);
+    memcpy(nqm_panel_at(&j->panels, panel) + strip * NQM_STRIP * NQM_PANEL, tiles,
+           n_strips * NQM_STRIP * NQM_PANEL * sizeof *tiles);
 }
 
 static void run_gradient(void *user) {
     job *j = user;
     /* C (m, n) are weights (in, out); the sum runs over the batch. */
-    const nqm_gradient g = {j->precision, j->k, j->m, j->n, j->left, j->right, keep_tile, j};
+    const nqm_gradient g = {j->precision, j->k, j->m, j->n, j->left, j->right, keep_tiles, j};
     nqm_gradient_run(&g);
 }
 

@@ -42,12 +42,14 @@ void nqm_gradient_run(const nqm_gradient *g) {
     const size_t n_across = ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * ceil_div(g->n, NQM_PANEL);
 #pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
+        /* Enough tiles for the sink to read its own memory in long runs, few enough to stay in the second cache. */
+        _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
-        for (size_t strip = first; strip < smaller(first + STRIPS_AT_ONCE, n_strips); ++strip) {
-            _Alignas(64) float tile[NQM_STRIP * NQM_PANEL];
-            kernels->gradient[g->precision](units, g->strips + strip * units * NQM_STRIP,
-                                            g->panels + panel * units * NQM_PANEL, tile);
-            g->sink(g->user, strip, panel, tile);
-        }
+        const size_t n = smaller(n_strips - first, STRIPS_AT_ONCE);
+        for (size_t strip = 0; strip < n; ++strip)
+            kernels->gradient[g->precision](units, g->strips + (first + strip) * units * NQM_STRIP,
+                                            g->panels + panel * units * NQM_PANEL,
+                                            tiles + strip * NQM_STRIP * NQM_PANEL);
+        g->sink(g->user, first, n, panel, tiles);
     }
 }

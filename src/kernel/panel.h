@@ -80,12 +80,12 @@ static inline size_t nqm_row_stride(size_t n) {
 void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const void *x, size_t ldx,
                       uint32_t *out);
 
-/** Takes a finished tile (NQM_STRIP, NQM_PANEL) of a gradient: rows from NQM_STRIP strip on, columns from NQM_PANEL panel
- *  on. Called on several threads, for each tile once. */
-typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t panel, const float *tile);
+/** Takes finished tiles (n_strips, NQM_STRIP, NQM_PANEL) of a gradient, one below the other: rows from NQM_STRIP strip on,
+ *  columns from NQM_PANEL panel on. Called on several threads, for each tile once. */
+typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles);
 
-/** X^T Z of x (m, k) and z (m, n), both packed by nqm_pack_columns(): strips and panels. Tile by tile into `sink`, so that
- *  a gradient need not be stored before it is used. */
+/** X^T Z of x (m, k) and z (m, n), both packed by nqm_pack_columns(): strips and panels. Some tiles at a time into `sink`,
+ *  so that a gradient need not be stored before it is used. */
 typedef struct nqm_gradient {
     nqm_precision precision;
     size_t m, k, n;

@@ -27,34 +27,25 @@ typedef struct factors {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
-/* Ask for the numbers of the next tile, which follow: they arrive while its gradient is being summed. */
-static void prefetch_tile(const float *w, const float *m, const float *v) {
-    enum { LINE = 16 };
-    for (size_t i = TILE; i < 2 * TILE; i += LINE) {
-        __builtin_prefetch(w + i, 1);
-        __builtin_prefetch(m + i, 1);
-        __builtin_prefetch(v + i, 1);
-    }
+static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
+    const sink *s = user;
+    const nqm_panels *w = &s->layer->value.w;
+    const size_t at = (panel * w->stride + strip * NQM_STRIP) * NQM_PANEL;
+    float *value = (float *)w->data + at, *m = (float *)s->layer->m.w.data + at, *v = (float *)s->layer->v.w.data + at;
+    nqm_adam_update(n_strips * TILE, &s->rate, tiles, m, v, value);
+    if (!s->layer->rounded.data)
+        return;
+    uint32_t *units = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
+    for (size_t i = 0; i < n_strips; ++i)
+        nqm_kernels_get()->round_tile(value + i * TILE, units + i * TILE / 2);
 }
 
-static void step_tile(void *user, size_t strip, size_t panel, const float *tile) {
+static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
     const sink *s = user;
-    nqm_layer_values *value = &s->layer->value;
-    const size_t at = (panel * value->w.stride + strip * NQM_STRIP) * NQM_PANEL;
-    float *w = (float *)value->w.data + at, *m = (float *)s->layer->m.w.data + at,
-          *v = (float *)s->layer->v.w.data + at;
-    prefetch_tile(w, m, v);
-    nqm_adam_update(TILE, &s->rate, tile, m, v, w);
-    if (s->layer->rounded.data)
-        nqm_kernels_get()->round_tile(w, nqm_panel_at(&s->layer->rounded, panel) + strip * NQM_STRIP / 2 * NQM_PANEL);
-}
-
-static void store_tile(void *user, size_t strip, size_t panel, const float *tile) {
-    const sink *s = user;
-    const size_t in = s->layer->in, out = s->layer->out;
-    for (size_t i = 0; i < NQM_STRIP && strip * NQM_STRIP + i < in; ++i)
+    const size_t in = s->layer->in, out = s->layer->out, first = strip * NQM_STRIP;
+    for (size_t i = 0; i < n_strips * NQM_STRIP && first + i < in; ++i)
         for (size_t j = 0; j < NQM_PANEL && panel * NQM_PANEL + j < out; ++j)
-            s->out->w[(panel * NQM_PANEL + j) * in + strip * NQM_STRIP + i] = tile[i * NQM_PANEL + j];
+            s->out->w[(panel * NQM_PANEL + j) * in + first + i] = tiles[i * NQM_PANEL + j];
 }
 
 /* After pack(): the gradient of the layer's weights, into the sink. */
@@ -65,7 +56,7 @@ static void weight_gradient(nqm_trainer *t, sink *s, size_t batch) {
                                      .n = s->layer->out,
                                      .strips = t->strips,
                                      .panels = t->panels,
-                                     .sink = s->out ? store_tile : step_tile,
+                                     .sink = s->out ? store_tiles : step_tiles,
                                      .user = s});
 }
 

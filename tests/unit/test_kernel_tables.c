@@ -238,12 +238,13 @@ typedef struct collected {
     size_t n_panels;
 } collected;
 
-static void collect(void *user, size_t strip, size_t panel, const float *tile) {
+static void collect(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
     collected *all = user;
-    all->seen[strip * all->n_panels + panel]++;
-    for (size_t i = 0; i < NQM_STRIP; ++i)
-        memcpy(all->c + (strip * NQM_STRIP + i) * all->ld + panel * NQM_PANEL, tile + i * NQM_PANEL,
-               NQM_PANEL * sizeof *tile);
+    for (size_t i = 0; i < n_strips; ++i)
+        all->seen[(strip + i) * all->n_panels + panel]++;
+    for (size_t i = 0; i < n_strips * NQM_STRIP; ++i)
+        memcpy(all->c + (strip * NQM_STRIP + i) * all->ld + panel * NQM_PANEL, tiles + i * NQM_PANEL,
+               NQM_PANEL * sizeof *tiles);
 }
 
 /* (m, n) units apart by n. */
