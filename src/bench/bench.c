@@ -152,14 +152,14 @@ static void settle(const nqm_bench *bench, nqm_bench_entry *entry) {
     row->gflops = row->gflop / row->seconds;
     row->gb_per_s = row->megabytes / row->seconds / 1000;
     if (entry->peak != NQM_METER_NONE) {
-        row->peak_gflops = bench->meter[entry->peak].best;
+        row->peak_gflops = nqm_bench_meter_peak(&bench->meter[entry->peak]);
         row->peak_median = nqm_bench_meter_median(&bench->meter[entry->peak]);
         arithmetic = row->gflop / row->peak_gflops;
     }
     if (entry->peak_f32 != NQM_METER_NONE && entry->row.precision == NQM_PRECISION_BF16)
-        row->floor_f32 = row->gflop / bench->meter[entry->peak_f32].best;
+        row->floor_f32 = row->gflop / nqm_bench_meter_peak(&bench->meter[entry->peak_f32]);
     if (entry->read != NQM_METER_NONE) {
-        row->peak_gb_per_s = bench->meter[entry->read].best;
+        row->peak_gb_per_s = nqm_bench_meter_peak(&bench->meter[entry->read]);
         reading = row->megabytes / row->peak_gb_per_s / 1000;
     }
     row->floor_seconds = fmax(arithmetic, reading); /* fmax() leaves NaN out */
@@ -176,12 +176,12 @@ static nqm_bench_entry meter_entry(const nqm_meter *meter) {
     row->rounds = meter->n_samples;
     if (meter->bytes) {
         row->megabytes = 1e-6 * (double)meter->bytes;
-        row->gb_per_s = row->peak_gb_per_s = meter->best;
-        row->seconds = row->megabytes / 1000 / meter->best;
+        row->gb_per_s = row->peak_gb_per_s = nqm_bench_meter_peak(meter);
+        row->seconds = row->megabytes / 1000 / nqm_bench_meter_peak(meter);
         row->seconds_median = row->megabytes / 1000 / nqm_bench_meter_median(meter);
     } else {
         row->precision = (int)meter->precision;
-        row->gflops = row->peak_gflops = meter->best;
+        row->gflops = row->peak_gflops = nqm_bench_meter_peak(meter);
         row->peak_median = nqm_bench_meter_median(meter);
     }
     return entry;

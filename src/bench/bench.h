@@ -66,6 +66,8 @@ int nqm_bench_peak_meter(nqm_bench *bench, nqm_precision precision);
 int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads);
 /** Take a few milliseconds' samples of a meter; NQM_METER_NONE is allowed. */
 void nqm_bench_sample(nqm_bench *bench, int which);
+/** The peak: the best sample of reading, the 90th percentile of arithmetic. */
+double nqm_bench_meter_peak(const nqm_meter *meter);
 /** The median of a meter's samples. */
 double nqm_bench_meter_median(const nqm_meter *meter);
 /** Room for the array of the reading meters; nqm_bench_release_memory() gives it back meanwhile. */

@@ -158,6 +158,7 @@ static void print_train(const nqm_bench_row *r) {
     cell(r->times_floor, 3);
     cell(best / r->floor_seconds, 3);
     cell(r->cpu_share, 2);
+    cell(r->times_floor * r->cpu_share, 3);
     cell(r->max_rss_mb, 3);
     cell(r->validation_loss, 4);
     putchar('\n');
@@ -195,8 +196,8 @@ static const struct table {
     {"train", "Training",
      "| recipe | precision | kernels | seed | pairs | epochs | TFLOP | s | s, all as the best epoch | s, extrapolated "
      "to 100 epochs | GFLOP/s "
-     "| floor, s | x floor | best x floor | share of processors | MB | validation loss |",
-     "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|", print_train},
+     "| floor, s | x floor | best x floor | share of processors | x floor, processor time | MB | validation loss |",
+     "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|", print_train},
     {"score", "Scoring",
      "| model | what | precision | kernels | pairs | ms a pair | floor, ms | x floor | GFLOP/s | GB/s | gain of one "
      "reference | median / best |",
