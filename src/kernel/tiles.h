@@ -26,7 +26,8 @@ typedef float vector_f __attribute__((vector_size(VECTOR_BYTES), aligned(4), may
 typedef int32_t vector_i __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 typedef uint32_t vector_u __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 
-enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS, FEW_ROWS = (TILE_ROWS + 2) / 3 };
+enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS };
+enum { FEW_ROWS = (TILE_ROWS + 2) / 3, THREE_ROWS = TILE_ROWS < 3 ? 1 : 3 };
 
 #define UNROLL _Pragma("GCC unroll 16")
 #define INLINE static inline __attribute__((always_inline))
@@ -89,8 +90,8 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
                 TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);               \
             for (; i + FEW_ROWS <= p->m; i += FEW_ROWS)                                                                \
                 TILE(FEW_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                \
-            for (; i + 3 <= p->m; i += 3)                                                                              \
-                TILE(3, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
+            for (; i + THREE_ROWS <= p->m; i += THREE_ROWS)                                                            \
+                TILE(THREE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);              \
             for (; i < p->m; ++i)                                                                                      \
                 TILE(1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
         }                                                                                                              \
