@@ -71,7 +71,9 @@ mkdir "$dir/empty"
 interrupt() {
     TMPDIR=$dir/empty "$tool" "$@" >"$dir/out" 2>"$dir/err" &
     pid=$!
-    sleep 0.4
+    # Until its handler is there, a background command of a shell without job control ignores the signal.
+    while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
+    sleep 0.3
     kill -INT $pid
     got=0
     wait $pid || got=$?
