@@ -19,7 +19,10 @@ static void score(const struct nqm_model *model) {
         abort();
     nqm_inference_run(work, 1, x, width, &z);
     double jod = nqm_model_jod(model, (double)z, NULL), low, high;
-    nqm_model_interval(model, jod, &low, &high);
+    double scalars[NQM_SCALAR_COUNT] = {3}, novelty = nqm_model_novelty(model, scalars);
+    if (model->n_novelty && !(novelty >= 0))
+        abort();
+    nqm_model_interval(model, jod, novelty, &low, &high);
     if (model->interval && isfinite(jod) && !(low <= jod && jod <= high))
         abort();
     nqm_inference_work_free(work);
@@ -52,6 +55,10 @@ blob fuzz_seed(void) {
     model.interval = interval;
     model.n_interval = 2;
     model.calibration = calibration;
+    static float points[NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK];
+    model.n_novelty = 1;
+    model.novelty_points = points;
+    model.novelty_unit = model.novelty_growth = 1;
     model.scalar_scale = 1;
     for (size_t i = 0; i < 3; ++i)
         model.std[i] = 1;

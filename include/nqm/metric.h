@@ -48,9 +48,15 @@ NQM_API const char *nqm_model_builtin_name(size_t i);
 NQM_API void nqm_model_free(nqm_model *model);
 /** Facts about `model`. */
 NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
-/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model file holds no calibration. Both
- *  ends rise with the JOD. */
-NQM_API void nqm_model_interval(const nqm_model *model, double jod, double *low_ret, double *high_ret);
+/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model file holds no calibration. It
+ *  widens with `novelty`, of nqm_model_novelty(); NaN counts as 1, and models without that measure do not look at it. */
+NQM_API void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret);
+/**
+ * How unlike the training pairs a pair is, as nqm_score_result has it; NaN if the model file has no such measure.
+ *
+ * @param scalars  (NQM_SCALAR_COUNT) of nqm_scalars_compute()
+ */
+NQM_API double nqm_model_novelty(const nqm_model *model, const double *scalars);
 
 /** What the network's products are computed in. Everything else - sums, LayerNorm, GELU, the output - is float or double. */
 typedef enum nqm_precision {
@@ -110,6 +116,9 @@ typedef struct nqm_score_result {
                                    that the model has not seen, with kinds of distortion that it has (doc/evaluation.md
                                    has the measured shares); NaN if the model file holds no calibration; 10 and 10 when
                                    `identical` */
+    double novelty;           /**< how unlike the training pairs this one is: distance of the scalar features from the
+                                   nearest; 1: as far as the farthest 5 % of pairs of new materials with kinds of distortion
+                                   that occur in training; the interval widens with it; NaN if the model cannot tell */
     int identical;            /**< 1 when both are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];
     size_t n_valid;                       /**< directions at which both BRDFs hold a value */

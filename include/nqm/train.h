@@ -164,6 +164,8 @@ typedef struct nqm_calibration {
     double coverage_pairs;  /**< over all pairs */
     double coverage_lowest; /**< of the worst material */
     double mean_width;      /**< JOD, of the final intervals over all pairs */
+    double novelty_growth;  /**< a novelty of v widens the interval exp(novelty_growth v) times, on the scale of
+                                 doc/evaluation.md; 0: it does not */
 } nqm_calibration;
 
 /** What a training did. */

@@ -16,11 +16,11 @@ struct nqm_batch {
     nqm_batch_options options;
     nqm_sample_cache *cache;
     nqm_predictor *predictor;
-    float *ref, *test;           /* (NQM_BATCH_BLOCK, n_directions, 3) */
-    uint8_t *used;               /* (NQM_BATCH_BLOCK, n_directions) */
-    double *jod, *delta_e;       /* (NQM_BATCH_BLOCK) */
-    nqm_cached **entries;        /* (NQM_BATCH_BLOCK, 2) of this block: reference, test */
-    const nqm_named_pair *pairs; /* of this block, as the next two */
+    float *ref, *test;               /* (NQM_BATCH_BLOCK, n_directions, 3) */
+    uint8_t *used;                   /* (NQM_BATCH_BLOCK, n_directions) */
+    double *jod, *delta_e, *novelty; /* (NQM_BATCH_BLOCK) */
+    nqm_cached **entries;            /* (NQM_BATCH_BLOCK, 2) of this block: reference, test */
+    const nqm_named_pair *pairs;     /* of this block, as the next two */
     nqm_score_result *results;
     nqm_error *errors; /* or NULL */
 };
@@ -36,8 +36,10 @@ static nqm_status make_room(nqm_batch *batch, nqm_error *err) {
     batch->used = nqm_alloc(NQM_BATCH_BLOCK, n * sizeof *batch->used);
     batch->jod = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->jod);
     batch->delta_e = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->delta_e);
+    batch->novelty = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->novelty);
     batch->entries = nqm_alloc(NQM_BATCH_BLOCK, 2 * sizeof(nqm_cached *));
-    if (!batch->ref || !batch->test || !batch->used || !batch->jod || !batch->delta_e || !batch->entries)
+    if (!batch->ref || !batch->test || !batch->used || !batch->jod || !batch->delta_e || !batch->novelty ||
+        !batch->entries)
         return nqm_fail_nomem(err, NQM_BATCH_BLOCK * n * (6 * sizeof(float) + 1));
     nqm_status status =
         nqm_predictor_create(batch->model, batch->options.score.precision, NQM_BATCH_BLOCK, &batch->predictor, err);
@@ -68,7 +70,7 @@ nqm_status nqm_batch_create(const nqm_model *model, const nqm_batch_options *opt
 void nqm_batch_free(nqm_batch *batch) {
     if (!batch)
         return;
-    void *blocks[] = {batch->ref, batch->test, batch->used, batch->jod, batch->delta_e, batch->entries};
+    void *blocks[] = {batch->ref, batch->test, batch->used, batch->jod, batch->delta_e, batch->novelty, batch->entries};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
         nqm_free(blocks[i]);
     nqm_predictor_free(batch->predictor);
@@ -137,10 +139,11 @@ static void score_block(nqm_batch *batch, size_t n) {
         compare(batch, 0);
     else
         nqm_parallel_for(n, compare, batch);
-    nqm_sampled_pairs sampled = {.n = n, .ref = batch->ref, .test = batch->test, .used = batch->used};
+    nqm_sampled_pairs sampled = {
+        .n = n, .ref = batch->ref, .test = batch->test, .used = batch->used, .novelty = batch->novelty};
     nqm_predictor_run(batch->predictor, &sampled, batch->jod, batch->delta_e);
     for (size_t i = 0; i < n; ++i) {
-        nqm_score_settle(batch->model, &batch->results[i], batch->jod[i], batch->delta_e[i]);
+        nqm_score_settle(batch->model, &batch->results[i], batch->jod[i], batch->delta_e[i], batch->novelty[i]);
         if (batch->errors)
             explain(batch, i, &batch->errors[i]);
     }

@@ -24,6 +24,9 @@ typedef struct nqm_scalar_whitening {
 /** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
 void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
 
+/** What novelty is measured on: scalar features, whitened and mapped; y (NQM_SCALAR_COUNT). */
+void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y);
+
 /** Pairs that are sampled at the model's directions. */
 typedef struct nqm_sampled_pairs {
     size_t n;
@@ -31,6 +34,7 @@ typedef struct nqm_sampled_pairs {
     const float *ref;    /* (n, n_directions, 3) f_r >= 0, or (n_directions, 3) if one_ref */
     const float *test;   /* (n, n_directions, 3) */
     const uint8_t *used; /* (n, n_directions) 0: the direction is dropped; NULL: none is */
+    double *novelty;     /* (n) receives nqm_model_novelty(); NULL: it is not wanted */
 } nqm_sampled_pairs;
 
 enum { NQM_PREDICT_BATCH = 256 };
@@ -76,7 +80,7 @@ void nqm_compare_members(const nqm_model *model, const nqm_score_options *option
 /** A result with a status and NaN for all numbers. */
 nqm_score_result nqm_no_score(nqm_status status);
 /** Complete a result that has no fault with what nqm_predictor_run() gave. */
-void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e);
+void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e, double novelty);
 
 /**
  * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They

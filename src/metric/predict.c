@@ -6,6 +6,8 @@
 #include "metric/metric.h"
 #include "net/inference.h"
 
+#include <math.h>
+
 struct nqm_predictor {
     const nqm_model *model;
     nqm_features features;
@@ -78,6 +80,8 @@ static void compose_pair(void *user, size_t i) {
     nqm_features_transform(n, pairs->test + n * i, test_t);
     const uint8_t *used = pairs->used ? pairs->used + n_directions * i : NULL;
     float *x = p->x + p->stride * i;
+    if (pairs->novelty)
+        pairs->novelty[i] = NAN;
     nqm_features_compose(&p->features, n_directions, ref_t, test_t, used, x);
     if (nqm_model_n_scalars(p->model) == 0)
         return;
@@ -86,6 +90,8 @@ static void compose_pair(void *user, size_t i) {
     nqm_scalars_compute(p->model->directions, pairs->one_ref ? pairs->ref : pairs->ref + n * i, pairs->test + n * i,
                         used, scalars);
     nqm_scalars_whiten(&whitening, scalars, x + p->samples_width);
+    if (pairs->novelty)
+        pairs->novelty[i] = nqm_model_novelty(p->model, scalars);
 }
 
 void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double *jod, double *delta_e) {

@@ -16,10 +16,10 @@ typedef struct scorer {
     const nqm_directions *directions;
     nqm_score_options options;
     size_t batch;
-    float *ref, *test;     /* (n_directions, 3), (batch, n_directions, 3) */
-    uint8_t *ref_flag;     /* (n_directions) nqm_value_flag */
-    uint8_t *used;         /* (batch, n_directions) directions that count */
-    double *jod, *delta_e; /* (batch) */
+    float *ref, *test;               /* (n_directions, 3), (batch, n_directions, 3) */
+    uint8_t *ref_flag;               /* (n_directions) nqm_value_flag */
+    uint8_t *used;                   /* (batch, n_directions) directions that count */
+    double *jod, *delta_e, *novelty; /* (batch) */
     nqm_member ref_member;
     nqm_predictor *predictor;
     const nqm_brdf *const *tests; /* of this batch */
@@ -44,7 +44,8 @@ static bool has_value(uint8_t flag) {
 }
 
 nqm_score_result nqm_no_score(nqm_status status) {
-    nqm_score_result result = {.status = status, .jod = NAN, .delta_e = NAN, .jod_low = NAN, .jod_high = NAN};
+    nqm_score_result result = {
+        .status = status, .jod = NAN, .delta_e = NAN, .jod_low = NAN, .jod_high = NAN, .novelty = NAN};
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         result.metrics[m] = NAN;
     return result;
@@ -90,7 +91,7 @@ void nqm_compare_members(const nqm_model *model, const nqm_score_options *option
         nqm_metrics_compute(model->directions, ref->rgb, test->rgb, used, result->metrics);
 }
 
-void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e) {
+void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e, double novelty) {
     if (result->status != NQM_OK)
         return;
     if (!isfinite(jod)) {
@@ -99,7 +100,8 @@ void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double j
     }
     result->jod = jod;
     result->delta_e = delta_e;
-    nqm_model_interval(model, jod, &result->jod_low, &result->jod_high);
+    result->novelty = novelty;
+    nqm_model_interval(model, jod, novelty, &result->jod_low, &result->jod_high);
     if (result->identical && model->interval) /* equal BRDFs make equal pictures */
         result->jod_low = result->jod_high = 10;
 }
@@ -125,10 +127,11 @@ static void score_batch(scorer *s, size_t n) {
         compare(s, 0);
     else
         nqm_parallel_for(n, compare, s);
-    nqm_sampled_pairs pairs = {.n = n, .one_ref = true, .ref = s->ref, .test = s->test, .used = s->used};
+    nqm_sampled_pairs pairs = {
+        .n = n, .one_ref = true, .ref = s->ref, .test = s->test, .used = s->used, .novelty = s->novelty};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
     for (size_t i = 0; i < n; ++i)
-        nqm_score_settle(s->model, &s->results[i], s->jod[i], s->delta_e[i]);
+        nqm_score_settle(s->model, &s->results[i], s->jod[i], s->delta_e[i], s->novelty[i]);
 }
 
 static nqm_status make_room(scorer *s, nqm_error *err) {
@@ -139,13 +142,14 @@ static nqm_status make_room(scorer *s, nqm_error *err) {
     s->used = nqm_alloc(s->batch, n * sizeof *s->used);
     s->jod = nqm_alloc(s->batch, sizeof *s->jod);
     s->delta_e = nqm_alloc(s->batch, sizeof *s->delta_e);
-    if (!s->ref || !s->ref_flag || !s->test || !s->used || !s->jod || !s->delta_e)
+    s->novelty = nqm_alloc(s->batch, sizeof *s->novelty);
+    if (!s->ref || !s->ref_flag || !s->test || !s->used || !s->jod || !s->delta_e || !s->novelty)
         return nqm_fail_nomem(err, (s->batch + 1) * n * (3 * sizeof(float) + 1));
     return nqm_predictor_create(s->model, s->options.precision, s->batch, &s->predictor, err);
 }
 
 static void release(scorer *s) {
-    void *blocks[] = {s->ref, s->ref_flag, s->test, s->used, s->jod, s->delta_e};
+    void *blocks[] = {s->ref, s->ref_flag, s->test, s->used, s->jod, s->delta_e, s->novelty};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
         nqm_free(blocks[i]);
     nqm_predictor_free(s->predictor);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The interval around a predicted JOD: a table in the model file, read by linear interpolation. train/interval_fit.c
- * makes it.
+ * The interval around a predicted JOD: a table in the model file, read by linear interpolation, and widened for pairs
+ * that are unlike the training pairs. train/interval_fit.c makes both.
  */
 #include "net/net.h"
 
@@ -40,8 +40,33 @@ void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret,
     *high_ret = fmax(jod, a[2] + t * (b[2] - a[2]));
 }
 
-void nqm_model_interval(const nqm_model *model, double jod, double *low_ret, double *high_ret) {
+/* ---- widening ---------------------------------------------------------------------------------------------------- */
+
+static const double jod_top = 10;
+static const double softening = 1e-3; /* JOD: differences far below this are nobody's concern */
+
+double nqm_interval_y(double jod) {
+    double inside = fmin(jod_top, fmax(0, jod));
+    return log((inside + softening) / (jod_top - inside + softening));
+}
+
+double nqm_interval_jod(double y) {
+    double odds = exp(-y);
+    double jod = (jod_top + softening - softening * odds) / (1 + odds);
+    return odds < INFINITY ? fmin(jod_top, fmax(0, jod)) : 0;
+}
+
+void nqm_interval_widen(double times, double jod, double *low, double *high) {
+    double y = nqm_interval_y(jod);
+    *low = fmin(*low, nqm_interval_jod(y - times * (y - nqm_interval_y(*low))));
+    *high = fmax(*high, nqm_interval_jod(y + times * (nqm_interval_y(*high) - y)));
+}
+
+void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret) {
     *low_ret = *high_ret = NAN;
-    if (model->interval && isfinite(jod))
-        nqm_interval_at(model->n_interval, model->interval, jod, low_ret, high_ret);
+    if (!model->interval || !isfinite(jod))
+        return;
+    nqm_interval_at(model->n_interval, model->interval, jod, low_ret, high_ret);
+    if (model->n_novelty && model->novelty_growth > 0)
+        nqm_interval_widen(exp(model->novelty_growth * (isnan(novelty) ? 1 : novelty)), jod, low_ret, high_ret);
 }

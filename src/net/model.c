@@ -38,6 +38,7 @@ void nqm_model_destroy(struct nqm_model *model) {
         nqm_inference_net_free(model->inference[i]);
     nqm_free(model->directions_deg);
     nqm_free(model->interval);
+    nqm_free(model->novelty_points);
     if (model->file)
         nqm_map_close(model->file);
     nqm_free(model->file);

@@ -280,6 +280,34 @@ static nqm_status read_interval(reader *r, struct nqm_model *model) {
     return fault ? refuse(r, tensor, fault) : NQM_OK;
 }
 
+static nqm_status read_novelty(reader *r, struct nqm_model *model) {
+    const nqm_tensor *points = nqm_safetensors_find(r->st, "novelty.points"), *map;
+    const size_t width = NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK;
+    size_t n = points && points->n_dims == 2 && points->dims[0] > 0 ? points->dims[0] : 1;
+    double scale[2];
+    if (!points)
+        return NQM_OK;
+    if (!model->interval || !model->scalar_names)
+        return refuse(r, points, "needs an interval and scalar features");
+    nqm_status status = get(r, &(wanted){"novelty.points", NQM_F32, n, width, false}, &points);
+    if (status == NQM_OK)
+        status = get(r, &(wanted){"novelty.map", NQM_F32, NQM_SCALAR_COUNT, NQM_SCALAR_COUNT, false}, &map);
+    if (status == NQM_OK)
+        status = get_doubles(r, "novelty.scale", 2, scale);
+    if (status != NQM_OK)
+        return status;
+    if (!(scale[0] > 0 && scale[1] >= 0 && scale[1] <= NQM_NOVELTY_MAX_GROWTH))
+        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'novelty.scale' is out of range", r->name);
+    model->novelty_points = nqm_alloc(n, width * sizeof(float));
+    if (!model->novelty_points)
+        return nqm_fail_nomem(r->err, points->n_bytes);
+    memcpy(model->novelty_points, points->data, points->n_bytes);
+    memcpy(model->novelty_map, map->data, map->n_bytes);
+    model->n_novelty = n;
+    model->novelty_unit = scale[0], model->novelty_growth = scale[1];
+    return NQM_OK;
+}
+
 static nqm_status read_numbers(reader *r, struct nqm_model *model) {
     double target[4], curve[3];
     nqm_status status = get_floats(r, "whitening.mean", 3, model->mean);
@@ -326,6 +354,8 @@ static nqm_status read_model(reader *r, struct nqm_model *model) {
         status = read_scalar_whitening(r, model);
     if (status == NQM_OK)
         status = read_interval(r, model);
+    if (status == NQM_OK)
+        status = read_novelty(r, model);
     return status == NQM_OK ? refuse_surplus(r) : status;
 }
 

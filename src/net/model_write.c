@@ -8,14 +8,14 @@
 
 #include <string.h>
 
-enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 10 };
+enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 13 };
 
 /* The tensors of a file in the making, with room for their names and for the small ones' numbers. */
 typedef struct contents {
     size_t n;
     nqm_tensor tensor[MAX_TENSORS];
     char name[MAX_TENSORS][NQM_TENSOR_NAME_MAX];
-    double target[4], curve[3];
+    double target[4], curve[3], novelty[2];
 } contents;
 
 static nqm_tensor *add(contents *c, const char *name, nqm_dtype dtype, size_t n, const void *data) {
@@ -66,6 +66,15 @@ static void collect(contents *c, const struct nqm_model *model) {
     }
     if (model->interval)
         set_matrix(add(c, "interval", NQM_F64, 3 * model->n_interval, model->interval), model->n_interval, 3);
+    if (model->n_novelty) {
+        const size_t width = NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK;
+        c->novelty[0] = model->novelty_unit, c->novelty[1] = model->novelty_growth;
+        set_matrix(add(c, "novelty.points", NQM_F32, width * model->n_novelty, model->novelty_points), model->n_novelty,
+                   width);
+        set_matrix(add(c, "novelty.map", NQM_F32, NQM_SCALAR_COUNT * NQM_SCALAR_COUNT, model->novelty_map),
+                   NQM_SCALAR_COUNT, NQM_SCALAR_COUNT);
+        add(c, "novelty.scale", NQM_F64, 2, c->novelty);
+    }
 }
 
 static const char *text_or_empty(const char *text) {

@@ -87,6 +87,8 @@ double nqm_cosine_factor(size_t done, size_t all);
 
 /* ---- model file -------------------------------------------------------------------------------------------------- */
 
+enum { NQM_NOVELTY_BLOCK = 16, NQM_NOVELTY_MAX_GROWTH = 10 };
+
 /** What a model is, in plain data. Strings are owned by the model (nqm_alloc). */
 struct nqm_model {
     nqm_params params;
@@ -109,8 +111,15 @@ struct nqm_model {
     size_t n_interval;
     double *interval;  /* (n_interval, 3) predicted JOD, ends of its 95 % interval; all rise; NULL: not calibrated */
     char *calibration; /* JSON: what `interval` was made from and covers; NULL together with it */
-    char sha256[65];   /* checksum of the file it came from or was saved to */
-    void *directions;  /* nqm_directions made by the sample layer; see metric/model.c */
+    /* Training pairs to tell how novel a pair is (metric/novelty.c); only together with scalar features and `interval`. */
+    size_t n_novelty;      /* blocks of points; 0: none */
+    float *novelty_points; /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
+    float novelty_map[NQM_SCALAR_COUNT *
+                      NQM_SCALAR_COUNT]; /* from whitened scalar features (rows) to uncorrelated ones */
+    double novelty_unit;                 /* the distance that counts as 1, > 0 */
+    double novelty_growth; /* a novelty of v widens intervals exp(novelty_growth v) times; 0..NQM_NOVELTY_MAX_GROWTH */
+    char sha256[65];       /* checksum of the file it came from or was saved to */
+    void *directions;      /* nqm_directions made by the sample layer; see metric/model.c */
     void (*directions_free)(void *);
     nqm_map *file; /* of nqm_alloc(): the mapping that `params` point into, closed by nqm_model_destroy(); or NULL */
     struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT]; /* packed at first use; NULL: not yet */
@@ -136,6 +145,11 @@ static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
 const char *nqm_interval_table_fault(size_t n, const double *table);
 /** Look up a table: the interval around `jod`, which is finite. */
 void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret, double *high_ret);
+/** The scale on which intervals are widened: log(JOD / (10 - JOD)), softened at both ends, and back to 0..10. */
+double nqm_interval_y(double jod);
+double nqm_interval_jod(double y);
+/** Move both ends away from `jod`, `times` (>= 1) as far on that scale. */
+void nqm_interval_widen(double times, double jod, double *low, double *high);
 /** Write a model file; sets model->sha256. */
 NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
 void nqm_model_destroy(struct nqm_model *model);

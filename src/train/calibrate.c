@@ -17,11 +17,11 @@ static double rounded(double x) {
 }
 
 static char *calibration_text(const nqm_calibration *c, const char *dataset_sha256) {
-    json_t *json =
-        json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:s}", "level", 0.95, "materials", (json_int_t)c->n_materials,
-                  "pairs", (json_int_t)c->n_pairs, "coverage", rounded(c->coverage), "coverage_pairs",
-                  rounded(c->coverage_pairs), "coverage_lowest", rounded(c->coverage_lowest), "mean_width",
-                  rounded(c->mean_width), "dataset_sha256", dataset_sha256);
+    json_t *json = json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:s}", "level", 0.95, "materials",
+                             (json_int_t)c->n_materials, "pairs", (json_int_t)c->n_pairs, "coverage",
+                             rounded(c->coverage), "coverage_pairs", rounded(c->coverage_pairs), "coverage_lowest",
+                             rounded(c->coverage_lowest), "mean_width", rounded(c->mean_width), "novelty_growth",
+                             rounded(c->novelty_growth), "dataset_sha256", dataset_sha256);
     char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
     char *text = dump ? nqm_strdup(dump) : NULL;
     free(dump);
@@ -30,6 +30,7 @@ static char *calibration_text(const nqm_calibration *c, const char *dataset_sha2
 }
 
 static const char section_head[] = "\n## Interval\n";
+static const char novelty_note[] = " It is wider for pairs unlike the training pairs (`novelty`).";
 
 /* Where a section begins and ends in a card; both at its end when there is none. */
 static void find_section(const char *card, size_t *begin_ret, size_t *end_ret) {
@@ -44,7 +45,7 @@ static void find_section(const char *card, size_t *begin_ret, size_t *end_ret) {
 }
 
 char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const char *dataset_sha256) {
-    enum { SECTION_BYTES = 1000, NUMBER_BYTES = 32 };
+    enum { SECTION_BYTES = 1100, NUMBER_BYTES = 32 };
     size_t begin, end, n_card = strlen(card), n = n_card + SECTION_BYTES;
     find_section(card, &begin, &end);
     char *text = nqm_alloc(n, 1);
@@ -62,9 +63,9 @@ char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const c
         "not trained on (dataset `%.64s`).\nWith each material left out in turn, it held %s %% of that material's "
         "labels as the mean over materials\n(%s %% of all pairs; of the worst material %s %%); mean width %s JOD. It "
         "is "
-        "about labels by rendering of\nmaterials and distortions like these, not about people.\n%s",
+        "about labels by rendering of\nmaterials and distortions like these, not about people.%s\n%s",
         (int)begin, card, section_head, c->n_pairs, c->n_materials, dataset_sha256, percent[0], percent[1], percent[2],
-        width, card + end);
+        width, c->novelty_growth > 0 ? novelty_note : "", card + end);
     if (n_written < 0 || (size_t)n_written >= n) {
         nqm_free(text);
         return NULL;
@@ -72,15 +73,28 @@ char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const c
     return text;
 }
 
-nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_residuals *residuals, const char *dataset_sha256,
-                                  nqm_calibration *report, nqm_error *err) {
+nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *dataset, bool trained_on,
+                                  const nqm_residuals *residuals, const size_t *pairs, nqm_calibration *report,
+                                  nqm_error *err) {
     double *table = nqm_alloc(NQM_INTERVAL_ROWS, 3 * sizeof *table);
-    if (!table)
-        return nqm_fail_nomem(err, NQM_INTERVAL_ROWS * 3 * sizeof *table);
-    nqm_status status = nqm_interval_fit(residuals, table, report, err);
-    char *text = status == NQM_OK ? calibration_text(report, dataset_sha256) : NULL;
-    if (status == NQM_OK && !text)
-        status = nqm_fail_nomem(err, 0);
+    double *novelty = nqm_alloc(residuals->n, sizeof *novelty);
+    bool known = false;
+    char *text = NULL;
+    nqm_status status = table && novelty ? NQM_OK : nqm_fail_nomem(err, residuals->n * sizeof *novelty);
+    if (status == NQM_OK && trained_on)
+        status = nqm_novelty_choose(model, dataset, err);
+    if (status == NQM_OK && residuals->n > 0)
+        status = nqm_novelty_measure(model, dataset, residuals->n, pairs, novelty, &known, err);
+    if (status == NQM_OK) {
+        nqm_residuals r = *residuals;
+        r.novelty = known ? novelty : NULL;
+        status = nqm_interval_fit(&r, table, report, err);
+    }
+    if (status == NQM_OK) {
+        text = calibration_text(report, dataset->sha256);
+        status = text ? NQM_OK : nqm_fail_nomem(err, 0);
+    }
+    nqm_free(novelty);
     if (status != NQM_OK) {
         nqm_free(table);
         return status;
@@ -88,6 +102,7 @@ nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_residuals *
     model->n_interval = NQM_INTERVAL_ROWS;
     model->interval = table;
     model->calibration = text;
+    model->novelty_growth = report->novelty_growth;
     return NQM_OK;
 }
 
@@ -100,9 +115,13 @@ static bool was_split_by_pair(const nqm_model *model) {
     return by_pair;
 }
 
+static bool was_trained_on(const nqm_model *model, const nqm_dataset *dataset) {
+    return model->manifest_sha256 && strcmp(model->manifest_sha256, dataset->sha256) == 0;
+}
+
 /* The materials must be new to the model, else the interval would be too narrow. */
 static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, nqm_error *err) {
-    if (!model->manifest_sha256 || strcmp(model->manifest_sha256, dataset->sha256) != 0)
+    if (!was_trained_on(model, dataset))
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                         "model '%s' was not trained on this dataset, so that its validation materials may have been "
                         "trained on",
@@ -112,6 +131,18 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
                         "model '%s' was trained on the validation materials: its validation pairs were drawn over all "
                         "pairs",
                         model->id);
+    return NQM_OK;
+}
+
+/* The copy has points of its own. */
+static nqm_status copy_points(const nqm_model *model, struct nqm_model *copy, nqm_error *err) {
+    const size_t n_bytes = NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof(float);
+    if (model->n_novelty == 0)
+        return NQM_OK;
+    copy->novelty_points = nqm_alloc(model->n_novelty, n_bytes);
+    if (!copy->novelty_points)
+        return nqm_fail_nomem(err, model->n_novelty * n_bytes);
+    memcpy(copy->novelty_points, model->novelty_points, model->n_novelty * n_bytes);
     return NQM_OK;
 }
 
@@ -128,20 +159,26 @@ static nqm_status calibrate(const nqm_model *model, struct nqm_model *copy, cons
     const double *values = nqm_evaluation_values(ev, 0);
     double *predicted = nqm_alloc(d->n_pairs, sizeof *predicted), *label = nqm_alloc(d->n_pairs, sizeof *label);
     uint32_t *group = nqm_alloc(d->n_pairs, sizeof *group);
+    size_t *pairs = nqm_alloc(d->n_pairs, sizeof *pairs);
     nqm_residuals r = {.n_groups = d->n_groups, .predicted = predicted, .label = label, .group = group};
-    if (!predicted || !label || !group)
+    if (!predicted || !label || !group || !pairs)
         status = nqm_fail_nomem(err, d->n_pairs * 2 * sizeof *label);
     for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
         if (isfinite(values[i])) {
             predicted[r.n] = values[i];
             label[r.n] = d->jod[i];
+            pairs[r.n] = i;
             group[r.n++] = d->ref_group[d->pair_ref[i]];
         }
     *copy = *model;
     copy->interval = NULL;
     copy->calibration = NULL;
+    copy->novelty_points = NULL;
     if (status == NQM_OK)
-        status = nqm_model_set_interval(copy, &r, d->sha256, report, err);
+        status = copy_points(model, copy, err);
+    if (status == NQM_OK)
+        status = nqm_model_set_interval(copy, d, was_trained_on(model, d), &r, pairs, report, err);
+    nqm_free(pairs);
     nqm_free(predicted);
     nqm_free(label);
     nqm_free(group);
@@ -163,5 +200,6 @@ nqm_status nqm_model_save_calibrated(const nqm_model *model, const nqm_dataset *
     }
     nqm_free(copy.interval);
     nqm_free(copy.calibration);
+    nqm_free(copy.novelty_points);
     return status;
 }

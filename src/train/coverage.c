@@ -32,7 +32,8 @@ static void count(const nqm_evaluation *ev, const nqm_selection *s, size_t model
     for (size_t k = 0; k < s->n; ++k) {
         size_t pair = s->pairs[k], group = d->ref_group[d->pair_ref[pair]];
         double low, high, jod = ev->values[model * d->n_pairs + pair], label = d->jod[pair];
-        nqm_model_interval(ev->models[model], jod, &low, &high);
+        double novelty = nqm_model_novelty(ev->models[model], ev->scalars + pair * NQM_SCALAR_COUNT);
+        nqm_model_interval(ev->models[model], jod, novelty, &low, &high);
         size_t range = range_of(jod);
         bool inside = label >= low && label <= high;
         t->n[group] += 1;

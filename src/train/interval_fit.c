@@ -10,6 +10,9 @@
  * 4. The interval is the scale times one factor: the smallest for which the mean share of scores below it, over
  *    materials, is 0.95 even at its lower 95 % confidence limit. Pairs of a material go together, so materials are the
  *    sample; the limit is the price of having few.
+ * 5. Where the novelty v of pairs is known, residuals are first divided by exp(growth v), and the interval is widened by as
+ *    much. The growth is the one with the least mean interval score (Gneiting and Raftery 2007,
+ *    DOI 10.1198/016214506000001437, section 6.2) over materials: width, and a fine for each label outside.
  */
 #include "train/calibrate.h"
 
@@ -18,24 +21,10 @@
 
 static const double level = 0.95;
 static const double jod_top = 10;
-static const double softening = 1e-3;   /* JOD: differences far below this are nobody's concern */
 static const double least_scale = 0.02; /* on y: so that a factor can widen windows of perfect predictions, too */
 enum { MAX_WINDOWS = 10, PAIRS_PER_WINDOW = 50 };
 
 static const size_t nobody = SIZE_MAX; /* no material is left out */
-
-/* ---- the scale y ------------------------------------------------------------------------------------------------- */
-
-static double y_of_jod(double jod) {
-    double inside = fmin(jod_top, fmax(0, jod));
-    return log((inside + softening) / (jod_top - inside + softening));
-}
-
-static double jod_of_y(double y) {
-    double odds = exp(-y);
-    double jod = (jod_top + softening - softening * odds) / (1 + odds);
-    return odds < INFINITY ? fmin(jod_top, fmax(0, jod)) : 0;
-}
 
 /* ---- local scales ------------------------------------------------------------------------------------------------ */
 
@@ -75,12 +64,16 @@ typedef struct fit {
     size_t *count;  /* (n_groups) pairs */
     double *y;      /* (n) of the prediction */
     double *error;  /* (n) y of the label less that */
+    double *times;  /* (n) see 5.: by what errors are divided; 1 without novelty */
+    double *down;   /* (n) the scales at the pair, found without its material */
+    double *up;     /* (n) */
     double *score;  /* (n) see 3. */
     item *sorted;   /* (n) pairs by prediction */
     item *window;   /* (n) scratch */
     size_t *kept;   /* (n) scratch: pairs of the other materials, by prediction */
     item *by_score; /* (n) */
     size_t *inside; /* (n_groups) scratch */
+    double *loss;   /* (N_GROWTHS, n_groups) of each material; 0 without novelty */
 } fit;
 
 /* The smallest of `n` values, which are sorted, with a share `level` of the weight at or below it; every material weighs the
@@ -111,7 +104,7 @@ static scales find_scales(const fit *f, size_t left_out) {
         size_t begin = w ? n * (2 * w - 1) / (2 * n_windows) : 0;
         size_t end = w + 1 < n_windows ? n * (2 * w + 3) / (2 * n_windows) : n;
         for (size_t i = begin; i < end; ++i)
-            f->window[i - begin] = (item){f->error[f->kept[i]], f->kept[i]};
+            f->window[i - begin] = (item){f->error[f->kept[i]] / f->times[f->kept[i]], f->kept[i]};
         s.at[w] = f->y[f->kept[begin + (end - begin) / 2]];
         qsort(f->window, end - begin, sizeof *f->window, by_value);
         s.up[w] = fmax(least_scale, weighted_quantile(f, end - begin, f->window, 1));
@@ -160,25 +153,90 @@ static double find_factor(const fit *f, size_t left_out) {
     return factor;
 }
 
+/* ---- the growth -------------------------------------------------------------------------------------------------- */
+
+/* Growths to choose from: 0, 1/4, ..., 3. */
+enum { N_GROWTHS = 13 };
+
+static double growth_at(size_t i) {
+    return 0.25 * (double)i;
+}
+
+/* Scores with the scales of the other materials, for one growth. */
+static void find_scores(fit *f, double growth) {
+    for (size_t i = 0; i < f->r->n; ++i)
+        f->times[i] = f->r->novelty ? exp(growth * f->r->novelty[i]) : 1;
+    for (size_t g = 0; g < f->r->n_groups; ++g) {
+        if (!f->count[g])
+            continue;
+        scales s = find_scales(f, g);
+        for (size_t i = 0; i < f->r->n; ++i) {
+            if (f->r->group[i] != g)
+                continue;
+            double error = f->error[i] / f->times[i];
+            f->up[i] = scale_at(&s, s.up, f->y[i]);
+            f->down[i] = scale_at(&s, s.down, f->y[i]);
+            f->score[i] = fmax(error / f->up[i], -error / f->down[i]);
+        }
+    }
+    for (size_t i = 0; i < f->r->n; ++i)
+        f->by_score[i] = (item){f->score[i], i};
+    qsort(f->by_score, f->r->n, sizeof *f->by_score, by_value);
+}
+
+/* Mean interval score of each material, with the factor of the others; loss (n_groups). */
+static void find_losses(fit *f, double *loss) {
+    for (size_t g = 0; g < f->r->n_groups; ++g) {
+        double factor = f->count[g] ? find_factor(f, g) : 0;
+        loss[g] = 0;
+        for (size_t i = 0; i < f->r->n; ++i) {
+            if (f->r->group[i] != g)
+                continue;
+            double low = nqm_interval_jod(f->y[i] - factor * f->times[i] * f->down[i]);
+            double high = nqm_interval_jod(f->y[i] + factor * f->times[i] * f->up[i]), label = f->r->label[i];
+            double outside = fmax(0, low - label) + fmax(0, label - high);
+            loss[g] += (high - low + 2 / (1 - level) * outside) / (double)f->count[g];
+        }
+    }
+}
+
+/* The number of the growth with the least loss over all materials but one; loss (N_GROWTHS, n_groups). */
+static size_t best_growth(const fit *f, const double *loss, size_t left_out) {
+    size_t best = 0;
+    double least = INFINITY;
+    for (size_t k = 0; k < N_GROWTHS; ++k) {
+        double sum = 0;
+        for (size_t g = 0; g < f->r->n_groups; ++g)
+            sum += g == left_out ? 0 : loss[k * f->r->n_groups + g];
+        if (sum < least) {
+            least = sum;
+            best = k;
+        }
+    }
+    return best;
+}
+
 /* ---- all together ------------------------------------------------------------------------------------------------ */
 
 static nqm_status make_room(fit *f, nqm_error *err) {
     size_t n = f->r->n;
+    double **const numbers[] = {&f->y, &f->error, &f->times, &f->down, &f->up, &f->score};
+    item **const items[] = {&f->sorted, &f->window, &f->by_score};
     f->count = nqm_alloc(f->r->n_groups, sizeof *f->count);
     f->inside = nqm_alloc(f->r->n_groups, sizeof *f->inside);
     f->kept = nqm_alloc(n, sizeof *f->kept);
-    f->y = nqm_alloc(n, sizeof *f->y);
-    f->error = nqm_alloc(n, sizeof *f->error);
-    f->score = nqm_alloc(n, sizeof *f->score);
-    f->sorted = nqm_alloc(n, sizeof *f->sorted);
-    f->window = nqm_alloc(n, sizeof *f->window);
-    f->by_score = nqm_alloc(n, sizeof *f->by_score);
-    bool ok = f->count && f->inside && f->kept && f->y && f->error && f->score && f->sorted && f->window && f->by_score;
-    return ok ? NQM_OK : nqm_fail_nomem(err, n * 3 * (sizeof(item) + sizeof(double)));
+    f->loss = nqm_alloc(f->r->n_groups, N_GROWTHS * sizeof *f->loss);
+    bool ok = f->count && f->inside && f->kept && f->loss;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
+        ok = (*numbers[i] = nqm_alloc(n, sizeof(double))) && ok;
+    for (size_t i = 0; i < sizeof items / sizeof *items; ++i)
+        ok = (*items[i] = nqm_alloc(n, sizeof(item))) && ok;
+    return ok ? NQM_OK : nqm_fail_nomem(err, n * 3 * (sizeof(item) + 2 * sizeof(double)));
 }
 
 static void release(fit *f) {
-    void *blocks[] = {f->count, f->inside, f->kept, f->y, f->error, f->score, f->sorted, f->window, f->by_score};
+    void *blocks[] = {f->count, f->inside, f->kept,  f->loss,   f->y,      f->error,   f->times,
+                      f->down,  f->up,     f->score, f->sorted, f->window, f->by_score};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
         nqm_free(blocks[i]);
 }
@@ -186,37 +244,25 @@ static void release(fit *f) {
 static void prepare(fit *f) {
     for (size_t i = 0; i < f->r->n; ++i) {
         ++f->count[f->r->group[i]];
-        f->y[i] = y_of_jod(f->r->predicted[i]);
-        f->error[i] = y_of_jod(f->r->label[i]) - f->y[i];
+        f->y[i] = nqm_interval_y(f->r->predicted[i]);
+        f->error[i] = nqm_interval_y(f->r->label[i]) - f->y[i];
         f->sorted[i] = (item){f->y[i], i};
     }
     qsort(f->sorted, f->r->n, sizeof *f->sorted, by_value);
-}
-
-/* Scores with the scales of the other materials. */
-static void find_scores(fit *f) {
-    for (size_t g = 0; g < f->r->n_groups; ++g) {
-        if (!f->count[g])
-            continue;
-        scales s = find_scales(f, g);
-        for (size_t i = 0; i < f->r->n; ++i)
-            if (f->r->group[i] == g)
-                f->score[i] =
-                    fmax(f->error[i] / scale_at(&s, s.up, f->y[i]), -f->error[i] / scale_at(&s, s.down, f->y[i]));
+    for (size_t k = 0; f->r->novelty && k < N_GROWTHS; ++k) {
+        find_scores(f, growth_at(k));
+        find_losses(f, f->loss + k * f->r->n_groups);
     }
-    for (size_t i = 0; i < f->r->n; ++i)
-        f->by_score[i] = (item){f->score[i], i};
-    qsort(f->by_score, f->r->n, sizeof *f->by_score, by_value);
 }
 
 static void fill_table(const fit *f, double *table) {
     scales s = find_scales(f, nobody);
     double factor = find_factor(f, nobody);
     for (size_t k = 0; k < NQM_INTERVAL_ROWS; ++k) {
-        double y = y_of_jod(jod_top) * (2 * (double)k / (NQM_INTERVAL_ROWS - 1) - 1), *row = table + 3 * k;
-        row[0] = jod_of_y(y);
-        row[1] = fmin(row[0], jod_of_y(y - factor * scale_at(&s, s.down, y)));
-        row[2] = fmax(row[0], jod_of_y(y + factor * scale_at(&s, s.up, y)));
+        double y = nqm_interval_y(jod_top) * (2 * (double)k / (NQM_INTERVAL_ROWS - 1) - 1), *row = table + 3 * k;
+        row[0] = nqm_interval_jod(y);
+        row[1] = fmin(row[0], nqm_interval_jod(y - factor * scale_at(&s, s.down, y)));
+        row[2] = fmax(row[0], nqm_interval_jod(y + factor * scale_at(&s, s.up, y)));
     }
     for (size_t k = 1; k < NQM_INTERVAL_ROWS; ++k) /* rise, by widening only */
         table[3 * k + 2] = fmax(table[3 * k + 2], table[3 * k - 1]);
@@ -224,23 +270,33 @@ static void fill_table(const fit *f, double *table) {
         table[3 * k + 1] = fmin(table[3 * k + 1], table[3 * k + 4]);
 }
 
-/* What a table from the other materials would have made of each material. */
-static void measure(const fit *f, const double *table, nqm_calibration *report) {
-    *report = (nqm_calibration){.n_pairs = f->r->n, .n_materials = f->n_materials, .coverage_lowest = 1};
-    for (size_t g = 0; g < f->r->n_groups; ++g) {
-        if (!f->count[g])
-            continue;
-        double factor = find_factor(f, g), n_inside = 0;
-        for (size_t i = 0; i < f->r->n; ++i)
-            n_inside += f->r->group[i] == g && f->score[i] <= factor;
-        double share = n_inside / (double)f->count[g];
-        report->coverage += share / (double)f->n_materials;
-        report->coverage_pairs += n_inside / (double)f->r->n;
-        report->coverage_lowest = fmin(report->coverage_lowest, share);
+/* What a fit to the other materials would have made of each material. */
+static void measure_materials(fit *f, nqm_calibration *report) {
+    for (size_t k = 0; k < N_GROWTHS; ++k) {
+        bool scored = false;
+        for (size_t g = 0; g < f->r->n_groups; ++g) {
+            if (!f->count[g] || best_growth(f, f->loss, g) != k)
+                continue;
+            if (!scored)
+                find_scores(f, growth_at(k));
+            scored = true;
+            double factor = find_factor(f, g), n_inside = 0;
+            for (size_t i = 0; i < f->r->n; ++i)
+                n_inside += f->r->group[i] == g && f->score[i] <= factor;
+            double share = n_inside / (double)f->count[g];
+            report->coverage += share / (double)f->n_materials;
+            report->coverage_pairs += n_inside / (double)f->r->n;
+            report->coverage_lowest = fmin(report->coverage_lowest, share);
+        }
     }
+}
+
+static void measure_width(const fit *f, const double *table, nqm_calibration *report) {
     for (size_t i = 0; i < f->r->n; ++i) {
         double low, high;
         nqm_interval_at(NQM_INTERVAL_ROWS, table, f->r->predicted[i], &low, &high);
+        if (report->novelty_growth > 0)
+            nqm_interval_widen(f->times[i], f->r->predicted[i], &low, &high);
         report->mean_width += (high - low) / (double)f->r->n;
     }
 }
@@ -267,9 +323,12 @@ nqm_status nqm_interval_fit(const nqm_residuals *residuals, double *table, nqm_c
     nqm_status status = make_room(&f, err);
     if (status == NQM_OK) {
         prepare(&f);
-        find_scores(&f);
+        *report = (nqm_calibration){.n_pairs = residuals->n, .n_materials = f.n_materials, .coverage_lowest = 1};
+        measure_materials(&f, report);
+        report->novelty_growth = growth_at(best_growth(&f, f.loss, nobody));
+        find_scores(&f, report->novelty_growth);
         fill_table(&f, table);
-        measure(&f, table, report);
+        measure_width(&f, table, report);
     }
     release(&f);
     return status;

@@ -238,8 +238,9 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
     double *values = nqm_alloc(rows->n_validation, sizeof *values);
     double *labels = nqm_alloc(rows->n_validation, sizeof *labels);
     uint32_t *group = nqm_alloc(rows->n_validation, sizeof *group);
+    size_t *pairs = nqm_alloc(rows->n_validation, sizeof *pairs);
     nqm_residuals residuals = {.n_groups = d->n_groups, .predicted = values, .label = labels, .group = group};
-    bool ok = values && labels && group;
+    bool ok = values && labels && group && pairs;
     nqm_status status = ok ? NQM_OK : nqm_fail_nomem(err, rows->n_validation * 2 * sizeof *values);
     for (size_t i = 0; status == NQM_OK && i < rows->n_validation; ++i) {
         const nqm_row *row = &rows->row[rows->n_train + i];
@@ -247,12 +248,14 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
             continue;
         values[residuals.n] = nqm_model_jod(m, (double)z[i], NULL);
         labels[residuals.n] = d->jod[row->pair];
+        pairs[residuals.n] = row->pair;
         group[residuals.n++] = d->ref_group[d->pair_ref[row->pair]];
     }
     if (status == NQM_OK)
         report->validation_spearman = nqm_spearman(residuals.n, values, labels);
     if (status == NQM_OK && !r->options->split_by_pair && nqm_residuals_suffice(&residuals, NULL))
-        status = nqm_model_set_interval(m, &residuals, d->sha256, &report->calibration, err);
+        status = nqm_model_set_interval(m, d, true, &residuals, pairs, &report->calibration, err);
+    nqm_free(pairs);
     nqm_free(values);
     nqm_free(labels);
     nqm_free(group);

@@ -63,6 +63,19 @@ run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors" --json
 low=$(number jod_low 1) jod=$(number jod 1) high=$(number jod_high 1)
 awk -v l="$low" -v j="$jod" -v h="$high" 'BEGIN {exit !(l <= j && j <= h && l < h)}' || fail "interval: $low $jod $high"
 { [ "$(number jod_low 2)" = 10.0 ] && [ "$(number jod_high 2)" = 10.0 ]; } || fail "identical"
+# What is far from the training pairs is said to be; older models cannot tell, and their intervals stay.
+awk -v n="$(number novelty 1)" 'BEGIN {exit !(n > 1)}' || fail "novelty: $(number novelty 1)"
+[ "$(grep -c 'test: unlike the training pairs: novelty [1-9]' "$dir/out")" = 1 ] || fail "a warning of the novel pair only"
+run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors"
+grep -q '^nqm score: ward:nickel: unlike the training pairs: novelty [1-9]' "$dir/err" || fail "no remark"
+run 0 models show "$dir/a.safetensors" --json
+awk -v g="$(number novelty_growth 1)" 'BEGIN {exit !(g >= 0 && g <= 10)}' || fail "growth: $(number novelty_growth 1)"
+run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/without.safetensors" --json
+[ "$(number novelty 1)" = null ] || fail "novelty without training pairs"
+if grep -q 'unlike the training' "$dir/out"; then fail "a warning without a measure"; fi
+
+run 0 score sgd:nickel ward:nickel -m "$dir/a.safetensors" --json
+low=$(number jod_low 1)
 run 0 score sgd:nickel ward:nickel -m "$dir/a.safetensors" --csv
 grep -q '^reference,test,jod,jod_low,jod_high,delta_e_itp,' "$dir/out" || fail "CSV header of score"
 awk -F, -v l="$low" 'NR == 2 {exit !($4 - l < 1e-4 && l - $4 < 1e-4)}' "$dir/out" || fail "CSV of score"

@@ -9,6 +9,7 @@
 #include "support/tiny_model.h"
 #include "support/toy_dataset.h"
 #include "train/calibrate.h"
+#include "train/evaluate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +29,7 @@ static nqm_model *calibrated_model(void) {
 
 static void assert_interval(const nqm_model *model, double jod, double low, double high) {
     double l, h;
-    nqm_model_interval(model, jod, &l, &h);
+    nqm_model_interval(model, jod, NAN, &l, &h);
     assert_near(l, low, 1e-12);
     assert_near(h, high, 1e-12);
 }
@@ -50,7 +51,7 @@ static void tables_are_interpolated_and_stored(void **state) {
         assert_string_equal(nqm_model_get_info(m).calibration, "{\"materials\":12}");
     }
     double low, high;
-    nqm_model_interval(model, NAN, &low, &high);
+    nqm_model_interval(model, NAN, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
     nqm_model_free(read);
     nqm_model_free(model);
@@ -63,7 +64,7 @@ static void models_without_have_none(void **state) {
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     double low, high;
-    nqm_model_interval(read, 8, &low, &high);
+    nqm_model_interval(read, 8, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
     assert_string_equal(nqm_model_get_info(read).calibration, "");
     nqm_model_free(read);
@@ -243,14 +244,16 @@ static void other_datasets_are_refused(void **state) {
 
 static void cards_hold_one_section(void **state) {
     (void)state;
-    const nqm_calibration c = {100, 10, 0.951, 0.94, 0.8, 1.25};
+    const nqm_calibration c = {100, 10, 0.951, 0.94, 0.8, 1.25, 0};
     char *first = nqm_card_with_interval("# Card\n", &c, "abc");
     assert_non_null(strstr(first, "95.1 %"));
     assert_non_null(strstr(first, "1.25 JOD"));
     char longer[2000];
     snprintf(longer, sizeof longer, "%s\n## Judged on\n\nnothing\n", first);
-    char *second = nqm_card_with_interval(longer, &(nqm_calibration){200, 20, 0.96, 0.95, 0.9, 1}, "def");
+    char *second = nqm_card_with_interval(longer, &(nqm_calibration){200, 20, 0.96, 0.95, 0.9, 1, 0.5}, "def");
     assert_int_equal(count_in(second, "## Interval"), 1);
+    assert_null(strstr(first, "novelty"));
+    assert_non_null(strstr(second, "novelty"));
     assert_null(strstr(second, "95.1 %"));
     assert_non_null(strstr(second, "96 %"));
     assert_non_null(strstr(second, "\n## Judged on\n\nnothing\n"));
@@ -278,7 +281,8 @@ static void labels_inside_are_counted(void **state) {
         if (nqm_dataset_pair_split(dataset, i) != NQM_SPLIT_TEST)
             continue;
         double low, high;
-        nqm_model_interval(model, jod[i], &low, &high);
+        double novelty = nqm_model_novelty(model, ev->scalars + i * NQM_SCALAR_COUNT);
+        nqm_model_interval(model, jod[i], novelty, &low, &high);
         n_inside += dataset->jod[i] >= low && dataset->jod[i] <= high;
         n_high += jod[i] >= 9.9;
         width += high - low;

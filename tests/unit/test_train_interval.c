@@ -157,6 +157,98 @@ static void right_predictions_have_narrow_intervals(void **state) {
     assert_true(c.mean_width > 4 && c.coverage > 0.9);
 }
 
+/* ---- novelty ----------------------------------------------------------------------------------------------------- */
+
+static double novelty[MAX];
+
+/* Errors that grow by exp(true_growth v). */
+static void draw_novel_residuals(nqm_rng *rng, double true_growth) {
+    for (size_t i = 0; i < MAX; ++i) {
+        group[i] = (uint32_t)(i / PAIRS_EACH);
+        novelty[i] = 0.2 + 0.8 * nqm_rng_uniform(rng) * nqm_rng_uniform(rng) + (i % 10 == 0);
+        double x = 5.5 * nqm_rng_uniform(rng), e = 0.2 * exp(true_growth * novelty[i]) * nqm_rng_normal(rng);
+        predicted[i] = logit_jod(x);
+        label[i] = logit_jod(x + e);
+    }
+}
+
+/* Shares of the same law inside, for pairs near and far. */
+static void novel_coverage(const double *table, double growth, double true_growth, nqm_rng *rng, double inside[2]) {
+    double n[2] = {0};
+    inside[0] = inside[1] = 0;
+    for (size_t repeat = 0; repeat < 10; ++repeat) {
+        draw_novel_residuals(rng, true_growth);
+        for (size_t i = 0; i < MAX; ++i) {
+            double low, high;
+            nqm_interval_at(NQM_INTERVAL_ROWS, table, predicted[i], &low, &high);
+            nqm_interval_widen(exp(growth * novelty[i]), predicted[i], &low, &high);
+            inside[novelty[i] > 1] += label[i] >= low && label[i] <= high;
+            n[novelty[i] > 1] += 1;
+        }
+    }
+    inside[0] /= n[0], inside[1] /= n[1];
+}
+
+static void intervals_grow_with_novelty(void **state) {
+    (void)state;
+    double table[3 * NQM_INTERVAL_ROWS], inside[2];
+    nqm_calibration with, without;
+    nqm_residuals r = residuals;
+    nqm_rng rng = nqm_rng_make(12, 0);
+    draw_novel_residuals(&rng, 1.25);
+    assert_int_equal(nqm_interval_fit(&r, table, &without, NULL), NQM_OK);
+    r.novelty = novelty;
+    assert_true(without.novelty_growth == 0);
+    nqm_rng same = rng;
+    novel_coverage(table, 0, 1.25, &same, inside);
+    assert_true(inside[1] < 0.85); /* else there is nothing to mend */
+    rng = nqm_rng_make(12, 0);
+    draw_novel_residuals(&rng, 1.25);
+    assert_int_equal(nqm_interval_fit(&r, table, &with, NULL), NQM_OK);
+    assert_null(nqm_interval_table_fault(NQM_INTERVAL_ROWS, table));
+    assert_near(with.novelty_growth, 1.25, 0.5);
+    assert_true(with.mean_width < 0.95 * without.mean_width && with.coverage > 0.94);
+    novel_coverage(table, with.novelty_growth, 1.25, &rng, inside);
+    assert_true(inside[0] > 0.94 && inside[1] > 0.9);
+}
+
+static void novelty_without_effect_has_none(void **state) {
+    (void)state;
+    double table[3 * NQM_INTERVAL_ROWS];
+    nqm_calibration with, without;
+    nqm_residuals r = residuals;
+    nqm_rng rng = nqm_rng_make(13, 0);
+    draw_novel_residuals(&rng, 0);
+    assert_int_equal(nqm_interval_fit(&r, table, &without, NULL), NQM_OK);
+    r.novelty = novelty;
+    assert_int_equal(nqm_interval_fit(&r, table, &with, NULL), NQM_OK);
+    assert_true(with.novelty_growth <= 0.25);
+    assert_true(with.mean_width < 1.03 * without.mean_width);
+}
+
+static void widening_keeps_its_promises(void **state) {
+    (void)state;
+    for (int i = 0; i <= 20; ++i) {
+        double jod = i / 2.0, low = fmax(0, jod - 0.4), high = fmin(10, jod + 0.3), l = low, h = high;
+        nqm_interval_widen(1, jod, &l, &h);
+        assert_near(l, low, 1e-9);
+        assert_near(h, high, 1e-9);
+        for (double times = 1.5, last_l = l, last_h = h; times < 1e9; times *= 10) {
+            l = low, h = high;
+            nqm_interval_widen(times, jod, &l, &h);
+            assert_true(l <= last_l && h >= last_h && l >= 0 && h <= 10);
+            last_l = l, last_h = h;
+        }
+        assert_true((l == 0 || low == jod) && (h == 10 || high == jod));
+    }
+    double l = 5, h = 5;
+    nqm_interval_widen(7, 5, &l, &h);
+    assert_true(l == 5 && h == 5);
+    l = 5, h = 8;
+    nqm_interval_widen(2, 5, &l, &h);
+    assert_near(h, 10 * 16 / 17.0, 1e-3); /* odds 4 become 16 */
+}
+
 static void few_are_refused(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(11, 0);
@@ -175,11 +267,10 @@ static void few_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(new_materials_are_covered),
-        cmocka_unit_test(materials_are_the_sample),
-        cmocka_unit_test(tables_keep_their_promises),
-        cmocka_unit_test(right_predictions_have_narrow_intervals),
-        cmocka_unit_test(few_are_refused),
+        cmocka_unit_test(new_materials_are_covered),   cmocka_unit_test(materials_are_the_sample),
+        cmocka_unit_test(tables_keep_their_promises),  cmocka_unit_test(right_predictions_have_narrow_intervals),
+        cmocka_unit_test(intervals_grow_with_novelty), cmocka_unit_test(novelty_without_effect_has_none),
+        cmocka_unit_test(widening_keeps_its_promises), cmocka_unit_test(few_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,7 +62,7 @@ static void print_csv_cells(const batch_form *form, FILE *out, size_t row) {
 }
 
 static void print_csv_warnings(FILE *out, const json_t *warnings) {
-    char text[4000] = ""; /* six remarks of 600 bytes at most */
+    char text[4600] = ""; /* seven remarks of 600 bytes at most */
     for (size_t i = 0, n = 0; i < json_array_size(warnings) && n < sizeof text; ++i)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", i ? "; " : "",
                               json_string_value(json_array_get(warnings, i)));

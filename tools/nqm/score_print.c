@@ -118,11 +118,12 @@ static json_t *row_json(const score_run *run, const score_row *row) {
         remark_on_reference(&terms, "reference", r, warnings);
         remark_on_test(&terms, "test", r, warnings);
     }
-    json_t *object = json_pack("{s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->name), "jod",
-                               json_number(number_of(row, r->jod)), "jod_low", json_number(number_of(row, r->jod_low)),
-                               "jod_high", json_number(number_of(row, r->jod_high)), "delta_e_itp",
-                               json_number(number_of(row, r->delta_e)), "identical", scored && r->identical, "n_valid",
-                               (json_int_t)r->n_valid, "metrics", metrics, "warnings", warnings);
+    json_t *object =
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->name), "jod",
+                  json_number(number_of(row, r->jod)), "jod_low", json_number(number_of(row, r->jod_low)), "jod_high",
+                  json_number(number_of(row, r->jod_high)), "delta_e_itp", json_number(number_of(row, r->delta_e)),
+                  "novelty", json_number(number_of(row, r->novelty)), "identical", scored && r->identical, "n_valid",
+                  (json_int_t)r->n_valid, "metrics", metrics, "warnings", warnings);
     if (!scored)
         json_object_set_new(object, "error", json_name(row->err.message));
     return object;

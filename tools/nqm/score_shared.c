@@ -43,6 +43,11 @@ void remark_on_reference(const remark_terms *terms, const char *who, const nqm_s
 
 void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks) {
     remark(terms, &(causes){who, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test}, remarks);
+    if (r->novelty > 1 && !r->identical) /* false for NaN */
+        add_remark(remarks,
+                   "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials "
+                   "are below 1",
+                   who, r->novelty);
 }
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Training pairs that stand for all of them when a model judges how novel a pair is. Each is the one that is farthest from
+ * those before it (Gonzalez 1985, DOI 10.1016/0304-3975(85)90224-5; core-sets: Sener and Savarese 2018, arXiv:1708.00489), so
+ * that they cover the training pairs evenly rather than where these are many.
+ */
+#include "math/math.h"
+#include "metric/metric.h"
+#include "train/calibrate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- scalar features of pairs of a dataset ----------------------------------------------------------------------- */
+
+typedef struct scalar_job {
+    const nqm_dataset *dataset;
+    size_t first;
+    const size_t *pairs;
+    uint8_t *used;   /* (SCALAR_BATCH, n_directions) */
+    double *scalars; /* (n, NQM_SCALAR_COUNT) */
+} scalar_job;
+
+enum { SCALAR_BATCH = 256 };
+
+static void pair_scalars(void *user, size_t r) {
+    const scalar_job *job = user;
+    const nqm_dataset *d = job->dataset;
+    size_t i = job->first + r, pair = job->pairs[i], n = 3 * d->n_directions;
+    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + r * d->n_directions);
+    nqm_scalars_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, used,
+                        job->scalars + i * NQM_SCALAR_COUNT);
+}
+
+/* Free *scalars_ret with nqm_free(). */
+static nqm_status find_scalars(const nqm_dataset *d, size_t n, const size_t *pairs, double **scalars_ret,
+                               nqm_error *err) {
+    scalar_job job = {.dataset = d, .pairs = pairs};
+    job.used = nqm_alloc(SCALAR_BATCH, d->n_directions);
+    job.scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *job.scalars);
+    bool ok = job.used && job.scalars;
+    for (; ok && job.first < n; job.first += SCALAR_BATCH)
+        nqm_parallel_for(n - job.first < SCALAR_BATCH ? n - job.first : SCALAR_BATCH, pair_scalars, &job);
+    nqm_free(job.used);
+    if (!ok)
+        nqm_free(job.scalars);
+    *scalars_ret = ok ? job.scalars : NULL;
+    return ok ? NQM_OK : nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *job.scalars);
+}
+
+/* ---- points far apart -------------------------------------------------------------------------------------------- */
+
+/* Candidates, and how far each is from the points chosen so far. */
+typedef struct spread {
+    size_t n, last;  /* last: the point chosen last */
+    const float *x;  /* (n, NQM_SCALAR_COUNT) */
+    double *nearest; /* (n) squared distance */
+} spread;
+
+static double square_distance(const float *a, const float *b) {
+    float sum[4] = {0}; /* four at a time need not wait for each other */
+    size_t k = 0;
+    for (; k + 4 <= NQM_SCALAR_COUNT; k += 4)
+        for (size_t j = 0; j < 4; ++j)
+            sum[j] += (a[k + j] - b[k + j]) * (a[k + j] - b[k + j]);
+    for (; k < NQM_SCALAR_COUNT; ++k)
+        sum[0] += (a[k] - b[k]) * (a[k] - b[k]);
+    return (double)sum[0] + (double)sum[1] + (double)sum[2] + (double)sum[3];
+}
+
+enum { SPREAD_PIECE = 512 };
+
+static void update_piece(void *user, size_t piece) {
+    const spread *s = user;
+    size_t end = (piece + 1) * SPREAD_PIECE < s->n ? (piece + 1) * SPREAD_PIECE : s->n;
+    for (size_t i = piece * SPREAD_PIECE; i < end; ++i) {
+        double d = square_distance(s->x + i * NQM_SCALAR_COUNT, s->x + s->last * NQM_SCALAR_COUNT);
+        s->nearest[i] = fmin(s->nearest[i], d);
+    }
+}
+
+static size_t farthest(const spread *s) {
+    size_t best = 0;
+    for (size_t i = 1; i < s->n; ++i)
+        if (s->nearest[i] > s->nearest[best])
+            best = i;
+    return best;
+}
+
+/* The candidate in the middle of all is the first point: their features are about 0. */
+static size_t middle(const spread *s) {
+    const float zero[NQM_SCALAR_COUNT] = {0};
+    size_t best = 0;
+    for (size_t i = 0; i < s->n; ++i) {
+        s->nearest[i] = square_distance(s->x + i * NQM_SCALAR_COUNT, zero);
+        if (s->nearest[i] < s->nearest[best])
+            best = i;
+    }
+    return best;
+}
+
+static void choose_points(spread *s, size_t n_points, float *points) {
+    s->last = middle(s);
+    for (size_t i = 0; i < s->n; ++i)
+        s->nearest[i] = INFINITY;
+    for (size_t p = 0; p < n_points; ++p) {
+        float *block = points + p / NQM_NOVELTY_BLOCK * NQM_NOVELTY_BLOCK * NQM_SCALAR_COUNT;
+        for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
+            block[k * NQM_NOVELTY_BLOCK + p % NQM_NOVELTY_BLOCK] = s->x[s->last * NQM_SCALAR_COUNT + k];
+        nqm_parallel_for((s->n + SPREAD_PIECE - 1) / SPREAD_PIECE, update_piece, s);
+        s->last = farthest(s);
+    }
+}
+
+/* ---- for a model ------------------------------------------------------------------------------------------------- */
+
+static void forget_points(struct nqm_model *model) {
+    nqm_free(model->novelty_points);
+    model->novelty_points = NULL;
+    model->n_novelty = 0;
+}
+
+/* Added to the variances, which are about 1 where features are not correlated: what varies less than this in training is
+ * noise. */
+static const double least_variance = 0.01;
+
+/* The map to uncorrelated features of variance 1 over the candidates, whose whitened features are x. */
+static void find_map(struct nqm_model *model, size_t n, const float *x) {
+    enum { N = NQM_SCALAR_COUNT };
+    double mean[N] = {0}, covariance[N * N] = {0}, values[N], vectors[N * N];
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < N; ++k)
+            mean[k] += (double)x[i * N + k] / (double)n;
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < N; ++k)
+            for (size_t l = 0; l < N; ++l)
+                covariance[k * N + l] +=
+                    ((double)x[i * N + k] - mean[k]) * ((double)x[i * N + l] - mean[l]) / (double)n;
+    nqm_eigen_symmetric(N, covariance, values, vectors);
+    for (size_t k = 0; k < N; ++k)
+        for (size_t l = 0; l < N; ++l)
+            model->novelty_map[k * N + l] = (float)(vectors[l * N + k] / sqrt(fmax(values[l], 0) + least_variance));
+}
+
+static void choose_points_of(struct nqm_model *model, spread *s, size_t n_points, const double *scalars, float *x) {
+    const nqm_scalar_whitening whitening = {model->scalar_mean, model->scalar_std, 1};
+    for (size_t i = 0; i < s->n; ++i)
+        nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, x + i * NQM_SCALAR_COUNT);
+    find_map(model, s->n, x);
+    for (size_t i = 0; i < s->n; ++i)
+        nqm_novelty_features(model, scalars + i * NQM_SCALAR_COUNT, x + i * NQM_SCALAR_COUNT);
+    choose_points(s, n_points, model->novelty_points);
+}
+
+static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
+                               nqm_error *err) {
+    size_t n_blocks = (n < NQM_NOVELTY_MAX_POINTS ? n : NQM_NOVELTY_MAX_POINTS) / NQM_NOVELTY_BLOCK;
+    double *scalars, *nearest = nqm_alloc(n, sizeof *nearest);
+    float *x = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *x);
+    model->novelty_points = nqm_alloc(n_blocks, NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof *model->novelty_points);
+    nqm_status status = find_scalars(d, n, pairs, &scalars, err);
+    if (status == NQM_OK && !(nearest && x && model->novelty_points))
+        status = nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *x);
+    if (status == NQM_OK) {
+        choose_points_of(model, &(spread){.n = n, .x = x, .nearest = nearest}, n_blocks * NQM_NOVELTY_BLOCK, scalars,
+                         x);
+        model->n_novelty = n_blocks;
+        model->novelty_unit = 1;
+        model->novelty_growth = 0;
+    } else {
+        forget_points(model);
+    }
+    nqm_free(scalars);
+    nqm_free(nearest);
+    nqm_free(x);
+    return status;
+}
+
+nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *d, nqm_error *err) {
+    forget_points(model);
+    if (nqm_model_n_scalars(model) == 0)
+        return NQM_OK;
+    size_t n = 0, *pairs = nqm_alloc(d->n_pairs, sizeof *pairs);
+    if (!pairs)
+        return nqm_fail_nomem(err, d->n_pairs * sizeof *pairs);
+    for (size_t i = 0; i < d->n_pairs; ++i)
+        if (nqm_dataset_pair_split(d, i) == NQM_SPLIT_TRAIN)
+            pairs[n++] = i;
+    nqm_status status = n < NQM_NOVELTY_BLOCK ? NQM_OK : choose_among(model, d, n, pairs, err);
+    nqm_free(pairs);
+    return status;
+}
+
+nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
+                               double *novelty, bool *known_ret, nqm_error *err) {
+    *known_ret = false;
+    if (model->n_novelty == 0)
+        return NQM_OK;
+    double *scalars, *sorted = nqm_alloc(n, sizeof *sorted);
+    nqm_status status = find_scalars(d, n, pairs, &scalars, err);
+    if (status == NQM_OK && !sorted)
+        status = nqm_fail_nomem(err, n * sizeof *sorted);
+    if (status == NQM_OK) {
+        model->novelty_unit = 1;
+        for (size_t i = 0; i < n; ++i)
+            novelty[i] = sorted[i] = nqm_model_novelty(model, scalars + i * NQM_SCALAR_COUNT);
+        model->novelty_unit = nqm_quantile(n, sorted, 0.95);
+        *known_ret = model->novelty_unit > 0;
+        for (size_t i = 0; *known_ret && i < n; ++i)
+            novelty[i] /= model->novelty_unit;
+        if (!*known_ret)
+            forget_points(model);
+    }
+    nqm_free(scalars);
+    nqm_free(sorted);
+    return status;
+}

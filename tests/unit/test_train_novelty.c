@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How novel a pair is to a model: the points among its training pairs, the measure, its file, and what scores and intervals
+ * make of it.
+ */
+#include "io/io.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/temp_file.h"
+#include "support/toy_dataset.h"
+#include "train/calibrate.h"
+#include "train/evaluate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static nqm_dataset *dataset; /* 24 training materials, 12 validation materials */
+static nqm_model *trained;
+
+static nqm_train_options quick(const char *recipe) {
+    nqm_train_options o;
+    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
+    o.n_hidden = 1;
+    o.hidden[0] = 16;
+    o.batch = 64;
+    o.epochs = 2;
+    return o;
+}
+
+static nqm_dataset *some_pairs(size_t pairs_per_ref) {
+    toy_options toy = toy_options_default();
+    toy.n_groups = 48;
+    toy.pairs_per_ref = pairs_per_ref;
+    return toy_dataset(&toy);
+}
+
+static int begin(void **state) {
+    dataset = some_pairs(12);
+    nqm_train_options o = quick("nqm");
+    /* saving predicts: copies then share what a model makes at its first prediction */
+    return make_temp_file(state) || nqm_train(dataset, &o, &trained, NULL, NULL) != NQM_OK ||
+           nqm_model_save(trained, temp_file, NULL) != NQM_OK;
+}
+
+static int end(void **state) {
+    nqm_model_free(trained);
+    nqm_dataset_free(dataset);
+    return remove_temp_file(state);
+}
+
+static void scalars_of(size_t pair, double *scalars) {
+    size_t n = 3 * dataset->n_directions;
+    uint8_t *scratch = malloc(dataset->n_directions);
+    nqm_scalars_compute(dataset->directions, dataset->ref_rgb + dataset->pair_ref[pair] * n,
+                        dataset->test_rgb + pair * n, nqm_dataset_pair_used(dataset, pair, scratch), scalars);
+    free(scratch);
+}
+
+static double novelty_of(const nqm_model *model, size_t pair) {
+    double scalars[NQM_SCALAR_COUNT];
+    scalars_of(pair, scalars);
+    return nqm_model_novelty(model, scalars);
+}
+
+/* Whitened and mapped features of a pair, in double. */
+static void features(const nqm_model *m, size_t pair, double *y) {
+    double x[NQM_SCALAR_COUNT];
+    scalars_of(pair, x);
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        y[i] = 0;
+    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
+        double z = fmin(5, fmax(-5, (x[k] - (double)m->scalar_mean[k]) / (double)m->scalar_std[k]));
+        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+            y[i] += z * (double)m->novelty_map[k * NQM_SCALAR_COUNT + i];
+    }
+}
+
+static double point(const nqm_model *m, size_t p, size_t k) {
+    return (double)
+        m->novelty_points[(p / NQM_NOVELTY_BLOCK * NQM_SCALAR_COUNT + k) * NQM_NOVELTY_BLOCK + p % NQM_NOVELTY_BLOCK];
+}
+
+static double distance(const nqm_model *m, size_t p, const double *x) {
+    double sum = 0;
+    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
+        sum += pow(point(m, p, k) - x[k], 2);
+    return sqrt(sum);
+}
+
+/* ---- points and measure ------------------------------------------------------------------------------------------ */
+
+/* Over the training pairs the features have no correlation, and a variance of 1 where it is not next to nothing. */
+static void features_are_uncorrelated(void **state) {
+    (void)state;
+    enum { N = NQM_SCALAR_COUNT };
+    double mean[N] = {0}, product[N * N] = {0}, n = 24 * 2 * 12;
+    for (int pass = 0; pass < 2; ++pass)
+        for (size_t pair = 0; pair < dataset->n_pairs; ++pair) {
+            if (nqm_dataset_pair_split(dataset, pair) != NQM_SPLIT_TRAIN)
+                continue;
+            double y[N];
+            features(trained, pair, y);
+            for (size_t k = 0; k < N; ++k) {
+                if (pass == 0)
+                    mean[k] += y[k] / n;
+                for (size_t l = 0; pass == 1 && l < N; ++l)
+                    product[k * N + l] += (y[k] - mean[k]) * (y[l] - mean[l]) / n;
+            }
+        }
+    for (size_t k = 0; k < N; ++k)
+        for (size_t l = 0; l < N; ++l)
+            if (k != l)
+                assert_near(product[k * N + l], 0, 1e-3);
+    assert_true(product[0] > 0.99 && product[0] < 1);                    /* the strongest */
+    assert_true(product[N * N - 1] < 0.5 && product[(N + 1) * 3] > 0.9); /* the weakest, and another */
+}
+
+/* When all points but the last few are taken, no training pair may be farther from them than the next point is. */
+static void points_are_far_apart(void **state) {
+    (void)state;
+    size_t n_points = trained->n_novelty * NQM_NOVELTY_BLOCK, n_train = 0;
+    assert_int_equal(n_points, 24 * 2 * 12 / NQM_NOVELTY_BLOCK * NQM_NOVELTY_BLOCK);
+    const size_t upto[] = {1, 10, 100};
+    for (size_t i = 0; i < sizeof upto / sizeof *upto; ++i) {
+        double next[NQM_SCALAR_COUNT], next_distance = INFINITY;
+        for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
+            next[k] = point(trained, upto[i], k);
+        for (size_t p = 0; p < upto[i]; ++p)
+            next_distance = fmin(next_distance, distance(trained, p, next));
+        for (size_t pair = 0; pair < dataset->n_pairs; ++pair) {
+            if (nqm_dataset_pair_split(dataset, pair) != NQM_SPLIT_TRAIN)
+                continue;
+            double x[NQM_SCALAR_COUNT], nearest = INFINITY;
+            features(trained, pair, x);
+            for (size_t p = 0; p < upto[i]; ++p)
+                nearest = fmin(nearest, distance(trained, p, x));
+            assert_true(nearest <= next_distance + 1e-4);
+            n_train += i == 0;
+        }
+    }
+    assert_int_equal(n_train, 24 * 2 * 12);
+}
+
+static void training_pairs_are_not_novel(void **state) {
+    (void)state;
+    size_t n = 0, n_beyond = 0;
+    for (size_t pair = 0; pair < dataset->n_pairs; ++pair) {
+        double novelty = novelty_of(trained, pair), x[NQM_SCALAR_COUNT], nearest = INFINITY;
+        features(trained, pair, x);
+        for (size_t p = 0; p < trained->n_novelty * NQM_NOVELTY_BLOCK; ++p)
+            nearest = fmin(nearest, distance(trained, p, x));
+        assert_near(novelty, nearest / trained->novelty_unit, 1e-4);
+        if (nqm_dataset_pair_split(dataset, pair) == NQM_SPLIT_TRAIN) /* there are fewer than the points at most */
+            assert_near(novelty, 0, 1e-4);
+        if (nqm_dataset_pair_split(dataset, pair) != NQM_SPLIT_VALIDATION)
+            continue;
+        ++n;
+        n_beyond += novelty > 1;
+    }
+    assert_near((double)n_beyond / (double)n, 0.05, 0.01);
+}
+
+static void models_of_samples_have_none(void **state) {
+    (void)state;
+    nqm_train_options o = quick("paper");
+    nqm_model *model;
+    nqm_train_report r;
+    o.split_by_pair = 0;
+    o.epochs = 1;
+    assert_int_equal(nqm_train(dataset, &o, &model, &r, NULL), NQM_OK);
+    assert_int_equal(model->n_novelty, 0);
+    assert_true(model->interval != NULL && r.calibration.novelty_growth == 0);
+    assert_true(isnan(novelty_of(model, 0)));
+    double low, high, low_far, high_far;
+    nqm_model_interval(model, 8, 0, &low, &high);
+    nqm_model_interval(model, 8, 100, &low_far, &high_far);
+    assert_true(low == low_far && high == high_far);
+    nqm_model_free(model);
+}
+
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
+
+static void files_hold_the_measure(void **state) {
+    (void)state;
+    nqm_model *read;
+    assert_int_equal(nqm_model_save(trained, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_true(read->novelty_unit == trained->novelty_unit && read->novelty_growth == trained->novelty_growth);
+    for (size_t pair = 0; pair < dataset->n_pairs; pair += 7)
+        assert_true(novelty_of(read, pair) == novelty_of(trained, pair));
+    nqm_model_free(read);
+}
+
+static void older_files_have_none(void **state) {
+    (void)state;
+    nqm_model *read;
+    struct nqm_model older = *trained;
+    older.n_novelty = 0;
+    assert_int_equal(nqm_model_save(&older, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_true(isnan(novelty_of(read, 0)));
+    double low, high, low_at, high_at;
+    nqm_model_interval(read, 8, 3, &low, &high);
+    nqm_interval_at(read->n_interval, read->interval, 8, &low_at, &high_at);
+    assert_true(low == low_at && high == high_at);
+    nqm_model_free(read);
+}
+
+static void broken_measures_are_refused(void **state) {
+    (void)state;
+    const double scales[][2] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -0.1}, {1, NQM_NOVELTY_MAX_GROWTH + 1.0}, {1, NAN}};
+    for (size_t i = 0; i < sizeof scales / sizeof *scales + 2; ++i) {
+        nqm_model *read = NULL;
+        nqm_error err = {0};
+        struct nqm_model broken = *trained;
+        float *points = NULL;
+        if (i < sizeof scales / sizeof *scales) {
+            broken.novelty_unit = scales[i][0], broken.novelty_growth = scales[i][1];
+        } else if (i == sizeof scales / sizeof *scales) {
+            broken.interval = NULL; /* a measure without an interval */
+        } else {
+            points = calloc(trained->n_novelty, NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof *points);
+            points[5] = INFINITY;
+            broken.novelty_points = points;
+        }
+        assert_int_equal(nqm_model_save(&broken, temp_file, NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_non_null(strstr(err.message, "novelty."));
+        free(points);
+    }
+}
+
+/* ---- scores and calibration -------------------------------------------------------------------------------------- */
+
+static void scores_tell_and_widen(void **state) {
+    (void)state;
+    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf("ward:nickel"),
+             *odd = open_brdf("lambert:kd=0.9,0.1,0.9");
+    const nqm_brdf *tests[] = {ref, test, odd};
+    struct nqm_model model = *trained;
+    nqm_score_result r[3], alone;
+    model.novelty_growth = 1;
+    assert_int_equal(nqm_score(&model, ref, 3, tests, NULL, r, NULL), NQM_OK);
+    assert_int_equal(nqm_score(&model, ref, 1, tests + 2, NULL, &alone, NULL), NQM_OK);
+    assert_true(alone.novelty == r[2].novelty && r[2].novelty > 0);
+    assert_true(r[0].jod_low == 10 && r[0].jod_high == 10);
+    double low, high, low_near, high_near;
+    for (size_t i = 1; i < 3; ++i) {
+        nqm_model_interval(&model, r[i].jod, r[i].novelty, &low, &high);
+        nqm_model_interval(&model, r[i].jod, 0, &low_near, &high_near);
+        assert_true(r[i].jod_low == low && r[i].jod_high == high);
+        assert_true(low < low_near && high > high_near);
+    }
+    nqm_brdf_free(ref);
+    nqm_brdf_free(test);
+    nqm_brdf_free(odd);
+}
+
+static void calibrating_again_keeps_the_points(void **state) {
+    (void)state;
+    nqm_model *again, *elsewhere;
+    nqm_calibration c;
+    nqm_dataset *other = some_pairs(11);
+    const size_t n_bytes = trained->n_novelty * NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof(float);
+    assert_int_equal(nqm_model_save_calibrated(trained, dataset, 0, temp_file, &c, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &again, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save_calibrated(trained, other, 1, temp_file, &c, NULL), NQM_OK); /* not trained on it */
+    assert_int_equal(nqm_model_load(temp_file, &elsewhere, NULL), NQM_OK);
+    assert_int_equal(again->n_novelty, trained->n_novelty);
+    assert_int_equal(elsewhere->n_novelty, trained->n_novelty);
+    assert_memory_equal(again->novelty_points, trained->novelty_points, n_bytes);
+    assert_memory_equal(elsewhere->novelty_points, trained->novelty_points, n_bytes);
+    assert_true(again->novelty_unit == trained->novelty_unit);
+    assert_true(elsewhere->novelty_unit != trained->novelty_unit);
+    nqm_model_free(again);
+    nqm_model_free(elsewhere);
+    nqm_dataset_free(other);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(features_are_uncorrelated),
+        cmocka_unit_test(points_are_far_apart),
+        cmocka_unit_test(training_pairs_are_not_novel),
+        cmocka_unit_test(models_of_samples_have_none),
+        cmocka_unit_test(files_hold_the_measure),
+        cmocka_unit_test(older_files_have_none),
+        cmocka_unit_test(broken_measures_are_refused),
+        cmocka_unit_test(scores_tell_and_widen),
+        cmocka_unit_test(calibrating_again_keeps_the_points),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}
