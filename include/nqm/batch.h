@@ -80,9 +80,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_batch_create(const nqm_model *model, const
 NQM_API void nqm_batch_free(nqm_batch *batch);
 
 /**
- * Score pairs, in blocks of NQM_BATCH_BLOCK. A result depends on its pair, on how many pairs its block has and on its
- * place there, and on nothing else: the same block gives the same bits, whatever was scored before and whether other
- * pairs fail.
+ * Score pairs, in blocks of NQM_BATCH_BLOCK. A result depends on its pair and on nothing else. Pairs of one reference in
+ * a block are quicker.
  *
  * @param pairs    (n_pairs)
  * @param results  (n_pairs) receives a result each; status is not NQM_OK where the pair has no score

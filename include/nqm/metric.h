@@ -141,6 +141,26 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_score(const nqm_model *model, const nqm_br
                                             const nqm_brdf *const *tests, const nqm_score_options *options,
                                             nqm_score_result *results, nqm_error *err);
 
+/** The memory of nqm_score() for many calls, which then allocate nothing themselves (only the policy NQM_INVALID_NEAREST
+ *  does, for BRDFs with holes). What the last reference adds to the network's first layer is kept: the next tests of the
+ *  same one are quicker. Belongs to one thread at a time; works on all of them. */
+typedef struct nqm_scorer nqm_scorer;
+
+/**
+ * @param model      lent; must outlive the scorer
+ * @param options    NULL: the defaults
+ * @param max_batch  tests that are scored together, >= 1; more than 512 are scored by 512
+ * @return NQM_ERR_ARG, NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options,
+                                                    size_t max_batch, nqm_scorer **scorer_ret, nqm_error *err);
+/** Free it; NULL is allowed. */
+NQM_API void nqm_scorer_free(nqm_scorer *scorer);
+/** As nqm_score(), with any number of tests. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_tests,
+                                                 const nqm_brdf *const *tests, nqm_score_result *results,
+                                                 nqm_error *err);
+
 /**
  * JOD of n_pairs of pairs that are sampled already, at the model's own directions.
  *

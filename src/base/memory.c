@@ -13,13 +13,19 @@
 
 enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector register */
 
-static _Atomic long countdown = -1;
+static _Atomic long countdown = -1, count;
 
 void nqm_alloc_fail_after(long n) {
     atomic_store(&countdown, n);
 }
 
+long nqm_alloc_count(void) {
+    return atomic_load(&count);
+}
+
+/* Of the allocation that is asked for now. */
 static bool told_to_fail(void) {
+    atomic_fetch_add_explicit(&count, 1, memory_order_relaxed);
     return atomic_load_explicit(&countdown, memory_order_relaxed) >= 0 && atomic_fetch_sub(&countdown, 1) == 0;
 }
 

@@ -33,7 +33,7 @@ typedef struct job {
     double *jod; /* (batch) */
 } job;
 
-enum { MAX_BATCH = 512, MAX_ONE = 9 };
+enum { MAX_BATCH = NQM_PREDICT_BATCH, MAX_ONE = 9 };
 
 static void run_network(void *user) {
     job *j = user;
@@ -47,14 +47,12 @@ static void run_chain(void *user) {
     job *j = user;
     const material_pairs *p = j->pairs;
     const size_t first = j->turn++ % TURNS;
-    for (size_t done = 0; done < j->batch; done += NQM_PREDICT_BATCH) {
-        const size_t left = j->batch - done, at = first + done;
-        const nqm_sampled_pairs pairs = {.n = left < NQM_PREDICT_BATCH ? left : NQM_PREDICT_BATCH,
-                                         .one_ref = j->one_ref,
-                                         .ref = p->ref + at * p->n_values,
-                                         .test = p->test + at * p->n_values};
-        nqm_predictor_run(j->predictor, &pairs, j->jod + done, NULL);
+    const float *ref[MAX_BATCH], *test[MAX_BATCH];
+    for (size_t i = 0; i < j->batch; ++i) {
+        ref[i] = p->ref + (first + (j->one_ref ? 0 : i)) * p->n_values;
+        test[i] = p->test + (first + i) * p->n_values;
     }
+    nqm_predictor_run(j->predictor, &(nqm_sampled_pairs){.n = j->batch, .ref = ref, .test = test}, j->jod, NULL);
 }
 
 /* ---- pairs ------------------------------------------------------------------------------------------------------- */
@@ -120,8 +118,7 @@ static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precisi
     if (status == NQM_OK)
         status = nqm_inference_work_create(net, j->batch, &j->work, err);
     if (status == NQM_OK)
-        status = nqm_predictor_create(model, precision, j->batch < NQM_PREDICT_BATCH ? j->batch : NQM_PREDICT_BATCH,
-                                      &j->predictor, err);
+        status = nqm_predictor_create(model, precision, j->batch, &j->predictor, err);
     if (status != NQM_OK)
         return status;
     j->z = nqm_alloc(j->batch, sizeof *j->z);

@@ -143,6 +143,12 @@ typedef struct nqm_kernels {
     /** c (m, NQM_PANEL) = what the integer sums (m, NQM_PANEL) of bytes stand for, or c + that; rows: (m). */
     void (*dequantise)(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
                        const int32_t *sums, float *c, size_t ldc);
+    /** t = log(cbrt(rho) + 1) for n values rho >= 0, within 4e-7 relative; below 1e-30 0, above 1e37 as there. */
+    void (*sample_log)(size_t n, const float *rho, float *t);
+    /** The cube root of n values >= 0, within 1e-15 relative; below 1e-30 0, above 1e37 as there. */
+    void (*cube_root)(size_t n, const double *x, double *root);
+    /** y = log(1 + x) for n finite values x > -1, within 4e-16 or that relative, whichever is more. */
+    void (*log_1p)(size_t n, const double *x, double *y);
     /** One step of Adam for n parameters; m, v: (n) the moments, zeros before the first step. */
     void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
 } nqm_kernels;

@@ -12,6 +12,7 @@
 #include "kernel/exp_log.h"
 #include "kernel/kernel.h"
 #include "kernel/rounding.h"
+#include "kernel/transform.h"
 
 #include <math.h>
 #include <string.h>
@@ -244,6 +245,9 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .round_tile = round_tile,                                                                                      \
         .quantise_row = quantise_row,                                                                                  \
         .dequantise = dequantise,                                                                                      \
+        .sample_log = sample_log,                                                                                      \
+        .cube_root = cube_root,                                                                                        \
+        .log_1p = log_1p,                                                                                              \
         .scale_log = scale_log,                                                                                        \
         .adam = adam,                                                                                                  \
     }

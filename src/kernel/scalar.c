@@ -141,6 +141,21 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
     }
 }
 
+static void sample_log(size_t n, const float *rho, float *t) {
+    for (size_t i = 0; i < n; ++i)
+        t[i] = rho[i] < 1e-30f ? 0 : (float)log1p(cbrt(fmin((double)rho[i], 1e37)));
+}
+
+static void cube_root(size_t n, const double *x, double *root) {
+    for (size_t i = 0; i < n; ++i)
+        root[i] = x[i] < 1e-30 ? 0 : cbrt(fmin(x[i], 1e37));
+}
+
+static void log_1p(size_t n, const double *x, double *y) {
+    for (size_t i = 0; i < n; ++i)
+        y[i] = log1p(x[i]);
+}
+
 static void scale_log(size_t n, float k1, const float *t, float *scaled) {
     for (size_t i = 0; i < n; ++i)
         scaled[i] = (float)log1p((1 + (double)k1) * expm1((double)t[i]));
@@ -255,6 +270,9 @@ const nqm_kernels nqm_kernels_scalar = {
     .round_tile = round_tile,
     .quantise_row = quantise_row,
     .dequantise = dequantise,
+    .sample_log = sample_log,
+    .cube_root = cube_root,
+    .log_1p = log_1p,
     .scale_log = scale_log,
     .adam = adam,
 };

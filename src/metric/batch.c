@@ -16,11 +16,15 @@ struct nqm_batch {
     nqm_batch_options options;
     nqm_sample_cache *cache;
     nqm_predictor *predictor;
-    float *ref, *test;               /* (NQM_BATCH_BLOCK, n_directions, 3) */
-    uint8_t *used;                   /* (NQM_BATCH_BLOCK, n_directions) */
-    double *jod, *delta_e, *novelty; /* (NQM_BATCH_BLOCK) */
-    nqm_cached **entries;            /* (NQM_BATCH_BLOCK, 2) of this block: reference, test */
-    const nqm_named_pair *pairs;     /* of this block, as the next two */
+    float *nothing;              /* (n_directions, 3) zeros: what the network sees of a pair that has a fault */
+    size_t *order, *place;       /* (NQM_BATCH_BLOCK) pairs reference by reference; where each pair stands there */
+    const float **refs, **tests; /* (NQM_BATCH_BLOCK) in that order, as the next five */
+    uint8_t *used;               /* (NQM_BATCH_BLOCK, n_directions) */
+    double *jod, *delta_e;       /* (NQM_BATCH_BLOCK) */
+    double *novelty;             /* (NQM_BATCH_BLOCK) */
+    double *metrics;             /* (NQM_BATCH_BLOCK, NQM_METRIC_COUNT) */
+    nqm_cached **entries;        /* (NQM_BATCH_BLOCK, 2) of this block: reference, test */
+    const nqm_named_pair *pairs; /* of this block, as the next two */
     nqm_score_result *results;
     nqm_error *errors; /* or NULL */
 };
@@ -31,16 +35,20 @@ nqm_batch_options nqm_batch_options_default(void) {
 
 static nqm_status make_room(nqm_batch *batch, nqm_error *err) {
     size_t n = batch->model->n_directions;
-    batch->ref = nqm_alloc(NQM_BATCH_BLOCK, 3 * n * sizeof *batch->ref);
-    batch->test = nqm_alloc(NQM_BATCH_BLOCK, 3 * n * sizeof *batch->test);
+    batch->nothing = nqm_alloc(n, 3 * sizeof *batch->nothing);
+    batch->order = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->order);
+    batch->place = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->place);
+    batch->refs = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->refs);
+    batch->tests = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->tests);
     batch->used = nqm_alloc(NQM_BATCH_BLOCK, n * sizeof *batch->used);
     batch->jod = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->jod);
     batch->delta_e = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->delta_e);
     batch->novelty = nqm_alloc(NQM_BATCH_BLOCK, sizeof *batch->novelty);
+    batch->metrics = nqm_alloc(NQM_BATCH_BLOCK, NQM_METRIC_COUNT * sizeof *batch->metrics);
     batch->entries = nqm_alloc(NQM_BATCH_BLOCK, 2 * sizeof(nqm_cached *));
-    if (!batch->ref || !batch->test || !batch->used || !batch->jod || !batch->delta_e || !batch->novelty ||
-        !batch->entries)
-        return nqm_fail_nomem(err, NQM_BATCH_BLOCK * n * (6 * sizeof(float) + 1));
+    if (!batch->nothing || !batch->order || !batch->place || !batch->refs || !batch->tests || !batch->used ||
+        !batch->jod || !batch->delta_e || !batch->novelty || !batch->metrics || !batch->entries)
+        return nqm_fail_nomem(err, NQM_BATCH_BLOCK * n);
     nqm_status status =
         nqm_predictor_create(batch->model, batch->options.score.precision, NQM_BATCH_BLOCK, &batch->predictor, err);
     if (status == NQM_OK)
@@ -70,7 +78,8 @@ nqm_status nqm_batch_create(const nqm_model *model, const nqm_batch_options *opt
 void nqm_batch_free(nqm_batch *batch) {
     if (!batch)
         return;
-    void *blocks[] = {batch->ref, batch->test, batch->used, batch->jod, batch->delta_e, batch->novelty, batch->entries};
+    void *blocks[] = {batch->nothing, batch->order,   batch->place,   batch->refs,    batch->tests,  batch->used,
+                      batch->jod,     batch->delta_e, batch->novelty, batch->metrics, batch->entries};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
         nqm_free(blocks[i]);
     nqm_predictor_free(batch->predictor);
@@ -82,27 +91,37 @@ size_t nqm_batch_n_opened(const nqm_batch *batch) {
     return nqm_sample_cache_n_opened(batch->cache);
 }
 
+/* Pairs of one reference side by side: the predictor then computes once what the reference makes it compute. */
+static void group_by_reference(nqm_batch *batch, size_t n) {
+    bool done[NQM_BATCH_BLOCK] = {false};
+    size_t n_done = 0;
+    for (size_t first = 0; first < n; ++first) {
+        const bool fresh = !done[first];
+        for (size_t i = first; fresh && i < n; ++i)
+            if (batch->entries[2 * i] == batch->entries[2 * first]) {
+                done[i] = true;
+                batch->place[i] = n_done;
+                batch->order[n_done++] = i;
+            }
+    }
+}
+
 /* Compare pair i of the block, and lay out its samples for the network. */
 static void compare(void *user, size_t i) {
     nqm_batch *batch = user;
     const nqm_cached *ref = batch->entries[2 * i], *test = batch->entries[2 * i + 1];
-    size_t n = batch->model->n_directions, n_bytes = 3 * n * sizeof(float);
+    const size_t n = batch->model->n_directions, place = batch->place[i];
     nqm_score_result *result = &batch->results[i];
-    uint8_t *used = batch->used + n * i;
+    uint8_t *used = batch->used + n * place;
     if (ref->member.status == NQM_OK && test->member.status == NQM_OK)
-        nqm_compare_members(batch->model, &batch->options.score, &ref->member, &test->member, batch->options.metrics,
-                            used, result);
+        nqm_compare_members(batch->model, &batch->options.score, &ref->member, &test->member, used, result);
     else
         *result = nqm_no_score(ref->member.status != NQM_OK ? ref->member.status : test->member.status);
-    float *ref_rgb = batch->ref + 3 * n * i, *test_rgb = batch->test + 3 * n * i;
-    if (result->status == NQM_OK) {
-        memcpy(ref_rgb, ref->rgb, n_bytes);
-        memcpy(test_rgb, test->rgb, n_bytes);
-    } else { /* the network sees a neutral pair; its answer is not used */
+    const bool fault = result->status != NQM_OK;
+    if (fault)
         memset(used, 0, n);
-        memset(ref_rgb, 0, n_bytes);
-        memset(test_rgb, 0, n_bytes);
-    }
+    batch->refs[place] = fault ? batch->nothing : ref->rgb;
+    batch->tests[place] = fault ? batch->nothing : test->rgb;
 }
 
 /* Why pair i of the block has no score. */
@@ -135,15 +154,23 @@ static nqm_status look_up(nqm_batch *batch, size_t n, nqm_error *err) {
 }
 
 static void score_block(nqm_batch *batch, size_t n) {
+    group_by_reference(batch, n);
     if (n == 1)
         compare(batch, 0);
     else
         nqm_parallel_for(n, compare, batch);
-    nqm_sampled_pairs sampled = {
-        .n = n, .ref = batch->ref, .test = batch->test, .used = batch->used, .novelty = batch->novelty};
+    double *metrics = batch->options.metrics ? batch->metrics : NULL;
+    const nqm_sampled_pairs sampled = {.n = n,
+                                       .ref = batch->refs,
+                                       .test = batch->tests,
+                                       .used = batch->used,
+                                       .metrics = metrics,
+                                       .novelty = batch->novelty};
     nqm_predictor_run(batch->predictor, &sampled, batch->jod, batch->delta_e);
-    for (size_t i = 0; i < n; ++i) {
-        nqm_score_settle(batch->model, &batch->results[i], batch->jod[i], batch->delta_e[i], batch->novelty[i]);
+    for (size_t k = 0; k < n; ++k) {
+        const size_t i = batch->order[k];
+        nqm_score_settle(batch->model, &batch->results[i], batch->jod[k], batch->delta_e[k], batch->novelty[k],
+                         metrics ? metrics + k * NQM_METRIC_COUNT : NULL);
         if (batch->errors)
             explain(batch, i, &batch->errors[i]);
     }

@@ -27,17 +27,31 @@ void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *sca
 /** What novelty is measured on: scalar features, whitened and mapped; y (NQM_SCALAR_COUNT). */
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y);
 
-/** Pairs that are sampled at the model's directions. */
+/** Tests of one reference at the same directions. */
+typedef struct nqm_comparison {
+    const nqm_directions *directions;
+    const float *ref;         /* (n_directions, 3) f_r >= 0 */
+    size_t n;                 /* at most NQM_COMPARE_MAX */
+    const float *const *test; /* (n) of (n_directions, 3) */
+    const uint8_t *used;      /* (n, n_directions) nonzero where the direction counts; NULL: all */
+} nqm_comparison;
+
+enum { NQM_COMPARE_MAX = 16 };
+
+/** metrics: (n, NQM_METRIC_COUNT), scalars: (n, NQM_SCALAR_COUNT), in one pass; either may be NULL. */
+void nqm_compare_samples(const nqm_comparison *comparison, double *metrics, double *scalars);
+
+/** Pairs that are sampled at the model's directions. Neighbours with the same reference, by its pointer, share the work
+ *  that it makes. */
 typedef struct nqm_sampled_pairs {
     size_t n;
-    bool one_ref;        /* the same reference for all */
-    const float *ref;    /* (n, n_directions, 3) f_r >= 0, or (n_directions, 3) if one_ref */
-    const float *test;   /* (n, n_directions, 3) */
-    const uint8_t *used; /* (n, n_directions) 0: the direction is dropped; NULL: none is */
-    double *novelty;     /* (n) receives nqm_model_novelty(); NULL: it is not wanted */
+    const float *const *ref, *const *test; /* (n) each of (n_directions, 3) f_r >= 0 */
+    const uint8_t *used;                   /* (n, n_directions) 0: the direction is dropped; NULL: none is */
+    double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: they are not wanted */
+    double *novelty;                       /* (n) receives nqm_model_novelty(); NULL: it is not wanted */
 } nqm_sampled_pairs;
 
-enum { NQM_PREDICT_BATCH = 256 };
+enum { NQM_PREDICT_BATCH = 512 };
 
 /** Memory for predictions; belongs to one thread at a time, the model is lent. */
 typedef struct nqm_predictor nqm_predictor;
@@ -69,18 +83,19 @@ typedef struct nqm_member {
 /** Directions at which f_r, rgb (n_directions, 3), lies far outside what the model was trained on. */
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb);
 /**
- * Everything about a pair but its JOD: counts, whether both are equal, whether enough directions hold a value, metrics.
+ * Everything about a pair but JOD and metrics: counts, whether both are equal, whether enough directions hold a value.
  *
  * @param ref     its status is NQM_OK
  * @param used    (n_directions) receives which directions count; may be test->flag
  * @param result  receives the rest; jod and delta_e are NaN
  */
 void nqm_compare_members(const nqm_model *model, const nqm_score_options *options, const nqm_member *ref,
-                         const nqm_member *test, bool with_metrics, uint8_t *used, nqm_score_result *result);
+                         const nqm_member *test, uint8_t *used, nqm_score_result *result);
 /** A result with a status and NaN for all numbers. */
 nqm_score_result nqm_no_score(nqm_status status);
-/** Complete a result that has no fault with what nqm_predictor_run() gave. */
-void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e, double novelty);
+/** Complete a result that has no fault with what nqm_predictor_run() gave; metrics (NQM_METRIC_COUNT) NULL: none. */
+void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e, double novelty,
+                      const double *metrics);
 
 /**
  * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They

@@ -62,48 +62,75 @@ void nqm_predictor_free(nqm_predictor *predictor) {
     nqm_free(predictor);
 }
 
+/* ---- features ---------------------------------------------------------------------------------------------------- */
+
 typedef struct compose_job {
     nqm_predictor *predictor;
     const nqm_sampled_pairs *pairs;
+    size_t n_at_once; /* pairs of a piece of work, of one reference or of several */
 } compose_job;
 
-static void compose_pair(void *user, size_t i) {
+/* The inputs of pair i that come from samples; ref_t is its reference, transformed. */
+static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t i, const float *ref_t) {
+    const size_t n_directions = p->model->n_directions;
+    float *test_t = p->t + (2 * i + 1) * 3 * n_directions;
+    nqm_features_transform(3 * n_directions, pairs->test[i], test_t);
+    nqm_features_compose(&p->features, n_directions, ref_t, test_t, pairs->used ? pairs->used + n_directions * i : NULL,
+                         p->x + p->stride * i);
+}
+
+/* Metrics, and the inputs that are scalar features, of pairs [begin, end), which share a reference. */
+static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
+    const nqm_model *m = p->model;
+    const bool with_scalars = nqm_model_n_scalars(m) > 0;
+    const nqm_scalar_whitening whitening = {m->scalar_mean, m->scalar_std, m->scalar_scale};
+    const nqm_comparison c = {.directions = m->directions,
+                              .ref = pairs->ref[begin],
+                              .n = end - begin,
+                              .test = pairs->test + begin,
+                              .used = pairs->used ? pairs->used + m->n_directions * begin : NULL};
+    double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
+    for (size_t i = begin; pairs->novelty && i < end; ++i)
+        pairs->novelty[i] = NAN;
+    if (!with_scalars && !pairs->metrics)
+        return;
+    nqm_compare_samples(&c, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
+                        with_scalars ? scalars : NULL);
+    for (size_t i = begin; with_scalars && i < end; ++i) {
+        const double *own = scalars + (i - begin) * NQM_SCALAR_COUNT;
+        nqm_scalars_whiten(&whitening, own, p->x + p->stride * i + p->samples_width);
+        if (pairs->novelty)
+            pairs->novelty[i] = nqm_model_novelty(m, own);
+    }
+}
+
+/* One piece of work: its pairs, reference by reference. */
+static void compose(void *user, size_t piece) {
     const compose_job *job = user;
     nqm_predictor *p = job->predictor;
     const nqm_sampled_pairs *pairs = job->pairs;
-    size_t n_directions = p->model->n_directions, n = 3 * n_directions;
-    float *ref_t = p->t + 2 * n * i, *test_t = ref_t + n;
-    if (pairs->one_ref)
-        ref_t = p->t; /* transformed beforehand */
-    else
-        nqm_features_transform(n, pairs->ref + n * i, ref_t);
-    nqm_features_transform(n, pairs->test + n * i, test_t);
-    const uint8_t *used = pairs->used ? pairs->used + n_directions * i : NULL;
-    float *x = p->x + p->stride * i;
-    if (pairs->novelty)
-        pairs->novelty[i] = NAN;
-    nqm_features_compose(&p->features, n_directions, ref_t, test_t, used, x);
-    if (nqm_model_n_scalars(p->model) == 0)
-        return;
-    double scalars[NQM_SCALAR_COUNT];
-    const nqm_scalar_whitening whitening = {p->model->scalar_mean, p->model->scalar_std, p->model->scalar_scale};
-    nqm_scalars_compute(p->model->directions, pairs->one_ref ? pairs->ref : pairs->ref + n * i, pairs->test + n * i,
-                        used, scalars);
-    nqm_scalars_whiten(&whitening, scalars, x + p->samples_width);
-    if (pairs->novelty)
-        pairs->novelty[i] = nqm_model_novelty(p->model, scalars);
+    const size_t n = 3 * p->model->n_directions, last = (piece + 1) * job->n_at_once;
+    const size_t end = last < pairs->n ? last : pairs->n;
+    for (size_t begin = piece * job->n_at_once, next; begin < end; begin = next) {
+        float *ref_t = p->t + 2 * begin * n;
+        nqm_features_transform(n, pairs->ref[begin], ref_t);
+        for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next)
+            compose_samples(p, pairs, next, ref_t);
+        compose_scalars(p, pairs, begin, next);
+    }
 }
 
+/* ---- prediction -------------------------------------------------------------------------------------------------- */
+
 void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double *jod, double *delta_e) {
+    const size_t enough_pieces = 8, share = (pairs->n + enough_pieces - 1) / enough_pieces;
+    compose_job job = {p, pairs, share < NQM_COMPARE_MAX ? share : NQM_COMPARE_MAX};
     if (pairs->n == 0)
         return;
-    if (pairs->one_ref)
-        nqm_features_transform(3 * p->model->n_directions, pairs->ref, p->t);
-    compose_job job = {p, pairs};
     if (pairs->n == 1)
-        compose_pair(&job, 0);
+        compose(&job, 0);
     else
-        nqm_parallel_for(pairs->n, compose_pair, &job);
+        nqm_parallel_for((pairs->n + job.n_at_once - 1) / job.n_at_once, compose, &job);
     nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
     for (size_t i = 0; i < pairs->n; ++i)
         jod[i] = nqm_model_jod(p->model, (double)p->z[i], delta_e ? &delta_e[i] : NULL);
@@ -120,9 +147,12 @@ nqm_status nqm_model_predict(const nqm_model *model, size_t n_pairs, const float
         return status;
     size_t n = 3 * model->n_directions;
     for (size_t begin = 0; begin < n_pairs; begin += NQM_PREDICT_BATCH) {
-        size_t left = n_pairs - begin;
-        nqm_sampled_pairs pairs = {
-            .n = left < NQM_PREDICT_BATCH ? left : NQM_PREDICT_BATCH, .ref = ref + n * begin, .test = test + n * begin};
+        const float *refs[NQM_PREDICT_BATCH], *tests[NQM_PREDICT_BATCH];
+        nqm_sampled_pairs pairs = {.ref = refs, .test = tests};
+        for (size_t i = begin; i < n_pairs && pairs.n < NQM_PREDICT_BATCH; ++i) {
+            refs[pairs.n] = ref + n * i;
+            tests[pairs.n++] = test + n * i;
+        }
         nqm_predictor_run(predictor, &pairs, jod + begin, NULL);
     }
     nqm_predictor_free(predictor);

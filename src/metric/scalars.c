@@ -8,7 +8,7 @@
  * less than what differs alike: hence differences of sums over zones of directions beside those of single ones.
  */
 #include "math/math.h"
-#include "metric/metric.h"
+#include "metric/scaled.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -69,7 +69,6 @@ enum { N_ZONES_H = NQM_SCALAR_ZONES, N_ZONES_D = 3, N_CELLS = N_ZONES_H * N_ZONE
 static const double zone_h_end[N_ZONES_H - 1] = {2, 5, 15, 35}, zone_d_end[N_ZONES_D - 1] = {30, 60};
 
 static const double grazing_cosines = 0.25; /* cos(theta_i) cos(theta_o) below this: theta_d above 60 at theta_h 0 */
-static const float dark = 0.003f;           /* 1/sr, under the logarithm as in the metric log_diff */
 
 /* Reflectance of both members, summed over some directions. */
 typedef struct light {
@@ -92,30 +91,26 @@ static size_t zone_of(double degrees, size_t n_ends, const double *ends) {
     return zone;
 }
 
-static void add_light(light *to, double weight, const float *ref, const float *test) {
+static void add_light(light *to, double weight, const double *ref, const double *test) {
     to->n += weight;
     for (int k = 0; k < 3; ++k) {
-        to->ref[k] += weight * (double)ref[k];
-        to->test[k] += weight * (double)test[k];
+        to->ref[k] += weight * ref[k];
+        to->test[k] += weight * test[k];
     }
 }
 
-static double log_luminance(const float *rgb, double *peak) {
-    double y = nqm_luminance((const double[3]){(double)rgb[0], (double)rgb[1], (double)rgb[2]});
-    *peak = fmax(*peak, y);
-    return (double)logf((float)y + dark);
-}
-
-static void add_direction(sums *s, const double *degrees, double cosines, const float *ref, const float *test) {
-    double a[3], d[3];
-    for (int k = 0; k < 3; ++k) {
-        a[k] = (double)logf(ref[k] + dark);
-        d[k] = (double)logf(test[k] + dark) - a[k];
-    }
-    double ref_log = log_luminance(ref, &s->peak_ref), l = log_luminance(test, &s->peak_test) - ref_log;
+/* Direction i of a stretch. */
+static void add_direction(sums *s, const double *degrees, double cosines, const nqm_scaled *ref, const nqm_scaled *test,
+                          size_t i) {
+    const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i, *b = test->scale[NQM_SCALE_LOG_F] + 3 * i;
+    const double *f = ref->scale[NQM_SCALE_F] + 3 * i, *g = test->scale[NQM_SCALE_F] + 3 * i;
+    double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double ref_log = ref->log_luminance[i], l = test->log_luminance[i] - ref_log;
     double u = d[0] - d[1], v = d[2] - 0.5 * (d[0] + d[1]), ref_u = a[0] - a[1], ref_v = a[2] - 0.5 * (a[0] + a[1]);
     size_t zone_h = zone_of(degrees[0], N_ZONES_H - 1, zone_h_end);
     size_t zone_d = zone_of(degrees[1], N_ZONES_D - 1, zone_d_end);
+    s->peak_ref = fmax(s->peak_ref, ref->luminance[i]);
+    s->peak_test = fmax(s->peak_test, test->luminance[i]);
     s->n += 1;
     s->l += l;
     s->l2 += l * l;
@@ -135,8 +130,8 @@ static void add_direction(sums *s, const double *degrees, double cosines, const 
     s->ref_log += ref_log;
     s->ref_log2 += ref_log * ref_log;
     s->ref_colour2 += ref_u * ref_u + ref_v * ref_v;
-    add_light(&s->cell[zone_h * N_ZONES_D + zone_d], 1, ref, test);
-    add_light(&s->weighted, cosines, ref, test);
+    add_light(&s->cell[zone_h * N_ZONES_D + zone_d], 1, f, g);
+    add_light(&s->weighted, cosines, f, g);
 }
 
 /* ---- from sums to features --------------------------------------------------------------------------------------- */
@@ -156,7 +151,7 @@ typedef struct contrast {
 } contrast;
 
 static contrast compare_light(const light *sum) {
-    double ratio[3], floor = (double)dark * sum->n;
+    double ratio[3], floor = NQM_DARK * sum->n;
     if (!(sum->n > 0))
         return (contrast){0};
     for (int k = 0; k < 3; ++k)
@@ -212,28 +207,75 @@ static void whole_scalars(const sums *s, double *out) {
     out[NQM_SCALAR_CHROMA_B] = mean(s->v, s->n);
     out[NQM_SCALAR_ENERGY] = energy.l;
     out[NQM_SCALAR_ENERGY_CHROMA] = log_size(hypot(energy.u, energy.v));
-    out[NQM_SCALAR_PEAK] = log((s->peak_test + (double)dark) / (s->peak_ref + (double)dark));
+    out[NQM_SCALAR_PEAK] = log((s->peak_test + NQM_DARK) / (s->peak_ref + NQM_DARK));
     out[NQM_SCALAR_REF_LEVEL] = level;
-    out[NQM_SCALAR_REF_ENERGY] = log(mean(nqm_luminance(s->weighted.ref), s->weighted.n) + (double)dark);
-    out[NQM_SCALAR_REF_PEAK] = log(s->peak_ref + (double)dark) - level;
+    out[NQM_SCALAR_REF_ENERGY] = log(mean(nqm_luminance(s->weighted.ref), s->weighted.n) + NQM_DARK);
+    out[NQM_SCALAR_REF_PEAK] = log(s->peak_ref + NQM_DARK) - level;
     out[NQM_SCALAR_REF_SPREAD] = sqrt(fmax(mean(s->ref_log2, s->n) - level * level, 0));
     out[NQM_SCALAR_REF_COLOUR] = sqrt(mean(s->ref_colour2, s->n));
 }
 
-void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
-                         double *scalars) {
-    sums s = {0};
-    double metrics[NQM_METRIC_COUNT];
-    nqm_metrics_compute(directions, ref, test, used, metrics);
-    for (size_t i = 0; i < directions->n; ++i)
-        if (!used || used[i])
-            add_direction(&s, directions->degrees + 3 * i, directions->cosines[i], ref + 3 * i, test + 3 * i);
+static void finish_scalars(const sums *s, const double *metrics, double *scalars) {
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         scalars[NQM_SCALAR_METRICS + m] = log(metrics[m] + 1e-4);
-    whole_scalars(&s, scalars);
-    zone_scalars(&s, scalars);
-    for (size_t i = 0; !(s.n > 0) && i < NQM_SCALAR_COUNT; ++i)
+    whole_scalars(s, scalars);
+    zone_scalars(s, scalars);
+    for (size_t i = 0; !(s->n > 0) && i < NQM_SCALAR_COUNT; ++i)
         scalars[i] = NAN;
+}
+
+/* ---- comparisons ------------------------------------------------------------------------------------------------- */
+
+/* One test beside its reference. */
+typedef struct pair_sums {
+    nqm_metric_sums metrics;
+    sums scalars;
+} pair_sums;
+
+/* A stretch of test k. */
+static void add_stretch(const nqm_comparison *c, size_t k, size_t stretch, const nqm_scaled *ref, bool with_scalars,
+                        pair_sums *to) {
+    const nqm_directions *directions = c->directions;
+    const size_t first = stretch * NQM_STRETCH, n = nqm_stretch_size(directions->n, stretch);
+    const uint8_t *used = c->used ? c->used + k * directions->n + first : NULL;
+    nqm_scaled test;
+    double weight[3 * NQM_STRETCH] = {0};
+    nqm_scale_stretch(directions, stretch, c->test[k], &test);
+    for (size_t i = 0; i < 3 * n; ++i)
+        weight[i] = !used || used[i / 3];
+    nqm_metric_sums_add(&to->metrics, ref, &test, weight);
+    for (size_t i = 0; with_scalars && i < n; ++i)
+        if (weight[3 * i] > 0)
+            add_direction(&to->scalars, directions->degrees + 3 * (first + i), directions->cosines[first + i], ref,
+                          &test, i);
+}
+
+void nqm_compare_samples(const nqm_comparison *c, double *metrics, double *scalars) {
+    pair_sums pair[NQM_COMPARE_MAX] = {0};
+    for (size_t stretch = 0; stretch * NQM_STRETCH < c->directions->n; ++stretch) {
+        nqm_scaled ref;
+        nqm_scale_stretch(c->directions, stretch, c->ref, &ref);
+        for (size_t k = 0; k < c->n; ++k)
+            add_stretch(c, k, stretch, &ref, scalars != NULL, &pair[k]);
+    }
+    for (size_t k = 0; k < c->n; ++k) {
+        double m[NQM_METRIC_COUNT];
+        nqm_metric_sums_finish(&pair[k].metrics, m);
+        if (metrics)
+            memcpy(metrics + k * NQM_METRIC_COUNT, m, sizeof m);
+        if (scalars)
+            finish_scalars(&pair[k].scalars, m, scalars + k * NQM_SCALAR_COUNT);
+    }
+}
+
+void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
+                         double *metrics) {
+    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used}, metrics, NULL);
+}
+
+void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
+                         double *scalars) {
+    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used}, NULL, scalars);
 }
 
 /* ---- as inputs --------------------------------------------------------------------------------------------------- */

@@ -2,6 +2,7 @@
  *
  * The numbers that the network sees (paper, section 3.1): transform, whitening, and the two layouts of a pair.
  */
+#include "kernel/kernel.h"
 #include "sample/sample.h"
 
 #include <math.h>
@@ -9,8 +10,7 @@
 #include <string.h>
 
 void nqm_features_transform(size_t n, const float *rho, float *t) {
-    for (size_t i = 0; i < n; ++i)
-        t[i] = log1pf(cbrtf(rho[i]));
+    nqm_kernels_get()->sample_log(n, rho, t);
 }
 
 void nqm_features_restore(size_t n, const float *t, float *rho) {

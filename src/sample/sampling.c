@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { AT_ONCE = 512 }; /* directions: on the stack, and enough for formats that fetch what they need in one go */
+
 static const char *const policy_names[] = {"drop", "zero", "nearest", "error"};
 
 int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret) {
@@ -89,22 +91,19 @@ static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *direc
 nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy, float *rgb,
                       uint8_t *flag, nqm_sample_report *report, nqm_error *err) {
     size_t n = directions->n;
-    double *values = nqm_alloc(n, 3 * sizeof *values);
-    uint8_t *flags = nqm_alloc(n, sizeof *flags);
-    if (!values || !flags) {
-        nqm_free(values);
-        nqm_free(flags);
-        return nqm_fail_nomem(err, n * (3 * sizeof *values + sizeof *flags));
+    uint8_t *own = flag ? NULL : nqm_alloc(n, sizeof *own), *flags = flag ? flag : own;
+    if (!flags)
+        return nqm_fail_nomem(err, n * sizeof *own);
+    for (size_t first = 0; first < n; first += AT_ONCE) {
+        double values[3 * AT_ONCE];
+        const size_t some = n - first < AT_ONCE ? n - first : AT_ONCE;
+        nqm_brdf_eval_half_diff(brdf, some, directions->hd + 3 * first, values, flags + first);
+        for (size_t i = 0; i < 3 * some; ++i)
+            rgb[3 * first + i] = (float)fmin(values[i], FLT_MAX);
     }
-    nqm_brdf_eval_half_diff(brdf, n, directions->hd, values, flags);
-    for (size_t i = 0; i < 3 * n; ++i)
-        rgb[i] = (float)fmin(values[i], FLT_MAX);
     nqm_status status = apply_policy(brdf, directions, policy, flags, rgb, err);
-    if (flag)
-        memcpy(flag, flags, n);
     if (report)
         *report = count_flags(n, flags);
-    nqm_free(values);
-    nqm_free(flags);
+    nqm_free(own);
     return status;
 }

@@ -28,8 +28,8 @@ static void pair_metrics(void *user, size_t i) {
     double metrics[NQM_METRIC_COUNT];
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
     const float *ref = d->ref_rgb + d->pair_ref[pair] * n_columns, *test = d->test_rgb + pair * n_columns;
-    nqm_metrics_compute(d->directions, ref, test, used, metrics);
-    nqm_scalars_compute(d->directions, ref, test, used, job->ev->scalars + pair * NQM_SCALAR_COUNT);
+    nqm_compare_samples(&(nqm_comparison){d->directions, ref, 1, &test, used}, metrics,
+                        job->ev->scalars + pair * NQM_SCALAR_COUNT);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
 }
@@ -39,31 +39,27 @@ static void pair_metrics(void *user, size_t i) {
 /* The samples of a batch, side by side as nqm_predictor_run() takes them. */
 typedef struct model_job {
     nqm_predictor *predictor;
-    float *ref, *test; /* (NQM_PREDICT_BATCH, n_directions, 3) */
-    uint8_t *used;     /* (NQM_PREDICT_BATCH, n_directions) */
+    const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
+    uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
     double jod[NQM_PREDICT_BATCH];
 } model_job;
 
 static nqm_status begin_model(model_job *job, const nqm_evaluation *ev, const nqm_model *m, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     *job = (model_job){0};
-    size_t n = d->n_directions, n_bytes = 3 * n * sizeof(float);
+    size_t n = d->n_directions;
     if (m->n_directions != n || memcmp(m->directions_deg, d->directions_deg, 3 * n * sizeof(double)) != 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                         "model '%s' looks at other directions (%zu) than those of the dataset (%zu)", m->id,
                         m->n_directions, n);
-    job->ref = nqm_alloc(NQM_PREDICT_BATCH, n_bytes);
-    job->test = nqm_alloc(NQM_PREDICT_BATCH, n_bytes);
     job->used = nqm_alloc(NQM_PREDICT_BATCH, n);
-    if (!job->ref || !job->test || !job->used)
-        return nqm_fail_nomem(err, NQM_PREDICT_BATCH * 2 * n_bytes);
+    if (!job->used)
+        return nqm_fail_nomem(err, NQM_PREDICT_BATCH * n);
     return nqm_predictor_create(m, ev->precision, NQM_PREDICT_BATCH, &job->predictor, err);
 }
 
 static void end_model(model_job *job) {
     nqm_predictor_free(job->predictor);
-    nqm_free(job->ref);
-    nqm_free(job->test);
     nqm_free(job->used);
 }
 
@@ -73,8 +69,8 @@ static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job
     size_t n_columns = 3 * d->n_directions;
     bool masked = d->ref_used || d->test_used;
     for (size_t i = 0; i < n; ++i) {
-        memcpy(job->ref + i * n_columns, d->ref_rgb + d->pair_ref[pairs[i]] * n_columns, n_columns * sizeof(float));
-        memcpy(job->test + i * n_columns, d->test_rgb + pairs[i] * n_columns, n_columns * sizeof(float));
+        job->ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
+        job->test[i] = d->test_rgb + pairs[i] * n_columns;
         nqm_dataset_pair_used(d, pairs[i], job->used + i * d->n_directions);
     }
     const nqm_sampled_pairs batch = {.n = n, .ref = job->ref, .test = job->test, .used = masked ? job->used : NULL};

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * transform.h - roots and logarithms of samples for one instruction set: loops that a compiler vectorises, included by
+ * rows.h. Every instruction set gives the same bits.
+ */
+#include "kernel/exp_log.h"
+#include "kernel/kernel.h"
+
+#include <string.h>
+
+/* A root of x >= 1e-30, within 6 %: a third of the exponent, by way of the bits (Kahan 1991). */
+static inline float rough_cube_root(float x) {
+    uint32_t bits;
+    float root;
+    memcpy(&bits, &x, sizeof bits);
+    bits = (uint32_t)((float)(int32_t)bits * (1.0f / 3.0f)) + 709921077u;
+    memcpy(&root, &bits, sizeof root);
+    return root;
+}
+
+/* One step of Halley's iteration for the cube root: the error becomes 2/3 of its cube. */
+#define CUBE_ROOT_STEP(root, x)                                                                                        \
+    ((root) - (root) * (((root) * (root) * (root) - (x)) / (2 * (root) * (root) * (root) + (x))))
+
+static void sample_log(size_t n, const float *rho, float *t) {
+    const float least = 1e-30f, most = 1e37f;
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        float x = rho[i] < least ? least : rho[i];
+        x = x > most ? most : x;
+        float root = rough_cube_root(x);
+        root = CUBE_ROOT_STEP(root, x);
+        root = CUBE_ROOT_STEP(root, x);
+        root = rho[i] < least ? 0.0f : root;
+        float u = 1.0f + root, lost = root - (u - 1.0f); /* in rounding; matters where t is small; a NaN stays one */
+        t[i] = nqm_log_core(u) + (u >= 1.5f ? 0.0f : lost);
+    }
+}
+
+static void cube_root(size_t n, const double *x, double *root) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        double a = x[i] < 1e-30 ? 1e-30 : x[i] > 1e37 ? 1e37 : x[i];
+        double r = (double)rough_cube_root((float)a);
+        r = CUBE_ROOT_STEP(r, a);
+        r = CUBE_ROOT_STEP(r, a);
+        r = CUBE_ROOT_STEP(r, a);
+        root[i] = x[i] < 1e-30 ? 0.0 : r;
+    }
+}
+
+/* With u = 2^k m, m in [sqrt(1/2), sqrt(2)): k log(2) + 2 artanh((m - 1) / (m + 1)). */
+static void log_1p(size_t n, const double *x, double *y) {
+    const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000, exponent = 0xfff0000000000000;
+    const uint64_t magic = 0x4330000000000000; /* 2^52: an integer in its low bits is what it is above 2^52 */
+    const double ln2_high = 0x1.62e42fefa3800p-1, ln2_low = 0x1.ef35793c76730p-45;
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        double u = 1.0 + x[i], lost = x[i] - (u - 1.0), m, biased;
+        uint64_t bits, shifted, power;
+        memcpy(&bits, &u, sizeof bits);
+        shifted = bits + (one - sqrt_half);
+        power = (shifted >> 52) | magic;
+        bits -= (shifted & exponent) - one;
+        memcpy(&m, &bits, sizeof m);
+        memcpy(&biased, &power, sizeof biased);
+        double k = biased - (0x1p52 + 1023.0);
+        double s = (m - 1.0) / (m + 1.0), z = s * s;
+        double p = 1.0 / 23;
+        p = p * z + 1.0 / 21;
+        p = p * z + 1.0 / 19;
+        p = p * z + 1.0 / 17;
+        p = p * z + 1.0 / 15;
+        p = p * z + 1.0 / 13;
+        p = p * z + 1.0 / 11;
+        p = p * z + 1.0 / 9;
+        p = p * z + 1.0 / 7;
+        p = p * z + 1.0 / 5;
+        p = p * z + 1.0 / 3;
+        double low = 2.0 * s * (z * p) + k * ln2_low + (u >= 1.5 ? 0.0 : lost);
+        y[i] = k * ln2_high + (2.0 * s + low);
+    }
+}

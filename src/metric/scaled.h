@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * scaled.h - the samples of a BRDF on the scales on which metrics and scalar features compare them. Roots and logarithms
+ * are most of the work of a comparison: those of a reference are made once for all its tests.
+ */
+#ifndef NQM_SRC_METRIC_SCALED_H
+#define NQM_SRC_METRIC_SCALED_H
+
+#include "metric/metric.h"
+
+enum { NQM_STRETCH = 64 }; /**< directions that are looked at together */
+
+/** Scales of reflectance f; c = cos(theta_i) cos(theta_o). The first NQM_SCALES_PAPER make two baselines each. */
+enum { NQM_SCALE_F, NQM_SCALE_CBRT_CF, NQM_SCALE_LOG1P_F, NQM_SCALE_LOG1P_CF, NQM_SCALE_LOG_F, NQM_SCALES };
+enum { NQM_SCALES_PAPER = NQM_SCALE_LOG_F };
+
+#define NQM_DARK 0.003 /**< 1/sr, added to f in NQM_SCALE_LOG_F */
+
+/** A stretch of directions of one BRDF; what stands beyond the last direction is 0. */
+typedef struct nqm_scaled {
+    double scale[NQM_SCALES][3 * NQM_STRETCH];
+    double luminance[NQM_STRETCH], log_luminance[NQM_STRETCH]; /**< of f; of luminance + NQM_DARK */
+} nqm_scaled;
+
+static inline size_t nqm_stretch_size(size_t n_directions, size_t stretch) {
+    size_t left = n_directions - stretch * NQM_STRETCH;
+    return left < NQM_STRETCH ? left : NQM_STRETCH;
+}
+
+/** rgb: (n_directions, 3), of which this stretch is scaled. */
+void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const float *rgb, nqm_scaled *scaled);
+
+/** What the metrics are made of: sums over directions and channels. */
+typedef struct nqm_metric_sums {
+    double n, squares[NQM_SCALES], absolutes[NQM_SCALES];
+} nqm_metric_sums;
+
+/** Add a stretch. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */
+void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm_scaled *test, const double *weight);
+/** metrics: (NQM_METRIC_COUNT). */
+void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
+
+#endif
