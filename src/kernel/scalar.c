@@ -143,12 +143,12 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
 
 static void sample_log(size_t n, const float *rho, float *t) {
     for (size_t i = 0; i < n; ++i)
-        t[i] = rho[i] < 1e-30f ? 0 : (float)log1p(cbrt(fmin((double)rho[i], 1e37)));
+        t[i] = rho[i] < 1e-30f ? 0 : (float)log1p(cbrt(rho[i] > 1e37f ? 1e37 : (double)rho[i]));
 }
 
 static void cube_root(size_t n, const double *x, double *root) {
     for (size_t i = 0; i < n; ++i)
-        root[i] = x[i] < 1e-30 ? 0 : cbrt(fmin(x[i], 1e37));
+        root[i] = x[i] < 1e-30 ? 0 : cbrt(x[i] > 1e37 ? 1e37 : x[i]);
 }
 
 static void log_1p(size_t n, const double *x, double *y) {

@@ -1,0 +1,57 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# --precision and NQM_KERNELS: what they change and what they must not, with the models that are built in. Presets only.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+
+ref=sgd:nickel
+tests="ward:nickel cook-torrance:nickel abc:nickel perturb:gloss=0.9;of=sgd:nickel perturb:tint=1.05,1,1;of=sgd:nickel $ref"
+
+# jods PRECISION MODEL: one a line.
+jods() {
+    # shellcheck disable=SC2086
+    "$tool" score $ref $tests --precision "$1" --model "$2" -q || fail "score --precision $1"
+}
+
+# Near f32, and not the same; equal BRDFs score the same in all.
+for model in default paper; do
+    for precision in f32 bf16 int8; do
+        jods $precision $model >"$dir/$precision"
+    done
+    paste "$dir/f32" "$dir/bf16" "$dir/int8" | awk -v model=$model '
+        { for (i = 2; i <= 3; ++i) { d = $i - $1; d = d < 0 ? -d : d; if (d > worst[i]) worst[i] = d } }
+        END { print model, worst[2], worst[3]
+              if (worst[2] > 0.05 || worst[3] > 0.4 || worst[2] == 0 || worst[3] == 0) exit 1 }' || fail "$model: far from f32"
+done
+
+# Named where it is not the usual one.
+run 0 score $ref ward:nickel --json
+grep -q precision "$dir/out" && fail "f32 is named"
+run 0 score $ref ward:nickel --json --precision bf16
+grep -q '"precision": "bf16"' "$dir/out" || fail "score: bf16 is not named"
+run 0 rank $ref ward:nickel abc:nickel --json --precision int8
+grep -q '"precision": "int8"' "$dir/out" || fail "rank: int8 is not named"
+printf 'reference,test\n%s,ward:nickel\n' $ref >"$dir/list.csv"
+run 0 batch "$dir/list.csv" --json --precision int8
+grep -q '"precision": *"int8"' "$dir/out" || fail "batch: int8 is not named"
+for verb in "score $ref $ref" "rank $ref $ref" "batch $dir/list.csv" "eval $dir/list.csv"; do
+    # shellcheck disable=SC2086
+    run 2 $verb --precision f64
+done
+
+# The same bits from all kernels with fused multiply-add, the same digits from plain loops; others are refused.
+"$tool" score $ref ward:nickel --json >"$dir/best.json" || fail "score"
+for kernels in avx512+bf16 avx512 avx2 scalar; do
+    NQM_KERNELS=$kernels "$tool" score $ref ward:nickel --json >"$dir/other.json" 2>"$dir/err" || {
+        grep -q "does not know" "$dir/err" || fail "NQM_KERNELS=$kernels"
+        continue
+    }
+    if [ $kernels = scalar ]; then
+        a=$("$tool" score $ref ward:nickel -q) b=$(NQM_KERNELS=scalar "$tool" score $ref ward:nickel -q)
+        [ "$a" = "$b" ] || fail "plain loops: $b for $a"
+    else
+        cmp "$dir/best.json" "$dir/other.json" || fail "$kernels gives other bits"
+    fi
+done
+export NQM_KERNELS=abacus
+refuses 2 "abacus.*scalar" score $ref $ref

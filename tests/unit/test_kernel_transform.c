@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Roots and logarithms of samples, rounding of rows and products of one row: every table against the plain loops and, bit
+ * for bit, against each other.
+ */
+#include "kernel/panel.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint64_t seed = 3;
+
+enum { N = 501 };
+
+/* From 1e-26 to 1e34, every size as likely. */
+static void spread(nqm_rng *rng, float *x) {
+    for (size_t i = 0; i < N; ++i)
+        x[i] = (float)exp(-60 + 138 * nqm_rng_uniform(rng));
+}
+
+static void samples(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    static float rho[N], t[N], first[N];
+    for (int round = 0; round < 20; ++round) {
+        spread(&rng, rho);
+        rho[0] = 0, rho[1] = 1e-38f, rho[2] = 1e37f, rho[N - 1] = 8;
+        for (size_t k = 0; nqm_kernels_at(k); ++k) {
+            nqm_kernels_at(k)->sample_log(N, rho, t);
+            for (size_t i = 2; i < N; ++i)
+                assert_relative((double)t[i], log1p(cbrt((double)rho[i])), 4e-7);
+            assert_true(t[0] == 0 && t[1] == 0);
+            if (k == 0)
+                memcpy(first, t, sizeof first);
+            if (nqm_kernels_at(k) != &nqm_kernels_scalar)
+                assert_memory_equal(t, first, sizeof first);
+        }
+    }
+    const float odd[] = {NAN, 3e38f};
+    for (size_t k = 0; nqm_kernels_at(k); ++k) {
+        nqm_kernels_at(k)->sample_log(2, odd, t);
+        assert_true(isnan(t[0]) && t[1] > 28 && t[1] < 30);
+    }
+}
+
+static void roots_and_logarithms(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 1);
+    static float x32[N];
+    static double x[N], root[N], y[N], near_minus_1[N], z[N], first[3][N];
+    for (int round = 0; round < 20; ++round) {
+        spread(&rng, x32);
+        for (size_t i = 0; i < N; ++i) {
+            x[i] = (double)x32[i];
+            near_minus_1[i] = x[i] - 0.997;
+        }
+        for (size_t k = 0; nqm_kernels_at(k); ++k) {
+            const nqm_kernels *kernels = nqm_kernels_at(k);
+            kernels->cube_root(N, x, root);
+            kernels->log_1p(N, x, y);
+            kernels->log_1p(N, near_minus_1, z);
+            for (size_t i = 0; i < N; ++i) {
+                double expected = log1p(near_minus_1[i]);
+                assert_relative(root[i], cbrt(x[i]), 1e-15);
+                assert_relative(y[i], log1p(x[i]), 1e-15);
+                assert_near(z[i], expected, 4e-16 * fmax(1, fabs(expected)));
+            }
+            const double *all[] = {root, y, z};
+            for (size_t j = 0; j < 3; ++j) {
+                if (k == 0)
+                    memcpy(first[j], all[j], sizeof first[j]);
+                if (kernels != &nqm_kernels_scalar)
+                    assert_memory_equal(all[j], first[j], sizeof first[j]);
+            }
+        }
+    }
+    const double odd[] = {NAN, 0};
+    for (size_t k = 0; nqm_kernels_at(k); ++k) {
+        nqm_kernels_at(k)->cube_root(2, odd, root);
+        nqm_kernels_at(k)->log_1p(2, odd, y);
+        assert_true(isnan(root[0]) && isnan(y[0]) && root[1] == 0 && y[1] == 0);
+    }
+}
+
+/* Bytes within half a step of what they stand for, 0 exactly, and all 256 of them used. */
+static void rows_of_bytes(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 2);
+    static float x[N];
+    static uint32_t units[N / 4 + 1], first[N / 4 + 1];
+    for (int round = 0; round < 40; ++round) {
+        const double low = round % 4 == 1 ? 0 : -nqm_rng_uniform(&rng);
+        for (size_t i = 0; i < N; ++i)
+            x[i] = i % 9 == 0 ? 0 : (float)(low + (round % 4 == 2 ? -low : 1) * nqm_rng_uniform(&rng));
+        for (size_t k = 0; nqm_kernels_at(k); ++k) {
+            memset(units, 255, sizeof units);
+            nqm_byte_scale by = nqm_kernels_at(k)->quantise_row(N, x, units);
+            const unsigned char *bytes = (const unsigned char *)units;
+            unsigned char least = 255, most = 0;
+            for (size_t i = 0; i < N; ++i) {
+                double back = (double)by.scale * ((double)bytes[i] - (double)by.zero);
+                assert_near(back, (double)x[i], 0.51 * (double)by.scale + (bytes[i] == 255 ? (double)by.scale : 0));
+                assert_true(x[i] != 0 || back == 0);
+                least = bytes[i] < least ? bytes[i] : least;
+                most = bytes[i] > most ? bytes[i] : most;
+            }
+            assert_true(least <= 1 && most >= 254);
+            if (k == 0)
+                memcpy(first, units, sizeof first);
+            assert_memory_equal(units, first, sizeof first);
+        }
+    }
+    const float zeros[7] = {0};
+    nqm_byte_scale by = nqm_kernels_get()->quantise_row(7, zeros, units);
+    assert_true(by.scale > 0 && ((unsigned char *)units)[3] == by.zero);
+}
+
+static void one_row_like_many(void **state) {
+    (void)state;
+    enum { K = 77, WIDTH = 200 }; /* seven panels */
+    nqm_rng rng = nqm_rng_make(seed, 3);
+    static float w[WIDTH * K], x[K];
+    for (size_t i = 0; i < WIDTH * K; ++i)
+        w[i] = (float)nqm_rng_normal(&rng);
+    for (size_t i = 0; i < K; ++i)
+        x[i] = (float)nqm_rng_normal(&rng);
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
+            const nqm_kernels *kernels = nqm_kernels_at(t);
+            const nqm_precision precision = (nqm_precision)p;
+            nqm_panels b;
+            uint32_t a[K];
+            static float expected[WIDTH + NQM_PANEL], actual[WIDTH + NQM_PANEL];
+            assert_int_equal(nqm_panels_create(precision, K, WIDTH, &b, NULL), NQM_OK);
+            nqm_panels_pack(&b, w, K);
+            memcpy(a, x, sizeof x);
+            if (precision == NQM_PRECISION_BF16)
+                kernels->round_row(K, x, a);
+            else if (precision == NQM_PRECISION_INT8)
+                (void)kernels->quantise_row(K, x, a);
+            for (int add = 0; add < 2; ++add) {
+                nqm_kernels_use(kernels);
+                nqm_multiply(&b, 1, a, K, add, expected, WIDTH + NQM_PANEL);
+                nqm_kernels_use(NULL);
+                kernels->row_product[precision](&(nqm_row_product){.units = b.units,
+                                                                   .n_panels = b.n_panels,
+                                                                   .stride = b.stride,
+                                                                   .add = add,
+                                                                   .a = a,
+                                                                   .b = b.data,
+                                                                   .c = actual});
+                assert_memory_equal(actual, expected, b.n_panels * NQM_PANEL * sizeof *actual);
+            }
+            nqm_panels_free(&b);
+        }
+}
+
+int main(void) {
+    printf("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samples),
+        cmocka_unit_test(roots_and_logarithms),
+        cmocka_unit_test(rows_of_bytes),
+        cmocka_unit_test(one_row_like_many),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

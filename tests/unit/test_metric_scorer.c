@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A scorer that is used again and again: the bits of nqm_score() whatever is scored together, with however many threads and
+ * kernels; no allocation after the first run; each precision near f32; a fresh model in several threads at once.
+ */
+#include "base/memory_test.h"
+#include "kernel/kernel.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/tiny_model.h"
+
+#include <math.h>
+#include <nqm/batch.h>
+#include <omp.h>
+#include <pthread.h>
+#include <string.h>
+
+enum { N_DIRECTIONS = 30, N_TESTS = 40 };
+
+static nqm_model *model;
+static nqm_brdf *refs[2], *tests[N_TESTS];
+static nqm_score_result expected[2][N_TESTS]; /* each test alone */
+
+static nqm_score_result score_alone(const nqm_brdf *ref, const nqm_brdf *test, nqm_precision precision) {
+    nqm_score_options options = nqm_score_options_default();
+    options.precision = precision;
+    nqm_score_result result;
+    assert_int_equal(nqm_score(model, ref, 1, &test, &options, &result, NULL), NQM_OK);
+    return result;
+}
+
+static int setup(void **state) {
+    (void)state;
+    if (make_tiny_model(N_DIRECTIONS, &model, NULL) != NQM_OK)
+        return 1;
+    refs[0] = open_brdf("ggx:kd=.2,.1,.05;alpha=.1");
+    refs[1] = open_brdf("ward:kd=.05;ks=.4;alpha=.05");
+    for (size_t i = 0; i < N_TESTS; ++i) {
+        char spec[80];
+        snprintf(spec, sizeof spec, "ggx:kd=.2,.1,.0%zu;alpha=.%zu", i % 9 + 1, 10 + i);
+        tests[i] = open_brdf(spec);
+    }
+    for (size_t r = 0; r < 2; ++r)
+        for (size_t i = 0; i < N_TESTS; ++i)
+            expected[r][i] = score_alone(refs[r], tests[i], NQM_PRECISION_F32);
+    return 0;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_TESTS; ++i)
+        nqm_brdf_free(tests[i]);
+    nqm_brdf_free(refs[0]);
+    nqm_brdf_free(refs[1]);
+    nqm_model_free(model);
+    return 0;
+}
+
+static nqm_scorer *make_scorer(size_t max_batch) {
+    nqm_scorer *scorer;
+    assert_int_equal(nqm_scorer_create(model, NULL, max_batch, &scorer, NULL), NQM_OK);
+    return scorer;
+}
+
+static void run(nqm_scorer *scorer, size_t r, size_t first, size_t n, nqm_score_result *results) {
+    assert_int_equal(nqm_scorer_run(scorer, refs[r], n, (const nqm_brdf *const *)tests + first, results, NULL), NQM_OK);
+}
+
+static void check_same(const nqm_score_result *actual, const nqm_score_result *wanted, size_t n) {
+    for (size_t i = 0; i < n; ++i) {
+        assert_int_equal(actual[i].status, NQM_OK);
+        assert_memory_equal(&actual[i].jod, &wanted[i].jod, sizeof actual[i].jod);
+        assert_memory_equal(&actual[i].delta_e, &wanted[i].delta_e, sizeof actual[i].delta_e);
+        assert_memory_equal(actual[i].metrics, wanted[i].metrics, sizeof actual[i].metrics);
+    }
+}
+
+/* Kernels with fused multiply-add, or the only ones with vectors. */
+static bool same_bits(const nqm_kernels *kernels) {
+#if defined __aarch64__
+    return kernels != &nqm_kernels_scalar;
+#else
+    return kernels != &nqm_kernels_scalar && (kernels != &nqm_kernels_generic || nqm_kernels_at(0) == kernels);
+#endif
+}
+
+static void the_same_bits(void **state) {
+    (void)state;
+    static const size_t batches[] = {1, 2, 13, N_TESTS, 1000};
+    const int threads = omp_get_max_threads();
+    nqm_score_result results[N_TESTS];
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        if (!same_bits(nqm_kernels_at(t)))
+            continue;
+        nqm_kernels_use(nqm_kernels_at(t));
+        for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
+            omp_set_num_threads((int)(b + t) % 3 + 1);
+            nqm_scorer *scorer = make_scorer(batches[b]);
+            for (size_t r = 0; r < 4; ++r) { /* the references by turns, and the last again */
+                run(scorer, r % 2, 0, N_TESTS, results);
+                check_same(results, expected[r % 2], N_TESTS);
+            }
+            run(scorer, 1, 3, 5, results);
+            check_same(results, expected[1] + 3, 5);
+            nqm_scorer_free(scorer);
+        }
+        omp_set_num_threads(threads);
+    }
+    nqm_kernels_use(NULL);
+}
+
+static void nothing_is_allocated(void **state) {
+    (void)state;
+    nqm_score_result results[N_TESTS];
+    nqm_scorer *scorer = make_scorer(16);
+    const long before = nqm_alloc_count();
+    run(scorer, 0, 0, N_TESTS, results);
+    run(scorer, 1, 0, 1, results);
+    assert_int_equal(nqm_alloc_count() - before, 0);
+    nqm_scorer_free(scorer);
+    assert_true(before > 0);
+}
+
+static void precisions(void **state) {
+    (void)state;
+    static const double bounds[NQM_PRECISION_COUNT] = {0, 0.02, 0.1};
+    for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
+        double worst = 0;
+        for (size_t r = 0; r < 2; ++r)
+            for (size_t i = 0; i < N_TESTS; ++i) {
+                nqm_score_result result = score_alone(refs[r], tests[i], (nqm_precision)p);
+                worst = fmax(worst, fabs(result.jod - expected[r][i].jod));
+                assert_memory_equal(result.metrics, expected[r][i].metrics, sizeof result.metrics);
+            }
+        print_message("%s: %.2g JOD\n", nqm_precision_name((nqm_precision)p), worst);
+        assert_true(worst <= bounds[p] && (p == NQM_PRECISION_F32 || worst > 0));
+    }
+    nqm_score_options options = nqm_score_options_default();
+    options.precision = NQM_PRECISION_COUNT;
+    nqm_scorer *scorer;
+    assert_int_equal(nqm_scorer_create(model, &options, 1, &scorer, NULL), NQM_ERR_ARG);
+    assert_null(scorer);
+    assert_int_equal(nqm_scorer_create(model, NULL, 0, &scorer, NULL), NQM_ERR_ARG);
+}
+
+typedef struct beginner {
+    const nqm_model *model;
+    double jod;
+} beginner;
+
+static void *score_once(void *user) {
+    beginner *b = user;
+    nqm_score_result result;
+    const nqm_brdf *test = tests[3];
+    b->jod = nqm_score(b->model, refs[0], 1, &test, NULL, &result, NULL) == NQM_OK ? result.jod : (double)NAN;
+    return NULL;
+}
+
+static void a_fresh_model_in_many_threads(void **state) {
+    (void)state;
+    enum { N_THREADS = 8 };
+    nqm_model *fresh;
+    assert_int_equal(make_tiny_model(N_DIRECTIONS, &fresh, NULL), NQM_OK);
+    pthread_t thread[N_THREADS];
+    beginner beginners[N_THREADS];
+    for (size_t i = 0; i < N_THREADS; ++i) {
+        beginners[i] = (beginner){.model = fresh};
+        assert_int_equal(pthread_create(&thread[i], NULL, score_once, &beginners[i]), 0);
+    }
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_join(thread[i], NULL), 0);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_true(beginners[i].jod == expected[0][3].jod);
+    nqm_model_free(fresh);
+}
+
+int main(void) {
+    const struct CMUnitTest all[] = {
+        cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(nothing_is_allocated),
+        cmocka_unit_test(precisions),
+        cmocka_unit_test(a_fresh_model_in_many_threads),
+    };
+    return cmocka_run_group_tests(all, setup, teardown);
+}
