@@ -13,7 +13,7 @@ enum {
     MIN_PARALLEL = 1 << 18, /* multiplications; below, waking a thread costs more than it saves */
     MIN_ROWS = 16,          /* the same for rows that are compared and rounded */
 
-    BLOCK_ROWS = 11 * NQM_STRIP,
+    BLOCK_ROWS = 16 * NQM_STRIP,
     ROW_PANELS = 4
 };
 
@@ -132,6 +132,7 @@ static const float *inputs_of(nqm_inference_work *work, const nqm_inference_laye
     if (s != 1 || !layer->differences)
         return test;
     float *difference = work->difference + i * panel->k;
+#pragma omp simd
     for (size_t k = 0; k < panel->k; ++k)
         difference[k] = test[k] - x[k];
     return difference;

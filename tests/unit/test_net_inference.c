@@ -19,7 +19,7 @@ enum {
     N_SCALARS = 5,
     WIDTH = 3 * GROUP + N_SCALARS,
     STRIDE = WIDTH + 3,
-    ROWS = 135
+    ROWS = 199
 }; /* more than a block of rows */
 
 static nqm_input_groups inputs = {3, {GROUP, GROUP, GROUP}, N_SCALARS, false};
