@@ -54,9 +54,6 @@ static inline void nqm_round_row(size_t n, const float *x, uint32_t *units) {
 static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t *units) {
     return nqm_kernels_get()->quantise_row(n, x, units);
 }
-/** C = A B, or C + A B where A and B are what bytes stand for: c (n, rounded up to NQM_PANEL) from the integer sums of a
- *  row of nqm_quantise_row(). */
-void nqm_dequantise_row(const nqm_panels *b, nqm_byte_scale row, bool add, const int32_t *sums, float *c);
 
 /**
  * C (m, n) = A B, or C + A B, on all threads where that pays.

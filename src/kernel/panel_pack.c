@@ -180,13 +180,6 @@ void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
 
 /* ---- activations ------------------------------------------------------------------------------------------------- */
 
-void nqm_dequantise_row(const nqm_panels *b, nqm_byte_scale row, bool add, const int32_t *sums, float *c) {
-    for (size_t p = 0; p < b->n_panels; ++p) {
-        const nqm_byte_columns columns = nqm_panel_columns(b, p);
-        nqm_kernels_get()->dequantise(1, &row, &columns, add, sums + p * NQM_PANEL, c + p * NQM_PANEL, 0);
-    }
-}
-
 enum { ROWS_AT_ONCE = 16 }; /* even */
 
 /* Some rows of one group of columns; `width` is a constant where this is inlined. */

@@ -133,7 +133,8 @@ static void the_definition_by_hand(void **state) {
             nqm_byte_scale by = nqm_quantise_row(4, x, a);
             assert_true(by.scale == 1 && by.zero == 2 && b.scale[0] == 1 && b.scale[1] == 1);
             nqm_multiply(&b, 1, a, 4, false, sums, NQM_PANEL);
-            nqm_dequantise_row(&b, by, true, sums, c);
+            const nqm_byte_columns columns = nqm_panel_columns(&b, 0);
+            nqm_kernels_get()->dequantise(1, &by, &columns, true, sums, c, NQM_PANEL);
             /* 0.25 becomes 0 */
             assert_true(c[0] == 3 - 2 + 253 * 127 && c[1] == -253 * 127);
         } else {
