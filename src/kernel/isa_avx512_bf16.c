@@ -14,6 +14,34 @@
 #define MADD_INT8(sum, a, b) ((vector_i)_mm512_dpbusd_epi32((__m512i)(sum), _mm512_set1_epi32((int)(a)), (__m512i)(b)))
 #include "kernel/tiles.h"
 
+/* Rounding by the processor, which takes denormals for 0, as its products do. */
+#define NQM_NATIVE_ROUNDING
+static void round_row(size_t n, const float *x, uint32_t *units) {
+    enum { AT_ONCE = 32 };
+    size_t i = 0;
+    for (; i + AT_ONCE <= n; i += AT_ONCE) {
+        __m512bh both = _mm512_cvtne2ps_pbh(_mm512_loadu_ps(x + i + 16), _mm512_loadu_ps(x + i));
+        _mm512_storeu_si512(units + i / 2, (__m512i)both);
+    }
+    const size_t left = n - i, n_low = left < 16 ? left : 16;
+    const __mmask16 low = (__mmask16)((1u << n_low) - 1), high = (__mmask16)((1u << (left - n_low)) - 1);
+    const __mmask16 out = (__mmask16)((1u << (left + 1) / 2) - 1);
+    /* Where nothing is left, nothing is read or written. */
+    __m512bh both = _mm512_cvtne2ps_pbh(_mm512_maskz_loadu_ps(high, x + i + n_low), _mm512_maskz_loadu_ps(low, x + i));
+    _mm512_mask_storeu_epi32(units + i / 2, out, (__m512i)both);
+}
+
+static void round_tile(const float *x, uint32_t *units) {
+    static const uint16_t pairs[32] = {0, 16, 1, 17, 2,  18, 3,  19, 4,  20, 5,  21, 6,  22, 7,  23,
+                                       8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
+    const __m512i order = _mm512_loadu_si512(pairs);
+    for (size_t i = 0; i < NQM_STRIP; i += 2)
+        for (size_t j = 0; j < NQM_PANEL; j += 16) {
+            const float *even = x + i * NQM_PANEL + j;
+            __m512bh both = _mm512_cvtne2ps_pbh(_mm512_loadu_ps(even + NQM_PANEL), _mm512_loadu_ps(even));
+            _mm512_storeu_si512(units + i / 2 * NQM_PANEL + j, _mm512_permutexvar_epi16(order, (__m512i)both));
+        }
+}
 #include "kernel/rows.h"
 
 NQM_DEFINE_KERNELS(avx512_bf16, "avx512+bf16");

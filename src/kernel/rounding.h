@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+#ifndef NQM_NATIVE_ROUNDING /* defined where the instruction set rounds by itself, and the file has these two of its own */
 static void round_row(size_t n, const float *x, uint32_t *units) {
 #pragma omp simd
     for (size_t i = 0; i < n / 2; ++i)
@@ -23,6 +24,8 @@ static void round_tile(const float *x, uint32_t *units) {
             units[i * NQM_PANEL + j] =
                 nqm_bf16_bits(x[2 * i * NQM_PANEL + j]) | nqm_bf16_bits(x[(2 * i + 1) * NQM_PANEL + j]) << 16;
 }
+
+#endif
 
 /* The range of the bytes is that of x and 0, so that 0 stands for itself. */
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {

@@ -16,47 +16,44 @@ static bool is_rounded(const nqm_trainer *t) {
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-static float *numbers(size_t n, bool *complete) {
-    float *block = nqm_alloc(n, sizeof *block);
+/* Large pages: the products walk down a dozen rows at once. */
+static float *numbers(nqm_trainer *t, size_t n, bool *complete) {
+    float *block = nqm_alloc_pages(n, sizeof *block);
     *complete = *complete && block;
+    t->blocks[t->n_blocks++] = (nqm_trainer_block){block, n};
     return block;
 }
 
-static uint32_t *units(size_t n, bool *complete) {
-    return (uint32_t *)numbers(n, complete);
+static uint32_t *units(nqm_trainer *t, size_t n, bool *complete) {
+    return (uint32_t *)numbers(t, n, complete);
 }
 
-static void create_values(nqm_layer_values *values, size_t in, size_t out, bool norm, bool *complete) {
+static void create_values(nqm_trainer *t, nqm_layer_values *values, size_t l, bool *complete) {
+    const size_t in = t->shape.sizes[l], out = t->shape.sizes[l + 1];
     *complete = *complete && nqm_panels_create(NQM_PRECISION_F32, in, out, &values->w, NULL) == NQM_OK;
-    for (size_t i = 0; i < (norm ? NQM_VECTORS : NQM_GAMMA); ++i)
-        values->vector[i] = numbers(out, complete);
-}
-
-static void free_values(nqm_layer_values *values) {
-    nqm_panels_free(&values->w);
-    for (size_t i = 0; i < NQM_VECTORS; ++i)
-        nqm_free(values->vector[i]);
+    for (size_t i = 0; i < (has_norm(t, l) ? NQM_VECTORS : NQM_GAMMA); ++i)
+        values->vector[i] = numbers(t, out, complete);
 }
 
 static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
     nqm_trainer_layer *layer = &t->layer[l];
     const size_t in = t->shape.sizes[l], out = t->shape.sizes[l + 1], batch = t->options.max_batch;
     layer->in = in, layer->out = out, layer->ld = nqm_row_stride(out);
-    create_values(&layer->value, in, out, has_norm(t, l), complete);
-    create_values(&layer->m, in, out, has_norm(t, l), complete);
-    create_values(&layer->v, in, out, has_norm(t, l), complete);
+    create_values(t, &layer->value, l, complete);
+    create_values(t, &layer->m, l, complete);
+    create_values(t, &layer->v, l, complete);
     if (is_rounded(t))
         *complete = *complete && nqm_panels_create(t->options.precision, in, out, &layer->rounded, NULL) == NQM_OK;
     if (l > 0 || t->options.input_gradient)
         *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
-    layer->xhat = numbers(batch * layer->ld, complete);
+    layer->xhat = numbers(t, batch * layer->ld, complete);
     if (!has_norm(t, l))
         return;
-    layer->y = numbers(batch * layer->ld, complete);
-    layer->slope = numbers(batch * layer->ld, complete);
-    layer->rstd = numbers(batch, complete);
+    layer->y = numbers(t, batch * layer->ld, complete);
+    layer->slope = numbers(t, batch * layer->ld, complete);
+    layer->rstd = numbers(t, batch, complete);
     if (is_rounded(t))
-        layer->rounded_y = units(batch * layer->ld, complete);
+        layer->rounded_y = units(t, batch * layer->ld, complete);
 }
 
 static void create_scratch(nqm_trainer *t, bool *complete) {
@@ -67,15 +64,15 @@ static void create_scratch(nqm_trainer *t, bool *complete) {
         widest_out = t->layer[l].ld > widest_out ? t->layer[l].ld : widest_out;
     }
     t->ld_input = nqm_row_stride(t->shape.sizes[0]);
-    t->x = numbers(batch * t->ld_input, complete);
+    t->x = numbers(t, batch * t->ld_input, complete);
     const size_t packed_rows = nqm_units(t->options.precision, batch);
-    t->strips = units(packed_rows * (widest_in + NQM_STRIP), complete);
-    t->panels = units(packed_rows * (widest_out + NQM_PANEL), complete);
-    t->sums = numbers(nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
+    t->strips = units(t, packed_rows * (widest_in + NQM_STRIP), complete);
+    t->panels = units(t, packed_rows * (widest_out + NQM_PANEL), complete);
+    t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
     if (!is_rounded(t))
         return;
-    t->rounded_x = units(batch * t->ld_input, complete);
-    t->rounded_dz = units(batch * widest_out, complete);
+    t->rounded_x = units(t, batch * t->ld_input, complete);
+    t->rounded_dz = units(t, batch * widest_out, complete);
 }
 
 nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_options *options, nqm_trainer **trainer_ret,
@@ -111,23 +108,12 @@ void nqm_trainer_free(nqm_trainer *t) {
         return;
     for (size_t l = 0; l < t->shape.n_layers; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
-        free_values(&layer->value);
-        free_values(&layer->m);
-        free_values(&layer->v);
-        nqm_panels_free(&layer->rounded);
-        nqm_panels_free(&layer->backward);
-        nqm_free(layer->xhat);
-        nqm_free(layer->y);
-        nqm_free(layer->rounded_y);
-        nqm_free(layer->slope);
-        nqm_free(layer->rstd);
+        nqm_panels *panels[] = {&layer->value.w, &layer->m.w, &layer->v.w, &layer->rounded, &layer->backward};
+        for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i)
+            nqm_panels_free(panels[i]);
     }
-    nqm_free(t->x);
-    nqm_free(t->rounded_x);
-    nqm_free(t->strips);
-    nqm_free(t->panels);
-    nqm_free(t->rounded_dz);
-    nqm_free(t->sums);
+    for (size_t i = 0; i < t->n_blocks; ++i)
+        nqm_free_pages(t->blocks[i].data, t->blocks[i].n, sizeof(float));
     nqm_free(t);
 }
 

@@ -31,7 +31,17 @@ typedef struct nqm_trainer_layer {
     float *rstd;         /* (max_batch) */
 } nqm_trainer_layer;
 
+/** A block of memory, in numbers or units. */
+typedef struct nqm_trainer_block {
+    void *data;
+    size_t n;
+} nqm_trainer_block;
+
+enum { NQM_TRAINER_BLOCKS = 16 * NQM_NET_MAX_LAYERS };
+
 struct nqm_trainer {
+    nqm_trainer_block blocks[NQM_TRAINER_BLOCKS]; /* all that the pointers below lead to, but for panels */
+    size_t n_blocks;
     nqm_net_shape shape;
     nqm_trainer_options options;
     size_t ld_input;
