@@ -27,7 +27,6 @@ typedef int32_t vector_i __attribute__((vector_size(VECTOR_BYTES), aligned(4), m
 typedef uint32_t vector_u __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 
 enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS };
-enum { FEW_ROWS = (TILE_ROWS + 2) / 3, THREE_ROWS = TILE_ROWS < 3 ? 1 : 3 };
 
 #define UNROLL _Pragma("GCC unroll 16")
 #define INLINE static inline __attribute__((always_inline))
@@ -78,7 +77,12 @@ DEFINE_TILE(tile_f32, float, vector_f, float, vector_f, MADD_F32)
 DEFINE_TILE(tile_bf16, uint32_t, vector_u, float, vector_f, MADD_BF16)
 DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 
-/* Rows in tiles, the rest in smaller ones. */
+/* Rows in tiles, the rest in one that is as high as it must be. */
+#define REST(N, TILE)                                                                                                  \
+    case N:                                                                                                            \
+        TILE(N < TILE_ROWS ? N : 1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);           \
+        break;
+
 #define DEFINE_PRODUCT(NAME, TILE, UNIT, NUMBER)                                                                       \
     static void NAME(const nqm_product *p) {                                                                           \
         const UNIT *a = p->a;                                                                                          \
@@ -88,15 +92,25 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
             size_t i = 0;                                                                                              \
             for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)                                                              \
                 TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);               \
-            for (; i + FEW_ROWS <= p->m; i += FEW_ROWS)                                                                \
-                TILE(FEW_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                \
-            for (; i + THREE_ROWS <= p->m; i += THREE_ROWS)                                                            \
-                TILE(THREE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);              \
-            for (; i < p->m; ++i)                                                                                      \
-                TILE(1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);                       \
+            switch (p->m - i) { /* fewer than TILE_ROWS */                                                             \
+                REST(1, TILE)                                                                                          \
+                REST(2, TILE)                                                                                          \
+                REST(3, TILE)                                                                                          \
+                REST(4, TILE)                                                                                          \
+                REST(5, TILE)                                                                                          \
+                REST(6, TILE)                                                                                          \
+                REST(7, TILE)                                                                                          \
+                REST(8, TILE)                                                                                          \
+                REST(9, TILE)                                                                                          \
+                REST(10, TILE)                                                                                         \
+                REST(11, TILE)                                                                                         \
+            default:                                                                                                   \
+                break;                                                                                                 \
+            }                                                                                                          \
         }                                                                                                              \
     }
 
+_Static_assert(TILE_ROWS <= 12, "REST covers what may be left");
 DEFINE_PRODUCT(product_f32, tile_f32, float, float)
 DEFINE_PRODUCT(product_bf16, tile_bf16, uint32_t, float)
 DEFINE_PRODUCT(product_int8, tile_int8, uint32_t, int32_t)
