@@ -3,6 +3,7 @@
  * Few bytes from many places of a large file: first what is in memory, without waiting; then the rest, after the disk
  * has been told of all of it. Measurements behind this are in doc/performance.md.
  */
+/* NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch */
 #define _GNU_SOURCE /* preadv2 */
 #include "base/base.h"
 

@@ -152,6 +152,7 @@ typedef struct fill_job {
 static void fill_line(void *user, size_t i) {
     const fill_job *job = user;
     size_t line = job->first_line + i;
+    /* NOLINTNEXTLINE(bugprone-integer-division): lines of one theta_h */
     double root_h = ((double)(line / N_THETA_D) + 0.5) / N_THETA_H;
     double hd[3 * N_PHI_D], rgb[3 * N_PHI_D];
     uint8_t flag[N_PHI_D];

@@ -23,6 +23,7 @@
 
 /** The functions of matio that are used here, under their own names. */
 typedef struct nqm_matio {
+/* NOLINTNEXTLINE(bugprone-macro-parentheses): the name of a member */
 #define NQM_MATIO_MEMBER(name) __typeof__(name) *name;
     NQM_MATIO_FUNCTIONS(NQM_MATIO_MEMBER)
 #undef NQM_MATIO_MEMBER

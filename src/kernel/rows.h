@@ -233,7 +233,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
 /* The table of an instruction set. */
 #define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
-        .name = NAME,                                                                                                  \
+        .name = (NAME),                                                                                                \
         .gemm = nqm_gemm_onednn,                                                                                       \
         .product = {product_f32, product_bf16, product_int8},                                                          \
         .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \

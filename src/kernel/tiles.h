@@ -53,6 +53,9 @@ INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
 }
 #endif
 
+/* Types cannot stand in parentheses; where a tile is small, some cases of what may be left are alike. */
+/* NOLINTBEGIN(bugprone-macro-parentheses, bugprone-branch-clone) */
+
 /* C (rows, TILE_COLUMNS) = A B: unit u of row i of A lies at a[i row_step + u unit_step]. */
 #define DEFINE_TILE(NAME, UNIT, VECTOR_B, NUMBER, VECTOR_C, MADD)                                                      \
     INLINE void NAME(size_t rows, size_t units, const UNIT *restrict a, size_t row_step, size_t unit_step,             \
@@ -156,3 +159,4 @@ DEFINE_ROW_PRODUCT(row_product_int8, uint32_t, vector_i, int32_t, vector_i, MADD
 _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");
 DEFINE_GRADIENT(gradient_f32, tile_f32, float)
 DEFINE_GRADIENT(gradient_bf16, tile_bf16, uint32_t)
+/* NOLINTEND(bugprone-macro-parentheses, bugprone-branch-clone) */

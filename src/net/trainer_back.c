@@ -142,11 +142,11 @@ typedef struct way_back {
 
 static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
     sink s = {.layer = &t->layer[l]};
-    if (way->grads) {
+    const nqm_step_rates *rates = way->rates;
+    if (!rates) {
         s.out = &way->grads->layer[l];
         return s;
     }
-    const nqm_step_rates *rates = way->rates;
     s.rate = nqm_adam_rate_at(l == 0 ? rates->lr_first : rates->lr_deeper, rates->weight_decay, t->n_steps);
     s.norm = nqm_adam_rate_at(rates->lr_deeper, rates->weight_decay, t->n_steps);
     s.frozen_norm = l == 0 && rates->freeze_first_layernorm;
