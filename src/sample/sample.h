@@ -33,7 +33,7 @@ size_t nqm_features_width(int layout, size_t n_directions);
 /**
  * The input vector of one pair, differences taken after whitening.
  *
- * @param ref_t, test_t  (n_directions, 3) transformed, not whitened
+ * @param ref_t, test_t  (n_directions, 3) transformed, not whitened; may lie in x itself, at x and x + 3 n_directions
  * @param used           (n_directions) 0 where the direction is dropped (both members become the mean: whitened 0);
  *                       NULL: all
  * @param x              (nqm_features_width) receives the input

@@ -239,10 +239,10 @@ static void gather_row(void *user, size_t r) {
     size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
     size_t row = job->index ? i % n_base : i;
     const float *ref_t, *test_t;
-    nqm_examples_samples(e, row, job->index && i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
+    float *x = job->x + r * job->ldx; /* a scaled copy is made where it is composed, number by number */
+    nqm_examples_samples(e, row, job->index && i >= n_base, x, &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
-    float *x = job->x + r * job->ldx;
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->scalars)
         memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
