@@ -225,17 +225,14 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
     }
 }
 
-static void round_input(nqm_trainer *t, size_t batch) {
-#pragma omp parallel for schedule(static) if (batch * t->shape.sizes[0] >= NQM_MIN_PARALLEL)
-    for (size_t row = 0; row < batch; ++row)
-        nqm_round_row(t->shape.sizes[0], t->x + row * t->ld_input, t->rounded_x + row * t->ld_input);
+void nqm_trainer_input_done(nqm_trainer *t, size_t i) {
+    if (t->rounded_x)
+        nqm_round_row(t->shape.sizes[0], t->x + i * t->ld_input, t->rounded_x + i * t->ld_input);
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {
     const size_t last = t->shape.n_layers - 1;
     const bool rounded = is_rounded(t);
-    if (rounded)
-        round_input(t, batch);
     const void *x = rounded ? (const void *)t->rounded_x : t->x;
     size_t ld = t->ld_input;
     for (size_t l = 0; l <= last; ++l) {

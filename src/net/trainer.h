@@ -36,6 +36,8 @@ uint64_t nqm_trainer_steps(const nqm_trainer *trainer);
 
 /** Where the inputs of the next batch belong: (max_batch, sizes[0]), *ld_ret numbers from row to row. */
 float *nqm_trainer_inputs(nqm_trainer *trainer, size_t *ld_ret);
+/** Row i of the inputs is filled in; for each row before nqm_trainer_forward(). Any thread, best the one that filled it. */
+void nqm_trainer_input_done(nqm_trainer *trainer, size_t i);
 /** z (batch): the last layer's output before the sigmoid, for the inputs that were filled in. dropout NULL: none. */
 void nqm_trainer_forward(nqm_trainer *trainer, size_t batch, const nqm_dropout *dropout, float *z);
 

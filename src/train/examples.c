@@ -229,8 +229,8 @@ void nqm_examples_free(nqm_examples *e) {
 typedef struct gather_job {
     const nqm_examples *e;
     const size_t *index; /* NULL: the rows from `first` on, unscaled */
-    size_t first, ldx;
-    float *x, *target;
+    size_t first;
+    const nqm_batch_inputs *to;
 } gather_job;
 
 static void gather_row(void *user, size_t r) {
@@ -239,7 +239,7 @@ static void gather_row(void *user, size_t r) {
     size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
     size_t row = job->index ? i % n_base : i;
     const float *ref_t, *test_t;
-    float *x = job->x + r * job->ldx; /* a scaled copy is made where it is composed, number by number */
+    float *x = job->to->x + r * job->to->ldx; /* a scaled copy is made where it is composed, number by number */
     nqm_examples_samples(e, row, job->index && i >= n_base, x, &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
@@ -247,16 +247,17 @@ static void gather_row(void *user, size_t r) {
     if (e->scalars)
         memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
                NQM_SCALAR_COUNT * sizeof *x);
-    job->target[r] = e->target[row];
+    job->to->target[r] = e->target[row];
+    if (job->to->row_done)
+        job->to->row_done(job->to->user, r);
 }
 
-void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, float *x, size_t ldx, float *target) {
-    gather_job job = {.e = e, .index = index, .ldx = ldx, .x = x, .target = target};
+void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, const nqm_batch_inputs *to) {
+    gather_job job = {.e = e, .index = index, .to = to};
     nqm_parallel_for(n, gather_row, &job);
 }
 
-void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, float *x, size_t ldx,
-                                    float *target) {
-    gather_job job = {.e = e, .first = e->rows.n_train + first, .ldx = ldx, .x = x, .target = target};
+void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, const nqm_batch_inputs *to) {
+    gather_job job = {.e = e, .first = e->rows.n_train + first, .to = to};
     nqm_parallel_for(n, gather_row, &job);
 }

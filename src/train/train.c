@@ -88,6 +88,16 @@ static void shuffle(run *r) {
     nqm_rng_shuffle(&rng, r->examples.n_train, r->order);
 }
 
+static void input_done(void *trainer, size_t i) {
+    nqm_trainer_input_done(trainer, i);
+}
+
+static nqm_batch_inputs inputs_of(const run *r) {
+    nqm_batch_inputs to = {.target = r->target, .row_done = input_done, .user = r->trainer};
+    to.x = nqm_trainer_inputs(r->trainer, &to.ldx);
+    return to;
+}
+
 /* One step on n examples; returns their mean loss. */
 static double step(run *r, size_t n, const size_t *index) {
     const nqm_train_options *o = r->options;
@@ -96,9 +106,8 @@ static double step(run *r, size_t n, const size_t *index) {
                                   .lr_deeper = r->state.lr_deeper,
                                   .weight_decay = o->weight_decay,
                                   .freeze_first_layernorm = o->freeze_first_layernorm != 0};
-    size_t ldx;
-    float *x = nqm_trainer_inputs(r->trainer, &ldx);
-    nqm_examples_gather(&r->examples, n, index, x, ldx, r->target);
+    const nqm_batch_inputs to = inputs_of(r);
+    nqm_examples_gather(&r->examples, n, index, &to);
     nqm_trainer_forward(r->trainer, n, &dropout, r->z);
     double loss = nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, r->dz);
     nqm_trainer_step(r->trainer, n, r->dz, &rates);
@@ -131,11 +140,10 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
 static double validate(run *r, float *z_ret) {
     size_t n_validation = r->examples.rows.n_validation, batch = r->options->batch;
     double sum = 0;
-    size_t ldx;
-    float *x = nqm_trainer_inputs(r->trainer, &ldx);
+    const nqm_batch_inputs to = inputs_of(r);
     for (size_t first = 0; first < n_validation; first += batch) {
         size_t n = n_validation - first < batch ? n_validation - first : batch;
-        nqm_examples_gather_validation(&r->examples, first, n, x, ldx, r->target);
+        nqm_examples_gather_validation(&r->examples, first, n, &to);
         nqm_trainer_forward(r->trainer, n, NULL, r->z);
         sum += (double)n * nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, NULL);
         if (z_ret)

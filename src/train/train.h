@@ -151,13 +151,19 @@ typedef struct nqm_examples {
 NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const nqm_train_options *options,
                                               size_t max_batch, nqm_examples *examples_ret, nqm_error *err);
 void nqm_examples_free(nqm_examples *examples);
-/** Inputs x (n, width), ldx numbers from row to row, and targets (n) of the training examples index[0..n),
- *  n <= max_batch. */
-void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, float *x, size_t ldx,
-                         float *target);
+/** Where a batch goes. */
+typedef struct nqm_batch_inputs {
+    float *x;      /* (n, width), ldx numbers from row to row */
+    float *target; /* (n) */
+    size_t ldx;
+    void (*row_done)(void *user, size_t i); /* called by the thread that has filled in row i; NULL: not */
+    void *user;
+} nqm_batch_inputs;
+
+/** Inputs and targets of the training examples index[0..n), n <= max_batch. */
+void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, const nqm_batch_inputs *to);
 /** The same for the validation examples [first, first + n). */
-void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, float *x, size_t ldx,
-                                    float *target);
+void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, const nqm_batch_inputs *to);
 
 /** Transformed samples of row i of e->rows, or of its scaled copy, which is made in `scratch` (2, n_directions, 3). */
 void nqm_examples_samples(const nqm_examples *examples, size_t i, bool scaled, float *scratch, const float **ref_t,

@@ -35,9 +35,11 @@ static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision pre
     nqm_rng rng = nqm_rng_make(seed, 100);
     size_t ld;
     float *x = nqm_trainer_inputs(t.trainer, &ld);
-    for (size_t i = 0; i < batch; ++i)
+    for (size_t i = 0; i < batch; ++i) {
         for (size_t k = 0; k < shape.sizes[0]; ++k)
             x[i * ld + k] = (float)nqm_rng_normal(&rng);
+        nqm_trainer_input_done(t.trainer, i);
+    }
     t.target = nqm_alloc(batch, sizeof *t.target);
     for (size_t i = 0; i < batch; ++i)
         t.target[i] = (float)nqm_rng_normal(&rng);
