@@ -7,11 +7,23 @@
 
 #include "support/brdf_files.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /** One input. The target checks what must hold for any bytes and aborts where it does not. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes);
 
 /** A valid input to start from. */
 blob fuzz_seed(void);
+
+/** A copy of n bytes as one. */
+static inline blob blob_of(size_t n, const char *bytes) {
+    blob b = {.data = malloc(n), .n_bytes = n};
+    if (!b.data)
+        abort();
+    memcpy(b.data, bytes, n);
+    return b;
+}
 
 /**
  * Open the bytes as a BRDF file and, when they are one, evaluate it all over the hemisphere: values must be finite and

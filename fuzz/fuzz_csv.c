@@ -77,8 +77,5 @@ blob fuzz_seed(void) {
     static const char text[] =
         "\xef\xbb\xbf# made up\nname, JOD ,\"Delta, E\"\r\nfelt,9.5,-1e-3\n\n\"two\nlines\",\"say "
         "\"\"so\"\"\",.5\nleaf,,\" 7 \"";
-    blob b = {.data = malloc(sizeof text - 1), .n_bytes = sizeof text - 1};
-    must(b.data != NULL);
-    memcpy(b.data, text, b.n_bytes);
-    return b;
+    return blob_of(sizeof text - 1, text);
 }

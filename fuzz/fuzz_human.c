@@ -46,8 +46,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 blob fuzz_seed(void) {
     static const char text[] = "reference,test_a,test_b,n_a,n_b,material\nsgd:nickel,ward:nickel,sgd:brass,8,2,metal\n"
                                "lambert:kd=.5,lambert:kd=.6,lambert:kd=.9,3,1,grey\n";
-    blob b = {.data = malloc(sizeof text - 1), .n_bytes = sizeof text - 1};
-    must(b.data != NULL);
-    memcpy(b.data, text, b.n_bytes);
-    return b;
+    return blob_of(sizeof text - 1, text);
 }

@@ -20,9 +20,5 @@ blob fuzz_seed(void) {
                                "\0\0\0\0\0\0\0\0\0\0\x80?d"
                                "\3\0\0\0\0\1\0\0\0\2\0\0\0\0"
                                "\4\0\0\0\0\1\0\0\0\2\0\0\0\3\0\0\0\2\1\2\3\4";
-    blob b = {.data = malloc(sizeof text - 1), .n_bytes = sizeof text - 1};
-    if (!b.data)
-        abort();
-    memcpy(b.data, text, b.n_bytes);
-    return b;
+    return blob_of(sizeof text - 1, text);
 }

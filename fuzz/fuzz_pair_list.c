@@ -40,8 +40,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 blob fuzz_seed(void) {
     static const char text[] = "{\"reference\":\"a\",\"test\":\"b,c\",\"x\":[1,{\"y\":null}]}\n"
                                "{\"test\":\"caf\\u00e9\",\"z\":8.25,\"reference\":\"\"}\n";
-    blob b = {.data = malloc(sizeof text - 1), .n_bytes = sizeof text - 1};
-    must(b.data != NULL);
-    memcpy(b.data, text, b.n_bytes);
-    return b;
+    return blob_of(sizeof text - 1, text);
 }

@@ -47,21 +47,21 @@ has 'more than 0.25' '^JOD < 9.5: 6 pairs' '^JOD >= 9.5: no pairs'
 printf 'reference,test_a,test_b,n_a,n_b\nref.binary,near.binary,sgd:brass,8,2\nlambert:kd=.5,lambert:kd=.6,lambert:kd=.9,3,1\n' >"$dir/choices.csv"
 run 3 eval --human "$dir/choices.csv" --model none
 says 'choices.csv: row 1: '
-mkdir "$dir/root"
-"$tool" convert lambert:kd=.3 -o "$dir/root/ref.binary" >"$dir/log" 2>&1 || fail "convert"
-cp "$dir/root/ref.binary" "$dir/root/near.binary"
-run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors"
+mkdir "$dir/brdfs"
+"$tool" convert lambert:kd=.3 -o "$dir/brdfs/ref.binary" >"$dir/log" 2>&1 || fail "convert"
+cp "$dir/brdfs/ref.binary" "$dir/brdfs/near.binary"
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors"
 has '14 between 2 pairs of tests, 2 references of 2 materials' 'reaches 0.786' '^mae  *\*\{0,1\}  *0.786 \['  'best of the eight'
-run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --json
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors" --json
 has '"ceiling": 0.785714' '"triplets": 2' '"choices": 14.0' '"agreement": 0.785714' '"contrasts": \[' '"share_below_0"'
 cp "$dir/out" "$dir/first"
-run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --json
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors" --json
 cmp -s "$dir/out" "$dir/first" || fail "equal commands, different results"
-run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model "$dir/model.safetensors" --csv
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors" --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields"
 [ "$(field mae agreement)" = 0.785714286 ] || fail "agreement in CSV: $(field mae agreement)"
 [ "$(field tiny rival_2)" = log_diff ] || fail "rivals in CSV"
-run 0 eval --human "$dir/choices.csv" --root "$dir/root" --model none --bootstrap 0
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --bootstrap 0
 has '^mae  *\*\{0,1\}  *0.786  '
 
 # The same further figures for a dataset.
@@ -75,7 +75,7 @@ run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
 head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width$' || fail "CSV columns"
 
 # Faults.
-run 2 eval --human "$dir/choices.csv" --root "$dir/root" --model none --by kind
+run 2 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --by kind
 says 'choices'
 run 2 eval --human "$dir/scores.csv" --labels x.csv --model none
 says '--labels'

@@ -269,7 +269,7 @@ int cmd_eval(int argc, char **argv) {
         {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
          1e6},
         {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
-        {"precision", 0, OPTION_TEXT, &a.precision, "WORD", "of the network's products: f32, bf16 or int8", 0, 0},
+        OPTION_ROW_PRECISION(&a.precision),
         {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
          0},
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},

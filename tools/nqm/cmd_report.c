@@ -162,9 +162,8 @@ int cmd_report(int argc, char **argv) {
         {"date", 0, OPTION_TEXT, &run.date, "TEXT", "in the line to quote; else that of SOURCE_DATE_EPOCH, or none", 0,
          0},
         {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
-        {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "where a BRDF has no value: drop, zero, nearest, error", 0, 0},
-        {"min-valid", 0, OPTION_NUMBER, &run.scores.options.min_valid_fraction, "F",
-         "refuse pairs with fewer valid directions than this fraction", 0, 1},
+        OPTION_ROW_INVALID(&invalid),
+        OPTION_ROW_MIN_VALID(&run.scores.options.min_valid_fraction),
         {"shrink", 0, OPTION_COUNT, &shrink, "N", "N x N rendered pixels become one of a picture", 1, 16},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
     };

@@ -46,6 +46,17 @@ typedef struct option {
     double min, max; /* for numbers; both 0: any finite value */
 } option;
 
+/* Rows that several verbs share. */
+#define OPTION_ROW_INVALID(target)                                                                                     \
+    { "invalid", 0, OPTION_TEXT, (target), "POLICY", "where a BRDF has no value: drop, zero, nearest, error", 0, 0 }
+#define OPTION_ROW_MIN_VALID(target)                                                                                   \
+    {                                                                                                                  \
+        "min-valid", 0, OPTION_NUMBER, (target), "F", "refuse pairs with fewer valid directions than this fraction",   \
+            0, 1                                                                                                       \
+    }
+#define OPTION_ROW_PRECISION(target)                                                                                   \
+    { "precision", 0, OPTION_TEXT, (target), "WORD", "of the network's products: f32, bf16 or int8", 0, 0 }
+
 typedef struct command {
     const char *name;
     const char *usage;   /* behind the name: "REF TEST... [options]" */
