@@ -30,6 +30,10 @@ void nqm_panels_free(nqm_panels *panels);
 /** Fill panels of (k, n) from the transpose of w (n, k), row-major, ldw numbers from row to row: weights (out, in).
  *  Works on all threads. */
 void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw);
+/** A product in NQM_PRECISION_F32 with what would be a panel: `width` rows of weights w (width, p->units) as they lie; p->b
+ *  is not used. Some of k at a time is packed, so that no memory is written; the bits are those from a packed panel, but
+ *  for the plain loops, which round a sum once. */
+void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, size_t width, const float *w, size_t ldw);
 /** The way back, from NQM_PRECISION_F32. */
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) becomes the transpose of from (k, n); from is in NQM_PRECISION_F32, `to` in that or in _BF16. */

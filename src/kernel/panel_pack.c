@@ -19,12 +19,6 @@ static size_t smaller(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-static inline uint32_t float_bits(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
 nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels, nqm_error *err) {
     *panels = (nqm_panels){.precision = precision, .k = k, .n = n, .units = nqm_units(precision, k)};
     panels->stride = ceil_div(panels->units, NQM_STRIP) * NQM_STRIP;
@@ -48,14 +42,37 @@ void nqm_panels_free(nqm_panels *panels) {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
-enum { PACK_AT_ONCE = 64 }; /* numbers of a row: the lines that are written stay in the first cache for all rows */
+enum {
+    PACK_AT_ONCE = 64, /* numbers of a row: the lines that are written stay in the first cache for all rows */
+    SLICE = 128        /* the same of a panel that is packed for one product: half of the first cache */
+};
+
+/* Four rows of four units, ld units apart, transposed. */
+static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
+    typedef uint32_t four __attribute__((vector_size(16), aligned(4), may_alias));
+    const four a = *(const four *)from, b = *(const four *)(from + ld_from), c = *(const four *)(from + 2 * ld_from),
+               d = *(const four *)(from + 3 * ld_from);
+    const four ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const four cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    *(four *)to = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+    *(four *)(to + ld_to) = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+    *(four *)(to + 2 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+    *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+}
 
 /* Panels are packed from `width` rows of w (width, k), some numbers of each row at a time. */
 static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
-    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
-        for (size_t j = 0; j < width; ++j)
-            for (size_t i = first; i < smaller(first + PACK_AT_ONCE, k); ++i)
-                panel[i * NQM_PANEL + j] = float_bits(w[j * ldw + i]);
+    const uint32_t *rows = (const uint32_t *)(const void *)w;
+    const size_t whole = width / 4 * 4;
+    for (size_t first = 0; first < k; first += PACK_AT_ONCE) {
+        const size_t end = smaller(first + PACK_AT_ONCE, k), blocks_end = end / 4 * 4;
+        for (size_t j = 0; j < whole; j += 4)
+            for (size_t i = first; i < blocks_end; i += 4)
+                transpose_4x4(rows + j * ldw + i, ldw, panel + i * NQM_PANEL + j, NQM_PANEL);
+        for (size_t j = 0; j < width; ++j) /* what blocks of 4 x 4 leave */
+            for (size_t i = j < whole ? blocks_end : first; i < end; ++i)
+                panel[i * NQM_PANEL + j] = rows[j * ldw + i];
+    }
 }
 
 static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
@@ -124,25 +141,28 @@ void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw) {
     }
 }
 
+void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, size_t width, const float *w,
+                            size_t ldw) {
+    _Alignas(64) uint32_t slice[SLICE * NQM_PANEL];
+    if (width < NQM_PANEL)
+        memset(slice, 0, sizeof slice);
+    for (size_t first = 0; first < p->units; first += SLICE) {
+        nqm_product part = *p;
+        part.units = smaller(p->units - first, SLICE);
+        part.add = p->add || first > 0;
+        part.a = (const float *)p->a + first;
+        part.b = slice;
+        pack_f32(width, part.units, w + first, ldw, slice);
+        kernels->product[NQM_PRECISION_F32](&part);
+    }
+}
+
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
     for (size_t j = 0; j < panels->n; ++j) {
         const uint32_t *column = nqm_panel_at(panels, j / NQM_PANEL) + j % NQM_PANEL;
         for (size_t i = 0; i < panels->k; ++i)
             memcpy(&w[j * ldw + i], &column[i * NQM_PANEL], sizeof(float));
     }
-}
-
-/* Four rows of four units, ld units apart, transposed. */
-static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
-    typedef uint32_t four __attribute__((vector_size(16), aligned(4), may_alias));
-    const four a = *(const four *)from, b = *(const four *)(from + ld_from), c = *(const four *)(from + 2 * ld_from),
-               d = *(const four *)(from + 3 * ld_from);
-    const four ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-    const four cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-    *(four *)to = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
-    *(four *)(to + ld_to) = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
-    *(four *)(to + 2 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
-    *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
 /* NQM_PANEL rows of `from`, from `first` on, in its panel j: rows of `to` in the panel that they make. Both are filled up

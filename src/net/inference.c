@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Packing a network for inference, and keeping it with its model.
+ * Packing a network for inference, at once or when it begins to pay, and keeping it with its model.
  */
 #include "net/inference.h"
 #include "net/inference_net.h"
 
 #include <nqm/train.h>
 #include <pthread.h>
-#include <stdatomic.h>
 
 nqm_input_groups nqm_model_input_groups(const struct nqm_model *model) {
     nqm_input_groups inputs = {.n_groups = model->layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
@@ -18,14 +17,15 @@ nqm_input_groups nqm_model_input_groups(const struct nqm_model *model) {
     return inputs;
 }
 
-/* ---- packing ----------------------------------------------------------------------------------------------------- */
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
 
 /* Some neighbouring inputs of a layer. */
 typedef struct range {
     size_t from, n;
 } range;
 
-/* Those inputs become the layer's next segment; w (n_out, n), ldw numbers from row to row, are their weights. */
+/* Those inputs become the layer's next segment; w (n_out, n), ldw numbers from row to row, are their weights. Those that
+ * stay floats are not packed yet. */
 static nqm_status add_segment(nqm_inference_layer *layer, const float *w, size_t ldw, range inputs,
                               nqm_precision precision, nqm_error *err) {
     nqm_segment *s = &layer->segment[layer->n_segments++];
@@ -34,9 +34,13 @@ static nqm_status add_segment(nqm_inference_layer *layer, const float *w, size_t
         return status;
     s->from = inputs.from;
     s->at = layer->rounded;
-    if (precision != NQM_PRECISION_F32)
+    if (precision == NQM_PRECISION_F32) {
+        s->w = w;
+        s->ldw = ldw;
+    } else {
         layer->rounded += s->panel.units;
-    nqm_panels_pack(&s->panel, w, ldw);
+        nqm_panels_pack(&s->panel, w, ldw);
+    }
     return NQM_OK;
 }
 
@@ -76,8 +80,8 @@ static nqm_status add_first_layer(nqm_inference_layer *layer, const nqm_params *
     return status;
 }
 
-static nqm_status pack(nqm_inference_net *net, const nqm_params *params, const nqm_input_groups *inputs,
-                       nqm_precision precision, nqm_error *err) {
+static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, const nqm_input_groups *inputs,
+                             nqm_precision precision, nqm_error *err) {
     const nqm_net_shape *shape = &params->shape;
     nqm_status status = NQM_OK;
     net->n_layers = shape->n_layers;
@@ -100,7 +104,7 @@ nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_gr
     nqm_inference_net *net = nqm_alloc(1, sizeof *net);
     if (!net)
         return nqm_fail_nomem(err, sizeof *net);
-    nqm_status status = pack(net, params, inputs, precision, err);
+    nqm_status status = add_layers(net, params, inputs, precision, err);
     if (status != NQM_OK) {
         nqm_inference_net_free(net);
         return status;
@@ -118,9 +122,36 @@ void nqm_inference_net_free(nqm_inference_net *net) {
     nqm_free(net);
 }
 
-/* ---- with the model ---------------------------------------------------------------------------------------------- */
+/* ---- when it begins to pay --------------------------------------------------------------------------------------- */
 
-static pthread_mutex_t packing = PTHREAD_MUTEX_INITIALIZER; /* held while any model is packed */
+static pthread_mutex_t packing = PTHREAD_MUTEX_INITIALIZER; /* held while any network is packed */
+
+static void pack_floats(nqm_inference_net *net) {
+    for (size_t l = 0; l < net->n_layers; ++l)
+        for (size_t s = 0; s < net->layer[l].n_segments; ++s) {
+            nqm_segment *segment = &net->layer[l].segment[s];
+            if (segment->w)
+                nqm_panels_pack(&segment->panel, segment->w, segment->ldw);
+        }
+}
+
+bool nqm_inference_net_packed(const nqm_inference_net *net, const nqm_kernels *kernels, size_t n) {
+    nqm_inference_net *own = (nqm_inference_net *)(uintptr_t)net; /* the owner's calls see no difference */
+    if (atomic_load_explicit(&own->packed, memory_order_acquire))
+        return true;
+    const bool few = n <= NQM_ROWS_UNPACKED && kernels != &nqm_kernels_scalar; /* whose sums cannot be cut */
+    if (few && atomic_fetch_add(&own->n_calls, 1) < NQM_CALLS_UNPACKED)
+        return false;
+    pthread_mutex_lock(&packing);
+    if (!own->packed) { /* nobody packed it while we waited */
+        pack_floats(own);
+        atomic_store_explicit(&own->packed, true, memory_order_release);
+    }
+    pthread_mutex_unlock(&packing);
+    return true;
+}
+
+/* ---- with the model ---------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
                                const nqm_inference_net **net_ret, nqm_error *err) {

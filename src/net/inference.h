@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * inference.h - the network as scoring needs it: weights packed once for the products of kernel/panel.h, in one
- * precision, and rows of inputs through all layers.
+ * precision, and rows of inputs through all layers. Weights that stay floats are packed when that begins to pay: the
+ * first few calls use them as they lie.
  *
  * The first layer is a sum over groups of its inputs. What the reference contributes is computed once for neighbouring
  * rows with the same reference, and kept for the next call. Every number is summed in the same order however rows are
@@ -25,10 +26,11 @@ typedef struct nqm_input_groups {
 /** Those of a model. */
 nqm_input_groups nqm_model_input_groups(const struct nqm_model *model);
 
-/** A network, packed; immutable, may be used by several threads at once. */
+/** A network, packed or soon to be; may be used by several threads at once. */
 typedef struct nqm_inference_net nqm_inference_net;
 
-/** Pack `params`, which are lent: biases and LayerNorm are used in place. Works on all threads. NQM_ERR_NOMEM. */
+/** Make room for `params`, which are lent: biases and LayerNorm are used in place, as are weights until they are packed.
+ *  What is rounded is packed at once, on all threads. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_groups *inputs,
                                                    nqm_precision precision, nqm_inference_net **net_ret,
                                                    nqm_error *err);

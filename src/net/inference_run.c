@@ -19,6 +19,7 @@ enum {
 
 struct nqm_inference_work {
     const nqm_inference_net *net;
+    bool packed;                               /* the panels of floats are filled; of this call */
     size_t max_batch, n_multiplications;       /* the latter of a row */
     size_t stride, rounded_stride, ref_stride; /* numbers from row to row */
     float *y[2];                               /* (max_batch, stride) of the layers in turn */
@@ -223,11 +224,36 @@ static void multiply_block(const nqm_kernels *kernels, const nqm_panels *b, fact
     }
 }
 
+/* The same with a segment's weights as they lie. */
+static void multiply_by_weights(const nqm_kernels *kernels, const nqm_segment *segment, factors a, block at, bool add,
+                                float *c, size_t ldc) {
+    const nqm_panels *b = &segment->panel;
+    for (size_t i = 0, first = at.panel * NQM_PANEL; i < at.n; ++i, first += NQM_PANEL) {
+        const nqm_product p = {.m = at.m,
+                               .units = b->units,
+                               .add = add,
+                               .a = a.units + at.row * a.ld,
+                               .lda = a.ld,
+                               .c = c + i * NQM_PANEL,
+                               .ldc = ldc};
+        nqm_product_of_weights(kernels, &p, smaller(b->n - first, NQM_PANEL), segment->w + first * segment->ldw,
+                               segment->ldw);
+    }
+}
+
+static void multiply_segment(const nqm_inference_work *work, const nqm_kernels *kernels, const nqm_segment *segment,
+                             factors a, block at, bool add, float *c) {
+    if (segment->w && !work->packed)
+        multiply_by_weights(kernels, segment, a, at, add, c, work->stride);
+    else
+        multiply_block(kernels, &segment->panel, a, at, add, c, work->stride);
+}
+
 /* What some references of this call add to some columns of the first layer. */
 static void multiply_reference_block(nqm_inference_work *work, const nqm_kernels *kernels, block at) {
     const factors a = {work->ref, work->ref_stride, work->ref_scale};
     float *part = work->part + (1 + at.row) * work->stride + at.panel * NQM_PANEL;
-    multiply_block(kernels, &work->net->layer[0].segment[0].panel, a, at, false, part, work->stride);
+    multiply_segment(work, kernels, &work->net->layer[0].segment[0], a, at, false, part);
 }
 
 /* The same of all references; dealt out. */
@@ -260,7 +286,7 @@ static void multiply_layer(nqm_inference_work *work, const nqm_kernels *kernels,
             copy_parts(work, at, c);
         for (size_t s = l == 0; s < layer->n_segments; ++s) {
             const nqm_segment *segment = &layer->segment[s];
-            multiply_block(kernels, &segment->panel, factors_of(work, segment, s, x, ldx), at, s > 0, c, work->stride);
+            multiply_segment(work, kernels, segment, factors_of(work, segment, s, x, ldx), at, s > 0, c);
         }
     }
 }
@@ -325,9 +351,11 @@ void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_
     const size_t last = net->n_layers - 1;
     if (n == 0)
         return;
+    work->packed = nqm_inference_net_packed(net, kernels, n);
 #pragma omp parallel if (n >= MIN_ROWS && n * work->n_multiplications >= MIN_PARALLEL)
     begin_rows(work, kernels, n, x, ldx);
-#pragma omp parallel if (n * work->n_multiplications >= MIN_PARALLEL)
+    /* A call or two of a short process would only wait for a thread to start. */
+#pragma omp parallel if (n * work->n_multiplications >= MIN_PARALLEL && (work->packed || n >= MIN_ROWS))
     {
         if (work->n_refs < n)
             multiply_references(work, kernels);

@@ -75,6 +75,19 @@ static void *solve(const problem *p, const nqm_kernels *kernels, size_t first, s
     return c;
 }
 
+/* The same without panels. */
+static float *solve_by_weights(const problem *p, const nqm_kernels *kernels, bool add) {
+    float *c = nqm_alloc(p->m * p->ldc, sizeof *c);
+    memcpy(c, p->before, p->m * p->ldc * sizeof *c);
+    for (size_t first = 0; first < p->n; first += NQM_PANEL) {
+        const nqm_product product = {
+            .m = p->m, .units = p->k, .add = add, .a = p->a, .lda = p->lda, .c = c + first, .ldc = p->ldc};
+        const size_t width = p->n - first < NQM_PANEL ? p->n - first : NQM_PANEL;
+        nqm_product_of_weights(kernels, &product, width, p->w + first * p->k, p->k);
+    }
+    return c;
+}
+
 static double magnitude(const problem *p, size_t i, size_t j) {
     double sum = fabs((double)p->before[i * p->ldc + j]);
     for (size_t k = 0; k < p->k; ++k)
@@ -184,6 +197,25 @@ static void the_same_bits(void **state) {
         free_problem(&p);
     }
     omp_set_num_threads(threads);
+}
+
+/* Also where k is longer than what is packed at a time, and rows are no multiples of what is moved at a time. */
+static void the_same_bits_by_weights(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 6);
+    static const size_t sizes[][3] = {{1, 1, 1}, {1, 128, 32}, {2, 129, 33}, {5, 391, 70}, {13, 1027, 67}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
+        problem p = make_problem(&rng, NQM_PRECISION_F32, sizes[s][0], sizes[s][1], sizes[s][2]);
+        for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t)
+            for (int add = 0; add < 2; ++add) {
+                float *by_panels = solve(&p, nqm_kernels_at(t), 0, p.m, add);
+                float *by_weights = solve_by_weights(&p, nqm_kernels_at(t), add);
+                assert_memory_equal(by_weights, by_panels, p.m * p.ldc * sizeof *by_weights);
+                nqm_free(by_panels);
+                nqm_free(by_weights);
+            }
+        free_problem(&p);
+    }
 }
 
 static void panels_and_back(void **state) {
@@ -438,11 +470,17 @@ static void choice_by_name(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_definition_by_hand), cmocka_unit_test(products_of_every_table),
-        cmocka_unit_test(the_same_bits),          cmocka_unit_test(panels_and_back),
-        cmocka_unit_test(rounding_to_bfloat16),   cmocka_unit_test(gradients_of_every_table),
-        cmocka_unit_test(rows_of_every_table),    cmocka_unit_test(adam_of_every_table),
-        cmocka_unit_test(choice_by_name),         cmocka_unit_test(scaled_logs_of_every_table),
+        cmocka_unit_test(the_definition_by_hand),
+        cmocka_unit_test(products_of_every_table),
+        cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(the_same_bits_by_weights),
+        cmocka_unit_test(panels_and_back),
+        cmocka_unit_test(rounding_to_bfloat16),
+        cmocka_unit_test(gradients_of_every_table),
+        cmocka_unit_test(rows_of_every_table),
+        cmocka_unit_test(adam_of_every_table),
+        cmocka_unit_test(choice_by_name),
+        cmocka_unit_test(scaled_logs_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

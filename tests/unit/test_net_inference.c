@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * The packed network: against plain loops in double, in each precision; the same bits however rows are grouped, on any
- * number of threads, with and without shared references; packing once per model; running out of memory.
+ * number of threads, with and without shared references, before and after packing; packing once per model; running out
+ * of memory.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
-#include "net/inference.h"
+#include "net/inference_net.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@
 #include <string.h>
 
 enum {
-    GROUP = 75,
+    GROUP = 135,
     N_SCALARS = 5,
     WIDTH = 3 * GROUP + N_SCALARS,
     STRIDE = WIDTH + 3,
@@ -31,7 +32,7 @@ static double expected[ROWS];
 
 /* The paper's formulas, in double. */
 static double forward(const float *row) {
-    double from[256], to[256];
+    double from[WIDTH], to[WIDTH];
     for (size_t i = 0; i < WIDTH; ++i)
         from[i] = (double)row[i];
     for (size_t l = 0; l < params.shape.n_layers; ++l) {
@@ -179,6 +180,37 @@ static void the_same_bits(void **state) {
     nqm_kernels_use(NULL);
 }
 
+/* The first calls multiply by weights as they lie. */
+static void the_same_bits_before_packing(void **state) {
+    (void)state;
+    static const size_t batches[] = {1, 2, 13, 40, NQM_ROWS_UNPACKED};
+    const int threads = omp_get_max_threads();
+    static float all[ROWS], z[ROWS];
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+            nqm_kernels_use(nqm_kernels_at(t));
+            session packed = begin((nqm_precision)precision);
+            run(&packed, ROWS, all);
+            assert_true(packed.net->packed); /* it was more than NQM_ROWS_UNPACKED */
+            for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
+                session fresh = begin((nqm_precision)precision);
+                omp_set_num_threads((int)(b + t) % 2 + 1);
+                nqm_inference_run(fresh.work, batches[b], x, STRIDE, z);
+                assert_true(fresh.net->packed == (nqm_kernels_at(t) == &nqm_kernels_scalar));
+                assert_memory_equal(z, all, batches[b] * sizeof *z);
+                run(&fresh, batches[b], z);
+                assert_memory_equal(z, all, sizeof z);
+                for (size_t i = 0; i < NQM_CALLS_UNPACKED; ++i)
+                    nqm_inference_run(fresh.work, batches[b], x, STRIDE, z);
+                assert_true(fresh.net->packed);
+                end(&fresh);
+            }
+            omp_set_num_threads(threads);
+            end(&packed);
+        }
+    nqm_kernels_use(NULL);
+}
+
 /* The reference that is kept from one call to the next belongs to the kernels that computed its part. */
 static void kernels_change(void **state) {
     (void)state;
@@ -249,8 +281,11 @@ static void out_of_memory(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(outputs_by_the_formulas), cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(kernels_change),          cmocka_unit_test(packed_once),
+        cmocka_unit_test(outputs_by_the_formulas),
+        cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(the_same_bits_before_packing),
+        cmocka_unit_test(kernels_change),
+        cmocka_unit_test(packed_once),
         cmocka_unit_test(out_of_memory),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
