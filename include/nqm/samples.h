@@ -61,7 +61,8 @@ NQM_API void nqm_directions_free(nqm_directions *directions);
 NQM_API size_t nqm_directions_count(const nqm_directions *directions);
 /** (n, 3) theta_h, theta_d, phi_d in degrees; lent. */
 NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);
-/** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); lent. */
+/** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); lent.
+ *  Empty when there is no memory to compute it. Any thread. */
 NQM_API const char *nqm_directions_id(const nqm_directions *directions);
 
 /** What to do where a BRDF holds no value. */

@@ -42,10 +42,7 @@ void nqm_panels_free(nqm_panels *panels) {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
-enum {
-    PACK_AT_ONCE = 64, /* numbers of a row: the lines that are written stay in the first cache for all rows */
-    SLICE = 128        /* the same of a panel that is packed for one product: half of the first cache */
-};
+enum { PACK_AT_ONCE = 192 }; /* numbers of a row: the lines that are written stay in the first cache for all rows */
 
 /* Four rows of four units, ld units apart, transposed. */
 static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
@@ -143,12 +140,12 @@ void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw) {
 
 void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, size_t width, const float *w,
                             size_t ldw) {
-    _Alignas(64) uint32_t slice[SLICE * NQM_PANEL];
+    _Alignas(64) uint32_t slice[PACK_AT_ONCE * NQM_PANEL];
     if (width < NQM_PANEL)
         memset(slice, 0, sizeof slice);
-    for (size_t first = 0; first < p->units; first += SLICE) {
+    for (size_t first = 0; first < p->units; first += PACK_AT_ONCE) {
         nqm_product part = *p;
-        part.units = smaller(p->units - first, SLICE);
+        part.units = smaller(p->units - first, PACK_AT_ONCE);
         part.add = p->add || first > 0;
         part.a = (const float *)p->a + first;
         part.b = slice;

@@ -7,14 +7,15 @@
 #include "sample/sample.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 enum { MAX_DIRECTIONS = 100000 };
 
-static bool compute_id(nqm_directions *directions) {
+static void compute_id(nqm_directions *directions) {
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
-        return false;
+        return;
     for (size_t i = 0; i < 3 * directions->n; ++i) {
         unsigned char bytes[8];
         nqm_store_f64(bytes, directions->degrees[i]);
@@ -23,7 +24,6 @@ static bool compute_id(nqm_directions *directions) {
     char hex[65];
     nqm_sha256_end(&sha, hex);
     memcpy(directions->id, hex, sizeof directions->id - 1);
-    return true;
 }
 
 static bool in_range(const double *hd_deg) {
@@ -58,8 +58,6 @@ nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_direc
         nqm_half_diff_to_pair(directions->hd + 3 * i, wi, wo);
         directions->cosines[i] = fmax(wi[2], 0) * fmax(wo[2], 0);
     }
-    if (!compute_id(directions))
-        goto fail;
     *directions_ret = directions;
     return NQM_OK;
 fail:
@@ -84,7 +82,14 @@ const double *nqm_directions_degrees(const nqm_directions *directions) {
     return directions->degrees;
 }
 
+static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER; /* held while any set gets its identity */
+
+/* At the first call: the start of OpenSSL takes a millisecond, and scores do not need it. */
 const char *nqm_directions_id(const nqm_directions *directions) {
+    pthread_mutex_lock(&naming);
+    if (!directions->id[0])
+        compute_id((nqm_directions *)(uintptr_t)directions);
+    pthread_mutex_unlock(&naming);
     return directions->id;
 }
 

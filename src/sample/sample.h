@@ -14,7 +14,7 @@ struct nqm_directions {
     double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
     double *hd;      /* (n, 3) the same in radians */
     double *cosines; /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
-    char id[17];
+    char id[17];     /* nqm_directions_id(); empty: not asked for yet */
 };
 
 /** How a pair becomes the network's input. */

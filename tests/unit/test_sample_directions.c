@@ -11,6 +11,7 @@
 #include "support/temp_file.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 static nqm_directions *create(const nqm_directions_options *options, size_t n_refs, const nqm_brdf *const *refs) {
@@ -87,6 +88,28 @@ static void test_seeds_and_identity(void **state) {
     assert_int_equal(nqm_directions_from_degrees(2, degrees, &a, NULL), NQM_OK);
     assert_string_equal(nqm_directions_id(a), "61ebb380bf6a87ea");
     nqm_directions_free(a);
+}
+
+static void *ask(void *directions) {
+    return (void *)(uintptr_t)nqm_directions_id(directions);
+}
+
+/* Computed at the first call, whoever makes it. */
+static void test_identity_for_threads(void **state) {
+    (void)state;
+    enum { N_THREADS = 8 };
+    const double degrees[6] = {0, 10.5, 180, 1.25, 0, 0};
+    nqm_directions *directions;
+    pthread_t thread[N_THREADS];
+    void *id;
+    assert_int_equal(nqm_directions_from_degrees(2, degrees, &directions, NULL), NQM_OK);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_create(&thread[i], NULL, ask, directions), 0);
+    for (size_t i = 0; i < N_THREADS; ++i) {
+        assert_int_equal(pthread_join(thread[i], &id), 0);
+        assert_string_equal(id, "61ebb380bf6a87ea");
+    }
+    nqm_directions_free(directions);
 }
 
 /* A material that reflects only where phi_d is below 90 degrees, plus a matte floor. */
@@ -228,10 +251,11 @@ static void test_out_of_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_default_set),         cmocka_unit_test(test_theta_h_density),
-        cmocka_unit_test(test_seeds_and_identity),  cmocka_unit_test(test_references_attract),
-        cmocka_unit_test(test_options_are_checked), cmocka_unit_test(test_csv_round_trip),
-        cmocka_unit_test(test_csv_refusals),        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_default_set),        cmocka_unit_test(test_theta_h_density),
+        cmocka_unit_test(test_seeds_and_identity), cmocka_unit_test(test_identity_for_threads),
+        cmocka_unit_test(test_references_attract), cmocka_unit_test(test_options_are_checked),
+        cmocka_unit_test(test_csv_round_trip),     cmocka_unit_test(test_csv_refusals),
+        cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }
