@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * rows.h - GELU, Adam and the rows of hidden layers for one instruction set: loops that a compiler vectorises, included
- * by each file isa_*.c. Nothing is contracted or reordered, partial sums of a row are ROW_SUMS whatever the width of a
- * register: every instruction set gives the same bits.
- *
- * GELU (Hendrycks and Gimpel 2016, arXiv:1606.08415): one exponential serves the function and its slope. e = exp(-x^2/2)
- * is the density phi up to a constant, and Abramowitz and Stegun 7.1.26 (1964, after Hastings 1955) gives
- * erfc(u) = (a1 t + .. + a5 t^5) exp(-u^2), t = 1/(1 + p u), with an error below 1.5e-7, where u = |x|/sqrt(2) makes
- * exp(-u^2) that same e.
+ * by each file isa_*.c after tiles.h. Partial sums of a row are ROW_SUMS whatever the width of a register, and what is
+ * fused is fused by name (MULTIPLY_ADD): every instruction set with fused multiply-add gives the same bits.
  */
 #include "kernel/exp_log.h"
+#include "kernel/gelu.h"
 #include "kernel/kernel.h"
 #include "kernel/rounding.h"
 #include "kernel/transform.h"
@@ -17,63 +13,13 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- GELU -------------------------------------------------------------------------------------------------------- */
+/* ---- scaled copies of samples ------------------------------------------------------------------------------------ */
 
 /* exp(x) for x <= 0; below -80 it is 0: products with smaller numbers are denormal, which takes three times as long. */
 static inline float exp_negative(float x) {
     float e = nqm_exp_core(x < -80.0f ? -80.0f : x);
     return x < -80.0f ? 0.0f : e;
 }
-
-typedef struct normal {
-    float distribution, density; /* Phi(x), phi(x) */
-} normal;
-
-static inline normal normal_at(float x) {
-    const float p = 0.3275911f * 0.70710678f;
-    float e = exp_negative(-0.5f * x * x);
-    float t = 1.0f / (1.0f + p * fabsf(x));
-    float poly = 1.061405429f;
-    poly = poly * t - 1.453152027f;
-    poly = poly * t + 1.421413741f;
-    poly = poly * t - 0.284496736f;
-    poly = poly * t + 0.254829592f;
-    float upper_tail = 0.5f * poly * t * e; /* 1 - Phi(|x|) */
-    return (normal){x > 0.0f ? 1.0f - upper_tail : upper_tail, 0.398942280f * e};
-}
-
-/* n values: at best a multiple of a register. */
-static inline void gelu_stretch(size_t n, const float *x, float *y, float *slope) {
-    if (!slope) {
-#pragma omp simd
-        for (size_t i = 0; i < n; ++i)
-            y[i] = x[i] * normal_at(x[i]).distribution;
-        return;
-    }
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        normal at = normal_at(x[i]);
-        slope[i] = at.distribution + x[i] * at.density;
-        y[i] = x[i] * at.distribution;
-    }
-}
-
-/* The last few are filled up to whole registers: one by one they would take as long as hundreds. */
-static void gelu(size_t n, const float *x, float *y, float *slope) {
-    enum { STRETCH = 16 };
-    const size_t whole = n / STRETCH * STRETCH, left = n - whole;
-    gelu_stretch(whole, x, y, slope);
-    if (left == 0)
-        return;
-    float last_x[STRETCH] = {0}, last_y[STRETCH], last_slope[STRETCH];
-    memcpy(last_x, x + whole, left * sizeof *x);
-    gelu_stretch(STRETCH, last_x, last_y, slope ? last_slope : NULL);
-    memcpy(y + whole, last_y, left * sizeof *y);
-    if (slope)
-        memcpy(slope + whole, last_slope, left * sizeof *slope);
-}
-
-/* ---- scaled copies of samples ------------------------------------------------------------------------------------ */
 
 /* With c = cbrt(f_r) and k = 1 + k1: log(k c + 1) = t + log(1 + k1 c / (c + 1)) and c / (c + 1) = 1 - exp(-t). The
  * argument's magnitude is below 0.018, so that four terms of the logarithm's series leave less than 4e-10. */
@@ -103,52 +49,64 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
     }
 }
 
-/* ---- sums along a row -------------------------------------------------------------------------------------------- */
+/* ---- rows in groups ---------------------------------------------------------------------------------------------- */
 
-enum { ROW_SUMS = 16 }; /* partial sums of a row */
+/* Partial sums of a row: number i counts for sum i % GROUP. */
+enum { GROUP = 32, GROUP_VECTORS = GROUP / LANES };
 
-static inline double add_sums(const float *sum) {
-    double total = 0;
-    for (size_t j = 0; j < ROW_SUMS; ++j)
-        total += (double)sum[j];
-    return total;
+/* The last GROUP numbers of a row; of a shorter one all of them, behind zeros in `filled`. */
+static inline const float *last_group(size_t n, const float *x, float *filled) {
+    if (n >= GROUP)
+        return x + n - GROUP;
+    memset(filled, 0, GROUP * sizeof *filled);
+    memcpy(filled + GROUP - n, x, n * sizeof *filled);
+    return filled;
 }
 
-static double row_mean(size_t n, const float *x) {
-    float sum[ROW_SUMS] = {0};
-    size_t i = 0;
-    for (; i + ROW_SUMS <= n; i += ROW_SUMS)
-#pragma omp simd
-        for (size_t j = 0; j < ROW_SUMS; ++j)
-            sum[j] += x[i + j];
-    for (size_t j = 0; i < n; ++i, ++j)
-        sum[j] += x[i];
-    return add_sums(sum) / (double)n;
+static inline void store_last_group(size_t n, const float *group, float *x) {
+    if (n >= GROUP)
+        memcpy(x + n - GROUP, group, GROUP * sizeof *x);
+    else
+        memcpy(x, group + GROUP - n, n * sizeof *x);
 }
 
-static double row_variance(size_t n, const float *x, float mean) {
-    float sum[ROW_SUMS] = {0};
-    size_t i = 0;
-    for (; i + ROW_SUMS <= n; i += ROW_SUMS)
-#pragma omp simd
-        for (size_t j = 0; j < ROW_SUMS; ++j)
-            sum[j] += (x[i + j] - mean) * (x[i + j] - mean);
-    for (size_t j = 0; i < n; ++i, ++j)
-        sum[j] += (x[i] - mean) * (x[i] - mean);
-    return add_sums(sum) / (double)n;
+/* Group + GROUP - left: which of the last group are left. */
+static const float in_last_group[2 * GROUP] = {[GROUP] = 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+                                               1,           1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+
+/* By halves. */
+static inline float add_sums(vector_f *sum) {
+    UNROLL for (size_t n = GROUP_VECTORS / 2; n > 0; n /= 2) UNROLL for (size_t v = 0; v < n; ++v) sum[v] += sum[v + n];
+    float half[LANES];
+    memcpy(half, sum, sizeof half);
+    UNROLL for (size_t n = LANES / 2; n > 0; n /= 2) UNROLL for (size_t j = 0; j < n; ++j) half[j] += half[j + n];
+    return half[0];
 }
 
-static double row_mean_product(size_t n, const float *x, const float *y) {
-    float sum[ROW_SUMS] = {0};
-    size_t i = 0;
-    for (; i + ROW_SUMS <= n; i += ROW_SUMS)
-#pragma omp simd
-        for (size_t j = 0; j < ROW_SUMS; ++j)
-            sum[j] += x[i + j] * y[i + j];
-    for (size_t j = 0; i < n; ++i, ++j)
-        sum[j] += x[i] * y[i];
-    return add_sums(sum) / (double)n;
-}
+/* The mean over a row of TERM, in which a, b = x[i], y[i]. */
+#define DEFINE_ROW_MEAN(NAME, TERM)                                                                                    \
+    INLINE void NAME##_group(const float *x, const float *y, float c, vector_f *sum) {                                 \
+        UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {                                                            \
+            const vector_f a = *(const vector_f *)(x + v * LANES), b = *(const vector_f *)(y + v * LANES);             \
+            sum[v] += TERM;                                                                                            \
+            (void)b, (void)c;                                                                                          \
+        }                                                                                                              \
+    }                                                                                                                  \
+    static float NAME(size_t n, const float *x, const float *y, float c) {                                             \
+        vector_f sum[GROUP_VECTORS] = {{0}}, last[GROUP_VECTORS] = {{0}};                                              \
+        float filled_x[GROUP], filled_y[GROUP];                                                                        \
+        for (size_t i = 0; i + GROUP <= n; i += GROUP)                                                                 \
+            NAME##_group(x + i, y + i, c, sum);                                                                        \
+        NAME##_group(last_group(n, x, filled_x), last_group(n, y, filled_y), c, last);                                 \
+        UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) sum[v] +=                                                    \
+            last[v] * *(const vector_f *)(in_last_group + n % GROUP + v * LANES);                                      \
+        return add_sums(sum) / (float)n;                                                                               \
+    }
+
+DEFINE_ROW_MEAN(mean_of_sum, a + b)
+DEFINE_ROW_MEAN(mean_square, (a + b - c) * (a + b - c))
+DEFINE_ROW_MEAN(mean_of_first, a)
+DEFINE_ROW_MEAN(mean_product, a *b)
 
 /* ---- dropout ----------------------------------------------------------------------------------------------------- */
 
@@ -164,47 +122,71 @@ static inline void apply_mask(size_t n, const uint8_t *keep, float scale, float 
 
 static void drop_by_hash(const nqm_hidden_row *r) {
     enum { HASHES = 16, ELEMENTS = 4 * HASHES };
-    const uint64_t key = nqm_hash_key(r->key);
     const long threshold = lrint(r->p * 65536.0);
     const float scale = (float)(1.0 / (1.0 - r->p));
-    uint64_t counter = r->counter;
-    for (size_t first = 0; first < r->n; first += ELEMENTS, counter += HASHES) {
+    /* nqm_hash_keyed() of neighbouring counters */
+    uint64_t unmixed = nqm_hash_key(r->key) + (r->counter + 1) * NQM_GOLDEN;
+    for (size_t first = 0; first < r->n; first += ELEMENTS, unmixed += HASHES * NQM_GOLDEN) {
         uint64_t hashes[HASHES];
         uint16_t bits[ELEMENTS];
-        uint8_t keep[ELEMENTS];
 #pragma omp simd
         for (size_t i = 0; i < HASHES; ++i)
-            hashes[i] = nqm_hash_keyed(key, counter + i);
+            hashes[i] = nqm_hash_mix(unmixed + i * NQM_GOLDEN);
         memcpy(bits, hashes, sizeof bits);
+        const size_t n = r->n - first < ELEMENTS ? r->n - first : ELEMENTS;
+        float *y = r->y + first, *slope = r->slope + first;
 #pragma omp simd
-        for (size_t i = 0; i < ELEMENTS; ++i)
-            keep[i] = bits[i] >= threshold;
-        size_t n = r->n - first < ELEMENTS ? r->n - first : ELEMENTS;
-        apply_mask(n, keep, scale, r->y + first, r->slope + first);
+        for (size_t i = 0; i < n; ++i) {
+            float factor = (int32_t)bits[i] >= (int32_t)threshold ? scale : 0.0f;
+            y[i] *= factor;
+            slope[i] *= factor;
+        }
     }
 }
 
 /* ---- hidden layers: LayerNorm (Ba, Kiros and Hinton 2016, arXiv:1607.06450; eps 1e-5), GELU, inverted dropout ------ */
 
-static void hidden_row(const nqm_hidden_row *r) {
-    const size_t n = r->n;
+/* n values, a multiple of a register. Two loops: of one long chain a processor does not see far enough ahead. */
+INLINE void activate(size_t n, const nqm_hidden_row *r, float mean, float rstd) {
     const float *bias = r->bias, *gamma = r->gamma, *beta = r->beta;
     float *x = r->x, *y = r->y;
 #pragma omp simd
-    for (size_t i = 0; i < n; ++i)
-        x[i] += bias[i];
-    const float mean = (float)row_mean(n, x);
-    const float rstd = (float)(1.0 / sqrt(row_variance(n, x, mean) + (double)NQM_LAYERNORM_EPS));
-#pragma omp simd
     for (size_t i = 0; i < n; ++i) {
-        x[i] = (x[i] - mean) * rstd;
-        y[i] = gamma[i] * x[i] + beta[i];
+        x[i] = (x[i] + bias[i] - mean) * rstd;
+        y[i] = MULTIPLY_ADD(gamma[i], x[i], beta[i]);
     }
-    gelu(n, y, y, r->slope);
+    gelu_stretch(n, y, y, r->slope);
+}
+
+/* A last group that is not full is done before and beside the others: its first numbers twice, to the same bits. One by
+ * one they would take as long as hundreds. */
+static void activate_row(const nqm_hidden_row *r, float mean, float rstd) {
+    const size_t n = r->n;
+    float filled[3][GROUP], x[GROUP], y[GROUP], slope[GROUP];
+    const nqm_hidden_row last = {.bias = last_group(n, r->bias, filled[0]),
+                                 .gamma = last_group(n, r->gamma, filled[1]),
+                                 .beta = last_group(n, r->beta, filled[2]),
+                                 .x = x,
+                                 .y = y,
+                                 .slope = r->slope ? slope : NULL};
+    memcpy(x, last_group(n, r->x, y), sizeof x);
+    activate(GROUP, &last, mean, rstd);
+    activate(n - n % GROUP, r, mean, rstd);
+    store_last_group(n, x, r->x);
+    store_last_group(n, y, r->y);
+    if (r->slope)
+        store_last_group(n, slope, r->slope);
+}
+
+static void hidden_row(const nqm_hidden_row *r) {
+    const float mean = mean_of_sum(r->n, r->x, r->bias, 0);
+    const float variance = mean_square(r->n, r->x, r->bias, mean);
+    const float rstd = (float)(1.0 / sqrt((double)variance + (double)NQM_LAYERNORM_EPS));
+    activate_row(r, mean, rstd);
     if (r->rstd)
         *r->rstd = rstd;
     if (r->p > 0 && r->keep)
-        apply_mask(n, r->keep, (float)(1.0 / (1.0 - r->p)), y, r->slope);
+        apply_mask(r->n, r->keep, (float)(1.0 / (1.0 - r->p)), r->y, r->slope);
     else if (r->p > 0)
         drop_by_hash(r);
 }
@@ -222,7 +204,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         dgamma[i] += da * xhat[i];
         g[i] = gamma[i] * da;
     }
-    const float mean = (float)row_mean(n, g), along = (float)row_mean_product(n, g, xhat);
+    const float mean = mean_of_first(n, g, g, 0), along = mean_product(n, g, xhat, 0);
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         g[i] = rstd * (g[i] - mean - xhat[i] * along);
