@@ -68,8 +68,8 @@ NQM_API const char *nqm_status_text(nqm_status status);
 /** "MAJOR.MINOR.PATCH" of the library that is running; static storage. Any thread. */
 NQM_API const char *nqm_version(void);
 
-/** One line on what this build holds: libraries with their versions, instruction set in use; static storage. Any
- *  thread. */
+/** One line on what this build holds: libraries with their versions, the best kernels that this processor can run; static
+ *  storage. Any thread. */
 NQM_API const char *nqm_build_info(void);
 
 /**

@@ -137,14 +137,14 @@ typedef struct nqm_library_product nqm_library_product;
  * Make one, with B in the layout that the library likes best.
  *
  * @param trans_a      A is stored as (k, m), and B row-major: both are activations, as in a weight gradient
- * @param product_ret  NULL, and NQM_OK, when the library cannot do it on this machine
+ * @param product_ret  NULL, and NQM_OK, when the library cannot do it on this machine, or is not there
  */
 NQM_MUST_CHECK nqm_status nqm_library_product_create(nqm_precision precision, bool trans_a,
                                                      const nqm_library_shape *shape, nqm_library_product **product_ret,
                                                      nqm_error *err);
 void nqm_library_product_run(void *product);
 void nqm_library_product_free(nqm_library_product *product);
-/** oneDNN's sgemm on its own threads. */
+/** oneDNN's sgemm on its own threads; only where there is a product of it. */
 void nqm_library_sgemm(const nqm_gemm *g);
 
 #endif

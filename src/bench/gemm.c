@@ -183,7 +183,7 @@ static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch,
     } ways[] = {{"nqm", j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
                 {"nqm, packing included", j->pass == WEIGHT_GRADIENT ? run_packed_gradient : NULL, j},
                 {"onednn", j->library ? nqm_library_product_run : NULL, j->library},
-                {"onednn sgemm", j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
+                {"onednn sgemm", j->library && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
         if (ways[i].run) {
             contenders[n] = (nqm_contender){ways[i].run, ways[i].user};

@@ -6,27 +6,15 @@
 
 #include "io/io.h"
 
-#include <dlfcn.h>
 #include <pthread.h>
-#include <string.h>
 
 static nqm_matio library;
 static bool loaded;
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-/* Look up a function and store its address. ISO C knows no conversion between both kinds of pointers, POSIX does. */
-static bool find(void *handle, const char *name, void *function) {
-    void *address = dlsym(handle, name);
-    memcpy(function, &address, sizeof address);
-    return address != NULL;
-}
-
 static void load(void) {
-    void *handle = dlopen(NQM_MATIO_SONAME, RTLD_NOW | RTLD_LOCAL);
-    loaded = handle != NULL;
-#define FIND(name) loaded = loaded && find(handle, #name, &library.name);
-    NQM_MATIO_FUNCTIONS(FIND)
-#undef FIND
+    static const char *const names[] = {NQM_MATIO_FUNCTIONS(NQM_LIBRARY_NAME)};
+    loaded = nqm_library_load(NQM_MATIO_SONAME, sizeof names / sizeof *names, names, &library);
 }
 
 const char *nqm_matio_name(void) {

@@ -7,7 +7,7 @@
 #ifndef NQM_SRC_IO_MAT_LIBRARY_H
 #define NQM_SRC_IO_MAT_LIBRARY_H
 
-#include "base/base.h"
+#include "base/library.h"
 #include <matio.h>
 
 #define NQM_MATIO_FUNCTIONS(X)                                                                                         \
@@ -23,10 +23,7 @@
 
 /** The functions of matio that are used here, under their own names. */
 typedef struct nqm_matio {
-/* NOLINTNEXTLINE(bugprone-macro-parentheses): the name of a member */
-#define NQM_MATIO_MEMBER(name) __typeof__(name) *name;
-    NQM_MATIO_FUNCTIONS(NQM_MATIO_MEMBER)
-#undef NQM_MATIO_MEMBER
+    NQM_MATIO_FUNCTIONS(NQM_LIBRARY_MEMBER)
 } nqm_matio;
 
 /** The library, loaded once and for good. NQM_ERR_IO where it is not installed. Thread-safe. */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * What this build holds, in one line: the libraries that compute or read files, and the instruction set that
- * oneDNN found, and OpenMP.
+ * What this build holds, in one line: the libraries that compute or read files, OpenMP, and the kernels that this
+ * processor can run.
  */
-#include <nqm/base.h>
+#include "kernel/kernel.h"
 
-#include <dnnl.h>
+#include <dnnl_version.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <zip.h>
@@ -13,38 +13,14 @@
 static char line[256];
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-static const char *isa_name(void) {
-    switch (dnnl_get_effective_cpu_isa()) {
-    case dnnl_cpu_isa_sse41:
-        return "sse4.1";
-    case dnnl_cpu_isa_avx:
-        return "avx";
-    case dnnl_cpu_isa_avx2:
-        return "avx2";
-    case dnnl_cpu_isa_avx2_vnni:
-        return "avx2+vnni";
-    case dnnl_cpu_isa_avx512_core:
-        return "avx512";
-    case dnnl_cpu_isa_avx512_core_vnni:
-        return "avx512+vnni";
-    case dnnl_cpu_isa_avx512_core_bf16:
-        return "avx512+bf16";
-    case dnnl_cpu_isa_avx512_core_amx:
-        return "avx512+amx";
-    default:
-        return "generic";
-    }
-}
-
 static void make_line(void) {
-    const dnnl_version_t *dnnl = dnnl_version();
 #ifdef _OPENMP
     const long openmp = _OPENMP;
 #else
     const long openmp = 0;
 #endif
-    snprintf(line, sizeof line, "oneDNN %d.%d.%d (%s), libzip %s, OpenMP %ld", dnnl->major, dnnl->minor, dnnl->patch,
-             isa_name(), zip_libzip_version(), openmp);
+    snprintf(line, sizeof line, "oneDNN %d.%d.%d when needed, libzip %s, OpenMP %ld, kernels %s", DNNL_VERSION_MAJOR,
+             DNNL_VERSION_MINOR, DNNL_VERSION_PATCH, zip_libzip_version(), openmp, nqm_kernels_at(0)->name);
 }
 
 const char *nqm_build_info(void) {

@@ -5,8 +5,8 @@
  * single-threaded call. Block sizes were chosen by measurement on shapes of the paper's network (doc/performance.md).
  */
 #include "kernel/kernel.h"
+#include "kernel/onednn.h"
 
-#include <dnnl.h>
 #include <omp.h>
 
 enum { MIN_PARALLEL = 1 << 18 }; /* multiplications; below, waking a thread costs more than it saves */
@@ -29,23 +29,29 @@ static blocks choose_blocks(const nqm_gemm *g) {
     return (blocks){g->trans_a ? 1024 : 256, cols};
 }
 
-static void gemm_block(const nqm_gemm *g, blocks size, size_t row, size_t col) {
+static void gemm_block(const nqm_onednn *onednn, const nqm_gemm *g, blocks size, size_t row, size_t col) {
     nqm_gemm part = *g;
     part.m = g->m - row < size.rows ? g->m - row : size.rows;
     part.n = g->n - col < size.cols ? g->n - col : size.cols;
     part.a = g->trans_a ? g->a + row : g->a + row * g->lda;
     part.b = g->trans_b ? g->b + col * g->ldb : g->b + col;
     part.c = g->c + row * g->ldc + col;
-    dnnl_status_t status = dnnl_sgemm(g->trans_a ? 'T' : 'N', g->trans_b ? 'T' : 'N', (dnnl_dim_t)part.m,
-                                      (dnnl_dim_t)part.n, (dnnl_dim_t)part.k, part.alpha, part.a, (dnnl_dim_t)part.lda,
-                                      part.b, (dnnl_dim_t)part.ldb, part.beta, part.c, (dnnl_dim_t)part.ldc);
+    dnnl_status_t status =
+        onednn->dnnl_sgemm(g->trans_a ? 'T' : 'N', g->trans_b ? 'T' : 'N', (dnnl_dim_t)part.m, (dnnl_dim_t)part.n,
+                           (dnnl_dim_t)part.k, part.alpha, part.a, (dnnl_dim_t)part.lda, part.b, (dnnl_dim_t)part.ldb,
+                           part.beta, part.c, (dnnl_dim_t)part.ldc);
     if (status != dnnl_success) /* it found no memory to pack into; nothing has been written */
         nqm_kernels_scalar.gemm(&part);
 }
 
 void nqm_gemm_onednn(const nqm_gemm *g) {
+    const nqm_onednn *onednn = nqm_onednn_get();
     if (g->m == 0 || g->n == 0)
         return;
+    if (!onednn) {
+        nqm_kernels_scalar.gemm(g);
+        return;
+    }
     blocks size = choose_blocks(g);
     size_t n_down = ceil_div(g->m, size.rows);
     size_t n_blocks = n_down * ceil_div(g->n, size.cols);
@@ -54,6 +60,6 @@ void nqm_gemm_onednn(const nqm_gemm *g) {
         omp_set_num_threads(1); /* for this thread within this region: oneDNN asks, and starts no threads of its own */
 #pragma omp for schedule(dynamic, 1)
         for (size_t i = 0; i < n_blocks; ++i)
-            gemm_block(g, size, i % n_down * size.rows, i / n_down * size.cols);
+            gemm_block(onednn, g, size, i % n_down * size.rows, i / n_down * size.cols);
     }
 }

@@ -170,7 +170,7 @@ void nqm_kernels_use(const nqm_kernels *kernels);
 /** The i-th table that this processor can run, best first, the plain loops last; NULL beyond. */
 const nqm_kernels *nqm_kernels_at(size_t i);
 
-/** oneDNN's sgemm on blocks (gemm_onednn.c). */
+/** oneDNN's sgemm on blocks (gemm_onednn.c); plain loops where it is not installed. */
 void nqm_gemm_onednn(const nqm_gemm *g);
 
 /** GELU by the table in use. */

@@ -4,11 +4,39 @@
  * from the threads that call. The SSE2 kernels are asked for, which use no fused operations, so that a scene is the
  * same on every processor; they cost a scene's making a few percent.
  */
+#include "base/library.h"
 #include "render/render.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
+
+#define EMBREE_FUNCTIONS(X)                                                                                            \
+    X(rtcGetDeviceError)                                                                                               \
+    X(rtcNewGeometry)                                                                                                  \
+    X(rtcSetNewGeometryBuffer)                                                                                         \
+    X(rtcCommitGeometry)                                                                                               \
+    X(rtcAttachGeometry)                                                                                               \
+    X(rtcReleaseGeometry)                                                                                              \
+    X(rtcNewDevice)                                                                                                    \
+    X(rtcNewScene)                                                                                                     \
+    X(rtcSetSceneFlags)                                                                                                \
+    X(rtcCommitScene)                                                                                                  \
+    X(rtcReleaseScene)                                                                                                 \
+    X(rtcReleaseDevice)                                                                                                \
+    X(rtcIntersect1)                                                                                                   \
+    X(rtcOccluded1)
+
+/* Embree and the threads it stands on are loaded with the first mesh. */
+static struct { EMBREE_FUNCTIONS(NQM_LIBRARY_MEMBER) } embree;
+static bool loaded;
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void load(void) {
+    static const char *const names[] = {EMBREE_FUNCTIONS(NQM_LIBRARY_NAME)};
+    loaded = nqm_library_load(NQM_EMBREE_SONAME, sizeof names / sizeof *names, names, &embree);
+}
 
 struct nqm_tracer {
     RTCDevice device;
@@ -20,43 +48,46 @@ const char *nqm_tracer_version(void) {
 }
 
 static nqm_status fail_embree(RTCDevice device, nqm_error *err) {
-    enum RTCError code = rtcGetDeviceError(device);
+    enum RTCError code = embree.rtcGetDeviceError(device);
     if (code == RTC_ERROR_OUT_OF_MEMORY)
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory in Embree");
     return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Embree cannot build the scene (its error %d)", (int)code);
 }
 
 static bool add_triangles(nqm_tracer *t, const nqm_mesh *mesh) {
-    RTCGeometry geometry = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                             mesh->n_vertices);
-    void *triangle = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
-                                             mesh->n_triangles);
+    RTCGeometry geometry = embree.rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void *position = embree.rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                    3 * sizeof(float), mesh->n_vertices);
+    void *triangle = embree.rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                    3 * sizeof(uint32_t), mesh->n_triangles);
     bool ok = position && triangle;
     if (ok) {
         memcpy(position, mesh->position, mesh->n_vertices * 3 * sizeof(float));
         memcpy(triangle, mesh->triangle, mesh->n_triangles * 3 * sizeof(uint32_t));
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(t->scene, geometry);
+        embree.rtcCommitGeometry(geometry);
+        embree.rtcAttachGeometry(t->scene, geometry);
     }
-    rtcReleaseGeometry(geometry);
+    embree.rtcReleaseGeometry(geometry);
     return ok;
 }
 
 nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {
     *tracer_ret = NULL;
+    pthread_once(&once, load);
+    if (!loaded)
+        return nqm_fail(err, NQM_ERR_IO, -1, "meshes need the library %s, which cannot be loaded", NQM_EMBREE_SONAME);
     nqm_tracer *t = nqm_alloc(1, sizeof *t);
     if (!t)
         return nqm_fail_nomem(err, sizeof *t);
-    t->device = rtcNewDevice("threads=1,isa=sse2");
-    t->scene = t->device ? rtcNewScene(t->device) : NULL;
+    t->device = embree.rtcNewDevice("threads=1,isa=sse2");
+    t->scene = t->device ? embree.rtcNewScene(t->device) : NULL;
     bool ok = t->scene != NULL;
     if (ok) {
-        rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips between two triangles */
+        embree.rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips between two triangles */
         ok = add_triangles(t, mesh);
-        rtcCommitScene(t->scene);
+        embree.rtcCommitScene(t->scene);
     }
-    if (!ok || rtcGetDeviceError(t->device) != RTC_ERROR_NONE) {
+    if (!ok || embree.rtcGetDeviceError(t->device) != RTC_ERROR_NONE) {
         nqm_status status = fail_embree(t->device, err);
         nqm_tracer_free(t);
         return status;
@@ -69,9 +100,9 @@ void nqm_tracer_free(nqm_tracer *tracer) {
     if (!tracer)
         return;
     if (tracer->scene)
-        rtcReleaseScene(tracer->scene);
+        embree.rtcReleaseScene(tracer->scene);
     if (tracer->device)
-        rtcReleaseDevice(tracer->device);
+        embree.rtcReleaseDevice(tracer->device);
     nqm_free(tracer);
 }
 
@@ -91,7 +122,7 @@ bool nqm_tracer_hit(const nqm_tracer *tracer, const double *origin, const double
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit ray = {.ray = make_ray(origin, direction), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-    rtcIntersect1(tracer->scene, &context, &ray);
+    embree.rtcIntersect1(tracer->scene, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return false;
     *triangle = ray.hit.primID;
@@ -106,6 +137,6 @@ bool nqm_tracer_blocked(const nqm_tracer *tracer, const double *origin, const do
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     struct RTCRay ray = make_ray(origin, direction);
-    rtcOccluded1(tracer->scene, &context, &ray);
+    embree.rtcOccluded1(tracer->scene, &context, &ray);
     return ray.tfar < 0;
 }

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Names: every symbol that the objects define starts with nqm_; the shared libraries export exactly the functions that the
 # public headers declare with NQM_API; and the core library holds nothing of the labelling chain (fit, render, percept,
-# plot, label, bench) nor needs its libraries: scoring never depends on rendering.
+# plot, label, bench) nor needs its libraries: scoring never depends on rendering. Large libraries that a score does not need
+# are not linked at all.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
 bad=0
@@ -33,4 +34,7 @@ done | sort -u >"$build/label-symbols.txt"
 nm "$build/libnqm.so" | awk '{print $NF}' | sort -u | comm -12 - "$build/label-symbols.txt" >"$build/leaked.txt"
 [ ! -s "$build/leaked.txt" ] || fail "libnqm.so holds symbols of the labelling chain: $(cat "$build/leaked.txt")"
 if readelf -d "$build/libnqm.so" | grep -E 'NEEDED.*(OpenEXR|png|cairo|embree)'; then fail "libnqm.so needs a library of the labelling chain"; fi
+for binary in libnqm.so libnqm-full.so nqm; do
+    if readelf -d "$build/$binary" | grep -E 'NEEDED.*(matio|dnnl|embree)'; then fail "$binary is linked with a library that is to be loaded when needed"; fi
+done
 exit $bad

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * The base module: allocation limits, atomic output files, mapped input, numbers under a foreign locale, random numbers
- * against published values, SHA-256 against the FIPS 180-4 examples, parallel loops.
+ * against published values, SHA-256 against the FIPS 180-4 examples, parallel loops, libraries that are loaded.
  */
-#include "base/base.h"
+#include "base/library.h"
 #include "base/memory_test.h"
 
 #include <errno.h>
@@ -41,6 +41,18 @@ static void test_alloc_fails_when_told(void **state) {
     assert_non_null(third);
     nqm_free(first);
     nqm_free(third);
+}
+
+static void test_libraries_when_needed(void **state) {
+    (void)state;
+    const char *const names[] = {"cos", "sqrt"}, *const missing[] = {"cos", "nqm_no_such_function"};
+    struct {
+        double (*cosine)(double), (*root)(double);
+    } m;
+    assert_true(nqm_library_load("libm.so.6", 2, names, &m));
+    assert_true(m.cosine(0) == 1 && m.root(9) == 3);
+    assert_false(nqm_library_load("libm.so.6", 2, missing, &m));
+    assert_false(nqm_library_load("libnqm-no-such-library.so.1", 2, names, &m));
 }
 
 static char folder[] = "/tmp/nqm-test-base-XXXXXX";
@@ -307,6 +319,7 @@ int main(void) {
         cmocka_unit_test(test_parallel_for_visits_each_once),
         cmocka_unit_test(test_ticker),
         cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_libraries_when_needed),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

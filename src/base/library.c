@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Loads shared libraries.
+ */
+#include "base/library.h"
+
+#include <dlfcn.h>
+#include <string.h>
+
+bool nqm_library_load(const char *soname, size_t n, const char *const *names, void *functions) {
+    void *handle = dlopen(soname, RTLD_NOW | RTLD_LOCAL);
+    bool found = handle != NULL;
+    for (size_t i = 0; i < n && found; ++i) {
+        void *address = dlsym(handle, names[i]);
+        /* ISO C knows no conversion between both kinds of pointers, POSIX does. */
+        memcpy((char *)functions + i * sizeof address, &address, sizeof address);
+        found = address != NULL;
+    }
+    return found;
+}
