@@ -42,7 +42,10 @@ void nqm_panels_free(nqm_panels *panels) {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
-enum { PACK_AT_ONCE = 192 }; /* numbers of a row: the lines that are written stay in the first cache for all rows */
+enum {
+    PACK_AT_ONCE = 192, /* numbers of a row: the lines that are written stay in the first cache for all rows */
+    ROWS_TOGETHER = 4
+};
 
 /* Four rows of four units, ld units apart, transposed. */
 static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
@@ -57,30 +60,34 @@ static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t 
     *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
+/* Some neighbouring rows of n units, ld units apart, become columns of a panel. */
+static inline void place_rows(size_t n_rows, size_t n, const uint32_t *rows, size_t ld, uint32_t *columns) {
+    const size_t whole = n_rows == ROWS_TOGETHER ? n / 4 * 4 : 0;
+    for (size_t i = 0; i < whole; i += 4)
+        transpose_4x4(rows + i, ld, columns + i * NQM_PANEL, NQM_PANEL);
+    for (size_t i = whole; i < n; ++i)
+        for (size_t j = 0; j < n_rows; ++j)
+            columns[i * NQM_PANEL + j] = rows[j * ld + i];
+}
+
 /* Panels are packed from `width` rows of w (width, k), some numbers of each row at a time. */
 static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
-    const uint32_t *rows = (const uint32_t *)(const void *)w;
-    const size_t whole = width / 4 * 4;
-    for (size_t first = 0; first < k; first += PACK_AT_ONCE) {
-        const size_t end = smaller(first + PACK_AT_ONCE, k), blocks_end = end / 4 * 4;
-        for (size_t j = 0; j < whole; j += 4)
-            for (size_t i = first; i < blocks_end; i += 4)
-                transpose_4x4(rows + j * ldw + i, ldw, panel + i * NQM_PANEL + j, NQM_PANEL);
-        for (size_t j = 0; j < width; ++j) /* what blocks of 4 x 4 leave */
-            for (size_t i = j < whole ? blocks_end : first; i < end; ++i)
-                panel[i * NQM_PANEL + j] = rows[j * ldw + i];
-    }
+    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
+        for (size_t j = 0; j < width; j += ROWS_TOGETHER)
+            place_rows(smaller(width - j, ROWS_TOGETHER), smaller(k - first, PACK_AT_ONCE),
+                       (const uint32_t *)(const void *)(w + j * ldw + first), ldw, panel + first * NQM_PANEL + j);
 }
 
 static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    uint32_t units[PACK_AT_ONCE / 2];
+    uint32_t units[ROWS_TOGETHER][PACK_AT_ONCE / 2];
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
-        for (size_t j = 0; j < width; ++j) {
-            const size_t n = smaller(k - first, PACK_AT_ONCE);
-            kernels->round_row(n, w + j * ldw + first, units);
-            for (size_t u = 0; u < nqm_units(NQM_PRECISION_BF16, n); ++u)
-                panel[(first / 2 + u) * NQM_PANEL + j] = units[u];
+        for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
+            const size_t n = smaller(k - first, PACK_AT_ONCE), n_rows = smaller(width - j, ROWS_TOGETHER);
+            for (size_t r = 0; r < n_rows; ++r)
+                kernels->round_row(n, w + (j + r) * ldw + first, units[r]);
+            place_rows(n_rows, nqm_units(NQM_PRECISION_BF16, n), units[0], PACK_AT_ONCE / 2,
+                       panel + first / 2 * NQM_PANEL + j);
         }
 }
 
@@ -115,12 +122,13 @@ static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32
         sum[j] = 0;
     }
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
-        for (size_t j = 0; j < width; ++j) {
-            uint32_t units[PACK_AT_ONCE / 4];
-            const size_t n = smaller(k - first, PACK_AT_ONCE);
-            signed_bytes(n, w + j * ldw + first, per_unit[j], units, &sum[j]);
-            for (size_t u = 0; u < nqm_units(NQM_PRECISION_INT8, n); ++u)
-                panel[(first / 4 + u) * NQM_PANEL + j] = units[u];
+        for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
+            uint32_t units[ROWS_TOGETHER][PACK_AT_ONCE / 4];
+            const size_t n = smaller(k - first, PACK_AT_ONCE), n_rows = smaller(width - j, ROWS_TOGETHER);
+            for (size_t r = 0; r < n_rows; ++r)
+                signed_bytes(n, w + (j + r) * ldw + first, per_unit[j + r], units[r], &sum[j + r]);
+            place_rows(n_rows, nqm_units(NQM_PRECISION_INT8, n), units[0], PACK_AT_ONCE / 4,
+                       panel + first / 4 * NQM_PANEL + j);
         }
 }
 
