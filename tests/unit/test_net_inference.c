@@ -211,6 +211,40 @@ static void the_same_bits_before_packing(void **state) {
     nqm_kernels_use(NULL);
 }
 
+enum { FEW = 20 };
+
+static void *run_thrice(void *net) {
+    nqm_inference_work *work;
+    float *z = nqm_alloc(FEW, sizeof *z);
+    if (!z || nqm_inference_work_create(net, FEW, &work, NULL) != NQM_OK)
+        return NULL;
+    for (size_t i = 0; i < 3; ++i)
+        nqm_inference_run(work, FEW, x, STRIDE, z);
+    nqm_inference_work_free(work);
+    return z;
+}
+
+/* Some calls use the weights as they lie while another one packs them. */
+static void packing_beside_other_calls(void **state) {
+    (void)state;
+    enum { N_THREADS = 6 };
+    pthread_t thread[N_THREADS];
+    void *z[N_THREADS];
+    session s = begin(NQM_PRECISION_F32);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_create(&thread[i], NULL, run_thrice, s.net), 0);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_join(thread[i], &z[i]), 0);
+    assert_true(s.net->packed);
+    float *after = run_thrice(s.net);
+    for (size_t i = 0; i < N_THREADS; ++i) {
+        assert_memory_equal(z[i], after, FEW * sizeof *after);
+        nqm_free(z[i]);
+    }
+    nqm_free(after);
+    end(&s);
+}
+
 /* The reference that is kept from one call to the next belongs to the kernels that computed its part. */
 static void kernels_change(void **state) {
     (void)state;
@@ -284,6 +318,7 @@ int main(void) {
         cmocka_unit_test(outputs_by_the_formulas),
         cmocka_unit_test(the_same_bits),
         cmocka_unit_test(the_same_bits_before_packing),
+        cmocka_unit_test(packing_beside_other_calls),
         cmocka_unit_test(kernels_change),
         cmocka_unit_test(packed_once),
         cmocka_unit_test(out_of_memory),
