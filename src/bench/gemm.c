@@ -25,17 +25,12 @@ typedef struct job {
     nqm_precision precision;
     pass_kind pass;
     size_t m, n, k;
-    float *x, *w, *c;       /* A or its transpose, B or its transpose, row-major; C */
-    nqm_panels panels;      /* B; the gradient */
-    uint32_t *rows;         /* A in units; of a weight gradient its transpose, and */
-    uint32_t *rows_right;   /* B, both where they are rounded */
-    uint32_t *left, *right; /* packed columns, of a weight gradient */
+    float *x, *w, *c;     /* A or its transpose, B or its transpose, row-major; C */
+    nqm_panels panels;    /* B; the gradient */
+    uint32_t *rows;       /* A in units; of a weight gradient its transpose, and */
+    uint32_t *rows_right; /* B */
     nqm_library_product *library;
 } job;
-
-static size_t padded(size_t n) {
-    return (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL;
-}
 
 /* ---- ours -------------------------------------------------------------------------------------------------------- */
 
@@ -53,18 +48,16 @@ static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
 static void run_gradient(void *user) {
     job *j = user;
     /* C (m, n) are weights (in, out); the sum runs over the batch. */
-    const nqm_gradient g = {j->precision, j->k, j->m, j->n, j->left, j->right, keep_tiles, j};
-    nqm_gradient_run(&g);
-}
-
-static void run_packed_gradient(void *user) {
-    job *j = user;
-    const bool rounded = j->precision == NQM_PRECISION_BF16;
-    const size_t units_m = nqm_units(j->precision, j->m), units_n = nqm_units(j->precision, j->n);
-    nqm_pack_columns(j->precision, NQM_STRIP, j->k, j->m, rounded ? (const void *)j->rows : j->x, units_m, j->left);
-    nqm_pack_columns(j->precision, NQM_PANEL, j->k, j->n, rounded ? (const void *)j->rows_right : j->w, units_n,
-                     j->right);
-    run_gradient(j);
+    nqm_gradient_run(&(nqm_gradient){.precision = j->precision,
+                                     .m = j->k,
+                                     .k = j->m,
+                                     .n = j->n,
+                                     .x = j->rows,
+                                     .ldx = nqm_row_stride(j->m),
+                                     .z = j->rows_right,
+                                     .ldz = nqm_row_stride(j->n),
+                                     .sink = keep_tiles,
+                                     .user = j});
 }
 
 /* ---- oneDNN's sgemm ---------------------------------------------------------------------------------------------- */
@@ -114,19 +107,20 @@ static void free_job(job *j) {
     nqm_free(j->c);
     nqm_free(j->rows);
     nqm_free(j->rows_right);
-    nqm_free(j->left);
-    nqm_free(j->right);
     nqm_panels_free(&j->panels);
     nqm_library_product_free(j->library);
 }
 
-/* The factors of a weight gradient as training has them: it rounds them once, for all products. */
-static void round_factors(const job *j) {
-    const size_t units_m = nqm_units(j->precision, j->m), units_n = nqm_units(j->precision, j->n);
-    for (size_t i = 0; i < j->k; ++i) {
-        nqm_round_row(j->m, j->x + i * j->m, j->rows + i * units_m);
-        nqm_round_row(j->n, j->w + i * j->n, j->rows_right + i * units_n);
-    }
+/* A factor (k, n) of a weight gradient as training has it. */
+static void fill_pairs(const job *j, size_t n, const float *x, uint32_t *rows) {
+    const size_t ld = nqm_row_stride(n);
+    for (size_t i = 0; i < j->k; i += 2)
+        if (j->precision == NQM_PRECISION_BF16)
+            nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, rows + i / 2 * ld);
+        else {
+            memcpy(rows + i * ld, x + i * n, n * sizeof *x);
+            memcpy(rows + (i + 1) * ld, x + (i + 1) * n, n * sizeof *x);
+        }
 }
 
 static nqm_status make_job(job *j, nqm_error *err) {
@@ -141,22 +135,17 @@ static nqm_status make_job(job *j, nqm_error *err) {
     j->x = nqm_alloc(j->m * j->k, sizeof *j->x);
     j->w = nqm_alloc(j->n * j->k, sizeof *j->w);
     j->c = nqm_alloc(j->m * nqm_row_stride(j->n), sizeof *j->c);
-    if (gradient) {
-        const size_t units = nqm_units(j->precision, j->k);
-        j->left = nqm_alloc((j->m + NQM_STRIP) * units, sizeof *j->left);
-        j->right = nqm_alloc(padded(j->n) * units, sizeof *j->right);
-        j->rows = nqm_alloc(j->m * j->k, sizeof *j->rows);
-        j->rows_right = nqm_alloc(j->n * j->k, sizeof *j->rows_right);
-    } else
-        j->rows = nqm_alloc(j->m * nqm_row_stride(j->panels.units), sizeof *j->rows);
-    if (!j->x || !j->w || !j->c || !j->rows || (gradient && (!j->left || !j->right || !j->rows_right)))
+    j->rows = gradient ? nqm_alloc(j->k, nqm_row_stride(j->m) * sizeof *j->rows)
+                       : nqm_alloc(j->m, nqm_row_stride(j->panels.units) * sizeof *j->rows);
+    if (gradient)
+        j->rows_right = nqm_alloc(j->k, nqm_row_stride(j->n) * sizeof *j->rows_right);
+    if (!j->x || !j->w || !j->c || !j->rows || (gradient && !j->rows_right))
         return nqm_fail_nomem(err, (j->m + j->n) * j->k * sizeof *j->x);
     fill_random(j->m * j->k, j->x, 1);
     fill_random(j->n * j->k, j->w, 2);
     if (gradient) {
-        if (j->precision == NQM_PRECISION_BF16)
-            round_factors(j);
-        run_packed_gradient(j);
+        fill_pairs(j, j->m, j->x, j->rows);
+        fill_pairs(j, j->n, j->w, j->rows_right);
     } else {
         nqm_panels_pack(&j->panels, j->w, j->k);
         fill_rows(j);
@@ -165,8 +154,8 @@ static nqm_status make_job(job *j, nqm_error *err) {
 }
 
 static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {
-    nqm_contender contenders[4];
-    nqm_bench_entry entries[4];
+    nqm_contender contenders[3];
+    nqm_bench_entry entries[3];
     size_t n = 0;
     nqm_bench_entry entry = nqm_bench_entry_make("gemm", pass_names[j->pass]);
     entry.row.model = layers[layer].model;
@@ -181,7 +170,6 @@ static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch,
         void (*run)(void *);
         void *user;
     } ways[] = {{"nqm", j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
-                {"nqm, packing included", j->pass == WEIGHT_GRADIENT ? run_packed_gradient : NULL, j},
                 {"onednn", j->library ? nqm_library_product_run : NULL, j->library},
                 {"onednn sgemm", j->library && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)

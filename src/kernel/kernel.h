@@ -55,6 +55,15 @@ typedef struct nqm_row_product {
     void *c;
 } nqm_row_product;
 
+/** A tile of a weight gradient: c (NQM_STRIP, NQM_PANEL) = left^T right, summed over `units` rows of both. */
+typedef struct nqm_tile_gradient {
+    size_t units;
+    const void *left;  /**< (units, NQM_STRIP), of rows ld_left units apart */
+    const void *right; /**< (units, NQM_PANEL), of rows ld_right units apart */
+    size_t ld_left, ld_right;
+    float *c;
+} nqm_tile_gradient;
+
 /** What a row of unsigned bytes stands for: (byte - zero) scale. */
 typedef struct nqm_byte_scale {
     float scale;
@@ -122,9 +131,8 @@ typedef struct nqm_kernels {
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
     /** The same bits as `product` with m = 1. */
     void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
-    /** c (NQM_STRIP, NQM_PANEL) = strip^T panel, summed over `units` rows of both: a weight gradient. Strip: (units,
-     *  NQM_STRIP), panel: (units, NQM_PANEL). NQM_PRECISION_F32 and _BF16 only; the last is NULL. */
-    void (*gradient[NQM_PRECISION_COUNT])(size_t units, const void *strip, const void *panel, float *c);
+    /** NQM_PRECISION_F32 and _BF16 only; the last is NULL. */
+    void (*gradient[NQM_PRECISION_COUNT])(const nqm_tile_gradient *g);
     void (*hidden_row)(const nqm_hidden_row *row);
     void (*hidden_row_back)(const nqm_hidden_row_back *row);
     /**
@@ -136,8 +144,8 @@ typedef struct nqm_kernels {
     void (*scale_log)(size_t n, float k1, const float *t, float *scaled);
     /** x (n) as bfloat16 (nqm_units() units), to nearest, ties to even. */
     void (*round_row)(size_t n, const float *x, uint32_t *units);
-    /** x (NQM_STRIP, NQM_PANEL) likewise, but a unit holds two neighbours of a column: (NQM_STRIP / 2, NQM_PANEL). */
-    void (*round_tile)(const float *x, uint32_t *units);
+    /** Two rows (n) likewise, but a unit holds two neighbours of a column: (n) units. */
+    void (*round_pair)(size_t n, const float *even, const float *odd, uint32_t *units);
     /** x (n) as unsigned bytes; returns what they stand for: 0 stands for itself. */
     nqm_byte_scale (*quantise_row)(size_t n, const float *x, uint32_t *units);
     /** c (m, NQM_PANEL) = what the integer sums (m, NQM_PANEL) of bytes stand for, or c + that; rows: (m). */

@@ -47,9 +47,13 @@ void nqm_gradient_run(const nqm_gradient *g) {
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
         const size_t n = smaller(n_strips - first, STRIPS_AT_ONCE);
         for (size_t strip = 0; strip < n; ++strip)
-            kernels->gradient[g->precision](units, g->strips + (first + strip) * units * NQM_STRIP,
-                                            g->panels + panel * units * NQM_PANEL,
-                                            tiles + strip * NQM_STRIP * NQM_PANEL);
+            kernels->gradient[g->precision](
+                &(nqm_tile_gradient){.units = units,
+                                     .left = (const uint32_t *)g->x + (first + strip) * NQM_STRIP,
+                                     .ld_left = g->ldx,
+                                     .right = (const uint32_t *)g->z + panel * NQM_PANEL,
+                                     .ld_right = g->ldz,
+                                     .c = tiles + strip * NQM_STRIP * NQM_PANEL});
         g->sink(g->user, first, n, panel, tiles);
     }
 }

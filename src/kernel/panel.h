@@ -3,8 +3,8 @@
  * panel.h - matrices as the products of kernel/kernel.h read them, and the loops over them on several threads.
  *
  * Panels: a matrix B (k, n) cut into panels of NQM_PANEL columns, so that a product reads it once, in order. Weights are
- * kept this way. Strips: columns of activations in groups of NQM_STRIP, the left factor of a weight gradient. Rows: the
- * left factor of a product, row-major in units (nqm_units()). Whatever stands beyond an edge is 0.
+ * kept this way. Strips: NQM_STRIP neighbouring columns of activations, the left factor of a tile of a weight gradient. Rows:
+ * the left factor of a product, row-major in units (nqm_units()). Whatever stands beyond an edge is 0.
  */
 #ifndef NQM_SRC_KERNEL_PANEL_H
 #define NQM_SRC_KERNEL_PANEL_H
@@ -73,24 +73,18 @@ static inline size_t nqm_row_stride(size_t n) {
     return (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL + 16;
 }
 
-/** Columns of x in groups of `width` (NQM_STRIP or NQM_PANEL): out (ceil(n / width), nqm_units(precision, m), width) units.
- *  NQM_PRECISION_F32 and _BF16; works on all threads.
- *
- *  @param x  (m, n) row-major in units, ldx units from row to row: floats, or rows of nqm_round_row()
- */
-void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const void *x, size_t ldx,
-                      uint32_t *out);
-
 /** Takes finished tiles (n_strips, NQM_STRIP, NQM_PANEL) of a gradient, one below the other: rows from NQM_STRIP strip on,
  *  columns from NQM_PANEL panel on. Called on several threads, for each tile once. */
 typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles);
 
-/** X^T Z of x (m, k) and z (m, n), both packed by nqm_pack_columns(): strips and panels. Some tiles at a time into `sink`,
- *  so that a gradient need not be stored before it is used. */
+/** X^T Z of x (m, k) and z (m, n): rows of floats, or of units that hold two neighbours of a column (round_pair() of
+ *  kernel.h), with a row of zeros for the neighbour that is missing where m is odd. Rows go on with zeros up to whole strips
+ *  and panels. Some tiles at a time into `sink`, so that a gradient need not be stored before it is used. */
 typedef struct nqm_gradient {
-    nqm_precision precision;
+    nqm_precision precision; /**< NQM_PRECISION_F32 or _BF16 */
     size_t m, k, n;
-    const uint32_t *strips, *panels;
+    const void *x, *z; /**< (nqm_units(precision, m), k or n) */
+    size_t ldx, ldz;   /**< units from row to row; best nqm_row_stride() */
     nqm_tile_sink sink;
     void *user;
 } nqm_gradient;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Into panels, strips and rows, and back: rounding to bfloat16, to signed bytes with a scale for each column, to unsigned
- * bytes with a scale for each row.
+ * Into panels and back: rounding to bfloat16, to signed bytes with a scale for each column.
  */
 #include "kernel/bf16.h"
 #include "kernel/panel.h"
@@ -197,67 +196,10 @@ void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to) {
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
     const nqm_kernels *kernels = nqm_kernels_get();
 #pragma omp parallel for schedule(static) if (from->n_panels > 1)
-    for (size_t p = 0; p < from->n_panels; ++p)
-        for (size_t i = 0; i < from->stride; i += NQM_STRIP)
-            kernels->round_tile((const float *)nqm_panel_at(from, p) + i * NQM_PANEL,
+    for (size_t p = 0; p < from->n_panels; ++p) {
+        const float *rows = (const float *)nqm_panel_at(from, p);
+        for (size_t i = 0; i < from->stride; i += 2)
+            kernels->round_pair(NQM_PANEL, rows + i * NQM_PANEL, rows + (i + 1) * NQM_PANEL,
                                 nqm_panel_at(to, p) + i / 2 * NQM_PANEL);
-}
-
-/* ---- activations ------------------------------------------------------------------------------------------------- */
-
-enum { ROWS_AT_ONCE = 16 }; /* even */
-
-/* Some rows of one group of columns; `width` is a constant where this is inlined. */
-static inline void pack_group_f32(size_t width, size_t rows, size_t there, const float *x, size_t ldx, uint32_t *out) {
-    for (size_t i = 0; i < rows; ++i) {
-        memcpy(out + i * width, x + i * ldx, there * sizeof *x);
-        memset(out + i * width + there, 0, (width - there) * sizeof *out);
-    }
-}
-
-/* Rows of bfloat16 hold neighbours in a row; here a unit holds neighbours in a column. */
-static inline void pack_group_bf16(size_t width, size_t rows, size_t there, const uint16_t *x, size_t ldx,
-                                   uint32_t *out) {
-    for (size_t i = 0; i < rows; i += 2) {
-        const bool alone = i + 1 == rows;
-        const uint16_t *even = x + i * ldx, *odd = even + (alone ? 0 : ldx);
-        const uint32_t second = alone ? 0 : 0xffffffffu;
-        uint32_t *units = out + i / 2 * width;
-#pragma omp simd
-        for (size_t j = 0; j < there; ++j)
-            units[j] = even[j] | ((uint32_t)odd[j] << 16 & second);
-        memset(units + there, 0, (width - there) * sizeof *units);
-    }
-}
-
-/* Rows of all groups; ldx in numbers of the precision. */
-static inline void pack_rows(nqm_precision precision, size_t width, size_t rows, size_t n, size_t group_units,
-                             const void *x, size_t ldx, uint32_t *out) {
-    for (size_t first = 0; first < n; first += width, out += group_units * width) {
-        const size_t there = smaller(n - first, width);
-        if (precision == NQM_PRECISION_BF16 && there == width)
-            pack_group_bf16(width, rows, width, (const uint16_t *)x + first, ldx, out);
-        else if (precision == NQM_PRECISION_BF16)
-            pack_group_bf16(width, rows, there, (const uint16_t *)x + first, ldx, out);
-        else if (there == width)
-            pack_group_f32(width, rows, width, (const float *)x + first, ldx, out);
-        else
-            pack_group_f32(width, rows, there, (const float *)x + first, ldx, out);
-    }
-}
-
-void nqm_pack_columns(nqm_precision precision, size_t width, size_t m, size_t n, const void *x, size_t ldx,
-                      uint32_t *out) {
-    const size_t units = nqm_units(precision, m);
-    /* Some rows at a time, all the way across: they are read in order, and what is written stays a few lines a group. */
-#pragma omp parallel for schedule(static) if (m * n > MIN_PARALLEL)
-    for (size_t row = 0; row < m; row += ROWS_AT_ONCE) {
-        const size_t rows = smaller(m - row, ROWS_AT_ONCE);
-        const uint32_t *from = (const uint32_t *)x + row * ldx;
-        uint32_t *to = out + (row >> precision) * width;
-        if (width == NQM_STRIP)
-            pack_rows(precision, NQM_STRIP, rows, n, units, from, ldx << precision, to);
-        else
-            pack_rows(precision, NQM_PANEL, rows, n, units, from, ldx << precision, to);
     }
 }

@@ -17,14 +17,11 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
         units[n / 2] = nqm_bf16_bits(x[n - 1]);
 }
 
-static void round_tile(const float *x, uint32_t *units) {
-    for (size_t i = 0; i < NQM_STRIP / 2; ++i)
+static void round_pair(size_t n, const float *even, const float *odd, uint32_t *units) {
 #pragma omp simd
-        for (size_t j = 0; j < NQM_PANEL; ++j)
-            units[i * NQM_PANEL + j] =
-                nqm_bf16_bits(x[2 * i * NQM_PANEL + j]) | nqm_bf16_bits(x[(2 * i + 1) * NQM_PANEL + j]) << 16;
+    for (size_t i = 0; i < n; ++i)
+        units[i] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
 }
-
 #endif
 
 /* The range of the bytes is that of x and 0, so that 0 stands for itself. */

@@ -224,7 +224,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .hidden_row_back = hidden_row_back,                                                                            \
         .gelu = gelu,                                                                                                  \
         .round_row = round_row,                                                                                        \
-        .round_tile = round_tile,                                                                                      \
+        .round_pair = round_pair,                                                                                      \
         .quantise_row = quantise_row,                                                                                  \
         .dequantise = dequantise,                                                                                      \
         .sample_log = sample_log,                                                                                      \

@@ -50,10 +50,11 @@ static double unit_int8(uint32_t a, uint32_t b) {
 
 typedef double (*unit_product)(uint32_t a, uint32_t b);
 
-static double sum_units(size_t units, const uint32_t *a, size_t a_step, const uint32_t *b, unit_product product) {
+static double sum_units(size_t units, const uint32_t *a, size_t a_step, const uint32_t *b, size_t b_step,
+                        unit_product product) {
     double sum = 0;
     for (size_t u = 0; u < units; ++u)
-        sum += product(a[u * a_step], b[u * NQM_PANEL]);
+        sum += product(a[u * a_step], b[u * b_step]);
     return sum;
 }
 
@@ -63,7 +64,7 @@ static void product_float(const nqm_product *p, unit_product product) {
     for (size_t i = 0; i < p->m; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j) {
             double before = p->add ? (double)c[i * p->ldc + j] : 0;
-            c[i * p->ldc + j] = (float)(before + sum_units(p->units, a + i * p->lda, 1, b + j, product));
+            c[i * p->ldc + j] = (float)(before + sum_units(p->units, a + i * p->lda, 1, b + j, NQM_PANEL, product));
         }
 }
 
@@ -81,7 +82,7 @@ static void product_int8(const nqm_product *p) {
     for (size_t i = 0; i < p->m; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j) {
             double before = p->add ? (double)c[i * p->ldc + j] : 0;
-            c[i * p->ldc + j] = (int32_t)(before + sum_units(p->units, a + i * p->lda, 1, b + j, unit_int8));
+            c[i * p->ldc + j] = (int32_t)(before + sum_units(p->units, a + i * p->lda, 1, b + j, NQM_PANEL, unit_int8));
         }
 }
 
@@ -108,18 +109,19 @@ static void row_product_int8(const nqm_row_product *p) {
     by_panels(p, product_int8);
 }
 
-static void gradient(size_t units, const uint32_t *strip, const uint32_t *panel, unit_product product, float *c) {
+static void gradient(const nqm_tile_gradient *g, unit_product product) {
+    const uint32_t *left = g->left, *right = g->right;
     for (size_t i = 0; i < NQM_STRIP; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j)
-            c[i * NQM_PANEL + j] = (float)sum_units(units, strip + i, NQM_STRIP, panel + j, product);
+            g->c[i * NQM_PANEL + j] = (float)sum_units(g->units, left + i, g->ld_left, right + j, g->ld_right, product);
 }
 
-static void gradient_f32(size_t units, const void *strip, const void *panel, float *c) {
-    gradient(units, strip, panel, unit_f32, c);
+static void gradient_f32(const nqm_tile_gradient *g) {
+    gradient(g, unit_f32);
 }
 
-static void gradient_bf16(size_t units, const void *strip, const void *panel, float *c) {
-    gradient(units, strip, panel, unit_bf16, c);
+static void gradient_bf16(const nqm_tile_gradient *g) {
+    gradient(g, unit_bf16);
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -166,12 +168,9 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
         units[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
 }
 
-static void round_tile(const float *x, uint32_t *units) {
-    for (size_t i = 0; i < NQM_STRIP; ++i)
-        for (size_t j = 0; j < NQM_PANEL; ++j) {
-            uint32_t *unit = &units[i / 2 * NQM_PANEL + j], bits = nqm_bf16_bits(x[i * NQM_PANEL + j]);
-            *unit = i % 2 ? *unit | bits << 16 : bits;
-        }
+static void round_pair(size_t n, const float *even, const float *odd, uint32_t *units) {
+    for (size_t i = 0; i < n; ++i)
+        units[i] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
 }
 
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
@@ -267,7 +266,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .hidden_row_back = hidden_row_back,
     .gelu = gelu,
     .round_row = round_row,
-    .round_tile = round_tile,
+    .round_pair = round_pair,
     .quantise_row = quantise_row,
     .dequantise = dequantise,
     .sample_log = sample_log,

@@ -56,17 +56,19 @@ INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
 /* Types cannot stand in parentheses; where a tile is small, some cases of what may be left are alike. */
 /* NOLINTBEGIN(bugprone-macro-parentheses, bugprone-branch-clone) */
 
-/* C (rows, TILE_COLUMNS) = A B: unit u of row i of A lies at a[i row_step + u unit_step]. */
+/* C (rows, TILE_COLUMNS) = A B: unit u of row i of A lies at a[i row_step + u unit_step], rows of B ldb units apart. Where A's
+ * units lie far apart, no processor guesses the next ones: those of the tile that follows are asked for, `ahead` units on. */
 #define DEFINE_TILE(NAME, UNIT, VECTOR_B, NUMBER, VECTOR_C, MADD)                                                      \
     INLINE void NAME(size_t rows, size_t units, const UNIT *restrict a, size_t row_step, size_t unit_step,             \
-                     const UNIT *restrict b, NUMBER *restrict c, size_t ldc, bool add) {                               \
+                     size_t ahead, const UNIT *restrict b, size_t ldb, NUMBER *restrict c, size_t ldc, bool add) {     \
         VECTOR_C sum[TILE_ROWS][TILE_VECTORS];                                                                         \
         UNROLL for (size_t i = 0; i < rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =          \
             add ? *(const VECTOR_C *)(c + i * ldc + j * LANES) : (VECTOR_C){0};                                        \
         for (size_t u = 0; u < units; ++u) {                                                                           \
             VECTOR_B right[TILE_VECTORS];                                                                              \
-            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] =                                                \
-                *(const VECTOR_B *)(b + u * NQM_PANEL + j * LANES);                                                    \
+            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] = *(const VECTOR_B *)(b + u * ldb + j * LANES);  \
+            if (ahead)                                                                                                 \
+                __builtin_prefetch(a + u * unit_step + ahead, 0, 2);                                                   \
             UNROLL for (size_t i = 0; i < rows; ++i) {                                                                 \
                 UNIT left = a[i * row_step + u * unit_step];                                                           \
                 UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);          \
@@ -83,7 +85,8 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 /* Rows in tiles, the rest in one that is as high as it must be. */
 #define REST(N, TILE)                                                                                                  \
     case N:                                                                                                            \
-        TILE(N < TILE_ROWS ? N : 1, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);           \
+        TILE(N < TILE_ROWS ? N : 1, p->units, a + i * p->lda, p->lda, 1, 0, b, NQM_PANEL, c + i * p->ldc, p->ldc,      \
+             p->add);                                                                                                  \
         break;
 
 #define DEFINE_PRODUCT(NAME, TILE, UNIT, NUMBER)                                                                       \
@@ -94,7 +97,7 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
             NUMBER *c = (NUMBER *)p->c + column;                                                                       \
             size_t i = 0;                                                                                              \
             for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)                                                              \
-                TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, b, c + i * p->ldc, p->ldc, p->add);               \
+                TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, 0, b, NQM_PANEL, c + i * p->ldc, p->ldc, p->add); \
             switch (p->m - i) { /* fewer than TILE_ROWS */                                                             \
                 REST(1, TILE)                                                                                          \
                 REST(2, TILE)                                                                                          \
@@ -149,11 +152,11 @@ DEFINE_ROW_PRODUCT(row_product_bf16, uint32_t, vector_u, float, vector_f, MADD_B
 DEFINE_ROW_PRODUCT(row_product_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 
 #define DEFINE_GRADIENT(NAME, TILE, UNIT)                                                                              \
-    static void NAME(size_t units, const void *strip, const void *panel, float *c) {                                   \
+    static void NAME(const nqm_tile_gradient *g) {                                                                     \
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)                                            \
             for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)                                                          \
-                TILE(TILE_ROWS, units, (const UNIT *)strip + i, 1, NQM_STRIP, (const UNIT *)panel + column,            \
-                     c + i * NQM_PANEL + column, NQM_PANEL, false);                                                    \
+                TILE(TILE_ROWS, g->units, (const UNIT *)g->left + i, 1, g->ld_left, 2 * NQM_STRIP,                     \
+                     (const UNIT *)g->right + column, g->ld_right, g->c + i * NQM_PANEL + column, NQM_PANEL, false);   \
     }
 
 _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");

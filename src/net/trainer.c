@@ -4,6 +4,7 @@
  */
 #include "net/trainer_state.h"
 
+#include <omp.h>
 #include <string.h>
 
 static bool has_norm(const nqm_trainer *t, size_t l) {
@@ -12,6 +13,10 @@ static bool has_norm(const nqm_trainer *t, size_t l) {
 
 static bool is_rounded(const nqm_trainer *t) {
     return t->options.precision == NQM_PRECISION_BF16;
+}
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
 }
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
@@ -24,8 +29,20 @@ static float *numbers(nqm_trainer *t, size_t n, bool *complete) {
     return block;
 }
 
-static uint32_t *units(nqm_trainer *t, size_t n, bool *complete) {
+static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
     return (uint32_t *)numbers(t, n, complete);
+}
+
+/* n_rows: of x, where the numbers are rounded. */
+static void create_factor(nqm_trainer *t, size_t n, size_t n_rows, nqm_factor *f, bool *complete) {
+    const size_t batch = t->options.max_batch, units = nqm_units(t->options.precision, n);
+    f->n = n, f->ld = nqm_row_stride(n), f->ld_rows = nqm_row_stride(units);
+    f->x = numbers(t, (is_rounded(t) ? n_rows : batch) * f->ld, complete);
+    f->rows = f->pairs = (uint32_t *)f->x;
+    if (!is_rounded(t))
+        return;
+    f->rows = units_of(t, batch * f->ld_rows, complete);
+    f->pairs = units_of(t, nqm_units(t->options.precision, batch) * f->ld, complete);
 }
 
 static void create_values(nqm_trainer *t, nqm_layer_values *values, size_t l, bool *complete) {
@@ -47,32 +64,23 @@ static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
     if (l > 0 || t->options.input_gradient)
         *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
     layer->xhat = numbers(t, batch * layer->ld, complete);
+    create_factor(t, out, batch, &layer->dz, complete);
     if (!has_norm(t, l))
         return;
-    layer->y = numbers(t, batch * layer->ld, complete);
+    create_factor(t, out, 2 * (size_t)omp_get_max_threads(), &layer->y, complete);
     layer->slope = numbers(t, batch * layer->ld, complete);
     layer->rstd = numbers(t, batch, complete);
-    if (is_rounded(t))
-        layer->rounded_y = units(t, batch * layer->ld, complete);
 }
 
 static void create_scratch(nqm_trainer *t, bool *complete) {
     const size_t batch = t->options.max_batch;
-    size_t widest_in = 0, widest_out = 0;
-    for (size_t l = 0; l < t->shape.n_layers; ++l) {
-        widest_in = t->layer[l].in > widest_in ? t->layer[l].in : widest_in;
-        widest_out = t->layer[l].ld > widest_out ? t->layer[l].ld : widest_out;
-    }
-    t->ld_input = nqm_row_stride(t->shape.sizes[0]);
-    t->x = numbers(t, batch * t->ld_input, complete);
-    const size_t packed_rows = nqm_units(t->options.precision, batch);
-    t->strips = units(t, packed_rows * (widest_in + NQM_STRIP), complete);
-    t->panels = units(t, packed_rows * (widest_out + NQM_PANEL), complete);
+    size_t widest_out = 0;
+    for (size_t l = 0; l < t->shape.n_layers; ++l)
+        widest_out = larger(t->layer[l].ld, widest_out);
+    create_factor(t, t->shape.sizes[0], batch, &t->input, complete);
     t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
-    if (!is_rounded(t))
-        return;
-    t->rounded_x = units(t, batch * t->ld_input, complete);
-    t->rounded_dz = units(t, batch * widest_out, complete);
+    if (is_rounded(t))
+        t->zeros = numbers(t, larger(widest_out, t->input.ld), complete);
 }
 
 nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_options *options, nqm_trainer **trainer_ret,
@@ -184,11 +192,22 @@ void nqm_trainer_refresh(nqm_trainer *t) {
     }
 }
 
+/* ---- factors ----------------------------------------------------------------------------------------------------- */
+
+void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t first, size_t n, const float *x) {
+    if (!is_rounded(t))
+        return;
+    const nqm_kernels *kernels = nqm_kernels_get();
+    for (size_t i = 0; i < n; ++i)
+        kernels->round_row(f->n, x + i * f->ld, f->rows + (first + i) * f->ld_rows);
+    kernels->round_pair(f->n, x, n == 2 ? x + f->ld : t->zeros, f->pairs + first / 2 * f->ld);
+}
+
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
 float *nqm_trainer_inputs(nqm_trainer *t, size_t *ld_ret) {
-    *ld_ret = t->ld_input;
-    return t->x;
+    *ld_ret = t->input.ld;
+    return t->input.x;
 }
 
 void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {
@@ -198,14 +217,14 @@ void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, si
     r->counter = row * ((n + 3) / 4);
 }
 
-static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, const nqm_dropout *dropout) {
+static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, float *y, const nqm_dropout *dropout) {
     const nqm_trainer_layer *layer = &t->layer[l];
     nqm_hidden_row r = {.n = layer->out,
                         .bias = layer->value.vector[NQM_BIAS],
                         .gamma = layer->value.vector[NQM_GAMMA],
                         .beta = layer->value.vector[NQM_BETA],
                         .x = layer->xhat + row * layer->ld,
-                        .y = layer->y + row * layer->ld,
+                        .y = y,
                         .slope = layer->slope + row * layer->ld,
                         .rstd = layer->rstd + row};
     if (dropout && dropout->p > 0)
@@ -217,32 +236,30 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
     const nqm_kernels *kernels = nqm_kernels_get();
     nqm_trainer_layer *layer = &t->layer[l];
 #pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
-    for (size_t row = 0; row < batch; ++row) {
-        nqm_hidden_row r = hidden_row_at(t, l, row, dropout);
-        kernels->hidden_row(&r);
-        if (layer->rounded_y)
-            nqm_round_row(layer->out, r.y, layer->rounded_y + row * layer->ld);
+    for (size_t first = 0; first < batch; first += 2) {
+        const size_t n = batch - first < 2 ? 1 : 2, at = is_rounded(t) ? 2 * (size_t)omp_get_thread_num() : first;
+        float *y = layer->y.x + at * layer->ld;
+        for (size_t i = 0; i < n; ++i) {
+            nqm_hidden_row r = hidden_row_at(t, l, first + i, y + i * layer->ld, dropout);
+            kernels->hidden_row(&r);
+        }
+        nqm_factor_rows_done(t, &layer->y, first, n, y);
     }
 }
 
-void nqm_trainer_input_done(nqm_trainer *t, size_t i) {
-    if (t->rounded_x)
-        nqm_round_row(t->shape.sizes[0], t->x + i * t->ld_input, t->rounded_x + i * t->ld_input);
+void nqm_trainer_inputs_done(nqm_trainer *t, size_t first, size_t n) {
+    nqm_factor_rows_done(t, &t->input, first, n, t->input.x + first * t->input.ld);
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {
     const size_t last = t->shape.n_layers - 1;
-    const bool rounded = is_rounded(t);
-    const void *x = rounded ? (const void *)t->rounded_x : t->x;
-    size_t ld = t->ld_input;
     for (size_t l = 0; l <= last; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
-        nqm_multiply(rounded ? &layer->rounded : &layer->value.w, batch, x, ld, false, layer->xhat, layer->ld);
-        if (l == last)
-            break;
-        hidden_forward(t, l, batch, dropout);
-        x = rounded ? (const void *)layer->rounded_y : layer->y;
-        ld = layer->ld;
+        const nqm_factor *x = l > 0 ? &t->layer[l - 1].y : &t->input;
+        nqm_multiply(is_rounded(t) ? &layer->rounded : &layer->value.w, batch, x->rows, x->ld_rows, false, layer->xhat,
+                     layer->ld);
+        if (l < last)
+            hidden_forward(t, l, batch, dropout);
     }
     const nqm_trainer_layer *output = &t->layer[last];
     for (size_t i = 0; i < batch; ++i)

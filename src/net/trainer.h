@@ -36,8 +36,9 @@ uint64_t nqm_trainer_steps(const nqm_trainer *trainer);
 
 /** Where the inputs of the next batch belong: (max_batch, sizes[0]), *ld_ret numbers from row to row. */
 float *nqm_trainer_inputs(nqm_trainer *trainer, size_t *ld_ret);
-/** Row i of the inputs is filled in; for each row before nqm_trainer_forward(). Any thread, best the one that filled it. */
-void nqm_trainer_input_done(nqm_trainer *trainer, size_t i);
+/** Rows first and, where n is 2, first + 1 of the inputs are filled in; for all rows before nqm_trainer_forward(). first is even, n
+ *  is 1 for the last of an odd number. Any thread, best the one that filled them. */
+void nqm_trainer_inputs_done(nqm_trainer *trainer, size_t first, size_t n);
 /** z (batch): the last layer's output before the sigmoid, for the inputs that were filled in. dropout NULL: none. */
 void nqm_trainer_forward(nqm_trainer *trainer, size_t batch, const nqm_dropout *dropout, float *z);
 

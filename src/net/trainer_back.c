@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The way back through the network in training. Layer by layer from the last: the gradient with respect to a layer's
- * input takes the place of that input, once this is packed; tiles of the gradient of its weights go into a sink, which
- * steps the weights or stores the gradient.
+ * input comes first, by the weights before their step; tiles of the gradient of the weights go into a sink, which steps them
+ * or stores the gradient.
  */
 #include "net/trainer_state.h"
 
@@ -19,12 +19,6 @@ typedef struct sink {
     const nqm_layer *out; /* store here instead of stepping; NULL: step */
 } sink;
 
-/* A layer's input, and the gradient of its product, in the precision of products. */
-typedef struct factors {
-    const void *x, *dz;
-    size_t ldx;
-} factors;
-
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
 static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
@@ -36,8 +30,8 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
     if (!s->layer->rounded.data)
         return;
     uint32_t *units = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
-    for (size_t i = 0; i < n_strips; ++i)
-        nqm_kernels_get()->round_tile(value + i * TILE, units + i * TILE / 2);
+    for (size_t i = 0; i < n_strips * TILE; i += 2 * NQM_PANEL)
+        nqm_kernels_get()->round_pair(NQM_PANEL, value + i, value + i + NQM_PANEL, units + i / 2);
 }
 
 static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
@@ -48,22 +42,19 @@ static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel,
             s->out->w[(panel * NQM_PANEL + j) * in + first + i] = tiles[i * NQM_PANEL + j];
 }
 
-/* After pack(): the gradient of the layer's weights, into the sink. */
-static void weight_gradient(nqm_trainer *t, sink *s, size_t batch) {
+/* The gradient of the weights of a layer with input x, into the sink. */
+static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const nqm_factor *x) {
+    const nqm_factor *dz = &s->layer->dz;
     nqm_gradient_run(&(nqm_gradient){.precision = t->options.precision,
                                      .m = batch,
-                                     .k = s->layer->in,
-                                     .n = s->layer->out,
-                                     .strips = t->strips,
-                                     .panels = t->panels,
+                                     .k = x->n,
+                                     .n = dz->n,
+                                     .x = x->pairs,
+                                     .ldx = x->ld,
+                                     .z = dz->pairs,
+                                     .ldz = dz->ld,
                                      .sink = s->out ? store_tiles : step_tiles,
                                      .user = s});
-}
-
-static void pack(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const factors *f) {
-    const nqm_precision precision = t->options.precision;
-    nqm_pack_columns(precision, NQM_STRIP, batch, layer->in, f->x, f->ldx, t->strips);
-    nqm_pack_columns(precision, NQM_PANEL, batch, layer->out, f->dz, layer->ld, t->panels);
 }
 
 /* ---- bias and LayerNorm ------------------------------------------------------------------------------------------ */
@@ -78,25 +69,34 @@ static void take_vector(const sink *s, size_t which, const float *gradient) {
                         s->layer->v.vector[which], s->layer->value.vector[which]);
 }
 
+/* Rows are rounded two at a time, the last one of all alone. */
+static void dz_row_done(const nqm_trainer *t, const nqm_trainer_layer *layer, size_t row, size_t end) {
+    const size_t first = row / 2 * 2;
+    if (row > first || row + 1 == end)
+        nqm_factor_rows_done(t, &layer->dz, first, row - first + 1, layer->dz.x + first * layer->dz.ld);
+}
+
 static void block_back(nqm_trainer *t, size_t l, size_t block, size_t batch) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_trainer_layer *layer = &t->layer[l];
     float *sums = t->sums + block * NQM_VECTORS * layer->ld;
     memset(sums, 0, NQM_VECTORS * layer->ld * sizeof *sums);
     const size_t end = (block + 1) * NQM_ROW_BLOCK < batch ? (block + 1) * NQM_ROW_BLOCK : batch;
-    for (size_t row = block * NQM_ROW_BLOCK; row < end; ++row)
+    for (size_t row = block * NQM_ROW_BLOCK; row < end; ++row) {
         kernels->hidden_row_back(&(nqm_hidden_row_back){.n = layer->out,
                                                         .gamma = layer->value.vector[NQM_GAMMA],
                                                         .xhat = layer->xhat + row * layer->ld,
                                                         .slope = layer->slope + row * layer->ld,
                                                         .rstd = layer->rstd[row],
-                                                        .dy = layer->y + row * layer->ld,
+                                                        .dy = layer->dz.x + row * layer->ld,
                                                         .dbias = sums + NQM_BIAS * layer->ld,
                                                         .dgamma = sums + NQM_GAMMA * layer->ld,
                                                         .dbeta = sums + NQM_BETA * layer->ld});
+        dz_row_done(t, layer, row, end);
+    }
 }
 
-/* Hidden layer l: its y holds d loss / d y, and afterwards d loss / d (its product). */
+/* Hidden layer l: its dz holds d loss / d y, and afterwards d loss / d (its product). */
 static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
     const nqm_trainer_layer *layer = &t->layer[l];
     const size_t n_blocks = nqm_row_blocks(batch), n = NQM_VECTORS * layer->ld;
@@ -113,19 +113,13 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
-static const void *round_dz(nqm_trainer *t, const nqm_trainer_layer *layer, size_t batch, const float *dz) {
-#pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
-    for (size_t row = 0; row < batch; ++row)
-        nqm_round_row(layer->out, dz + row * layer->ld, t->rounded_dz + row * layer->ld);
-    return t->rounded_dz;
-}
-
 /* dz as the gradient of the output layer, whose bias' gradient is their sum. */
 static void begin(nqm_trainer *t, const sink *s, size_t batch, const float *dz) {
     nqm_trainer_layer *output = &t->layer[t->shape.n_layers - 1];
     double sum = 0;
     for (size_t i = 0; i < batch; ++i) {
-        output->xhat[i * output->ld] = dz[i];
+        output->dz.x[i * output->ld] = dz[i];
+        dz_row_done(t, output, i, batch);
         sum += (double)dz[i];
     }
     const float gradient = (float)sum;
@@ -153,45 +147,36 @@ static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
     return s;
 }
 
-static factors factors_of(nqm_trainer *t, size_t l, size_t batch, const float *dz) {
-    const nqm_trainer_layer *below = l > 0 ? &t->layer[l - 1] : NULL;
-    const bool rounded = t->options.precision == NQM_PRECISION_BF16;
-    factors f = {.x = below ? below->y : t->x, .dz = dz, .ldx = below ? below->ld : t->ld_input};
-    if (rounded) {
-        f.x = below ? below->rounded_y : t->rounded_x;
-        f.dz = round_dz(t, &t->layer[l], batch, dz);
-    }
-    return f;
-}
-
-/* Layer l: dz is the gradient of its product. The gradient of its input takes the place of that input. Returns the gradient
- * of the product below. */
-static const float *layer_back(nqm_trainer *t, const way_back *way, size_t l, const float *dz) {
+/* Layer l, whose dz is known; afterwards that of the layer below is. */
+static void layer_back(nqm_trainer *t, const way_back *way, size_t l) {
     const size_t batch = way->batch;
     sink s = sink_of(t, way, l);
-    nqm_trainer_layer *layer = s.layer;
-    const factors f = factors_of(t, l, batch, dz);
-    pack(t, layer, batch, &f);
-    if (l > 0 || way->dx) /* by the weights before their step */
-        nqm_multiply(&layer->backward, batch, f.dz, layer->ld, false, l > 0 ? t->layer[l - 1].y : t->x, f.ldx);
-    weight_gradient(t, &s, batch);
-    if (l > 0) {
+    nqm_trainer_layer *layer = s.layer, *below = l > 0 ? &t->layer[l - 1] : NULL;
+    if (below)
+        nqm_multiply(&layer->backward, batch, layer->dz.rows, layer->dz.ld_rows, false, below->dz.x, below->dz.ld);
+    weight_gradient(t, &s, batch, below ? &below->y : &t->input);
+    if (below) {
         const sink s_below = sink_of(t, way, l - 1);
         hidden_back(t, &s_below, l - 1, batch);
-        return t->layer[l - 1].y;
     }
-    for (size_t i = 0; way->dx && i < batch; ++i)
-        memcpy(way->dx + i * layer->in, t->x + i * t->ld_input, layer->in * sizeof *way->dx);
-    return NULL;
+}
+
+/* The gradient of the inputs takes their place. */
+static void input_back(nqm_trainer *t, const way_back *way) {
+    const nqm_trainer_layer *first = &t->layer[0];
+    nqm_multiply(&first->backward, way->batch, first->dz.rows, first->dz.ld_rows, false, t->input.x, t->input.ld);
+    for (size_t i = 0; i < way->batch; ++i)
+        memcpy(way->dx + i * t->input.n, t->input.x + i * t->input.ld, t->input.n * sizeof *way->dx);
 }
 
 static void go_back(nqm_trainer *t, const way_back *way) {
     const size_t last = t->shape.n_layers - 1;
     const sink s = sink_of(t, way, last);
     begin(t, &s, way->batch, way->dz);
-    const float *dz = t->layer[last].xhat;
     for (size_t l = last + 1; l-- > 0;)
-        dz = layer_back(t, way, l, dz);
+        layer_back(t, way, l);
+    if (way->dx)
+        input_back(t, way);
 }
 
 void nqm_trainer_step(nqm_trainer *t, size_t batch, const float *dz, const nqm_step_rates *rates) {

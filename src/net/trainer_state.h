@@ -17,18 +17,27 @@ typedef struct nqm_layer_values {
     float *vector[NQM_VECTORS];
 } nqm_layer_values;
 
+/** A matrix (batch, n) on its way into products. In NQM_PRECISION_F32 these take the numbers themselves: all three are one. */
+typedef struct nqm_factor {
+    size_t n, ld;    /* of x and pairs; rows go on with zeros up to ld */
+    size_t ld_rows;  /* of rows */
+    float *x;        /* (max_batch, ld) */
+    uint32_t *rows;  /* (max_batch, ld_rows) units of neighbours in a row: a left factor */
+    uint32_t *pairs; /* (nqm_units() of max_batch, ld) units of neighbours in a column: a factor of a weight gradient */
+} nqm_factor;
+
 /** A linear layer with what follows it, and its activations for a batch. */
 typedef struct nqm_trainer_layer {
     size_t in, out, ld; /* ld: from row to row of the activations */
     nqm_layer_values value, m, v;
     nqm_panels rounded; /* the weights as the forward product reads them; NQM_PRECISION_BF16 only */
     nqm_panels
-        backward; /* (out, in) the transpose, as the product for the input's gradient reads it; empty: not needed */
-    float *xhat;  /* (max_batch, ld) the product, then the normalised values; in the last layer the output */
-    float *y;     /* (max_batch, ld) output of a hidden layer; on the way back the gradient with respect to it */
-    uint32_t *rounded_y; /* (max_batch, ld) units; NQM_PRECISION_BF16 only */
-    float *slope;        /* (max_batch, ld) */
-    float *rstd;         /* (max_batch) */
+        backward;  /* (out, in) the transpose, as the product for the input's gradient reads it; empty: not needed */
+    float *xhat;   /* (max_batch, ld) the product, then the normalised values; in the last layer the output */
+    nqm_factor y;  /* output of a hidden layer; of its numbers only two rows a thread are kept where they are rounded */
+    nqm_factor dz; /* the gradient with respect to y, then to the product */
+    float *slope;  /* (max_batch, ld) */
+    float *rstd;   /* (max_batch) */
 } nqm_trainer_layer;
 
 /** A block of memory, in numbers or units. */
@@ -44,23 +53,22 @@ struct nqm_trainer {
     size_t n_blocks;
     nqm_net_shape shape;
     nqm_trainer_options options;
-    size_t ld_input;
-    float *x;            /* (max_batch, ld_input) */
-    uint32_t *rounded_x; /* likewise, units; NQM_PRECISION_BF16 only */
+    nqm_factor input;
     nqm_trainer_layer layer[NQM_NET_MAX_LAYERS];
-    uint32_t *strips;     /* a layer's input and */
-    uint32_t *panels;     /* its output's gradient, packed for the weights' gradient */
-    uint32_t *rounded_dz; /* (max_batch, widest ld) units; NQM_PRECISION_BF16 only */
-    float *sums;          /* (blocks of rows, NQM_VECTORS, widest ld) of the gradients of bias and LayerNorm */
+    float *zeros; /* (widest ld) the neighbour of a last row without one; NQM_PRECISION_BF16 only */
+    float *sums;  /* (blocks of rows, NQM_VECTORS, widest ld) of the gradients of bias and LayerNorm */
     uint64_t n_steps;
 };
 
-/** Rows whose sums are added first, so that these do not depend on the number of threads. */
+/** Rows whose sums are added first, so that these do not depend on the number of threads. Even. */
 enum { NQM_ROW_BLOCK = 32 };
 
 static inline size_t nqm_row_blocks(size_t batch) {
     return (batch + NQM_ROW_BLOCK - 1) / NQM_ROW_BLOCK;
 }
+
+/** Rows first and, where n is 2, first + 1 of a factor are complete: x, one below the other. first is even. */
+void nqm_factor_rows_done(const nqm_trainer *trainer, const nqm_factor *f, size_t first, size_t n, const float *x);
 
 /** Bring the weights' other forms up to date. */
 void nqm_trainer_refresh(nqm_trainer *trainer);

@@ -229,12 +229,11 @@ void nqm_examples_free(nqm_examples *e) {
 typedef struct gather_job {
     const nqm_examples *e;
     const size_t *index; /* NULL: the rows from `first` on, unscaled */
-    size_t first;
+    size_t first, n;
     const nqm_batch_inputs *to;
 } gather_job;
 
-static void gather_row(void *user, size_t r) {
-    const gather_job *job = user;
+static void gather_row(const gather_job *job, size_t r) {
     const nqm_examples *e = job->e;
     size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
     size_t row = job->index ? i % n_base : i;
@@ -248,16 +247,23 @@ static void gather_row(void *user, size_t r) {
         memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
                NQM_SCALAR_COUNT * sizeof *x);
     job->to->target[r] = e->target[row];
-    if (job->to->row_done)
-        job->to->row_done(job->to->user, r);
+}
+
+static void gather_two_rows(void *user, size_t i) {
+    const gather_job *job = user;
+    const size_t first = 2 * i, n = job->n - first < 2 ? 1 : 2;
+    for (size_t r = first; r < first + n; ++r)
+        gather_row(job, r);
+    if (job->to->rows_done)
+        job->to->rows_done(job->to->user, first, n);
 }
 
 void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, const nqm_batch_inputs *to) {
-    gather_job job = {.e = e, .index = index, .to = to};
-    nqm_parallel_for(n, gather_row, &job);
+    gather_job job = {.e = e, .index = index, .n = n, .to = to};
+    nqm_parallel_for((n + 1) / 2, gather_two_rows, &job);
 }
 
 void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, const nqm_batch_inputs *to) {
-    gather_job job = {.e = e, .first = e->rows.n_train + first, .to = to};
-    nqm_parallel_for(n, gather_row, &job);
+    gather_job job = {.e = e, .first = e->rows.n_train + first, .n = n, .to = to};
+    nqm_parallel_for((n + 1) / 2, gather_two_rows, &job);
 }

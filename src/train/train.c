@@ -88,12 +88,12 @@ static void shuffle(run *r) {
     nqm_rng_shuffle(&rng, r->examples.n_train, r->order);
 }
 
-static void input_done(void *trainer, size_t i) {
-    nqm_trainer_input_done(trainer, i);
+static void inputs_done(void *trainer, size_t first, size_t n) {
+    nqm_trainer_inputs_done(trainer, first, n);
 }
 
 static nqm_batch_inputs inputs_of(const run *r) {
-    nqm_batch_inputs to = {.target = r->target, .row_done = input_done, .user = r->trainer};
+    nqm_batch_inputs to = {.target = r->target, .rows_done = inputs_done, .user = r->trainer};
     to.x = nqm_trainer_inputs(r->trainer, &to.ldx);
     return to;
 }

@@ -156,7 +156,8 @@ typedef struct nqm_batch_inputs {
     float *x;      /* (n, width), ldx numbers from row to row */
     float *target; /* (n) */
     size_t ldx;
-    void (*row_done)(void *user, size_t i); /* called by the thread that has filled in row i; NULL: not */
+    /* Called by the thread that has filled in rows first and, where n is 2, first + 1; first is even. NULL: not. */
+    void (*rows_done)(void *user, size_t first, size_t n);
     void *user;
 } nqm_batch_inputs;
 

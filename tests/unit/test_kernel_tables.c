@@ -280,39 +280,41 @@ static void collect(void *user, size_t strip, size_t n_strips, size_t panel, con
                NQM_PANEL * sizeof *tiles);
 }
 
-/* (m, n) units apart by n. */
-static uint32_t *rows_of(nqm_precision precision, size_t m, size_t n, const float *x) {
-    uint32_t *rows = nqm_alloc(m * n, sizeof *rows);
-    for (size_t i = 0; i < m; ++i)
+/* x (m, n) as a factor of a gradient, in blocks as large as must be there and no larger. */
+static uint32_t *factor_of(nqm_precision precision, size_t m, size_t n, size_t width, const float *x, size_t *ld_ret) {
+    const size_t units = nqm_units(precision, m), ld = (n + width - 1) / width * width;
+    uint32_t *rows = nqm_alloc(units * ld, sizeof *rows);
+    float *zeros = nqm_alloc(n, sizeof *zeros);
+    for (size_t u = 0; u < units; ++u) {
+        const float *row = x + (u << precision) * n;
         if (precision == NQM_PRECISION_BF16)
-            nqm_round_row(n, x + i * n, rows + i * n);
+            nqm_kernels_get()->round_pair(n, row, 2 * u + 1 < m ? row + n : zeros, rows + u * ld);
         else
-            memcpy(rows + i * n, x + i * n, n * sizeof *x);
+            memcpy(rows + u * ld, row, n * sizeof *row);
+    }
+    nqm_free(zeros);
+    *ld_ret = ld;
     return rows;
 }
 
 static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, const size_t size[3], const float *x,
                           const float *z) {
-    const size_t m = size[0], k = size[1], n = size[2], units = nqm_units(precision, m);
+    const size_t m = size[0], k = size[1], n = size[2];
     const size_t n_strips = (k + NQM_STRIP - 1) / NQM_STRIP, n_panels = (n + NQM_PANEL - 1) / NQM_PANEL;
-    uint32_t *strips = nqm_alloc(n_strips * units, NQM_STRIP * sizeof *strips);
-    uint32_t *panels = nqm_alloc(n_panels * units, NQM_PANEL * sizeof *panels);
-    uint32_t *rows_x = rows_of(precision, m, k, x), *rows_z = rows_of(precision, m, n, z);
-    nqm_pack_columns(precision, NQM_STRIP, m, k, rows_x, k, strips);
-    nqm_pack_columns(precision, NQM_PANEL, m, n, rows_z, n, panels);
-    nqm_free(rows_x);
-    nqm_free(rows_z);
+    size_t ldx, ldz;
+    nqm_kernels_use(kernels);
+    uint32_t *left = factor_of(precision, m, k, NQM_STRIP, x, &ldx);
+    uint32_t *right = factor_of(precision, m, n, NQM_PANEL, z, &ldz);
     collected all = {.ld = n_panels * NQM_PANEL, .n_panels = n_panels};
     all.c = nqm_alloc(n_strips * NQM_STRIP * all.ld, sizeof *all.c);
     all.seen = nqm_alloc(n_strips * n_panels, 1);
-    nqm_kernels_use(kernels);
-    nqm_gradient_run(&(nqm_gradient){precision, m, k, n, strips, panels, collect, &all});
+    nqm_gradient_run(&(nqm_gradient){precision, m, k, n, left, right, ldx, ldz, collect, &all});
     nqm_kernels_use(NULL);
     for (size_t i = 0; i < n_strips * n_panels; ++i)
         assert_int_equal(all.seen[i], 1);
     nqm_free(all.seen);
-    nqm_free(strips);
-    nqm_free(panels);
+    nqm_free(left);
+    nqm_free(right);
     return all.c;
 }
 

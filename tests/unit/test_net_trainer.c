@@ -38,7 +38,8 @@ static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision pre
     for (size_t i = 0; i < batch; ++i) {
         for (size_t k = 0; k < shape.sizes[0]; ++k)
             x[i * ld + k] = (float)nqm_rng_normal(&rng);
-        nqm_trainer_input_done(t.trainer, i);
+        if (i % 2 || i + 1 == batch)
+            nqm_trainer_inputs_done(t.trainer, i / 2 * 2, 1 + i % 2);
     }
     t.target = nqm_alloc(batch, sizeof *t.target);
     for (size_t i = 0; i < batch; ++i)
