@@ -45,6 +45,18 @@ static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
            n_strips * NQM_STRIP * NQM_PANEL * sizeof *tiles);
 }
 
+/* How a factor (k, n) of a weight gradient lies in memory. */
+static nqm_columns columns_of(const job *j, size_t n, size_t width, const uint32_t *data) {
+    if (j->precision == NQM_PRECISION_F32)
+        return (nqm_columns){data, width, nqm_row_stride(n)};
+    return (nqm_columns){data, nqm_row_stride(width * nqm_units(j->precision, j->k)), width};
+}
+
+static size_t factor_units(const job *j, size_t n, size_t width) {
+    const nqm_columns columns = columns_of(j, n, width, NULL);
+    return j->precision == NQM_PRECISION_F32 ? j->k * columns.ld : (n + width - 1) / width * columns.step;
+}
+
 static void run_gradient(void *user) {
     job *j = user;
     /* C (m, n) are weights (in, out); the sum runs over the batch. */
@@ -52,10 +64,8 @@ static void run_gradient(void *user) {
                                      .m = j->k,
                                      .k = j->m,
                                      .n = j->n,
-                                     .x = j->rows,
-                                     .ldx = nqm_row_stride(j->m),
-                                     .z = j->rows_right,
-                                     .ldz = nqm_row_stride(j->n),
+                                     .x = columns_of(j, j->m, NQM_STRIP, j->rows),
+                                     .z = columns_of(j, j->n, NQM_PANEL, j->rows_right),
                                      .sink = keep_tiles,
                                      .user = j});
 }
@@ -112,14 +122,14 @@ static void free_job(job *j) {
 }
 
 /* A factor (k, n) of a weight gradient as training has it. */
-static void fill_pairs(const job *j, size_t n, const float *x, uint32_t *rows) {
-    const size_t ld = nqm_row_stride(n);
+static void fill_columns(const job *j, size_t n, size_t width, const float *x, uint32_t *to) {
+    const nqm_columns columns = columns_of(j, n, width, to);
     for (size_t i = 0; i < j->k; i += 2)
         if (j->precision == NQM_PRECISION_BF16)
-            nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, rows + i / 2 * ld);
+            nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, width, columns.step, to + i / 2 * width);
         else {
-            memcpy(rows + i * ld, x + i * n, n * sizeof *x);
-            memcpy(rows + (i + 1) * ld, x + (i + 1) * n, n * sizeof *x);
+            memcpy(to + i * columns.ld, x + i * n, n * sizeof *x);
+            memcpy(to + (i + 1) * columns.ld, x + (i + 1) * n, n * sizeof *x);
         }
 }
 
@@ -135,17 +145,17 @@ static nqm_status make_job(job *j, nqm_error *err) {
     j->x = nqm_alloc(j->m * j->k, sizeof *j->x);
     j->w = nqm_alloc(j->n * j->k, sizeof *j->w);
     j->c = nqm_alloc(j->m * nqm_row_stride(j->n), sizeof *j->c);
-    j->rows = gradient ? nqm_alloc(j->k, nqm_row_stride(j->m) * sizeof *j->rows)
+    j->rows = gradient ? nqm_alloc(factor_units(j, j->m, NQM_STRIP), sizeof *j->rows)
                        : nqm_alloc(j->m, nqm_row_stride(j->panels.units) * sizeof *j->rows);
     if (gradient)
-        j->rows_right = nqm_alloc(j->k, nqm_row_stride(j->n) * sizeof *j->rows_right);
+        j->rows_right = nqm_alloc(factor_units(j, j->n, NQM_PANEL), sizeof *j->rows_right);
     if (!j->x || !j->w || !j->c || !j->rows || (gradient && !j->rows_right))
         return nqm_fail_nomem(err, (j->m + j->n) * j->k * sizeof *j->x);
     fill_random(j->m * j->k, j->x, 1);
     fill_random(j->n * j->k, j->w, 2);
     if (gradient) {
-        fill_pairs(j, j->m, j->x, j->rows);
-        fill_pairs(j, j->n, j->w, j->rows_right);
+        fill_columns(j, j->m, NQM_STRIP, j->x, j->rows);
+        fill_columns(j, j->n, NQM_PANEL, j->w, j->rows_right);
     } else {
         nqm_panels_pack(&j->panels, j->w, j->k);
         fill_rows(j);

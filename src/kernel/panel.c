@@ -49,10 +49,10 @@ void nqm_gradient_run(const nqm_gradient *g) {
         for (size_t strip = 0; strip < n; ++strip)
             kernels->gradient[g->precision](
                 &(nqm_tile_gradient){.units = units,
-                                     .left = (const uint32_t *)g->x + (first + strip) * NQM_STRIP,
-                                     .ld_left = g->ldx,
-                                     .right = (const uint32_t *)g->z + panel * NQM_PANEL,
-                                     .ld_right = g->ldz,
+                                     .left = (const uint32_t *)g->x.data + (first + strip) * g->x.step,
+                                     .ld_left = g->x.ld,
+                                     .right = (const uint32_t *)g->z.data + panel * g->z.step,
+                                     .ld_right = g->z.ld,
                                      .c = tiles + strip * NQM_STRIP * NQM_PANEL});
         g->sink(g->user, first, n, panel, tiles);
     }

@@ -77,14 +77,21 @@ static inline size_t nqm_row_stride(size_t n) {
  *  columns from NQM_PANEL panel on. Called on several threads, for each tile once. */
 typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles);
 
-/** X^T Z of x (m, k) and z (m, n): rows of floats, or of units that hold two neighbours of a column (round_pair() of
- *  kernel.h), with a row of zeros for the neighbour that is missing where m is odd. Rows go on with zeros up to whole strips
- *  and panels. Some tiles at a time into `sink`, so that a gradient need not be stored before it is used. */
+/** Columns of activations as a factor of a weight gradient, in groups of NQM_STRIP or NQM_PANEL; the last group goes on with
+ *  zeros. Floats may lie in rows as they are (step: the columns of a group); of bfloat16 a unit holds two neighbours of a
+ *  column (round_pair() of kernel.h), with 0 for one that is missing, best with each group in one piece. */
+typedef struct nqm_columns {
+    const void *data;
+    size_t step; /**< units from a group to the next */
+    size_t ld;   /**< units from row to row; best an odd number of cache lines, or a group */
+} nqm_columns;
+
+/** X^T Z of x (m, k), in strips, and z (m, n), in panels. Some tiles at a time into `sink`, so that a gradient need not be
+ *  stored before it is used. */
 typedef struct nqm_gradient {
     nqm_precision precision; /**< NQM_PRECISION_F32 or _BF16 */
     size_t m, k, n;
-    const void *x, *z; /**< (nqm_units(precision, m), k or n) */
-    size_t ldx, ldz;   /**< units from row to row; best nqm_row_stride() */
+    nqm_columns x, z;
     nqm_tile_sink sink;
     void *user;
 } nqm_gradient;

@@ -199,7 +199,7 @@ void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
     for (size_t p = 0; p < from->n_panels; ++p) {
         const float *rows = (const float *)nqm_panel_at(from, p);
         for (size_t i = 0; i < from->stride; i += 2)
-            kernels->round_pair(NQM_PANEL, rows + i * NQM_PANEL, rows + (i + 1) * NQM_PANEL,
+            kernels->round_pair(NQM_PANEL, rows + i * NQM_PANEL, rows + (i + 1) * NQM_PANEL, NQM_PANEL, 0,
                                 nqm_panel_at(to, p) + i / 2 * NQM_PANEL);
     }
 }

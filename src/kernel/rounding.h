@@ -17,10 +17,13 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
         units[n / 2] = nqm_bf16_bits(x[n - 1]);
 }
 
-static void round_pair(size_t n, const float *even, const float *odd, uint32_t *units) {
+static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
+    for (size_t first = 0; first < n; first += width, units += step) {
+        const size_t there = n - first < width ? n - first : width;
 #pragma omp simd
-    for (size_t i = 0; i < n; ++i)
-        units[i] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
+        for (size_t i = 0; i < there; ++i)
+            units[i] = nqm_bf16_bits(even[first + i]) | nqm_bf16_bits(odd[first + i]) << 16;
+    }
 }
 #endif
 

@@ -168,9 +168,9 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
         units[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
 }
 
-static void round_pair(size_t n, const float *even, const float *odd, uint32_t *units) {
+static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
     for (size_t i = 0; i < n; ++i)
-        units[i] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
+        units[i / width * step + i % width] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
 }
 
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {

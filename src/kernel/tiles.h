@@ -151,15 +151,15 @@ DEFINE_ROW_PRODUCT(row_product_f32, float, vector_f, float, vector_f, MADD_F32)
 DEFINE_ROW_PRODUCT(row_product_bf16, uint32_t, vector_u, float, vector_f, MADD_BF16)
 DEFINE_ROW_PRODUCT(row_product_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 
-#define DEFINE_GRADIENT(NAME, TILE, UNIT)                                                                              \
+#define DEFINE_GRADIENT(NAME, TILE, UNIT, AHEAD)                                                                       \
     static void NAME(const nqm_tile_gradient *g) {                                                                     \
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)                                            \
             for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)                                                          \
-                TILE(TILE_ROWS, g->units, (const UNIT *)g->left + i, 1, g->ld_left, 2 * NQM_STRIP,                     \
+                TILE(TILE_ROWS, g->units, (const UNIT *)g->left + i, 1, g->ld_left, AHEAD,                             \
                      (const UNIT *)g->right + column, g->ld_right, g->c + i * NQM_PANEL + column, NQM_PANEL, false);   \
     }
 
 _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");
-DEFINE_GRADIENT(gradient_f32, tile_f32, float)
-DEFINE_GRADIENT(gradient_bf16, tile_bf16, uint32_t)
+DEFINE_GRADIENT(gradient_f32, tile_f32, float, 2 * NQM_STRIP)
+DEFINE_GRADIENT(gradient_bf16, tile_bf16, uint32_t, 0)
 /* NOLINTEND(bugprone-macro-parentheses, bugprone-branch-clone) */

@@ -34,15 +34,19 @@ static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
 }
 
 /* n_rows: of x, where the numbers are rounded. */
-static void create_factor(nqm_trainer *t, size_t n, size_t n_rows, nqm_factor *f, bool *complete) {
-    const size_t batch = t->options.max_batch, units = nqm_units(t->options.precision, n);
-    f->n = n, f->ld = nqm_row_stride(n), f->ld_rows = nqm_row_stride(units);
+static void create_factor(nqm_trainer *t, size_t n, size_t width, size_t n_rows, nqm_factor *f, bool *complete) {
+    const size_t batch = t->options.max_batch;
+    *f = (nqm_factor){.n = n, .ld = nqm_row_stride(n), .width = width};
     f->x = numbers(t, (is_rounded(t) ? n_rows : batch) * f->ld, complete);
-    f->rows = f->pairs = (uint32_t *)f->x;
+    f->rows = (uint32_t *)f->x, f->ld_rows = f->ld;
+    f->columns = (nqm_columns){f->x, width, f->ld};
     if (!is_rounded(t))
         return;
+    f->ld_rows = nqm_row_stride(nqm_units(NQM_PRECISION_BF16, n));
     f->rows = units_of(t, batch * f->ld_rows, complete);
-    f->pairs = units_of(t, nqm_units(t->options.precision, batch) * f->ld, complete);
+    f->columns.step = nqm_row_stride(width * nqm_units(NQM_PRECISION_BF16, batch));
+    f->columns.ld = width;
+    f->columns.data = f->pairs = units_of(t, (n + width - 1) / width * f->columns.step, complete);
 }
 
 static void create_values(nqm_trainer *t, nqm_layer_values *values, size_t l, bool *complete) {
@@ -64,10 +68,10 @@ static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
     if (l > 0 || t->options.input_gradient)
         *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
     layer->xhat = numbers(t, batch * layer->ld, complete);
-    create_factor(t, out, batch, &layer->dz, complete);
+    create_factor(t, out, NQM_PANEL, batch, &layer->dz, complete);
     if (!has_norm(t, l))
         return;
-    create_factor(t, out, 2 * (size_t)omp_get_max_threads(), &layer->y, complete);
+    create_factor(t, out, NQM_STRIP, 2 * (size_t)omp_get_max_threads(), &layer->y, complete);
     layer->slope = numbers(t, batch * layer->ld, complete);
     layer->rstd = numbers(t, batch, complete);
 }
@@ -77,7 +81,7 @@ static void create_scratch(nqm_trainer *t, bool *complete) {
     size_t widest_out = 0;
     for (size_t l = 0; l < t->shape.n_layers; ++l)
         widest_out = larger(t->layer[l].ld, widest_out);
-    create_factor(t, t->shape.sizes[0], batch, &t->input, complete);
+    create_factor(t, t->shape.sizes[0], NQM_STRIP, batch, &t->input, complete);
     t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
     if (is_rounded(t))
         t->zeros = numbers(t, larger(widest_out, t->input.ld), complete);
@@ -200,7 +204,8 @@ void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t firs
     const nqm_kernels *kernels = nqm_kernels_get();
     for (size_t i = 0; i < n; ++i)
         kernels->round_row(f->n, x + i * f->ld, f->rows + (first + i) * f->ld_rows);
-    kernels->round_pair(f->n, x, n == 2 ? x + f->ld : t->zeros, f->pairs + first / 2 * f->ld);
+    kernels->round_pair(f->n, x, n == 2 ? x + f->ld : t->zeros, f->width, f->columns.step,
+                        f->pairs + first / 2 * f->width);
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */

@@ -31,7 +31,7 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
         return;
     uint32_t *units = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
     for (size_t i = 0; i < n_strips * TILE; i += 2 * NQM_PANEL)
-        nqm_kernels_get()->round_pair(NQM_PANEL, value + i, value + i + NQM_PANEL, units + i / 2);
+        nqm_kernels_get()->round_pair(NQM_PANEL, value + i, value + i + NQM_PANEL, NQM_PANEL, 0, units + i / 2);
 }
 
 static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
@@ -49,10 +49,8 @@ static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const n
                                      .m = batch,
                                      .k = x->n,
                                      .n = dz->n,
-                                     .x = x->pairs,
-                                     .ldx = x->ld,
-                                     .z = dz->pairs,
-                                     .ldz = dz->ld,
+                                     .x = x->columns,
+                                     .z = dz->columns,
                                      .sink = s->out ? store_tiles : step_tiles,
                                      .user = s});
 }

@@ -17,13 +17,16 @@ typedef struct nqm_layer_values {
     float *vector[NQM_VECTORS];
 } nqm_layer_values;
 
-/** A matrix (batch, n) on its way into products. In NQM_PRECISION_F32 these take the numbers themselves: all three are one. */
+/** A matrix (batch, n) on its way into products. In NQM_PRECISION_F32 these take the numbers as they lie. */
 typedef struct nqm_factor {
-    size_t n, ld;    /* of x and pairs; rows go on with zeros up to ld */
-    size_t ld_rows;  /* of rows */
-    float *x;        /* (max_batch, ld) */
-    uint32_t *rows;  /* (max_batch, ld_rows) units of neighbours in a row: a left factor */
-    uint32_t *pairs; /* (nqm_units() of max_batch, ld) units of neighbours in a column: a factor of a weight gradient */
+    size_t n, ld; /* rows of x go on with zeros up to ld */
+    float *x;     /* (max_batch, ld) */
+    uint32_t *
+        rows; /* (max_batch, ld_rows) units of neighbours in a row: the left factor of a product; x itself, or rounded */
+    size_t ld_rows;
+    size_t width; /* of a group of columns: NQM_STRIP for a layer's input, NQM_PANEL for its product's gradient */
+    nqm_columns columns; /* the same as a factor of a weight gradient; x itself, or in `pairs` */
+    uint32_t *pairs;     /* (groups, columns.step); NQM_PRECISION_BF16 only */
 } nqm_factor;
 
 /** A linear layer with what follows it, and its activations for a batch. */

@@ -249,21 +249,24 @@ static void gather_row(const gather_job *job, size_t r) {
     job->to->target[r] = e->target[row];
 }
 
-static void gather_two_rows(void *user, size_t i) {
+enum { ROWS_AT_ONCE = 8 }; /* even; a thread's neighbouring rows: what is made of two of them may share cache lines */
+
+static void gather_rows(void *user, size_t i) {
     const gather_job *job = user;
-    const size_t first = 2 * i, n = job->n - first < 2 ? 1 : 2;
-    for (size_t r = first; r < first + n; ++r)
+    const size_t first = ROWS_AT_ONCE * i, end = first + ROWS_AT_ONCE < job->n ? first + ROWS_AT_ONCE : job->n;
+    for (size_t r = first; r < end; ++r) {
         gather_row(job, r);
-    if (job->to->rows_done)
-        job->to->rows_done(job->to->user, first, n);
+        if (job->to->rows_done && (r % 2 || r + 1 == end))
+            job->to->rows_done(job->to->user, r / 2 * 2, 1 + r % 2);
+    }
 }
 
 void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, const nqm_batch_inputs *to) {
     gather_job job = {.e = e, .index = index, .n = n, .to = to};
-    nqm_parallel_for((n + 1) / 2, gather_two_rows, &job);
+    nqm_parallel_for((n + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE, gather_rows, &job);
 }
 
 void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, const nqm_batch_inputs *to) {
     gather_job job = {.e = e, .first = e->rows.n_train + first, .n = n, .to = to};
-    nqm_parallel_for((n + 1) / 2, gather_two_rows, &job);
+    nqm_parallel_for((n + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE, gather_rows, &job);
 }

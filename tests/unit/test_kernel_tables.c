@@ -280,41 +280,40 @@ static void collect(void *user, size_t strip, size_t n_strips, size_t panel, con
                NQM_PANEL * sizeof *tiles);
 }
 
-/* x (m, n) as a factor of a gradient, in blocks as large as must be there and no larger. */
-static uint32_t *factor_of(nqm_precision precision, size_t m, size_t n, size_t width, const float *x, size_t *ld_ret) {
-    const size_t units = nqm_units(precision, m), ld = (n + width - 1) / width * width;
-    uint32_t *rows = nqm_alloc(units * ld, sizeof *rows);
+/* x (m, n) as a factor of a gradient, in a block as large as must be there and no larger. */
+static nqm_columns factor_of(nqm_precision precision, size_t m, size_t n, size_t width, const float *x) {
+    const size_t units = nqm_units(precision, m), n_groups = (n + width - 1) / width;
+    const bool rounded = precision == NQM_PRECISION_BF16;
+    uint32_t *data = nqm_alloc(n_groups * units, width * sizeof *data);
     float *zeros = nqm_alloc(n, sizeof *zeros);
     for (size_t u = 0; u < units; ++u) {
         const float *row = x + (u << precision) * n;
-        if (precision == NQM_PRECISION_BF16)
-            nqm_kernels_get()->round_pair(n, row, 2 * u + 1 < m ? row + n : zeros, rows + u * ld);
+        if (rounded)
+            nqm_kernels_get()->round_pair(n, row, 2 * u + 1 < m ? row + n : zeros, width, units * width,
+                                          data + u * width);
         else
-            memcpy(rows + u * ld, row, n * sizeof *row);
+            memcpy(data + u * n_groups * width, row, n * sizeof *row);
     }
     nqm_free(zeros);
-    *ld_ret = ld;
-    return rows;
+    return rounded ? (nqm_columns){data, units * width, width} : (nqm_columns){data, width, n_groups * width};
 }
 
 static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, const size_t size[3], const float *x,
                           const float *z) {
     const size_t m = size[0], k = size[1], n = size[2];
     const size_t n_strips = (k + NQM_STRIP - 1) / NQM_STRIP, n_panels = (n + NQM_PANEL - 1) / NQM_PANEL;
-    size_t ldx, ldz;
     nqm_kernels_use(kernels);
-    uint32_t *left = factor_of(precision, m, k, NQM_STRIP, x, &ldx);
-    uint32_t *right = factor_of(precision, m, n, NQM_PANEL, z, &ldz);
+    const nqm_columns left = factor_of(precision, m, k, NQM_STRIP, x), right = factor_of(precision, m, n, NQM_PANEL, z);
     collected all = {.ld = n_panels * NQM_PANEL, .n_panels = n_panels};
     all.c = nqm_alloc(n_strips * NQM_STRIP * all.ld, sizeof *all.c);
     all.seen = nqm_alloc(n_strips * n_panels, 1);
-    nqm_gradient_run(&(nqm_gradient){precision, m, k, n, left, right, ldx, ldz, collect, &all});
+    nqm_gradient_run(&(nqm_gradient){precision, m, k, n, left, right, collect, &all});
     nqm_kernels_use(NULL);
     for (size_t i = 0; i < n_strips * n_panels; ++i)
         assert_int_equal(all.seen[i], 1);
     nqm_free(all.seen);
-    nqm_free(left);
-    nqm_free(right);
+    nqm_free((void *)(uintptr_t)left.data);
+    nqm_free((void *)(uintptr_t)right.data);
     return all.c;
 }
 
