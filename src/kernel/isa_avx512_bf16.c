@@ -31,21 +31,39 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
     _mm512_mask_storeu_epi32(units + i / 2, out, (__m512i)both);
 }
 
-/* A unit for each of at most 16 columns. */
-static inline void round_columns(__mmask16 there, const float *even, const float *odd, uint32_t *units) {
+enum { COLUMNS = 16 };
+
+static inline __mmask16 first_columns(size_t n) {
+    return n < COLUMNS ? (__mmask16)((1u << n) - 1) : 0xffff;
+}
+
+/* Some groups of `width` columns of two rows; `width` is a constant where this is inlined. */
+INLINE void round_groups(size_t n, size_t width, const float *even, const float *odd, size_t step, uint32_t *units) {
     static const uint16_t pairs[32] = {0, 16, 1, 17, 2,  18, 3,  19, 4,  20, 5,  21, 6,  22, 7,  23,
                                        8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
-    __m512bh both = _mm512_cvtne2ps_pbh(_mm512_maskz_loadu_ps(there, odd), _mm512_maskz_loadu_ps(there, even));
-    _mm512_mask_storeu_epi32(units, there, _mm512_permutexvar_epi16(_mm512_loadu_si512(pairs), (__m512i)both));
+    const __m512i order = _mm512_loadu_si512(pairs);
+    for (size_t g = 0; g < n; ++g, even += width, odd += width, units += step)
+        for (size_t i = 0; i < width; i += COLUMNS) {
+            const __mmask16 there = first_columns(width - i);
+            __m512bh both =
+                _mm512_cvtne2ps_pbh(_mm512_maskz_loadu_ps(there, odd + i), _mm512_maskz_loadu_ps(there, even + i));
+            _mm512_mask_storeu_epi32(units + i, there, _mm512_permutexvar_epi16(order, (__m512i)both));
+        }
 }
 
 static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
-    for (size_t first = 0; first < n; first += width, units += step) {
-        const size_t there = n - first < width ? n - first : width;
-        for (size_t i = 0; i < there; i += 16)
-            round_columns(there - i < 16 ? (__mmask16)((1u << (there - i)) - 1) : 0xffff, even + first + i,
-                          odd + first + i, units + i);
-    }
+    const size_t whole = n / width, at = whole * width;
+    if (width == NQM_STRIP)
+        round_groups(whole, NQM_STRIP, even, odd, step, units);
+    else
+        round_groups(whole, NQM_PANEL, even, odd, step, units);
+    if (at < n)
+        round_groups(1, n - at, even + at, odd + at, 0, units + whole * step);
+}
+
+static void round_tile(const float *x, uint32_t *units) {
+    for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
+        round_groups(1, NQM_PANEL, x, x + NQM_PANEL, 0, units + i * NQM_PANEL);
 }
 
 #include "kernel/rows.h"

@@ -144,9 +144,11 @@ typedef struct nqm_kernels {
     void (*scale_log)(size_t n, float k1, const float *t, float *scaled);
     /** x (n) as bfloat16 (nqm_units() units), to nearest, ties to even. */
     void (*round_row)(size_t n, const float *x, uint32_t *units);
-    /** Two rows (n) likewise, but a unit holds two neighbours of a column; each group of `width` columns, at most NQM_PANEL,
-     *  is `step` units from the one before. */
+    /** Two rows (n) likewise, but a unit holds two neighbours of a column; groups of columns, `width` (NQM_STRIP or NQM_PANEL)
+     *  each, go to places `step` units apart. */
     void (*round_pair)(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units);
+    /** x (NQM_STRIP, NQM_PANEL) likewise: (NQM_STRIP / 2, NQM_PANEL). */
+    void (*round_tile)(const float *x, uint32_t *units);
     /** x (n) as unsigned bytes; returns what they stand for: 0 stands for itself. */
     nqm_byte_scale (*quantise_row)(size_t n, const float *x, uint32_t *units);
     /** c (m, NQM_PANEL) = what the integer sums (m, NQM_PANEL) of bytes stand for, or c + that; rows: (m). */

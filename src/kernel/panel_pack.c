@@ -196,10 +196,8 @@ void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to) {
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {
     const nqm_kernels *kernels = nqm_kernels_get();
 #pragma omp parallel for schedule(static) if (from->n_panels > 1)
-    for (size_t p = 0; p < from->n_panels; ++p) {
-        const float *rows = (const float *)nqm_panel_at(from, p);
-        for (size_t i = 0; i < from->stride; i += 2)
-            kernels->round_pair(NQM_PANEL, rows + i * NQM_PANEL, rows + (i + 1) * NQM_PANEL, NQM_PANEL, 0,
+    for (size_t p = 0; p < from->n_panels; ++p)
+        for (size_t i = 0; i < from->stride; i += NQM_STRIP)
+            kernels->round_tile((const float *)nqm_panel_at(from, p) + i * NQM_PANEL,
                                 nqm_panel_at(to, p) + i / 2 * NQM_PANEL);
-    }
 }

@@ -25,6 +25,11 @@ static void round_pair(size_t n, const float *even, const float *odd, size_t wid
             units[i] = nqm_bf16_bits(even[first + i]) | nqm_bf16_bits(odd[first + i]) << 16;
     }
 }
+
+static void round_tile(const float *x, uint32_t *units) {
+    for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
+        round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, units + i * NQM_PANEL);
+}
 #endif
 
 /* The range of the bytes is that of x and 0, so that 0 stands for itself. */

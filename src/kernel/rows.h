@@ -225,6 +225,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .gelu = gelu,                                                                                                  \
         .round_row = round_row,                                                                                        \
         .round_pair = round_pair,                                                                                      \
+        .round_tile = round_tile,                                                                                      \
         .quantise_row = quantise_row,                                                                                  \
         .dequantise = dequantise,                                                                                      \
         .sample_log = sample_log,                                                                                      \

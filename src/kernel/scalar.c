@@ -173,6 +173,11 @@ static void round_pair(size_t n, const float *even, const float *odd, size_t wid
         units[i / width * step + i % width] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
 }
 
+static void round_tile(const float *x, uint32_t *units) {
+    for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
+        round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, units + i * NQM_PANEL);
+}
+
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
     unsigned char *bytes = (unsigned char *)units;
     float low = 0, high = 0;
@@ -267,6 +272,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .gelu = gelu,
     .round_row = round_row,
     .round_pair = round_pair,
+    .round_tile = round_tile,
     .quantise_row = quantise_row,
     .dequantise = dequantise,
     .sample_log = sample_log,

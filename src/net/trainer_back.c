@@ -30,8 +30,8 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
     if (!s->layer->rounded.data)
         return;
     uint32_t *units = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
-    for (size_t i = 0; i < n_strips * TILE; i += 2 * NQM_PANEL)
-        nqm_kernels_get()->round_pair(NQM_PANEL, value + i, value + i + NQM_PANEL, NQM_PANEL, 0, units + i / 2);
+    for (size_t i = 0; i < n_strips; ++i)
+        nqm_kernels_get()->round_tile(value + i * TILE, units + i * TILE / 2);
 }
 
 static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
