@@ -38,6 +38,8 @@ void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, si
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) becomes the transpose of from (k, n); from is in NQM_PRECISION_F32, `to` in that or in _BF16. */
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to);
+/** Of that the rows [first, first + n), multiples of 4, of a panel of `from`. */
+void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel);
 /** `to` (NQM_PRECISION_BF16) becomes `from` (NQM_PRECISION_F32) rounded. */
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to);
 /** Panel p. */

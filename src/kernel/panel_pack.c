@@ -169,28 +169,31 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
     }
 }
 
-/* NQM_PANEL rows of `from`, from `first` on, in its panel j: rows of `to` in the panel that they make. Both are filled up
- * with zeros, so that whole blocks can be moved, but for the rows of `from` beyond its last strip. */
-static void transpose_block(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
+/* Four rows of panel j of `from`, from `first` on, become four columns of a panel of `to`. Both are filled up with zeros, so
+ * that whole blocks can be moved. */
+static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
     const uint32_t *rows = nqm_panel_at(from, j) + first * NQM_PANEL;
-    const size_t n_rows = smaller(from->stride - first, NQM_PANEL), n_units = NQM_PANEL >> to->precision;
-    uint32_t *units = nqm_panel_at(to, first / NQM_PANEL) + j * n_units * NQM_PANEL, rounded[NQM_PANEL * NQM_PANEL];
+    const size_t n_units = NQM_PANEL >> to->precision, last = smaller(to->stride - j * n_units, n_units);
+    uint32_t *units = nqm_panel_at(to, first / NQM_PANEL) + j * n_units * NQM_PANEL + first % NQM_PANEL;
+    uint32_t rounded[4 * NQM_PANEL / 2];
     if (to->precision == NQM_PRECISION_BF16) {
-        for (size_t i = 0; i < n_rows; ++i)
-            nqm_round_row(NQM_PANEL, (const float *)rows + i * NQM_PANEL, rounded + i * NQM_PANEL);
+        nqm_round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
         rows = rounded;
     }
-    const size_t last = smaller(to->stride - j * n_units, n_units); /* n_units, NQM_STRIP are multiples of 4 */
-    for (size_t u = 0; u < last; u += 4)
-        for (size_t i = 0; i < n_rows; i += 4)
-            transpose_4x4(rows + i * NQM_PANEL + u, NQM_PANEL, units + u * NQM_PANEL + i, NQM_PANEL);
+    for (size_t u = 0; u < last; u += 4) /* n_units, NQM_STRIP are multiples of 4 */
+        transpose_4x4(rows + u, n_units, units + u * NQM_PANEL, NQM_PANEL);
+}
+
+void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel) {
+    const size_t end = smaller(first + n, to->n_panels * NQM_PANEL); /* beyond are zeros */
+    for (size_t row = first; row < end; row += 4)
+        transpose_four(from, to, row, panel);
 }
 
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to) {
-#pragma omp parallel for schedule(dynamic, 1) if (to->n_panels > 1)
-    for (size_t p = 0; p < to->n_panels; ++p)
-        for (size_t j = 0; j < from->n_panels; ++j)
-            transpose_block(from, to, p * NQM_PANEL, j);
+#pragma omp parallel for schedule(dynamic, 1) if (from->n_panels > 1)
+    for (size_t p = 0; p < from->n_panels; ++p)
+        nqm_panels_transpose_rows(from, to, 0, from->stride, p);
 }
 
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to) {

@@ -27,6 +27,8 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
     const size_t at = (panel * w->stride + strip * NQM_STRIP) * NQM_PANEL;
     float *value = (float *)w->data + at, *m = (float *)s->layer->m.w.data + at, *v = (float *)s->layer->v.w.data + at;
     nqm_adam_update(n_strips * TILE, &s->rate, tiles, m, v, value);
+    if (s->layer->backward.data) /* its product has been taken */
+        nqm_panels_transpose_rows(w, &s->layer->backward, strip * NQM_STRIP, n_strips * NQM_STRIP, panel);
     if (!s->layer->rounded.data)
         return;
     uint32_t *units = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
@@ -180,9 +182,6 @@ static void go_back(nqm_trainer *t, const way_back *way) {
 void nqm_trainer_step(nqm_trainer *t, size_t batch, const float *dz, const nqm_step_rates *rates) {
     t->n_steps++;
     go_back(t, &(way_back){.batch = batch, .dz = dz, .rates = rates});
-    for (size_t l = 0; l < t->shape.n_layers; ++l)
-        if (t->layer[l].backward.data)
-            nqm_panels_transpose(&t->layer[l].value.w, &t->layer[l].backward);
 }
 
 void nqm_trainer_gradients(nqm_trainer *t, size_t batch, const float *dz, nqm_params *grads, float *dx) {
