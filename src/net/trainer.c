@@ -33,11 +33,11 @@ static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
     return (uint32_t *)numbers(t, n, complete);
 }
 
-/* n_rows: of x, where the numbers are rounded. */
-static void create_factor(nqm_trainer *t, size_t n, size_t width, size_t n_rows, nqm_factor *f, bool *complete) {
+/* all_rows: of x, also where the numbers are rounded. */
+static void create_factor(nqm_trainer *t, size_t n, size_t width, bool all_rows, nqm_factor *f, bool *complete) {
     const size_t batch = t->options.max_batch;
     *f = (nqm_factor){.n = n, .ld = nqm_row_stride(n), .width = width};
-    f->x = numbers(t, (is_rounded(t) ? n_rows : batch) * f->ld, complete);
+    f->x = numbers(t, (is_rounded(t) && !all_rows ? 2 * (size_t)omp_get_max_threads() : batch) * f->ld, complete);
     f->rows = (uint32_t *)f->x, f->ld_rows = f->ld;
     f->columns = (nqm_columns){f->x, width, f->ld};
     if (!is_rounded(t))
@@ -68,10 +68,10 @@ static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
     if (l > 0 || t->options.input_gradient)
         *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
     layer->xhat = numbers(t, batch * layer->ld, complete);
-    create_factor(t, out, NQM_PANEL, batch, &layer->dz, complete);
+    create_factor(t, out, NQM_PANEL, true, &layer->dz, complete);
     if (!has_norm(t, l))
         return;
-    create_factor(t, out, NQM_STRIP, 2 * (size_t)omp_get_max_threads(), &layer->y, complete);
+    create_factor(t, out, NQM_STRIP, false, &layer->y, complete);
     layer->slope = numbers(t, batch * layer->ld, complete);
     layer->rstd = numbers(t, batch, complete);
 }
@@ -81,7 +81,7 @@ static void create_scratch(nqm_trainer *t, bool *complete) {
     size_t widest_out = 0;
     for (size_t l = 0; l < t->shape.n_layers; ++l)
         widest_out = larger(t->layer[l].ld, widest_out);
-    create_factor(t, t->shape.sizes[0], NQM_STRIP, batch, &t->input, complete);
+    create_factor(t, t->shape.sizes[0], NQM_STRIP, t->options.input_gradient, &t->input, complete);
     t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
     if (is_rounded(t))
         t->zeros = numbers(t, larger(widest_out, t->input.ld), complete);
@@ -198,6 +198,12 @@ void nqm_trainer_refresh(nqm_trainer *t) {
 
 /* ---- factors ----------------------------------------------------------------------------------------------------- */
 
+/* The numbers of row i on their way in. Where they are rounded, a thread keeps those of two rows only: in its first cache. */
+static float *numbers_at(const nqm_trainer *t, const nqm_factor *f, size_t i) {
+    const size_t at = is_rounded(t) ? 2 * (size_t)omp_get_thread_num() + i % 2 : i;
+    return f->x + at * f->ld;
+}
+
 void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t first, size_t n, const float *x) {
     if (!is_rounded(t))
         return;
@@ -210,9 +216,8 @@ void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t firs
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
-float *nqm_trainer_inputs(nqm_trainer *t, size_t *ld_ret) {
-    *ld_ret = t->input.ld;
-    return t->input.x;
+float *nqm_trainer_input(nqm_trainer *t, size_t i) {
+    return numbers_at(t, &t->input, i);
 }
 
 void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {
@@ -222,14 +227,14 @@ void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, si
     r->counter = row * ((n + 3) / 4);
 }
 
-static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, float *y, const nqm_dropout *dropout) {
+static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, const nqm_dropout *dropout) {
     const nqm_trainer_layer *layer = &t->layer[l];
     nqm_hidden_row r = {.n = layer->out,
                         .bias = layer->value.vector[NQM_BIAS],
                         .gamma = layer->value.vector[NQM_GAMMA],
                         .beta = layer->value.vector[NQM_BETA],
                         .x = layer->xhat + row * layer->ld,
-                        .y = y,
+                        .y = numbers_at(t, &layer->y, row),
                         .slope = layer->slope + row * layer->ld,
                         .rstd = layer->rstd + row};
     if (dropout && dropout->p > 0)
@@ -242,18 +247,17 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
     nqm_trainer_layer *layer = &t->layer[l];
 #pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
     for (size_t first = 0; first < batch; first += 2) {
-        const size_t n = batch - first < 2 ? 1 : 2, at = is_rounded(t) ? 2 * (size_t)omp_get_thread_num() : first;
-        float *y = layer->y.x + at * layer->ld;
-        for (size_t i = 0; i < n; ++i) {
-            nqm_hidden_row r = hidden_row_at(t, l, first + i, y + i * layer->ld, dropout);
+        const size_t n = batch - first < 2 ? 1 : 2;
+        for (size_t i = first; i < first + n; ++i) {
+            nqm_hidden_row r = hidden_row_at(t, l, i, dropout);
             kernels->hidden_row(&r);
         }
-        nqm_factor_rows_done(t, &layer->y, first, n, y);
+        nqm_factor_rows_done(t, &layer->y, first, n, numbers_at(t, &layer->y, first));
     }
 }
 
 void nqm_trainer_inputs_done(nqm_trainer *t, size_t first, size_t n) {
-    nqm_factor_rows_done(t, &t->input, first, n, t->input.x + first * t->input.ld);
+    nqm_factor_rows_done(t, &t->input, first, n, numbers_at(t, &t->input, first));
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {

@@ -13,7 +13,7 @@
 #include "kernel/kernel.h"
 #include "net/net.h"
 
-/** Belongs to one thread at a time, works on all of them. */
+/** Belongs to one thread at a time, works on all of them: as many, at most, as OpenMP had when it was made. */
 typedef struct nqm_trainer nqm_trainer;
 
 typedef struct nqm_trainer_options {
@@ -34,8 +34,9 @@ void nqm_trainer_store(const nqm_trainer *trainer, nqm_params *params, nqm_adam 
 /** Steps taken so far. */
 uint64_t nqm_trainer_steps(const nqm_trainer *trainer);
 
-/** Where the inputs of the next batch belong: (max_batch, sizes[0]), *ld_ret numbers from row to row. */
-float *nqm_trainer_inputs(nqm_trainer *trainer, size_t *ld_ret);
+/** Where row i of the inputs of the next batch belongs: (sizes[0]), for the calling thread until it asks for another pair of rows,
+ *  2 k and 2 k + 1. */
+float *nqm_trainer_input(nqm_trainer *trainer, size_t i);
 /** Rows first and, where n is 2, first + 1 of the inputs are filled in; for all rows before nqm_trainer_forward(). first is even, n
  *  is 1 for the last of an odd number. Any thread, best the one that filled them. */
 void nqm_trainer_inputs_done(nqm_trainer *trainer, size_t first, size_t n);

@@ -19,10 +19,9 @@ typedef struct nqm_layer_values {
 
 /** A matrix (batch, n) on its way into products. In NQM_PRECISION_F32 these take the numbers as they lie. */
 typedef struct nqm_factor {
-    size_t n, ld; /* rows of x go on with zeros up to ld */
-    float *x;     /* (max_batch, ld) */
-    uint32_t *
-        rows; /* (max_batch, ld_rows) units of neighbours in a row: the left factor of a product; x itself, or rounded */
+    size_t n, ld;   /* rows of x go on with zeros up to ld */
+    float *x;       /* (max_batch, ld), or two rows a thread where that is enough */
+    uint32_t *rows; /* (max_batch, ld_rows) units of neighbours in a row, or x itself: the left factor of a product */
     size_t ld_rows;
     size_t width; /* of a group of columns: NQM_STRIP for a layer's input, NQM_PANEL for its product's gradient */
     nqm_columns columns; /* the same as a factor of a weight gradient; x itself, or in `pairs` */

@@ -233,12 +233,29 @@ typedef struct gather_job {
     const nqm_batch_inputs *to;
 } gather_job;
 
+/* The row of e->rows that row r of a batch is, or a scaled copy of. */
+static size_t base_row(const gather_job *job, size_t r) {
+    return job->index ? job->index[r] % job->e->rows.n_train : job->first + r;
+}
+
+/* Samples lie anywhere in memory: those of the next row are asked for meanwhile. */
+static void ask_for_row(const gather_job *job, size_t r) {
+    enum { LINE = 16 };
+    const nqm_examples *e = job->e;
+    const float *ref_t, *test_t;
+    nqm_examples_samples(e, base_row(job, r), false, NULL, &ref_t, &test_t);
+    for (size_t k = 0; k < n_columns(e); k += LINE) {
+        __builtin_prefetch(ref_t + k);
+        __builtin_prefetch(test_t + k);
+    }
+}
+
 static void gather_row(const gather_job *job, size_t r) {
     const nqm_examples *e = job->e;
     size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
-    size_t row = job->index ? i % n_base : i;
+    size_t row = base_row(job, r);
     const float *ref_t, *test_t;
-    float *x = job->to->x + r * job->to->ldx; /* a scaled copy is made where it is composed, number by number */
+    float *x = job->to->row(job->to->user, r); /* a scaled copy is made where it is composed, number by number */
     nqm_examples_samples(e, row, job->index && i >= n_base, x, &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
@@ -255,6 +272,8 @@ static void gather_rows(void *user, size_t i) {
     const gather_job *job = user;
     const size_t first = ROWS_AT_ONCE * i, end = first + ROWS_AT_ONCE < job->n ? first + ROWS_AT_ONCE : job->n;
     for (size_t r = first; r < end; ++r) {
+        if (r + 1 < end)
+            ask_for_row(job, r + 1);
         gather_row(job, r);
         if (job->to->rows_done && (r % 2 || r + 1 == end))
             job->to->rows_done(job->to->user, r / 2 * 2, 1 + r % 2);

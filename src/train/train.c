@@ -88,14 +88,16 @@ static void shuffle(run *r) {
     nqm_rng_shuffle(&rng, r->examples.n_train, r->order);
 }
 
+static float *input_row(void *trainer, size_t i) {
+    return nqm_trainer_input(trainer, i);
+}
+
 static void inputs_done(void *trainer, size_t first, size_t n) {
     nqm_trainer_inputs_done(trainer, first, n);
 }
 
 static nqm_batch_inputs inputs_of(const run *r) {
-    nqm_batch_inputs to = {.target = r->target, .rows_done = inputs_done, .user = r->trainer};
-    to.x = nqm_trainer_inputs(r->trainer, &to.ldx);
-    return to;
+    return (nqm_batch_inputs){.row = input_row, .rows_done = inputs_done, .user = r->trainer, .target = r->target};
 }
 
 /* One step on n examples; returns their mean loss. */

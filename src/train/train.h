@@ -153,12 +153,11 @@ NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const 
 void nqm_examples_free(nqm_examples *examples);
 /** Where a batch goes. */
 typedef struct nqm_batch_inputs {
-    float *x;      /* (n, width), ldx numbers from row to row */
-    float *target; /* (n) */
-    size_t ldx;
+    float *(*row)(void *user, size_t i); /* where row i (width) is to be filled in by the calling thread */
     /* Called by the thread that has filled in rows first and, where n is 2, first + 1; first is even. NULL: not. */
     void (*rows_done)(void *user, size_t first, size_t n);
     void *user;
+    float *target; /* (n) */
 } nqm_batch_inputs;
 
 /** Inputs and targets of the training examples index[0..n), n <= max_batch. */

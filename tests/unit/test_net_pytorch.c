@@ -131,12 +131,11 @@ static const nqm_dropout *masks_of_step(fixture *f, size_t step) {
 
 /* Loss of a batch; dz (BATCH) receives its gradient. */
 static double loss_of(fixture *f, const nqm_dropout *dropout, float *z, float *dz) {
-    size_t ld;
-    float *inputs = nqm_trainer_inputs(f->trainer, &ld);
-    for (size_t i = 0; i < BATCH; ++i)
-        memcpy(inputs + i * ld, x + i * INPUTS, INPUTS * sizeof *x);
-    for (size_t i = 0; i < BATCH; i += 2)
-        nqm_trainer_inputs_done(f->trainer, i, BATCH - i < 2 ? 1 : 2);
+    for (size_t i = 0; i < BATCH; ++i) {
+        memcpy(nqm_trainer_input(f->trainer, i), x + i * INPUTS, INPUTS * sizeof *x);
+        if (i % 2 || i + 1 == BATCH)
+            nqm_trainer_inputs_done(f->trainer, i / 2 * 2, 1 + i % 2);
+    }
     nqm_trainer_forward(f->trainer, BATCH, dropout, z);
     return nqm_logcosh_loss(BATCH, z, target, lo, hi, dz);
 }

@@ -33,11 +33,10 @@ static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision pre
     nqm_params_init(&t.params, seed);
     nqm_trainer_load(t.trainer, &t.params, NULL);
     nqm_rng rng = nqm_rng_make(seed, 100);
-    size_t ld;
-    float *x = nqm_trainer_inputs(t.trainer, &ld);
     for (size_t i = 0; i < batch; ++i) {
+        float *x = nqm_trainer_input(t.trainer, i);
         for (size_t k = 0; k < shape.sizes[0]; ++k)
-            x[i * ld + k] = (float)nqm_rng_normal(&rng);
+            x[k] = (float)nqm_rng_normal(&rng);
         if (i % 2 || i + 1 == batch)
             nqm_trainer_inputs_done(t.trainer, i / 2 * 2, 1 + i % 2);
     }

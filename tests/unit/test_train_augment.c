@@ -19,6 +19,22 @@ static nqm_train_options recipe(const char *name) {
     return o;
 }
 
+/* Rows one below the other. */
+typedef struct place {
+    float *x;
+    size_t width;
+} place;
+
+static float *row_at(void *user, size_t i) {
+    const place *to = user;
+    return to->x + i * to->width;
+}
+
+static void gather(const nqm_examples *e, size_t n, const size_t *index, float *x, float *target) {
+    place to = {x, e->width};
+    nqm_examples_gather(e, n, index, &(nqm_batch_inputs){.row = row_at, .user = &to, .target = target});
+}
+
 static void fills_every_bin(void **state) {
     (void)state;
     /* Range 0..7: bins of width 1. Counts 1, 2, 0, 3, 0, 0, 1: the four filled bins come to 3 each. */
@@ -178,7 +194,7 @@ static void whitening(void **state) {
         double sum[3] = {0}, squares[3] = {0}, target_sum = 0, lo = INFINITY, hi = -INFINITY;
         float *x = calloc(e.width, sizeof *x), target;
         for (size_t i = 0; i < e.n_train; ++i) {
-            nqm_examples_gather(&e, 1, &i, &(nqm_batch_inputs){.x = x, .target = &target, .ldx = e.width});
+            gather(&e, 1, &i, x, &target);
             for (size_t k = 0; k < 48; ++k) {
                 sum[k % 3] += (double)x[k];
                 squares[k % 3] += (double)x[k] * (double)x[k];
@@ -224,7 +240,7 @@ static void scaled_by_pair(void **state) {
     double lowest = 2, highest = 0;
     for (size_t i = 0; i < e.rows.n_train; ++i) {
         const size_t index[2] = {i, i + e.rows.n_train};
-        nqm_examples_gather(&e, 2, index, &(nqm_batch_inputs){.x = x, .target = target, .ldx = e.width});
+        gather(&e, 2, index, x, target);
         assert_true(target[0] == target[1]);
         double first = reflectance(&e, x[96], 0) / reflectance(&e, x[0], 0);
         for (size_t k = 0; k < 96; ++k) {
@@ -249,7 +265,7 @@ static void scaled_by_element(void **state) {
     assert_int_equal(nqm_examples_create(d, &o, 2, &e, NULL), NQM_OK);
     float x[2 * 96], target[2];
     const size_t index[2] = {3, 3 + e.rows.n_train};
-    nqm_examples_gather(&e, 2, index, &(nqm_batch_inputs){.x = x, .target = target, .ldx = e.width});
+    gather(&e, 2, index, x, target);
     double std = (double)e.features.std[0], mean = (double)e.features.mean[0];
     double previous = 0;
     for (size_t k = 0; k < 48; ++k) {
@@ -283,7 +299,7 @@ static void masks_and_log_targets(void **state) {
     for (size_t i = 0; i < e.rows.n_train; ++i) {
         float x[9 * 16 + NQM_SCALAR_COUNT], target;
         uint8_t used[16];
-        nqm_examples_gather(&e, 1, &i, &(nqm_batch_inputs){.x = x, .target = &target, .ldx = e.width});
+        gather(&e, 1, &i, x, &target);
         uint32_t pair = e.rows.row[i].pair;
         assert_near(e.target_mean + e.target_std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
         assert_non_null(nqm_dataset_pair_used(d, pair, used));
@@ -318,9 +334,9 @@ static void scalars_of_examples(void **state) {
     assert_near(squares / (double)e.n_train, o.scalar_scale * o.scalar_scale, 1e-2);
     float *x = nqm_alloc(3, e.width * sizeof *x), target[3];
     const size_t index[2] = {5, 5 + e.rows.n_train};
-    nqm_examples_gather(&e, 2, index, &(nqm_batch_inputs){.x = x, .target = target, .ldx = e.width});
-    nqm_examples_gather_validation(&e, 7, 1,
-                                   &(nqm_batch_inputs){.x = x + 2 * e.width, .target = target + 2, .ldx = e.width});
+    gather(&e, 2, index, x, target);
+    place third = {x + 2 * e.width, e.width};
+    nqm_examples_gather_validation(&e, 7, 1, &(nqm_batch_inputs){.row = row_at, .user = &third, .target = target + 2});
     const size_t rows[3] = {5, 5, e.rows.n_train + 7};
     const nqm_scalar_whitening whitening = {e.scalar_mean, e.scalar_std, o.scalar_scale};
     for (size_t r = 0; r < 3; ++r) {
