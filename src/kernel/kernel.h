@@ -55,6 +55,9 @@ typedef struct nqm_row_product {
     void *c;
 } nqm_row_product;
 
+/** Arrays that a step of Adam reads: weights and moments. */
+enum { NQM_WANTED = 3 };
+
 /** A tile of a weight gradient: c (NQM_STRIP, NQM_PANEL) = left^T right, summed over `units` rows of both. */
 typedef struct nqm_tile_gradient {
     size_t units;
@@ -62,6 +65,8 @@ typedef struct nqm_tile_gradient {
     const void *right; /**< (units, NQM_PANEL), of rows ld_right units apart */
     size_t ld_left, ld_right;
     float *c;
+    /** (NQM_STRIP, NQM_PANEL) each: needed soon, to be fetched meanwhile; c where nothing is. */
+    const float *wanted[NQM_WANTED];
 } nqm_tile_gradient;
 
 /** What a row of unsigned bytes stands for: (byte - zero) scale. */

@@ -46,14 +46,19 @@ void nqm_gradient_run(const nqm_gradient *g) {
         _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
         const size_t n = smaller(n_strips - first, STRIPS_AT_ONCE);
-        for (size_t strip = 0; strip < n; ++strip)
-            kernels->gradient[g->precision](
-                &(nqm_tile_gradient){.units = units,
-                                     .left = (const uint32_t *)g->x.data + (first + strip) * g->x.step,
-                                     .ld_left = g->x.ld,
-                                     .right = (const uint32_t *)g->z.data + panel * g->z.step,
-                                     .ld_right = g->z.ld,
-                                     .c = tiles + strip * NQM_STRIP * NQM_PANEL});
+        for (size_t strip = 0; strip < n; ++strip) {
+            float *c = tiles + strip * NQM_STRIP * NQM_PANEL;
+            nqm_tile_gradient tile = {.units = units,
+                                      .left = (const uint32_t *)g->x.data + (first + strip) * g->x.step,
+                                      .ld_left = g->x.ld,
+                                      .right = (const uint32_t *)g->z.data + panel * g->z.step,
+                                      .ld_right = g->z.ld,
+                                      .c = c,
+                                      .wanted = {c, c, c}};
+            if (g->wanted)
+                g->wanted(g->user, first + strip, panel, tile.wanted);
+            kernels->gradient[g->precision](&tile);
+        }
         g->sink(g->user, first, n, panel, tiles);
     }
 }

@@ -95,6 +95,8 @@ typedef struct nqm_gradient {
     size_t m, k, n;
     nqm_columns x, z;
     nqm_tile_sink sink;
+    /** Called before a tile is computed: what the sink will read for it, so that it is there in time. NULL: not. */
+    void (*wanted)(void *user, size_t strip, size_t panel, const float *wanted[NQM_WANTED]);
     void *user;
 } nqm_gradient;
 void nqm_gradient_run(const nqm_gradient *gradient);

@@ -56,26 +56,49 @@ INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
 /* Types cannot stand in parentheses; where a tile is small, some cases of what may be left are alike. */
 /* NOLINTBEGIN(bugprone-macro-parentheses, bugprone-branch-clone) */
 
-/* C (rows, TILE_COLUMNS) = A B: unit u of row i of A lies at a[i row_step + u unit_step], rows of B ldb units apart. Where A's
- * units lie far apart, no processor guesses the next ones: those of the tile that follows are asked for, `ahead` units on. */
+/* C (rows, TILE_COLUMNS) = A B, or C + A B. Known constants where it is inlined: all but the pointers and their steps. */
+typedef struct tile {
+    size_t rows, units;
+    const void *a; /* unit u of row i: row_step i + unit_step u units on */
+    size_t row_step, unit_step;
+    const void *b; /* (units, TILE_COLUMNS), ldb units from row to row */
+    size_t ldb;
+    void *c;
+    size_t ldc;
+    bool add;
+    size_t
+        ahead; /* with each unit of A, that so many units on is asked for: where units lie far apart, no processor guesses */
+    const float *const *wanted; /* NQM_WANTED arrays, a line of which is asked for now and then; NULL: none */
+} tile;
+
+enum { LINE = 16, WANTED_LINES = NQM_STRIP * NQM_PANEL / LINE };
+
 #define DEFINE_TILE(NAME, UNIT, VECTOR_B, NUMBER, VECTOR_C, MADD)                                                      \
-    INLINE void NAME(size_t rows, size_t units, const UNIT *restrict a, size_t row_step, size_t unit_step,             \
-                     size_t ahead, const UNIT *restrict b, size_t ldb, NUMBER *restrict c, size_t ldc, bool add) {     \
+    INLINE void NAME(tile t) {                                                                                         \
+        const UNIT *restrict a = t.a, *restrict b = t.b;                                                               \
+        NUMBER *restrict c = t.c;                                                                                      \
+        const size_t slice = t.wanted ? (t.units + WANTED_LINES - 1) / WANTED_LINES : t.units;                         \
         VECTOR_C sum[TILE_ROWS][TILE_VECTORS];                                                                         \
-        UNROLL for (size_t i = 0; i < rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =          \
-            add ? *(const VECTOR_C *)(c + i * ldc + j * LANES) : (VECTOR_C){0};                                        \
-        for (size_t u = 0; u < units; ++u) {                                                                           \
-            VECTOR_B right[TILE_VECTORS];                                                                              \
-            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] = *(const VECTOR_B *)(b + u * ldb + j * LANES);  \
-            if (ahead)                                                                                                 \
-                __builtin_prefetch(a + u * unit_step + ahead, 0, 2);                                                   \
-            UNROLL for (size_t i = 0; i < rows; ++i) {                                                                 \
-                UNIT left = a[i * row_step + u * unit_step];                                                           \
-                UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);          \
+        UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =        \
+            t.add ? *(const VECTOR_C *)(c + i * t.ldc + j * LANES) : (VECTOR_C){0};                                    \
+        for (size_t u = 0, line = 0; u < t.units; ++line) {                                                            \
+            for (size_t i = 0; t.wanted && i < NQM_WANTED; ++i)                                                        \
+                __builtin_prefetch(t.wanted[i] + line * LINE, 0, 2);                                                   \
+            for (size_t end = t.units - u < slice ? t.units : u + slice; u < end; ++u) {                               \
+                VECTOR_B right[TILE_VECTORS];                                                                          \
+                UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] = *(const VECTOR_B *)(b + j * LANES);        \
+                if (t.ahead)                                                                                           \
+                    __builtin_prefetch(a + t.ahead, 0, 2);                                                             \
+                UNROLL for (size_t i = 0; i < t.rows; ++i) {                                                           \
+                    UNIT left = a[i * t.row_step];                                                                     \
+                    UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);      \
+                }                                                                                                      \
+                a += t.unit_step;                                                                                      \
+                b += t.ldb;                                                                                            \
             }                                                                                                          \
         }                                                                                                              \
-        UNROLL for (size_t i = 0; i < rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) *                    \
-            (VECTOR_C *)(c + i * ldc + j * LANES) = sum[i][j];                                                         \
+        UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) *                  \
+            (VECTOR_C *)(c + i * t.ldc + j * LANES) = sum[i][j];                                                       \
     }
 
 DEFINE_TILE(tile_f32, float, vector_f, float, vector_f, MADD_F32)
@@ -83,33 +106,40 @@ DEFINE_TILE(tile_bf16, uint32_t, vector_u, float, vector_f, MADD_BF16)
 DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 
 /* Rows in tiles, the rest in one that is as high as it must be. */
-#define REST(N, TILE)                                                                                                  \
+#define PRODUCT_TILE(ROWS, TILE, UNIT, NUMBER)                                                                         \
+    TILE((tile){.rows = (ROWS),                                                                                        \
+                .units = p->units,                                                                                     \
+                .a = (const UNIT *)p->a + i * p->lda,                                                                  \
+                .row_step = p->lda,                                                                                    \
+                .unit_step = 1,                                                                                        \
+                .b = (const UNIT *)p->b + column,                                                                      \
+                .ldb = NQM_PANEL,                                                                                      \
+                .c = (NUMBER *)p->c + i * p->ldc + column,                                                             \
+                .ldc = p->ldc,                                                                                         \
+                .add = p->add})
+#define REST(N, TILE, UNIT, NUMBER)                                                                                    \
     case N:                                                                                                            \
-        TILE(N < TILE_ROWS ? N : 1, p->units, a + i * p->lda, p->lda, 1, 0, b, NQM_PANEL, c + i * p->ldc, p->ldc,      \
-             p->add);                                                                                                  \
+        PRODUCT_TILE(N < TILE_ROWS ? N : 1, TILE, UNIT, NUMBER);                                                       \
         break;
 
 #define DEFINE_PRODUCT(NAME, TILE, UNIT, NUMBER)                                                                       \
     static void NAME(const nqm_product *p) {                                                                           \
-        const UNIT *a = p->a;                                                                                          \
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {                                          \
-            const UNIT *b = (const UNIT *)p->b + column;                                                               \
-            NUMBER *c = (NUMBER *)p->c + column;                                                                       \
             size_t i = 0;                                                                                              \
             for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)                                                              \
-                TILE(TILE_ROWS, p->units, a + i * p->lda, p->lda, 1, 0, b, NQM_PANEL, c + i * p->ldc, p->ldc, p->add); \
+                PRODUCT_TILE(TILE_ROWS, TILE, UNIT, NUMBER);                                                           \
             switch (p->m - i) { /* fewer than TILE_ROWS */                                                             \
-                REST(1, TILE)                                                                                          \
-                REST(2, TILE)                                                                                          \
-                REST(3, TILE)                                                                                          \
-                REST(4, TILE)                                                                                          \
-                REST(5, TILE)                                                                                          \
-                REST(6, TILE)                                                                                          \
-                REST(7, TILE)                                                                                          \
-                REST(8, TILE)                                                                                          \
-                REST(9, TILE)                                                                                          \
-                REST(10, TILE)                                                                                         \
-                REST(11, TILE)                                                                                         \
+                REST(1, TILE, UNIT, NUMBER)                                                                            \
+                REST(2, TILE, UNIT, NUMBER)                                                                            \
+                REST(3, TILE, UNIT, NUMBER)                                                                            \
+                REST(4, TILE, UNIT, NUMBER)                                                                            \
+                REST(5, TILE, UNIT, NUMBER)                                                                            \
+                REST(6, TILE, UNIT, NUMBER)                                                                            \
+                REST(7, TILE, UNIT, NUMBER)                                                                            \
+                REST(8, TILE, UNIT, NUMBER)                                                                            \
+                REST(9, TILE, UNIT, NUMBER)                                                                            \
+                REST(10, TILE, UNIT, NUMBER)                                                                           \
+                REST(11, TILE, UNIT, NUMBER)                                                                           \
             default:                                                                                                   \
                 break;                                                                                                 \
             }                                                                                                          \
@@ -155,8 +185,17 @@ DEFINE_ROW_PRODUCT(row_product_int8, uint32_t, vector_i, int32_t, vector_i, MADD
     static void NAME(const nqm_tile_gradient *g) {                                                                     \
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)                                            \
             for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)                                                          \
-                TILE(TILE_ROWS, g->units, (const UNIT *)g->left + i, 1, g->ld_left, AHEAD,                             \
-                     (const UNIT *)g->right + column, g->ld_right, g->c + i * NQM_PANEL + column, NQM_PANEL, false);   \
+                TILE((tile){.rows = TILE_ROWS,                                                                         \
+                            .units = g->units,                                                                         \
+                            .a = (const UNIT *)g->left + i,                                                            \
+                            .row_step = 1,                                                                             \
+                            .unit_step = g->ld_left,                                                                   \
+                            .b = (const UNIT *)g->right + column,                                                      \
+                            .ldb = g->ld_right,                                                                        \
+                            .c = g->c + i * NQM_PANEL + column,                                                        \
+                            .ldc = NQM_PANEL,                                                                          \
+                            .ahead = (AHEAD),                                                                          \
+                            .wanted = g->wanted});                                                                     \
     }
 
 _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");

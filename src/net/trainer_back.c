@@ -21,10 +21,21 @@ typedef struct sink {
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
+static size_t tile_at(const nqm_panels *w, size_t strip, size_t panel) {
+    return (panel * w->stride + strip * NQM_STRIP) * NQM_PANEL;
+}
+
+static void wanted_for_step(void *user, size_t strip, size_t panel, const float *wanted[NQM_WANTED]) {
+    const sink *s = user;
+    const nqm_panels *const values[NQM_WANTED] = {&s->layer->value.w, &s->layer->m.w, &s->layer->v.w};
+    for (size_t i = 0; i < NQM_WANTED; ++i)
+        wanted[i] = (const float *)values[i]->data + tile_at(values[i], strip, panel);
+}
+
 static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
     const sink *s = user;
     const nqm_panels *w = &s->layer->value.w;
-    const size_t at = (panel * w->stride + strip * NQM_STRIP) * NQM_PANEL;
+    const size_t at = tile_at(w, strip, panel);
     float *value = (float *)w->data + at, *m = (float *)s->layer->m.w.data + at, *v = (float *)s->layer->v.w.data + at;
     nqm_adam_update(n_strips * TILE, &s->rate, tiles, m, v, value);
     if (s->layer->backward.data) /* its product has been taken */
@@ -54,6 +65,7 @@ static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const n
                                      .x = x->columns,
                                      .z = dz->columns,
                                      .sink = s->out ? store_tiles : step_tiles,
+                                     .wanted = s->out ? NULL : wanted_for_step,
                                      .user = s});
 }
 

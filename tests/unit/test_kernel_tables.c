@@ -307,7 +307,8 @@ static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, c
     collected all = {.ld = n_panels * NQM_PANEL, .n_panels = n_panels};
     all.c = nqm_alloc(n_strips * NQM_STRIP * all.ld, sizeof *all.c);
     all.seen = nqm_alloc(n_strips * n_panels, 1);
-    nqm_gradient_run(&(nqm_gradient){precision, m, k, n, left, right, collect, &all});
+    nqm_gradient_run(&(nqm_gradient){
+        .precision = precision, .m = m, .k = k, .n = n, .x = left, .z = right, .sink = collect, .user = &all});
     nqm_kernels_use(NULL);
     for (size_t i = 0; i < n_strips * n_panels; ++i)
         assert_int_equal(all.seen[i], 1);
