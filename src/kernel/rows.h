@@ -88,7 +88,7 @@ static inline float add_sums(vector_f *sum) {
     INLINE void NAME##_group(const float *x, const float *y, float c, vector_f *sum) {                                 \
         UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {                                                            \
             const vector_f a = *(const vector_f *)(x + v * LANES), b = *(const vector_f *)(y + v * LANES);             \
-            sum[v] += TERM;                                                                                            \
+            sum[v] += (TERM);                                                                                          \
             (void)b, (void)c;                                                                                          \
         }                                                                                                              \
     }                                                                                                                  \
