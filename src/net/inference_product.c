@@ -39,7 +39,7 @@ void nqm_round_inputs(nqm_inference_work *work, const nqm_kernels *kernels, cons
         if (segment->panel.precision != NQM_PRECISION_F32)
             nqm_round_units(kernels, &segment->panel, inputs_of(work, layer, s, at, x),
                             work->rounded + at * work->rounded_stride + segment->at,
-                            &work->scale[s * work->max_batch + at]);
+                            &work->scale[s * work->n_slots + at]);
     }
 }
 
@@ -48,7 +48,7 @@ nqm_factors nqm_factors_of(const nqm_inference_work *work, const nqm_segment *se
     if (segment->panel.precision == NQM_PRECISION_F32)
         return (nqm_factors){.units = (const uint32_t *)(const void *)(x + segment->from), .ld = ldx};
     return (nqm_factors){work->rounded + at * work->rounded_stride + segment->at, work->rounded_stride,
-                         work->scale + s * work->max_batch + at};
+                         work->scale + s * work->n_slots + at};
 }
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rows through a packed network, in one of two ways. Together: all threads work on one layer at a time; its blocks of
+ * Rows through a packed network, in one of three ways. Together: all threads work on one layer at a time; its blocks of
  * rows and panels are dealt out by the shape only, then its rows. Alone: a thread takes some rows through all layers, so
- * that what lies between layers stays in its caches; who comes first takes the next.
+ * that what lies between layers stays in its caches; who comes first takes the next. One row: the panels are dealt out,
+ * but each thread does the rest for itself, so that they wait for each other only once in a layer.
  */
 #include "net/inference.h"
 #include "net/inference_product.h"
@@ -23,7 +24,8 @@ enum {
 typedef struct trip {
     nqm_inference_work *work;
     const nqm_kernels *kernels;
-    bool alone;      /* else all threads of a region make it together */
+    bool alone;      /* else all threads of a region make it together: */
+    bool one_row;    /* each with a copy of its own */
     size_t first, n; /* rows of the call */
     size_t at;       /* where their numbers begin in the work */
     const float *x;  /* (n, ldx) their inputs */
@@ -33,7 +35,12 @@ typedef struct trip {
 
 /* ---- layers ------------------------------------------------------------------------------------------------------ */
 
-/* Where layer l puts row i of a trip. */
+/* Where the products of layer l for row i of a trip are. */
+static float *products_at(const trip *t, size_t l, size_t i) {
+    return t->work->y[l % 2] + (t->one_row ? 0 : t->at + i) * t->work->stride;
+}
+
+/* Where they become outputs. */
 static float *outputs_at(const trip *t, size_t l, size_t i) {
     return t->work->y[l % 2] + (t->at + i) * t->work->stride;
 }
@@ -59,7 +66,7 @@ static void multiply_layer_block(const trip *t, size_t l, nqm_block at) {
     const nqm_inference_layer *layer = &work->net->layer[l];
     const float *in = l == 0 ? t->x : outputs_at(t, l - 1, 0);
     const size_t ld = l == 0 ? t->ldx : work->stride, first = l == 0 && !work->own_refs;
-    float *c = outputs_at(t, l, at.row) + at.panel * NQM_PANEL;
+    float *c = products_at(t, l, at.row) + at.panel * NQM_PANEL;
     if (first > 0)
         copy_parts(t, at, c);
     for (size_t s = first; s < layer->n_segments; ++s) {
@@ -92,11 +99,14 @@ static void row_to_layer(const trip *t, size_t l, size_t i) {
         return;
     }
     const nqm_inference_layer *before = &net->layer[l - 1];
+    const float *products = products_at(t, l - 1, i);
     float *row = outputs_at(t, l - 1, i);
     if (l == net->n_layers) {
-        t->z[i] = row[0] + before->bias[0];
+        t->z[i] = products[0] + before->bias[0];
         return;
     }
+    if (row != products)
+        memcpy(row, products, t->work->stride * sizeof *row);
     t->kernels->hidden_row(&(nqm_hidden_row){
         .n = before->n_out, .bias = before->bias, .gamma = before->gamma, .beta = before->beta, .x = row, .y = row});
     nqm_round_inputs(t->work, t->kernels, &net->layer[l], 0, t->at + i, row);
@@ -111,6 +121,21 @@ static void rows_to_layer(const trip *t, size_t l) {
 #pragma omp for schedule(static)
     for (size_t i = 0; i < t->n; ++i)
         row_to_layer(t, l, i);
+}
+
+static void travel_with_one_row(const trip *t) {
+    const size_t n_layers = t->work->net->n_layers;
+    const size_t thread = (size_t)omp_get_thread_num(), n_threads = (size_t)omp_get_num_threads();
+    row_to_layer(t, 0, 0);
+    for (size_t l = 0; l < n_layers; ++l) {
+        const nqm_panels *panels = &t->work->net->layer[l].segment[0].panel;
+        const size_t n_blocks = nqm_count_blocks(1, panels);
+        for (size_t i = thread * n_blocks / n_threads; i < (thread + 1) * n_blocks / n_threads; ++i)
+            multiply_layer_block(t, l, nqm_block_at(i, 1, panels));
+#pragma omp barrier
+        if (l + 1 < n_layers || thread == 0)
+            row_to_layer(t, l + 1, 0);
+    }
 }
 
 static void travel(const trip *t) {
@@ -152,6 +177,8 @@ static void find_references(const trip *all) {
 static void multiply_references(const trip *all) {
     nqm_inference_work *work = all->work;
     const nqm_segment *segment = &work->net->layer[0].segment[0];
+    if (work->n_refs == 0)
+        return;
 #pragma omp for schedule(static)
     for (size_t i = 0; i < all->n; ++i)
         if (work->begins[i]) {
@@ -224,14 +251,18 @@ void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_
 #pragma omp parallel if (n * work->n_multiplications >= MIN_PARALLEL && (work->packed || n >= MIN_ROWS))
     {
         const size_t most = rows_to_take(&all);
-        trip t;
+        trip t = all;
         if (!work->own_refs)
             multiply_references(&all);
-        if (most == 0)
-            travel(&all);
-        else
+        if (most > 0)
             while (take_rows(&all, most, &t))
                 travel(&t);
+        else if (n == 1 && (size_t)omp_get_num_threads() < work->n_slots) {
+            t.one_row = true;
+            t.at = 1 + (size_t)omp_get_thread_num();
+            travel_with_one_row(&t);
+        } else
+            travel(&t);
     }
     keep_reference(&all);
 }

@@ -4,6 +4,8 @@
  */
 #include "net/inference_work.h"
 
+#include <omp.h>
+
 static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
@@ -35,12 +37,13 @@ nqm_status nqm_inference_work_create(const nqm_inference_net *net, size_t max_ba
     w->net = net;
     w->max_batch = max_batch;
     measure(w);
-    w->y[0] = nqm_alloc(max_batch, w->stride * sizeof(float));
-    w->y[1] = nqm_alloc(max_batch, w->stride * sizeof(float));
-    w->rounded = nqm_alloc(max_batch, w->rounded_stride * sizeof *w->rounded);
-    w->scale = nqm_alloc(max_batch, NQM_MAX_SEGMENTS * sizeof *w->scale);
+    w->n_slots = larger(max_batch, 1 + (size_t)omp_get_max_threads());
+    w->y[0] = nqm_alloc(w->n_slots, w->stride * sizeof(float));
+    w->y[1] = nqm_alloc(w->n_slots, w->stride * sizeof(float));
+    w->rounded = nqm_alloc(w->n_slots, w->rounded_stride * sizeof *w->rounded);
+    w->scale = nqm_alloc(w->n_slots, NQM_MAX_SEGMENTS * sizeof *w->scale);
     const bool differences = net->layer[0].differences;
-    w->difference = nqm_alloc(differences ? max_batch : 0, net->layer[0].segment[0].panel.k * sizeof *w->difference);
+    w->difference = nqm_alloc(differences ? w->n_slots : 0, net->layer[0].segment[0].panel.k * sizeof *w->difference);
     w->ref_of = nqm_alloc(max_batch, sizeof *w->ref_of);
     w->begins = nqm_alloc(max_batch, sizeof *w->begins);
     w->ref = nqm_alloc(max_batch, w->ref_stride * sizeof *w->ref);

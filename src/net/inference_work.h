@@ -12,11 +12,12 @@ struct nqm_inference_work {
     bool packed;                               /* the panels of floats are filled; of this call */
     size_t n_rows, taken;                      /* of this call; the latter by threads that go alone */
     size_t max_batch, n_multiplications;       /* the latter of a row */
+    size_t n_slots;                            /* for max_batch rows, or one and a copy for each thread */
     size_t stride, rounded_stride, ref_stride; /* numbers from row to row */
-    float *y[2];                               /* (max_batch, stride) of the layers in turn */
-    uint32_t *rounded;                         /* (max_batch, rounded_stride) a layer's inputs as units */
-    nqm_byte_scale *scale;                     /* (NQM_MAX_SEGMENTS, max_batch) what bytes stand for */
-    float *difference;                         /* (max_batch, inputs of a reference) where the first layer wants it */
+    float *y[2];                               /* (n_slots, stride) of the layers in turn */
+    uint32_t *rounded;                         /* (n_slots, rounded_stride) a layer's inputs as units */
+    nqm_byte_scale *scale;                     /* (NQM_MAX_SEGMENTS, n_slots) what bytes stand for */
+    float *difference;                         /* (n_slots, inputs of a reference) where the first layer wants it */
     /* References of this call: row i belongs to reference ref_of[i]; reference 0 is the last one of the call before. */
     size_t n_refs;              /* without that one */
     bool own_refs;              /* each row has one of its own: it is a segment as the others are */
