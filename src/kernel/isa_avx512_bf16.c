@@ -34,7 +34,7 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
 enum { COLUMNS = 16 };
 
 static inline __mmask16 first_columns(size_t n) {
-    return n < COLUMNS ? (__mmask16)((1u << n) - 1) : 0xffff;
+    return (__mmask16)(n < COLUMNS ? (1u << n) - 1 : 0xffffu);
 }
 
 /* Some groups of `width` columns of two rows; `width` is a constant where this is inlined. */
