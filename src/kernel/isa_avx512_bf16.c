@@ -57,8 +57,11 @@ static void round_pair(size_t n, const float *even, const float *odd, size_t wid
         round_groups(whole, NQM_STRIP, even, odd, step, units);
     else
         round_groups(whole, NQM_PANEL, even, odd, step, units);
-    if (at < n)
-        round_groups(1, n - at, even + at, odd + at, 0, units + whole * step);
+    if (at < n) {
+        units += whole * step;
+        memset(units, 0, width * sizeof *units);
+        round_groups(1, n - at, even + at, odd + at, 0, units);
+    }
 }
 
 static void round_tile(const float *x, uint32_t *units) {

@@ -150,7 +150,7 @@ typedef struct nqm_kernels {
     /** x (n) as bfloat16 (nqm_units() units), to nearest, ties to even. */
     void (*round_row)(size_t n, const float *x, uint32_t *units);
     /** Two rows (n) likewise, but a unit holds two neighbours of a column; groups of columns, `width` (NQM_STRIP or NQM_PANEL)
-     *  each, go to places `step` units apart. */
+     *  each, go to places `step` units apart, the last one filled up with zeros. */
     void (*round_pair)(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units);
     /** x (NQM_STRIP, NQM_PANEL) likewise: (NQM_STRIP / 2, NQM_PANEL). */
     void (*round_tile)(const float *x, uint32_t *units);

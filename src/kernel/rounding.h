@@ -23,6 +23,7 @@ static void round_pair(size_t n, const float *even, const float *odd, size_t wid
 #pragma omp simd
         for (size_t i = 0; i < there; ++i)
             units[i] = nqm_bf16_bits(even[first + i]) | nqm_bf16_bits(odd[first + i]) << 16;
+        memset(units + there, 0, (width - there) * sizeof *units);
     }
 }
 

@@ -169,8 +169,8 @@ static void round_row(size_t n, const float *x, uint32_t *units) {
 }
 
 static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
-    for (size_t i = 0; i < n; ++i)
-        units[i / width * step + i % width] = nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16;
+    for (size_t i = 0; i < (n + width - 1) / width * width; ++i)
+        units[i / width * step + i % width] = i < n ? nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16 : 0;
 }
 
 static void round_tile(const float *x, uint32_t *units) {

@@ -33,20 +33,43 @@ static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
     return (uint32_t *)numbers(t, n, complete);
 }
 
-/* all_rows: of x, also where the numbers are rounded. */
-static void create_factor(nqm_trainer *t, size_t n, size_t width, bool all_rows, nqm_factor *f, bool *complete) {
-    const size_t batch = t->options.max_batch;
-    *f = (nqm_factor){.n = n, .ld = nqm_row_stride(n), .width = width};
-    f->x = numbers(t, (is_rounded(t) && !all_rows ? 2 * (size_t)omp_get_max_threads() : batch) * f->ld, complete);
-    f->rows = (uint32_t *)f->x, f->ld_rows = f->ld;
-    f->columns = (nqm_columns){f->x, width, f->ld};
+/* What is not memory of its own. */
+static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
+    nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
+    f.ld_rows = f.ld, f.columns.step = width, f.columns.ld = f.ld;
     if (!is_rounded(t))
-        return;
-    f->ld_rows = nqm_row_stride(nqm_units(NQM_PRECISION_BF16, n));
-    f->rows = units_of(t, batch * f->ld_rows, complete);
-    f->columns.step = nqm_row_stride(width * nqm_units(NQM_PRECISION_BF16, batch));
-    f->columns.ld = width;
-    f->columns.data = f->pairs = units_of(t, (n + width - 1) / width * f->columns.step, complete);
+        return f;
+    f.rows = t->rows, f.ld_rows = nqm_row_stride(nqm_units(NQM_PRECISION_BF16, n));
+    f.columns.step = nqm_row_stride(width * nqm_units(NQM_PRECISION_BF16, t->options.max_batch));
+    f.columns.ld = width;
+    return f;
+}
+
+static size_t pairs_size(const nqm_factor *f) {
+    return (f->n + f->width - 1) / f->width * f->columns.step;
+}
+
+/* A layer's input; all_rows: numbers of all rows also where they are rounded. */
+static void create_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f, bool *complete) {
+    const size_t two_a_thread = 2 * (size_t)omp_get_max_threads();
+    *f = factor_of(t, n, NQM_STRIP);
+    f->x = numbers(t, (is_rounded(t) && !all_rows ? two_a_thread : t->options.max_batch) * f->ld, complete);
+    if (is_rounded(t))
+        f->columns.data = f->pairs = units_of(t, pairs_size(f), complete);
+    else
+        f->columns.data = f->rows = (uint32_t *)f->x;
+}
+
+/* The gradient of a layer's product. */
+static void create_gradient(nqm_trainer *t, size_t n, nqm_factor *f, bool *complete) {
+    *f = factor_of(t, n, NQM_PANEL);
+    if (is_rounded(t)) {
+        f->x = t->dz;
+        f->columns.data = f->pairs = t->dz_pairs;
+    } else {
+        f->x = numbers(t, t->options.max_batch * f->ld, complete);
+        f->columns.data = f->rows = (uint32_t *)f->x;
+    }
 }
 
 static void create_values(nqm_trainer *t, nqm_layer_values *values, size_t l, bool *complete) {
@@ -68,23 +91,28 @@ static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
     if (l > 0 || t->options.input_gradient)
         *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
     layer->xhat = numbers(t, batch * layer->ld, complete);
-    create_factor(t, out, NQM_PANEL, true, &layer->dz, complete);
+    create_gradient(t, out, &layer->dz, complete);
     if (!has_norm(t, l))
         return;
-    create_factor(t, out, NQM_STRIP, false, &layer->y, complete);
+    create_input(t, out, false, &layer->y, complete);
     layer->slope = numbers(t, batch * layer->ld, complete);
     layer->rstd = numbers(t, batch, complete);
 }
 
-static void create_scratch(nqm_trainer *t, bool *complete) {
-    const size_t batch = t->options.max_batch;
+/* Memory that layers take turns with. */
+static void create_shared(nqm_trainer *t, bool *complete) {
+    const size_t batch = t->options.max_batch, *sizes = t->shape.sizes;
     size_t widest_out = 0;
     for (size_t l = 0; l < t->shape.n_layers; ++l)
-        widest_out = larger(t->layer[l].ld, widest_out);
-    create_factor(t, t->shape.sizes[0], NQM_STRIP, t->options.input_gradient, &t->input, complete);
-    t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * widest_out, complete);
-    if (is_rounded(t))
-        t->zeros = numbers(t, larger(widest_out, t->input.ld), complete);
+        widest_out = larger(sizes[l + 1], widest_out);
+    t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out), complete);
+    if (!is_rounded(t))
+        return;
+    const nqm_factor widest = factor_of(t, widest_out, NQM_PANEL);
+    t->rows = units_of(t, batch * widest.ld_rows, complete);
+    t->dz = numbers(t, batch * widest.ld, complete);
+    t->dz_pairs = units_of(t, pairs_size(&widest), complete);
+    t->zeros = numbers(t, larger(sizes[0], widest_out), complete);
 }
 
 nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_options *options, nqm_trainer **trainer_ret,
@@ -104,9 +132,12 @@ nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_opti
     t->shape = *shape;
     t->options = *options;
     bool complete = true;
+    create_shared(t, &complete);
+    create_input(t, shape->sizes[0], options->input_gradient, &t->input, &complete);
+    if (is_rounded(t)) /* these stay as they are until others are filled in */
+        t->input.rows = units_of(t, options->max_batch * t->input.ld_rows, &complete);
     for (size_t l = 0; l < shape->n_layers; ++l)
         create_layer(t, l, &complete);
-    create_scratch(t, &complete);
     if (!complete) {
         nqm_trainer_free(t);
         return nqm_fail_nomem(err, 3 * nqm_params_count(shape) * sizeof(float));

@@ -57,8 +57,12 @@ struct nqm_trainer {
     nqm_trainer_options options;
     nqm_factor input;
     nqm_trainer_layer layer[NQM_NET_MAX_LAYERS];
-    float *zeros; /* (widest ld) the neighbour of a last row without one; NQM_PRECISION_BF16 only */
-    float *sums;  /* (blocks of rows, NQM_VECTORS, widest ld) of the gradients of bias and LayerNorm */
+    /* NQM_PRECISION_BF16 only: what layers take turns with, so that it stays in the caches. */
+    uint32_t *rows;     /* of all factors but the input: each is read by one product before the next one is made */
+    float *dz;          /* likewise of gradients, */
+    uint32_t *dz_pairs; /* which two products read */
+    float *zeros;       /* (widest) the neighbour of a last row without one */
+    float *sums;        /* (blocks of rows, NQM_VECTORS, widest ld) of the gradients of bias and LayerNorm */
     uint64_t n_steps;
 };
 
