@@ -43,6 +43,10 @@ typedef struct nqm_product {
     const void *b; /**< (units, NQM_PANEL): a panel, aligned to 64 bytes */
     void *c;       /**< (m, NQM_PANEL) float, or int32_t for NQM_PRECISION_INT8; ldc numbers from row to row */
     size_t lda, ldc;
+    /* One row more, one_c = one_a one_b, from 0: another panel, of as many units, comes while this one is multiplied. */
+    const void *one_a; /**< (units); NULL: none */
+    const void *one_b; /**< (units, NQM_PANEL) */
+    void *one_c;       /**< (NQM_PANEL) */
 } nqm_product;
 
 /** The same for one row and neighbouring panels: c (n_panels, NQM_PANEL) = a B, or c + a B. How fast the panels come

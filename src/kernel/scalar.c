@@ -68,15 +68,27 @@ static void product_float(const nqm_product *p, unit_product product) {
         }
 }
 
+/* The one row more of a product. */
+static nqm_product one_of(const nqm_product *p) {
+    return (nqm_product){.m = 1, .units = p->units, .a = p->one_a, .b = p->one_b, .c = p->one_c};
+}
+
+static void product_and_one(const nqm_product *p, unit_product product) {
+    product_float(p, product);
+    const nqm_product one = one_of(p);
+    if (one.a)
+        product_float(&one, product);
+}
+
 static void product_f32(const nqm_product *p) {
-    product_float(p, unit_f32);
+    product_and_one(p, unit_f32);
 }
 
 static void product_bf16(const nqm_product *p) {
-    product_float(p, unit_bf16);
+    product_and_one(p, unit_bf16);
 }
 
-static void product_int8(const nqm_product *p) {
+static void product_bytes(const nqm_product *p) {
     const uint32_t *a = p->a, *b = p->b;
     int32_t *c = p->c;
     for (size_t i = 0; i < p->m; ++i)
@@ -84,6 +96,13 @@ static void product_int8(const nqm_product *p) {
             double before = p->add ? (double)c[i * p->ldc + j] : 0;
             c[i * p->ldc + j] = (int32_t)(before + sum_units(p->units, a + i * p->lda, 1, b + j, NQM_PANEL, unit_int8));
         }
+}
+
+static void product_int8(const nqm_product *p) {
+    product_bytes(p);
+    const nqm_product one = one_of(p);
+    if (one.a)
+        product_bytes(&one);
 }
 
 /* A row product as the products of its panels. */

@@ -68,6 +68,9 @@ typedef struct tile {
     bool add;
     size_t
         ahead; /* with each unit of A, that so many units on is asked for: where units lie far apart, no processor guesses */
+    bool beside; /* one row more, one_c = one_a one_b, with units as neighbours and panels like b */
+    const void *one_a, *one_b;
+    void *one_c;
     const float *const *wanted; /* NQM_WANTED arrays, a line of which is asked for now and then; NULL: none */
 } tile;
 
@@ -78,7 +81,9 @@ enum { LINE = 16, WANTED_LINES = NQM_STRIP * NQM_PANEL / LINE };
         const UNIT *restrict a = t.a, *restrict b = t.b;                                                               \
         NUMBER *restrict c = t.c;                                                                                      \
         const size_t slice = t.wanted ? (t.units + WANTED_LINES - 1) / WANTED_LINES : t.units;                         \
-        VECTOR_C sum[TILE_ROWS][TILE_VECTORS];                                                                         \
+        const UNIT *restrict one_a = t.one_a, *restrict one_b = t.one_b;                                               \
+        NUMBER *restrict one_c = t.one_c;                                                                              \
+        VECTOR_C sum[TILE_ROWS][TILE_VECTORS], one[TILE_VECTORS] = {{0}};                                              \
         UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =        \
             t.add ? *(const VECTOR_C *)(c + i * t.ldc + j * LANES) : (VECTOR_C){0};                                    \
         for (size_t u = 0, line = 0; u < t.units; ++line) {                                                            \
@@ -93,12 +98,20 @@ enum { LINE = 16, WANTED_LINES = NQM_STRIP * NQM_PANEL / LINE };
                     UNIT left = a[i * t.row_step];                                                                     \
                     UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);      \
                 }                                                                                                      \
+                if (t.beside) {                                                                                        \
+                    UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) one[j] =                                          \
+                        MADD(one[j], *one_a, *(const VECTOR_B *)(one_b + j * LANES));                                  \
+                    one_a += 1;                                                                                        \
+                    one_b += t.ldb;                                                                                    \
+                }                                                                                                      \
                 a += t.unit_step;                                                                                      \
                 b += t.ldb;                                                                                            \
             }                                                                                                          \
         }                                                                                                              \
         UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) *                  \
             (VECTOR_C *)(c + i * t.ldc + j * LANES) = sum[i][j];                                                       \
+        if (t.beside)                                                                                                  \
+            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) * (VECTOR_C *)(one_c + j * LANES) = one[j];               \
     }
 
 DEFINE_TILE(tile_f32, float, vector_f, float, vector_f, MADD_F32)
@@ -106,7 +119,7 @@ DEFINE_TILE(tile_bf16, uint32_t, vector_u, float, vector_f, MADD_BF16)
 DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
 
 /* Rows in tiles, the rest in one that is as high as it must be. */
-#define PRODUCT_TILE(ROWS, TILE, UNIT, NUMBER)                                                                         \
+#define PRODUCT_TILE(ROWS, BESIDE, TILE, UNIT, NUMBER)                                                                 \
     TILE((tile){.rows = (ROWS),                                                                                        \
                 .units = p->units,                                                                                     \
                 .a = (const UNIT *)p->a + i * p->lda,                                                                  \
@@ -116,10 +129,17 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
                 .ldb = NQM_PANEL,                                                                                      \
                 .c = (NUMBER *)p->c + i * p->ldc + column,                                                             \
                 .ldc = p->ldc,                                                                                         \
-                .add = p->add})
+                .add = p->add,                                                                                         \
+                .beside = (BESIDE),                                                                                    \
+                .one_a = p->one_a,                                                                                     \
+                .one_b = (BESIDE) ? (const UNIT *)p->one_b + column : NULL,                                            \
+                .one_c = (BESIDE) ? (NUMBER *)p->one_c + column : NULL})
 #define REST(N, TILE, UNIT, NUMBER)                                                                                    \
     case N:                                                                                                            \
-        PRODUCT_TILE(N < TILE_ROWS ? N : 1, TILE, UNIT, NUMBER);                                                       \
+        if (p->one_a)                                                                                                  \
+            PRODUCT_TILE(N < TILE_ROWS ? N : 1, true, TILE, UNIT, NUMBER);                                             \
+        else if (N > 0)                                                                                                \
+            PRODUCT_TILE(N < TILE_ROWS ? N : 1, false, TILE, UNIT, NUMBER);                                            \
         break;
 
 #define DEFINE_PRODUCT(NAME, TILE, UNIT, NUMBER)                                                                       \
@@ -127,8 +147,9 @@ DEFINE_TILE(tile_int8, uint32_t, vector_i, int32_t, vector_i, MADD_INT8)
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {                                          \
             size_t i = 0;                                                                                              \
             for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)                                                              \
-                PRODUCT_TILE(TILE_ROWS, TILE, UNIT, NUMBER);                                                           \
+                PRODUCT_TILE(TILE_ROWS, false, TILE, UNIT, NUMBER);                                                    \
             switch (p->m - i) { /* fewer than TILE_ROWS */                                                             \
+                REST(0, TILE, UNIT, NUMBER)                                                                            \
                 REST(1, TILE, UNIT, NUMBER)                                                                            \
                 REST(2, TILE, UNIT, NUMBER)                                                                            \
                 REST(3, TILE, UNIT, NUMBER)                                                                            \

@@ -83,19 +83,33 @@ static void multiply_row(const nqm_kernels *kernels, const nqm_panels *b, nqm_fa
                                                           .c = c});
 }
 
+static nqm_product product_of(const nqm_panels *b, nqm_factors a, nqm_block at, bool add, void *c, size_t ldc) {
+    return (nqm_product){.m = at.m,
+                         .units = b->units,
+                         .add = add,
+                         .a = a.units + at.row * a.ld,
+                         .lda = a.ld,
+                         .b = nqm_panel_at(b, at.panel),
+                         .c = c,
+                         .ldc = ldc};
+}
+
 static void multiply_rows(const nqm_kernels *kernels, const nqm_panels *b, nqm_factors a, nqm_block at, bool add,
                           void *c, size_t ldc) {
     if (at.m == 1)
         multiply_row(kernels, b, a, at, add, c);
-    else
-        kernels->product[b->precision](&(nqm_product){.m = at.m,
-                                                      .units = b->units,
-                                                      .add = add,
-                                                      .a = a.units + at.row * a.ld,
-                                                      .lda = a.ld,
-                                                      .b = nqm_panel_at(b, at.panel),
-                                                      .c = c,
-                                                      .ldc = ldc});
+    else {
+        const nqm_product p = product_of(b, a, at, add, c, ldc);
+        kernels->product[b->precision](&p);
+    }
+}
+
+static void dequantise(const nqm_kernels *kernels, const nqm_panels *b, nqm_factors a, nqm_block at, bool add,
+                       const int32_t *sums, float *c, size_t ldc) {
+    for (size_t i = 0; i < at.n; ++i) {
+        const nqm_byte_columns columns = nqm_panel_columns(b, at.panel + i);
+        kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * NQM_PANEL, c + i * NQM_PANEL, ldc);
+    }
 }
 
 /* A block of C, c (m, n NQM_PANEL), becomes A B or C + A B. */
@@ -107,9 +121,21 @@ static void multiply_block(const nqm_kernels *kernels, const nqm_panels *b, nqm_
     }
     _Alignas(64) int32_t sums[BLOCK_ROWS * NQM_PANEL];
     multiply_rows(kernels, b, a, at, false, sums, NQM_PANEL);
-    for (size_t i = 0; i < at.n; ++i) {
-        const nqm_byte_columns columns = nqm_panel_columns(b, at.panel + i);
-        kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * NQM_PANEL, c + i * NQM_PANEL, ldc);
+    dequantise(kernels, b, a, at, add, sums, c, ldc);
+}
+
+void nqm_multiply_beside(const nqm_inference_work *work, const nqm_kernels *kernels, const nqm_panels *b, nqm_factors a,
+                         nqm_block at, float *c, const nqm_beside *one) {
+    const bool bytes = b->precision == NQM_PRECISION_INT8;
+    _Alignas(64) int32_t sums[NQM_STRIP * NQM_PANEL], one_sums[NQM_PANEL];
+    nqm_product p = bytes ? product_of(b, a, at, false, sums, NQM_PANEL) : product_of(b, a, at, true, c, work->stride);
+    p.one_a = one->a.units;
+    p.one_b = nqm_panel_at(one->b, one->panel);
+    p.one_c = bytes ? (void *)one_sums : one->c;
+    kernels->product[b->precision](&p);
+    if (bytes) {
+        dequantise(kernels, b, a, at, true, sums, c, work->stride);
+        dequantise(kernels, one->b, one->a, (nqm_block){0, 1, one->panel, 1}, false, one_sums, one->c, NQM_PANEL);
     }
 }
 

@@ -37,4 +37,17 @@ size_t nqm_count_blocks(size_t n_rows, const nqm_panels *panels);
 void nqm_multiply_segment(const nqm_inference_work *work, const nqm_kernels *kernels, const nqm_segment *segment,
                           nqm_factors a, nqm_block at, bool add, float *c);
 
+/** One row times panel `panel` of b, c (NQM_PANEL). */
+typedef struct nqm_beside {
+    const nqm_panels *b;
+    nqm_factors a;
+    size_t panel;
+    float *c;
+} nqm_beside;
+
+/** c = C + A B for a block of at most NQM_STRIP rows and one panel, and beside it one row of a product of as many units:
+ *  its panel comes from the third cache meanwhile. */
+void nqm_multiply_beside(const nqm_inference_work *work, const nqm_kernels *kernels, const nqm_panels *b, nqm_factors a,
+                         nqm_block at, float *c, const nqm_beside *one);
+
 #endif

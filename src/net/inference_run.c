@@ -26,6 +26,7 @@ typedef struct trip {
     const nqm_kernels *kernels;
     bool alone;      /* else all threads of a region make it together: */
     bool one_row;    /* each with a copy of its own */
+    bool one_ref;    /* the references of all rows are the last one and one that is new */
     size_t first, n; /* rows of the call */
     size_t at;       /* where their numbers begin in the work */
     const float *x;  /* (n, ldx) their inputs */
@@ -75,6 +76,43 @@ static void multiply_layer_block(const trip *t, size_t l, nqm_block at) {
         if (l == 0 && s == 0)
             keep_part(t, at, c);
     }
+}
+
+/* A few rows whose references are the last one and one that is new: what that adds to a panel is computed beside the
+ * products of the rows with the panel before. Each thread has its share of the panels. */
+static bool one_new_reference(const trip *all) {
+    const nqm_inference_work *work = all->work;
+    const nqm_segment *segment = work->net->layer[0].segment;
+    return work->n_refs == 1 && all->n > 1 && all->n < NQM_STRIP && (work->packed || !segment->w) &&
+           segment[0].panel.units == segment[1].panel.units && segment[0].panel.precision == segment[1].panel.precision;
+}
+
+static void multiply_first_layer(const trip *t) {
+    const nqm_inference_work *work = t->work;
+    const nqm_inference_layer *layer = &work->net->layer[0];
+    const nqm_segment *ref = &layer->segment[0], *next = &layer->segment[1];
+    const size_t thread = (size_t)omp_get_thread_num(), n_threads = (size_t)omp_get_num_threads();
+    const size_t n = ref->panel.n_panels, end = (thread + 1) * n / n_threads;
+    nqm_block at = {.m = t->n, .panel = thread * n / n_threads, .n = 1};
+    float *part = work->part + work->stride;
+    const nqm_factors a = {work->ref, work->ref_stride, work->ref_scale};
+    if (at.panel < end)
+        nqm_multiply_segment(work, t->kernels, ref, a, (nqm_block){0, 1, at.panel, 1}, false,
+                             part + at.panel * NQM_PANEL);
+    for (; at.panel < end; ++at.panel) {
+        float *c = products_at(t, 0, 0) + at.panel * NQM_PANEL;
+        copy_parts(t, at, c);
+        const nqm_factors rows = nqm_factors_of(work, next, 1, t->at, t->x, t->ldx);
+        if (at.panel + 1 < end)
+            nqm_multiply_beside(work, t->kernels, &next->panel, rows, at, c,
+                                &(nqm_beside){&ref->panel, a, at.panel + 1, part + (at.panel + 1) * NQM_PANEL});
+        else
+            nqm_multiply_segment(work, t->kernels, next, rows, at, true, c);
+        for (size_t s = 2; s < layer->n_segments; ++s)
+            nqm_multiply_segment(work, t->kernels, &layer->segment[s],
+                                 nqm_factors_of(work, &layer->segment[s], s, t->at, t->x, t->ldx), at, true, c);
+    }
+#pragma omp barrier
 }
 
 static void multiply_layer(const trip *t, size_t l) {
@@ -142,7 +180,10 @@ static void travel(const trip *t) {
     const size_t n_layers = t->work->net->n_layers;
     rows_to_layer(t, 0);
     for (size_t l = 0; l < n_layers; ++l) {
-        multiply_layer(t, l);
+        if (l == 0 && t->one_ref)
+            multiply_first_layer(t);
+        else
+            multiply_layer(t, l);
         rows_to_layer(t, l + 1);
     }
 }
@@ -173,19 +214,23 @@ static void find_references(const trip *all) {
     }
 }
 
-/* What references add to the first layer, where rows share them; dealt out. */
-static void multiply_references(const trip *all) {
+/* References in the units of the first layer, where rows share them; dealt out. */
+static void round_references(const trip *all) {
     nqm_inference_work *work = all->work;
-    const nqm_segment *segment = &work->net->layer[0].segment[0];
-    if (work->n_refs == 0)
-        return;
+    const nqm_panels *panel = &work->net->layer[0].segment[0].panel;
 #pragma omp for schedule(static)
     for (size_t i = 0; i < all->n; ++i)
         if (work->begins[i]) {
             const size_t at = work->ref_of[i] - 1;
-            nqm_round_units(all->kernels, &segment->panel, all->x + i * all->ldx, work->ref + at * work->ref_stride,
+            nqm_round_units(all->kernels, panel, all->x + i * all->ldx, work->ref + at * work->ref_stride,
                             &work->ref_scale[at]);
         }
+}
+
+/* What they add to the first layer; dealt out. */
+static void multiply_references(const trip *all) {
+    nqm_inference_work *work = all->work;
+    const nqm_segment *segment = &work->net->layer[0].segment[0];
     const nqm_factors a = {work->ref, work->ref_stride, work->ref_scale};
 #pragma omp for schedule(dynamic, 1)
     for (size_t i = 0; i < nqm_count_blocks(work->n_refs, &segment->panel); ++i) {
@@ -252,7 +297,10 @@ void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_
     {
         const size_t most = rows_to_take(&all);
         trip t = all;
-        if (!work->own_refs)
+        t.one_ref = one_new_reference(&all);
+        if (!work->own_refs && work->n_refs > 0)
+            round_references(&all);
+        if (!work->own_refs && work->n_refs > 0 && !t.one_ref)
             multiply_references(&all);
         if (most > 0)
             while (take_rows(&all, most, &t))

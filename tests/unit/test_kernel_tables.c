@@ -218,6 +218,42 @@ static void the_same_bits_by_weights(void **state) {
     }
 }
 
+/* One row beside others, with a panel of its own: the same bits as alone, for both. */
+static void one_row_beside(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 6);
+    static const size_t rows[] = {1, 5, 9, 11, 12, 26};
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+            problem p = make_problem(&rng, (nqm_precision)precision, 27, 75, 64);
+            for (size_t r = 0; r < sizeof rows / sizeof *rows; ++r) {
+                uint32_t together[27 * NQM_PANEL], apart[27 * NQM_PANEL], one[NQM_PANEL], one_apart[NQM_PANEL];
+                nqm_product product = {.m = rows[r],
+                                       .units = p.b.units,
+                                       .a = p.a,
+                                       .lda = p.lda,
+                                       .b = nqm_panel_at(&p.b, 0),
+                                       .c = apart,
+                                       .ldc = NQM_PANEL};
+                nqm_product alone = product;
+                alone.m = 1;
+                alone.a = p.a + 26 * p.lda;
+                alone.b = nqm_panel_at(&p.b, 1);
+                alone.c = one_apart;
+                nqm_kernels_at(t)->product[precision](&product);
+                nqm_kernels_at(t)->product[precision](&alone);
+                product.c = together;
+                product.one_a = alone.a;
+                product.one_b = alone.b;
+                product.one_c = one;
+                nqm_kernels_at(t)->product[precision](&product);
+                assert_memory_equal(together, apart, rows[r] * NQM_PANEL * sizeof *apart);
+                assert_memory_equal(one, one_apart, sizeof one);
+            }
+            free_problem(&p);
+        }
+}
+
 static void panels_and_back(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 2);
@@ -473,17 +509,12 @@ static void choice_by_name(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_definition_by_hand),
-        cmocka_unit_test(products_of_every_table),
-        cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(the_same_bits_by_weights),
-        cmocka_unit_test(panels_and_back),
-        cmocka_unit_test(rounding_to_bfloat16),
-        cmocka_unit_test(gradients_of_every_table),
-        cmocka_unit_test(rows_of_every_table),
-        cmocka_unit_test(adam_of_every_table),
-        cmocka_unit_test(choice_by_name),
-        cmocka_unit_test(scaled_logs_of_every_table),
+        cmocka_unit_test(the_definition_by_hand),   cmocka_unit_test(products_of_every_table),
+        cmocka_unit_test(one_row_beside),           cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(the_same_bits_by_weights), cmocka_unit_test(panels_and_back),
+        cmocka_unit_test(rounding_to_bfloat16),     cmocka_unit_test(gradients_of_every_table),
+        cmocka_unit_test(rows_of_every_table),      cmocka_unit_test(adam_of_every_table),
+        cmocka_unit_test(choice_by_name),           cmocka_unit_test(scaled_logs_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

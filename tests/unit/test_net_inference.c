@@ -157,7 +157,7 @@ static bool same_bits(const nqm_kernels *kernels, int precision) {
 
 static void the_same_bits(void **state) {
     (void)state;
-    static const size_t batches[] = {ROWS, 1, 2, 13, 100};
+    static const size_t batches[] = {ROWS, 1, 2, 7, 13, 100};
     const int threads = omp_get_max_threads();
     static float first[NQM_PRECISION_COUNT][ROWS], all[ROWS], z[ROWS];
     for (size_t t = 0; nqm_kernels_at(t); ++t)
