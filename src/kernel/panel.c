@@ -9,7 +9,7 @@
 
 enum {
     MIN_PARALLEL = 1 << 18, /* multiplications; below, waking a thread costs more than it saves */
-    ROWS_AT_ONCE = 6 * NQM_STRIP,
+    ROWS_AT_ONCE = 11 * NQM_STRIP,
     STRIPS_AT_ONCE = 25
 };
 
