@@ -131,6 +131,9 @@ typedef struct nqm_adam_rate {
 /** The rate of a step, from 1 for the first. */
 nqm_adam_rate nqm_adam_rate_at(double lr, double weight_decay, uint64_t step);
 
+/** A multiple of the three channels that is one of every processor's vectors too. */
+enum { NQM_WHITEN_PERIOD = 48 };
+
 /** One way to compute; all fields are set. */
 typedef struct nqm_kernels {
     const char *name;
@@ -151,6 +154,10 @@ typedef struct nqm_kernels {
     void (*gelu)(size_t n, const float *x, float *y, float *slope);
     /** n values t = log(cbrt(f_r) + 1) become those of s f_r, with k1 = cbrt(s) - 1, |k1| <= 0.018: within 3e-7 (1 + t). */
     void (*scale_log)(size_t n, float k1, const float *t, float *scaled);
+    /** x = (t - mean) scale for n numbers; x may be t. Mean and scale, (NQM_WHITEN_PERIOD), begin again and again. */
+    void (*whiten)(size_t n, const float *mean, const float *scale, const float *t, float *x);
+    /** difference = s (b - a) and magnitude = s |b - a| for n numbers; difference may be b. */
+    void (*differ)(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
     /** x (n) as bfloat16 (nqm_units() units), to nearest, ties to even. */
     void (*round_row)(size_t n, const float *x, uint32_t *units);
     /** Two rows (n) likewise, but a unit holds two neighbours of a column; groups of columns, `width` (NQM_STRIP or NQM_PANEL)

@@ -232,5 +232,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .cube_root = cube_root,                                                                                        \
         .log_1p = log_1p,                                                                                              \
         .scale_log = scale_log,                                                                                        \
+        .whiten = whiten,                                                                                              \
+        .differ = differ,                                                                                              \
         .adam = adam,                                                                                                  \
     }

@@ -182,6 +182,19 @@ static void scale_log(size_t n, float k1, const float *t, float *scaled) {
         scaled[i] = (float)log1p((1 + (double)k1) * expm1((double)t[i]));
 }
 
+static void whiten(size_t n, const float *mean, const float *scale, const float *t, float *x) {
+    for (size_t i = 0; i < n; ++i)
+        x[i] = (float)(((double)t[i] - (double)mean[i % NQM_WHITEN_PERIOD]) * (double)scale[i % NQM_WHITEN_PERIOD]);
+}
+
+static void differ(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude) {
+    for (size_t i = 0; i < n; ++i) {
+        const double d = (double)s * ((double)b[i] - (double)a[i]);
+        difference[i] = (float)d;
+        magnitude[i] = (float)fabs(d);
+    }
+}
+
 static void round_row(size_t n, const float *x, uint32_t *units) {
     for (size_t i = 0; i < n; i += 2)
         units[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
@@ -298,5 +311,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .cube_root = cube_root,
     .log_1p = log_1p,
     .scale_log = scale_log,
+    .whiten = whiten,
+    .differ = differ,
     .adam = adam,
 };

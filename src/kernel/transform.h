@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * transform.h - roots and logarithms of samples for one instruction set: loops that a compiler vectorises, included by
- * rows.h. Every instruction set gives the same bits.
+ * transform.h - roots, logarithms and whitening of samples for one instruction set: loops that a compiler vectorises,
+ * included by rows.h. Every instruction set gives the same bits.
  */
 #include "kernel/exp_log.h"
 #include "kernel/kernel.h"
 
+#include <math.h>
 #include <string.h>
 
 /* A root of x >= 1e-30, within 6 %: a third of the exponent, by way of the bits (Kahan 1991). */
@@ -46,6 +47,29 @@ static void cube_root(size_t n, const double *x, double *root) {
         r = CUBE_ROOT_STEP(r, a);
         r = CUBE_ROOT_STEP(r, a);
         root[i] = x[i] < 1e-30 ? 0.0 : r;
+    }
+}
+
+/* `n` at most NQM_WHITEN_PERIOD, and a constant where it is that. */
+static inline void whiten_stretch(size_t n, const float *mean, const float *scale, const float *t, float *x) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i)
+        x[i] = (t[i] - mean[i]) * scale[i];
+}
+
+static void whiten(size_t n, const float *mean, const float *scale, const float *t, float *x) {
+    size_t i = 0;
+    for (; i + NQM_WHITEN_PERIOD <= n; i += NQM_WHITEN_PERIOD)
+        whiten_stretch(NQM_WHITEN_PERIOD, mean, scale, t + i, x + i);
+    whiten_stretch(n - i, mean, scale, t + i, x + i);
+}
+
+static void differ(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        float d = b[i] - a[i];
+        difference[i] = s * d;
+        magnitude[i] = s * fabsf(d);
     }
 }
 

@@ -489,6 +489,36 @@ static void scaled_logs_of_every_table(void **state) {
     }
 }
 
+/* Whitened pairs and their differences; nothing stands beyond n, and in place it is the same. */
+static void whitening_of_every_table(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 12);
+    enum { P = NQM_WHITEN_PERIOD };
+    float *t = random_block(&rng, N + 1), *mean = random_block(&rng, P), *scale = random_block(&rng, P);
+    static float actual[4][N + 1];
+    for (size_t k = 0; nqm_kernels_at(k); ++k) {
+        const nqm_kernels *kernels = nqm_kernels_at(k);
+        memcpy(actual[0], t, sizeof actual[0]);
+        kernels->whiten(N, mean, scale, t, actual[1]);
+        kernels->whiten(N, mean, scale, actual[0], actual[0]);
+        assert_true(actual[0][N] == t[N]);
+        assert_memory_equal(actual[0], actual[1], N * sizeof *t);
+        kernels->differ(N, 3, t, actual[1], actual[2], actual[3]);
+        for (size_t i = 0; i < N; ++i) {
+            const double x = ((double)t[i] - (double)mean[i % P]) * (double)scale[i % P];
+            assert_near((double)actual[1][i], x, 2e-7 * fabs(x) + 1e-12);
+            const double d = (double)actual[1][i] - (double)t[i];
+            assert_near((double)actual[2][i], 3 * d, 4e-7 * fabs(d));
+            assert_true(actual[3][i] == fabsf(actual[2][i]));
+        }
+        kernels->differ(N, 3, t, actual[1], actual[1], actual[0]);
+        assert_memory_equal(actual[1], actual[2], N * sizeof *t);
+    }
+    nqm_free(t);
+    nqm_free(mean);
+    nqm_free(scale);
+}
+
 static void choice_by_name(void **state) {
     (void)state;
     for (size_t i = 0; nqm_kernels_name(i); ++i) {
@@ -515,6 +545,7 @@ int main(void) {
         cmocka_unit_test(rounding_to_bfloat16),     cmocka_unit_test(gradients_of_every_table),
         cmocka_unit_test(rows_of_every_table),      cmocka_unit_test(adam_of_every_table),
         cmocka_unit_test(choice_by_name),           cmocka_unit_test(scaled_logs_of_every_table),
+        cmocka_unit_test(whitening_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
