@@ -17,7 +17,7 @@ enum {
 
     /* rows that a thread takes: few enough for its second cache, enough to read all weights for */
     MAX_TAKE = 8 * NQM_STRIP,
-    MIN_TAKE = 2 * NQM_STRIP
+    MIN_SHARE = 2 * NQM_STRIP /* of a call for each thread */
 };
 
 /* Some rows of a call on their way. */
@@ -260,7 +260,7 @@ static size_t rows_to_take(const trip *all) {
     if (all->work->net->layer[0].segment[0].panel.precision == NQM_PRECISION_F32)
         return 0;
     const size_t share = all->n / (size_t)omp_get_num_threads() / NQM_STRIP * NQM_STRIP;
-    return share < MIN_TAKE ? 0 : nqm_smaller(share, MAX_TAKE);
+    return share < MIN_SHARE ? 0 : nqm_smaller(share, MAX_TAKE);
 }
 
 /* The next rows that nobody has taken: fewer towards the end, so that all threads end at about the same time. */
@@ -273,7 +273,7 @@ static bool take_rows(const trip *all, size_t most, trip *t) {
         *t = *all;
         t->alone = true;
         t->first = work->taken;
-        t->n = nqm_smaller(left, share < MIN_TAKE ? MIN_TAKE : nqm_smaller(share, most));
+        t->n = nqm_smaller(left, share < NQM_STRIP ? NQM_STRIP : nqm_smaller(share, most));
         work->taken += t->n;
     }
     t->at = (size_t)omp_get_thread_num() * most;
