@@ -267,15 +267,15 @@ static size_t rows_to_take(const trip *all) {
 static bool take_rows(const trip *all, size_t most, trip *t) {
     nqm_inference_work *work = all->work;
     const size_t n_threads = (size_t)omp_get_num_threads();
-#pragma omp critical(nqm_inference_take_rows)
-    {
-        const size_t left = all->n - work->taken, share = left / (2 * n_threads * NQM_STRIP) * NQM_STRIP;
-        *t = *all;
-        t->alone = true;
-        t->first = work->taken;
-        t->n = nqm_smaller(left, share < NQM_STRIP ? NQM_STRIP : nqm_smaller(share, most));
-        work->taken += t->n;
-    }
+    size_t first = atomic_load(&work->taken), n;
+    do {
+        const size_t left = all->n - first, share = left / (2 * n_threads * NQM_STRIP) * NQM_STRIP;
+        n = nqm_smaller(left, share < NQM_STRIP ? NQM_STRIP : nqm_smaller(share, most));
+    } while (!atomic_compare_exchange_weak(&work->taken, &first, first + n));
+    *t = *all;
+    t->alone = true;
+    t->first = first;
+    t->n = n;
     t->at = (size_t)omp_get_thread_num() * most;
     t->x += t->first * t->ldx;
     t->z += t->first;
@@ -289,7 +289,7 @@ void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_
         return;
     work->packed = nqm_inference_net_packed(work->net, kernels, n);
     work->n_rows = n;
-    work->taken = 0;
+    atomic_store(&work->taken, 0);
 #pragma omp parallel if (n >= MIN_ROWS && n * work->n_multiplications >= MIN_PARALLEL)
     find_references(&all);
     /* A call or two of a short process would only wait for a thread to start. */

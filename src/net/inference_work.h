@@ -10,7 +10,8 @@
 struct nqm_inference_work {
     const nqm_inference_net *net;
     bool packed;                               /* the panels of floats are filled; of this call */
-    size_t n_rows, taken;                      /* of this call; the latter by threads that go alone */
+    size_t n_rows;                             /* of this call */
+    size_t _Atomic taken;                      /* of them, by threads that go alone */
     size_t max_batch, n_multiplications;       /* the latter of a row */
     size_t n_slots;                            /* for max_batch rows, or one and a copy for each thread */
     size_t stride, rounded_stride, ref_stride; /* numbers from row to row */
