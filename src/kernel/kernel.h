@@ -145,6 +145,8 @@ typedef struct nqm_kernels {
     void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
     /** NQM_PRECISION_F32 and _BF16 only; the last is NULL. */
     void (*gradient[NQM_PRECISION_COUNT])(const nqm_tile_gradient *g);
+    /** The sum of x y over n numbers. */
+    float (*dot)(size_t n, const float *x, const float *y);
     void (*hidden_row)(const nqm_hidden_row *row);
     void (*hidden_row_back)(const nqm_hidden_row_back *row);
     /**

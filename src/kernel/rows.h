@@ -83,8 +83,8 @@ static inline float add_sums(vector_f *sum) {
     return half[0];
 }
 
-/* The mean over a row of TERM, in which a, b = x[i], y[i]. */
-#define DEFINE_ROW_MEAN(NAME, TERM)                                                                                    \
+/* The sum over a row of TERM, in which a, b = x[i], y[i]. */
+#define DEFINE_ROW_SUM(NAME, TERM)                                                                                     \
     INLINE void NAME##_group(const float *x, const float *y, float c, vector_f *sum) {                                 \
         UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {                                                            \
             const vector_f a = *(const vector_f *)(x + v * LANES), b = *(const vector_f *)(y + v * LANES);             \
@@ -100,13 +100,17 @@ static inline float add_sums(vector_f *sum) {
         NAME##_group(last_group(n, x, filled_x), last_group(n, y, filled_y), c, last);                                 \
         UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) sum[v] +=                                                    \
             last[v] * *(const vector_f *)(in_last_group + n % GROUP + v * LANES);                                      \
-        return add_sums(sum) / (float)n;                                                                               \
+        return add_sums(sum);                                                                                          \
     }
 
-DEFINE_ROW_MEAN(mean_of_sum, a + b)
-DEFINE_ROW_MEAN(mean_square, (a + b - c) * (a + b - c))
-DEFINE_ROW_MEAN(mean_of_first, a)
-DEFINE_ROW_MEAN(mean_product, a *b)
+DEFINE_ROW_SUM(sum_of_both, a + b)
+DEFINE_ROW_SUM(sum_of_squares, (a + b - c) * (a + b - c))
+DEFINE_ROW_SUM(sum_of_first, a)
+DEFINE_ROW_SUM(sum_of_products, a *b)
+
+static float dot(size_t n, const float *x, const float *y) {
+    return sum_of_products(n, x, y, 0);
+}
 
 /* ---- dropout ----------------------------------------------------------------------------------------------------- */
 
@@ -179,8 +183,8 @@ static void activate_row(const nqm_hidden_row *r, float mean, float rstd) {
 }
 
 static void hidden_row(const nqm_hidden_row *r) {
-    const float mean = mean_of_sum(r->n, r->x, r->bias, 0);
-    const float variance = mean_square(r->n, r->x, r->bias, mean);
+    const float mean = sum_of_both(r->n, r->x, r->bias, 0) / (float)r->n;
+    const float variance = sum_of_squares(r->n, r->x, r->bias, mean) / (float)r->n;
     const float rstd = (float)(1.0 / sqrt((double)variance + (double)NQM_LAYERNORM_EPS));
     activate_row(r, mean, rstd);
     if (r->rstd)
@@ -204,7 +208,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         dgamma[i] += da * xhat[i];
         g[i] = gamma[i] * da;
     }
-    const float mean = mean_of_first(n, g, g, 0), along = mean_product(n, g, xhat, 0);
+    const float mean = sum_of_first(n, g, g, 0) / (float)r->n, along = sum_of_products(n, g, xhat, 0) / (float)r->n;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         g[i] = rstd * (g[i] - mean - xhat[i] * along);
@@ -221,6 +225,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \
         .gradient = {gradient_f32, gradient_bf16, NULL},                                                               \
         .hidden_row = hidden_row,                                                                                      \
+        .dot = dot,                                                                                                    \
         .hidden_row_back = hidden_row_back,                                                                            \
         .gelu = gelu,                                                                                                  \
         .round_row = round_row,                                                                                        \

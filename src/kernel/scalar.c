@@ -145,6 +145,13 @@ static void gradient_bf16(const nqm_tile_gradient *g) {
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
+static float dot(size_t n, const float *x, const float *y) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i)
+        sum += (double)x[i] * (double)y[i];
+    return (float)sum;
+}
+
 static double distribution(double x) {
     return 0.5 * erfc(-x / sqrt(2));
 }
@@ -299,6 +306,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .product = {product_f32, product_bf16, product_int8},
     .row_product = {row_product_f32, row_product_bf16, row_product_int8},
     .gradient = {gradient_f32, gradient_bf16, NULL},
+    .dot = dot,
     .hidden_row = hidden_row,
     .hidden_row_back = hidden_row_back,
     .gelu = gelu,

@@ -84,7 +84,9 @@ static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, c
                              nqm_precision precision, nqm_error *err) {
     const nqm_net_shape *shape = &params->shape;
     nqm_status status = NQM_OK;
-    net->n_layers = shape->n_layers;
+    net->n_layers = shape->n_layers - 1;
+    net->output = params->layer[net->n_layers].w;
+    net->output_bias = params->layer[net->n_layers].b;
     for (size_t l = 0; status == NQM_OK && l < net->n_layers; ++l) {
         const nqm_layer *from = &params->layer[l];
         net->layer[l] = (nqm_inference_layer){
@@ -92,8 +94,7 @@ static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, c
         if (l == 0)
             status = add_first_layer(&net->layer[l], params, inputs, precision, err);
         else
-            status = add_segment(&net->layer[l], from->w, shape->sizes[l], (range){0, shape->sizes[l]},
-                                 from->gamma ? precision : NQM_PRECISION_F32, err);
+            status = add_segment(&net->layer[l], from->w, shape->sizes[l], (range){0, shape->sizes[l]}, precision, err);
     }
     return status;
 }

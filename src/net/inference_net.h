@@ -22,19 +22,21 @@ typedef struct nqm_segment {
     size_t ldw;
 } nqm_segment;
 
-/** A layer: the sum over its segments, and what follows. */
+/** A hidden layer: the sum over its segments, and what follows. */
 typedef struct nqm_inference_layer {
     size_t n_out, n_segments;
     bool differences; /**< the second segment wants its inputs less those of the first */
     nqm_segment segment[NQM_MAX_SEGMENTS];
     size_t rounded;            /**< units of a row of all segments that are not float */
     const float *bias;         /**< (n_out) */
-    const float *gamma, *beta; /**< (n_out); NULL in the last layer */
+    const float *gamma, *beta; /**< (n_out) */
 } nqm_inference_layer;
 
 struct nqm_inference_net {
-    size_t n_layers;
+    size_t n_layers; /**< hidden ones, at least one */
     nqm_inference_layer layer[NQM_NET_MAX_LAYERS];
+    const float *output;      /**< (n_out of the last layer) the weights of the output, lent */
+    const float *output_bias; /**< (1) */
     /* To pack is to write as much memory as all weights take: a few calls are done sooner without. */
     bool _Atomic packed;      /**< the panels of floats are filled */
     unsigned _Atomic n_calls; /**< before that */

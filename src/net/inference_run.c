@@ -128,8 +128,8 @@ static void multiply_layer(const trip *t, size_t l) {
         multiply_layer_block(t, l, nqm_block_at(i, t->n, panels));
 }
 
-/* From the products of the layer before l, or from the network's inputs, to what layer l multiplies; past the last layer
- * to the network's output. */
+/* From the products of the layer before l, or from the network's inputs, to what layer l multiplies; past the last hidden
+ * layer to the network's output. */
 static void row_to_layer(const trip *t, size_t l, size_t i) {
     const nqm_inference_net *net = t->work->net;
     if (l == 0) {
@@ -139,15 +139,14 @@ static void row_to_layer(const trip *t, size_t l, size_t i) {
     const nqm_inference_layer *before = &net->layer[l - 1];
     const float *products = products_at(t, l - 1, i);
     float *row = outputs_at(t, l - 1, i);
-    if (l == net->n_layers) {
-        t->z[i] = products[0] + before->bias[0];
-        return;
-    }
     if (row != products)
         memcpy(row, products, t->work->stride * sizeof *row);
     t->kernels->hidden_row(&(nqm_hidden_row){
         .n = before->n_out, .bias = before->bias, .gamma = before->gamma, .beta = before->beta, .x = row, .y = row});
-    nqm_round_inputs(t->work, t->kernels, &net->layer[l], 0, t->at + i, row);
+    if (l < net->n_layers)
+        nqm_round_inputs(t->work, t->kernels, &net->layer[l], 0, t->at + i, row);
+    else
+        t->z[i] = t->kernels->dot(before->n_out, net->output, row) + net->output_bias[0];
 }
 
 static void rows_to_layer(const trip *t, size_t l) {

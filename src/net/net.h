@@ -18,7 +18,7 @@ enum { NQM_NET_MAX_LAYERS = 8 };
 
 /** Sizes of an MLP; layer l maps sizes[l] to sizes[l+1]; all but the last have LayerNorm, GELU and dropout. */
 typedef struct nqm_net_shape {
-    size_t n_layers;
+    size_t n_layers; /**< 2..NQM_NET_MAX_LAYERS: the hidden ones and the output */
     size_t sizes[NQM_NET_MAX_LAYERS + 1];
 } nqm_net_shape;
 

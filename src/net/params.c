@@ -20,7 +20,7 @@ size_t nqm_params_count(const nqm_net_shape *shape) {
 
 /* Layers and widths within what indexes and the file format can hold: at most 2^24 wide. */
 static bool shape_is_sane(const nqm_net_shape *shape) {
-    if (shape->n_layers < 1 || shape->n_layers > NQM_NET_MAX_LAYERS || shape->sizes[shape->n_layers] != 1)
+    if (shape->n_layers < 2 || shape->n_layers > NQM_NET_MAX_LAYERS || shape->sizes[shape->n_layers] != 1)
         return false;
     for (size_t l = 0; l <= shape->n_layers; ++l)
         if (shape->sizes[l] < 1 || shape->sizes[l] > (size_t)1 << 24)

@@ -489,6 +489,26 @@ static void scaled_logs_of_every_table(void **state) {
     }
 }
 
+static void dots_of_every_table(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 13);
+    float *x = random_block(&rng, N), *y = random_block(&rng, N);
+    static const size_t sizes[] = {1, 7, 31, 32, 33, 64, N};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
+        for (size_t k = 0; nqm_kernels_at(k); ++k) {
+            double sum = 0, size = 0;
+            for (size_t i = 0; i < sizes[s]; ++i) {
+                sum += (double)x[i] * (double)y[i];
+                size += fabs((double)x[i] * (double)y[i]);
+            }
+            const float actual = nqm_kernels_at(k)->dot(sizes[s], x, y), first = nqm_kernels_at(0)->dot(sizes[s], x, y);
+            assert_near((double)actual, sum, 2e-6 * size);
+            assert_true(actual == first || nqm_kernels_at(k) == &nqm_kernels_scalar);
+        }
+    nqm_free(x);
+    nqm_free(y);
+}
+
 /* Whitened pairs and their differences; nothing stands beyond n, and in place it is the same. */
 static void whitening_of_every_table(void **state) {
     (void)state;
@@ -545,7 +565,7 @@ int main(void) {
         cmocka_unit_test(rounding_to_bfloat16),     cmocka_unit_test(gradients_of_every_table),
         cmocka_unit_test(rows_of_every_table),      cmocka_unit_test(adam_of_every_table),
         cmocka_unit_test(choice_by_name),           cmocka_unit_test(scaled_logs_of_every_table),
-        cmocka_unit_test(whitening_of_every_table),
+        cmocka_unit_test(dots_of_every_table),      cmocka_unit_test(whitening_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
