@@ -7,10 +7,6 @@
 #include <omp.h>
 #include <string.h>
 
-static bool has_norm(const nqm_trainer *t, size_t l) {
-    return l + 1 < t->shape.n_layers;
-}
-
 static bool is_rounded(const nqm_trainer *t) {
     return t->options.precision == NQM_PRECISION_BF16;
 }
@@ -53,7 +49,8 @@ static size_t pairs_size(const nqm_factor *f) {
 static void create_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f, bool *complete) {
     const size_t two_a_thread = 2 * (size_t)omp_get_max_threads();
     *f = factor_of(t, n, NQM_STRIP);
-    f->x = numbers(t, (is_rounded(t) && !all_rows ? two_a_thread : t->options.max_batch) * f->ld, complete);
+    f->two_rows = is_rounded(t) && !all_rows;
+    f->x = numbers(t, (f->two_rows ? two_a_thread : t->options.max_batch) * f->ld, complete);
     if (is_rounded(t))
         f->columns.data = f->pairs = units_of(t, pairs_size(f), complete);
     else
@@ -75,7 +72,7 @@ static void create_gradient(nqm_trainer *t, size_t n, nqm_factor *f, bool *compl
 static void create_values(nqm_trainer *t, nqm_layer_values *values, size_t l, bool *complete) {
     const size_t in = t->shape.sizes[l], out = t->shape.sizes[l + 1];
     *complete = *complete && nqm_panels_create(NQM_PRECISION_F32, in, out, &values->w, NULL) == NQM_OK;
-    for (size_t i = 0; i < (has_norm(t, l) ? NQM_VECTORS : NQM_GAMMA); ++i)
+    for (size_t i = 0; i < NQM_VECTORS; ++i)
         values->vector[i] = numbers(t, out, complete);
 }
 
@@ -92,18 +89,28 @@ static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
         *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
     layer->xhat = numbers(t, batch * layer->ld, complete);
     create_gradient(t, out, &layer->dz, complete);
-    if (!has_norm(t, l))
-        return;
-    create_input(t, out, false, &layer->y, complete);
+    if (l + 1 < t->n_hidden)
+        create_input(t, out, false, &layer->y, complete);
+    else
+        layer->y = (nqm_factor){.n = out, .ld = layer->ld, .x = numbers(t, batch * layer->ld, complete)};
     layer->slope = numbers(t, batch * layer->ld, complete);
     layer->rstd = numbers(t, batch, complete);
+}
+
+static void create_output(nqm_trainer *t, bool *complete) {
+    nqm_trainer_output *output = &t->output;
+    output->n = t->shape.sizes[t->n_hidden];
+    output->value = numbers(t, output->n + 1, complete);
+    output->m = numbers(t, output->n + 1, complete);
+    output->v = numbers(t, output->n + 1, complete);
+    output->sums = numbers(t, nqm_row_blocks(t->options.max_batch) * output->n, complete);
 }
 
 /* Memory that layers take turns with. */
 static void create_shared(nqm_trainer *t, bool *complete) {
     const size_t batch = t->options.max_batch, *sizes = t->shape.sizes;
     size_t widest_out = 0;
-    for (size_t l = 0; l < t->shape.n_layers; ++l)
+    for (size_t l = 0; l < t->n_hidden; ++l)
         widest_out = larger(sizes[l + 1], widest_out);
     t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out), complete);
     if (!is_rounded(t))
@@ -131,13 +138,15 @@ nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_opti
         return nqm_fail_nomem(err, sizeof *t);
     t->shape = *shape;
     t->options = *options;
+    t->n_hidden = shape->n_layers - 1;
     bool complete = true;
     create_shared(t, &complete);
     create_input(t, shape->sizes[0], options->input_gradient, &t->input, &complete);
     if (is_rounded(t)) /* these stay as they are until others are filled in */
         t->input.rows = units_of(t, options->max_batch * t->input.ld_rows, &complete);
-    for (size_t l = 0; l < shape->n_layers; ++l)
+    for (size_t l = 0; l < t->n_hidden; ++l)
         create_layer(t, l, &complete);
+    create_output(t, &complete);
     if (!complete) {
         nqm_trainer_free(t);
         return nqm_fail_nomem(err, 3 * nqm_params_count(shape) * sizeof(float));
@@ -149,7 +158,7 @@ nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_opti
 void nqm_trainer_free(nqm_trainer *t) {
     if (!t)
         return;
-    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+    for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
         nqm_panels *panels[] = {&layer->value.w, &layer->m.w, &layer->v.w, &layer->rounded, &layer->backward};
         for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i)
@@ -166,27 +175,34 @@ static void load_layer(nqm_layer_values *values, const nqm_layer *layer) {
     nqm_panels_pack(&values->w, layer->w, values->w.k);
     const float *const vectors[] = {layer->b, layer->gamma, layer->beta};
     for (size_t i = 0; i < NQM_VECTORS; ++i)
-        if (values->vector[i])
-            memcpy(values->vector[i], vectors[i], values->w.n * sizeof(float));
+        memcpy(values->vector[i], vectors[i], values->w.n * sizeof(float));
 }
 
 static void store_layer(const nqm_layer_values *values, const nqm_layer *layer) {
     nqm_panels_unpack(&values->w, layer->w, values->w.k);
     float *const vectors[] = {layer->b, layer->gamma, layer->beta};
     for (size_t i = 0; i < NQM_VECTORS; ++i)
-        if (values->vector[i])
-            memcpy(vectors[i], values->vector[i], values->w.n * sizeof(float));
+        memcpy(vectors[i], values->vector[i], values->w.n * sizeof(float));
 }
 
 static void clear_values(nqm_layer_values *values) {
     memset(values->w.data, 0, values->w.n_panels * values->w.stride * NQM_PANEL * sizeof *values->w.data);
     for (size_t i = 0; i < NQM_VECTORS; ++i)
-        if (values->vector[i])
-            memset(values->vector[i], 0, values->w.n * sizeof(float));
+        memset(values->vector[i], 0, values->w.n * sizeof(float));
+}
+
+static void load_output(size_t n, float *values, const nqm_layer *layer) {
+    memcpy(values, layer->w, n * sizeof *values);
+    values[n] = layer->b[0];
+}
+
+static void store_output(size_t n, const float *values, const nqm_layer *layer) {
+    memcpy(layer->w, values, n * sizeof *values);
+    layer->b[0] = values[n];
 }
 
 void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *adam) {
-    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+    for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
         load_layer(&layer->value, &params->layer[l]);
         if (adam) {
@@ -197,20 +213,34 @@ void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *
             clear_values(&layer->v);
         }
     }
+    const nqm_trainer_output *output = &t->output;
+    load_output(output->n, output->value, &params->layer[t->n_hidden]);
+    if (adam) {
+        load_output(output->n, output->m, &adam->m.layer[t->n_hidden]);
+        load_output(output->n, output->v, &adam->v.layer[t->n_hidden]);
+    } else {
+        memset(output->m, 0, (output->n + 1) * sizeof *output->m);
+        memset(output->v, 0, (output->n + 1) * sizeof *output->v);
+    }
     t->n_steps = adam ? adam->step : 0;
     nqm_trainer_refresh(t);
 }
 
 void nqm_trainer_store(const nqm_trainer *t, nqm_params *params, nqm_adam *adam) {
-    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+    for (size_t l = 0; l < t->n_hidden; ++l) {
         store_layer(&t->layer[l].value, &params->layer[l]);
         if (adam) {
             store_layer(&t->layer[l].m, &adam->m.layer[l]);
             store_layer(&t->layer[l].v, &adam->v.layer[l]);
         }
     }
-    if (adam)
-        adam->step = t->n_steps;
+    const nqm_trainer_output *output = &t->output;
+    store_output(output->n, output->value, &params->layer[t->n_hidden]);
+    if (!adam)
+        return;
+    store_output(output->n, output->m, &adam->m.layer[t->n_hidden]);
+    store_output(output->n, output->v, &adam->v.layer[t->n_hidden]);
+    adam->step = t->n_steps;
 }
 
 uint64_t nqm_trainer_steps(const nqm_trainer *t) {
@@ -218,7 +248,7 @@ uint64_t nqm_trainer_steps(const nqm_trainer *t) {
 }
 
 void nqm_trainer_refresh(nqm_trainer *t) {
-    for (size_t l = 0; l < t->shape.n_layers; ++l) {
+    for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
         if (is_rounded(t))
             nqm_panels_round(&layer->value.w, &layer->rounded);
@@ -230,8 +260,8 @@ void nqm_trainer_refresh(nqm_trainer *t) {
 /* ---- factors ----------------------------------------------------------------------------------------------------- */
 
 /* The numbers of row i on their way in. Where they are rounded, a thread keeps those of two rows only: in its first cache. */
-static float *numbers_at(const nqm_trainer *t, const nqm_factor *f, size_t i) {
-    const size_t at = is_rounded(t) ? 2 * (size_t)omp_get_thread_num() + i % 2 : i;
+static float *numbers_at(const nqm_factor *f, size_t i) {
+    const size_t at = f->two_rows ? 2 * (size_t)omp_get_thread_num() + i % 2 : i;
     return f->x + at * f->ld;
 }
 
@@ -248,7 +278,7 @@ void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t firs
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
 float *nqm_trainer_input(nqm_trainer *t, size_t i) {
-    return numbers_at(t, &t->input, i);
+    return numbers_at(&t->input, i);
 }
 
 void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {
@@ -265,7 +295,7 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
                         .gamma = layer->value.vector[NQM_GAMMA],
                         .beta = layer->value.vector[NQM_BETA],
                         .x = layer->xhat + row * layer->ld,
-                        .y = numbers_at(t, &layer->y, row),
+                        .y = numbers_at(&layer->y, row),
                         .slope = layer->slope + row * layer->ld,
                         .rstd = layer->rstd + row};
     if (dropout && dropout->p > 0)
@@ -273,8 +303,10 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
     return r;
 }
 
-static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dropout *dropout) {
+/* z (batch) receives what the output makes of the last hidden layer. */
+static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dropout *dropout, float *z) {
     const nqm_kernels *kernels = nqm_kernels_get();
+    const nqm_trainer_output *output = &t->output;
     nqm_trainer_layer *layer = &t->layer[l];
 #pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
     for (size_t first = 0; first < batch; first += 2) {
@@ -282,26 +314,24 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
         for (size_t i = first; i < first + n; ++i) {
             nqm_hidden_row r = hidden_row_at(t, l, i, dropout);
             kernels->hidden_row(&r);
+            if (l + 1 == t->n_hidden)
+                z[i] = kernels->dot(output->n, output->value, r.y) + output->value[output->n];
         }
-        nqm_factor_rows_done(t, &layer->y, first, n, numbers_at(t, &layer->y, first));
+        if (l + 1 < t->n_hidden)
+            nqm_factor_rows_done(t, &layer->y, first, n, numbers_at(&layer->y, first));
     }
 }
 
 void nqm_trainer_inputs_done(nqm_trainer *t, size_t first, size_t n) {
-    nqm_factor_rows_done(t, &t->input, first, n, numbers_at(t, &t->input, first));
+    nqm_factor_rows_done(t, &t->input, first, n, numbers_at(&t->input, first));
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {
-    const size_t last = t->shape.n_layers - 1;
-    for (size_t l = 0; l <= last; ++l) {
+    for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
         const nqm_factor *x = l > 0 ? &t->layer[l - 1].y : &t->input;
         nqm_multiply(is_rounded(t) ? &layer->rounded : &layer->value.w, batch, x->rows, x->ld_rows, false, layer->xhat,
                      layer->ld);
-        if (l < last)
-            hidden_forward(t, l, batch, dropout);
+        hidden_forward(t, l, batch, dropout, z);
     }
-    const nqm_trainer_layer *output = &t->layer[last];
-    for (size_t i = 0; i < batch; ++i)
-        z[i] = output->xhat[i * output->ld] + output->value.vector[NQM_BIAS][0];
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The way back through the network in training. Layer by layer from the last: the gradient with respect to a layer's
+ * The way back through the network in training. Layer by layer from the output: the gradient with respect to a layer's
  * input comes first, by the weights before their step; tiles of the gradient of the weights go into a sink, which steps them
  * or stores the gradient.
  */
@@ -108,7 +108,7 @@ static void block_back(nqm_trainer *t, size_t l, size_t block, size_t batch) {
     }
 }
 
-/* Hidden layer l: its dz holds d loss / d y, and afterwards d loss / d (its product). */
+/* Its dz holds d loss / d y, and afterwards d loss / d (its product). */
 static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
     const nqm_trainer_layer *layer = &t->layer[l];
     const size_t n_blocks = nqm_row_blocks(batch), n = NQM_VECTORS * layer->ld;
@@ -124,19 +124,6 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
-
-/* dz as the gradient of the output layer, whose bias' gradient is their sum. */
-static void begin(nqm_trainer *t, const sink *s, size_t batch, const float *dz) {
-    nqm_trainer_layer *output = &t->layer[t->shape.n_layers - 1];
-    double sum = 0;
-    for (size_t i = 0; i < batch; ++i) {
-        output->dz.x[i * output->ld] = dz[i];
-        dz_row_done(t, output, i, batch);
-        sum += (double)dz[i];
-    }
-    const float gradient = (float)sum;
-    take_vector(s, NQM_BIAS, &gradient);
-}
 
 typedef struct way_back {
     size_t batch;
@@ -159,18 +146,58 @@ static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
     return s;
 }
 
-/* Layer l, whose dz is known; afterwards that of the layer below is. */
+/* Layer l, whose dz holds the gradient of what it gives; afterwards that of the layer below does. */
 static void layer_back(nqm_trainer *t, const way_back *way, size_t l) {
     const size_t batch = way->batch;
     sink s = sink_of(t, way, l);
     nqm_trainer_layer *layer = s.layer, *below = l > 0 ? &t->layer[l - 1] : NULL;
+    hidden_back(t, &s, l, batch);
     if (below)
         nqm_multiply(&layer->backward, batch, layer->dz.rows, layer->dz.ld_rows, false, below->dz.x, below->dz.ld);
     weight_gradient(t, &s, batch, below ? &below->y : &t->input);
-    if (below) {
-        const sink s_below = sink_of(t, way, l - 1);
-        hidden_back(t, &s_below, l - 1, batch);
+}
+
+/* Some rows of the output: the gradient of what the last hidden layer gives, and the sum of the weights'. */
+static void output_block_back(nqm_trainer *t, const way_back *way, size_t block) {
+    const nqm_trainer_layer *layer = &t->layer[t->n_hidden - 1];
+    const size_t n = t->output.n, first = block * NQM_ROW_BLOCK;
+    const size_t end = first + NQM_ROW_BLOCK < way->batch ? first + NQM_ROW_BLOCK : way->batch;
+    const float *w = t->output.value;
+    float *sums = memset(t->output.sums + block * n, 0, n * sizeof *sums);
+    for (size_t row = first; row < end; ++row) {
+        const float dz = way->dz[row], *y = layer->y.x + row * layer->ld;
+        float *dy = layer->dz.x + row * layer->ld;
+#pragma omp simd
+        for (size_t i = 0; i < n; ++i) {
+            dy[i] = dz * w[i];
+            sums[i] += dz * y[i];
+        }
     }
+}
+
+static void output_back(nqm_trainer *t, const way_back *way) {
+    const nqm_trainer_output *output = &t->output;
+    const size_t n_blocks = nqm_row_blocks(way->batch), n = output->n;
+    float *sums = output->sums;
+#pragma omp parallel for schedule(static) if (way->batch * n >= NQM_MIN_PARALLEL)
+    for (size_t block = 0; block < n_blocks; ++block)
+        output_block_back(t, way, block);
+    for (size_t block = 1; block < n_blocks; ++block)
+        for (size_t i = 0; i < n; ++i)
+            sums[i] += sums[block * n + i];
+    double sum = 0;
+    for (size_t i = 0; i < way->batch; ++i)
+        sum += (double)way->dz[i];
+    const float bias = (float)sum;
+    if (!way->rates) {
+        const nqm_layer *grads = &way->grads->layer[t->n_hidden];
+        memcpy(grads->w, sums, n * sizeof *sums);
+        grads->b[0] = bias;
+        return;
+    }
+    const nqm_adam_rate rate = nqm_adam_rate_at(way->rates->lr_deeper, way->rates->weight_decay, t->n_steps);
+    nqm_adam_update(n, &rate, sums, output->m, output->v, output->value);
+    nqm_adam_update(1, &rate, &bias, output->m + n, output->v + n, output->value + n);
 }
 
 /* The gradient of the inputs takes their place. */
@@ -182,10 +209,8 @@ static void input_back(nqm_trainer *t, const way_back *way) {
 }
 
 static void go_back(nqm_trainer *t, const way_back *way) {
-    const size_t last = t->shape.n_layers - 1;
-    const sink s = sink_of(t, way, last);
-    begin(t, &s, way->batch, way->dz);
-    for (size_t l = last + 1; l-- > 0;)
+    output_back(t, way);
+    for (size_t l = t->n_hidden; l-- > 0;)
         layer_back(t, way, l);
     if (way->dx)
         input_back(t, way);

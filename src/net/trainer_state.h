@@ -8,10 +8,10 @@
 #include "kernel/panel.h"
 #include "net/trainer.h"
 
-/** Bias and LayerNorm of a layer: (out) each; gamma and beta NULL in the last layer. */
+/** Bias and LayerNorm of a hidden layer: (out) each. */
 enum { NQM_BIAS, NQM_GAMMA, NQM_BETA, NQM_VECTORS };
 
-/** A value of every trained number of a layer: the weights, a moment. */
+/** A value of every trained number of a hidden layer: the weights, a moment. */
 typedef struct nqm_layer_values {
     nqm_panels w; /* (in, out), NQM_PRECISION_F32 */
     float *vector[NQM_VECTORS];
@@ -19,8 +19,9 @@ typedef struct nqm_layer_values {
 
 /** A matrix (batch, n) on its way into products. In NQM_PRECISION_F32 these take the numbers as they lie. */
 typedef struct nqm_factor {
-    size_t n, ld;   /* rows of x go on with zeros up to ld */
-    float *x;       /* (max_batch, ld), or two rows a thread where that is enough */
+    size_t n, ld; /* rows of x go on with zeros up to ld */
+    float *x;     /* (max_batch, ld), or two rows a thread where that is enough: */
+    bool two_rows;
     uint32_t *rows; /* (max_batch, ld_rows) units of neighbours in a row, or x itself: the left factor of a product */
     size_t ld_rows;
     size_t width; /* of a group of columns: NQM_STRIP for a layer's input, NQM_PANEL for its product's gradient */
@@ -28,15 +29,15 @@ typedef struct nqm_factor {
     uint32_t *pairs;     /* (groups, columns.step); NQM_PRECISION_BF16 only */
 } nqm_factor;
 
-/** A linear layer with what follows it, and its activations for a batch. */
+/** A hidden layer with what follows it, and its activations for a batch. */
 typedef struct nqm_trainer_layer {
     size_t in, out, ld; /* ld: from row to row of the activations */
     nqm_layer_values value, m, v;
     nqm_panels rounded; /* the weights as the forward product reads them; NQM_PRECISION_BF16 only */
     nqm_panels
         backward;  /* (out, in) the transpose, as the product for the input's gradient reads it; empty: not needed */
-    float *xhat;   /* (max_batch, ld) the product, then the normalised values; in the last layer the output */
-    nqm_factor y;  /* output of a hidden layer; of its numbers only two rows a thread are kept where they are rounded */
+    float *xhat;   /* (max_batch, ld) the product, then the normalised values */
+    nqm_factor y;  /* what it gives; of the last one the numbers alone */
     nqm_factor dz; /* the gradient with respect to y, then to the product */
     float *slope;  /* (max_batch, ld) */
     float *rstd;   /* (max_batch) */
@@ -50,13 +51,23 @@ typedef struct nqm_trainer_block {
 
 enum { NQM_TRAINER_BLOCKS = 16 * NQM_NET_MAX_LAYERS };
 
+/** The output, of one unit: the weights of what the last hidden layer gives (n), then the bias. It takes floats in every
+ *  precision. */
+typedef struct nqm_trainer_output {
+    size_t n;
+    float *value, *m, *v; /* (n + 1) */
+    float *sums;          /* (blocks of rows, n) of the gradient */
+} nqm_trainer_output;
+
 struct nqm_trainer {
     nqm_trainer_block blocks[NQM_TRAINER_BLOCKS]; /* all that the pointers below lead to, but for panels */
     size_t n_blocks;
     nqm_net_shape shape;
     nqm_trainer_options options;
     nqm_factor input;
+    size_t n_hidden; /* at least one */
     nqm_trainer_layer layer[NQM_NET_MAX_LAYERS];
+    nqm_trainer_output output;
     /* NQM_PRECISION_BF16 only: what layers take turns with, so that it stays in the caches. */
     uint32_t *rows;     /* of all factors but the input: each is read by one product before the next one is made */
     float *dz;          /* likewise of gradients, */
