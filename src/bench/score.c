@@ -16,10 +16,10 @@ enum { N_REFS = 64, TESTS_PER_REF = 9, TURNS = 3 /* sets of references that call
 
 /* Pairs to score, as samples (for the chain) and as inputs of the network. */
 typedef struct material_pairs {
-    size_t n, n_shared, n_values, stride;
+    size_t n, n_values, stride;
     float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours differ */
     float *x;          /* (n, stride) the same as inputs */
-    float *x_shared;   /* (n_shared, stride) the same with TESTS_PER_REF neighbours of one reference */
+    float *x_shared;   /* (n, stride) the same with TESTS_PER_REF neighbours of one reference */
 } material_pairs;
 
 /* One way to score a batch. */
@@ -70,9 +70,9 @@ static void fill_inputs(material_pairs *p, size_t n_in, size_t n_ref) {
     for (size_t i = 0; i < p->n; ++i)
         for (size_t k = 0; k < n_in; ++k)
             p->x[i * p->stride + k] = (float)nqm_rng_normal(&rng);
-    for (size_t i = 0; i < p->n_shared; ++i) {
+    for (size_t i = 0; i < p->n; ++i) {
         float *x = p->x_shared + i * p->stride;
-        memcpy(x, p->x + i % p->n * p->stride, n_in * sizeof *x);
+        memcpy(x, p->x + i * p->stride, n_in * sizeof *x);
         memcpy(x, p->x + i / TESTS_PER_REF * p->stride, n_ref * sizeof *x);
     }
 }
@@ -83,14 +83,12 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
     if (status != NQM_OK)
         return status;
     const size_t n_in = model->params.shape.sizes[0];
-    *p = (material_pairs){.n = MAX_BATCH + TURNS,
-                          .n_shared = MAX_BATCH + TURNS * TESTS_PER_REF,
-                          .n_values = 3 * model->n_directions,
-                          .stride = nqm_row_stride(n_in)};
+    *p = (material_pairs){
+        .n = MAX_BATCH + TURNS * TESTS_PER_REF, .n_values = 3 * model->n_directions, .stride = nqm_row_stride(n_in)};
     p->ref = nqm_alloc(p->n, p->n_values * sizeof *p->ref);
     p->test = nqm_alloc(p->n, p->n_values * sizeof *p->test);
     p->x = nqm_alloc(p->n, p->stride * sizeof *p->x);
-    p->x_shared = nqm_alloc(p->n_shared, p->stride * sizeof *p->x_shared);
+    p->x_shared = nqm_alloc(p->n, p->stride * sizeof *p->x_shared);
     if (!p->ref || !p->test || !p->x || !p->x_shared) {
         status = nqm_fail_nomem(err, p->n * (p->stride + 2 * p->n_values) * sizeof *p->x);
     } else {
