@@ -33,6 +33,16 @@ void *nqm_alloc_pages(size_t n, size_t size);
 void nqm_free_pages(void *block, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
+static inline size_t nqm_smaller(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+static inline size_t nqm_larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+/** a / b, rounded up; b is not 0. */
+static inline size_t nqm_ceil_div(size_t a, size_t b) {
+    return a / b + (a % b != 0);
+}
 /** true and *product = a * b, or false on overflow. */
 bool nqm_mul_size(size_t a, size_t b, size_t *product);
 

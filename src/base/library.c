@@ -5,16 +5,29 @@
 #include "base/library.h"
 
 #include <dlfcn.h>
+#include <pthread.h>
 #include <string.h>
 
-bool nqm_library_load(const char *soname, size_t n, const char *const *names, void *functions) {
-    void *handle = dlopen(soname, RTLD_NOW | RTLD_LOCAL);
+static bool load(const nqm_library *library) {
+    void *handle = dlopen(library->soname, RTLD_NOW | RTLD_LOCAL);
     bool found = handle != NULL;
-    for (size_t i = 0; i < n && found; ++i) {
-        void *address = dlsym(handle, names[i]);
+    for (size_t i = 0; i < library->n && found; ++i) {
+        void *address = dlsym(handle, library->names[i]);
         /* ISO C knows no conversion between both kinds of pointers, POSIX does. */
-        memcpy((char *)functions + i * sizeof address, &address, sizeof address);
+        memcpy((char *)library->functions + i * sizeof address, &address, sizeof address);
         found = address != NULL;
     }
     return found;
+}
+
+static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER; /* held while any library is loaded */
+
+bool nqm_library_get(nqm_library *library) {
+    pthread_mutex_lock(&loading);
+    if (!library->tried)
+        library->loaded = load(library);
+    library->tried = true;
+    const bool loaded = library->loaded;
+    pthread_mutex_unlock(&loading);
+    return loaded;
 }

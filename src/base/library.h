@@ -8,6 +8,8 @@
  *         SOME_FUNCTIONS(NQM_LIBRARY_MEMBER)
  *     } nqm_some;
  *     static const char *const names[] = {SOME_FUNCTIONS(NQM_LIBRARY_NAME)};
+ *     static nqm_some some;
+ *     static nqm_library library = NQM_LIBRARY("libsome.so.1", names, some);
  */
 #ifndef NQM_SRC_BASE_LIBRARY_H
 #define NQM_SRC_BASE_LIBRARY_H
@@ -18,11 +20,20 @@
 #define NQM_LIBRARY_MEMBER(name) __typeof__(name) *name;
 #define NQM_LIBRARY_NAME(name)   #name,
 
-/** Load the library `soname` for good and look up n functions.
- *
- * @param functions  n pointers to functions, one behind the other: a struct of nothing else
- * @return false when the library is not installed or lacks one of them
- */
-bool nqm_library_load(const char *soname, size_t n, const char *const *names, void *functions);
+/** A library; of static storage. */
+typedef struct nqm_library {
+    const char *soname;
+    size_t n;
+    const char *const *names; /**< (n) */
+    void *functions;          /**< n pointers to functions, one behind the other: a struct of nothing else */
+    bool tried, loaded;
+} nqm_library;
+
+#define NQM_LIBRARY(SONAME, NAMES, FUNCTIONS)                                                                          \
+    { .soname = (SONAME), .n = sizeof(NAMES) / sizeof *(NAMES), .names = (NAMES), .functions = &(FUNCTIONS) }
+
+/** Load it for good, at the first call, and look up its functions. false when it is not installed or lacks one of them.
+ *  Any thread. */
+bool nqm_library_get(nqm_library *library);
 
 #endif

@@ -45,16 +45,11 @@ static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
            n_strips * NQM_STRIP * NQM_PANEL * sizeof *tiles);
 }
 
-/* How a factor (k, n) of a weight gradient lies in memory. */
+/* A factor (k, n) of a weight gradient as training has it. */
 static nqm_columns columns_of(const job *j, size_t n, size_t width, const uint32_t *data) {
-    if (j->precision == NQM_PRECISION_F32)
-        return (nqm_columns){data, width, nqm_row_stride(n)};
-    return (nqm_columns){data, nqm_row_stride(width * nqm_units(j->precision, j->k)), width};
-}
-
-static size_t factor_units(const job *j, size_t n, size_t width) {
-    const nqm_columns columns = columns_of(j, n, width, NULL);
-    return j->precision == NQM_PRECISION_F32 ? j->k * columns.ld : (n + width - 1) / width * columns.step;
+    nqm_columns columns = nqm_columns_of(j->precision, width, j->k, n);
+    columns.data = data;
+    return columns;
 }
 
 static void run_gradient(void *user) {
@@ -121,7 +116,6 @@ static void free_job(job *j) {
     nqm_library_product_free(j->library);
 }
 
-/* A factor (k, n) of a weight gradient as training has it. */
 static void fill_columns(const job *j, size_t n, size_t width, const float *x, uint32_t *to) {
     const nqm_columns columns = columns_of(j, n, width, to);
     for (size_t i = 0; i < j->k; i += 2)
@@ -145,10 +139,10 @@ static nqm_status make_job(job *j, nqm_error *err) {
     j->x = nqm_alloc(j->m * j->k, sizeof *j->x);
     j->w = nqm_alloc(j->n * j->k, sizeof *j->w);
     j->c = nqm_alloc(j->m * nqm_row_stride(j->n), sizeof *j->c);
-    j->rows = gradient ? nqm_alloc(factor_units(j, j->m, NQM_STRIP), sizeof *j->rows)
+    j->rows = gradient ? nqm_alloc(nqm_columns_size(j->precision, NQM_STRIP, j->k, j->m), sizeof *j->rows)
                        : nqm_alloc(j->m, nqm_row_stride(j->panels.units) * sizeof *j->rows);
     if (gradient)
-        j->rows_right = nqm_alloc(factor_units(j, j->n, NQM_PANEL), sizeof *j->rows_right);
+        j->rows_right = nqm_alloc(nqm_columns_size(j->precision, NQM_PANEL, j->k, j->n), sizeof *j->rows_right);
     if (!j->x || !j->w || !j->c || !j->rows || (gradient && !j->rows_right))
         return nqm_fail_nomem(err, (j->m + j->n) * j->k * sizeof *j->x);
     fill_random(j->m * j->k, j->x, 1);

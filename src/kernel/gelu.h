@@ -13,13 +13,6 @@
 #include <stdint.h>
 #include <string.h>
 
-/* a b + c: rounded once where the instruction set can, to the same bits in all of these; elsewhere rounded twice. */
-#if defined __FMA__ || defined __aarch64__
-#define MULTIPLY_ADD(a, b, c) __builtin_fmaf(a, b, c)
-#else
-#define MULTIPLY_ADD(a, b, c) ((a) * (b) + (c))
-#endif
-
 /* Coefficients c (n), the constant first. Even and odd powers apart are half as long to wait for. */
 #define POLYNOMIAL(x, c) polynomial(x, c, sizeof(c) / sizeof *(c))
 static inline __attribute__((always_inline)) float polynomial(float x, const float *c, size_t n) {
@@ -27,11 +20,11 @@ static inline __attribute__((always_inline)) float polynomial(float x, const flo
     float last = c[n - 1], before = c[n - 2];
 #pragma GCC unroll 8
     for (size_t i = n - 2; i-- > 0;) {
-        float next = MULTIPLY_ADD(last, square, c[i]);
+        float next = last * square + c[i];
         last = before;
         before = next;
     }
-    return MULTIPLY_ADD(last, x, before);
+    return last * x + before;
 }
 
 static const float log2_tail[] = {-9.999999783e-01f, -1.151105724e+00f, -4.592049073e-01f,
@@ -77,10 +70,10 @@ static inline float gelu_of(float x, float *slope) {
     const float inside = float_of(bits_of(a) < end ? bits_of(a) : end);
     const float t = power_of_two(POLYNOMIAL(inside, log2_tail));
     if (slope) {
-        const float centre = MULTIPLY_ADD(x, 0.0f, 0.5f); /* a NaN stays one */
+        const float centre = x * 0.0f + 0.5f; /* a NaN stays one */
         *slope = centre + copysignf(0.5f - t * POLYNOMIAL(inside, slope_of_tail), x);
     }
-    return MULTIPLY_ADD(-a, t, float_of(bits_of(x) > 0 ? bits_of(x) : 0));
+    return float_of(bits_of(x) > 0 ? bits_of(x) : 0) - a * t;
 }
 
 /* n values: at best a multiple of a register. */

@@ -15,17 +15,13 @@ typedef struct blocks {
     size_t rows, cols; /* of a block; those at the right and lower edge may be smaller */
 } blocks;
 
-static size_t ceil_div(size_t a, size_t b) {
-    return (a + b - 1) / b;
-}
-
 static blocks choose_blocks(const nqm_gemm *g) {
     if (g->m <= 32) /* scoring a few pairs: the time goes into reading B, narrow blocks share that evenly */
         return (blocks){32, 64};
     /* Weight gradients (op(A) transposed) have a short k: only large blocks make up for oneDNN's packing. */
     size_t widest = g->trans_a ? 1536 : 512;
-    size_t n_across = ceil_div(g->n, 2 * widest) * 2; /* even, so that two threads have equal shares */
-    size_t cols = ceil_div(ceil_div(g->n, n_across), 16) * 16;
+    size_t n_across = nqm_ceil_div(g->n, 2 * widest) * 2; /* even, so that two threads have equal shares */
+    size_t cols = nqm_ceil_div(nqm_ceil_div(g->n, n_across), 16) * 16;
     return (blocks){g->trans_a ? 1024 : 256, cols};
 }
 
@@ -53,8 +49,8 @@ void nqm_gemm_onednn(const nqm_gemm *g) {
         return;
     }
     blocks size = choose_blocks(g);
-    size_t n_down = ceil_div(g->m, size.rows);
-    size_t n_blocks = n_down * ceil_div(g->n, size.cols);
+    size_t n_down = nqm_ceil_div(g->m, size.rows);
+    size_t n_blocks = n_down * nqm_ceil_div(g->n, size.cols);
 #pragma omp parallel if (g->m * g->n * g->k >= MIN_PARALLEL)
     {
         omp_set_num_threads(1); /* for this thread within this region: oneDNN asks, and starts no threads of its own */

@@ -13,22 +13,15 @@ enum {
     STRIPS_AT_ONCE = 25
 };
 
-static size_t ceil_div(size_t a, size_t b) {
-    return (a + b - 1) / b;
-}
-
-static size_t smaller(size_t a, size_t b) {
-    return a < b ? a : b;
-}
-
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    const size_t n_row_blocks = ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
+    const size_t n_row_blocks = nqm_ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
     /* Neighbouring blocks share a panel, which stays in the second cache meanwhile. */
 #pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
         const size_t panel = i / n_row_blocks, row = i % n_row_blocks * ROWS_AT_ONCE;
-        nqm_product p = {.m = smaller(m - row, ROWS_AT_ONCE), .units = b->units, .add = add, .lda = lda, .ldc = ldc};
+        nqm_product p = {
+            .m = nqm_smaller(m - row, ROWS_AT_ONCE), .units = b->units, .add = add, .lda = lda, .ldc = ldc};
         p.a = (const uint32_t *)a + row * lda;
         p.b = nqm_panel_at(b, panel);
         p.c = (uint32_t *)c + row * ldc + panel * NQM_PANEL; /* floats and integers are as large */
@@ -36,16 +29,27 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
     }
 }
 
+nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n) {
+    if (precision == NQM_PRECISION_F32)
+        return (nqm_columns){.step = width, .ld = nqm_row_stride(n)};
+    return (nqm_columns){.step = nqm_row_stride(width * nqm_units(precision, m)), .ld = width};
+}
+
+size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n) {
+    const nqm_columns columns = nqm_columns_of(precision, width, m, n);
+    return precision == NQM_PRECISION_F32 ? m * columns.ld : nqm_ceil_div(n, width) * columns.step;
+}
+
 void nqm_gradient_run(const nqm_gradient *g) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    const size_t units = nqm_units(g->precision, g->m), n_strips = ceil_div(g->k, NQM_STRIP);
-    const size_t n_across = ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * ceil_div(g->n, NQM_PANEL);
+    const size_t units = nqm_units(g->precision, g->m), n_strips = nqm_ceil_div(g->k, NQM_STRIP);
+    const size_t n_across = nqm_ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * nqm_ceil_div(g->n, NQM_PANEL);
 #pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
         /* Enough tiles for the sink to read its own memory in long runs, few enough to stay in the second cache. */
         _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
-        const size_t n = smaller(n_strips - first, STRIPS_AT_ONCE);
+        const size_t n = nqm_smaller(n_strips - first, STRIPS_AT_ONCE);
         for (size_t strip = 0; strip < n; ++strip) {
             float *c = tiles + strip * NQM_STRIP * NQM_PANEL;
             nqm_tile_gradient tile = {.units = units,

@@ -88,6 +88,12 @@ typedef struct nqm_columns {
     size_t ld;   /**< units from row to row; best an odd number of cache lines, or a group */
 } nqm_columns;
 
+/** How columns (m, n), in groups of `width`, lie best; nqm_row_stride() for rows of floats, each group in one piece for pairs
+ *  of bfloat16. data is NULL. */
+nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n);
+/** The units that they take. */
+size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n);
+
 /** X^T Z of x (m, k), in strips, and z (m, n), in panels. Some tiles at a time into `sink`, so that a gradient need not be
  *  stored before it is used. */
 typedef struct nqm_gradient {

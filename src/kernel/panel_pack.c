@@ -10,18 +10,10 @@
 
 enum { MIN_PARALLEL = 65536 }; /* numbers; below, waking a thread costs more than it saves */
 
-static size_t ceil_div(size_t a, size_t b) {
-    return (a + b - 1) / b;
-}
-
-static size_t smaller(size_t a, size_t b) {
-    return a < b ? a : b;
-}
-
 nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels, nqm_error *err) {
     *panels = (nqm_panels){.precision = precision, .k = k, .n = n, .units = nqm_units(precision, k)};
-    panels->stride = ceil_div(panels->units, NQM_STRIP) * NQM_STRIP;
-    panels->n_panels = ceil_div(n, NQM_PANEL);
+    panels->stride = nqm_ceil_div(panels->units, NQM_STRIP) * NQM_STRIP;
+    panels->n_panels = nqm_ceil_div(n, NQM_PANEL);
     bool bytes = precision == NQM_PRECISION_INT8;
     panels->data = nqm_alloc_pages(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
     panels->scale = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->scale) : NULL;
@@ -73,7 +65,7 @@ static inline void place_rows(size_t n_rows, size_t n, const uint32_t *rows, siz
 static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
         for (size_t j = 0; j < width; j += ROWS_TOGETHER)
-            place_rows(smaller(width - j, ROWS_TOGETHER), smaller(k - first, PACK_AT_ONCE),
+            place_rows(nqm_smaller(width - j, ROWS_TOGETHER), nqm_smaller(k - first, PACK_AT_ONCE),
                        (const uint32_t *)(const void *)(w + j * ldw + first), ldw, panel + first * NQM_PANEL + j);
 }
 
@@ -82,7 +74,7 @@ static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32
     uint32_t units[ROWS_TOGETHER][PACK_AT_ONCE / 2];
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
         for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
-            const size_t n = smaller(k - first, PACK_AT_ONCE), n_rows = smaller(width - j, ROWS_TOGETHER);
+            const size_t n = nqm_smaller(k - first, PACK_AT_ONCE), n_rows = nqm_smaller(width - j, ROWS_TOGETHER);
             for (size_t r = 0; r < n_rows; ++r)
                 kernels->round_row(n, w + (j + r) * ldw + first, units[r]);
             place_rows(n_rows, nqm_units(NQM_PRECISION_BF16, n), units[0], PACK_AT_ONCE / 2,
@@ -123,7 +115,7 @@ static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
         for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
             uint32_t units[ROWS_TOGETHER][PACK_AT_ONCE / 4];
-            const size_t n = smaller(k - first, PACK_AT_ONCE), n_rows = smaller(width - j, ROWS_TOGETHER);
+            const size_t n = nqm_smaller(k - first, PACK_AT_ONCE), n_rows = nqm_smaller(width - j, ROWS_TOGETHER);
             for (size_t r = 0; r < n_rows; ++r)
                 signed_bytes(n, w + (j + r) * ldw + first, per_unit[j + r], units[r], &sum[j + r]);
             place_rows(n_rows, nqm_units(NQM_PRECISION_INT8, n), units[0], PACK_AT_ONCE / 4,
@@ -134,7 +126,7 @@ static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32
 void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw) {
 #pragma omp parallel for schedule(dynamic, 1) if (panels->n * panels->k > MIN_PARALLEL)
     for (size_t p = 0; p < panels->n_panels; ++p) {
-        const size_t first = p * NQM_PANEL, width = smaller(panels->n - first, NQM_PANEL);
+        const size_t first = p * NQM_PANEL, width = nqm_smaller(panels->n - first, NQM_PANEL);
         const float *rows = w + first * ldw;
         if (panels->precision == NQM_PRECISION_F32)
             pack_f32(width, panels->k, rows, ldw, nqm_panel_at(panels, p));
@@ -152,7 +144,7 @@ void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, si
         memset(slice, 0, sizeof slice);
     for (size_t first = 0; first < p->units; first += PACK_AT_ONCE) {
         nqm_product part = *p;
-        part.units = smaller(p->units - first, PACK_AT_ONCE);
+        part.units = nqm_smaller(p->units - first, PACK_AT_ONCE);
         part.add = p->add || first > 0;
         part.a = (const float *)p->a + first;
         part.b = slice;
@@ -173,7 +165,7 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
  * that whole blocks can be moved. */
 static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
     const uint32_t *rows = nqm_panel_at(from, j) + first * NQM_PANEL;
-    const size_t n_units = NQM_PANEL >> to->precision, last = smaller(to->stride - j * n_units, n_units);
+    const size_t n_units = NQM_PANEL >> to->precision, last = nqm_smaller(to->stride - j * n_units, n_units);
     uint32_t *units = nqm_panel_at(to, first / NQM_PANEL) + j * n_units * NQM_PANEL + first % NQM_PANEL;
     uint32_t rounded[4 * NQM_PANEL / 2];
     if (to->precision == NQM_PRECISION_BF16) {
@@ -185,7 +177,7 @@ static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first,
 }
 
 void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel) {
-    const size_t end = smaller(first + n, to->n_panels * NQM_PANEL); /* beyond are zeros */
+    const size_t end = nqm_smaller(first + n, to->n_panels * NQM_PANEL); /* beyond are zeros */
     for (size_t row = first; row < end; row += 4)
         transpose_four(from, to, row, panel);
 }

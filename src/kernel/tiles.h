@@ -66,12 +66,11 @@ typedef struct tile {
     void *c;
     size_t ldc;
     bool add;
-    size_t
-        ahead; /* with each unit of A, that so many units on is asked for: where units lie far apart, no processor guesses */
-    bool beside; /* one row more, one_c = one_a one_b, with units as neighbours and panels like b */
+    size_t ahead; /* so many units on from each of A is asked for: no processor guesses what lies far apart; 0: not */
+    const float *const *wanted; /* NQM_WANTED arrays, a line of which is asked for now and then; NULL: none */
+    bool beside;                /* one row more, one_c = one_a one_b, with units as neighbours and panels like b */
     const void *one_a, *one_b;
     void *one_c;
-    const float *const *wanted; /* NQM_WANTED arrays, a line of which is asked for now and then; NULL: none */
 } tile;
 
 enum { LINE = 16, WANTED_LINES = NQM_STRIP * NQM_PANEL / LINE };

@@ -57,18 +57,14 @@ static size_t panels_at_once(size_t n_rows) {
     return n_rows == 1 ? ROW_PANELS : 1;
 }
 
-static size_t ceil_div(size_t a, size_t b) {
-    return (a + b - 1) / b;
-}
-
 nqm_block nqm_block_at(size_t i, size_t n_rows, const nqm_panels *panels) {
-    const size_t step = panels_at_once(n_rows), n_across = ceil_div(panels->n_panels, step);
+    const size_t step = panels_at_once(n_rows), n_across = nqm_ceil_div(panels->n_panels, step);
     const size_t row = i / n_across * BLOCK_ROWS, panel = i % n_across * step;
     return (nqm_block){row, nqm_smaller(n_rows - row, BLOCK_ROWS), panel, nqm_smaller(panels->n_panels - panel, step)};
 }
 
 size_t nqm_count_blocks(size_t n_rows, const nqm_panels *panels) {
-    return ceil_div(n_rows, BLOCK_ROWS) * ceil_div(panels->n_panels, panels_at_once(n_rows));
+    return nqm_ceil_div(n_rows, BLOCK_ROWS) * nqm_ceil_div(panels->n_panels, panels_at_once(n_rows));
 }
 
 /* One row of a block, c (n, NQM_PANEL). */

@@ -6,17 +6,13 @@
 
 #include <omp.h>
 
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
 static void measure(nqm_inference_work *work) {
     const nqm_inference_net *net = work->net;
     size_t widest = 0, rounded = 0;
     for (size_t l = 0; l < net->n_layers; ++l) {
         const nqm_inference_layer *layer = &net->layer[l];
-        widest = larger(widest, layer->n_out);
-        rounded = larger(rounded, layer->rounded);
+        widest = nqm_larger(widest, layer->n_out);
+        rounded = nqm_larger(rounded, layer->rounded);
         for (size_t s = 0; s < layer->n_segments; ++s) {
             work->n_multiplications += layer->segment[s].panel.k * layer->n_out;
         }
@@ -37,7 +33,7 @@ nqm_status nqm_inference_work_create(const nqm_inference_net *net, size_t max_ba
     w->net = net;
     w->max_batch = max_batch;
     measure(w);
-    w->n_slots = larger(max_batch, 1 + (size_t)omp_get_max_threads());
+    w->n_slots = nqm_larger(max_batch, 1 + (size_t)omp_get_max_threads());
     w->y[0] = nqm_alloc(w->n_slots, w->stride * sizeof(float));
     w->y[1] = nqm_alloc(w->n_slots, w->stride * sizeof(float));
     w->rounded = nqm_alloc(w->n_slots, w->rounded_stride * sizeof *w->rounded);

@@ -31,8 +31,4 @@ struct nqm_inference_work {
     const nqm_kernels *kept_by; /* that computed its part; NULL: there is none */
 };
 
-static inline size_t nqm_smaller(size_t a, size_t b) {
-    return a < b ? a : b;
-}
-
 #endif

@@ -11,10 +11,6 @@ static bool is_rounded(const nqm_trainer *t) {
     return t->options.precision == NQM_PRECISION_BF16;
 }
 
-static size_t larger(size_t a, size_t b) {
-    return a > b ? a : b;
-}
-
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 /* Large pages: the products walk down a dozen rows at once. */
@@ -32,17 +28,14 @@ static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
 /* What is not memory of its own. */
 static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
-    f.ld_rows = f.ld, f.columns.step = width, f.columns.ld = f.ld;
-    if (!is_rounded(t))
-        return f;
-    f.rows = t->rows, f.ld_rows = nqm_row_stride(nqm_units(NQM_PRECISION_BF16, n));
-    f.columns.step = nqm_row_stride(width * nqm_units(NQM_PRECISION_BF16, t->options.max_batch));
-    f.columns.ld = width;
+    f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n);
+    f.ld_rows = nqm_row_stride(nqm_units(t->options.precision, n));
+    f.rows = t->rows;
     return f;
 }
 
-static size_t pairs_size(const nqm_factor *f) {
-    return (f->n + f->width - 1) / f->width * f->columns.step;
+static uint32_t *create_pairs(nqm_trainer *t, size_t n, size_t width, bool *complete) {
+    return units_of(t, nqm_columns_size(t->options.precision, width, t->options.max_batch, n), complete);
 }
 
 /* A layer's input; all_rows: numbers of all rows also where they are rounded. */
@@ -52,7 +45,7 @@ static void create_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f,
     f->two_rows = is_rounded(t) && !all_rows;
     f->x = numbers(t, (f->two_rows ? two_a_thread : t->options.max_batch) * f->ld, complete);
     if (is_rounded(t))
-        f->columns.data = f->pairs = units_of(t, pairs_size(f), complete);
+        f->columns.data = f->pairs = create_pairs(t, n, NQM_STRIP, complete);
     else
         f->columns.data = f->rows = (uint32_t *)f->x;
 }
@@ -111,15 +104,15 @@ static void create_shared(nqm_trainer *t, bool *complete) {
     const size_t batch = t->options.max_batch, *sizes = t->shape.sizes;
     size_t widest_out = 0;
     for (size_t l = 0; l < t->n_hidden; ++l)
-        widest_out = larger(sizes[l + 1], widest_out);
+        widest_out = nqm_larger(sizes[l + 1], widest_out);
     t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out), complete);
     if (!is_rounded(t))
         return;
     const nqm_factor widest = factor_of(t, widest_out, NQM_PANEL);
     t->rows = units_of(t, batch * widest.ld_rows, complete);
     t->dz = numbers(t, batch * widest.ld, complete);
-    t->dz_pairs = units_of(t, pairs_size(&widest), complete);
-    t->zeros = numbers(t, larger(sizes[0], widest_out), complete);
+    t->dz_pairs = create_pairs(t, widest_out, NQM_PANEL, complete);
+    t->zeros = numbers(t, nqm_larger(sizes[0], widest_out), complete);
 }
 
 nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_options *options, nqm_trainer **trainer_ret,

@@ -88,12 +88,19 @@ static void dz_row_done(const nqm_trainer *t, const nqm_trainer_layer *layer, si
         nqm_factor_rows_done(t, &layer->dz, first, row - first + 1, layer->dz.x + first * layer->dz.ld);
 }
 
+/* The sums (n) of blocks, one behind the other, into the first. */
+static void add_blocks(size_t n_blocks, size_t n, float *sums) {
+    for (size_t block = 1; block < n_blocks; ++block)
+        for (size_t i = 0; i < n; ++i)
+            sums[i] += sums[block * n + i];
+}
+
 static void block_back(nqm_trainer *t, size_t l, size_t block, size_t batch) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_trainer_layer *layer = &t->layer[l];
     float *sums = t->sums + block * NQM_VECTORS * layer->ld;
     memset(sums, 0, NQM_VECTORS * layer->ld * sizeof *sums);
-    const size_t end = (block + 1) * NQM_ROW_BLOCK < batch ? (block + 1) * NQM_ROW_BLOCK : batch;
+    const size_t end = nqm_smaller((block + 1) * NQM_ROW_BLOCK, batch);
     for (size_t row = block * NQM_ROW_BLOCK; row < end; ++row) {
         kernels->hidden_row_back(&(nqm_hidden_row_back){.n = layer->out,
                                                         .gamma = layer->value.vector[NQM_GAMMA],
@@ -115,9 +122,7 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
 #pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
     for (size_t block = 0; block < n_blocks; ++block)
         block_back(t, l, block, batch);
-    for (size_t block = 1; block < n_blocks; ++block)
-        for (size_t i = 0; i < n; ++i)
-            t->sums[i] += t->sums[block * n + i];
+    add_blocks(n_blocks, n, t->sums);
     for (size_t which = 0; which < NQM_VECTORS; ++which)
         if (which == NQM_BIAS || !s->frozen_norm)
             take_vector(s, which, t->sums + which * layer->ld);
@@ -161,7 +166,7 @@ static void layer_back(nqm_trainer *t, const way_back *way, size_t l) {
 static void output_block_back(nqm_trainer *t, const way_back *way, size_t block) {
     const nqm_trainer_layer *layer = &t->layer[t->n_hidden - 1];
     const size_t n = t->output.n, first = block * NQM_ROW_BLOCK;
-    const size_t end = first + NQM_ROW_BLOCK < way->batch ? first + NQM_ROW_BLOCK : way->batch;
+    const size_t end = nqm_smaller(first + NQM_ROW_BLOCK, way->batch);
     const float *w = t->output.value;
     float *sums = memset(t->output.sums + block * n, 0, n * sizeof *sums);
     for (size_t row = first; row < end; ++row) {
@@ -182,9 +187,7 @@ static void output_back(nqm_trainer *t, const way_back *way) {
 #pragma omp parallel for schedule(static) if (way->batch * n >= NQM_MIN_PARALLEL)
     for (size_t block = 0; block < n_blocks; ++block)
         output_block_back(t, way, block);
-    for (size_t block = 1; block < n_blocks; ++block)
-        for (size_t i = 0; i < n; ++i)
-            sums[i] += sums[block * n + i];
+    add_blocks(n_blocks, n, sums);
     double sum = 0;
     for (size_t i = 0; i < way->batch; ++i)
         sum += (double)way->dz[i];

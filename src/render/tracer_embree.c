@@ -9,7 +9,6 @@
 
 #include <embree3/rtcore.h>
 #include <math.h>
-#include <pthread.h>
 #include <string.h>
 
 #define EMBREE_FUNCTIONS(X)                                                                                            \
@@ -30,13 +29,8 @@
 
 /* Embree and the threads it stands on are loaded with the first mesh. */
 static struct { EMBREE_FUNCTIONS(NQM_LIBRARY_MEMBER) } embree;
-static bool loaded;
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-
-static void load(void) {
-    static const char *const names[] = {EMBREE_FUNCTIONS(NQM_LIBRARY_NAME)};
-    loaded = nqm_library_load(NQM_EMBREE_SONAME, sizeof names / sizeof *names, names, &embree);
-}
+static const char *const names[] = {EMBREE_FUNCTIONS(NQM_LIBRARY_NAME)};
+static nqm_library library = NQM_LIBRARY(NQM_EMBREE_SONAME, names, embree);
 
 struct nqm_tracer {
     RTCDevice device;
@@ -73,8 +67,7 @@ static bool add_triangles(nqm_tracer *t, const nqm_mesh *mesh) {
 
 nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {
     *tracer_ret = NULL;
-    pthread_once(&once, load);
-    if (!loaded)
+    if (!nqm_library_get(&library))
         return nqm_fail(err, NQM_ERR_IO, -1, "meshes need the library %s, which cannot be loaded", NQM_EMBREE_SONAME);
     nqm_tracer *t = nqm_alloc(1, sizeof *t);
     if (!t)

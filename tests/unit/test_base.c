@@ -49,10 +49,13 @@ static void test_libraries_when_needed(void **state) {
     struct {
         double (*cosine)(double), (*root)(double);
     } m;
-    assert_true(nqm_library_load("libm.so.6", 2, names, &m));
+    nqm_library there = NQM_LIBRARY("libm.so.6", names, m), lacking = NQM_LIBRARY("libm.so.6", missing, m),
+                absent = NQM_LIBRARY("libnqm-no-such-library.so.1", names, m);
+    assert_true(nqm_library_get(&there) && nqm_library_get(&there));
     assert_true(m.cosine(0) == 1 && m.root(9) == 3);
-    assert_false(nqm_library_load("libm.so.6", 2, missing, &m));
-    assert_false(nqm_library_load("libnqm-no-such-library.so.1", 2, names, &m));
+    assert_false(nqm_library_get(&lacking));
+    assert_false(nqm_library_get(&lacking));
+    assert_false(nqm_library_get(&absent));
 }
 
 static char folder[] = "/tmp/nqm-test-base-XXXXXX";
