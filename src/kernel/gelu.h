@@ -8,6 +8,8 @@
  * t w within 6e-8, one of degree 5 a power of two within 1e-7 relative (gelu_fit.py). No division, nothing to choose but
  * the larger of two integers, and little rounding of numbers that matter.
  */
+#include "kernel/multiply_add.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -20,11 +22,11 @@ static inline __attribute__((always_inline)) float polynomial(float x, const flo
     float last = c[n - 1], before = c[n - 2];
 #pragma GCC unroll 8
     for (size_t i = n - 2; i-- > 0;) {
-        float next = last * square + c[i];
+        float next = nqm_multiply_add(last, square, c[i]);
         last = before;
         before = next;
     }
-    return last * x + before;
+    return nqm_multiply_add(last, x, before);
 }
 
 static const float log2_tail[] = {-9.999999783e-01f, -1.151105724e+00f, -4.592049073e-01f,
@@ -70,10 +72,10 @@ static inline float gelu_of(float x, float *slope) {
     const float inside = float_of(bits_of(a) < end ? bits_of(a) : end);
     const float t = power_of_two(POLYNOMIAL(inside, log2_tail));
     if (slope) {
-        const float centre = x * 0.0f + 0.5f; /* a NaN stays one */
+        const float centre = nqm_multiply_add(x, 0.0f, 0.5f); /* a NaN stays one */
         *slope = centre + copysignf(0.5f - t * POLYNOMIAL(inside, slope_of_tail), x);
     }
-    return float_of(bits_of(x) > 0 ? bits_of(x) : 0) - a * t;
+    return nqm_multiply_add(-a, t, float_of(bits_of(x) > 0 ? bits_of(x) : 0));
 }
 
 /* n values: at best a multiple of a register. */

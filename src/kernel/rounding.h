@@ -5,6 +5,7 @@
  */
 #include "kernel/bf16.h"
 #include "kernel/kernel.h"
+#include "kernel/multiply_add.h"
 
 #include <string.h>
 
@@ -83,6 +84,6 @@ static void dequantise(size_t m, const nqm_byte_scale *rows, const nqm_byte_colu
         const int32_t zero = rows[i].zero;
 #pragma omp simd
         for (size_t j = 0; j < NQM_PANEL; ++j)
-            c[j] = (add ? c[j] : 0.0f) + row_scale * scale[j] * (float)(sums[j] - zero * sum[j]);
+            c[j] = nqm_multiply_add(row_scale * scale[j], (float)(sums[j] - zero * sum[j]), add ? c[j] : 0.0f);
     }
 }

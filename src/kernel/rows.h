@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * rows.h - GELU, Adam and the rows of hidden layers for one instruction set: loops that a compiler vectorises, included
- * by each file isa_*.c after tiles.h. Nothing is contracted or reordered, partial sums of a row are GROUP whatever the width
- * of a register: every instruction set gives the same bits.
+ * by each file isa_*.c after tiles.h. Nothing is contracted but by name (nqm_multiply_add()) or reordered, partial sums of a
+ * row are GROUP whatever the width of a register: every instruction set gives the same bits.
  */
 #include "kernel/exp_log.h"
 #include "kernel/gelu.h"
@@ -157,7 +157,7 @@ INLINE void activate(size_t n, const nqm_hidden_row *r, float mean, float rstd) 
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         x[i] = (x[i] + bias[i] - mean) * rstd;
-        y[i] = gamma[i] * x[i] + beta[i];
+        y[i] = nqm_multiply_add(gamma[i], x[i], beta[i]);
     }
     gelu_stretch(n, y, y, r->slope);
 }

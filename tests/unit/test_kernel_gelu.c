@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * GELU and its slope against erf and exp of the C library in double, over the whole range, at the far ends, in place;
- * exp and log in float against the C library's; and the build's description.
+ * exp and log in float against the C library's, as is the fused multiply-add; and the build's description.
  */
 #include "kernel/exp_log.h"
 #include "kernel/kernel.h"
+#include "kernel/multiply_add.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -75,6 +76,21 @@ static void exponential_and_logarithm(void **state) {
     assert_true(nqm_exp_core(0) == 1 && nqm_log_core(1) == 0);
 }
 
+/* Rounded once, also where nearly all cancels, and where the result is denormal or infinite. */
+static void fused_by_hand(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(1, 0);
+    for (size_t i = 0; i < 1000000; ++i) {
+        const uint64_t random[2] = {nqm_rng_u64(&rng), nqm_rng_u64(&rng)};
+        float x[4];
+        memcpy(x, random, sizeof x);
+        if (i % 2) /* little is left of a b + c */
+            x[2] = -(x[0] * x[1]) * (1 + ldexpf(x[3] > 0 ? 1.0f : -1.0f, -(int)(random[1] % 24)));
+        const float actual = nqm_multiply_add(x[0], x[1], x[2]), expected = fmaf(x[0], x[1], x[2]);
+        assert_true(actual == expected || (isnan(actual) && isnan(expected)));
+    }
+}
+
 static void build_info(void **state) {
     (void)state;
     const char *line = nqm_build_info();
@@ -86,8 +102,11 @@ static void build_info(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(whole_range), cmocka_unit_test(far_ends),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(whole_range),
+                                       cmocka_unit_test(far_ends),
                                        cmocka_unit_test(in_place_and_without_slope),
-                                       cmocka_unit_test(exponential_and_logarithm), cmocka_unit_test(build_info)};
+                                       cmocka_unit_test(exponential_and_logarithm),
+                                       cmocka_unit_test(fused_by_hand),
+                                       cmocka_unit_test(build_info)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
