@@ -3,8 +3,8 @@
  * Fuzz target: the answers of people in a CSV, up to the BRDFs that it names, which are not opened. What is accepted is
  * a number for every test of every row, and of choices somebody's.
  */
+#include "data/human.h"
 #include "fuzz.h"
-#include "train/human.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,6 +3,7 @@
  * Fuzz target: the model reader, with and without its checksum. A model that it accepts must score without a fault.
  */
 #include "fuzz.h"
+#include "model/model.h"
 #include "net/inference.h"
 
 #include <math.h>

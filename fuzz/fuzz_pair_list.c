@@ -3,7 +3,7 @@
  * Fuzz target: lists of pairs. Whatever is accepted has a pair in every row and cells of known columns.
  */
 #include "fuzz.h"
-#include "metric/pair_list.h"
+#include "nqm/score/pair_list.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -83,6 +83,25 @@ NQM_API const char *nqm_build_info(void);
  */
 typedef int (*nqm_progress_fn)(void *user, const char *stage, double done, double total);
 
+/** What the network's products are computed in. Everything else - sums, LayerNorm, GELU, the output - is float or double. */
+typedef enum nqm_precision {
+    NQM_PRECISION_F32 = 0, /**< float: the reference, and what JODs are quoted in */
+    NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8 bits), to nearest even */
+    NQM_PRECISION_INT8, /**< weights in signed bytes with a scale for each output, activations in bytes with a scale for
+                                each row; scoring only */
+    NQM_PRECISION_COUNT
+} nqm_precision;
+/** "f32", "bf16", "int8"; static storage; NULL beyond. */
+NQM_API const char *nqm_precision_name(nqm_precision precision);
+/** The i-th way to compute ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor knows, best first;
+ *  static storage; NULL beyond. "scalar" is plain loops, slow, and the definition of the results. */
+NQM_API const char *nqm_kernels_name(size_t i);
+/** Choose one of them for the whole process, for tests and benchmarks; NULL: back to the best. NQM_ERR_ARG when this
+ *  processor does not know it. Not while another thread computes. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
+/** The one in use. */
+NQM_API const char *nqm_kernels_selected(void);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/metric.h - models, and the score of a pair: JOD from the network, and the scalar BRDF-space metrics beside it.
+ * nqm/metric.h - the score of a pair: JOD from the network, and the scalar BRDF-space metrics beside it; scores of many
+ * pairs that are named by files, specs and presets.
  *
  * JOD (just-objectionable differences) here run from 0 (nothing alike) to 10 (no visible difference); one JOD less
  * means that 75 % of people would notice that the quality is worse.
@@ -8,74 +9,11 @@
 #ifndef NQM_METRIC_H
 #define NQM_METRIC_H
 
-#include <nqm/samples.h>
+#include <nqm/model.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** A trained network with everything it needs: directions, whitening, output range, card. */
-typedef struct nqm_model nqm_model;
-
-/** Facts about a model; strings are lent by it. */
-typedef struct nqm_model_info {
-    const char *id;                             /**< "default", "paper", or as given when trained */
-    const char *recipe;                         /**< "paper", "notebook", "nqm" */
-    const char *sha256;                         /**< 64 hex digits: the checksum of the model file */
-    const char *card;                           /**< the model card, Markdown: trained on, judged on, not good for */
-    const char *licence;                        /**< SPDX */
-    const char *manifest_sha256;                /**< hash of the training dataset file; "" if unknown */
-    size_t n_parameters;                        /**< trained numbers (weights, biases, LayerNorm) */
-    size_t n_layers;                            /**< linear layers */
-    const size_t *layer_sizes;                  /**< (n_layers + 1) widths, input first */
-    double jod_min, jod_max;                    /**< the range that the output can take */
-    double whitening_mean[3], whitening_std[3]; /**< of log(cbrt(f_r) + 1), R G B */
-    double target_mean, target_std;             /**< of the training targets: JOD, or log Delta-E ITP */
-    const nqm_directions *directions;
-    const char
-        *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/files.md); "": no intervals */
-} nqm_model_info;
-
-/** Load a model file (safetensors; doc/files.md). Checks names, shapes, finiteness and the SHA-256.
- *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
-/** A built-in model by name ("default", "paper"); NQM_ERR_MODEL when there is none of that name. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
-/** Built-in models: how many, and the name of the i-th. */
-NQM_API size_t nqm_model_builtin_count(void);
-NQM_API const char *nqm_model_builtin_name(size_t i);
-/** Free a model; NULL is allowed. */
-NQM_API void nqm_model_free(nqm_model *model);
-/** Facts about `model`. */
-NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
-/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model file holds no calibration. It
- *  widens with `novelty`, of nqm_model_novelty(); NaN counts as 1, and models without that measure do not look at it. */
-NQM_API void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret);
-/**
- * How unlike the training pairs a pair is, as nqm_score_result has it; NaN if the model file has no such measure.
- *
- * @param scalars  (NQM_SCALAR_COUNT) of nqm_scalars_compute()
- */
-NQM_API double nqm_model_novelty(const nqm_model *model, const double *scalars);
-
-/** What the network's products are computed in. Everything else - sums, LayerNorm, GELU, the output - is float or double. */
-typedef enum nqm_precision {
-    NQM_PRECISION_F32 = 0, /**< float: the reference, and what JODs are quoted in */
-    NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8 bits), to nearest even */
-    NQM_PRECISION_INT8, /**< weights in signed bytes with a scale for each output, activations in bytes with a scale for
-                                each row; scoring only */
-    NQM_PRECISION_COUNT
-} nqm_precision;
-/** "f32", "bf16", "int8"; static storage; NULL beyond. */
-NQM_API const char *nqm_precision_name(nqm_precision precision);
-/** The i-th way to compute ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor knows, best first;
- *  static storage; NULL beyond. "scalar" is plain loops, slow, and the definition of the results. */
-NQM_API const char *nqm_kernels_name(size_t i);
-/** Choose one of them for the whole process, for tests and benchmarks; NULL: back to the best. NQM_ERR_ARG when this
- *  processor does not know it. Not while another thread computes. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
-/** The one in use. */
-NQM_API const char *nqm_kernels_selected(void);
 
 /** The scalar metrics, on the samples of both BRDFs: means over directions and channels;
  *  c = cos(theta_i) cos(theta_o). */
@@ -180,43 +118,6 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_predict(const nqm_model *model, size
 NQM_API void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
                                  const uint8_t *used, double *metrics);
 
-/** Zones of theta_h in the scalar features: 0-2, 2-5, 5-15, 15-35, 35-90 degrees. */
-enum { NQM_SCALAR_ZONES = 5 };
-/** Scalar features of a pair, which stand beside the samples in the input of models of the recipe "nqm". Differences
- *  are test less reference; sizes are logarithms, so that faint differences are told apart. doc/training.md has the
- *  formulas. */
-typedef enum nqm_scalar {
-    NQM_SCALAR_METRICS = 0,            /**< log of the nine metrics, in their order */
-    NQM_SCALAR_RMS = NQM_METRIC_COUNT, /**< size: RMS difference of log(f_r + 0.003) */
-    NQM_SCALAR_MAX,                    /**< size: largest difference of log luminance */
-    NQM_SCALAR_TAIL,                   /**< size: its 4-norm */
-    NQM_SCALAR_BULK,                   /**< size: its 1/2-norm */
-    NQM_SCALAR_BIAS,                   /**< its mean, with sign */
-    NQM_SCALAR_SHAPE,                  /**< size: its standard deviation */
-    NQM_SCALAR_ZONE_BIAS,              /**< log ratio of the luminance summed over each zone */
-    NQM_SCALAR_ZONE_RMS = NQM_SCALAR_ZONE_BIAS + NQM_SCALAR_ZONES,    /**< size: RMS in each zone */
-    NQM_SCALAR_GRAZING_BIAS = NQM_SCALAR_ZONE_RMS + NQM_SCALAR_ZONES, /**< mean where cos cos < 0.25 */
-    NQM_SCALAR_GRAZING_RMS,                                           /**< size: RMS there */
-    NQM_SCALAR_WIDTH,         /**< log ratio below 5 degrees less that above: sharper highlights are positive */
-    NQM_SCALAR_CHROMA,        /**< size: RMS of the differences of the opponents of log f_r */
-    NQM_SCALAR_CHROMA_RG,     /**< mean difference of log R - log G */
-    NQM_SCALAR_CHROMA_B,      /**< mean difference of log B - (log R + log G) / 2 */
-    NQM_SCALAR_ENERGY,        /**< log ratio of the cosine-weighted sums of luminance */
-    NQM_SCALAR_ENERGY_CHROMA, /**< size: how the opponents of these sums differ */
-    NQM_SCALAR_PEAK,          /**< log ratio of the largest luminance */
-    NQM_SCALAR_SMOOTH,        /**< size: RMS over zones of (theta_h, theta_d) of the log ratio of their sums */
-    NQM_SCALAR_SMOOTH_CHROMA, /**< size: the same of the opponents */
-    NQM_SCALAR_REF_LEVEL,     /**< reference: mean log luminance */
-    NQM_SCALAR_REF_ENERGY,    /**< reference: log of the cosine-weighted mean luminance */
-    NQM_SCALAR_REF_PEAK,      /**< reference: log of the largest luminance, less the mean log */
-    NQM_SCALAR_REF_SPREAD,    /**< reference: standard deviation of log luminance */
-    NQM_SCALAR_REF_COLOUR,    /**< reference: RMS of the opponents of log f_r */
-    NQM_SCALAR_COUNT
-} nqm_scalar;
-
-/** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
-NQM_API const char *nqm_scalar_name(size_t i);
-
 /**
  * The scalar features of one sampled pair; arguments as in nqm_metrics_compute(). Finite for finite f_r >= 0.
  *
@@ -224,6 +125,57 @@ NQM_API const char *nqm_scalar_name(size_t i);
  */
 NQM_API void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test,
                                  const uint8_t *used, double *scalars);
+
+/** Two BRDFs, as nqm_brdf_open() takes them. */
+typedef struct nqm_named_pair {
+    const char *ref, *test;
+} nqm_named_pair;
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
+
+/** Options of nqm_batch_create(). */
+typedef struct nqm_batch_options {
+    nqm_score_options score; /**< default nqm_score_options_default() */
+    int metrics;             /**< 0: leave the scalar metrics out (NaN), which is quicker; default 1 */
+    size_t cache_bytes;      /**< sampled BRDFs are kept up to this much memory, those used last longest; the BRDFs of
+                                  one block of pairs are kept whatever this says; default 64 MiB (10,000 BRDFs) */
+} nqm_batch_options;
+
+/** The defaults above. */
+NQM_API nqm_batch_options nqm_batch_options_default(void);
+
+/** A model with the BRDFs that were sampled last. Belongs to one thread at a time; works on all of them. */
+typedef struct nqm_batch nqm_batch;
+
+enum { NQM_BATCH_BLOCK = 256 }; /**< pairs that are scored together */
+
+/** `model` is lent and must outlive the batch. options NULL: the defaults. NQM_ERR_ARG, NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_batch_create(const nqm_model *model, const nqm_batch_options *options,
+                                                   nqm_batch **batch_ret, nqm_error *err);
+/** Free it; NULL is allowed. */
+NQM_API void nqm_batch_free(nqm_batch *batch);
+
+/**
+ * Score pairs, in blocks of NQM_BATCH_BLOCK. A result depends on its pair and on nothing else. Pairs of one reference in
+ * a block are quicker.
+ *
+ * @param pairs    (n_pairs)
+ * @param results  (n_pairs) receives a result each; status is not NQM_OK where the pair has no score
+ * @param errors   (n_pairs) receives why; NULL allowed
+ * @return faults that concern all pairs: NQM_ERR_NOMEM. A BRDF that cannot be opened or sampled is a fault of its pairs.
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_batch_score(nqm_batch *batch, size_t n_pairs, const nqm_named_pair *pairs,
+                                                  nqm_score_result *results, nqm_error *errors, nqm_error *err);
+
+/** How many BRDFs were opened so far, with those that failed; each counts again when it had been dropped meanwhile. */
+NQM_API size_t nqm_batch_n_opened(const nqm_batch *batch);
+
+/**
+ * The share of people who prefer the better of two to the worse, as the JOD scale is made (Thurstone's model, case V,
+ * with one JOD at 75 %: Perez-Ortiz and Mantiuk 2017, arXiv:1712.03686, section 2): Phi(0.6745 (jod - other_jod)), with
+ * Phi the normal distribution function. 0.5 for equal scores; below it when `other_jod` is larger.
+ */
+NQM_API double nqm_jod_preference(double jod, double other_jod);
 
 /** Check kernels, coordinates, curve and the built-in models against stored golden values (about a second).
  *  `report` (NULL allowed) gets one line for each check. Returns NQM_ERR_NUMERIC when one fails. */

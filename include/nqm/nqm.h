@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/nqm.h - all of nqm. Programs that link libnqm (score and train) need base.h, batch.h, brdf.h, samples.h,
- * metric.h, train.h and human.h only; fit.h, label.h, picture.h, plot.h and bench.h are in
- * libnqm-full.
+ * nqm/nqm.h - all of nqm. libnqm, which scores, holds what base.h, brdf.h, samples.h, percept.h, model.h and metric.h
+ * declare; libnqm-full holds everything.
  */
 #ifndef NQM_NQM_H
 #define NQM_NQM_H
 
 #include <nqm/base.h>
-#include <nqm/batch.h>
-#include <nqm/bench.h>
 #include <nqm/brdf.h>
+#include <nqm/data.h>
 #include <nqm/fit.h>
-#include <nqm/human.h>
+#include <nqm/judge.h>
 #include <nqm/label.h>
 #include <nqm/metric.h>
-#include <nqm/picture.h>
-#include <nqm/plot.h>
+#include <nqm/model.h>
+#include <nqm/percept.h>
+#include <nqm/render.h>
 #include <nqm/samples.h>
 #include <nqm/train.h>
 

@@ -65,6 +65,12 @@ NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);
  *  Empty when there is no memory to compute it. Any thread. */
 NQM_API const char *nqm_directions_id(const nqm_directions *directions);
 
+/** How a pair becomes the network's input, after t = log(cbrt(rho) + 1) and whitening. */
+typedef enum nqm_layout {
+    NQM_LAYOUT_REF_TEST = 0,    /**< reference half, then test half: 6 n numbers (the paper) */
+    NQM_LAYOUT_REF_DIFF_ABSDIFF /**< reference, s (test - reference), s |test - reference|: 9 n numbers */
+} nqm_layout;
+
 /** What to do where a BRDF holds no value. */
 typedef enum nqm_invalid_policy {
     NQM_INVALID_DROP = 0, /**< leave the direction out: of both members of a pair, in every metric; the network sees no

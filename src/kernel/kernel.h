@@ -12,7 +12,6 @@
 #define NQM_SRC_KERNEL_H
 
 #include "base/base.h"
-#include <nqm/metric.h>
 
 /** C = alpha op(A) op(B) + beta C, row-major; op(A) is (m, k), op(B) is (k, n), C is (m, n). beta 0 ignores what C
  * holds. */

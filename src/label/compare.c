@@ -5,8 +5,8 @@
 #include "base/base.h"
 #include "brdf/brdf.h"
 #include "io/io.h"
+#include "judge/agreement.h"
 #include "math/math.h"
-#include "train/agreement.h"
 
 #include <math.h>
 #include <nqm/label.h>

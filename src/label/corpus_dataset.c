@@ -2,8 +2,8 @@
  *
  * A finished corpus as a dataset file, and its manifest beside it.
  */
+#include "data/data.h"
 #include "label/corpus.h"
-#include "train/train.h"
 
 #include <jansson.h>
 #include <stdlib.h>

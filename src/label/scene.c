@@ -4,6 +4,7 @@
  */
 #include "percept/percept.h"
 #include "render/render.h"
+#include <nqm/label.h>
 
 static double delta_e_at(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2, size_t i) {
     return nqm_picture_delta_e(1, ref_cdm2 + 3 * i, test_cdm2 + 3 * i, scene->options.peak_cdm2);

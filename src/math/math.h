@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), the JOD curve, a front to
+ * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), a front to
  * nonlinear least squares, eigenvectors, checks of numbers. Knows nothing of BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
@@ -46,17 +46,6 @@ double nqm_spearman(size_t n, const double *x, const double *y);
 double nqm_kendall(size_t n, const double *x, const double *y);
 /** The q-quantile (0..1) with linear interpolation; x (n) is sorted in place. */
 double nqm_quantile(size_t n, double *x, double q);
-
-/* ---- the JOD curve (Kavoosighafi et al. 2025, eq. 1) ------------------------------------------------------------- */
-
-typedef struct nqm_jod_curve {
-    double b1, b2, b3;
-} nqm_jod_curve;
-
-/** The full-precision coefficients behind the authors' published labels. */
-extern const nqm_jod_curve nqm_jod_curve_published;
-/** JOD in [0, 10] of a Delta-E ITP; negative counts as 0, and 0 gives exactly 10. */
-double nqm_jod_from_delta_e(const nqm_jod_curve *curve, double delta_e);
 
 /* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------- */
 

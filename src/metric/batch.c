@@ -6,7 +6,7 @@
 #include "metric/sample_cache.h"
 
 #include <math.h>
-#include <nqm/batch.h>
+#include <nqm/metric.h>
 #include <string.h>
 
 _Static_assert((int)NQM_BATCH_BLOCK <= (int)NQM_PREDICT_BATCH, "a block is one forward pass");

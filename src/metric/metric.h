@@ -1,31 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * metric.h - inside the metric module: making a parsed model usable, and prediction for sampled pairs in batches.
+ * metric.h - inside the metric room: prediction for sampled pairs in batches.
  */
 #ifndef NQM_SRC_METRIC_H
 #define NQM_SRC_METRIC_H
 
-#include "net/net.h"
+#include "model/model.h"
 #include "sample/sample.h"
 #include <nqm/metric.h>
-
-/** Give a model whose directions_deg are set its direction set; nqm_model_destroy() frees it with the model. */
-NQM_MUST_CHECK nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err);
-
-/** The names of all scalar features with commas, as a model file holds them; NULL when out of memory. nqm_free(). */
-char *nqm_scalar_names(void);
-
-/** How scalar features become inputs: (value - mean) / std, cut off at 5 deviations either way, times scale. Models of
- * unlike pairs stay within what they have seen. */
-typedef struct nqm_scalar_whitening {
-    const float *mean, *std; /* (NQM_SCALAR_COUNT) */
-    double scale;
-} nqm_scalar_whitening;
-/** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
-void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
-
-/** What novelty is measured on: scalar features, whitened and mapped; y (NQM_SCALAR_COUNT). */
-void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y);
 
 /** Tests of one reference at the same directions. */
 typedef struct nqm_comparison {

@@ -14,54 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const scalar_names[NQM_SCALAR_COUNT] = {
-    [NQM_SCALAR_METRICS + NQM_METRIC_RMSE] = "log_rmse",
-    [NQM_SCALAR_METRICS + NQM_METRIC_MAE] = "log_mae",
-    [NQM_SCALAR_METRICS + NQM_METRIC_RMS_CRWE] = "log_rms_crwe",
-    [NQM_SCALAR_METRICS + NQM_METRIC_MA_CRWE] = "log_ma_crwe",
-    [NQM_SCALAR_METRICS + NQM_METRIC_RMS_LOGE] = "log_rms_loge",
-    [NQM_SCALAR_METRICS + NQM_METRIC_MA_LOGE] = "log_ma_loge",
-    [NQM_SCALAR_METRICS + NQM_METRIC_RMS_LOGWE] = "log_rms_logwe",
-    [NQM_SCALAR_METRICS + NQM_METRIC_MA_LOGWE] = "log_ma_logwe",
-    [NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF] = "log_log_diff",
-    [NQM_SCALAR_RMS] = "rms",
-    [NQM_SCALAR_MAX] = "max",
-    [NQM_SCALAR_TAIL] = "tail",
-    [NQM_SCALAR_BULK] = "bulk",
-    [NQM_SCALAR_BIAS] = "bias",
-    [NQM_SCALAR_SHAPE] = "shape",
-    [NQM_SCALAR_ZONE_BIAS] = "bias_0_2",
-    "bias_2_5",
-    "bias_5_15",
-    "bias_15_35",
-    "bias_35_90",
-    [NQM_SCALAR_ZONE_RMS] = "rms_0_2",
-    "rms_2_5",
-    "rms_5_15",
-    "rms_15_35",
-    "rms_35_90",
-    [NQM_SCALAR_GRAZING_BIAS] = "bias_grazing",
-    [NQM_SCALAR_GRAZING_RMS] = "rms_grazing",
-    [NQM_SCALAR_WIDTH] = "width",
-    [NQM_SCALAR_CHROMA] = "chroma",
-    [NQM_SCALAR_CHROMA_RG] = "chroma_rg",
-    [NQM_SCALAR_CHROMA_B] = "chroma_b",
-    [NQM_SCALAR_ENERGY] = "energy",
-    [NQM_SCALAR_ENERGY_CHROMA] = "energy_chroma",
-    [NQM_SCALAR_PEAK] = "peak",
-    [NQM_SCALAR_SMOOTH] = "smooth",
-    [NQM_SCALAR_SMOOTH_CHROMA] = "smooth_chroma",
-    [NQM_SCALAR_REF_LEVEL] = "ref_level",
-    [NQM_SCALAR_REF_ENERGY] = "ref_energy",
-    [NQM_SCALAR_REF_PEAK] = "ref_peak",
-    [NQM_SCALAR_REF_SPREAD] = "ref_spread",
-    [NQM_SCALAR_REF_COLOUR] = "ref_colour",
-};
-
-const char *nqm_scalar_name(size_t i) {
-    return i < NQM_SCALAR_COUNT ? scalar_names[i] : NULL;
-}
-
 /* ---- sums over directions ---------------------------------------------------------------------------------------- */
 
 /* Zones of theta_h and of theta_d by their upper ends, degrees; a cell is one of each. */
@@ -216,7 +168,7 @@ static void whole_scalars(const sums *s, double *out) {
 }
 
 static void finish_scalars(const sums *s, const double *metrics, double *scalars) {
-    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+    for (size_t m = 0; m < NQM_SCALAR_RMS; ++m)
         scalars[NQM_SCALAR_METRICS + m] = log(metrics[m] + 1e-4);
     whole_scalars(s, scalars);
     zone_scalars(s, scalars);
@@ -279,21 +231,3 @@ void nqm_scalars_compute(const nqm_directions *directions, const float *ref, con
 }
 
 /* ---- as inputs --------------------------------------------------------------------------------------------------- */
-
-char *nqm_scalar_names(void) {
-    size_t n = 1;
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-        n += strlen(scalar_names[i]) + 1;
-    char *text = nqm_alloc(n, 1);
-    for (size_t i = 0, at = 0; text && i < NQM_SCALAR_COUNT; ++i)
-        at += (size_t)snprintf(text + at, n - at, "%s%s", i ? "," : "", scalar_names[i]);
-    return text;
-}
-
-void nqm_scalars_whiten(const nqm_scalar_whitening *w, const double *scalars, float *x) {
-    const double most = 5;
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-        double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
-        x[i] = isnan(z) ? 0 : (float)(w->scale * fmin(fmax(z, -most), most));
-    }
-}

@@ -5,10 +5,12 @@
  * made.
  */
 #include "kernel/kernel.h"
+#include "math/math.h"
 #include "metric/metric.h"
 #include "metric/selftest_golden.h"
+#include "model/models_table.h"
 #include "net/inference.h"
-#include "net/models_table.h"
+#include "percept/percept.h"
 
 #include <float.h>
 #include <math.h>
@@ -108,11 +110,11 @@ static nqm_status check_coordinates(nqm_error *err) {
 /* ---- published values -------------------------------------------------------------------------------------------- */
 
 static nqm_status check_curve(nqm_error *err) {
-    double top = nqm_jod_from_delta_e(&nqm_jod_curve_published, 0);
+    double top = nqm_curve_jod(&nqm_curve_published, 0);
     if (top != 10)
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E 0 has JOD %.17g, not 10", top);
     for (size_t i = 0; i < sizeof golden_jod / sizeof *golden_jod; ++i) {
-        double jod = nqm_jod_from_delta_e(&nqm_jod_curve_published, golden_jod[i][0]);
+        double jod = nqm_curve_jod(&nqm_curve_published, golden_jod[i][0]);
         if (!near(jod, golden_jod[i][1], 1e-12))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E %g has JOD %.15g, not %.15g", golden_jod[i][0], jod,
                             golden_jod[i][1]);

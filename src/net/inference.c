@@ -1,21 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Packing a network for inference, at once or when it begins to pay, and keeping it with its model.
+ * Packing a network for inference, at once or when it begins to pay.
  */
 #include "net/inference.h"
 #include "net/inference_net.h"
 
-#include <nqm/train.h>
 #include <pthread.h>
-
-nqm_input_groups nqm_model_input_groups(const struct nqm_model *model) {
-    nqm_input_groups inputs = {.n_groups = model->layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
-                               .n_scalars = nqm_model_n_scalars(model),
-                               .test_itself = model->layout == NQM_LAYOUT_REF_TEST};
-    for (size_t i = 0; i < inputs.n_groups; ++i)
-        inputs.width[i] = 3 * model->n_directions;
-    return inputs;
-}
 
 /* ---- layers ------------------------------------------------------------------------------------------------------ */
 
@@ -150,25 +140,4 @@ bool nqm_inference_net_packed(const nqm_inference_net *net, const nqm_kernels *k
     }
     pthread_mutex_unlock(&packing);
     return true;
-}
-
-/* ---- with the model ---------------------------------------------------------------------------------------------- */
-
-nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
-                               const nqm_inference_net **net_ret, nqm_error *err) {
-    nqm_inference_net *_Atomic *place = &((struct nqm_model *)(uintptr_t)model)->inference[precision];
-    nqm_inference_net *net = atomic_load_explicit(place, memory_order_acquire);
-    nqm_status status = NQM_OK;
-    if (!net) {
-        pthread_mutex_lock(&packing);
-        net = atomic_load_explicit(place, memory_order_acquire);
-        if (!net) { /* nobody packed it while we waited */
-            const nqm_input_groups inputs = nqm_model_input_groups(model);
-            status = nqm_inference_net_create(&model->params, &inputs, precision, &net, err);
-            atomic_store_explicit(place, net, memory_order_release);
-        }
-        pthread_mutex_unlock(&packing);
-    }
-    *net_ret = net;
-    return status;
 }

@@ -23,9 +23,6 @@ typedef struct nqm_input_groups {
     bool test_itself; /**< the second group holds the test, not how it differs from the reference */
 } nqm_input_groups;
 
-/** Those of a model. */
-nqm_input_groups nqm_model_input_groups(const struct nqm_model *model);
-
 /** A network, packed or soon to be; may be used by several threads at once. */
 typedef struct nqm_inference_net nqm_inference_net;
 
@@ -35,10 +32,6 @@ NQM_MUST_CHECK nqm_status nqm_inference_net_create(const nqm_params *params, con
                                                    nqm_precision precision, nqm_inference_net **net_ret,
                                                    nqm_error *err);
 void nqm_inference_net_free(nqm_inference_net *net);
-
-/** The packed network of a model, made at the first call for a precision; lent by the model. Any thread. */
-NQM_MUST_CHECK nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
-                                              const nqm_inference_net **net_ret, nqm_error *err);
 
 /** Memory for rows on their way through a network, which is lent. Belongs to one thread at a time. */
 typedef struct nqm_inference_work nqm_inference_work;

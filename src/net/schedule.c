@@ -3,6 +3,7 @@
  * The learning-rate schedule: torch.optim.lr_scheduler.ReduceLROnPlateau with its defaults mode min, relative threshold
  * 1e-4 and cooldown 0.
  */
+#include "math/math.h"
 #include "net/net.h"
 
 #include <math.h>

@@ -10,14 +10,18 @@
 
 #include <math.h>
 
+/* Least squares on the authors' 180 human scores; the paper prints them rounded to (-14.11, -0.47, -0.21). */
+const nqm_curve nqm_curve_published = {-14.11196939758611, -0.47364347065458806, -0.21479944748134167};
+
 nqm_curve nqm_curve_default(void) {
-    const nqm_jod_curve *c = &nqm_jod_curve_published;
-    return (nqm_curve){c->b1, c->b2, c->b3};
+    return nqm_curve_published;
 }
 
 double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
-    const nqm_jod_curve c = {curve->b1, curve->b2, curve->b3};
-    return nqm_jod_from_delta_e(&c, delta_e);
+    if (delta_e <= 0) /* 0 to a negative power: the limit of the formula, without an infinity on the way */
+        return 10;
+    double z = curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
+    return 10 / (1 + exp(-z)); /* 1 - 1/(1 + e^z), without cancellation */
 }
 
 typedef struct scores {
@@ -27,9 +31,9 @@ typedef struct scores {
 
 static int residuals(void *user, const double *b, double *residual) {
     const scores *s = user;
-    const nqm_jod_curve curve = {b[0], b[1], b[2]};
+    const nqm_curve curve = {b[0], b[1], b[2]};
     for (size_t i = 0; i < s->n; ++i)
-        residual[i] = nqm_jod_from_delta_e(&curve, s->delta_e[i]) - s->jod[i];
+        residual[i] = nqm_curve_jod(&curve, s->delta_e[i]) - s->jod[i];
     return 0;
 }
 

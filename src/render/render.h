@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * render.h - a lit shape: light maps, shapes and the rays that meet them, the points that a viewer sees, the directions
- * and weights of their quadrature, rendering of any BRDF. The public half (nqm_scene_*) is declared in <nqm/label.h>.
+ * and weights of their quadrature, rendering of any BRDF. The public half (nqm_scene_*) is declared in <nqm/render.h>.
  *
  * World axes: y is up, the viewer is at infinity on +z (raised by the elevation), x is to the viewer's right. In a
  * latitude-longitude map the first row is up and the middle column is -z, what the viewer faces; columns run to the
@@ -13,7 +13,7 @@
 #include "base/base.h"
 #include "io/io.h"
 
-#include <nqm/label.h>
+#include <nqm/render.h>
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 

@@ -6,7 +6,6 @@
 #include "sample/sample.h"
 
 #include <math.h>
-#include <nqm/train.h>
 #include <string.h>
 
 void nqm_features_transform(size_t n, const float *rho, float *t) {
@@ -20,7 +19,7 @@ void nqm_features_restore(size_t n, const float *t, float *rho) {
     }
 }
 
-size_t nqm_features_width(int layout, size_t n_directions) {
+size_t nqm_features_width(nqm_layout layout, size_t n_directions) {
     return (layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions;
 }
 

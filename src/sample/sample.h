@@ -19,7 +19,7 @@ struct nqm_directions {
 
 /** How a pair becomes the network's input. */
 typedef struct nqm_features {
-    int layout;              /* nqm_layout (nqm/train.h): 0 ref,test; 1 ref, s (test-ref), s |test-ref| */
+    nqm_layout layout;
     double difference_scale; /* s; used by layout 1 */
     float mean[3], std[3];   /* whitening of t, per channel */
 } nqm_features;
@@ -29,7 +29,7 @@ void nqm_features_transform(size_t n, const float *rho, float *t);
 /** The way back: rho = (exp(t) - 1)^3. In place is allowed. */
 void nqm_features_restore(size_t n, const float *t, float *rho);
 /** Width of the samples' part of the network's input: 6 n_directions (layout 0) or 9 n_directions (layout 1). */
-size_t nqm_features_width(int layout, size_t n_directions);
+size_t nqm_features_width(nqm_layout layout, size_t n_directions);
 /**
  * The input vector of one pair, differences taken after whitening.
  *

@@ -5,6 +5,7 @@
  */
 #include "train/calibrate.h"
 #include "metric/metric.h"
+#include <nqm/judge.h>
 
 #include <math.h>
 #include <stdlib.h>

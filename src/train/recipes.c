@@ -3,7 +3,7 @@
  * The three recipes - the paper as printed, the authors' notebook where it differs, and ours - as one struct of
  * options; their check, and their text in a model file and a checkpoint.
  */
-#include "net/model_file.h"
+#include "model/model_file.h"
 #include "train/train.h"
 
 #include <jansson.h>

@@ -4,8 +4,10 @@
  * The same dataset, options and seed give the same model, in one run or in several, on any number of threads.
  */
 #include "train/train.h"
+#include "math/math.h"
 #include "metric/metric.h"
 #include "net/trainer.h"
+#include "percept/percept.h"
 #include "train/calibrate.h"
 
 #include <math.h>
@@ -235,7 +237,7 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     m->target_std = e->target_std;
     m->out_lo = e->out_lo;
     m->out_hi = e->out_hi;
-    m->curve = nqm_jod_curve_published;
+    m->curve = nqm_curve_published;
     return nqm_model_attach_directions(m, err);
 }
 

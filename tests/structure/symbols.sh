@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Names: every symbol that the objects define starts with nqm_; the shared libraries export exactly the functions that the
-# public headers declare with NQM_API; and the core library holds nothing of the labelling chain (fit, render, percept,
-# plot, label, bench) nor needs its libraries: scoring never depends on rendering. Large libraries that a score does not need
+# public headers declare with NQM_API; and the core library holds nothing of the rooms that only the full one has,
+# nor needs their libraries: scoring never depends on rendering. Large libraries that a score does not need
 # are not linked at all.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
@@ -18,21 +18,21 @@ strangers=$(nm --defined-only --extern-only "$build/libnqm_all.a" 2>/dev/null | 
 # Declared names: the identifier before the first "(" after NQM_API.
 declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^NQM_API[^(;]*[ *]\(nqm_[a-z0-9_]*\)(.*/\1/p'; }
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
-core_headers="base brdf samples metric batch train human"
+core_headers="base brdf samples percept model metric"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
-for h in $core_headers fit label picture plot bench; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
+for h in $core_headers fit render data train judge label; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test looks at nothing"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
-for module in fit render percept plot label bench; do
-    for object in "$build"/CMakeFiles/nqm_label_objects.dir/src/"$module"/*.o; do
+for room in fit render data train judge label; do
+    for object in "$build"/CMakeFiles/nqm_full_objects.dir/src/"$room"/*.o; do
         nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
     done
-done | sort -u >"$build/label-symbols.txt"
-[ -s "$build/label-symbols.txt" ] || fail "no labelling symbol was found: the test looks at nothing"
-nm "$build/libnqm.so" | awk '{print $NF}' | sort -u | comm -12 - "$build/label-symbols.txt" >"$build/leaked.txt"
-[ ! -s "$build/leaked.txt" ] || fail "libnqm.so holds symbols of the labelling chain: $(cat "$build/leaked.txt")"
+done | sort -u >"$build/full-symbols.txt"
+[ -s "$build/full-symbols.txt" ] || fail "no symbol of the full library was found: the test looks at nothing"
+nm "$build/libnqm.so" | awk '{print $NF}' | sort -u | comm -12 - "$build/full-symbols.txt" >"$build/leaked.txt"
+[ ! -s "$build/leaked.txt" ] || fail "libnqm.so holds symbols of the full library: $(cat "$build/leaked.txt")"
 if readelf -d "$build/libnqm.so" | grep -E 'NEEDED.*(OpenEXR|png|cairo|embree)'; then fail "libnqm.so needs a library of the labelling chain"; fi
 for binary in libnqm.so libnqm-full.so nqm; do
     if readelf -d "$build/$binary" | grep -E 'NEEDED.*(matio|dnnl|embree)'; then fail "$binary is linked with a library that is to be loaded when needed"; fi

@@ -3,6 +3,7 @@
  * A small network of random weights on the layout of our recipe.
  */
 #include "support/tiny_model.h"
+#include "percept/percept.h"
 
 #include <nqm/train.h>
 #include <string.h>
@@ -32,7 +33,7 @@ static nqm_status fill(nqm_model *model, size_t n, nqm_error *err) {
     model->target = NQM_TARGET_LOG_DELTA_E;
     model->target_mean = 2, model->target_std = 1;
     model->out_lo = -3, model->out_hi = 3;
-    model->curve = nqm_jod_curve_published;
+    model->curve = nqm_curve_published;
     model->id = nqm_strdup("tiny");
     model->card = nqm_strdup("Random weights, for tests only.");
     bool complete = model->directions_deg && model->id && model->card;

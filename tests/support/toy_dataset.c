@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/toy_dataset.h"
+#include "percept/percept.h"
 
 #include "math/math.h"
 
@@ -91,7 +92,7 @@ static void fill_pairs(nqm_dataset *d, const lobe *lobes, size_t per_ref, nqm_rn
             l.albedo[k] *= pair_kind[p] ? 1 : amount;
         sample_lobe(d, &l, test_rgb + p * n);
         delta_e[p] = label_delta_e(n, d->ref_rgb + ref * n, test_rgb + p * n);
-        jod[p] = nqm_jod_from_delta_e(&nqm_jod_curve_published, delta_e[p]);
+        jod[p] = nqm_curve_jod(&nqm_curve_published, delta_e[p]);
     }
     d->test_rgb = test_rgb;
     d->pair_ref = pair_ref;

@@ -3,7 +3,7 @@
  * Meters of the machine's peaks: there are figures, they are plausible against each other, rows are settled as documented.
  * How fast anything is, is nobody's promise.
  */
-#include "bench/bench.h"
+#include "bench/inside.h"
 #include "support/check.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #include "support/tiny_model.h"
 
 #include <math.h>
-#include <nqm/batch.h>
+#include <nqm/metric.h>
 #include <string.h>
 
 enum { N_DIRECTIONS = 20, MANY = 2 * NQM_BATCH_BLOCK + 37 };

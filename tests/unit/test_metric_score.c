@@ -6,7 +6,9 @@
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
+#include "math/math.h"
 #include "metric/metric.h"
+#include "percept/percept.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -37,7 +39,7 @@ static struct nqm_model *make_model(nqm_layout layout, nqm_target target) {
     model->target_mean = target == NQM_TARGET_JOD ? 7 : 2;
     model->target_std = 1.5;
     model->out_lo = -3, model->out_hi = 1.8;
-    model->curve = nqm_jod_curve_published;
+    model->curve = nqm_curve_published;
     assert_int_equal(nqm_model_attach_directions(model, NULL), NQM_OK);
     return model;
 }
@@ -73,7 +75,7 @@ static double expected_jod(const struct nqm_model *model, const float *ref, cons
     }
     double target =
         model->target_mean + model->target_std * (model->out_lo + (model->out_hi - model->out_lo) / (1 + exp(-z)));
-    return model->target == NQM_TARGET_JOD ? target : nqm_jod_from_delta_e(&model->curve, exp(target));
+    return model->target == NQM_TARGET_JOD ? target : nqm_curve_jod(&model->curve, exp(target));
 }
 
 /* ---- BRDFs whose values and holes the tests choose --------------------------------------------------------------- */
@@ -154,7 +156,7 @@ static void test_chain(void **state) {
             if (target == NQM_TARGET_JOD)
                 assert_true(isnan(result.delta_e));
             else
-                assert_near(nqm_jod_from_delta_e(&model->curve, result.delta_e), result.jod, 1e-12);
+                assert_near(nqm_curve_jod(&model->curve, result.delta_e), result.jod, 1e-12);
             assert_int_equal(result.identical, 0);
             assert_int_equal(result.n_valid, N);
             double metrics[NQM_METRIC_COUNT];
@@ -292,8 +294,8 @@ static void test_facts(void **state) {
     nqm_model_free(model);
     model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_LOG_DELTA_E);
     info = nqm_model_get_info(model);
-    assert_near(info.jod_min, nqm_jod_from_delta_e(&nqm_jod_curve_published, exp(2 + 1.5 * 1.8)), 1e-12);
-    assert_near(info.jod_max, nqm_jod_from_delta_e(&nqm_jod_curve_published, exp(2 - 1.5 * 3)), 1e-12);
+    assert_near(info.jod_min, nqm_curve_jod(&nqm_curve_published, exp(2 + 1.5 * 1.8)), 1e-12);
+    assert_near(info.jod_max, nqm_curve_jod(&nqm_curve_published, exp(2 - 1.5 * 3)), 1e-12);
     nqm_model_free(model);
 }
 

@@ -10,7 +10,7 @@
 #include "support/tiny_model.h"
 
 #include <math.h>
-#include <nqm/batch.h>
+#include <nqm/metric.h>
 #include <omp.h>
 #include <pthread.h>
 #include <string.h>

@@ -6,6 +6,7 @@
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
+#include "model/model.h"
 #include "net/inference_net.h"
 #include "support/check.h"
 

@@ -6,6 +6,7 @@
 #include "math/math.h"
 #include "render/render.h"
 #include "support/check.h"
+#include <nqm/label.h>
 
 #include <math.h>
 #include <stdlib.h>

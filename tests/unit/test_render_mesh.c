@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "support/check.h"
 #include "support/scenes.h"
+#include <nqm/label.h>
 
 #include <math.h>
 #include <omp.h>

@@ -10,6 +10,7 @@
 #include "support/check.h"
 #include "support/scenes.h"
 #include "vectors/render_vectors.h"
+#include <nqm/label.h>
 
 #include <math.h>
 #include <omp.h>

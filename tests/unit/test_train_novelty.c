@@ -4,12 +4,12 @@
  * make of it.
  */
 #include "io/io.h"
+#include "judge/evaluate.h"
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/temp_file.h"
 #include "support/toy_dataset.h"
 #include "train/calibrate.h"
-#include "train/evaluate.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * Options from tables: parsing, ranges, defaults and help text come from one place. Options may stand anywhere; `--`
  * ends them.
  */
-#include "tool.h"
+#include "nqm/tool.h"
 
 #include <errno.h>
 #include <math.h>

@@ -2,7 +2,7 @@
  *
  * What arguments name: models and directions (built in, or a file), lists of BRDFs, and short text files.
  */
-#include "tool.h"
+#include "nqm/tool.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  *
  * nqm - how good a BRDF approximation looks beside its reference. This file finds the verb; each is a cmd_*.c file.
  */
-#include "tool.h"
+#include "nqm/tool.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +92,7 @@ int main(int argc, char **argv) {
         return EXIT_OK;
     }
     if (strcmp(argv[1], "--version") == 0) {
-        printf("nqm %s\n%s\n%s\n", nqm_version(), nqm_build_info(), nqm_full_build_info());
+        printf("nqm %s\n%s\n%s\n", nqm_version(), nqm_build_info(), tool_build_info());
         return EXIT_OK;
     }
     for (const verb *v = verbs; v->name; ++v)

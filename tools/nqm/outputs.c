@@ -2,7 +2,7 @@
  *
  * Files that a verb writes itself: under a temporary name in the same folder, renamed when complete.
  */
-#include "tool.h"
+#include "nqm/tool.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  *
  * How the tool talks: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
  */
-#include "tool.h"
+#include "nqm/tool.h"
 
 #include <math.h>
 #include <signal.h>

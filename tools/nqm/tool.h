@@ -141,6 +141,9 @@ json_t *json_name(const char *text);
 json_t *json_number(double value);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
 json_t *json_tool(void);
+/** The libraries of this build that draw, trace rays and read pictures, with their versions or "off"; nothing is loaded to
+ *  say so. Static storage. */
+const char *tool_build_info(void);
 /** What a JOD below 10 means, in words; doc/cli.md has the table. */
 const char *jod_words(double jod);
 /** Two lines on the intervals of a model, as made now and as its file has them; JSON of the same, null when there are

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/model.h - trained models: what they hold, where they come from, and what they say about themselves.
+ */
+#ifndef NQM_MODEL_H
+#define NQM_MODEL_H
+
+#include <nqm/samples.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** How the labels become what the network learns. */
+typedef enum nqm_target {
+    NQM_TARGET_JOD = 0,    /**< JOD, z-scored; sigmoid over the range of the training labels (the paper) */
+    NQM_TARGET_LOG_DELTA_E /**< natural log of Delta-E ITP, z-scored; sigmoid over its range; mapped to JOD by the curve
+                            */
+} nqm_target;
+
+/** Zones of theta_h in the scalar features: 0-2, 2-5, 5-15, 15-35, 35-90 degrees. */
+enum { NQM_SCALAR_ZONES = 5 };
+/** Scalar features of a pair, which stand beside the samples in the input of models of the recipe "nqm". Differences
+ *  are test less reference; sizes are logarithms, so that faint differences are told apart. doc/training.md has the
+ *  formulas. */
+typedef enum nqm_scalar {
+    NQM_SCALAR_METRICS = 0, /**< log of the nine metrics up to NQM_METRIC_LOG_DIFF, in their order */
+    NQM_SCALAR_RMS = 9,     /**< size: RMS difference of log(f_r + 0.003) */
+    NQM_SCALAR_MAX,         /**< size: largest difference of log luminance */
+    NQM_SCALAR_TAIL,        /**< size: its 4-norm */
+    NQM_SCALAR_BULK,        /**< size: its 1/2-norm */
+    NQM_SCALAR_BIAS,        /**< its mean, with sign */
+    NQM_SCALAR_SHAPE,       /**< size: its standard deviation */
+    NQM_SCALAR_ZONE_BIAS,   /**< log ratio of the luminance summed over each zone */
+    NQM_SCALAR_ZONE_RMS = NQM_SCALAR_ZONE_BIAS + NQM_SCALAR_ZONES,    /**< size: RMS in each zone */
+    NQM_SCALAR_GRAZING_BIAS = NQM_SCALAR_ZONE_RMS + NQM_SCALAR_ZONES, /**< mean where cos cos < 0.25 */
+    NQM_SCALAR_GRAZING_RMS,                                           /**< size: RMS there */
+    NQM_SCALAR_WIDTH,         /**< log ratio below 5 degrees less that above: sharper highlights are positive */
+    NQM_SCALAR_CHROMA,        /**< size: RMS of the differences of the opponents of log f_r */
+    NQM_SCALAR_CHROMA_RG,     /**< mean difference of log R - log G */
+    NQM_SCALAR_CHROMA_B,      /**< mean difference of log B - (log R + log G) / 2 */
+    NQM_SCALAR_ENERGY,        /**< log ratio of the cosine-weighted sums of luminance */
+    NQM_SCALAR_ENERGY_CHROMA, /**< size: how the opponents of these sums differ */
+    NQM_SCALAR_PEAK,          /**< log ratio of the largest luminance */
+    NQM_SCALAR_SMOOTH,        /**< size: RMS over zones of (theta_h, theta_d) of the log ratio of their sums */
+    NQM_SCALAR_SMOOTH_CHROMA, /**< size: the same of the opponents */
+    NQM_SCALAR_REF_LEVEL,     /**< reference: mean log luminance */
+    NQM_SCALAR_REF_ENERGY,    /**< reference: log of the cosine-weighted mean luminance */
+    NQM_SCALAR_REF_PEAK,      /**< reference: log of the largest luminance, less the mean log */
+    NQM_SCALAR_REF_SPREAD,    /**< reference: standard deviation of log luminance */
+    NQM_SCALAR_REF_COLOUR,    /**< reference: RMS of the opponents of log f_r */
+    NQM_SCALAR_COUNT
+} nqm_scalar;
+
+/** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
+NQM_API const char *nqm_scalar_name(size_t i);
+
+/** A trained network with everything it needs: directions, whitening, output range, card. */
+typedef struct nqm_model nqm_model;
+
+/** Facts about a model; strings are lent by it. */
+typedef struct nqm_model_info {
+    const char *id;                             /**< "default", "paper", or as given when trained */
+    const char *recipe;                         /**< "paper", "notebook", "nqm" */
+    const char *sha256;                         /**< 64 hex digits: the checksum of the model file */
+    const char *card;                           /**< the model card, Markdown: trained on, judged on, not good for */
+    const char *licence;                        /**< SPDX */
+    const char *manifest_sha256;                /**< hash of the training dataset file; "" if unknown */
+    size_t n_parameters;                        /**< trained numbers (weights, biases, LayerNorm) */
+    size_t n_layers;                            /**< linear layers */
+    const size_t *layer_sizes;                  /**< (n_layers + 1) widths, input first */
+    double jod_min, jod_max;                    /**< the range that the output can take */
+    double whitening_mean[3], whitening_std[3]; /**< of log(cbrt(f_r) + 1), R G B */
+    double target_mean, target_std;             /**< of the training targets: JOD, or log Delta-E ITP */
+    const nqm_directions *directions;
+    const char
+        *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/files.md); "": no intervals */
+} nqm_model_info;
+
+/** Load a model file (safetensors; doc/files.md). Checks names, shapes, finiteness and the SHA-256.
+ *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
+/** A built-in model by name ("default", "paper"); NQM_ERR_MODEL when there is none of that name. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
+/** Built-in models: how many, and the name of the i-th. */
+NQM_API size_t nqm_model_builtin_count(void);
+NQM_API const char *nqm_model_builtin_name(size_t i);
+/** Free a model; NULL is allowed. */
+NQM_API void nqm_model_free(nqm_model *model);
+/** Facts about `model`. */
+NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
+/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model file holds no calibration. It
+ *  widens with `novelty`, of nqm_model_novelty(); NaN counts as 1, and models without that measure do not look at it. */
+NQM_API void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret);
+/**
+ * How unlike the training pairs a pair is, as nqm_score_result has it; NaN if the model file has no such measure.
+ *
+ * @param scalars  (NQM_SCALAR_COUNT) of nqm_scalars_compute()
+ */
+NQM_API double nqm_model_novelty(const nqm_model *model, const double *scalars);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What every dataset shares, wherever it came from: the check of its promises, facts, memory and release.
+ */
+#include "data/data.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double max_jod = 11; /* human scores of the paper's study reach 10.26 */
+
+static nqm_status check_counts(const nqm_dataset *d, const char *name, nqm_error *err) {
+    const struct {
+        const char *what;
+        size_t n;
+    } counts[] = {{"directions", d->n_directions},
+                  {"references", d->n_refs},
+                  {"material groups", d->n_groups},
+                  {"kinds", d->n_kinds},
+                  {"pairs", d->n_pairs}};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        if (counts[i].n == 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the dataset has no %s", name, counts[i].what);
+        if (counts[i].n > UINT32_MAX)
+            return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: %zu %s are too many", name, counts[i].n, counts[i].what);
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_rgb(size_t n_rows, size_t n_columns, const float *rgb, const char *what, const char *name,
+                            nqm_error *err) {
+    for (size_t i = 0; i < n_rows * n_columns; ++i)
+        if (!(rgb[i] >= 0) || isinf(rgb[i]))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1,
+                            "%s: %s %zu holds %g at direction %zu; f_r must be finite and >= 0", name, what,
+                            i / n_columns, (double)rgb[i], i % n_columns / 3);
+    return NQM_OK;
+}
+
+static nqm_status check_used(size_t n, const uint8_t *used, const char *what, const char *name, nqm_error *err) {
+    for (size_t i = 0; used && i < n; ++i)
+        if (used[i] > 1)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s[%zu] is %d, not 0 or 1", name, what, i, used[i]);
+    return NQM_OK;
+}
+
+static nqm_status check_pairs_used(const nqm_dataset *d, const char *name, nqm_error *err) {
+    const size_t n = d->n_directions;
+    for (size_t pair = 0; (d->ref_used || d->test_used) && pair < d->n_pairs; ++pair) {
+        const uint8_t *ref = d->ref_used ? d->ref_used + d->pair_ref[pair] * n : NULL;
+        const uint8_t *test = d->test_used ? d->test_used + pair * n : NULL;
+        size_t k = 0;
+        while (k < n && !((!ref || ref[k]) && (!test || test[k])))
+            ++k;
+        if (k == n)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: pair %zu has no direction with a value", name, pair);
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_indices(size_t n, const uint32_t *index, size_t limit, const char *what, const char *name,
+                                nqm_error *err) {
+    for (size_t i = 0; i < n; ++i)
+        if (index[i] >= limit)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s[%zu] is %lu, there are %zu", name, what, i,
+                            (unsigned long)index[i], limit);
+    return NQM_OK;
+}
+
+static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error *err) {
+    for (size_t i = 0; !d->order_only && i < d->n_pairs; ++i) {
+        if (!(d->delta_e[i] >= 0) || isinf(d->delta_e[i]))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: Delta-E of pair %zu is %g, it must be finite and >= 0", name,
+                            i, d->delta_e[i]);
+        if (!(d->jod[i] >= 0 && d->jod[i] <= max_jod))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: JOD of pair %zu is %g, outside 0..%g", name, i, d->jod[i],
+                            max_jod);
+    }
+    for (size_t i = 0; i < d->n_groups; ++i)
+        if (d->group_split[i] > NQM_SPLIT_TEST)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: group_split[%zu] is %d; 0, 1 and 2 are known", name, i,
+                            d->group_split[i]);
+    return NQM_OK;
+}
+
+nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_error *err) {
+    size_t n_columns = 3 * d->n_directions;
+    nqm_status status = check_counts(d, name, err);
+    if (status == NQM_OK)
+        status = check_indices(d->n_pairs, d->pair_ref, d->n_refs, "pair_ref", name, err);
+    if (status == NQM_OK)
+        status = check_indices(d->n_pairs, d->pair_kind, d->n_kinds, "pair_kind", name, err);
+    if (status == NQM_OK)
+        status = check_indices(d->n_refs, d->ref_group, d->n_groups, "ref_group", name, err);
+    if (status == NQM_OK)
+        status = check_labels(d, name, err);
+    if (status == NQM_OK)
+        status = check_used(d->n_refs * d->n_directions, d->ref_used, "ref_used", name, err);
+    if (status == NQM_OK)
+        status = check_used(d->n_pairs * d->n_directions, d->test_used, "test_used", name, err);
+    if (status == NQM_OK)
+        status = check_pairs_used(d, name, err);
+    if (status == NQM_OK)
+        status = check_rgb(d->n_refs, n_columns, d->ref_rgb, "reference", name, err);
+    if (status == NQM_OK)
+        status = check_rgb(d->n_pairs, n_columns, d->test_rgb, "the test of pair", name, err);
+    return status;
+}
+
+nqm_status nqm_dataset_hash(const nqm_dataset *d, char sha256_ret[65], nqm_error *err) {
+    nqm_sha256 sha;
+    if (!nqm_sha256_begin(&sha))
+        return nqm_fail_nomem(err, sizeof sha);
+    const uint64_t counts[] = {d->n_directions, d->n_refs, d->n_groups, d->n_kinds, d->n_pairs};
+    nqm_sha256_add(&sha, counts, sizeof counts);
+    nqm_sha256_add(&sha, d->directions_deg, d->n_directions * 3 * sizeof *d->directions_deg);
+    nqm_sha256_add(&sha, d->ref_rgb, d->n_refs * d->n_directions * 3 * sizeof *d->ref_rgb);
+    nqm_sha256_add(&sha, d->test_rgb, d->n_pairs * d->n_directions * 3 * sizeof *d->test_rgb);
+    if (d->ref_used)
+        nqm_sha256_add(&sha, d->ref_used, d->n_refs * d->n_directions);
+    if (d->test_used)
+        nqm_sha256_add(&sha, d->test_used, d->n_pairs * d->n_directions);
+    nqm_sha256_add(&sha, d->pair_ref, d->n_pairs * sizeof *d->pair_ref);
+    nqm_sha256_add(&sha, d->pair_kind, d->n_pairs * sizeof *d->pair_kind);
+    nqm_sha256_add(&sha, d->delta_e, d->n_pairs * sizeof *d->delta_e);
+    nqm_sha256_add(&sha, d->jod, d->n_pairs * sizeof *d->jod);
+    nqm_sha256_add(&sha, d->ref_group, d->n_refs * sizeof *d->ref_group);
+    nqm_sha256_add(&sha, d->group_split, d->n_groups);
+    nqm_sha256_end(&sha, sha256_ret);
+    return NQM_OK;
+}
+
+void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size) {
+    if (dataset->n_blocks == NQM_DATASET_MAX_BLOCKS)
+        return NULL;
+    void *block = nqm_alloc(n, size);
+    if (block)
+        dataset->blocks[dataset->n_blocks++] = block;
+    return block;
+}
+
+void nqm_dataset_free(nqm_dataset *dataset) {
+    if (!dataset)
+        return;
+    nqm_directions_free(dataset->directions);
+    for (size_t i = 0; i < dataset->n_blocks; ++i)
+        nqm_free(dataset->blocks[i]);
+    nqm_map_close(&dataset->file);
+    nqm_free(dataset);
+}
+
+nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset) {
+    nqm_dataset_info info = {.n_directions = dataset->n_directions,
+                             .n_refs = dataset->n_refs,
+                             .n_groups = dataset->n_groups,
+                             .n_pairs = dataset->n_pairs,
+                             .sha256 = dataset->sha256,
+                             .manifest = dataset->manifest ? dataset->manifest : "",
+                             .directions = dataset->directions};
+    for (size_t i = 0; i < dataset->n_pairs; ++i)
+        ++info.n_pairs_in[nqm_dataset_pair_split(dataset, i)];
+    return info;
+}
+
+size_t nqm_dataset_kind_count(const nqm_dataset *dataset) {
+    return dataset->n_kinds;
+}
+
+const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i) {
+    return i < dataset->n_kinds ? dataset->kind_names[i] : NULL;
+}
+
+const char *nqm_dataset_kind_family(const nqm_dataset *dataset, size_t i) {
+    if (i >= dataset->n_kinds)
+        return NULL;
+    return dataset->kind_families ? dataset->kind_families[i] : "";
+}
+
+nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
+    uint32_t ref = d->pair_ref[i];
+    return (nqm_dataset_pair){.ref = d->ref_names[ref],
+                              .group = d->group_names[d->ref_group[ref]],
+                              .test = d->pair_names[i],
+                              .kind = d->kind_names[d->pair_kind[i]],
+                              .material_class = nqm_material_class_name(nqm_dataset_ref_class(d, ref)),
+                              .family = nqm_dataset_kind_family(d, d->pair_kind[i]),
+                              .split = nqm_dataset_pair_split(d, i),
+                              .delta_e = d->delta_e[i],
+                              .jod = d->jod[i]};
+}
+
+const uint8_t *nqm_dataset_pair_used(const nqm_dataset *d, size_t pair, uint8_t *scratch) {
+    if (!d->ref_used && !d->test_used)
+        return NULL;
+    const uint8_t *ref = d->ref_used ? d->ref_used + d->pair_ref[pair] * d->n_directions : NULL;
+    const uint8_t *test = d->test_used ? d->test_used + pair * d->n_directions : NULL;
+    for (size_t i = 0; i < d->n_directions; ++i)
+        scratch[i] = (!ref || ref[i]) && (!test || test[i]);
+    return scratch;
+}

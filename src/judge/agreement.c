@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Agreement of predictions with labels, with percentile intervals, and contrasts between predictors. bootstrap.c draws
+ * the resamples.
+ */
+#include "judge/agreement.h"
+#include "judge/bootstrap.h"
+#include "math/math.h"
+
+#include <math.h>
+
+/* One judgement at work. */
+typedef struct judging {
+    const nqm_judgement *j;
+    size_t n_resamples;
+    double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT) */
+    size_t *occurring; /* (n_occurring) groups that hold pairs */
+    size_t n_occurring;
+    double *figures; /* (n_predictors, NQM_FIGURE_COUNT, n_resamples) */
+} judging;
+
+/* ---- sums of a group --------------------------------------------------------------------------------------------- */
+
+/* How often the predictions order two pairs of the group as the labels do. */
+static void count_orders(size_t n, const double *prediction, const double *label, double margin, double *sums) {
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = i + 1; k < n; ++k) {
+            double by_label = label[i] - label[k], by_prediction = prediction[i] - prediction[k];
+            if (!(fabs(by_label) > margin))
+                continue;
+            sums[NQM_SUM_ORDERED] += 1;
+            sums[NQM_SUM_RIGHT] += by_prediction == 0 ? 0.5 : (by_prediction > 0) == (by_label > 0);
+        }
+}
+
+static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double *sums) {
+    const double *prediction = j->prediction + predictor * j->n + j->group_begin[g];
+    const double *label = j->label + j->group_begin[g];
+    size_t n = j->group_begin[g + 1] - j->group_begin[g];
+    /* Less the first value of all: no digits are lost to a large mean, and what is constant gives exact zeros. */
+    double x0 = j->prediction[predictor * j->n], y0 = j->label[0];
+    for (size_t i = 0; i < n; ++i) {
+        double x = prediction[i] - x0, y = label[i] - y0, error = prediction[i] - label[i];
+        sums[NQM_SUM_X] += x;
+        sums[NQM_SUM_Y] += y;
+        sums[NQM_SUM_XX] += x * x;
+        sums[NQM_SUM_YY] += y * y;
+        sums[NQM_SUM_XY] += x * y;
+        sums[NQM_SUM_ABS_ERROR] += fabs(error);
+        sums[NQM_SUM_SQUARED_ERROR] += error * error;
+    }
+    sums[NQM_SUM_N] = (double)n;
+    double rho = n < NQM_MIN_PAIRS_OF_GROUP ? NAN : nqm_spearman(n, prediction, label);
+    sums[NQM_SUM_GROUPS_WITH_RHO] = !isnan(rho);
+    sums[NQM_SUM_RHO] = isnan(rho) ? 0 : rho;
+    count_orders(n, prediction, label, j->order_margin, sums);
+}
+
+/* ---- preparation ------------------------------------------------------------------------------------------------- */
+
+static void release(judging *w) {
+    nqm_free(w->sums);
+    nqm_free(w->occurring);
+    nqm_free(w->figures);
+}
+
+static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_error *err) {
+    const nqm_judgement *j = w->j;
+    if (j->n_groups < 2)
+        w->n_resamples = 0; /* resampling one material gives it again: an interval without width would be a lie */
+    w->sums = nqm_alloc(j->n_predictors, j->n_groups * NQM_SUM_COUNT * sizeof *w->sums);
+    w->occurring = nqm_alloc(j->n_groups, sizeof *w->occurring);
+    w->figures = nqm_alloc(j->n_predictors * NQM_FIGURE_COUNT, (w->n_resamples + 1) * sizeof *w->figures);
+    if (!w->sums || !w->occurring || !w->figures)
+        return nqm_fail_nomem(err, j->n_predictors * (j->n_groups + w->n_resamples) * NQM_SUM_COUNT * sizeof(double));
+    for (size_t g = 0; g < j->n_groups; ++g)
+        if (j->group_begin[g + 1] > j->group_begin[g])
+            w->occurring[w->n_occurring++] = g;
+    for (size_t i = 0; i < j->n_predictors * j->n_groups; ++i)
+        sum_group(j, i / j->n_groups, i % j->n_groups, w->sums + i * NQM_SUM_COUNT);
+    const nqm_bootstrap b = {.judgement = j,
+                             .sums = w->sums,
+                             .seed = seed,
+                             .n_resamples = w->n_resamples,
+                             .without_kendall = without_kendall,
+                             .n_occurring = w->n_occurring,
+                             .occurring = w->occurring};
+    return nqm_bootstrap_run(&b, w->figures, err);
+}
+
+static double *resampled(const judging *w, size_t predictor, int figure) {
+    return w->figures + (predictor * NQM_FIGURE_COUNT + (size_t)figure) * w->n_resamples;
+}
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+/* The figures of the pairs as they are; returns the pairs of tests that have an order. */
+static size_t plain_figures(const judging *w, size_t predictor, double figures[NQM_FIGURE_COUNT]) {
+    const nqm_judgement *j = w->j;
+    double total[NQM_SUM_COUNT] = {0};
+    for (size_t i = 0; i < j->n_groups * NQM_SUM_COUNT; ++i)
+        total[i % NQM_SUM_COUNT] += w->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
+    nqm_figures_of_sums(total, figures);
+    figures[NQM_FIGURE_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
+    return (size_t)total[NQM_SUM_ORDERED];
+}
+
+void nqm_interval95(size_t n, double *x, double ci95[2]) {
+    size_t n_numbers = 0;
+    for (size_t i = 0; i < n; ++i)
+        if (!isnan(x[i]))
+            x[n_numbers++] = x[i];
+    ci95[0] = nqm_quantile(n_numbers, x, 0.025);
+    ci95[1] = nqm_quantile(n_numbers, x, 0.975);
+}
+
+static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a) {
+    const nqm_judgement *j = w->j;
+    double figures[NQM_FIGURE_COUNT];
+    *a = (nqm_agreement){.n = j->n, .n_materials = w->n_occurring};
+    a->n_ordered = plain_figures(w, predictor, figures);
+    figures[NQM_FIGURE_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
+    const struct {
+        double *value, *ci95;
+    } places[NQM_FIGURE_COUNT] = {
+        [NQM_FIGURE_SPEARMAN] = {&a->spearman, a->spearman_ci95},
+        [NQM_FIGURE_BY_GROUP] = {&a->spearman_mean_by_material, a->spearman_mean_by_material_ci95},
+        [NQM_FIGURE_PEARSON] = {&a->pearson, a->pearson_ci95},
+        [NQM_FIGURE_KENDALL] = {&a->kendall, a->kendall_ci95},
+        [NQM_FIGURE_MAE] = {&a->mae, a->mae_ci95},
+        [NQM_FIGURE_RMSE] = {&a->rmse, a->rmse_ci95},
+        [NQM_FIGURE_R2] = {&a->r2, a->r2_ci95},
+        [NQM_FIGURE_ORDER] = {&a->order, a->order_ci95},
+    };
+    for (int f = 0; f < NQM_FIGURE_COUNT; ++f) {
+        *places[f].value = figures[f];
+        nqm_interval95(w->n_resamples, resampled(w, predictor, f), places[f].ci95);
+    }
+}
+
+nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_agreement *results,
+                     nqm_error *err) {
+    judging w = {.j = j, .n_resamples = n_bootstrap};
+    nqm_status status = begin(&w, seed, false, err);
+    for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p)
+        fill_agreement(&w, p, &results[p]);
+    release(&w);
+    return status;
+}
+
+/* ---- contrasts --------------------------------------------------------------------------------------------------- */
+
+nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch) {
+    nqm_difference d = {.value = value, .share_below_0 = NAN};
+    size_t n_numbers = 0, n_below = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double difference = first[i] - second[i];
+        if (isnan(difference))
+            continue;
+        scratch[n_numbers++] = difference;
+        n_below += difference < 0;
+    }
+    if (n_numbers)
+        d.share_below_0 = (double)n_below / (double)n_numbers;
+    nqm_interval95(n_numbers, scratch, d.ci95);
+    return d;
+}
+
+static void fill_contrast(const judging *w, size_t first, size_t second, double *scratch, nqm_contrast *c) {
+    double a[NQM_FIGURE_COUNT], b[NQM_FIGURE_COUNT];
+    plain_figures(w, first, a);
+    plain_figures(w, second, b);
+    const struct {
+        int figure;
+        nqm_difference *difference;
+    } places[] = {{NQM_FIGURE_SPEARMAN, &c->spearman},
+                  {NQM_FIGURE_BY_GROUP, &c->spearman_mean_by_material},
+                  {NQM_FIGURE_ORDER, &c->order}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
+        int f = places[i].figure;
+        *places[i].difference =
+            nqm_difference_of(a[f] - b[f], w->n_resamples, resampled(w, first, f), resampled(w, second, f), scratch);
+    }
+}
+
+nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, size_t n_contrasts,
+                               nqm_contrast *contrasts, nqm_error *err) {
+    judging w = {.j = j, .n_resamples = n_bootstrap};
+    double *scratch = nqm_alloc(n_bootstrap, sizeof *scratch);
+    nqm_status status = scratch ? begin(&w, seed, true, err) : nqm_fail_nomem(err, n_bootstrap * sizeof *scratch);
+    for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i)
+        fill_contrast(&w, contrasts[i].first, contrasts[i].second, scratch, &contrasts[i]);
+    nqm_free(scratch);
+    release(&w);
+    return status;
+}
+
+/* ---- the best of several metrics --------------------------------------------------------------------------------- */
+
+/* The first of the largest Spearman among metrics [begin, end), or end where none has one. */
+static size_t find_best(const nqm_agreement *metrics, size_t begin, size_t end) {
+    size_t best = end;
+    for (size_t m = begin; m < end; ++m)
+        if (!isnan(metrics[m].spearman) && (best == end || metrics[m].spearman > metrics[best].spearman))
+            best = m;
+    return best;
+}
+
+void nqm_mark_best(nqm_agreement *metrics) {
+    enum { VARIANTS = 2 }; /* root mean square and mean absolute, side by side in nqm_metric */
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        metrics[m].best_of_family = metrics[m].best_baseline = 0;
+    for (size_t m = 0; m < NQM_METRIC_BASELINE_COUNT; m += VARIANTS) {
+        size_t best = find_best(metrics, m, m + VARIANTS);
+        if (best < m + VARIANTS)
+            metrics[best].best_of_family = 1;
+    }
+    size_t best = find_best(metrics, 0, NQM_METRIC_BASELINE_COUNT);
+    if (best < NQM_METRIC_BASELINE_COUNT)
+        metrics[best].best_baseline = 1;
+}

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The bootstrap over material groups (Efron 1979, DOI 10.1214/aos/1176344552); whole groups are drawn because the pairs
+ * of one material are not independent.
+ *
+ * A resample that draws group g w_g times holds each of its pairs w_g times. The ranks of such a multiset follow from
+ * the weights and the order of the values in the whole, so that nothing is sorted a second time.
+ */
+#include "judge/bootstrap.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <stdatomic.h>
+
+/* ---- figures of sums --------------------------------------------------------------------------------------------- */
+
+/* Sum of squared deviations from the mean; 0 where rounding may be all that there is. */
+static double deviation(double n, double sum, double squares) {
+    const double rounding = 1e-13;
+    double d = squares - sum * sum / n;
+    return d > rounding * squares ? d : 0;
+}
+
+void nqm_figures_of_sums(const double *s, double figures[NQM_FIGURE_COUNT]) {
+    double n = s[NQM_SUM_N];
+    double xx = deviation(n, s[NQM_SUM_X], s[NQM_SUM_XX]), yy = deviation(n, s[NQM_SUM_Y], s[NQM_SUM_YY]);
+    double xy = s[NQM_SUM_XY] - s[NQM_SUM_X] * s[NQM_SUM_Y] / n;
+    figures[NQM_FIGURE_SPEARMAN] = figures[NQM_FIGURE_KENDALL] = NAN;
+    figures[NQM_FIGURE_BY_GROUP] = s[NQM_SUM_GROUPS_WITH_RHO] > 0 ? s[NQM_SUM_RHO] / s[NQM_SUM_GROUPS_WITH_RHO] : NAN;
+    figures[NQM_FIGURE_PEARSON] = xx > 0 && yy > 0 ? fmax(-1, fmin(1, xy / sqrt(xx) / sqrt(yy))) : NAN;
+    figures[NQM_FIGURE_MAE] = s[NQM_SUM_ABS_ERROR] / n;
+    figures[NQM_FIGURE_RMSE] = sqrt(s[NQM_SUM_SQUARED_ERROR] / n);
+    figures[NQM_FIGURE_R2] = yy > 0 ? 1 - s[NQM_SUM_SQUARED_ERROR] / yy : NAN;
+    figures[NQM_FIGURE_ORDER] = s[NQM_SUM_ORDERED] > 0 ? s[NQM_SUM_RIGHT] / s[NQM_SUM_ORDERED] : NAN;
+}
+
+/* ---- the order of all values ------------------------------------------------------------------------------------- */
+
+/* What all resamples share. Row 0 of the arrays with 1 + n_predictors rows is that of the labels. */
+typedef struct shared {
+    const nqm_bootstrap *b;
+    uint32_t *level;  /* (1 + n_predictors, n) values in ascending order have levels 0, 1, ...; equal ones share one */
+    size_t *n_levels; /* (1 + n_predictors) */
+    uint32_t *order;  /* (n_predictors, n) pairs by ascending prediction */
+    uint32_t *group_of; /* (n) */
+    double *figures;
+    atomic_bool out_of_memory;
+} shared;
+
+static size_t find_levels(size_t n, const double *x, double *rank, size_t *order, uint32_t *level) {
+    nqm_ranks(n, x, rank, order);
+    uint32_t at = 0;
+    for (size_t k = 0; k < n; ++k) {
+        at += k > 0 && rank[order[k]] != rank[order[k - 1]];
+        level[order[k]] = at;
+    }
+    return (size_t)at + 1;
+}
+
+static nqm_status prepare(shared *s, nqm_error *err) {
+    const nqm_judgement *j = s->b->judgement;
+    double *rank = nqm_alloc(j->n, sizeof *rank);
+    size_t *order = nqm_alloc(j->n, sizeof *order);
+    s->level = nqm_alloc(1 + j->n_predictors, j->n * sizeof *s->level);
+    s->n_levels = nqm_alloc(1 + j->n_predictors, sizeof *s->n_levels);
+    s->order = nqm_alloc(j->n_predictors, j->n * sizeof *s->order);
+    s->group_of = nqm_alloc(j->n, sizeof *s->group_of);
+    bool ok = rank && order && s->level && s->n_levels && s->order && s->group_of;
+    for (size_t g = 0; ok && g < j->n_groups; ++g)
+        for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
+            s->group_of[i] = (uint32_t)g;
+    for (size_t r = 0; ok && r <= j->n_predictors; ++r) {
+        const double *x = r ? j->prediction + (r - 1) * j->n : j->label;
+        s->n_levels[r] = find_levels(j->n, x, rank, order, s->level + r * j->n);
+        for (size_t k = 0; r && k < j->n; ++k)
+            s->order[(r - 1) * j->n + k] = (uint32_t)order[k];
+    }
+    nqm_free(rank);
+    nqm_free(order);
+    return ok ? NQM_OK : nqm_fail_nomem(err, (1 + 2 * j->n_predictors) * j->n * sizeof *s->level);
+}
+
+/* ---- one resample ------------------------------------------------------------------------------------------------ */
+
+/* Scratch of a resample. */
+typedef struct resample {
+    double *weight;       /* (n_groups) how often each group was drawn */
+    double *label_rank;   /* (n) by level, minus the mean rank */
+    double *rank;         /* (n) by level, likewise */
+    double *level_weight; /* (n) */
+    double *tree;         /* (n + 1) */
+    double n;             /* pairs, with repetition */
+    double label_squares; /* sum of label_rank squared over the pairs */
+    double label_untied;  /* pairs of pairs with unlike labels */
+} resample;
+
+/* Mean ranks of the levels of row r, less the mean of all ranks; returns the sum of their squares over the pairs. */
+static double rank_levels(const shared *sh, const resample *s, size_t r, double *rank) {
+    const nqm_judgement *j = sh->b->judgement;
+    const uint32_t *level = sh->level + r * j->n;
+    for (size_t k = 0; k < sh->n_levels[r]; ++k)
+        s->level_weight[k] = 0;
+    for (size_t k = 0; k < sh->b->n_occurring; ++k) {
+        size_t g = sh->b->occurring[k];
+        for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
+            s->level_weight[level[i]] += s->weight[g];
+    }
+    double below = 0, squares = 0;
+    for (size_t k = 0; k < sh->n_levels[r]; ++k) {
+        double w = s->level_weight[k];
+        rank[k] = below + 0.5 * (w + 1) - 0.5 * (s->n + 1);
+        squares += w * rank[k] * rank[k];
+        below += w;
+    }
+    return squares;
+}
+
+/* Pearson's r of the ranks of labels and of row r. */
+static double resample_spearman(const shared *sh, const resample *s, size_t r) {
+    const nqm_judgement *j = sh->b->judgement;
+    const uint32_t *label_level = sh->level, *level = sh->level + r * j->n;
+    double squares = rank_levels(sh, s, r, s->rank), products = 0;
+    for (size_t k = 0; k < sh->b->n_occurring; ++k) {
+        size_t g = sh->b->occurring[k];
+        for (size_t i = j->group_begin[g]; s->weight[g] > 0 && i < j->group_begin[g + 1]; ++i)
+            products += s->weight[g] * s->label_rank[label_level[i]] * s->rank[level[i]];
+    }
+    return squares > 0 && s->label_squares > 0 ? products / sqrt(squares) / sqrt(s->label_squares) : NAN;
+}
+
+static double pairs_among(double n) {
+    return 0.5 * n * (n - 1);
+}
+
+/* Weight of all levels below; element k of the tree (Fenwick 1994, DOI 10.1002/spe.4380240306) counts from 1. */
+static double tree_below(const double *tree, size_t level) {
+    double sum = 0;
+    for (size_t k = level; k > 0; k &= k - 1)
+        sum += tree[k];
+    return sum;
+}
+
+static void tree_add(double *tree, size_t n_levels, size_t level, double weight) {
+    for (size_t k = level + 1; k <= n_levels; k += k & (~k + 1))
+        tree[k] += weight;
+}
+
+/* Kendall's tau-b: predictions are passed in ascending order, and the tree holds the labels of the smaller ones. All
+ * numbers up to the last line are whole. */
+static double resample_kendall(const shared *sh, const resample *s, size_t predictor) {
+    const nqm_judgement *j = sh->b->judgement;
+    const uint32_t *order = sh->order + predictor * j->n, *level = sh->level + (predictor + 1) * j->n;
+    double in_order = 0, passed = 0, untied = pairs_among(s->n);
+    for (size_t k = 0; k <= sh->n_levels[0]; ++k)
+        s->tree[k] = 0;
+    for (size_t begin = 0, end; begin < j->n; begin = end) {
+        double tied = 0;
+        for (end = begin; end < j->n && level[order[end]] == level[order[begin]]; ++end) {
+            double w = s->weight[sh->group_of[order[end]]];
+            size_t label = sh->level[order[end]];
+            if (w > 0)
+                in_order += w * (tree_below(s->tree, label) - (passed - tree_below(s->tree, label + 1)));
+            tied += w;
+        }
+        for (size_t k = begin; k < end; ++k)
+            if (s->weight[sh->group_of[order[k]]] > 0)
+                tree_add(s->tree, sh->n_levels[0], sh->level[order[k]], s->weight[sh->group_of[order[k]]]);
+        passed += tied;
+        untied -= pairs_among(tied);
+    }
+    return untied > 0 && s->label_untied > 0 ? in_order / sqrt(untied) / sqrt(s->label_untied) : NAN;
+}
+
+/* The other figures of one predictor. */
+static void resample_sums(const shared *sh, const resample *s, size_t predictor, double figures[NQM_FIGURE_COUNT]) {
+    const double *sums = sh->b->sums + predictor * sh->b->judgement->n_groups * NQM_SUM_COUNT;
+    double total[NQM_SUM_COUNT] = {0};
+    for (size_t k = 0; k < sh->b->n_occurring; ++k) {
+        size_t g = sh->b->occurring[k];
+        for (size_t i = 0; s->weight[g] > 0 && i < NQM_SUM_COUNT; ++i)
+            total[i] += s->weight[g] * sums[g * NQM_SUM_COUNT + i];
+    }
+    nqm_figures_of_sums(total, figures);
+}
+
+void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_occurring, const size_t *occurring, double *weight) {
+    nqm_rng rng = nqm_rng_make(seed, index);
+    for (size_t k = 0; k < n_occurring; ++k)
+        weight[occurring[nqm_rng_below(&rng, n_occurring)]] += 1;
+}
+
+static void fill_resample(shared *sh, size_t index, resample *s) {
+    const nqm_bootstrap *b = sh->b;
+    const nqm_judgement *j = b->judgement;
+    nqm_bootstrap_draw(b->seed, index, b->n_occurring, b->occurring, s->weight);
+    for (size_t g = 0; g < j->n_groups; ++g)
+        s->n += s->weight[g] * (double)(j->group_begin[g + 1] - j->group_begin[g]);
+    s->label_squares = rank_levels(sh, s, 0, s->label_rank);
+    s->label_untied = pairs_among(s->n);
+    for (size_t k = 0; k < sh->n_levels[0]; ++k)
+        s->label_untied -= pairs_among(s->level_weight[k]);
+    for (size_t p = 0; p < j->n_predictors; ++p) {
+        double figures[NQM_FIGURE_COUNT];
+        resample_sums(sh, s, p, figures);
+        figures[NQM_FIGURE_SPEARMAN] = resample_spearman(sh, s, p + 1);
+        if (!b->without_kendall)
+            figures[NQM_FIGURE_KENDALL] = resample_kendall(sh, s, p);
+        for (size_t f = 0; f < NQM_FIGURE_COUNT; ++f)
+            sh->figures[(p * NQM_FIGURE_COUNT + f) * b->n_resamples + index] = figures[f];
+    }
+}
+
+static void run_resample(void *user, size_t index) {
+    shared *sh = user;
+    const nqm_judgement *j = sh->b->judgement;
+    resample s = {.weight = nqm_alloc(j->n_groups, sizeof(double)),
+                  .label_rank = nqm_alloc(j->n, sizeof(double)),
+                  .rank = nqm_alloc(j->n, sizeof(double)),
+                  .level_weight = nqm_alloc(j->n, sizeof(double)),
+                  .tree = nqm_alloc(j->n + 1, sizeof(double))};
+    if (s.weight && s.label_rank && s.rank && s.level_weight && s.tree)
+        fill_resample(sh, index, &s);
+    else
+        atomic_store(&sh->out_of_memory, true);
+    nqm_free(s.weight);
+    nqm_free(s.label_rank);
+    nqm_free(s.rank);
+    nqm_free(s.level_weight);
+    nqm_free(s.tree);
+}
+
+nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *figures, nqm_error *err) {
+    if (bootstrap->n_resamples == 0)
+        return NQM_OK;
+    shared sh = {.b = bootstrap, .figures = figures};
+    nqm_status status = prepare(&sh, err);
+    if (status == NQM_OK) {
+        nqm_parallel_for(bootstrap->n_resamples, run_resample, &sh);
+        if (atomic_load(&sh.out_of_memory))
+            status = nqm_fail_nomem(err, 4 * bootstrap->judgement->n * sizeof(double));
+    }
+    nqm_free(sh.level);
+    nqm_free(sh.n_levels);
+    nqm_free(sh.order);
+    nqm_free(sh.group_of);
+    return status;
+}

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How well predictors meet the choices of people between two tests.
+ */
+#include "data/human.h"
+#include "judge/bootstrap.h"
+#include "judge/evaluate.h"
+
+#include <math.h>
+
+/* ---- choices met ------------------------------------------------------------------------------------------------- */
+
+/* Choices by group, and over resamples of the groups. */
+typedef struct tally {
+    const nqm_human *human;
+    const nqm_evaluation *ev;
+    size_t n_groups, n_resamples, n_occurring;
+    size_t *occurring; /* (n_occurring) groups that hold choices */
+    double *choices;   /* (n_groups) */
+    double *met;       /* (n_predictors, n_groups) */
+    double *weight;    /* (n_groups) scratch */
+    double *share;     /* (n_predictors, n_resamples) */
+} tally;
+
+/* 1: the predictor finds a better, 0: b, 0.5: neither. */
+static double prefers_a(const nqm_evaluation *ev, size_t predictor, const nqm_triplet *t) {
+    const double *value = nqm_evaluation_values(ev, predictor);
+    double better = predictor < ev->n_models ? value[t->a] - value[t->b] : value[t->b] - value[t->a];
+    return better > 0 ? 1 : better < 0 ? 0 : 0.5;
+}
+
+static double met_by(const nqm_evaluation *ev, size_t predictor, const nqm_triplet *t) {
+    double a = prefers_a(ev, predictor, t);
+    return a * t->n_a + (1 - a) * t->n_b;
+}
+
+static double majority_share(const tally *w, size_t predictor) {
+    double n = 0, met = 0;
+    for (size_t i = 0; i < w->human->n_triplets; ++i) {
+        const nqm_triplet *t = &w->human->triplets[i];
+        if (t->n_a == t->n_b)
+            continue;
+        double a = prefers_a(w->ev, predictor, t);
+        met += t->n_a > t->n_b ? a : 1 - a;
+        n += 1;
+    }
+    return n > 0 ? met / n : NAN;
+}
+
+/* Over the groups that occur; weight NULL: each once. */
+static double share_of(const tally *w, size_t predictor, const double *weight) {
+    double met = 0, choices = 0;
+    for (size_t k = 0; k < w->n_occurring; ++k) {
+        size_t g = w->occurring[k];
+        double times = weight ? weight[g] : 1;
+        met += times * w->met[predictor * w->n_groups + g];
+        choices += times * w->choices[g];
+    }
+    return met / choices;
+}
+
+static void resample(tally *w, uint64_t seed) {
+    for (size_t i = 0; i < w->n_resamples; ++i) {
+        for (size_t g = 0; g < w->n_groups; ++g)
+            w->weight[g] = 0;
+        nqm_bootstrap_draw(seed, i, w->n_occurring, w->occurring, w->weight);
+        for (size_t p = 0; p < w->ev->n_predictors; ++p)
+            w->share[p * w->n_resamples + i] = share_of(w, p, w->weight);
+    }
+}
+
+static nqm_status check(const nqm_human *human, const nqm_evaluation *ev, nqm_error *err) {
+    if (human->kind != NQM_HUMAN_CHOICE)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "these answers are scores, not choices");
+    if (ev->dataset != human->dataset)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the evaluation is of another dataset");
+    for (size_t i = 0; i < ev->n_predictors * ev->dataset->n_pairs; ++i)
+        if (isnan(ev->values[i]))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "the evaluation has not predicted every pair");
+    return NQM_OK;
+}
+
+static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *err) {
+    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    nqm_status status = check(w->human, w->ev, err);
+    if (status != NQM_OK)
+        return status;
+    w->n_groups = w->human->dataset->n_groups;
+    w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* as nqm_judge() */
+    w->occurring = nqm_alloc(w->n_groups, sizeof *w->occurring);
+    w->choices = nqm_alloc(w->n_groups, sizeof *w->choices);
+    w->weight = nqm_alloc(w->n_groups, sizeof *w->weight);
+    w->met = nqm_alloc(w->ev->n_predictors, w->n_groups * sizeof *w->met);
+    w->share = nqm_alloc(w->ev->n_predictors, (w->n_resamples + 1) * sizeof *w->share);
+    if (!w->occurring || !w->choices || !w->weight || !w->met || !w->share)
+        return nqm_fail_nomem(err, w->ev->n_predictors * (w->n_groups + w->n_resamples) * sizeof(double));
+    for (size_t i = 0; i < w->human->n_triplets; ++i) {
+        const nqm_triplet *t = &w->human->triplets[i];
+        w->choices[t->group] += t->n_a + t->n_b;
+        for (size_t p = 0; p < w->ev->n_predictors; ++p)
+            w->met[p * w->n_groups + t->group] += met_by(w->ev, p, t);
+    }
+    for (size_t g = 0; g < w->n_groups; ++g)
+        if (w->choices[g] > 0)
+            w->occurring[w->n_occurring++] = g;
+    resample(w, o.seed);
+    return NQM_OK;
+}
+
+static void release(tally *w) {
+    nqm_free(w->occurring);
+    nqm_free(w->choices);
+    nqm_free(w->weight);
+    nqm_free(w->met);
+    nqm_free(w->share);
+}
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+static void mark_best(size_t n_models, nqm_choice_agreement *results) {
+    nqm_agreement metrics[NQM_METRIC_COUNT] = {0};
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        metrics[m].spearman = results[n_models + m].agreement;
+    nqm_mark_best(metrics);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+        results[n_models + m].best_of_family = metrics[m].best_of_family;
+        results[n_models + m].best_baseline = metrics[m].best_baseline;
+    }
+}
+
+nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *ev, const nqm_eval_options *options,
+                                   nqm_choice_agreement *results, nqm_error *err) {
+    tally w = {.human = human, .ev = ev};
+    nqm_status status = begin(&w, options, err);
+    for (size_t p = 0; status == NQM_OK && p < ev->n_predictors; ++p) {
+        results[p] = (nqm_choice_agreement){
+            .name = ev->names[p], .agreement = share_of(&w, p, NULL), .majority = majority_share(&w, p)};
+        nqm_interval95(w.n_resamples, w.share + p * w.n_resamples, results[p].agreement_ci95);
+    }
+    if (status == NQM_OK)
+        mark_best(ev->n_models, results);
+    release(&w);
+    return status;
+}
+
+nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *ev, const nqm_eval_options *options,
+                                      size_t first, size_t second, nqm_difference *difference_ret, nqm_error *err) {
+    if (first >= ev->n_predictors || second >= ev->n_predictors)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "contrast: there are %zu predictors", ev->n_predictors);
+    tally w = {.human = human, .ev = ev};
+    double *scratch = NULL;
+    nqm_status status = begin(&w, options, err);
+    if (status == NQM_OK && !(scratch = nqm_alloc(w.n_resamples, sizeof *scratch)))
+        status = nqm_fail_nomem(err, w.n_resamples * sizeof *scratch);
+    if (status == NQM_OK)
+        *difference_ret = nqm_difference_of(share_of(&w, first, NULL) - share_of(&w, second, NULL), w.n_resamples,
+                                            w.share + first * w.n_resamples, w.share + second * w.n_resamples, scratch);
+    nqm_free(scratch);
+    release(&w);
+    return status;
+}

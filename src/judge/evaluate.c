@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What models and the nine scalar metrics predict for the pairs of a dataset. evaluate_judge.c chooses pairs and judges.
+ */
+#include "judge/evaluate.h"
+#include "metric/metric.h"
+
+#include <math.h>
+#include <string.h>
+
+nqm_eval_options nqm_eval_options_default(void) {
+    return (nqm_eval_options){
+        .split = NQM_SPLIT_ALL, .jod_to = INFINITY, .order_margin = 0.25, .n_bootstrap = 1000, .seed = 1};
+}
+
+/* ---- the scalar metrics ------------------------------------------------------------------------------------------ */
+
+typedef struct metric_job {
+    nqm_evaluation *ev;
+    const size_t *pairs;
+    uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
+} metric_job;
+
+static void pair_metrics(void *user, size_t i) {
+    const metric_job *job = user;
+    const nqm_dataset *d = job->ev->dataset;
+    size_t pair = job->pairs[i], n_columns = 3 * d->n_directions;
+    double metrics[NQM_METRIC_COUNT];
+    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
+    const float *ref = d->ref_rgb + d->pair_ref[pair] * n_columns, *test = d->test_rgb + pair * n_columns;
+    nqm_compare_samples(&(nqm_comparison){d->directions, ref, 1, &test, used}, metrics,
+                        job->ev->scalars + pair * NQM_SCALAR_COUNT);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
+}
+
+/* ---- models ------------------------------------------------------------------------------------------------------ */
+
+/* The samples of a batch, side by side as nqm_predictor_run() takes them. */
+typedef struct model_job {
+    nqm_predictor *predictor;
+    const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
+    uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
+    double jod[NQM_PREDICT_BATCH];
+} model_job;
+
+static nqm_status begin_model(model_job *job, const nqm_evaluation *ev, const nqm_model *m, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    *job = (model_job){0};
+    size_t n = d->n_directions;
+    if (m->n_directions != n || memcmp(m->directions_deg, d->directions_deg, 3 * n * sizeof(double)) != 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "model '%s' looks at other directions (%zu) than those of the dataset (%zu)", m->id,
+                        m->n_directions, n);
+    job->used = nqm_alloc(NQM_PREDICT_BATCH, n);
+    if (!job->used)
+        return nqm_fail_nomem(err, NQM_PREDICT_BATCH * n);
+    return nqm_predictor_create(m, ev->precision, NQM_PREDICT_BATCH, &job->predictor, err);
+}
+
+static void end_model(model_job *job) {
+    nqm_predictor_free(job->predictor);
+    nqm_free(job->used);
+}
+
+static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job, size_t n, const size_t *pairs,
+                                nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    size_t n_columns = 3 * d->n_directions;
+    bool masked = d->ref_used || d->test_used;
+    for (size_t i = 0; i < n; ++i) {
+        job->ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
+        job->test[i] = d->test_rgb + pairs[i] * n_columns;
+        nqm_dataset_pair_used(d, pairs[i], job->used + i * d->n_directions);
+    }
+    const nqm_sampled_pairs batch = {.n = n, .ref = job->ref, .test = job->test, .used = masked ? job->used : NULL};
+    nqm_predictor_run(job->predictor, &batch, job->jod, NULL);
+    for (size_t i = 0; i < n; ++i) {
+        if (!isfinite(job->jod[i]))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu",
+                            ev->models[model]->id, pairs[i]);
+        ev->values[model * d->n_pairs + pairs[i]] = job->jod[i];
+    }
+    return NQM_OK;
+}
+
+/* ---- all predictors ---------------------------------------------------------------------------------------------- */
+
+typedef struct predict_run {
+    nqm_evaluation *ev;
+    size_t n;      /* pairs to predict */
+    size_t *pairs; /* (n) */
+    nqm_ticker ticker;
+    double done; /* pairs times predictors' passes */
+} predict_run;
+
+static nqm_status tick(predict_run *run, size_t n, nqm_error *err) {
+    run->done += (double)n;
+    if (nqm_tick(&run->ticker, "evaluate", run->done, (double)run->n * (double)(run->ev->n_models + 1)))
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
+    return NQM_OK;
+}
+
+static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
+    model_job job;
+    nqm_status status = begin_model(&job, run->ev, run->ev->models[model], err);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
+        size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
+        status = predict_batch(run->ev, model, &job, n, run->pairs + first, err);
+        if (status == NQM_OK)
+            status = tick(run, n, err);
+    }
+    end_model(&job);
+    return status;
+}
+
+static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
+    metric_job job = {.ev = run->ev, .used = nqm_alloc(NQM_PREDICT_BATCH, run->ev->dataset->n_directions)};
+    nqm_status status = job.used ? NQM_OK : nqm_fail_nomem(err, NQM_PREDICT_BATCH * run->ev->dataset->n_directions);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
+        size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
+        job.pairs = run->pairs + first;
+        nqm_parallel_for(n, pair_metrics, &job);
+        status = tick(run, n, err);
+    }
+    nqm_free(job.used);
+    return status;
+}
+
+static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    predict_run run = {.ev = ev, .pairs = nqm_alloc(d->n_pairs, sizeof *run.pairs)};
+    run.ticker = (nqm_ticker){.fn = o->progress, .user = o->progress_user};
+    nqm_status status = run.pairs ? NQM_OK : nqm_fail_nomem(err, d->n_pairs * sizeof *run.pairs);
+    for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
+        if (nqm_evaluation_in_split(d, i, o->split))
+            run.pairs[run.n++] = i;
+    if (status == NQM_OK && run.n == 0)
+        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no pair in this split");
+    for (size_t m = 0; status == NQM_OK && m < ev->n_models; ++m)
+        status = predict_model(&run, m, err);
+    if (status == NQM_OK)
+        status = predict_metrics(&run, err);
+    nqm_free(run.pairs);
+    return status;
+}
+
+nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
+                                 const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
+    *evaluation_ret = NULL;
+    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    nqm_status status = NQM_OK;
+    nqm_evaluation *ev = nqm_alloc(1, sizeof *ev);
+    if (!ev)
+        return nqm_fail_nomem(err, sizeof *ev);
+    ev->dataset = dataset;
+    ev->n_models = n_models;
+    ev->models = models;
+    ev->split = o.split;
+    ev->precision = o.precision;
+    ev->n_predictors = n_models + NQM_METRIC_COUNT;
+    ev->values = nqm_alloc(ev->n_predictors, dataset->n_pairs * sizeof *ev->values);
+    ev->scalars = nqm_alloc(dataset->n_pairs, NQM_SCALAR_COUNT * sizeof *ev->scalars);
+    ev->ref_class = nqm_alloc(dataset->n_refs, sizeof *ev->ref_class);
+    ev->names = nqm_alloc(ev->n_predictors, sizeof *ev->names);
+    if (!ev->values || !ev->scalars || !ev->ref_class || !ev->names) {
+        status = nqm_fail_nomem(err, ev->n_predictors * dataset->n_pairs * sizeof *ev->values);
+        goto fail;
+    }
+    for (size_t i = 0; i < ev->n_predictors * dataset->n_pairs; ++i)
+        ev->values[i] = NAN;
+    for (size_t i = 0; i < NQM_SCALAR_COUNT * dataset->n_pairs; ++i)
+        ev->scalars[i] = NAN;
+    for (size_t i = 0; i < dataset->n_refs; ++i)
+        ev->ref_class[i] = nqm_dataset_ref_class(dataset, i);
+    for (size_t i = 0; i < ev->n_predictors; ++i)
+        ev->names[i] = i < n_models ? models[i]->id : nqm_metric_name((nqm_metric)(i - n_models));
+    status = predict_all(ev, &o, err);
+    if (status != NQM_OK)
+        goto fail;
+    *evaluation_ret = ev;
+    return NQM_OK;
+fail:
+    nqm_evaluation_free(ev);
+    return status;
+}
+
+void nqm_evaluation_free(nqm_evaluation *ev) {
+    if (!ev)
+        return;
+    nqm_free(ev->values);
+    nqm_free(ev->scalars);
+    nqm_free(ev->ref_class);
+    nqm_free(ev->names);
+    nqm_free(ev);
+}
+
+size_t nqm_evaluation_count(const nqm_evaluation *ev) {
+    return ev->n_predictors;
+}
+
+const char *nqm_evaluation_name(const nqm_evaluation *ev, size_t i) {
+    return ev->names[i];
+}
+
+const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
+    return ev->values + i * ev->dataset->n_pairs;
+}
+
+const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
+    return ev->scalars + pair * NQM_SCALAR_COUNT;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * evaluate.h - inside of an evaluation: the predictions for the pairs of a dataset.
+ */
+#ifndef NQM_SRC_TRAIN_EVALUATE_H
+#define NQM_SRC_TRAIN_EVALUATE_H
+
+#include "data/data.h"
+#include <nqm/judge.h>
+
+struct nqm_evaluation {
+    const nqm_dataset *dataset;
+    size_t n_models, n_predictors;
+    const nqm_model *const *models;
+    nqm_split split;
+    nqm_precision precision;
+    double *values;     /* (n_predictors, n_pairs of the dataset) NaN where not predicted */
+    double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) likewise */
+    size_t *ref_class;  /* (n_refs) */
+    const char **names; /* (n_predictors) */
+};
+
+/** Pairs that options select, those of a material group side by side. */
+typedef struct nqm_selection {
+    size_t n;
+    size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); may be empty */
+    size_t *pairs;       /* (n) */
+} nqm_selection;
+
+/** Select. NQM_ERR_INCOMPATIBLE when no pair is left; NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_selection_create(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                               nqm_selection *selection_ret, nqm_error *err);
+void nqm_selection_free(nqm_selection *selection);
+
+static inline bool nqm_evaluation_in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
+    return split == NQM_SPLIT_ALL || nqm_dataset_pair_split(d, pair) == split;
+}
+
+#endif

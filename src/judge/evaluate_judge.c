@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Judging the predictions of an evaluation on the pairs that its options select; agreement.c counts.
+ */
+#include "judge/agreement.h"
+#include "judge/evaluate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Memory of one judgement. */
+typedef struct chosen {
+    nqm_selection pairs;
+    double *label;      /* (n) */
+    double *prediction; /* (n_predictors, n) */
+} chosen;
+
+static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
+    const nqm_dataset *d = ev->dataset;
+    c->label = nqm_alloc(c->pairs.n, sizeof *c->label);
+    c->prediction = nqm_alloc(ev->n_predictors, c->pairs.n * sizeof *c->prediction);
+    if (!c->label || !c->prediction)
+        return nqm_fail_nomem(err, ev->n_predictors * c->pairs.n * sizeof *c->prediction);
+    for (size_t k = 0; k < c->pairs.n; ++k)
+        c->label[k] = d->jod[c->pairs.pairs[k]];
+    for (size_t i = 0; i < ev->n_predictors; ++i) {
+        double sign = i < ev->n_models ? 1 : -1; /* a metric is a distance */
+        for (size_t k = 0; k < c->pairs.n; ++k)
+            c->prediction[i * c->pairs.n + k] = sign * ev->values[i * d->n_pairs + c->pairs.pairs[k]];
+    }
+    return NQM_OK;
+}
+
+static nqm_status begin(const nqm_evaluation *ev, const nqm_eval_options *o, chosen *c, nqm_judgement *j,
+                        nqm_error *err) {
+    if (!(o->order_margin >= 0))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "margin of the order: %g is below 0", o->order_margin);
+    nqm_status status = nqm_selection_create(ev, o, &c->pairs, err);
+    if (status == NQM_OK)
+        status = collect(ev, c, err);
+    *j = (nqm_judgement){.n = c->pairs.n,
+                         .n_groups = ev->dataset->n_groups,
+                         .n_predictors = ev->n_predictors,
+                         .group_begin = c->pairs.group_begin,
+                         .label = c->label,
+                         .prediction = c->prediction,
+                         .order_margin = o->order_margin};
+    return status;
+}
+
+static void release(chosen *c) {
+    nqm_selection_free(&c->pairs);
+    nqm_free(c->label);
+    nqm_free(c->prediction);
+}
+
+/* Distances, and predictions of JOD beside labels that are none, have no errors in JOD. */
+static void forget_errors(nqm_agreement *a) {
+    a->mae = a->rmse = a->r2 = NAN;
+    for (size_t k = 0; k < 2; ++k)
+        a->mae_ci95[k] = a->rmse_ci95[k] = a->r2_ci95[k] = NAN;
+}
+
+nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_agreement *results,
+                                nqm_error *err) {
+    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    chosen c = {0};
+    nqm_judgement j;
+    nqm_status status = begin(ev, &o, &c, &j, err);
+    if (status == NQM_OK)
+        status = nqm_judge(&j, o.n_bootstrap, o.seed, results, err);
+    for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
+        results[i].name = ev->names[i];
+        if (i >= ev->n_models || ev->dataset->order_only)
+            forget_errors(&results[i]);
+    }
+    if (status == NQM_OK)
+        nqm_mark_best(results + ev->n_models);
+    release(&c);
+    return status;
+}
+
+nqm_status nqm_evaluation_contrast(const nqm_evaluation *ev, const nqm_eval_options *options, size_t n_contrasts,
+                                   nqm_contrast *contrasts, nqm_error *err) {
+    nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    chosen c = {0};
+    nqm_judgement j;
+    for (size_t i = 0; i < n_contrasts; ++i)
+        if (contrasts[i].first >= ev->n_predictors || contrasts[i].second >= ev->n_predictors)
+            return nqm_fail(err, NQM_ERR_ARG, -1, "contrast %zu: there are %zu predictors", i, ev->n_predictors);
+    nqm_status status = begin(ev, &o, &c, &j, err);
+    if (status == NQM_OK)
+        status = nqm_judge_contrasts(&j, o.n_bootstrap, o.seed, n_contrasts, contrasts, err);
+    release(&c);
+    return status;
+}
+
+nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset, const nqm_eval_options *options,
+                        nqm_agreement *results, nqm_error *err) {
+    nqm_evaluation *ev;
+    nqm_status status = nqm_evaluation_create(dataset, 1, &model, options, &ev, err);
+    if (status == NQM_OK)
+        status = nqm_evaluation_judge(ev, options, results, err);
+    nqm_evaluation_free(ev);
+    return status;
+}

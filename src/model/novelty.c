@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How unlike the pairs of its training a pair is to a model: the distance of its scalar features from the nearest of some
+ * training pairs, which train/novelty_fit.c spreads over all of them and the model file holds. The features are made
+ * uncorrelated before: many of them say nearly the same of the distortions of training, and when they disagree the
+ * distortion is a new one.
+ */
+#include "model/model.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Four floats, which every processor that we know of takes at once. */
+enum { LANES = 4, N_VECTORS = 4 };
+_Static_assert(LANES *N_VECTORS == NQM_NOVELTY_BLOCK, "a block is four times four");
+typedef float lanes __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
+
+/* Squares of the distances of y (NQM_SCALAR_COUNT) from a block of points. */
+static void square_distances(const float *points, const float *y, lanes square[N_VECTORS]) {
+    lanes s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}; /* in registers, which an array would not be */
+    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
+        const lanes *p = (const lanes *)(points + k * NQM_NOVELTY_BLOCK);
+        const lanes d0 = p[0] - y[k], d1 = p[1] - y[k], d2 = p[2] - y[k], d3 = p[3] - y[k];
+        s0 += d0 * d0, s1 += d1 * d1, s2 += d2 * d2, s3 += d3 * d3;
+    }
+    square[0] = s0, square[1] = s1, square[2] = s2, square[3] = s3;
+}
+
+void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y) {
+    const nqm_scalar_whitening whitening = {model->scalar_mean, model->scalar_std, 1};
+    float x[NQM_SCALAR_COUNT];
+    nqm_scalars_whiten(&whitening, scalars, x);
+    memset(y, 0, sizeof x);
+    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
+        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+            y[i] += x[k] * model->novelty_map[k * NQM_SCALAR_COUNT + i];
+}
+
+double nqm_model_novelty(const nqm_model *model, const double *scalars) {
+    float y[NQM_SCALAR_COUNT], nearest[LANES] = {INFINITY, INFINITY, INFINITY, INFINITY};
+    if (model->n_novelty == 0)
+        return NAN;
+    nqm_novelty_features(model, scalars, y);
+    for (size_t b = 0; b < model->n_novelty; ++b) {
+        lanes square[N_VECTORS];
+        square_distances(model->novelty_points + b * NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK, y, square);
+        for (size_t i = 0; i < NQM_NOVELTY_BLOCK; ++i) {
+            float d = square[i / LANES][i % LANES];
+            nearest[i % LANES] = d < nearest[i % LANES] ? d : nearest[i % LANES];
+        }
+    }
+    float least = fminf(fminf(nearest[0], nearest[1]), fminf(nearest[2], nearest[3]));
+    return sqrt((double)least) / model->novelty_unit;
+}

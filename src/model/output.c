@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The network of a model as scoring runs it, what its raw output means, the names in its file, and its end.
+ */
+#include "model/model.h"
+#include "model/model_file.h"
+#include <stdatomic.h>
+
+#include <math.h>
+#include <pthread.h>
+
+const char *const nqm_layer_suffixes[] = {"weight", "bias", "norm.weight", "norm.bias"};
+const char *const nqm_layout_names[] = {
+    [NQM_LAYOUT_REF_TEST] = "ref_test", [NQM_LAYOUT_REF_DIFF_ABSDIFF] = "ref_diff_absdiff"};
+const char *const nqm_target_names[] = {[NQM_TARGET_JOD] = "jod", [NQM_TARGET_LOG_DELTA_E] = "log_delta_e"};
+
+double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret) {
+    double normalised = model->out_lo + (model->out_hi - model->out_lo) * nqm_sigmoid(z);
+    double target = model->target_mean + model->target_std * normalised;
+    double delta_e = model->target == NQM_TARGET_LOG_DELTA_E ? exp(target) : (double)NAN;
+    if (delta_e_ret)
+        *delta_e_ret = delta_e;
+    return model->target == NQM_TARGET_LOG_DELTA_E ? nqm_curve_jod(&model->curve, delta_e) : target;
+}
+
+void nqm_model_destroy(struct nqm_model *model) {
+    if (!model)
+        return;
+    nqm_directions_free(model->directions);
+    nqm_params_free(&model->params);
+    char *texts[] = {model->id,      model->recipe,       model->card,
+                     model->licence, model->training,     model->manifest_sha256,
+                     model->golden,  model->scalar_names, model->calibration};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
+        nqm_free(texts[i]);
+    for (size_t i = 0; i < NQM_PRECISION_COUNT; ++i)
+        nqm_inference_net_free(model->inference[i]);
+    nqm_free(model->directions_deg);
+    nqm_free(model->interval);
+    nqm_free(model->novelty_points);
+    if (model->file)
+        nqm_map_close(model->file);
+    nqm_free(model->file);
+    nqm_free(model);
+}
+
+static nqm_input_groups input_groups(const struct nqm_model *model) {
+    nqm_input_groups inputs = {.n_groups = model->layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
+                               .n_scalars = nqm_model_n_scalars(model),
+                               .test_itself = model->layout == NQM_LAYOUT_REF_TEST};
+    for (size_t i = 0; i < inputs.n_groups; ++i)
+        inputs.width[i] = 3 * model->n_directions;
+    return inputs;
+}
+
+static pthread_mutex_t inference_lock = PTHREAD_MUTEX_INITIALIZER; /* held while the network of any model is made */
+
+nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
+                               const nqm_inference_net **net_ret, nqm_error *err) {
+    nqm_inference_net *_Atomic *place = &((struct nqm_model *)(uintptr_t)model)->inference[precision];
+    nqm_inference_net *net = atomic_load_explicit(place, memory_order_acquire);
+    nqm_status status = NQM_OK;
+    if (!net) {
+        pthread_mutex_lock(&inference_lock);
+        net = atomic_load_explicit(place, memory_order_acquire);
+        if (!net) { /* nobody packed it while we waited */
+            const nqm_input_groups inputs = input_groups(model);
+            status = nqm_inference_net_create(&model->params, &inputs, precision, &net, err);
+            atomic_store_explicit(place, net, memory_order_release);
+        }
+        pthread_mutex_unlock(&inference_lock);
+    }
+    *net_ret = net;
+    return status;
+}

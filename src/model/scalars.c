@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The scalar features that models may take as inputs: their names, and how they become numbers for the network. metric/scalars.c
+ * computes them.
+ */
+#include "model/model.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const scalar_names[NQM_SCALAR_COUNT] = {
+    "log_rmse",
+    "log_mae",
+    "log_rms_crwe",
+    "log_ma_crwe",
+    "log_rms_loge",
+    "log_ma_loge",
+    "log_rms_logwe",
+    "log_ma_logwe",
+    "log_log_diff",
+    [NQM_SCALAR_RMS] = "rms",
+    [NQM_SCALAR_MAX] = "max",
+    [NQM_SCALAR_TAIL] = "tail",
+    [NQM_SCALAR_BULK] = "bulk",
+    [NQM_SCALAR_BIAS] = "bias",
+    [NQM_SCALAR_SHAPE] = "shape",
+    [NQM_SCALAR_ZONE_BIAS] = "bias_0_2",
+    "bias_2_5",
+    "bias_5_15",
+    "bias_15_35",
+    "bias_35_90",
+    [NQM_SCALAR_ZONE_RMS] = "rms_0_2",
+    "rms_2_5",
+    "rms_5_15",
+    "rms_15_35",
+    "rms_35_90",
+    [NQM_SCALAR_GRAZING_BIAS] = "bias_grazing",
+    [NQM_SCALAR_GRAZING_RMS] = "rms_grazing",
+    [NQM_SCALAR_WIDTH] = "width",
+    [NQM_SCALAR_CHROMA] = "chroma",
+    [NQM_SCALAR_CHROMA_RG] = "chroma_rg",
+    [NQM_SCALAR_CHROMA_B] = "chroma_b",
+    [NQM_SCALAR_ENERGY] = "energy",
+    [NQM_SCALAR_ENERGY_CHROMA] = "energy_chroma",
+    [NQM_SCALAR_PEAK] = "peak",
+    [NQM_SCALAR_SMOOTH] = "smooth",
+    [NQM_SCALAR_SMOOTH_CHROMA] = "smooth_chroma",
+    [NQM_SCALAR_REF_LEVEL] = "ref_level",
+    [NQM_SCALAR_REF_ENERGY] = "ref_energy",
+    [NQM_SCALAR_REF_PEAK] = "ref_peak",
+    [NQM_SCALAR_REF_SPREAD] = "ref_spread",
+    [NQM_SCALAR_REF_COLOUR] = "ref_colour",
+};
+
+const char *nqm_scalar_name(size_t i) {
+    return i < NQM_SCALAR_COUNT ? scalar_names[i] : NULL;
+}
+
+char *nqm_scalar_names(void) {
+    size_t n = 1;
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        n += strlen(scalar_names[i]) + 1;
+    char *text = nqm_alloc(n, 1);
+    for (size_t i = 0, at = 0; text && i < NQM_SCALAR_COUNT; ++i)
+        at += (size_t)snprintf(text + at, n - at, "%s%s", i ? "," : "", scalar_names[i]);
+    return text;
+}
+
+void nqm_scalars_whiten(const nqm_scalar_whitening *w, const double *scalars, float *x) {
+    const double most = 5;
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+        double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
+        x[i] = isnan(z) ? 0 : (float)(w->scale * fmin(fmax(z, -most), most));
+    }
+}

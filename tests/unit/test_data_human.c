@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Answers of people: scores become a dataset with the samples of the BRDFs that are named, choices are added up and
+ * judged as by hand, and bad files are refused with the row.
+ */
+#include "data/human.h"
+#include "math/math.h"
+#include "support/check.h"
+#include "support/corpus_files.h"
+#include <nqm/judge.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N_DIRECTIONS = 40, N_RESAMPLES = 200 };
+
+static nqm_directions *directions;
+
+static int set_up(void **state) {
+    nqm_directions_options o = nqm_directions_options_default();
+    o.n = N_DIRECTIONS;
+    return make_folder(state) == 0 && nqm_directions_create(&o, 0, NULL, &directions, NULL) == NQM_OK ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    nqm_directions_free(directions);
+    return remove_made_folder(state);
+}
+
+static nqm_status load(const char *text, nqm_human **human, nqm_error *err) {
+    nqm_human_options o = nqm_human_options_default();
+    o.directions = directions;
+    return nqm_human_load(write_text("answers.csv", text), &o, human, err);
+}
+
+static nqm_human *must_load(const char *text) {
+    nqm_human *human;
+    nqm_error err = {0};
+    if (load(text, &human, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return human;
+}
+
+static nqm_evaluation *evaluate(const nqm_human *human) {
+    nqm_evaluation *ev;
+    assert_int_equal(nqm_evaluation_create(nqm_human_dataset(human), 0, NULL, NULL, &ev, NULL), NQM_OK);
+    return ev;
+}
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
+
+static void sample(const char *name, float *rgb) {
+    nqm_brdf *brdf = open_brdf(name);
+    assert_int_equal(nqm_sample(brdf, directions, NQM_INVALID_ERROR, rgb, NULL, NULL, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+}
+
+/* The rows in another order than that of references and tests; one pair is scored twice. */
+static const char *const scores = "test,ignored,reference,material,kind,score\n"
+                                  "lambert:kd=.3,x,lambert:kd=.2,grey,brighter,3\n"
+                                  "lambert:kd=.1,x,lambert:kd=.4,grey,darker,1\n"
+                                  "sgd:nickel,,sgd:nickel,metal,same,5\n"
+                                  "lambert:kd=.3,x,lambert:kd=.2,grey,brighter,2\n"
+                                  "ward:nickel,,sgd:nickel,metal,fit,4.5\n"
+                                  "lambert:kd=.39,x,lambert:kd=.4,grey,darker,4\n";
+
+static void scores_become_a_dataset(void **state) {
+    (void)state;
+    nqm_human *human = must_load(scores);
+    nqm_human_info info = nqm_human_get_info(human);
+    assert_true(info.kind == NQM_HUMAN_SCORE && info.n_rows == 6 && info.n_refs == 3 && info.n_groups == 2);
+    assert_true(info.n_triplets == 0 && isnan(info.ceiling) && isnan(info.ceiling_other_people));
+    const nqm_dataset *d = nqm_human_dataset(human);
+    assert_int_equal(nqm_dataset_get_info(d).n_pairs_in[NQM_SPLIT_TEST], 6);
+    assert_int_equal(nqm_dataset_kind_count(d), 4);
+    nqm_evaluation *ev = evaluate(human);
+    double sum = 0;
+    for (size_t pair = 0; pair < 6; ++pair) {
+        nqm_dataset_pair p = nqm_dataset_get_pair(d, pair);
+        float ref[3 * N_DIRECTIONS], test[3 * N_DIRECTIONS];
+        double metrics[NQM_METRIC_COUNT];
+        sample(p.ref, ref);
+        sample(p.test, test);
+        nqm_metrics_compute(directions, ref, test, NULL, metrics);
+        for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+            assert_near(nqm_evaluation_values(ev, m)[pair], metrics[m], 0);
+        assert_string_equal(p.group, strcmp(p.ref, "sgd:nickel") == 0 ? "metal" : "grey");
+        if (strcmp(p.test, "ward:nickel") == 0)
+            assert_true(p.jod == 4.5 && strcmp(p.kind, "fit") == 0);
+        if (strcmp(p.test, "lambert:kd=.1") == 0)
+            assert_true(p.jod == 1 && strcmp(p.kind, "darker") == 0);
+        sum += p.jod;
+    }
+    assert_near(sum, 19.5, 1e-12);
+    nqm_evaluation_free(ev);
+    nqm_human_free(human);
+}
+
+/* The four greys differ from .2 by .01, .05, .1, .2, so that MAE orders them. */
+#define GREYS(column, a, b, c, d)                                                                                      \
+    "reference,test," column "\nlambert:kd=.2,lambert:kd=.21," a "\nlambert:kd=.2,lambert:kd=.25," b                   \
+    "\nlambert:kd=.2,lambert:kd=.3," c "\nlambert:kd=.2,lambert:kd=.4," d "\n"
+
+static nqm_agreement judge_mae(const char *text, const nqm_eval_options *options) {
+    nqm_agreement results[NQM_METRIC_COUNT];
+    nqm_human *human = must_load(text);
+    nqm_evaluation *ev = evaluate(human);
+    assert_int_equal(nqm_evaluation_judge(ev, options, results, NULL), NQM_OK);
+    nqm_evaluation_free(ev);
+    nqm_human_free(human);
+    return results[NQM_METRIC_MAE];
+}
+
+static void scores_of_every_kind_are_judged(void **state) {
+    (void)state;
+    nqm_eval_options o = nqm_eval_options_default();
+    o.order_margin = 0;
+    nqm_agreement a = judge_mae(GREYS("score", "90", "70", "60", "-3"), &o);
+    assert_near(a.spearman, 1, 1e-12);
+    assert_near(a.spearman_mean_by_material, 1, 1e-12);
+    assert_true(a.n == 4 && a.n_materials == 1 && a.n_ordered == 6 && a.order == 1 && isnan(a.spearman_ci95[0]));
+    a = judge_mae(GREYS("distance", "1", "2", "4", "3"), &o); /* higher is worse */
+    assert_near(a.spearman, 0.8, 1e-12);
+    assert_near(a.order, 5.0 / 6, 1e-12);
+    a = judge_mae(GREYS("JOD", "9.9", "9", "8", "10.2"), &o);
+    assert_near(a.spearman, -0.2, 1e-12);
+    o.jod_from = 9.5;
+    a = judge_mae(GREYS("jod", "9.9", "9", "8", "10.2"), &o);
+    assert_int_equal(a.n, 2);
+    a = judge_mae(GREYS("score", "9.9", "9", "8", "10.2"), &o); /* no JOD: no range of it */
+    assert_int_equal(a.n, 4);
+}
+
+/* ---- choices ----------------------------------------------------------------------------------------------------- */
+
+/* Against .2: .21 is nearer than .3, .3 than .4. Rows 1, 2 and 5 are about the same three. */
+static const char *const choices = "reference,test_a,test_b,n_a,n_b\n"
+                                   "lambert:kd=.2,lambert:kd=.21,lambert:kd=.3,7,1\n"
+                                   "lambert:kd=.2,lambert:kd=.3,lambert:kd=.21,2,6\n"
+                                   "lambert:kd=.2,lambert:kd=.4,lambert:kd=.3,3,1\n"
+                                   "lambert:kd=.5,lambert:kd=.6,lambert:kd=.8,2,2\n"
+                                   "lambert:kd=.2,lambert:kd=.21,lambert:kd=.3,0,0\n"
+                                   "lambert:kd=.7,lambert:kd=.8,lambert:kd=.6,1,0\n";
+
+static void choices_are_added_up(void **state) {
+    (void)state;
+    nqm_human *human = must_load(choices);
+    nqm_human_info info = nqm_human_get_info(human);
+    assert_true(info.kind == NQM_HUMAN_CHOICE && info.n_rows == 6 && info.n_triplets == 4 && info.n_refs == 3);
+    assert_near(info.n_choices, 16 + 4 + 4 + 1, 0);
+    assert_near(info.ceiling, (13 + 3 + 2 + 1) / 25.0, 1e-12);
+    /* 13 of 16 follow the others, 3 do not; of 3 and 1 three follow; of 2 and 2 nobody does: 1 against 2. */
+    assert_near(info.ceiling_other_people, (13 + 3) / 24.0, 1e-12);
+    assert_int_equal(nqm_dataset_get_info(nqm_human_dataset(human)).n_pairs, 3 + 2 + 2);
+    nqm_human_free(human);
+}
+
+/* The same answers, a person a row. */
+static void single_choices_are_counted(void **state) {
+    (void)state;
+    nqm_human *human = must_load("reference,test_a,test_b,choice\n"
+                                 "lambert:kd=.2,lambert:kd=.21,lambert:kd=.3,a\n"
+                                 "lambert:kd=.2,lambert:kd=.3,lambert:kd=.21,B\n"
+                                 "lambert:kd=.2,lambert:kd=.3,lambert:kd=.21,a\n"
+                                 "lambert:kd=.2,lambert:kd=.3,lambert:kd=.4,a\n");
+    nqm_human_info info = nqm_human_get_info(human);
+    assert_int_equal(info.n_triplets, 2);
+    assert_near(info.ceiling, 0.75, 1e-12);
+    assert_near(info.ceiling_other_people, 1.0 / 3,
+                1e-12); /* 2 against 1: each of the two sees a draw, the one loses */
+    nqm_human_free(human);
+}
+
+/* Choices met and made by the resample: references are drawn in the order of their names, .2, .5, .7. */
+static double resampled_share(size_t index, const double *met, const double *made) {
+    nqm_rng rng = nqm_rng_make(4, index);
+    double sum_met = 0, sum_made = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        size_t g = nqm_rng_below(&rng, 3);
+        sum_met += met[g];
+        sum_made += made[g];
+    }
+    return sum_met / sum_made;
+}
+
+static void choices_are_judged(void **state) {
+    (void)state;
+    nqm_human *human = must_load(choices);
+    nqm_evaluation *ev = evaluate(human);
+    nqm_choice_agreement r[NQM_METRIC_COUNT];
+    nqm_eval_options o = nqm_eval_options_default();
+    o.n_bootstrap = N_RESAMPLES;
+    o.seed = 4;
+    assert_int_equal(nqm_human_judge_choices(human, ev, &o, r, NULL), NQM_OK);
+    /* MAE finds .21 nearer than .3, .3 than .4, .6 nearer to .5 than .8. .8 and .6 are as far from .7: rounding decides. */
+    const double *mae = nqm_evaluation_values(ev, NQM_METRIC_MAE); /* pairs in the order of names: .6 is 5, .8 is 6 */
+    double of_last = mae[6] < mae[5] ? 1 : mae[6] > mae[5] ? 0 : 0.5;
+    const double met[3] = {13 + 1, 2, of_last}, made[3] = {20, 4, 1};
+    assert_string_equal(r[NQM_METRIC_MAE].name, "mae");
+    assert_near(r[NQM_METRIC_MAE].agreement, (met[0] + met[1] + met[2]) / 25, 1e-12);
+    assert_near(r[NQM_METRIC_MAE].majority, (1 + 0 + of_last) / 3, 1e-12); /* 2 against 2 has none */
+    double share[N_RESAMPLES];
+    for (size_t i = 0; i < N_RESAMPLES; ++i)
+        share[i] = resampled_share(i, met, made);
+    assert_near(r[NQM_METRIC_MAE].agreement_ci95[0], nqm_quantile(N_RESAMPLES, share, 0.025), 1e-12);
+    assert_near(r[NQM_METRIC_MAE].agreement_ci95[1], nqm_quantile(N_RESAMPLES, share, 0.975), 1e-12);
+    int n_best = 0;
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        n_best += r[m].best_of_family;
+    assert_int_equal(n_best, 4);
+    nqm_difference d;
+    assert_int_equal(nqm_human_contrast_choices(human, ev, &o, NQM_METRIC_MAE, NQM_METRIC_MAE, &d, NULL), NQM_OK);
+    assert_true(d.value == 0 && d.ci95[0] == 0 && d.ci95[1] == 0 && d.share_below_0 == 0);
+    assert_int_equal(nqm_human_contrast_choices(human, ev, &o, 0, NQM_METRIC_COUNT, &d, NULL), NQM_ERR_ARG);
+    nqm_human *scored = must_load(scores);
+    assert_int_equal(nqm_human_judge_choices(scored, ev, &o, r, NULL), NQM_ERR_ARG);
+    nqm_human_free(scored);
+    nqm_evaluation_free(ev);
+    nqm_human_free(human);
+}
+
+/* ---- faults ------------------------------------------------------------------------------------------------------ */
+
+static void faults_name_file_and_row(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        nqm_status status;
+        const char *says;
+    } bad[] = {
+        {"reference,score\nlambert:kd=.2,3\n", NQM_ERR_FORMAT, "no column test"},
+        {"test,score\nlambert:kd=.2,3\n", NQM_ERR_FORMAT, "no column reference"},
+        {"reference,test\nlambert:kd=.2,lambert:kd=.3\n", NQM_ERR_FORMAT, "none of the columns"},
+        {"reference,test,score,jod\nlambert:kd=.2,lambert:kd=.3,3,3\n", NQM_ERR_FORMAT, "several of the columns"},
+        {"reference,test,score\n", NQM_ERR_FORMAT, "no rows"},
+        {"reference,test,score\nlambert:kd=.2,lambert:kd=.3,3\nlambert:kd=.2,lambert:kd=.3,good\n", NQM_ERR_FORMAT,
+         "line 3"},
+        {"reference,test,score\nlambert:kd=.2,lambert:kd=.3,3\nlambert:kd=.2,lambert:kd=-1,2\n", NQM_ERR_ARG, "row 2"},
+        {"reference,test,score\nlambert:kd=.2,nowhere.binary,3\n", NQM_ERR_IO, "row 1: nowhere.binary"},
+        {"reference,test,score\nnowhere.binary,lambert:kd=.2,3\n", NQM_ERR_IO, "row 1: nowhere.binary"},
+        {"reference,test,score,material\nlambert:kd=.2,lambert:kd=.3,3,a\nlambert:kd=.2,lambert:kd=.4,3,b\n",
+         NQM_ERR_INCOMPATIBLE, "row 2"},
+        {"reference,test_a,choice\nlambert:kd=.2,lambert:kd=.3,a\n", NQM_ERR_FORMAT, "no column test_b"},
+        {"reference,test_a,test_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4\n", NQM_ERR_FORMAT, "n_a and n_b"},
+        {"reference,test_a,test_b,choice,n_a,n_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,a,1,0\n", NQM_ERR_FORMAT,
+         "either"},
+        {"reference,test_a,test_b,choice\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,c\n", NQM_ERR_FORMAT, "row 1"},
+        {"reference,test_a,test_b,choice\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.3,a\n", NQM_ERR_FORMAT, "the same"},
+        {"reference,test_a,test_b,n_a,n_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,1.5,0\n", NQM_ERR_FORMAT, "row 1"},
+        {"reference,test_a,test_b,n_a,n_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,0,0\n", NQM_ERR_INCOMPATIBLE,
+         "nobody"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        nqm_human *human = (nqm_human *)&human;
+        nqm_error err = {0};
+        nqm_status status = load(bad[i].text, &human, &err);
+        if (status != bad[i].status || human || !strstr(err.message, bad[i].says) ||
+            !strstr(err.message, "answers.csv"))
+            fail_msg("case %zu: status %d, '%s'", i, status, err.message);
+    }
+    nqm_human *human;
+    assert_int_equal(nqm_human_load(in_folder("nowhere.csv"), NULL, &human, NULL), NQM_ERR_IO);
+    nqm_human_options o = nqm_human_options_default();
+    o.min_valid_fraction = 2;
+    assert_int_equal(nqm_human_load(in_folder("answers.csv"), &o, &human, NULL), NQM_ERR_ARG);
+}
+
+static int stop(void *user, const char *stage, double done, double total) {
+    (void)user, (void)stage, (void)done, (void)total;
+    return 1;
+}
+
+static void stops_when_asked(void **state) {
+    (void)state;
+    nqm_human_options o = nqm_human_options_default();
+    nqm_human *human;
+    o.directions = directions;
+    o.progress = stop;
+    assert_int_equal(nqm_human_load(write_text("s.csv", scores), &o, &human, NULL), NQM_ERR_CANCELLED);
+    assert_null(human);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scores_become_a_dataset), cmocka_unit_test(scores_of_every_kind_are_judged),
+        cmocka_unit_test(choices_are_added_up),    cmocka_unit_test(single_choices_are_counted),
+        cmocka_unit_test(choices_are_judged),      cmocka_unit_test(faults_name_file_and_row),
+        cmocka_unit_test(stops_when_asked),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,417 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap and its contrasts against one
+ * that repeats the pairs for real, and the evaluation of models and metrics on a dataset against single predictions.
+ */
+#include "io/io.h"
+#include "judge/agreement.h"
+#include "math/math.h"
+#include "support/check.h"
+#include "support/toy_dataset.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- agreement --------------------------------------------------------------------------------------------------- */
+
+enum { MAX_PAIRS = 200, N_GROUPS = 14, N_PREDICTORS = 2 };
+
+static double label[MAX_PAIRS], prediction[N_PREDICTORS * MAX_PAIRS];
+static size_t group_begin[N_GROUPS + 1];
+static nqm_judgement judgement;
+
+static double number(const nqm_csv *csv, size_t row, const char *column) {
+    double value;
+    assert_int_equal(nqm_csv_number(csv, row, nqm_csv_column(csv, column), &value, NULL), NQM_OK);
+    return value;
+}
+
+static int read_pairs(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("train_agreement.csv"), &csv, NULL), NQM_OK);
+    size_t n = nqm_csv_rows(csv);
+    assert_true(n <= MAX_PAIRS);
+    for (size_t i = 0; i < n; ++i) {
+        label[i] = number(csv, i, "label");
+        prediction[i] = number(csv, i, "first");
+        prediction[n + i] = number(csv, i, "second");
+        ++group_begin[(size_t)number(csv, i, "group") + 1];
+    }
+    for (size_t g = 0; g < N_GROUPS; ++g)
+        group_begin[g + 1] += group_begin[g];
+    judgement = (nqm_judgement){.n = n,
+                                .n_groups = N_GROUPS,
+                                .n_predictors = N_PREDICTORS,
+                                .group_begin = group_begin,
+                                .label = label,
+                                .prediction = prediction,
+                                .order_margin = 0.25};
+    nqm_csv_free(csv);
+    return 0;
+}
+
+static void figures_are_scipys(void **state) {
+    (void)state;
+    nqm_agreement a[N_PREDICTORS];
+    nqm_csv *csv;
+    assert_int_equal(nqm_judge(&judgement, 0, 1, a, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_load(test_vector("train_agreement_expected.csv"), &csv, NULL), NQM_OK);
+    for (size_t p = 0; p < N_PREDICTORS; ++p) {
+        assert_int_equal(a[p].n, judgement.n);
+        assert_int_equal(a[p].n_materials, 13);
+        assert_near(a[p].spearman, number(csv, p, "spearman"), 1e-9);
+        assert_near(a[p].spearman_mean_by_material, number(csv, p, "spearman_mean_by_material"), 1e-9);
+        assert_near(a[p].pearson, number(csv, p, "pearson"), 1e-9);
+        assert_near(a[p].kendall, number(csv, p, "kendall"), 1e-9);
+        assert_near(a[p].mae, number(csv, p, "mae"), 1e-9);
+        assert_near(a[p].rmse, number(csv, p, "rmse"), 1e-9);
+        assert_near(a[p].r2, number(csv, p, "r2"), 1e-9);
+        assert_int_equal(a[p].n_ordered, number(csv, p, "n_ordered"));
+        assert_near(a[p].order, number(csv, p, "order"), 1e-9);
+        assert_true(isnan(a[p].spearman_ci95[0]) && isnan(a[p].spearman_mean_by_material_ci95[1]));
+    }
+    nqm_csv_free(csv);
+}
+
+/* The figures of one resample, in the order of `figures_of`. */
+enum { POOLED, BY_GROUP, PEARSON, KENDALL, MAE, RMSE, R2, ORDER, N_FIGURES };
+
+/* Share of the pairs in x, y [begin, end) with labels apart that are in order. */
+static void add_orders(const double *x, const double *y, size_t begin, size_t end, double *right, double *n) {
+    for (size_t i = begin; i < end; ++i)
+        for (size_t k = begin; k < end; ++k)
+            if (y[i] - y[k] > judgement.order_margin) {
+                *n += 1;
+                *right += x[i] > x[k] ? 1 : x[i] == x[k] ? 0.5 : 0;
+            }
+}
+
+/* One resample with its pairs repeated in memory. A group that is drawn twice counts twice. */
+static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double figures[N_FIGURES]) {
+    enum { MAX_REPEATED = 13 * MAX_PAIRS };
+    static double x[MAX_REPEATED], y[MAX_REPEATED];
+    size_t occurring[N_GROUPS], n_occurring = 0, n = 0, n_rho = 0;
+    double sum = 0, right = 0, ordered = 0, absolute = 0, squared = 0, variance = 0;
+    for (size_t g = 0; g < N_GROUPS; ++g)
+        if (group_begin[g + 1] > group_begin[g])
+            occurring[n_occurring++] = g;
+    nqm_rng rng = nqm_rng_make(seed, index);
+    for (size_t k = 0; k < n_occurring; ++k) {
+        size_t g = occurring[nqm_rng_below(&rng, n_occurring)], first = n;
+        for (size_t i = group_begin[g]; i < group_begin[g + 1]; ++i) {
+            x[n] = prediction[predictor * judgement.n + i];
+            y[n++] = label[i];
+        }
+        add_orders(x, y, first, n, &right, &ordered);
+        if (n - first >= 3) {
+            sum += nqm_spearman(n - first, x + first, y + first);
+            ++n_rho;
+        }
+    }
+    for (size_t i = 0; i < n; ++i) {
+        absolute += fabs(x[i] - y[i]) / (double)n;
+        squared += (x[i] - y[i]) * (x[i] - y[i]) / (double)n;
+        variance += pow(y[i] - nqm_mean(n, y), 2) / (double)n;
+    }
+    const double found[N_FIGURES] = {[POOLED] = nqm_spearman(n, x, y),
+                                     [BY_GROUP] = sum / (double)n_rho,
+                                     [PEARSON] = nqm_pearson(n, x, y),
+                                     [KENDALL] = nqm_kendall(n, x, y),
+                                     [MAE] = absolute,
+                                     [RMSE] = sqrt(squared),
+                                     [R2] = 1 - squared / variance,
+                                     [ORDER] = right / ordered};
+    memcpy(figures, found, sizeof found);
+}
+
+enum { N_RESAMPLES = 101 };
+
+/* By figure, over the resamples. */
+static void repeat_all(size_t predictor, double figures[N_FIGURES][N_RESAMPLES]) {
+    for (size_t i = 0; i < N_RESAMPLES; ++i) {
+        double one[N_FIGURES];
+        repeat_pairs(5, i, predictor, one);
+        for (size_t f = 0; f < N_FIGURES; ++f)
+            figures[f][i] = one[f];
+    }
+}
+
+static void bootstrap_repeats_groups(void **state) {
+    (void)state;
+    nqm_agreement a[N_PREDICTORS];
+    assert_int_equal(nqm_judge(&judgement, N_RESAMPLES, 5, a, NULL), NQM_OK);
+    for (size_t p = 0; p < N_PREDICTORS; ++p) {
+        double figures[N_FIGURES][N_RESAMPLES];
+        repeat_all(p, figures);
+        const double *intervals[N_FIGURES] = {
+            [POOLED] = a[p].spearman_ci95, [BY_GROUP] = a[p].spearman_mean_by_material_ci95,
+            [PEARSON] = a[p].pearson_ci95, [KENDALL] = a[p].kendall_ci95,
+            [MAE] = a[p].mae_ci95,         [RMSE] = a[p].rmse_ci95,
+            [R2] = a[p].r2_ci95,           [ORDER] = a[p].order_ci95};
+        for (size_t f = 0; f < N_FIGURES; ++f) {
+            assert_near(intervals[f][0], nqm_quantile(N_RESAMPLES, figures[f], 0.025), 1e-9);
+            assert_near(intervals[f][1], nqm_quantile(N_RESAMPLES, figures[f], 0.975), 1e-9);
+        }
+        assert_true(a[p].spearman_ci95[0] < a[p].spearman && a[p].spearman < a[p].spearman_ci95[1]);
+    }
+}
+
+static void check_difference(const nqm_difference *d, double value, const double *first, const double *second) {
+    double difference[N_RESAMPLES];
+    size_t n_below = 0;
+    for (size_t i = 0; i < N_RESAMPLES; ++i) {
+        difference[i] = first[i] - second[i];
+        n_below += difference[i] < 0;
+    }
+    assert_near(d->value, value, 1e-12);
+    assert_near(d->share_below_0, (double)n_below / N_RESAMPLES, 1e-12);
+    assert_near(d->ci95[0], nqm_quantile(N_RESAMPLES, difference, 0.025), 1e-9);
+    assert_near(d->ci95[1], nqm_quantile(N_RESAMPLES, difference, 0.975), 1e-9);
+}
+
+/* Both predictors on the same resamples, one less the other; against itself a predictor wins nothing. */
+static void contrasts_are_paired(void **state) {
+    (void)state;
+    nqm_agreement a[N_PREDICTORS];
+    nqm_contrast c[3] = {{.first = 0, .second = 1}, {.first = 1, .second = 0}, {.first = 1, .second = 1}};
+    assert_int_equal(nqm_judge(&judgement, 0, 5, a, NULL), NQM_OK);
+    assert_int_equal(nqm_judge_contrasts(&judgement, N_RESAMPLES, 5, 3, c, NULL), NQM_OK);
+    static double figures[2][N_FIGURES][N_RESAMPLES];
+    repeat_all(0, figures[0]);
+    repeat_all(1, figures[1]);
+    for (size_t i = 0; i < 2; ++i) {
+        size_t p = c[i].first, q = c[i].second;
+        check_difference(&c[i].spearman, a[p].spearman - a[q].spearman, figures[p][POOLED], figures[q][POOLED]);
+        check_difference(&c[i].spearman_mean_by_material,
+                         a[p].spearman_mean_by_material - a[q].spearman_mean_by_material, figures[p][BY_GROUP],
+                         figures[q][BY_GROUP]);
+        check_difference(&c[i].order, a[p].order - a[q].order, figures[p][ORDER], figures[q][ORDER]);
+    }
+    assert_true(c[2].spearman.value == 0 && c[2].spearman.ci95[1] == 0 && c[2].spearman.share_below_0 == 0);
+    assert_int_equal(nqm_judge_contrasts(&judgement, 0, 5, 1, c, NULL), NQM_OK);
+    assert_true(isnan(c[0].spearman.share_below_0) && isnan(c[0].spearman.ci95[0]));
+    assert_near(c[0].spearman.value, a[0].spearman - a[1].spearman, 1e-12);
+}
+
+/* Without variance there is no correlation, and without two labels apart no order. */
+static void figures_that_do_not_exist(void **state) {
+    (void)state;
+    const double flat[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, rising[6] = {1, 2, 3, 4, 5, 6};
+    const size_t begin[3] = {0, 3, 6};
+    nqm_judgement j = {
+        .n = 6, .n_groups = 2, .n_predictors = 1, .group_begin = begin, .label = flat, .prediction = rising};
+    nqm_agreement a;
+    assert_int_equal(nqm_judge(&j, 20, 1, &a, NULL), NQM_OK);
+    assert_true(isnan(a.spearman) && isnan(a.spearman_mean_by_material) && isnan(a.pearson) && isnan(a.kendall));
+    assert_true(isnan(a.r2) && isnan(a.order) && isnan(a.pearson_ci95[0]) && isnan(a.order_ci95[1]));
+    assert_int_equal(a.n_ordered, 0);
+    assert_near(a.mae, 3.4, 1e-12);
+    j.label = rising;
+    j.prediction = flat;
+    assert_int_equal(nqm_judge(&j, 20, 1, &a, NULL), NQM_OK);
+    assert_true(isnan(a.pearson));
+    assert_int_equal(a.n_ordered, 6);
+    assert_near(a.order, 0.5, 0); /* ties count half */
+    j.order_margin = 1;           /* more than that, not as much */
+    assert_int_equal(nqm_judge(&j, 0, 1, &a, NULL), NQM_OK);
+    assert_int_equal(a.n_ordered, 2);
+}
+
+static void best_variants(void **state) {
+    (void)state;
+    const double spearman[NQM_METRIC_COUNT] = {0.3, 0.5, 0.8, 0.8, NAN, 0.2, NAN, NAN, 0.9};
+    const int of_family[NQM_METRIC_COUNT] = {0, 1, 1, 0, 0, 1, 0, 0, 0};
+    nqm_agreement metrics[NQM_METRIC_COUNT] = {0};
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        metrics[m].spearman = spearman[m];
+    nqm_mark_best(metrics);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+        assert_int_equal(metrics[m].best_of_family, of_family[m]);
+        assert_int_equal(metrics[m].best_baseline, m == NQM_METRIC_RMS_CRWE); /* log_diff is none of the eight */
+    }
+}
+
+/* ---- evaluation -------------------------------------------------------------------------------------------------- */
+
+static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
+    nqm_train_options o;
+    nqm_model *model;
+    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
+    o.n_hidden = 1;
+    o.hidden[0] = 32;
+    o.batch = 64;
+    o.epochs = 5;
+    assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
+    return model;
+}
+
+static void predictions_are_those_of_single_pairs(void **state) {
+    (void)state;
+    toy_options t = toy_options_default();
+    nqm_dataset *d = toy_dataset(&t);
+    nqm_model *models[2] = {train_small(d, "paper"), train_small(d, "nqm")};
+    nqm_eval_options o = nqm_eval_options_default();
+    o.split = NQM_SPLIT_TEST;
+    nqm_evaluation *ev;
+    assert_int_equal(nqm_evaluation_create(d, 2, (const nqm_model *const *)models, &o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_count(ev), 2 + NQM_METRIC_COUNT);
+    assert_string_equal(nqm_evaluation_name(ev, 1), "nqm");
+    assert_string_equal(nqm_evaluation_name(ev, 2), "rmse");
+    size_t n = 3 * d->n_directions;
+    for (size_t pair = 0; pair < d->n_pairs; ++pair) {
+        const float *ref = d->ref_rgb + d->pair_ref[pair] * n, *test = d->test_rgb + pair * n;
+        double metrics[NQM_METRIC_COUNT], jod;
+        nqm_metrics_compute(d->directions, ref, test, NULL, metrics);
+        double scalars[NQM_SCALAR_COUNT];
+        nqm_scalars_compute(d->directions, ref, test, NULL, scalars);
+        bool in_test = nqm_dataset_get_pair(d, pair).split == NQM_SPLIT_TEST;
+        for (size_t i = 0; i < 2 + NQM_METRIC_COUNT; ++i) {
+            double value = nqm_evaluation_values(ev, i)[pair];
+            assert_true(isnan(value) == !in_test);
+            if (i < 2)
+                assert_int_equal(nqm_model_predict(models[i], 1, ref, test, &jod, NULL), NQM_OK);
+            if (in_test)
+                assert_near(value, i < 2 ? jod : metrics[i - 2], 1e-5);
+        }
+        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+            double value = nqm_evaluation_scalars(ev, pair)[i];
+            assert_true(in_test ? value == scalars[i] : isnan(value));
+        }
+    }
+    nqm_evaluation_free(ev);
+    nqm_model_free(models[0]);
+    nqm_model_free(models[1]);
+    nqm_dataset_free(d);
+}
+
+/* A reference of two directions: at the mirror direction, and far from it. */
+static const char *class_of(double near, double far, const float colour[3]) {
+    const double degrees[3][3] = {{1, 10, 0}, {30, 20, 0}, {1, 70, 0}};
+    float rgb[9];
+    for (size_t k = 0; k < 3; ++k) {
+        rgb[k] = (float)near;
+        rgb[3 + k] = (float)far * colour[k];
+        rgb[6 + k] = 1e4f; /* grazing: does not count */
+    }
+    nqm_dataset d = {.n_directions = 3, .n_refs = 1, .directions_deg = degrees[0], .ref_rgb = rgb};
+    return nqm_material_class_name(nqm_dataset_ref_class(&d, 0));
+}
+
+static void classes_of_materials(void **state) {
+    (void)state;
+    const float grey[3] = {1, 1, 1}, warm[3] = {1.2f, 1, 0.9f}, red[3] = {2, 0.5f, 0.5f};
+    assert_string_equal(class_of(0.2, 0.1, grey), "matte grey");
+    assert_string_equal(class_of(0.2, 0.1, red), "matte coloured");
+    assert_string_equal(class_of(1, 0.1, warm), "satin grey");
+    assert_string_equal(class_of(5, 0.1, red), "glossy coloured");
+    assert_string_equal(class_of(50, 0.1, grey), "mirror-like grey");
+    assert_string_equal(class_of(1, 0, grey), "mirror-like grey"); /* a black body has no colour */
+    const double degrees[3] = {1, 10, 0};
+    nqm_dataset no_body = {.n_directions = 1, .n_refs = 1, .directions_deg = degrees, .ref_rgb = grey};
+    assert_string_equal(nqm_material_class_name(nqm_dataset_ref_class(&no_body, 0)), "unclassified");
+    assert_null(nqm_material_class_name(NQM_MATERIAL_CLASS_COUNT));
+}
+
+/* The contrasts of an evaluation go with its results. */
+static void check_contrasts(const nqm_model *model, const nqm_dataset *d, const nqm_eval_options *o,
+                            const nqm_agreement *a) {
+    nqm_evaluation *ev;
+    nqm_contrast c[2] = {{.first = 0, .second = 1 + NQM_METRIC_LOG_DIFF}, {.first = 0, .second = 1}};
+    assert_int_equal(nqm_evaluation_create(d, 1, &model, o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_contrast(ev, o, 2, c, NULL), NQM_OK);
+    for (size_t i = 0; i < 2; ++i) {
+        assert_near(c[i].spearman.value, a[0].spearman - a[c[i].second].spearman, 1e-12);
+        assert_near(c[i].order.value, a[0].order - a[c[i].second].order, 1e-12);
+        assert_true(c[i].spearman.ci95[0] <= c[i].spearman.ci95[1]);
+    }
+    c[0].second = 1 + NQM_METRIC_COUNT;
+    assert_int_equal(nqm_evaluation_contrast(ev, o, 2, c, NULL), NQM_ERR_ARG);
+    nqm_eval_options bad = *o;
+    bad.order_margin = -1;
+    assert_int_equal(nqm_evaluation_contrast(ev, &bad, 1, &c[1], NULL), NQM_ERR_ARG);
+    nqm_evaluation_free(ev);
+}
+
+static void selections(void **state) {
+    (void)state;
+    toy_options t = toy_options_default();
+    t.with_masks = true;
+    nqm_dataset *d = toy_dataset(&t);
+    nqm_model *model = train_small(d, "nqm");
+    nqm_agreement a[1 + NQM_METRIC_COUNT];
+    nqm_eval_options o = nqm_eval_options_default();
+    o.n_bootstrap = 50;
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, 576);
+    assert_int_equal(a[0].n_materials, 24);
+    for (size_t i = 0; i < 1 + NQM_METRIC_COUNT; ++i) {
+        assert_true(a[i].spearman > 0.3 && a[i].spearman <= 1); /* distances are turned round */
+        assert_true(a[i].spearman_ci95[0] <= a[i].spearman_ci95[1]);
+        assert_true(isnan(a[i].mae) == (i > 0));
+    }
+    check_contrasts(model, d, &o, a);
+    assert_true(a[1 + NQM_METRIC_LOG_DIFF].spearman > 0.97); /* the toy's label is that metric, but for the masks */
+    o.split = NQM_SPLIT_TEST;
+    o.kind = "gloss";
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, 576 / 4 / 2);
+    assert_int_equal(a[0].n_materials, 6);
+    o.kind = NULL;
+    o.family = "perturbation"; /* of the kind "gain" */
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, 576 / 4 / 2);
+    o.kind = "gloss";
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_ERR_INCOMPATIBLE);
+    size_t n_high = 0, n_low = 0;
+    for (size_t i = 0; i < d->n_pairs; ++i)
+        n_high += d->jod[i] >= 9.5;
+    o = nqm_eval_options_default();
+    o.n_bootstrap = 0;
+    o.jod_from = 9.5;
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, n_high);
+    n_low = d->n_pairs - n_high;
+    o.jod_from = 0;
+    o.jod_to = 9.5;
+    assert_int_equal(nqm_evaluate(model, d, &o, a, NULL), NQM_OK);
+    assert_int_equal(a[0].n, n_low);
+    o = nqm_eval_options_default();
+    o.n_bootstrap = 0;
+    size_t n_classified = 0;
+    for (size_t i = 0; i < NQM_MATERIAL_CLASS_COUNT; ++i) {
+        size_t n_class = 0;
+        o.material_class = nqm_material_class_name(i);
+        for (size_t pair = 0; pair < d->n_pairs; ++pair)
+            n_class += strcmp(nqm_dataset_get_pair(d, pair).material_class, o.material_class) == 0;
+        nqm_status status = nqm_evaluate(model, d, &o, a, NULL);
+        assert_int_equal(status, n_class ? NQM_OK : NQM_ERR_INCOMPATIBLE);
+        assert_true(n_class == 0 || a[0].n == n_class);
+        n_classified += n_class;
+    }
+    assert_int_equal(n_classified, d->n_pairs);
+    o.material_class = NULL;
+    o.kind = "rust";
+    nqm_error err = {0};
+    assert_int_equal(nqm_evaluate(model, d, &o, a, &err), NQM_ERR_INCOMPATIBLE);
+    t.seed = 2;
+    nqm_dataset *elsewhere = toy_dataset(&t);
+    assert_int_equal(nqm_evaluate(model, elsewhere, NULL, a, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "directions"));
+    nqm_dataset_free(elsewhere);
+    nqm_model_free(model);
+    nqm_dataset_free(d);
+}
+
+int main(void) {
+    omp_set_num_threads(1); /* these networks are too small to share */
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(figures_are_scipys),   cmocka_unit_test(bootstrap_repeats_groups),
+        cmocka_unit_test(contrasts_are_paired), cmocka_unit_test(figures_that_do_not_exist),
+        cmocka_unit_test(best_variants),        cmocka_unit_test(predictions_are_those_of_single_pairs),
+        cmocka_unit_test(classes_of_materials), cmocka_unit_test(selections),
+    };
+    return cmocka_run_group_tests(tests, read_pairs, NULL);
+}

@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Model files: what is written comes back and is used in place; every tensor that is missing, surplus, misshapen or not
+ * finite is refused by name, every damage by the checksum; and what a raw output means in JOD.
+ */
+#include "base/memory_test.h"
+#include "io/io.h"
+#include "model/model.h"
+#include "net/inference.h"
+#include "percept/percept.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/train.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
+
+static bool with_scalars; /* whether the models here have scalar features */
+
+static const char *path_of_output(void) {
+    static char path[64];
+    snprintf(path, sizeof path, "test_net_model.%ld.tmp", (long)getpid());
+    return path;
+}
+
+static struct nqm_model *make_model(void) {
+    struct nqm_model *model = nqm_alloc(1, sizeof *model);
+    const nqm_net_shape shape = {3, {6 * N_DIRECTIONS + (with_scalars ? NQM_SCALAR_COUNT : 0), 16, 5, 1}};
+    assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
+    nqm_params_init(&model->params, 3);
+    model->n_directions = N_DIRECTIONS;
+    model->directions_deg = nqm_alloc(3 * N_DIRECTIONS, sizeof(double));
+    for (size_t i = 0; i < 3 * N_DIRECTIONS; ++i)
+        model->directions_deg[i] = 1.5 * (double)i;
+    for (size_t i = 0; i < 3; ++i) {
+        model->mean[i] = 0.1f * (float)i;
+        model->std[i] = 1 + (float)i;
+    }
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+        model->scalar_mean[i] = 0.5f * (float)i;
+        model->scalar_std[i] = 2 + (float)i;
+    }
+    model->scalar_scale = 1.5;
+    model->scalar_names = with_scalars ? nqm_strdup("a,b") : NULL;
+    model->layout = NQM_LAYOUT_REF_TEST;
+    model->target = NQM_TARGET_JOD;
+    model->difference_scale = 3;
+    model->target_mean = 5, model->target_std = 2;
+    model->out_lo = -2, model->out_hi = 1.5;
+    model->curve = nqm_curve_published;
+    model->id = nqm_strdup("test"), model->recipe = nqm_strdup("paper"), model->licence = nqm_strdup("MIT");
+    model->card = nqm_strdup("# Card\n\"quoted\""), model->training = nqm_strdup("{\"epochs\":1}");
+    model->manifest_sha256 = nqm_strdup("");
+    return model;
+}
+
+/* The bytes of a file, freed with nqm_free(). */
+static unsigned char *read_file(const char *path, size_t *n_bytes) {
+    nqm_map map;
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    unsigned char *copy = nqm_alloc(map.n_bytes, 1);
+    memcpy(copy, map.data, map.n_bytes);
+    *n_bytes = map.n_bytes;
+    nqm_map_close(&map);
+    unlink(path);
+    return copy;
+}
+
+static unsigned char *model_file(size_t *n_bytes) {
+    struct nqm_model *model = make_model();
+    assert_int_equal(nqm_model_write(model, path_of_output(), NULL), NQM_OK);
+    nqm_model_destroy(model);
+    return read_file(path_of_output(), n_bytes);
+}
+
+static float output_of(const struct nqm_model *model) {
+    float x[6 * N_DIRECTIONS + NQM_SCALAR_COUNT], z;
+    const nqm_inference_net *net;
+    nqm_inference_work *work;
+    for (size_t i = 0; i < model->params.shape.sizes[0]; ++i)
+        x[i] = sinf((float)i);
+    assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
+    nqm_inference_run(work, 1, x, model->params.shape.sizes[0], &z);
+    nqm_inference_work_free(work);
+    return z;
+}
+
+static void round_trip(void **state) {
+    (void)state;
+    size_t n, n_again;
+    struct nqm_model *made = make_model(), *model;
+    assert_int_equal(nqm_model_write(made, path_of_output(), NULL), NQM_OK);
+    unsigned char *file = read_file(path_of_output(), &n);
+    assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
+    assert_int_equal(model->params.n, made->params.n);
+    assert_null(model->params.block); /* in place */
+    assert_true((const unsigned char *)model->params.layer[0].w > file);
+    assert_int_equal((uintptr_t)model->params.layer[0].w % 64, 0);
+    assert_true(output_of(model) == output_of(made));
+    assert_int_equal(model->n_directions, N_DIRECTIONS);
+    assert_memory_equal(model->directions_deg, made->directions_deg, 3 * N_DIRECTIONS * sizeof(double));
+    assert_memory_equal(model->mean, made->mean, sizeof made->mean);
+    assert_memory_equal(model->std, made->std, sizeof made->std);
+    assert_int_equal(nqm_model_n_scalars(model), with_scalars ? NQM_SCALAR_COUNT : 0);
+    if (with_scalars) {
+        assert_memory_equal(model->scalar_mean, made->scalar_mean, sizeof made->scalar_mean);
+        assert_memory_equal(model->scalar_std, made->scalar_std, sizeof made->scalar_std);
+        assert_near(model->scalar_scale, 1.5, 0);
+        assert_string_equal(model->scalar_names, "a,b");
+    }
+    assert_int_equal(model->layout, made->layout);
+    assert_int_equal(model->target, made->target);
+    const double values[][2] = {{model->difference_scale, made->difference_scale},
+                                {model->target_mean, made->target_mean},
+                                {model->target_std, made->target_std},
+                                {model->out_lo, made->out_lo},
+                                {model->out_hi, made->out_hi},
+                                {model->curve.b1, made->curve.b1},
+                                {model->curve.b2, made->curve.b2},
+                                {model->curve.b3, made->curve.b3}};
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
+        assert_true(values[i][0] == values[i][1]);
+    const char *const texts[][2] = {{model->id, made->id},
+                                    {model->recipe, made->recipe},
+                                    {model->card, made->card},
+                                    {model->licence, made->licence},
+                                    {model->training, made->training},
+                                    {model->manifest_sha256, made->manifest_sha256},
+                                    {model->sha256, made->sha256}};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
+        assert_string_equal(texts[i][0], texts[i][1]);
+    /* the same model gives the same file, bit for bit */
+    assert_int_equal(nqm_model_write(model, path_of_output(), NULL), NQM_OK);
+    unsigned char *again = read_file(path_of_output(), &n_again);
+    assert_int_equal(n_again, n);
+    assert_memory_equal(again, file, n);
+    nqm_model_destroy(model);
+    nqm_model_destroy(made);
+    nqm_free(again);
+    nqm_free(file);
+}
+
+/* At an odd address floats cannot be used in place: they are copied and mean the same. */
+static void unaligned_bytes(void **state) {
+    (void)state;
+    size_t n;
+    unsigned char *file = model_file(&n), *shifted = nqm_alloc(n + 1, 1);
+    memcpy(shifted + 1, file, n);
+    struct nqm_model *model, *odd;
+    assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
+    assert_int_equal(nqm_model_parse(shifted + 1, n, "f", true, &odd, NULL), NQM_OK);
+    assert_non_null(odd->params.block);
+    assert_true(output_of(odd) == output_of(model));
+    nqm_model_destroy(model);
+    nqm_model_destroy(odd);
+    nqm_free(shifted);
+    nqm_free(file);
+}
+
+static void damage(void **state) {
+    (void)state;
+    size_t n;
+    unsigned char *file = model_file(&n);
+    struct nqm_model *model;
+    nqm_error err = {0};
+    file[n - 1] ^= 1;
+    assert_int_equal(nqm_model_parse(file, n, "my.model", true, &model, &err), NQM_ERR_MODEL);
+    assert_null(model);
+    assert_non_null(strstr(err.message, "my.model: checksum"));
+    assert_int_equal(nqm_model_parse(file, n, "f", false, &model, NULL), NQM_OK); /* not asked to verify */
+    nqm_model_destroy(model);
+    file[n - 1] ^= 1;
+    for (size_t cut = 0; cut < n; ++cut) {
+        unsigned char *part = malloc(cut ? cut : 1);
+        memcpy(part, file, cut);
+        assert_int_equal(nqm_model_parse(part, cut, "f", true, &model, &err), NQM_ERR_FORMAT);
+        assert_null(model);
+        free(part);
+    }
+    nqm_free(file);
+}
+
+/* ---- files with the wrong contents, under a right checksum ------------------------------------------------------- */
+
+/* The contents of a valid file, to be changed and written again. */
+typedef struct contents {
+    unsigned char *file;
+    nqm_safetensors *st;
+    size_t n_tensors, n_meta;
+    nqm_tensor tensors[MAX_TENSORS];
+    nqm_meta meta[16];
+} contents;
+
+static contents open_contents(void) {
+    static const char *const keys[] = {"format", "schema", "id",       "recipe",          "layout",
+                                       "target", "card",   "training", "manifest_sha256", "licence"};
+    contents c = {0};
+    size_t n;
+    c.file = model_file(&n);
+    assert_int_equal(nqm_safetensors_parse(c.file, n, "f", &c.st, NULL), NQM_OK);
+    c.n_tensors = nqm_safetensors_count(c.st);
+    for (size_t i = 0; i < c.n_tensors; ++i)
+        c.tensors[i] = *nqm_safetensors_at(c.st, i);
+    c.n_meta = sizeof keys / sizeof *keys;
+    for (size_t i = 0; i < c.n_meta; ++i)
+        c.meta[i] = (nqm_meta){keys[i], nqm_safetensors_meta(c.st, keys[i])};
+    if (with_scalars)
+        c.meta[c.n_meta++] = (nqm_meta){"scalars", nqm_safetensors_meta(c.st, "scalars")};
+    return c;
+}
+
+static void close_contents(contents *c) {
+    nqm_safetensors_free(c->st);
+    nqm_free(c->file);
+}
+
+/* Write and parse; must be refused with a message that holds `says`. */
+static void must_refuse(const contents *c, const char *says) {
+    size_t n;
+    struct nqm_model *model;
+    nqm_error err = {0};
+    assert_int_equal(nqm_safetensors_write(path_of_output(), c->n_tensors, c->tensors, c->n_meta, c->meta, NULL, NULL),
+                     NQM_OK);
+    unsigned char *file = read_file(path_of_output(), &n);
+    assert_int_equal(nqm_model_parse(file, n, "f", true, &model, &err), NQM_ERR_MODEL);
+    assert_null(model);
+    if (!strstr(err.message, says))
+        print_error("'%s' does not say '%s'\n", err.message, says);
+    assert_non_null(strstr(err.message, says));
+    nqm_free(file);
+}
+
+static void each_tensor_is_checked(void **state) {
+    (void)state;
+    contents c = open_contents();
+    for (size_t i = 0; i < c.n_tensors; ++i) {
+        nqm_tensor saved = c.tensors[i];
+        const char *name = saved.name;
+        unsigned char *values = nqm_alloc(saved.n_bytes + 8, 1);
+        memcpy(values, saved.data, saved.n_bytes);
+        /* the last number becomes NaN or infinite */
+        c.tensors[i].data = values;
+        if (saved.dtype == NQM_F64)
+            nqm_store_f64(values + saved.n_bytes - 8, (double)NAN);
+        else
+            nqm_store_f32(values + saved.n_bytes - 4, i % 2 ? INFINITY : NAN);
+        must_refuse(&c, name);
+        /* one more number */
+        memcpy(values, saved.data, saved.n_bytes);
+        c.tensors[i].n_dims = 1;
+        c.tensors[i].dims[0] = saved.n_bytes / (saved.dtype == NQM_F64 ? 8 : 4) + 1;
+        c.tensors[i].n_bytes += saved.dtype == NQM_F64 ? 8 : 4;
+        must_refuse(&c, name);
+        /* not there: of another name, so that this one is surplus */
+        c.tensors[i] = saved;
+        c.tensors[i].name = "layers.7.weigth";
+        must_refuse(&c, name);
+        c.tensors[i] = saved;
+        nqm_free(values);
+    }
+    c.tensors[c.n_tensors] = (nqm_tensor){.name = "extra", .dtype = NQM_U8, .n_dims = 1, .data = c.file};
+    c.n_tensors++;
+    must_refuse(&c, "'extra'");
+    close_contents(&c);
+}
+
+static void each_text_is_checked(void **state) {
+    (void)state;
+    contents c = open_contents();
+    for (size_t i = 0; i < c.n_meta; ++i) {
+        nqm_meta saved = c.meta[i];
+        c.meta[i].key = "other";
+        bool scalars = strcmp(saved.key, "scalars") == 0; /* without, the input is too wide */
+        must_refuse(&c, i == 0 ? "not an nqm model" : scalars ? "does not fit the layout" : saved.key);
+        c.meta[i] = saved;
+    }
+    static const struct {
+        size_t index;
+        const char *value, *says;
+    } bad[] = {{0, "nqm-dataset", "not an nqm model"},
+               {1, "2", "schema 2"},
+               {4, "three", "layout"},
+               {5, "", "target"},
+               {4, "ref_diff_absdiff", "does not fit the layout"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        nqm_meta saved = c.meta[bad[i].index];
+        c.meta[bad[i].index].value = bad[i].value;
+        must_refuse(&c, bad[i].says);
+        c.meta[bad[i].index] = saved;
+    }
+    close_contents(&c);
+}
+
+static void impossible_numbers(void **state) {
+    (void)state;
+    const float no_std[3] = {1, 0, 1}, no_scalar_std[NQM_SCALAR_COUNT] = {1};
+    const double flat[4] = {5, 2, 1, 1}, no_deviation[4] = {5, 0, -1, 1};
+    const struct {
+        const char *name;
+        const void *data;
+    } bad[] = {{"whitening.std", no_std}, {"target", flat}, {"target", no_deviation}, {"scalars.std", no_scalar_std}};
+    for (size_t i = 0; i < 3u + with_scalars; ++i) {
+        contents c = open_contents();
+        for (size_t k = 0; k < c.n_tensors; ++k)
+            if (strcmp(c.tensors[k].name, bad[i].name) == 0)
+                c.tensors[k].data = bad[i].data;
+        must_refuse(&c, bad[i].name);
+        close_contents(&c);
+    }
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    size_t n;
+    unsigned char *file = model_file(&n);
+    struct nqm_model *model = NULL;
+    nqm_status status = NQM_ERR_NOMEM;
+    long count = 0;
+    for (; status == NQM_ERR_NOMEM; ++count) {
+        assert_true(count < 100);
+        nqm_alloc_fail_after(count);
+        status = nqm_model_parse(file, n, "f", true, &model, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true((status == NQM_OK) == (model != NULL));
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(count > 8);
+    nqm_model_destroy(model);
+    nqm_free(file);
+}
+
+/* ---- what an output means ---------------------------------------------------------------------------------------- */
+
+static void jod_of_an_output(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    double delta_e;
+    assert_near(nqm_model_jod(model, 0, &delta_e), 5 + 2 * (-2 + 3.5 / 2), 1e-12);
+    assert_true(isnan(delta_e));
+    assert_near(nqm_model_jod(model, 1e9, NULL), 5 + 2 * 1.5, 1e-12);
+    assert_near(nqm_model_jod(model, -1e9, NULL), 5 - 2 * 2, 1e-12);
+    model->target = NQM_TARGET_LOG_DELTA_E;
+    model->target_mean = log(11.0372467041016), model->out_lo = -1,
+    model->out_hi = 1; /* a row of the authors' labels */
+    assert_near(nqm_model_jod(model, 0, &delta_e), 8.50837750985371, 1e-9);
+    assert_relative(delta_e, 11.0372467041016, 1e-12);
+    assert_true(nqm_model_jod(model, -1, NULL) > nqm_model_jod(model, 1, NULL));
+    nqm_model_destroy(model);
+    nqm_model_destroy(NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(unaligned_bytes),
+        cmocka_unit_test(damage),
+        cmocka_unit_test(each_tensor_is_checked),
+        cmocka_unit_test(each_text_is_checked),
+        cmocka_unit_test(impossible_numbers),
+        cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(jod_of_an_output),
+    };
+    int n_failed = cmocka_run_group_tests_name("samples", tests, NULL, NULL);
+    const struct CMUnitTest tests_with_scalars[] = {
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(each_tensor_is_checked),
+        cmocka_unit_test(each_text_is_checked),
+        cmocka_unit_test(impossible_numbers),
+    };
+    with_scalars = true;
+    return n_failed + cmocka_run_group_tests_name("with scalar features", tests_with_scalars, NULL, NULL);
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Models from files and from the library: opening, refusals that name the file, golden scores, the self-test.
+ */
+#include "metric/metric.h"
+#include "percept/percept.h"
+#include "support/check.h"
+#include "support/temp_file.h"
+
+#include <math.h>
+#include <nqm/train.h>
+#include <string.h>
+
+enum { N = 20 };
+
+static struct nqm_model *make_model(void) {
+    struct nqm_model *model = nqm_alloc(1, sizeof *model);
+    const nqm_net_shape shape = {2, {9 * N, 5, 1}};
+    assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
+    nqm_params_init(&model->params, 8);
+    nqm_directions_options options = nqm_directions_options_default();
+    options.n = N;
+    nqm_directions *directions;
+    assert_int_equal(nqm_directions_create(&options, 0, NULL, &directions, NULL), NQM_OK);
+    model->n_directions = N;
+    model->directions_deg = nqm_alloc(N, 3 * sizeof(double));
+    memcpy(model->directions_deg, nqm_directions_degrees(directions), N * 3 * sizeof(double));
+    nqm_directions_free(directions);
+    for (size_t k = 0; k < 3; ++k) {
+        model->mean[k] = 0.4f;
+        model->std[k] = 0.3f;
+    }
+    model->layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
+    model->difference_scale = 3;
+    model->target_mean = 8, model->target_std = 1;
+    model->out_lo = -4, model->out_hi = 2;
+    model->curve = nqm_curve_published;
+    model->id = nqm_strdup("small");
+    assert_int_equal(nqm_model_attach_directions(model, NULL), NQM_OK);
+    return model;
+}
+
+static void test_file_round_trip(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    nqm_model *loaded;
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    nqm_model_info info = nqm_model_get_info(loaded);
+    assert_string_equal(info.id, "small");
+    assert_int_equal(strlen(info.sha256), 64);
+    assert_string_equal(nqm_directions_id(info.directions), nqm_directions_id(nqm_model_get_info(model).directions));
+    float ref[3 * N], test[3 * N];
+    for (size_t i = 0; i < 3 * N; ++i) {
+        ref[i] = 0.1f * (float)i;
+        test[i] = 0.1f * (float)i + 0.01f;
+    }
+    double jod, again;
+    assert_int_equal(nqm_model_predict(model, 1, ref, test, &jod, NULL), NQM_OK);
+    assert_int_equal(nqm_model_predict(loaded, 1, ref, test, &again, NULL), NQM_OK);
+    assert_near(jod, again, 0);
+    nqm_model_free(loaded);
+    nqm_model_free(model);
+}
+
+static void test_golden_scores(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    nqm_model *loaded;
+    nqm_error err = {0};
+    assert_int_equal(nqm_golden_check(model, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "no golden scores"));
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
+    assert_non_null(strstr(loaded->golden, "\"jod\":"));
+    /* the check must see a change of anything in the chain */
+    loaded->std[1] *= 1.05f;
+    assert_int_equal(nqm_golden_check(loaded, &err), NQM_ERR_NUMERIC);
+    assert_non_null(strstr(err.message, "stored is"));
+    loaded->std[1] = model->std[1];
+    assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
+    loaded->difference_scale = 3.1;
+    assert_int_equal(nqm_golden_check(loaded, NULL), NQM_ERR_NUMERIC);
+    nqm_model_free(loaded);
+    nqm_model_free(model);
+}
+
+static void test_refusals_name_the_file(void **state) {
+    (void)state;
+    nqm_model *model;
+    nqm_error err = {0};
+    assert_int_equal(nqm_model_load("/nowhere/m.safetensors", &model, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, "/nowhere/m.safetensors"));
+    assert_null(model);
+    struct nqm_model *bad = make_model();
+    bad->directions_deg[4] = 95;
+    assert_int_equal(nqm_model_write(bad, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &model, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, temp_file));
+    assert_non_null(strstr(err.message, "direction 2"));
+    assert_null(model);
+    nqm_model_free(bad);
+}
+
+/* A model of scalar features that this library does not make is refused. */
+static void test_other_scalars(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    nqm_params_free(&model->params);
+    assert_int_equal(nqm_params_create(&(nqm_net_shape){2, {9 * N + NQM_SCALAR_COUNT, 5, 1}}, &model->params, NULL),
+                     NQM_OK);
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        model->scalar_std[i] = 1;
+    model->scalar_scale = 1;
+    model->scalar_names = nqm_scalar_names();
+    nqm_model *loaded;
+    nqm_error err = {0};
+    assert_int_equal(nqm_model_write(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    nqm_model_free(loaded);
+    model->scalar_names[0] = 'm';
+    assert_int_equal(nqm_model_write(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
+    assert_null(loaded);
+    assert_non_null(strstr(err.message, "scalar features"));
+    nqm_model_free(model);
+}
+
+static void test_builtin_models(void **state) {
+    (void)state;
+    nqm_model *model;
+    nqm_error err = {0};
+    assert_int_equal(nqm_model_builtin("no such model", &model, &err), NQM_ERR_MODEL);
+    assert_null(model);
+    assert_non_null(strstr(err.message, "no such model"));
+    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+        const char *name = nqm_model_builtin_name(i);
+        if (nqm_model_builtin(name, &model, &err) != NQM_OK)
+            fail_msg("%s", err.message);
+        nqm_model_info info = nqm_model_get_info(model);
+        assert_string_equal(info.id, name);
+        assert_int_equal(nqm_directions_count(info.directions), 500);
+        if (strcmp(name, "paper") == 0)
+            assert_int_equal(info.n_parameters, 4171125);
+        nqm_model_free(model);
+    }
+}
+
+typedef struct tally {
+    size_t n, n_failed;
+} tally;
+
+static void count_check(void *user, const char *name, int passed) {
+    tally *t = user;
+    ++t->n;
+    if (!passed) {
+        ++t->n_failed;
+        print_message("self-test failed: %s\n", name);
+    }
+}
+
+static void test_selftest(void **state) {
+    (void)state;
+    tally t = {0};
+    nqm_error err = {0};
+    nqm_status status = nqm_selftest(count_check, &t, &err);
+    if (status != NQM_OK)
+        fail_msg("%s", err.message);
+    assert_int_equal(t.n, 5 + 3 * nqm_model_builtin_count());
+    assert_int_equal(t.n_failed, 0);
+    assert_int_equal(nqm_selftest(NULL, NULL, NULL), NQM_OK);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_file_round_trip),        cmocka_unit_test(test_golden_scores),
+        cmocka_unit_test(test_refusals_name_the_file), cmocka_unit_test(test_other_scalars),
+        cmocka_unit_test(test_builtin_models),         cmocka_unit_test(test_selftest),
+    };
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
+}

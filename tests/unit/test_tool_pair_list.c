@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Lists of pairs: both forms, further columns and their types, order, faults with their places, running out of memory.
+ */
+#include "base/memory_test.h"
+#include "nqm/score/pair_list.h"
+#include "support/check.h"
+
+#include <string.h>
+
+static nqm_pair_list *parse(const char *text) {
+    nqm_pair_list *list;
+    nqm_error err = {0};
+    if (nqm_pair_list_parse(text, strlen(text), "list", &list, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return list;
+}
+
+static void assert_fault(const char *text, nqm_status status, const char *message) {
+    nqm_pair_list *list;
+    nqm_error err = {0};
+    assert_int_equal(nqm_pair_list_parse(text, strlen(text), "list", &list, &err), status);
+    assert_null(list);
+    if (!strstr(err.message, message))
+        fail_msg("'%s' lacks '%s'", err.message, message);
+}
+
+static void assert_cell(const nqm_pair_list *list, size_t row, size_t i, size_t column, const char *text, int is_json) {
+    const nqm_list_cell *cells;
+    assert_true(i < nqm_pair_list_cells(list, row, &cells));
+    assert_int_equal(cells[i].column, column);
+    assert_string_equal(cells[i].text, text);
+    assert_int_equal(cells[i].is_json, is_json);
+}
+
+static void test_csv(void **state) {
+    (void)state;
+    nqm_pair_list *list =
+        parse("\xef\xbb\xbfnote,Test,REFERENCE\r\n\"a, \"\"b\"\"\",t.binary,r\n,\"caf\xc3\xa9,1\",s\n");
+    assert_int_equal(nqm_pair_list_count(list), 2);
+    assert_int_equal(nqm_pair_list_columns(list), 3);
+    assert_string_equal(nqm_pair_list_column(list, 1), "Test");
+    assert_null(nqm_pair_list_column(list, 3));
+    const nqm_named_pair *pairs = nqm_pair_list_pairs(list);
+    assert_string_equal(pairs[0].ref, "r");
+    assert_string_equal(pairs[0].test, "t.binary");
+    assert_string_equal(pairs[1].ref, "s");
+    assert_string_equal(pairs[1].test, "caf\xc3\xa9,1");
+    assert_cell(list, 0, 0, 0, "a, \"b\"", 0);
+    assert_cell(list, 1, 0, 0, "", 0);
+    assert_cell(list, 1, 2, 2, "s", 0);
+    nqm_pair_list_free(list);
+    list = parse("reference,test\n");
+    assert_int_equal(nqm_pair_list_count(list), 0);
+    nqm_pair_list_free(list);
+}
+
+static void test_json_lines(void **state) {
+    (void)state;
+    nqm_pair_list *list = parse(" \n{\"test\":\"t\",\"reference\":\"r\",\"score\":8.1,\"n\":12,\"tags\":[1,\"b\"]}\n\n"
+                                "{\"reference\":\"caf\\u00e9\",\"test\":\"u\",\"extra\":null,\"score\":\"8\"}");
+    assert_int_equal(nqm_pair_list_count(list), 2);
+    assert_int_equal(nqm_pair_list_columns(list), 6);
+    assert_string_equal(nqm_pair_list_column(list, 0), "test");
+    assert_string_equal(nqm_pair_list_column(list, 5), "extra");
+    assert_string_equal(nqm_pair_list_pairs(list)[1].ref, "caf\xc3\xa9");
+    assert_cell(list, 0, 2, 2, "8.1", 1);
+    assert_cell(list, 0, 3, 3, "12", 1);
+    assert_cell(list, 0, 4, 4, "[1,\"b\"]", 1);
+    assert_cell(list, 1, 2, 5, "null", 1);
+    assert_cell(list, 1, 3, 2, "8", 0);
+    nqm_pair_list_free(list);
+}
+
+static void test_hash(void **state) {
+    (void)state;
+    nqm_pair_list *list = parse("reference,test\na,b\n");
+    /* printf 'reference,test\na,b\n' | sha256sum */
+    assert_string_equal(nqm_pair_list_sha256(list), "203ef345fb998f03d2d802473b9a24f0e7634f95f3d7a9ded5e3a18e26383be3");
+    nqm_pair_list_free(list);
+}
+
+static void test_faults(void **state) {
+    (void)state;
+    assert_fault("", NQM_ERR_FORMAT, "empty");
+    assert_fault("ref,test\na,b\n", NQM_ERR_FORMAT, "'reference'");
+    assert_fault("reference,tests\na,b\n", NQM_ERR_FORMAT, "'test'");
+    assert_fault("reference,test\na\n", NQM_ERR_FORMAT, "line 2");
+    assert_fault("{\"reference\":\"a\",\"test\":\"b\"}\n{\"reference\":\"a\"}\n", NQM_ERR_FORMAT, "line 2, byte 29");
+    assert_fault("\xef\xbb\xbf{\"reference\":\"a\"}", NQM_ERR_FORMAT, "line 1, byte 3");
+    assert_fault("{\"reference\":\"a\",\"test\":3}\n", NQM_ERR_FORMAT, "no string \"test\"");
+    assert_fault("{\"reference\":\"a\",\"test\":\"b\"}\n[1]\n", NQM_ERR_FORMAT, "line 2");
+    assert_fault("{\"reference\":\"a\",\"test\":\"b\"", NQM_ERR_FORMAT, "line 1");
+    assert_fault("{\"reference\":\"a\",\"test\":\"b\",\"test\":\"c\"}", NQM_ERR_FORMAT, "uplicate");
+    nqm_pair_list *list;
+    nqm_error err = {0};
+    assert_int_equal(nqm_pair_list_load("nowhere.csv", &list, &err), NQM_ERR_IO);
+    assert_null(list);
+}
+
+static void test_too_many_columns(void **state) {
+    (void)state;
+    size_t room = 40 * (size_t)(NQM_LIST_MAX_COLUMNS + 10), n = 0;
+    char *text = nqm_alloc(room, 1);
+    for (int i = 0; i < NQM_LIST_MAX_COLUMNS; ++i)
+        n += (size_t)snprintf(text + n, room - n, "{\"reference\":\"a\",\"test\":\"b\",\"x%d\":1}\n", i);
+    assert_fault(text, NQM_ERR_LIMIT, "line 1023");
+    nqm_free(text);
+}
+
+static void test_out_of_memory(void **state) {
+    (void)state;
+    static const char *const texts[] = {"reference,test,x\na,b,c\n", "{\"reference\":\"a\",\"test\":\"b\",\"x\":[1]}"};
+    for (size_t t = 0; t < 2; ++t) {
+        nqm_pair_list *list = NULL;
+        for (long n = 0; !list; ++n) {
+            nqm_alloc_fail_after(n);
+            nqm_status status = nqm_pair_list_parse(texts[t], strlen(texts[t]), "list", &list, NULL);
+            nqm_alloc_fail_after(-1);
+            assert_int_equal(status, list ? NQM_OK : NQM_ERR_NOMEM);
+            assert_true(n < 60);
+        }
+        nqm_pair_list_free(list);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_csv),    cmocka_unit_test(test_json_lines),       cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_faults), cmocka_unit_test(test_too_many_columns), cmocka_unit_test(test_out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

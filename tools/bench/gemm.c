@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The matrix products of the networks, one by one: layers forward, back to their input, and to their weights' gradient,
+ * from packed panels as training and scoring run them, and oneDNN's beside them.
+ */
+#include "bench/inside.h"
+#include "kernel/panel.h"
+
+#include <string.h>
+
+/* Layer 1 of both networks, and the layers that they share. The last layer has one output: no matrix product. */
+static const struct {
+    const char *model;
+    size_t layer, in, out;
+} layers[] = {{"paper", 1, 3000, 1024},
+              {"default", 1, 4500 + NQM_SCALAR_COUNT, 1024},
+              {"both", 2, 1024, 716},
+              {"both", 3, 716, 501}};
+
+typedef enum pass_kind { FORWARD, INPUT_GRADIENT, WEIGHT_GRADIENT, N_PASSES } pass_kind;
+static const char *const pass_names[] = {"forward", "input gradient", "weight gradient"};
+
+/* One product in one precision: C (m, n) = A (m, k) B (k, n), from memory of its own. */
+typedef struct job {
+    nqm_precision precision;
+    pass_kind pass;
+    size_t m, n, k;
+    float *x, *w, *c;     /* A or its transpose, B or its transpose, row-major; C */
+    nqm_panels panels;    /* B; the gradient */
+    uint32_t *rows;       /* A in units; of a weight gradient its transpose, and */
+    uint32_t *rows_right; /* B */
+    nqm_library_product *library;
+} job;
+
+/* ---- ours -------------------------------------------------------------------------------------------------------- */
+
+static void run_product(void *user) {
+    job *j = user;
+    nqm_multiply(&j->panels, j->m, j->rows, nqm_row_stride(j->panels.units), false, j->c, nqm_row_stride(j->n));
+}
+
+static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
+    job *j = user;
+    memcpy(nqm_panel_at(&j->panels, panel) + strip * NQM_STRIP * NQM_PANEL, tiles,
+           n_strips * NQM_STRIP * NQM_PANEL * sizeof *tiles);
+}
+
+/* A factor (k, n) of a weight gradient as training has it. */
+static nqm_columns columns_of(const job *j, size_t n, size_t width, const uint32_t *data) {
+    nqm_columns columns = nqm_columns_of(j->precision, width, j->k, n);
+    columns.data = data;
+    return columns;
+}
+
+static void run_gradient(void *user) {
+    job *j = user;
+    /* C (m, n) are weights (in, out); the sum runs over the batch. */
+    nqm_gradient_run(&(nqm_gradient){.precision = j->precision,
+                                     .m = j->k,
+                                     .k = j->m,
+                                     .n = j->n,
+                                     .x = columns_of(j, j->m, NQM_STRIP, j->rows),
+                                     .z = columns_of(j, j->n, NQM_PANEL, j->rows_right),
+                                     .sink = keep_tiles,
+                                     .user = j});
+}
+
+/* ---- oneDNN's sgemm ---------------------------------------------------------------------------------------------- */
+
+static void run_sgemm(void *user) {
+    const job *j = user;
+    const bool gradient = j->pass == WEIGHT_GRADIENT;
+    const nqm_gemm g = {.m = j->m,
+                        .n = j->n,
+                        .k = j->k,
+                        .alpha = 1,
+                        .trans_a = gradient,
+                        .trans_b = !gradient,
+                        .a = j->x,
+                        .b = j->w,
+                        .c = j->c,
+                        .lda = gradient ? j->m : j->k,
+                        .ldb = gradient ? j->n : j->k,
+                        .ldc = j->n};
+    nqm_library_sgemm(&g);
+}
+
+/* ---- making and racing them -------------------------------------------------------------------------------------- */
+
+static void fill_random(size_t n, float *x, uint64_t seed) {
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    for (size_t i = 0; i < n; ++i)
+        x[i] = (float)(nqm_rng_uniform(&rng) - 0.5);
+}
+
+static void fill_rows(job *j) {
+    const size_t stride = nqm_row_stride(j->panels.units);
+    for (size_t i = 0; i < j->m; ++i) {
+        uint32_t *row = j->rows + i * stride;
+        if (j->precision == NQM_PRECISION_F32)
+            memcpy(row, j->x + i * j->k, j->k * sizeof *j->x);
+        else if (j->precision == NQM_PRECISION_BF16)
+            nqm_round_row(j->k, j->x + i * j->k, row);
+        else
+            nqm_quantise_row(j->k, j->x + i * j->k, row);
+    }
+}
+
+static void free_job(job *j) {
+    nqm_free(j->x);
+    nqm_free(j->w);
+    nqm_free(j->c);
+    nqm_free(j->rows);
+    nqm_free(j->rows_right);
+    nqm_panels_free(&j->panels);
+    nqm_library_product_free(j->library);
+}
+
+static void fill_columns(const job *j, size_t n, size_t width, const float *x, uint32_t *to) {
+    const nqm_columns columns = columns_of(j, n, width, to);
+    for (size_t i = 0; i < j->k; i += 2)
+        if (j->precision == NQM_PRECISION_BF16)
+            nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, width, columns.step, to + i / 2 * width);
+        else {
+            memcpy(to + i * columns.ld, x + i * n, n * sizeof *x);
+            memcpy(to + (i + 1) * columns.ld, x + (i + 1) * n, n * sizeof *x);
+        }
+}
+
+static nqm_status make_job(job *j, nqm_error *err) {
+    const bool gradient = j->pass == WEIGHT_GRADIENT;
+    const nqm_library_shape shape = {j->m, j->n, j->k};
+    nqm_status status =
+        nqm_panels_create(gradient ? NQM_PRECISION_F32 : j->precision, gradient ? j->m : j->k, j->n, &j->panels, err);
+    if (status == NQM_OK)
+        status = nqm_library_product_create(j->precision, gradient, &shape, &j->library, err);
+    if (status != NQM_OK)
+        return status;
+    j->x = nqm_alloc(j->m * j->k, sizeof *j->x);
+    j->w = nqm_alloc(j->n * j->k, sizeof *j->w);
+    j->c = nqm_alloc(j->m * nqm_row_stride(j->n), sizeof *j->c);
+    j->rows = gradient ? nqm_alloc(nqm_columns_size(j->precision, NQM_STRIP, j->k, j->m), sizeof *j->rows)
+                       : nqm_alloc(j->m, nqm_row_stride(j->panels.units) * sizeof *j->rows);
+    if (gradient)
+        j->rows_right = nqm_alloc(nqm_columns_size(j->precision, NQM_PANEL, j->k, j->n), sizeof *j->rows_right);
+    if (!j->x || !j->w || !j->c || !j->rows || (gradient && !j->rows_right))
+        return nqm_fail_nomem(err, (j->m + j->n) * j->k * sizeof *j->x);
+    fill_random(j->m * j->k, j->x, 1);
+    fill_random(j->n * j->k, j->w, 2);
+    if (gradient) {
+        fill_columns(j, j->m, NQM_STRIP, j->x, j->rows);
+        fill_columns(j, j->n, NQM_PANEL, j->w, j->rows_right);
+    } else {
+        nqm_panels_pack(&j->panels, j->w, j->k);
+        fill_rows(j);
+    }
+    return NQM_OK;
+}
+
+static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {
+    nqm_contender contenders[3];
+    nqm_bench_entry entries[3];
+    size_t n = 0;
+    nqm_bench_entry entry = nqm_bench_entry_make("gemm", pass_names[j->pass]);
+    entry.row.model = layers[layer].model;
+    entry.row.layer = layers[layer].layer;
+    entry.row.batch = batch;
+    entry.row.m = j->m, entry.row.n = j->n, entry.row.k = j->k;
+    nqm_bench_entry_work(bench, &entry, j->precision, 2.0 * (double)j->m * (double)j->n * (double)j->k);
+    if (batch == 1)
+        nqm_bench_entry_reading(bench, &entry, j->panels.n_panels * j->panels.stride * NQM_PANEL * sizeof(uint32_t));
+    const struct {
+        const char *by;
+        void (*run)(void *);
+        void *user;
+    } ways[] = {{"nqm", j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
+                {"onednn", j->library ? nqm_library_product_run : NULL, j->library},
+                {"onednn sgemm", j->library && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
+        if (ways[i].run) {
+            contenders[n] = (nqm_contender){ways[i].run, ways[i].user};
+            entries[n] = entry;
+            entries[n++].row.by = ways[i].by;
+        }
+    return nqm_bench_race(bench, n, contenders, entries, err);
+}
+
+static nqm_status bench_product(nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch,
+                                nqm_error *err) {
+    const size_t in = layers[layer].in, out = layers[layer].out;
+    job j = {.precision = precision, .pass = pass};
+    j.m = pass == WEIGHT_GRADIENT ? in : batch;
+    j.n = pass == INPUT_GRADIENT ? in : out;
+    j.k = pass == FORWARD ? in : pass == INPUT_GRADIENT ? out : batch;
+    nqm_status status = make_job(&j, err);
+    if (status == NQM_OK)
+        status = race_job(bench, &j, layer, batch, err);
+    free_job(&j);
+    return status;
+}
+
+/* Layer 1 needs no gradient of its input, bytes are for scoring, and only scoring has other batches. */
+static bool is_needed(const nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch) {
+    if (pass == INPUT_GRADIENT && layers[layer].layer == 1)
+        return false;
+    if (!nqm_bench_wants(bench, precision) || (bench->options.quick && layers[layer].layer != 3))
+        return false;
+    return pass == FORWARD || (precision != NQM_PRECISION_INT8 && batch == 512);
+}
+
+nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err) {
+    static const size_t batches[] = {512, 180, 1};
+    bench->done = bench->total = 0;
+    nqm_status status = NQM_OK;
+    for (int counting = 1; counting >= 0; --counting)
+        for (size_t b = 0; b < 3; ++b)
+            for (size_t layer = 0; layer < sizeof layers / sizeof *layers; ++layer)
+                for (pass_kind pass = FORWARD; pass < N_PASSES; ++pass)
+                    for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p) {
+                        if (!is_needed(bench, layer, pass, p, batches[b]))
+                            continue;
+                        if (counting)
+                            bench->total += (double)bench->options.rounds;
+                        else
+                            status = bench_product(bench, layer, pass, p, batches[b], err);
+                    }
+    return status;
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * From a file to samples at a model's directions, with the file in memory and with its pages dropped; and whole
+ * commands, from their start to their end.
+ */
+#include "bench/inside.h"
+#include "math/math.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+typedef struct load_job {
+    const char *path;
+    int fd; /* of the same file, to drop its pages; -1: it is no file */
+    const nqm_directions *directions;
+    float *rgb; /* (n_directions, 3) */
+    nqm_status status;
+    nqm_error err;
+} load_job;
+
+static void run_load(void *user) {
+    load_job *j = user;
+    nqm_brdf *brdf;
+    if (j->status != NQM_OK)
+        return;
+    j->status = nqm_brdf_open(j->path, &brdf, &j->err);
+    if (j->status == NQM_OK)
+        j->status = nqm_sample(brdf, j->directions, NQM_INVALID_DROP, j->rgb, NULL, NULL, &j->err);
+    nqm_brdf_free(brdf);
+}
+
+/* One call a round, each after its pages were dropped; that takes no part of the time. */
+static nqm_status race_cold(nqm_bench *bench, load_job *job, const nqm_bench_entry *entry, nqm_error *err) {
+    const size_t rounds = bench->options.rounds;
+    double *seconds = nqm_alloc(rounds, sizeof *seconds);
+    if (!seconds)
+        return nqm_fail_nomem(err, rounds * sizeof *seconds);
+    nqm_status status = NQM_OK;
+    double cpu_s = 0;
+    for (size_t i = 0; i < rounds && status == NQM_OK; ++i) {
+        posix_fadvise(job->fd, 0, 0, POSIX_FADV_DONTNEED);
+        double cpu_begin = nqm_process_clock_s(), begin = nqm_clock_s();
+        run_load(job);
+        seconds[i] = nqm_clock_s() - begin;
+        cpu_s += nqm_process_clock_s() - cpu_begin;
+        status = nqm_bench_step(bench, "load", err);
+    }
+    if (status == NQM_OK)
+        status = nqm_bench_add_times(bench, entry, rounds, seconds, cpu_s, err);
+    nqm_free(seconds);
+    return status;
+}
+
+static nqm_status bench_file(nqm_bench *bench, load_job *job, const char *name, nqm_error *err) {
+    struct stat facts;
+    nqm_bench_entry entry = nqm_bench_entry_make("load", "warm");
+    entry.row.threads = 1;
+    entry.row.subject = nqm_bench_keep_text(bench, name);
+    if (!entry.row.subject)
+        return nqm_fail_nomem(err, strlen(name));
+    if (job->fd >= 0 && fstat(job->fd, &facts) == 0)
+        entry.row.megabytes = 1e-6 * (double)facts.st_size;
+    const nqm_contender contender = {run_load, job};
+    nqm_status status = nqm_bench_race(bench, 1, &contender, &entry, err);
+    entry.row.name = "cold";
+    if (status == NQM_OK && job->fd >= 0 && job->status == NQM_OK)
+        status = race_cold(bench, job, &entry, err);
+    if (status == NQM_OK && job->status != NQM_OK) {
+        status = job->status;
+        if (err)
+            *err = job->err;
+    }
+    return status;
+}
+
+/* ---- a MERL table ------------------------------------------------------------------------------------------------ */
+
+static const char merl_spec[] = "ggx:kd=.2,.1,.05;ks=.5;alpha=.1;f0=.1";
+
+/* Write a table and leave nothing but an open file without a name; its path under /proc leads there as any path does,
+ * and whatever ends this process ends the file. */
+static nqm_status make_merl(nqm_bench *bench, const char *folder, int *fd_ret, nqm_error *err) {
+    *fd_ret = -1;
+    const size_t n = strlen(folder) + 32;
+    char *path = nqm_alloc(n, 1);
+    nqm_brdf *brdf = NULL;
+    if (!path)
+        return nqm_fail_nomem(err, n);
+    snprintf(path, n, "%s/nqm-bench-%ld.binary", folder, (long)getpid());
+    nqm_status status = nqm_brdf_open(merl_spec, &brdf, err);
+    if (status == NQM_OK)
+        status = nqm_brdf_write_merl(brdf, path, bench->options.progress, bench->options.progress_user, err);
+    if (status == NQM_OK) {
+        *fd_ret = open(path, O_RDONLY | O_CLOEXEC);
+        if (*fd_ret < 0)
+            status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
+        unlink(path);
+    }
+    nqm_brdf_free(brdf);
+    nqm_free(path);
+    return status;
+}
+
+static nqm_status bench_merl(nqm_bench *bench, const load_job *like, const char *folder, nqm_error *err) {
+    char path[64];
+    load_job job = *like;
+    nqm_status status = make_merl(bench, folder, &job.fd, err);
+    if (status != NQM_OK)
+        return status;
+    snprintf(path, sizeof path, "/proc/self/fd/%d", job.fd);
+    job.path = path;
+    status = bench_file(bench, &job, "MERL table", err);
+    close(job.fd);
+    return status;
+}
+
+nqm_status nqm_bench_load(nqm_bench *bench, const nqm_directions *directions, const char *folder, size_t n_files,
+                          const char *const *files, nqm_error *err) {
+    load_job job = {.directions = directions};
+    bench->done = 0;
+    bench->total = (double)(2 * bench->options.rounds * (n_files + 1));
+    job.rgb = nqm_alloc(nqm_directions_count(directions), 3 * sizeof *job.rgb);
+    if (!job.rgb)
+        return nqm_fail_nomem(err, nqm_directions_count(directions) * 3 * sizeof *job.rgb);
+    nqm_status status = folder ? bench_merl(bench, &job, folder, err) : NQM_OK;
+    for (size_t i = 0; i < n_files && status == NQM_OK; ++i) {
+        const char *slash = strrchr(files[i], '/');
+        job.path = files[i];
+        job.fd = open(files[i], O_RDONLY | O_CLOEXEC);
+        status = bench_file(bench, &job, slash ? slash + 1 : files[i], err);
+        if (job.fd >= 0)
+            close(job.fd);
+    }
+    nqm_free(job.rgb);
+    return status;
+}
+
+/* ---- commands ---------------------------------------------------------------------------------------------------- */
+
+typedef struct command_job {
+    const char *const *argv;
+    bool failed;
+} command_job;
+
+static void run_command(void *user) {
+    command_job *j = user;
+    extern char **environ;
+    posix_spawn_file_actions_t actions;
+    pid_t child;
+    int how;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    bool ok = posix_spawn(&child, j->argv[0], &actions, NULL, (char *const *)(uintptr_t)j->argv, environ) == 0;
+    posix_spawn_file_actions_destroy(&actions);
+    while (ok && waitpid(child, &how, 0) < 0 && errno == EINTR)
+        ;
+    j->failed = j->failed || !ok || !WIFEXITED(how) || WEXITSTATUS(how) != 0;
+}
+
+nqm_status nqm_bench_command(nqm_bench *bench, const char *name, const char *const *argv, nqm_error *err) {
+    command_job job = {.argv = argv};
+    nqm_bench_entry entry = nqm_bench_entry_make("load", "start to end");
+    entry.row.subject = nqm_bench_keep_text(bench, name);
+    if (!entry.row.subject)
+        return nqm_fail_nomem(err, strlen(name));
+    const nqm_contender contender = {run_command, &job};
+    nqm_status status = nqm_bench_race(bench, 1, &contender, &entry, err);
+    if (status == NQM_OK && job.failed)
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be run, or fails", argv[0]);
+    return status;
+}

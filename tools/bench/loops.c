@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Loops that reach what the processor can do: multiply and add on independent sums that stay in registers, and reading
+ * memory in order. Each is compiled for its instruction set; the table at the end says which kernels use which.
+ */
+#include "bench/inside.h"
+
+#include <string.h>
+#if defined __x86_64__
+#include <immintrin.h>
+#elif defined __aarch64__
+#include <arm_neon.h>
+#endif
+
+#define UNROLL     _Pragma("GCC unroll 24")
+#define FOR(ISA)   __attribute__((noinline, target(ISA)))
+#define ANY_TARGET __attribute__((noinline))
+
+/* NOLINTBEGIN(bugprone-macro-parentheses): types and attributes cannot stand in parentheses */
+
+/* SUMS chains: as many as the latency of the instruction times its rate needs, and no more than registers; begun from
+ * different places, lest the compiler see that they are one. */
+#define DEFINE_PEAK(NAME, ATTRIBUTE, SUMS, VECTOR, LOAD, STEP)                                                         \
+    ATTRIBUTE static float NAME(size_t n, const uint32_t *seed) {                                                      \
+        VECTOR sum[SUMS], stored[SUMS];                                                                                \
+        UNROLL for (int i = 0; i < SUMS; ++i) sum[i] = LOAD(seed + i);                                                 \
+        const VECTOR x = LOAD(seed), y = LOAD(seed + 16);                                                              \
+        for (size_t k = 0; k < n; ++k)                                                                                 \
+            UNROLL for (int i = 0; i < SUMS; ++i) sum[i] = STEP(sum[i], x, y);                                         \
+        UNROLL for (int i = 0; i < SUMS; ++i) stored[i] = sum[i];                                                      \
+        float total = 0;                                                                                               \
+        for (size_t i = 0; i < sizeof stored / (sizeof(float)); ++i) {                                                 \
+            float value;                                                                                               \
+            memcpy(&value, (const char *)stored + i * sizeof value, sizeof value);                                     \
+            total += value;                                                                                            \
+        }                                                                                                              \
+        return total;                                                                                                  \
+    }
+
+#define DEFINE_READ(NAME, ATTRIBUTE, VECTOR_BYTES)                                                                     \
+    ATTRIBUTE static uint64_t NAME(size_t n_bytes, const void *data) {                                                 \
+        typedef uint64_t vector __attribute__((vector_size(VECTOR_BYTES), may_alias));                                 \
+        const vector *from = data, *end = from + n_bytes / VECTOR_BYTES;                                               \
+        vector sum[4] = {{0}};                                                                                         \
+        for (; from < end; from += 8)                                                                                  \
+            UNROLL for (int i = 0; i < 8; ++i) sum[i % 4] ^= from[i];                                                  \
+        sum[0] ^= sum[1] ^ sum[2] ^ sum[3];                                                                            \
+        uint64_t total = 0;                                                                                            \
+        for (size_t i = 0; i < VECTOR_BYTES / sizeof total; ++i)                                                       \
+            total ^= sum[0][i];                                                                                        \
+        return total;                                                                                                  \
+    }
+
+/* NOLINTEND(bugprone-macro-parentheses) */
+
+typedef float vector_4f __attribute__((vector_size(16), may_alias, aligned(4)));
+DEFINE_READ(read_generic, ANY_TARGET, 16)
+
+#if defined __x86_64__
+#define LOAD_128(p)            (*(const vector_4f *)(const void *)(p))
+#define STEP_SSE2(sum, x, y)   ((sum) * (x) + (y))
+#define LOAD_256(p)            _mm256_loadu_ps((const float *)(const void *)(p))
+#define STEP_AVX2(sum, x, y)   _mm256_fmadd_ps(sum, x, y)
+#define LOAD_512(p)            _mm512_loadu_ps(p)
+#define STEP_AVX512(sum, x, y) _mm512_fmadd_ps(sum, x, y)
+#define LOAD_512I(p)           _mm512_loadu_si512(p)
+#define STEP_INT8(sum, x, y)   _mm512_dpbusd_epi32(sum, x, y)
+#define STEP_BF16(sum, x, y)   _mm512_dpbf16_ps(sum, (__m512bh)(x), (__m512bh)(y))
+#define AVX512                 "avx512f,avx512bw,avx512dq,avx512vl"
+DEFINE_PEAK(peak_f32_sse2, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_SSE2)
+DEFINE_PEAK(peak_f32_avx2, FOR("avx2,fma"), 12, __m256, LOAD_256, STEP_AVX2)
+DEFINE_PEAK(peak_f32_avx512, FOR(AVX512), 24, __m512, LOAD_512, STEP_AVX512)
+DEFINE_PEAK(peak_bf16_avx512, FOR(AVX512 ",avx512bf16"), 24, __m512, LOAD_512, STEP_BF16)
+DEFINE_PEAK(peak_int8_avx512, FOR(AVX512 ",avx512vnni"), 24, __m512i, LOAD_512I, STEP_INT8)
+DEFINE_READ(read_avx2, FOR("avx2"), 32)
+DEFINE_READ(read_avx512, FOR(AVX512), 64)
+#elif defined __aarch64__
+#define LOAD_NEON(p)         vld1q_f32((const float *)(const void *)(p))
+#define STEP_NEON(sum, x, y) vfmaq_f32(y, sum, x)
+DEFINE_PEAK(peak_f32_neon, ANY_TARGET, 24, float32x4_t, LOAD_NEON, STEP_NEON)
+#else
+#define LOAD_128(p)         (*(const vector_4f *)(const void *)(p))
+#define STEP_ANY(sum, x, y) ((sum) * (x) + (y))
+DEFINE_PEAK(peak_f32_any, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_ANY)
+#endif
+
+/* Which loops show what a table of kernels could reach; the last line is for all others. */
+static const struct {
+    const char *kernels;
+    nqm_peak_loop peak[NQM_PRECISION_COUNT];
+    nqm_read_loop read;
+} table[] = {
+#if defined __x86_64__
+    {"avx512+bf16",
+     {{peak_f32_avx512, 2 * 24 * 16}, {peak_bf16_avx512, 2 * 24 * 32}, {peak_int8_avx512, 2 * 24 * 64}},
+     read_avx512},
+    {"avx512", {{peak_f32_avx512, 2 * 24 * 16}}, read_avx512},
+    {"avx2", {{peak_f32_avx2, 2 * 12 * 8}}, read_avx2},
+    {"", {{peak_f32_sse2, 2 * 12 * 4}}, read_generic},
+#elif defined __aarch64__
+    {"", {{peak_f32_neon, 2 * 24 * 4}}, read_generic},
+#else
+    {"", {{peak_f32_any, 2 * 12 * 4}}, read_generic},
+#endif
+};
+
+static size_t find(const char *kernels) {
+    size_t i = 0;
+    while (i + 1 < sizeof table / sizeof *table && strcmp(table[i].kernels, kernels) != 0)
+        ++i;
+    return i;
+}
+
+nqm_peak_loop nqm_peak_loop_find(const char *kernels, nqm_precision precision) {
+    return table[find(kernels)].peak[precision];
+}
+
+nqm_read_loop nqm_read_loop_find(const char *kernels) {
+    return table[find(kernels)].read;
+}

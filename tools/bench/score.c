@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Scoring: the packed network alone, and the chain from sampled pairs to JOD, for one pair and for many, each pair with a
+ * reference of its own or nine tests with each. The network keeps what the last reference gave it, so successive calls
+ * bring others.
+ */
+#include "bench/inside.h"
+#include "kernel/panel.h"
+#include "metric/metric.h"
+#include "net/inference.h"
+#include "train/train.h"
+
+#include <string.h>
+
+enum { N_REFS = 64, TESTS_PER_REF = 9, TURNS = 3 /* sets of references that calls alternate between */ };
+
+/* Pairs to score, as samples (for the chain) and as inputs of the network. */
+typedef struct material_pairs {
+    size_t n, n_values, stride;
+    float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours differ */
+    float *x;          /* (n, stride) the same as inputs */
+    float *x_shared;   /* (n, stride) the same with TESTS_PER_REF neighbours of one reference */
+} material_pairs;
+
+/* One way to score a batch. */
+typedef struct job {
+    const material_pairs *pairs;
+    nqm_inference_work *work;
+    nqm_predictor *predictor;
+    size_t batch, turn;
+    bool shared;
+    float *z;    /* (batch) */
+    double *jod; /* (batch) */
+} job;
+
+enum { MAX_BATCH = NQM_PREDICT_BATCH };
+
+static void run_network(void *user) {
+    job *j = user;
+    const material_pairs *p = j->pairs;
+    const size_t turn = j->turn++ % TURNS;
+    const float *x = j->shared ? p->x_shared + turn * TESTS_PER_REF * p->stride : p->x + turn * p->stride;
+    nqm_inference_run(j->work, j->batch, x, p->stride, j->z);
+}
+
+static void run_chain(void *user) {
+    job *j = user;
+    const material_pairs *p = j->pairs;
+    const size_t first = j->turn++ % TURNS;
+    const float *ref[MAX_BATCH], *test[MAX_BATCH];
+    for (size_t i = 0; i < j->batch; ++i) {
+        ref[i] = p->ref + (first + (j->shared ? i / TESTS_PER_REF : i)) * p->n_values;
+        test[i] = p->test + (first + i) * p->n_values;
+    }
+    nqm_predictor_run(j->predictor, &(nqm_sampled_pairs){.n = j->batch, .ref = ref, .test = test}, j->jod, NULL);
+}
+
+/* ---- pairs ------------------------------------------------------------------------------------------------------- */
+
+static void free_pairs(material_pairs *p) {
+    nqm_free(p->ref);
+    nqm_free(p->test);
+    nqm_free(p->x);
+    nqm_free(p->x_shared);
+}
+
+/* Inputs do not have to come from the pairs for the network alone: it takes as long for any numbers. */
+static void fill_inputs(material_pairs *p, size_t n_in, size_t n_ref) {
+    nqm_rng rng = nqm_rng_make(2, 0);
+    for (size_t i = 0; i < p->n; ++i)
+        for (size_t k = 0; k < n_in; ++k)
+            p->x[i * p->stride + k] = (float)nqm_rng_normal(&rng);
+    for (size_t i = 0; i < p->n; ++i) {
+        float *x = p->x_shared + i * p->stride;
+        memcpy(x, p->x + i * p->stride, n_in * sizeof *x);
+        memcpy(x, p->x + i / TESTS_PER_REF * p->stride, n_ref * sizeof *x);
+    }
+}
+
+static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_error *err) {
+    nqm_dataset *d;
+    nqm_status status = nqm_bench_pairs(N_REFS, model->directions, &d, err);
+    if (status != NQM_OK)
+        return status;
+    const size_t n_in = model->params.shape.sizes[0];
+    *p = (material_pairs){
+        .n = MAX_BATCH + TURNS * TESTS_PER_REF, .n_values = 3 * model->n_directions, .stride = nqm_row_stride(n_in)};
+    p->ref = nqm_alloc(p->n, p->n_values * sizeof *p->ref);
+    p->test = nqm_alloc(p->n, p->n_values * sizeof *p->test);
+    p->x = nqm_alloc(p->n, p->stride * sizeof *p->x);
+    p->x_shared = nqm_alloc(p->n, p->stride * sizeof *p->x_shared);
+    if (!p->ref || !p->test || !p->x || !p->x_shared) {
+        status = nqm_fail_nomem(err, p->n * (p->stride + 2 * p->n_values) * sizeof *p->x);
+    } else {
+        const size_t tests_per_ref = d->n_pairs / d->n_refs;
+        for (size_t i = 0; i < p->n; ++i) {
+            const size_t ref = i % N_REFS, test = ref * tests_per_ref + i / N_REFS;
+            memcpy(p->ref + i * p->n_values, d->ref_rgb + ref * p->n_values, p->n_values * sizeof *p->ref);
+            memcpy(p->test + i * p->n_values, d->test_rgb + test * p->n_values, p->n_values * sizeof *p->test);
+        }
+        fill_inputs(p, n_in, p->n_values);
+    }
+    nqm_dataset_free(d);
+    return status;
+}
+
+/* ---- timing ------------------------------------------------------------------------------------------------------ */
+
+static void free_job(job *j) {
+    nqm_inference_work_free(j->work);
+    nqm_predictor_free(j->predictor);
+    nqm_free(j->z);
+    nqm_free(j->jod);
+}
+
+static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precision, nqm_error *err) {
+    const nqm_inference_net *net;
+    nqm_status status = nqm_model_inference(model, precision, &net, err);
+    if (status == NQM_OK)
+        status = nqm_inference_work_create(net, j->batch, &j->work, err);
+    if (status == NQM_OK)
+        status = nqm_predictor_create(model, precision, j->batch, &j->predictor, err);
+    if (status != NQM_OK)
+        return status;
+    j->z = nqm_alloc(j->batch, sizeof *j->z);
+    j->jod = nqm_alloc(j->batch, sizeof *j->jod);
+    return j->z && j->jod ? NQM_OK : nqm_fail_nomem(err, j->batch * sizeof *j->jod);
+}
+
+/* The work of a batch: multiply-adds, less what shared references save, and the weights' bytes. */
+static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const job *j, nqm_precision precision,
+                                const char *name, const char *id) {
+    const nqm_net_shape *shape = &model->params.shape;
+    double n_weights = 0;
+    for (size_t l = 0; l < shape->n_layers; ++l)
+        n_weights += (double)shape->sizes[l] * (double)shape->sizes[l + 1];
+    double mac = n_weights * (double)j->batch;
+    const size_t n_refs = j->shared ? (j->batch + TESTS_PER_REF - 1) / TESTS_PER_REF : j->batch;
+    mac -= (double)(j->batch - n_refs) * (double)(3 * model->n_directions) * (double)shape->sizes[1];
+    nqm_bench_entry entry = nqm_bench_entry_make("score", name);
+    entry.row.model = id;
+    entry.row.batch = j->batch;
+    nqm_bench_entry_work(bench, &entry, precision, 2 * mac);
+    nqm_bench_entry_reading(bench, &entry, (size_t)n_weights * sizeof(float) >> precision);
+    return entry;
+}
+
+static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const material_pairs *pairs, size_t batch,
+                              nqm_precision precision, nqm_error *err) {
+    job own = {.pairs = pairs, .batch = batch}, shared = {.pairs = pairs, .batch = batch, .shared = true};
+    nqm_status status = make_job(&own, model, precision, err);
+    if (status == NQM_OK)
+        status = make_job(&shared, model, precision, err);
+    const char *id = nqm_bench_keep_text(bench, model->id); /* rows outlive the model */
+    if (status == NQM_OK && !id)
+        status = nqm_fail_nomem(err, strlen(model->id));
+    if (status == NQM_OK) {
+        const nqm_contender contenders[] = {
+            {run_network, &own}, {run_chain, &own}, {run_network, &shared}, {run_chain, &shared}};
+        nqm_bench_entry entries[] = {
+            describe(bench, model, &own, precision, "network", id),
+            describe(bench, model, &own, precision, "samples to JOD", id),
+            describe(bench, model, &shared, precision, "network, 9 tests a reference", id),
+            describe(bench, model, &shared, precision, "samples to JOD, 9 tests a reference", id)};
+        entries[2].alternative = entries[3].alternative = 2;
+        status = nqm_bench_race(bench, batch == TESTS_PER_REF || batch == MAX_BATCH ? 4 : 2, contenders, entries, err);
+    }
+    free_job(&own);
+    free_job(&shared);
+    return status;
+}
+
+nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *err) {
+    static const size_t batches[] = {1, TESTS_PER_REF, 180, MAX_BATCH};
+    const size_t n_batches = bench->options.quick ? 2 : 4;
+    material_pairs pairs;
+    nqm_status status = nqm_bench_take_memory(bench, err);
+    if (status == NQM_OK)
+        status = make_pairs(&pairs, model, err);
+    if (status != NQM_OK)
+        return status;
+    bench->done = 0;
+    bench->total = (double)(n_batches * bench->options.rounds * (size_t)NQM_PRECISION_COUNT);
+    for (size_t b = 0; b < n_batches; ++b)
+        for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p)
+            if (nqm_bench_wants(bench, p))
+                status = bench_batch(bench, model, &pairs, batches[b], p, err);
+    free_pairs(&pairs);
+    return status;
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Training as users get it, nqm_train(), on as many pairs as the paper's: 3,340, of which a fifth is for validation and the
+ * rest is doubled by scaled copies, so 5,344 and 668. The peaks are measured between the epochs; that time is left out.
+ */
+#include "train/train.h"
+#include "bench/inside.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N_REFS = 334, N_REFS_QUICK = 12 };
+
+/* Multiply-adds of one pair: forward, and with both ways back; layer 1 needs no gradient of its input. */
+typedef struct net_work {
+    double forward, training;
+} net_work;
+
+static net_work count_work(const nqm_train_options *o, size_t n_directions) {
+    size_t in = (o->layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions + (o->scalars ? NQM_SCALAR_COUNT : 0);
+    net_work work = {0, 0};
+    for (size_t layer = 0; layer <= o->n_hidden; ++layer) {
+        const size_t out = layer < o->n_hidden ? o->hidden[layer] : 1;
+        const double n = (double)in * (double)out;
+        work.forward += n;
+        work.training += layer == 0 ? 2 * n : 3 * n;
+        in = out;
+    }
+    return work;
+}
+
+/* What happens between epochs: a look at the meters, whose time is taken off. */
+typedef struct watch {
+    nqm_bench *bench;
+    nqm_bench_entry *entry;
+    double last_s, cpu_s, away_s, away_cpu_s;
+    double *epoch_s; /* (epochs) */
+    double validation_loss, train_loss;
+} watch;
+
+static void look(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
+    (void)lr_first;
+    watch *w = user;
+    const double now = nqm_clock_s(), cpu = nqm_process_clock_s();
+    w->epoch_s[epoch - 1] = now - w->last_s;
+    w->train_loss = train_loss;
+    w->validation_loss = validation_loss;
+    nqm_bench_sample(w->bench, w->entry->peak);
+    if (w->entry->peak_f32 != w->entry->peak)
+        nqm_bench_sample(w->bench, w->entry->peak_f32);
+    w->last_s = nqm_clock_s();
+    w->away_s += w->last_s - now;
+    w->away_cpu_s += nqm_process_clock_s() - cpu;
+}
+
+static void fill_row(nqm_bench_row *row, const nqm_train_options *o, const nqm_train_report *report, watch *w,
+                     double seconds, double cpu_s) {
+    row->model = o->recipe;
+    row->batch = o->batch;
+    row->epochs = o->epochs;
+    row->seed = (size_t)o->seed;
+    row->pairs = report->n_train;
+    row->seconds = seconds;
+    row->cpu_share = cpu_s / seconds / (double)row->threads;
+    const double epochs = (double)o->epochs;
+    row->seconds_median = epochs * nqm_quantile(o->epochs, w->epoch_s, 0.5);
+    row->best_epoch_seconds = w->epoch_s[0]; /* sorted now */
+    row->seconds_worst = epochs * w->epoch_s[o->epochs - 1];
+    if (o->epochs != 100)
+        row->seconds_100 = seconds / epochs * 100;
+    row->train_loss = w->train_loss;
+    row->validation_loss = w->validation_loss;
+}
+
+static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_train_options *o, nqm_error *err) {
+    const net_work work = count_work(o, dataset->n_directions);
+    nqm_bench_entry entry = nqm_bench_entry_make("train", "training");
+    watch w = {.bench = bench, .entry = &entry, .epoch_s = nqm_alloc(o->epochs, sizeof(double))};
+    if (!w.epoch_s)
+        return nqm_fail_nomem(err, o->epochs * sizeof(double));
+    nqm_bench_entry_work(bench, &entry, o->precision, 0);
+    o->epoch_done = look;
+    o->epoch_user = &w;
+    nqm_model *model;
+    nqm_train_report report;
+    nqm_bench_release_memory(bench);
+    nqm_reset_peak_memory();
+    const double cpu_begin = nqm_process_clock_s(), begin = nqm_clock_s();
+    w.last_s = begin;
+    nqm_status status = nqm_train(dataset, o, &model, &report, err);
+    const double seconds = nqm_clock_s() - begin - w.away_s, cpu_s = nqm_process_clock_s() - cpu_begin - w.away_cpu_s;
+    entry.row.max_rss_mb = nqm_peak_memory_mb();
+    if (status == NQM_OK) {
+        entry.row.gflop = 2e-9 * (double)o->epochs *
+                          ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
+        fill_row(&entry.row, o, &report, &w, seconds, cpu_s);
+        status = nqm_bench_add(bench, &entry, err);
+    }
+    nqm_model_free(model);
+    nqm_free(w.epoch_s);
+    return status;
+}
+
+nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, size_t n_seeds, nqm_error *err) {
+    nqm_train_options o;
+    nqm_directions *directions;
+    nqm_dataset *dataset = NULL;
+    nqm_status status = nqm_train_options_recipe(recipe, &o, err);
+    if (status == NQM_OK)
+        status = nqm_directions_create(NULL, 0, NULL, &directions, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_bench_pairs(bench->options.quick ? N_REFS_QUICK : N_REFS, directions, &dataset, err);
+    nqm_directions_free(directions);
+    if (status != NQM_OK)
+        return status;
+    o.balance = 0;
+    o.epochs = epochs ? epochs : o.epochs;
+    o.progress = bench->options.progress;
+    o.progress_user = bench->options.progress_user;
+    for (o.seed = 1; o.seed <= n_seeds && status == NQM_OK; ++o.seed)
+        for (o.precision = NQM_PRECISION_F32; o.precision <= NQM_PRECISION_BF16 && status == NQM_OK; ++o.precision)
+            if (nqm_bench_wants(bench, o.precision))
+                status = train_once(bench, dataset, &o, err);
+    nqm_dataset_free(dataset);
+    return status;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * draw.h - how the parts of a sheet (sheet.h) are drawn with cairo: labels, frames, series, maps, bars, tables. Lengths
+ * are CSS pixels, y points down.
+ */
+#ifndef NQM_SRC_PLOT_DRAW_H
+#define NQM_SRC_PLOT_DRAW_H
+
+#include "figures/lettering.h"
+#include "figures/sheet.h"
+
+enum { NQM_FONT = 13, NQM_SMALL_FONT = 11, NQM_TITLE_FONT = 15, NQM_LINE_STEP = 18, NQM_STYLES = 8 };
+
+typedef struct nqm_box {
+    double x, y, width, height;
+} nqm_box;
+
+/** Draw with the colour of a style, or with a grey (0 black, 1 white). */
+void nqm_draw_colour(cairo_t *cr, size_t style, double alpha);
+void nqm_draw_grey(cairo_t *cr, double level);
+
+/** The style of a group of bars: light ones, on which intervals are seen. */
+size_t nqm_bar_style(size_t group);
+
+/** Text with "_{..}" and "^{..}"; its width, and the text with its baseline at y. */
+double nqm_label_width(const char *text, double size);
+void nqm_label_draw(cairo_t *cr, double x, double y, nqm_align align, double size, const char *text);
+
+/** What ticks, labels and title leave of a box; x or y NULL: no such axis. */
+nqm_box nqm_frame_inner(nqm_box outer, const char *title, const nqm_axis *x, const nqm_axis *y);
+/** Grid, frame, ticks, labels and title around that. */
+void nqm_frame_draw(cairo_t *cr, nqm_box inner, const char *title, const nqm_axis *x, const nqm_axis *y);
+/** How many labels fit beside each other, and above each other. */
+size_t nqm_ticks_across(double width);
+size_t nqm_ticks_down(double height);
+
+/** Where a point stands on the paper; false: nowhere. */
+typedef bool (*nqm_place_fn)(const void *user, double x, double y, double *across, double *down);
+void nqm_series_draw(cairo_t *cr, const nqm_series *series, nqm_place_fn place, const void *user);
+/** One sample of a series in the legend, in the middle of a box. */
+void nqm_series_sample(cairo_t *cr, const nqm_series *series, nqm_box box);
+
+void nqm_chart_draw(cairo_t *cr, nqm_box box, const nqm_chart *chart);
+void nqm_polar_draw(cairo_t *cr, nqm_box box, const nqm_chart *chart);
+void nqm_heat_draw(cairo_t *cr, nqm_box box, const nqm_heat *heat);
+void nqm_bars_draw(cairo_t *cr, nqm_box box, const nqm_bars *bars);
+void nqm_table_draw(cairo_t *cr, nqm_box box, const nqm_table *table);
+
+/** Legend of all panels in lines below the top of the box; returns their height. */
+double nqm_legend_draw(cairo_t *cr, nqm_box box, const nqm_sheet *sheet);
+
+/** The picture of an image surface as PNG. */
+NQM_MUST_CHECK nqm_status nqm_surface_write_png(const char *path, cairo_surface_t *surface, nqm_error *err);
+
+#endif

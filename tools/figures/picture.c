@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Pictures to files: averaging, tone mapping and the choice of the format by the name's end.
+ */
+#include "figures/tone.h"
+#include "io/io.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MAX_SUPERSAMPLE = 16 };
+
+/* The colour of one pixel of the source, linear. */
+typedef void (*pixel_fn)(const void *source, size_t at, double *rgb);
+
+static void average_block(pixel_fn pixel, const void *source, size_t width, size_t first, size_t supersample,
+                          double *rgb) {
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (size_t i = 0; i < supersample * supersample; ++i) {
+        double one[3];
+        pixel(source, first + (i / supersample) * width + i % supersample, one);
+        for (size_t k = 0; k < 3; ++k)
+            rgb[k] += one[k] / (double)(supersample * supersample);
+    }
+}
+
+typedef struct toned {
+    const double *rgb_cdm2;
+    const nqm_tone *tone;
+} toned;
+
+static void toned_pixel(const void *source, size_t at, double *rgb) {
+    const toned *t = source;
+    for (size_t k = 0; k < 3; ++k)
+        rgb[k] = nqm_tone_apply(t->tone, t->rgb_cdm2[3 * at + k]);
+}
+
+typedef struct mapped {
+    const double *delta_e;
+    double max;
+} mapped;
+
+static void mapped_pixel(const void *source, size_t at, double *rgb) {
+    const mapped *m = source;
+    rgb[0] = rgb[1] = rgb[2] = 1;
+    if (!isnan(m->delta_e[at]))
+        nqm_viridis(m->delta_e[at] / m->max, rgb);
+}
+
+static void linear_pixel(const void *source, size_t at, double *rgb) {
+    memcpy(rgb, (const double *)source + 3 * at, 3 * sizeof *rgb);
+}
+
+static void bytes_of(pixel_fn pixel, const void *source, size_t width, size_t height, size_t supersample,
+                     unsigned char *rgb) {
+    size_t columns = width / supersample, n = columns * (height / supersample);
+    for (size_t i = 0; i < n; ++i) {
+        double linear[3];
+        size_t first = supersample * (i / columns * width + i % columns);
+        average_block(pixel, source, width, first, supersample, linear);
+        for (size_t k = 0; k < 3; ++k)
+            rgb[3 * i + k] = nqm_srgb_byte(linear[k]);
+    }
+}
+
+void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb) {
+    const toned source = {.rgb_cdm2 = picture->rgb_cdm2, .tone = tone};
+    bytes_of(toned_pixel, &source, picture->width, picture->height, supersample, rgb);
+}
+
+void nqm_map_bytes(size_t width, size_t height, const double *delta_e, size_t supersample, double delta_e_max,
+                   unsigned char *rgb) {
+    const mapped source = {.delta_e = delta_e, .max = delta_e_max};
+    bytes_of(mapped_pixel, &source, width, height, supersample, rgb);
+}
+
+static nqm_status write_png(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
+                            nqm_error *err) {
+    size_t width = picture->width / supersample, height = picture->height / supersample;
+    unsigned char *rgb = nqm_alloc(width * height, 3);
+    if (!rgb)
+        return nqm_fail_nomem(err, 3 * width * height);
+    nqm_picture_bytes(picture, supersample, tone, rgb);
+    nqm_status status = nqm_image_write_png(path, width, height, rgb, err);
+    nqm_free(rgb);
+    return status;
+}
+
+static nqm_status write_linear(const char *path, bool exr, const nqm_picture *picture, size_t supersample,
+                               nqm_error *err) {
+    nqm_image image = {.width = picture->width / supersample, .height = picture->height / supersample};
+    image.rgb = nqm_alloc(image.width * image.height, 3 * sizeof *image.rgb);
+    if (!image.rgb)
+        return nqm_fail_nomem(err, image.width * image.height * 3 * sizeof *image.rgb);
+    for (size_t i = 0; i < image.width * image.height; ++i) {
+        double linear[3];
+        size_t first = supersample * (i / image.width * picture->width + i % image.width);
+        average_block(linear_pixel, picture->rgb_cdm2, picture->width, first, supersample, linear);
+        for (size_t k = 0; k < 3; ++k)
+            image.rgb[3 * i + k] = (float)linear[k];
+    }
+    nqm_status status = (exr ? nqm_image_write_exr : nqm_image_write_hdr)(path, &image, err);
+    nqm_free(image.rgb);
+    return status;
+}
+
+bool nqm_name_ends_in(const char *path, const char *suffix) {
+    size_t n = strlen(path), n_suffix = strlen(suffix);
+    return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
+}
+
+static nqm_status check_size(const char *path, size_t width, size_t height, size_t supersample, nqm_error *err) {
+    if (width < 1 || height < 1 || width > NQM_IMAGE_MAX_WIDTH || height > NQM_IMAGE_MAX_HEIGHT)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture has 1 x 1 to %d x %d pixels", path,
+                        (int)NQM_IMAGE_MAX_WIDTH, (int)NQM_IMAGE_MAX_HEIGHT);
+    if (supersample < 1 || supersample > MAX_SUPERSAMPLE || width % supersample || height % supersample)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels cannot become one in a picture of %zu x %zu", path,
+                        supersample, width, height);
+    return NQM_OK;
+}
+
+nqm_status nqm_map_write(const char *path, size_t width, size_t height, const double *delta_e, size_t supersample,
+                         double delta_e_max, nqm_error *err) {
+    nqm_status status = check_size(path, width, height, supersample, err);
+    if (status != NQM_OK)
+        return status;
+    if (!(delta_e_max > 0) || !nqm_name_ends_in(path, ".png"))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0 and a name that ends in .png", path);
+    size_t n = width / supersample * (height / supersample);
+    unsigned char *rgb = nqm_alloc(n, 3);
+    if (!rgb)
+        return nqm_fail_nomem(err, 3 * n);
+    nqm_map_bytes(width, height, delta_e, supersample, delta_e_max, rgb);
+    status = nqm_image_write_png(path, width / supersample, height / supersample, rgb, err);
+    nqm_free(rgb);
+    return status;
+}
+
+nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
+                             nqm_error *err) {
+    const nqm_tone defaults = nqm_tone_default();
+    tone = tone ? tone : &defaults;
+    nqm_status status = check_size(path, picture->width, picture->height, supersample, err);
+    if (status != NQM_OK)
+        return status;
+    if (!(tone->white_cdm2 > 0 && tone->shoulder > 0 && tone->shoulder <= 1))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the tone curve needs a white above 0 and a shoulder in (0, 1]",
+                        path);
+    if (nqm_name_ends_in(path, ".png"))
+        return write_png(path, picture, supersample, tone, err);
+    if (nqm_name_ends_in(path, ".exr") || nqm_name_ends_in(path, ".hdr"))
+        return write_linear(path, nqm_name_ends_in(path, ".exr"), picture, supersample, err);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture's name ends in .png, .exr or .hdr", path);
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The drawing of where two BRDFs differ, over (theta_h, theta_d).
+ */
+#include "figures/plot_brdf.h"
+#include "math/math.h"
+
+#include <math.h>
+
+#define THETA "\xce\xb8"
+#define PHI   "\xcf\x86"
+#define DEG   "\xc2\xb0"
+
+enum { N_THETA_H = 90, N_THETA_D = 60, N_PHI_D = 18 };
+
+typedef struct differing {
+    const nqm_brdf *ref, *test;
+    double *map; /* (N_THETA_D, N_THETA_H) */
+} differing;
+
+/* Mean absolute difference of log(f_r + 0.003) over phi_d and channels in the middle of a cell; NaN: no values. The
+ * columns are equal steps of sqrt(theta_h), as in MERL tables. */
+static double difference(const nqm_brdf *ref, const nqm_brdf *test, size_t row, size_t column) {
+    double hd[N_PHI_D][3], a[N_PHI_D][3], b[N_PHI_D][3], sum = 0;
+    uint8_t flag_a[N_PHI_D], flag_b[N_PHI_D];
+    double root = ((double)column + 0.5) / N_THETA_H;
+    size_t n = 0;
+    for (size_t i = 0; i < N_PHI_D; ++i) {
+        hd[i][0] = NQM_PI / 2 * root * root;
+        hd[i][1] = NQM_PI / 2 * ((double)row + 0.5) / N_THETA_D;
+        hd[i][2] = NQM_PI * ((double)i + 0.5) / N_PHI_D;
+    }
+    nqm_brdf_eval_half_diff(ref, N_PHI_D, hd[0], a[0], flag_a);
+    nqm_brdf_eval_half_diff(test, N_PHI_D, hd[0], b[0], flag_b);
+    for (size_t i = 0; i < N_PHI_D; ++i) {
+        if (flag_a[i] >= NQM_VALUE_INVALID || flag_b[i] >= NQM_VALUE_INVALID)
+            continue;
+        ++n;
+        for (size_t k = 0; k < 3; ++k)
+            sum += fabs(log(a[i][k] + 0.003) - log(b[i][k] + 0.003)) / 3;
+    }
+    return n ? sum / (double)n : (double)NAN;
+}
+
+static void fill_row(void *user, size_t row) {
+    const differing *d = user;
+    for (size_t column = 0; column < N_THETA_H; ++column)
+        d->map[row * N_THETA_H + column] = difference(d->ref, d->test, row, column);
+}
+
+static nqm_status draw(const char *path, const differing *d, const nqm_plot_options *options, nqm_error *err) {
+    char names[2][64], title[160];
+    nqm_heat heat = {.x = {.label = THETA "_{h} (" DEG ", square-root scale)", .scale = NQM_SQRT, .max = 90},
+                     .y = {.label = THETA "_{d} (" DEG ")", .max = 90, .step = 15},
+                     .value = nqm_axis_make("mean |difference of log(f_{r} + 0.003)|", NQM_LINEAR),
+                     .n_columns = N_THETA_H,
+                     .n_rows = N_THETA_D,
+                     .values = d->map};
+    nqm_axis_hold(&heat.value, N_THETA_H * N_THETA_D, d->map);
+    if (heat.value.min > heat.value.max)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: nowhere do both BRDFs hold a value", path);
+    nqm_axis_hold(&heat.value, 2, (double[]){0, 0.01}); /* rounding alone is not made to look like a difference */
+    nqm_axis_round(&heat.value, 6);
+    nqm_plot_brdf_name(d->ref, names[0]);
+    nqm_plot_brdf_name(d->test, names[1]);
+    snprintf(title, sizeof title, "Where %s differs from %s", names[1], names[0]);
+    const nqm_sheet sheet = {.title = title,
+                             .note = "mean over " PHI
+                                     "_{d} and the channels, of the BRDFs themselves: no network is involved; "
+                                     "white: light or viewer below the horizon\n"
+                                     "a difference of 0.1 is about 10 %, one of 0.7 a factor of 2",
+                             .width = 620,
+                             .height = 480,
+                             .n_rows = 1,
+                             .n_columns = 1,
+                             .panels = &(nqm_sheet_panel){.heat = &heat}};
+    return nqm_sheet_write(path, &sheet, options, err);
+}
+
+nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *ref, const nqm_brdf *test,
+                                const nqm_plot_options *options, nqm_error *err) {
+    differing d = {ref, test, nqm_alloc(N_THETA_H * N_THETA_D, sizeof *d.map)};
+    if (!d.map)
+        return nqm_fail_nomem(err, N_THETA_H * N_THETA_D * sizeof *d.map);
+    nqm_parallel_for(N_THETA_D, fill_row, &d);
+    nqm_status status = draw(path, &d, options, err);
+    nqm_free(d.map);
+    return status;
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The drawings of labels: JOD against Delta-E with the fitted curve (paper, figure 1a), and predictions against labels.
+ */
+#include "figures/points.h"
+#include "math/math.h"
+
+#include <math.h>
+#include <nqm/label.h>
+#include <string.h>
+
+nqm_plot_options nqm_plot_options_default(void) {
+    return (nqm_plot_options){.scale = 2};
+}
+
+/* Human scores may lie beyond 0 to 10; the axes hold all of them. */
+static void round_axes(nqm_chart *chart) {
+    for (size_t i = 0; i < chart->n_series; ++i) {
+        nqm_axis_hold(&chart->x, chart->series[i].n, chart->series[i].x);
+        nqm_axis_hold(&chart->y, chart->series[i].n, chart->series[i].y);
+    }
+    nqm_axis_round(&chart->x, 8);
+    nqm_axis_round(&chart->y, 8);
+}
+
+static nqm_status draw_chart(const char *path, const nqm_chart *chart, double width, double height, const char *title,
+                             const char *note, const nqm_plot_options *options, nqm_error *err) {
+    const nqm_sheet sheet = {.title = title,
+                             .note = note,
+                             .width = width,
+                             .height = height,
+                             .n_rows = 1,
+                             .n_columns = 1,
+                             .panels = &(nqm_sheet_panel){.chart = chart}};
+    return nqm_sheet_write(path, &sheet, options, err);
+}
+
+/* ---- the curve --------------------------------------------------------------------------------------------------- */
+
+enum { N_CURVE = 256 };
+
+static nqm_status draw_curve(const char *path, nqm_points *points, const nqm_regress_report *fit,
+                             const nqm_plot_options *options, nqm_error *err) {
+    nqm_series series[NQM_MAX_GROUPS + 1];
+    double x[N_CURVE], y[N_CURVE];
+    nqm_chart chart = {.x = nqm_axis_make("\xce\x94"
+                                          "E ITP",
+                                          NQM_LINEAR),
+                       .y = nqm_axis_make("JOD", NQM_LINEAR)};
+    chart.y.step = 1;
+    chart.series = series;
+    chart.n_series = points->n_series;
+    memcpy(series, points->series, points->n_series * sizeof *series);
+    nqm_axis_hold(&chart.x, 1, &(double){0});
+    nqm_axis_hold(&chart.y, 2, (double[]){0, 10});
+    round_axes(&chart);
+    for (size_t i = 0; i < N_CURVE; ++i) {
+        x[i] = chart.x.max * (double)i / (N_CURVE - 1);
+        y[i] = nqm_curve_jod(&fit->curve, x[i]);
+    }
+    series[chart.n_series++] =
+        (nqm_series){.name = "fitted curve", .style = 6, .size = 2.2, .n = N_CURVE, .x = x, .y = y};
+    char note[256];
+    snprintf(note, sizeof note,
+             "JOD = 10 (1 \xe2\x88\x92 1 / (1 + exp(b_{1} (\xe2\x88\x92\xce\x94"
+             "E^{b3} \xe2\x88\x92 b_{2})))): b_{1} = %.3f, b_{2} = %.4f, b_{3} = %.4f\n"
+             "least squares over %zu labels, RMSE %.3f JOD; Spearman correlation %.3f",
+             fit->curve.b1, fit->curve.b2, fit->curve.b3, fit->n, fit->rmse, fit->spearman);
+    return draw_chart(path, &chart, 640, 440, "Quality against colour difference", note, options, err);
+}
+
+nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_plot_options *options, nqm_error *err) {
+    nqm_csv *csv;
+    nqm_points points = {0};
+    nqm_regress_report fit;
+    int delta_e, jod;
+    nqm_status status = nqm_csv_load(labels_csv, &csv, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_points_column(csv, labels_csv, "DeltaE", &delta_e, err);
+    if (status == NQM_OK)
+        status = nqm_points_column(csv, labels_csv, "JOD", &jod, err);
+    if (status == NQM_OK)
+        status = nqm_regress_csv(labels_csv, &fit, err);
+    if (status == NQM_OK)
+        status = nqm_points_read(csv, delta_e, jod, nqm_csv_column(csv, "model"), &points, err);
+    if (status == NQM_OK)
+        status = draw_curve(path, &points, &fit, options, err);
+    nqm_points_free(&points);
+    nqm_csv_free(csv);
+    return status;
+}
+
+/* ---- predictions ------------------------------------------------------------------------------------------------- */
+
+static bool is_metric(const char *name) {
+    for (int i = 0; i < NQM_METRIC_COUNT; ++i)
+        if (strcmp(nqm_metric_name((nqm_metric)i), name) == 0)
+            return true;
+    return false;
+}
+
+static nqm_status draw_predictions(const char *path, nqm_points *points, const char *predictor,
+                                   const nqm_plot_options *options, nqm_error *err) {
+    nqm_series series[NQM_MAX_GROUPS + 1];
+    char title[128], label[128];
+    double ends[2];
+    bool jod = !is_metric(predictor);
+    snprintf(title, sizeof title, "%s against the labels, pair by pair", predictor);
+    snprintf(label, sizeof label, "%s by %s", jod ? "JOD" : "distance", predictor);
+    nqm_chart chart = {.x = nqm_axis_make("JOD of the label", NQM_LINEAR),
+                       .y = nqm_axis_make(label, jod ? NQM_LINEAR : NQM_LOG),
+                       .series = series,
+                       .n_series = points->n_series};
+    memcpy(series, points->series, points->n_series * sizeof *series);
+    for (size_t i = 0; i < points->n_series; ++i)
+        series[i].size = 5;
+    round_axes(&chart);
+    if (jod) { /* both axes show the same range */
+        chart.x.min = chart.y.min = fmin(chart.x.min, chart.y.min);
+        chart.x.max = chart.y.max = fmax(chart.x.max, chart.y.max);
+        chart.x.step = chart.y.step = nqm_tick_step(chart.x.max - chart.x.min, 10);
+        ends[0] = chart.x.min;
+        ends[1] = chart.x.max;
+        series[chart.n_series++] =
+            (nqm_series){.name = "equal", .style = 6, .dashed = true, .size = 1.2, .n = 2, .x = ends, .y = ends};
+    }
+    char note[128];
+    double sign = jod ? 1 : -1; /* distances fall where quality rises */
+    snprintf(note, sizeof note, "%zu pairs; Spearman correlation %.3f%s", points->n,
+             sign * nqm_spearman(points->n, points->x, points->y), jod ? "" : " (signed: higher is better)");
+    return draw_chart(path, &chart, 560, 580, title, note, options, err);
+}
+
+/* The column of a predictor: the one named, or that which follows the label. */
+static nqm_status find_predictor(const nqm_csv *csv, const char *path, const char *predictor, int jod, int *column,
+                                 const char **name, nqm_error *err) {
+    *name = predictor;
+    if (predictor)
+        return nqm_points_column(csv, path, predictor, column, err);
+    *column = jod + 1;
+    if ((size_t)*column >= nqm_csv_columns(csv))
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no predictor follows the column jod", path);
+    *name = nqm_csv_header(csv, *column);
+    return NQM_OK;
+}
+
+nqm_status nqm_plot_predictions(const char *path, const char *pairs_csv, const char *predictor,
+                                const nqm_plot_options *options, nqm_error *err) {
+    nqm_csv *csv;
+    nqm_points points = {0};
+    int jod, column;
+    const char *name;
+    nqm_status status = nqm_csv_load(pairs_csv, &csv, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_points_column(csv, pairs_csv, "jod", &jod, err);
+    if (status == NQM_OK)
+        status = find_predictor(csv, pairs_csv, predictor, jod, &column, &name, err);
+    if (status == NQM_OK)
+        status = nqm_points_read(csv, jod, column, nqm_csv_column(csv, "family"), &points, err);
+    if (status == NQM_OK)
+        status = draw_predictions(path, &points, name, options, err);
+    nqm_points_free(&points);
+    nqm_csv_free(csv);
+    return status;
+}

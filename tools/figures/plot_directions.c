@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The drawings of a model: its directions (paper, figure 1b), and its layers (figure 2).
+ */
+#include "figures/sheet.h"
+
+#include <string.h>
+
+#define THETA "\xce\xb8"
+#define PHI   "\xcf\x86"
+#define DEG   "\xc2\xb0"
+
+nqm_status nqm_plot_directions(const char *path, const nqm_directions *directions, const nqm_plot_options *options,
+                               nqm_error *err) {
+    size_t n = nqm_directions_count(directions);
+    const double *degrees = nqm_directions_degrees(directions);
+    double *columns = nqm_alloc(n, 3 * sizeof *columns);
+    if (!columns)
+        return nqm_fail_nomem(err, n * 3 * sizeof *columns);
+    for (size_t i = 0; i < 3 * n; ++i)
+        columns[i % 3 * n + i / 3] = degrees[i];
+    nqm_series series[2];
+    nqm_chart charts[2];
+    nqm_sheet_panel panels[2];
+    static const char *const labels[2] = {THETA "_{d} (" DEG ")", PHI "_{d} (" DEG ")"};
+    static const double ends[2] = {90, 180}, steps[2] = {15, 30};
+    for (size_t k = 0; k < 2; ++k) {
+        series[k] =
+            (nqm_series){.mark = NQM_MARK_POINTS, .size = 4.5, .n = n, .x = columns, .y = columns + (k + 1) * n};
+        charts[k] = (nqm_chart){.x = {.label = THETA "_{h} (" DEG ")", .scale = NQM_LINEAR, .max = 90, .step = 15},
+                                .y = {.label = labels[k], .scale = NQM_LINEAR, .max = ends[k], .step = steps[k]},
+                                .n_series = 1,
+                                .series = &series[k]};
+        nqm_axis_hold(&charts[k].y, n, series[k].y); /* phi_d of a file may be anything */
+        nqm_axis_round(&charts[k].y, 6);
+        panels[k] = (nqm_sheet_panel){.chart = &charts[k]};
+    }
+    char title[64], note[128];
+    snprintf(title, sizeof title, "%zu directions", n);
+    snprintf(note, sizeof note, "half-vector coordinates (Rusinkiewicz 1998), " PHI "_{h} = 0; id of the set %s",
+             nqm_directions_id(directions));
+    const nqm_sheet sheet = {
+        .title = title, .note = note, .width = 760, .height = 420, .n_rows = 1, .n_columns = 2, .panels = panels};
+    nqm_status status = nqm_sheet_write(path, &sheet, options, err);
+    nqm_free(columns);
+    return status;
+}
+
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+enum { LAYER_COLUMNS = 6, CELL = 48 };
+
+/* 4171125 as "4,171,125". */
+static void print_count(size_t count, char cell[CELL]) {
+    char digits[24];
+    int n = snprintf(digits, sizeof digits, "%zu", count);
+    size_t at = 0;
+    for (int i = 0; i < n; ++i) {
+        if (i > 0 && (n - i) % 3 == 0)
+            cell[at++] = ',';
+        cell[at++] = digits[i];
+    }
+    cell[at] = 0;
+}
+
+/* The rows of the table: heading, a line a layer, sums. */
+static void fill_table(const nqm_model_info *info, char (*cells)[CELL]) {
+    static const char *const heads[LAYER_COLUMNS] = {"layer",      "inputs",          "outputs",
+                                                     "parameters", "multiplications", "followed by"};
+    size_t all = 0;
+    for (size_t k = 0; k < LAYER_COLUMNS; ++k)
+        snprintf(cells[k], CELL, "%s", heads[k]);
+    for (size_t i = 0; i < info->n_layers; ++i) {
+        char(*row)[CELL] = cells + LAYER_COLUMNS * (i + 1);
+        size_t in = info->layer_sizes[i], out = info->layer_sizes[i + 1];
+        bool last = i + 1 == info->n_layers;
+        snprintf(row[0], CELL, "linear %zu", i + 1);
+        print_count(in, row[1]);
+        print_count(out, row[2]);
+        print_count(in * out + out + (last ? 0 : 2 * out), row[3]); /* LayerNorm: gain and shift */
+        print_count(in * out, row[4]);
+        snprintf(row[5], CELL, "%s", last ? "sigmoid over the labels' range" : "LayerNorm, GELU, dropout");
+        all += in * out;
+    }
+    char(*sum)[CELL] = cells + LAYER_COLUMNS * (info->n_layers + 1);
+    snprintf(sum[0], CELL, "sum");
+    print_count(info->n_parameters, sum[3]);
+    print_count(all, sum[4]);
+}
+
+nqm_status nqm_plot_network(const char *path, const nqm_model *model, const nqm_plot_options *options, nqm_error *err) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    size_t n_rows = info.n_layers + 2, n = n_rows * LAYER_COLUMNS;
+    char(*cells)[CELL] = nqm_alloc(n, sizeof *cells);
+    const char **texts = nqm_alloc(n, sizeof *texts);
+    nqm_status status = NQM_OK;
+    if (!cells || !texts)
+        status = nqm_fail_nomem(err, n * (sizeof *cells + sizeof *texts));
+    if (status == NQM_OK) {
+        fill_table(&info, cells);
+        for (size_t i = 0; i < n; ++i)
+            texts[i] = cells[i];
+        const nqm_table table = {.n_rows = n_rows,
+                                 .n_columns = LAYER_COLUMNS,
+                                 .cells = texts,
+                                 .shares = (double[]){0.12, 0.1, 0.1, 0.17, 0.19, 0.32},
+                                 .right_aligned = (bool[]){false, true, true, true, true, false}};
+        char title[128], note[256];
+        snprintf(title, sizeof title, "The network of model \"%.60s\"", info.id);
+        snprintf(
+            note, sizeof note,
+            "recipe %.40s; %zu directions; parameters of a layer: weights, biases, gain and shift of its LayerNorm\n"
+            "output: JOD from %.2f to %.2f; dropout is active in training only",
+            info.recipe, nqm_directions_count(info.directions), info.jod_min, info.jod_max);
+        const nqm_sheet sheet = {.title = title,
+                                 .note = note,
+                                 .width = 760,
+                                 .height = 90 + 30 * (double)n_rows,
+                                 .n_rows = 1,
+                                 .n_columns = 1,
+                                 .panels = &(nqm_sheet_panel){.table = &table}};
+        status = nqm_sheet_write(path, &sheet, options, err);
+    }
+    nqm_free(cells);
+    nqm_free(texts);
+    return status;
+}

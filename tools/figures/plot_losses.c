@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The drawing of trainings: losses over the epochs, and the learning rate below.
+ */
+#include "figures/points.h"
+
+#include <string.h>
+
+enum { MAX_LOGS = 8, TRAIN = 0, VALIDATION, RATE, EPOCH, N_COLUMNS };
+
+typedef struct training {
+    size_t n;
+    double *values[N_COLUMNS]; /* (n) each */
+    char names[2][128];        /* of the two losses, in the legend */
+} training;
+
+static nqm_status read_log(const char *path, training *t, nqm_error *err) {
+    static const char *const columns[N_COLUMNS] = {"train_loss", "validation_loss", "lr_first", "epoch"};
+    nqm_csv *csv;
+    nqm_status status = nqm_csv_load(path, &csv, err);
+    if (status != NQM_OK)
+        return status;
+    t->n = nqm_csv_rows(csv);
+    for (size_t k = 0; status == NQM_OK && k < N_COLUMNS; ++k) {
+        int column;
+        t->values[k] = nqm_alloc(t->n, sizeof(double));
+        status = t->values[k] ? nqm_points_column(csv, path, columns[k], &column, err)
+                              : nqm_fail_nomem(err, t->n * sizeof(double));
+        if (status == NQM_OK)
+            status = nqm_points_values(csv, column, t->values[k], err);
+    }
+    nqm_csv_free(csv);
+    return status;
+}
+
+/* One log needs no name; several have that of their file. */
+static void name_losses(training *t, const char *path, bool alone) {
+    static const char *const losses[2] = {"training", "validation"};
+    const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    for (size_t k = 0; k < 2; ++k)
+        snprintf(t->names[k], sizeof t->names[k], "%.100s%s%s", alone ? "" : file, alone ? "" : ", ", losses[k]);
+}
+
+static nqm_status draw(const char *path, size_t n, const training *trainings, const nqm_plot_options *options,
+                       nqm_error *err) {
+    nqm_series losses[2 * MAX_LOGS], rates[MAX_LOGS];
+    nqm_chart upper = {.x = nqm_axis_make(NULL, NQM_LINEAR), .y = nqm_axis_make("loss (log-cosh)", NQM_LOG)};
+    nqm_chart lower = {.x = nqm_axis_make("epoch", NQM_LINEAR), .y = nqm_axis_make("learning rate", NQM_LOG)};
+    for (size_t i = 0; i < n; ++i) {
+        const training *t = &trainings[i];
+        for (size_t k = 0; k < 2; ++k) {
+            losses[2 * i + k] = (nqm_series){.name = t->names[k],
+                                             .style = n == 1 ? k : i,
+                                             .dashed = k == TRAIN,
+                                             .n = t->n,
+                                             .x = t->values[EPOCH],
+                                             .y = t->values[k]};
+            nqm_axis_hold(&upper.y, t->n, t->values[k]);
+        }
+        rates[i] = (nqm_series){
+            .mark = NQM_MARK_STEPS, .style = n == 1 ? 6 : i, .n = t->n, .x = t->values[EPOCH], .y = t->values[RATE]};
+        nqm_axis_hold(&lower.y, t->n, t->values[RATE]);
+        nqm_axis_hold(&lower.x, t->n, t->values[EPOCH]);
+    }
+    nqm_axis_hold(&lower.x, 1, &(double){0});
+    nqm_axis_round(&lower.x, 10);
+    nqm_axis_round(&upper.y, 6);
+    nqm_axis_round(&lower.y, 4);
+    upper.x.min = lower.x.min;
+    upper.x.max = lower.x.max;
+    upper.y.room = lower.y.room = 36;
+    upper.series = losses;
+    upper.n_series = 2 * n;
+    lower.series = rates;
+    lower.n_series = n;
+    const nqm_sheet sheet = {.title = "Training",
+                             .note = "mean loss of an epoch; learning rate of the first layer",
+                             .width = 640,
+                             .height = 520,
+                             .n_rows = 2,
+                             .n_columns = 1,
+                             .row_shares = (double[]){0.64, 0.36},
+                             .panels = (nqm_sheet_panel[]){{.chart = &upper}, {.chart = &lower}}};
+    return nqm_sheet_write(path, &sheet, options, err);
+}
+
+nqm_status nqm_plot_losses(const char *path, size_t n, const char *const *log_csv, const nqm_plot_options *options,
+                           nqm_error *err) {
+    training trainings[MAX_LOGS] = {0};
+    nqm_status status = NQM_OK;
+    if (n < 1 || n > MAX_LOGS)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: 1 to %d trainings are drawn, not %zu", path, (int)MAX_LOGS, n);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        status = read_log(log_csv[i], &trainings[i], err);
+        name_losses(&trainings[i], log_csv[i], n == 1);
+    }
+    if (status == NQM_OK)
+        status = draw(path, n, trainings, options, err);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < N_COLUMNS; ++k)
+            nqm_free(trainings[i].values[k]);
+    return status;
+}

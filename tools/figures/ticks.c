@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Axes: round ends, ticks at 1, 2 or 5 times a power of ten, and their labels.
+ */
+#include "figures/sheet.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Rounding must not move a tick over the end of its axis. */
+static const double slack = 1e-9;
+
+nqm_axis nqm_axis_make(const char *label, nqm_scale scale) {
+    return (nqm_axis){.label = label, .scale = scale, .min = (double)INFINITY, .max = -(double)INFINITY};
+}
+
+void nqm_axis_hold(nqm_axis *axis, size_t n, const double *values) {
+    for (size_t i = 0; i < n; ++i) {
+        bool has_place = isfinite(values[i]) &&
+                         (axis->scale == NQM_LINEAR || values[i] > 0 || (axis->scale == NQM_SQRT && values[i] == 0));
+        if (has_place) {
+            axis->min = fmin(axis->min, values[i]);
+            axis->max = fmax(axis->max, values[i]);
+        }
+    }
+}
+
+/* The largest of 1, 2, 5 times a power of ten that is at most `value`, or the smallest that is at least it. */
+static double round_number(double value, bool up) {
+    double power = pow(10, floor(log10(value) + slack));
+    double digit = value / power;
+    static const double digits[] = {1, 2, 5, 10};
+    if (up) {
+        size_t i = 0;
+        while (digits[i] < digit * (1 - slack) && i < 3)
+            ++i;
+        return digits[i] * power;
+    }
+    size_t i = 3;
+    while (digits[i] > digit * (1 + slack) && i > 0)
+        --i;
+    return digits[i] * power;
+}
+
+/* An axis needs two ends that differ. */
+static void widen(nqm_axis *axis) {
+    if (axis->min > axis->max)
+        *axis = (nqm_axis){.label = axis->label, .scale = axis->scale, .step = axis->step, .min = 1, .max = 1};
+    if (axis->max - axis->min > 1e-12 * fmax(fabs(axis->min), fabs(axis->max)))
+        return;
+    double half = axis->min == 0 ? 1 : 0.5 * fabs(axis->min);
+    axis->max += half;
+    axis->min = axis->scale == NQM_SQRT ? fmax(axis->min - half, 0) : axis->min - half;
+}
+
+static double step_of(const nqm_axis *axis, size_t n_most) {
+    return axis->step > 0 ? axis->step : nqm_tick_step(axis->max - axis->min, n_most);
+}
+
+void nqm_axis_round(nqm_axis *axis, size_t n_most) {
+    widen(axis);
+    if (axis->scale == NQM_LOG) {
+        axis->min = round_number(axis->min, false);
+        axis->max = round_number(axis->max, true);
+        return;
+    }
+    double step = step_of(axis, n_most);
+    axis->min = step * floor(axis->min / step + slack);
+    axis->max = step * ceil(axis->max / step - slack);
+}
+
+static double scaled(const nqm_axis *axis, double value) {
+    return axis->scale == NQM_LOG ? log10(value) : axis->scale == NQM_SQRT ? sqrt(value) : value;
+}
+
+double nqm_axis_place(const nqm_axis *axis, double value) {
+    if ((axis->scale == NQM_LOG && !(value > 0)) || (axis->scale == NQM_SQRT && !(value >= 0)) || !isfinite(value))
+        return (double)NAN;
+    double low = scaled(axis, axis->min);
+    return (scaled(axis, value) - low) / (scaled(axis, axis->max) - low);
+}
+
+/* ---- labels ------------------------------------------------------------------------------------------------------ */
+
+static void label_number(double value, char label[24]) {
+    char number[32];
+    nqm_format_double(number, sizeof number, nqm_round_digits(fabs(value), 9));
+    snprintf(label, 24, "%s%.19s", value < 0 ? "\xe2\x88\x92" : "", number);
+}
+
+/* digit * 10^exponent */
+static void label_power(int digit, int exponent, bool powers, char label[24]) {
+    char factor[8] = "";
+    if (digit > 1)
+        snprintf(factor, sizeof factor, "%d\xc2\xb7", digit % 10);
+    if (powers)
+        snprintf(label, 24, "%s10^{%s%d}", factor, exponent < 0 ? "\xe2\x88\x92" : "", abs(exponent) % 1000);
+    else
+        label_number(digit * pow(10, exponent), label);
+}
+
+/* ---- ticks ------------------------------------------------------------------------------------------------------- */
+
+static size_t add(nqm_tick_mark *ticks, size_t n, double value) {
+    if (n < NQM_MAX_TICKS)
+        ticks[n++] = (nqm_tick_mark){.value = value};
+    return n;
+}
+
+static size_t linear_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark *ticks) {
+    double step = step_of(axis, n_most), first = ceil(axis->min / step - slack);
+    size_t n = 0;
+    for (double i = first; i * step <= axis->max + slack * step && n < NQM_MAX_TICKS; ++i) {
+        n = add(ticks, n, i == 0 ? 0 : i * step); /* no negative zero */
+        label_number(ticks[n - 1].value, ticks[n - 1].label);
+    }
+    return n;
+}
+
+/* All decades have a tick; labels go to every `stride`-th of them, or to 1, 2 and 5 where decades are few. */
+static size_t log_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark *ticks) {
+    double low = log10(axis->min), high = log10(axis->max);
+    int first = (int)floor(low + slack), last = (int)floor(high + slack);
+    int stride = (int)ceil((high - low) / (double)n_most);
+    stride = stride > 1 ? stride : 1;
+    bool fine = high - low < 2.5, powers = first < -3 || last > 4;
+    size_t n = 0;
+    for (int e = first; e <= last; ++e)
+        for (int digit = 1; digit < 10; ++digit) {
+            double value = digit * pow(10, e);
+            if (value < axis->min * (1 - slack) || value > axis->max * (1 + slack) || (digit > 1 && stride > 1))
+                continue;
+            n = add(ticks, n, value);
+            nqm_tick_mark *tick = &ticks[n - 1];
+            if ((digit == 1 && e % stride == 0) || (fine && (digit == 2 || digit == 5)))
+                label_power(digit, e, powers, tick->label);
+        }
+    return n;
+}
+
+/* Angles from 0: denser labels where the scale is wide. */
+static size_t sqrt_ticks(const nqm_axis *axis, nqm_tick_mark *ticks) {
+    static const double values[] = {0, 1, 2, 5, 10, 20, 30, 45, 60, 75, 90};
+    size_t n = 0;
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
+        if (values[i] >= axis->min && values[i] <= axis->max * (1 + slack)) {
+            n = add(ticks, n, values[i]);
+            label_number(values[i], ticks[n - 1].label);
+        }
+    return n;
+}
+
+size_t nqm_axis_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark ticks[NQM_MAX_TICKS]) {
+    bool narrow = axis->scale == NQM_LOG && axis->max < 3 * axis->min; /* 1, 2 and 5 would leave one label or none */
+    if (axis->scale == NQM_SQRT)
+        return sqrt_ticks(axis, ticks);
+    return axis->scale == NQM_LOG && !narrow ? log_ticks(axis, n_most, ticks) : linear_ticks(axis, n_most, ticks);
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm check - is a BRDF physically plausible? Reciprocity, energy conservation and positivity.
+ */
+#include "nqm/tool.h"
+
+/* Above 1 by the error of measured data and of the quadrature. */
+static const double max_albedo = 1.02;
+/* Measured data are off by 1 to 5 % of their own; more deserves a word. */
+static const double noted_reciprocity = 0.05;
+
+typedef struct verdict {
+    nqm_brdf_check_report report;
+    double largest_albedo;
+    bool energy_fails, no_data, noted_asymmetry;
+} verdict;
+
+static verdict judge(const nqm_brdf_check_report *r) {
+    verdict v = {.report = *r};
+    for (int c = 0; c < 3; ++c)
+        if (r->albedo_max[c] > v.largest_albedo)
+            v.largest_albedo = r->albedo_max[c];
+    v.energy_fails = v.largest_albedo > max_albedo;
+    v.no_data = 2 * r->n_invalid > r->n_pairs;
+    v.noted_asymmetry = r->reciprocity_median > noted_reciprocity;
+    return v;
+}
+
+static bool passes(const verdict *v) {
+    return !v->energy_fails && !v->no_data;
+}
+
+static double degrees(double rad) {
+    return rad * 57.29577951308232;
+}
+
+static double percent(size_t part, size_t whole) {
+    return 100.0 * (double)part / (double)whole;
+}
+
+static void print_text(const char *name, const verdict *v) {
+    const nqm_brdf_check_report *r = &v->report;
+    printf("%s: %s\n", name, passes(v) ? "plausible" : "NOT PLAUSIBLE");
+    printf("  energy       %s: at most %.1f %% of the light is reflected (light at %.0f degrees; red %.3f, green %.3f, "
+           "blue %.3f)\n",
+           v->energy_fails ? "FAILS" : "ok", 100 * v->largest_albedo, degrees(r->albedo_max_theta_rad),
+           r->albedo_max[0], r->albedo_max[1], r->albedo_max[2]);
+    printf("  reciprocity  %s: exchanging light and viewer changes the value by %.2g %% (median), %.2g %% (95th "
+           "percentile)\n",
+           v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
+    printf("  positivity   %s: %zu of %zu values (%.1f %%) have a negative channel, which is read as 0\n",
+           r->n_clamped ? "clamped" : "ok", r->n_clamped, r->n_pairs, percent(r->n_clamped, r->n_pairs));
+    if (r->n_invalid)
+        printf("  coverage     %s: %zu of %zu directions (%.1f %%) have no value\n", v->no_data ? "FAILS" : "partial",
+               r->n_invalid, r->n_pairs, percent(r->n_invalid, r->n_pairs));
+}
+
+static json_t *to_json(const char *name, const verdict *v) {
+    const nqm_brdf_check_report *r = &v->report;
+    json_t *item =
+        json_pack("{s:o,s:b,s:I,s:I,s:I}", "brdf", json_name(name), "ok", (int)passes(v), "n_pairs",
+                  (json_int_t)r->n_pairs, "n_clamped", (json_int_t)r->n_clamped, "n_invalid", (json_int_t)r->n_invalid);
+    json_object_set_new(item, "reciprocity_median", json_number(r->reciprocity_median));
+    json_object_set_new(item, "reciprocity_p95", json_number(r->reciprocity_p95));
+    json_object_set_new(item, "albedo_max",
+                        json_pack("[o,o,o]", json_number(r->albedo_max[0]), json_number(r->albedo_max[1]),
+                                  json_number(r->albedo_max[2])));
+    json_object_set_new(item, "albedo_max_theta_deg", json_number(degrees(r->albedo_max_theta_rad)));
+    json_t *failed = json_array();
+    if (v->energy_fails)
+        json_array_append_new(failed, json_string("energy"));
+    if (v->no_data)
+        json_array_append_new(failed, json_string("coverage"));
+    json_object_set_new(item, "failed", failed);
+    return item;
+}
+
+static int check_one(const char *argument, uint64_t seed, verdict *v) {
+    nqm_brdf *brdf = NULL;
+    nqm_error err = {0};
+    nqm_brdf_check_report r;
+    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
+    if (status == NQM_OK)
+        status = nqm_brdf_check(brdf, seed, &r, &err);
+    nqm_brdf_free(brdf);
+    if (status != NQM_OK)
+        return report_error("check", &err);
+    *v = judge(&r);
+    return EXIT_OK;
+}
+
+int cmd_check(int argc, char **argv) {
+    bool json = false;
+    uint64_t seed = 1;
+    const option options[] = {
+        {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the results as JSON"},
+        {.name = "seed",
+         .kind = OPTION_COUNT,
+         .target = &seed,
+         .metavar = "N",
+         .help = "seed of the random directions"},
+        {0}};
+    const command cmd = {
+        .name = "check",
+        .usage = "BRDF... [options]",
+        .about =
+            "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
+            "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
+            "of the light or has no value for more than half of the directions.",
+        .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
+        .options = options,
+        .min_arguments = 1,
+        .max_arguments = -1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    bool all_pass = true;
+    json_t *results = json_array();
+    for (int i = 0; i < n_arguments; ++i) {
+        verdict v = {.energy_fails = false};
+        exit_code = interrupted() ? EXIT_INTERRUPTED : check_one(argv[i], seed, &v);
+        if (exit_code != EXIT_OK) {
+            json_decref(results);
+            return exit_code;
+        }
+        all_pass = all_pass && passes(&v);
+        if (json)
+            json_array_append_new(results, to_json(argv[i], &v));
+        else
+            print_text(argv[i], &v);
+    }
+    if (json)
+        exit_code = print_json(json_pack("{s:i,s:o,s:O}", "schema", 1, "tool", json_tool(), "results", results));
+    json_decref(results);
+    return exit_code != EXIT_OK ? exit_code : all_pass ? EXIT_OK : EXIT_GATE;
+}

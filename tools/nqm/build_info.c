@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The libraries of this build beyond those of nqm_build_info(), in one line.
+ */
+#include "figures/tone.h"
+#include "io/io.h"
+#include "nqm/tool.h"
+#include "render/render.h"
+
+#include <openexr.h>
+#include <png.h>
+#include <pthread.h>
+
+static char line[256];
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void make_line(void) {
+    const char *cairo = nqm_cairo_version(), *embree = nqm_tracer_version();
+    int major, minor, patch;
+    exr_get_library_version(&major, &minor, &patch, NULL);
+    snprintf(line, sizeof line, "cairo %s, Embree %s%s, libpng %s, OpenEXR %d.%d.%d, %s when needed, no MPI library",
+             cairo ? cairo : "off", embree ? embree : "off", embree ? " when needed" : "", png_get_libpng_ver(NULL),
+             major, minor, patch, nqm_matio_name());
+}
+
+const char *tool_build_info(void) {
+    pthread_once(&once, make_line);
+    return line;
+}

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm eval - compare models and the scalar metrics with the labels of a dataset. eval_print.c prints the tables.
+ */
+#include "nqm/judge/eval.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const choice splits[] = {{"test", NQM_SPLIT_TEST},
+                                {"validation", NQM_SPLIT_VALIDATION},
+                                {"train", NQM_SPLIT_TRAIN},
+                                {"all", NQM_SPLIT_ALL},
+                                {0}};
+
+enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8 };
+static const choice bys[] = {{"none", 0},
+                             {"kind", BY_KIND},
+                             {"range", BY_RANGE},
+                             {"family", BY_FAMILY},
+                             {"class", BY_CLASS},
+                             {"both", BY_KIND | BY_RANGE},
+                             {"all", BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS},
+                             {0}};
+
+/* Above this the labels say "hardly visible": where a quality metric is needed most and has it hardest. */
+static const double range_edge = 9.5;
+
+/* ---- models ------------------------------------------------------------------------------------------------------ */
+
+/* "default,my.safetensors"; "none": the scalar metrics only. The list is cut up in place. */
+static int open_models(eval_run *run, char *list) {
+    size_t n = 1;
+    for (const char *p = list; *p; ++p)
+        n += *p == ',';
+    run->models = calloc(n, sizeof *run->models);
+    if (!run->models)
+        return report("eval", EXIT_LIMIT, "out of memory");
+    int exit_code = EXIT_OK;
+    for (char *name = strtok(list, ","); exit_code == EXIT_OK && name; name = strtok(NULL, ","))
+        if (strcmp(name, "none") != 0) {
+            exit_code = open_model("eval", name, &run->models[run->n_models]);
+            run->n_models += exit_code == EXIT_OK;
+        }
+    return exit_code;
+}
+
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
+
+/* Every model against the best of the eight baselines on these pairs, and against the log difference. */
+static nqm_status contrast(const eval_run *run, const nqm_eval_options *o, eval_table *table, nqm_error *err) {
+    size_t log_diff = run->n_models + NQM_METRIC_LOG_DIFF, n = run->n_models * N_RIVALS;
+    for (size_t i = 0; i < n; ++i) {
+        nqm_contrast *c = &table->contrasts[i];
+        c->first = c->second = i / N_RIVALS;
+        if (i % N_RIVALS == RIVAL_LOG_DIFF)
+            c->second = log_diff;
+        for (size_t m = run->n_models; i % N_RIVALS == RIVAL_BASELINE && m < run->n_predictors; ++m)
+            if (table->results[m].best_baseline)
+                c->second = m;
+    }
+    return n ? nqm_evaluation_contrast(run->evaluation, o, n, table->contrasts, err) : NQM_OK;
+}
+
+static void release_table(eval_table *table) {
+    free(table->results);
+    free(table->contrasts);
+    free(table->coverage);
+}
+
+/* Judge one selection; a selection without pairs leaves results NULL, unless it is that of all pairs. */
+static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by, const char *name, nqm_error *err) {
+    eval_table *table = &run->tables[run->n_tables++];
+    table->by = by;
+    snprintf(table->name, sizeof table->name, "%s", name);
+    table->results = calloc(run->n_predictors, sizeof *table->results);
+    table->contrasts = calloc(run->n_models * N_RIVALS + 1, sizeof *table->contrasts);
+    table->coverage = calloc(run->n_models + 1, sizeof *table->coverage);
+    if (!table->results || !table->contrasts || !table->coverage)
+        return err->status = NQM_ERR_NOMEM;
+    nqm_status status = nqm_evaluation_judge(run->evaluation, o, table->results, err);
+    if (status == NQM_OK)
+        status = contrast(run, o, table, err);
+    if (status == NQM_OK)
+        status = judge_coverage(run, o, table, err);
+    if (status == NQM_ERR_INCOMPATIBLE && run->n_tables > 1) {
+        free(table->results);
+        table->results = NULL;
+        status = NQM_OK;
+    }
+    return status;
+}
+
+/* The families of the dataset's kinds, each once. */
+static nqm_status judge_families(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    size_t n_kinds = nqm_dataset_kind_count(run->dataset);
+    for (size_t i = 0; status == NQM_OK && i < n_kinds; ++i) {
+        nqm_eval_options o = *options;
+        o.family = nqm_dataset_kind_family(run->dataset, i);
+        size_t first = 0;
+        while (strcmp(nqm_dataset_kind_family(run->dataset, first), o.family) != 0)
+            ++first;
+        if (first == i && *o.family) /* "": the dataset does not say */
+            status = judge(run, &o, "family", o.family, err);
+    }
+    return status;
+}
+
+static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < NQM_MATERIAL_CLASS_COUNT; ++i) {
+        nqm_eval_options o = *options;
+        o.material_class = nqm_material_class_name(i);
+        status = judge(run, &o, "class", o.material_class, err);
+        if (status == NQM_OK && !run->tables[run->n_tables - 1].results) /* no such material */
+            release_table(&run->tables[--run->n_tables]);
+    }
+    return status;
+}
+
+static nqm_status judge_kinds(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_kind_count(run->dataset); ++i) {
+        nqm_eval_options o = *options;
+        o.kind = nqm_dataset_kind_name(run->dataset, i);
+        status = judge(run, &o, "kind", o.kind, err);
+    }
+    return status;
+}
+
+static nqm_status judge_ranges(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (int high = 0; status == NQM_OK && high < 2; ++high) {
+        nqm_eval_options o = *options;
+        char name[40];
+        *(high ? &o.jod_from : &o.jod_to) = range_edge;
+        snprintf(name, sizeof name, "JOD %s %.1f", high ? ">=" : "<", range_edge);
+        status = judge(run, &o, "range", name, err);
+    }
+    return status;
+}
+
+static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
+    enum { N_RANGES = 2 };
+    size_t n_kinds = nqm_dataset_kind_count(run->dataset); /* there are no more families than kinds */
+    run->tables = calloc(1 + 2 * n_kinds + NQM_MATERIAL_CLASS_COUNT + N_RANGES, sizeof *run->tables);
+    if (!run->tables)
+        return err->status = NQM_ERR_NOMEM;
+    nqm_status status = judge(run, options, "all", "all", err);
+    if (status == NQM_OK && (by & BY_FAMILY))
+        status = judge_families(run, options, err);
+    if (status == NQM_OK && (by & BY_KIND))
+        status = judge_kinds(run, options, err);
+    if (status == NQM_OK && (by & BY_CLASS))
+        status = judge_classes(run, options, err);
+    bool in_jod = !run->human || nqm_human_get_info(run->human).kind == NQM_HUMAN_JOD;
+    if (status == NQM_OK && (by & BY_RANGE) && in_jod)
+        status = judge_ranges(run, options, err);
+    return status;
+}
+
+static void release(eval_run *run) {
+    for (size_t i = 0; i < run->n_tables; ++i)
+        release_table(&run->tables[i]);
+    free(run->tables);
+    nqm_evaluation_free(run->evaluation);
+    for (size_t i = 0; i < run->n_models; ++i)
+        nqm_model_free(run->models[i]);
+    free(run->models);
+    nqm_dataset_free(run->owned);
+    nqm_human_free(run->human);
+}
+
+typedef struct eval_arguments {
+    const char *models, *labels, *split, *by, *pairs, *root, *precision;
+    bool human, json, csv;
+    double margin; /* NaN: the default */
+    uint64_t n_bootstrap;
+    nqm_eval_options options;
+} eval_arguments;
+
+static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *o) {
+    int exit_code = a->human ? open_human(run, a->root)
+                             : open_dataset("eval", run->dataset_path, a->labels, NQM_SPLIT_TEST, &run->owned);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    if (!a->human)
+        run->dataset = run->owned;
+    else if (nqm_human_get_info(run->human).kind != NQM_HUMAN_JOD)
+        o->order_margin = 0; /* of a scale that nobody here knows */
+    if (!isnan(a->margin))
+        o->order_margin = a->margin;
+    run->order_margin = o->order_margin;
+    return EXIT_OK;
+}
+
+static int evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
+    nqm_error err = {0};
+    result_format format = a->json ? FORMAT_JSON : a->csv ? FORMAT_CSV : FORMAT_TEXT;
+    bool choices = run->human && nqm_human_get_info(run->human).kind == NQM_HUMAN_CHOICE;
+    if (choices && by)
+        return report("eval", EXIT_USAGE, "--by: choices have one table only");
+    run->n_predictors = run->n_models + NQM_METRIC_COUNT;
+    nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o,
+                                              &run->evaluation, &err);
+    if (status == NQM_OK && !choices)
+        status = judge_all(run, o, by, &err);
+    if (status != NQM_OK)
+        return report_error("eval", &err);
+    int exit_code = a->pairs ? write_pairs(run, a->pairs) : EXIT_OK;
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    return choices ? evaluate_choices(run, o, format) : print_evaluation(run, format);
+}
+
+static int run_eval(const eval_arguments *a, const char *dataset_path) {
+    eval_run run = {.dataset_path = dataset_path, .split_name = a->split};
+    nqm_eval_options o = a->options;
+    int split = 0, by = 0;
+    int exit_code = choose("eval", "split", splits, a->split, &split);
+    if (exit_code == EXIT_OK)
+        exit_code = choose("eval", "by", bys, a->by, &by);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_precision("eval", a->precision, &o.precision);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    o.split = (nqm_split)split;
+    o.n_bootstrap = (size_t)a->n_bootstrap;
+    o.progress = show_progress;
+    run.precision = o.precision;
+    char *list = strdup(a->models);
+    exit_code = list ? open_models(&run, list) : report("eval", EXIT_LIMIT, "out of memory");
+    free(list);
+    if (exit_code == EXIT_OK)
+        exit_code = open_pairs(&run, a, &o);
+    if (exit_code == EXIT_OK)
+        exit_code = evaluate(&run, a, &o, by);
+    release(&run);
+    return exit_code;
+}
+
+int cmd_eval(int argc, char **argv) {
+    eval_arguments a = {.models = "default",
+                        .split = "test",
+                        .by = "none",
+                        .precision = "f32",
+                        .margin = (double)NAN,
+                        .options = nqm_eval_options_default()};
+    a.n_bootstrap = a.options.n_bootstrap;
+    const option options[] = {
+        {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
+        {"split", 0, OPTION_TEXT, &a.split, "WORD", "test, validation, train or all", 0, 0},
+        {"by", 0, OPTION_TEXT, &a.by, "WORD",
+         "further tables: by family or kind of distortion, class of the reference material, JOD range; both (kind and "
+         "range), all or none",
+         0, 0},
+        {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
+        {"human", 0, OPTION_FLAG, &a.human, NULL,
+         "DATASET is a CSV of what people said: reference, test and score, jod or distance; or reference, test_a, "
+         "test_b and choice, or n_a and n_b",
+         0, 0},
+        {"root", 0, OPTION_TEXT, &a.root, "DIR", "with --human: where relative paths of BRDFs start", 0, 0},
+        {"margin", 0, OPTION_NUMBER, &a.margin, "X",
+         "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
+         "human scores: 0)",
+         0, 1e9},
+        {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
+         1e6},
+        {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
+        OPTION_ROW_PRECISION(&a.precision),
+        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
+         0},
+        {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
+        {"csv", 0, OPTION_FLAG, &a.csv, NULL, "print CSV", 0, 0},
+        {0}};
+    const command cmd = {
+        .name = "eval",
+        .usage = "DATASET [options]\n       nqm eval --human PAIRS.csv [options]",
+        .about =
+            "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
+            "folder with --labels, all of which counts as test pairs): rank and other correlations, over all pairs "
+            "and\n"
+            "as the mean over materials, the share of tests put in the right order, errors of the models in JOD, with\n"
+            "95 % intervals; and whether each model is better than the best of the eight baselines. With --human the\n"
+            "same for what people said, or the share of their choices that is predicted.",
+        .example = "nqm eval corpus.safetensors --by both\n"
+                   "nqm eval corpus.safetensors --model default,paper,my.safetensors --split validation --json\n"
+                   "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
+                   "nqm eval --human opinions.csv --root brdfs --model default,paper",
+        .options = options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    if (a.json && a.csv)
+        return report("eval", EXIT_USAGE, "--json and --csv exclude each other");
+    if (a.human ? a.labels != NULL : a.root != NULL)
+        return report("eval", EXIT_USAGE, a.human ? "--labels does not go with --human" : "--root goes with --human");
+    return run_eval(&a, argv[0]);
+}

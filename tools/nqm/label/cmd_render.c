@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm render - pictures of a BRDF on a lit shape.
+ */
+#include "nqm/label/frames.h"
+#include "nqm/label/scene_args.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct render_run {
+    const char *brdf, *output;
+    nqm_scene_options scene;
+    size_t supersample;
+    backdrop backdrop;
+    bool json;
+    nqm_scene *made;
+    double *rgb_cdm2, *blank, *picture; /* (points, 3), (height, width, 3) twice */
+} render_run;
+
+static const char *ending_of(const char *path) {
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    return dot && dot > (slash ? slash : path) ? dot : path + strlen(path);
+}
+
+/* The file of a frame, from 1: "%d" or "%04d" in the name stands for its number; without it "-0001" stands before the
+ * ending where there are several. */
+static void frame_path(const render_run *run, size_t frame, char *path, size_t n_path) {
+    const char *mark = strchr(run->output, '%'), *ending = ending_of(run->output);
+    size_t n_digits = mark ? strspn(mark + 1, "0123456789") : 0;
+    int digits = 4;
+    const char *rest = ending;
+    if (mark && mark[1 + n_digits] == 'd') {
+        digits = n_digits ? atoi(mark + 1) : 1;
+        rest = mark + 2 + n_digits;
+    } else if (run->scene.n_frames == 1) {
+        snprintf(path, n_path, "%s", run->output);
+        return;
+    } else {
+        mark = NULL;
+    }
+    snprintf(path, n_path, "%.*s%s%0*zu%s", (int)((mark ? mark : ending) - run->output), run->output, mark ? "" : "-",
+             digits > 9 ? 9 : digits, frame, rest);
+}
+
+/* Mean and maximum of luminance where the shape shows. */
+static json_t *json_light(const render_run *run) {
+    double sum = 0, most = 0;
+    size_t n = nqm_scene_count(run->made);
+    for (size_t i = 0; i < n; ++i) {
+        const double *rgb = run->rgb_cdm2 + 3 * i;
+        double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        sum += luminance;
+        most = fmax(most, luminance);
+    }
+    return json_pack("{s:o,s:o}", "mean", json_number(sum / (double)n), "max", json_number(most));
+}
+
+static int write_frames(const render_run *run, json_t *files) {
+    const nqm_tone tone = tone_of(&run->scene);
+    const nqm_picture picture = {.width = run->scene.width, .height = run->scene.height, .rgb_cdm2 = run->picture};
+    for (size_t frame = 0; frame < run->scene.n_frames; ++frame) {
+        char path[4096];
+        nqm_error err = {0};
+        frame_path(run, frame + 1, path, sizeof path);
+        frame_picture(run->made, &run->scene, frame, run->blank, run->rgb_cdm2, run->picture);
+        if (nqm_picture_write(path, &picture, run->supersample, &tone, &err) != NQM_OK)
+            return report_error("render", &err);
+        json_array_append_new(files, json_name(path));
+    }
+    return EXIT_OK;
+}
+
+static int run_render(render_run *run) {
+    nqm_error err = {0};
+    if (nqm_scene_create(&run->scene, &run->made, &err) != NQM_OK)
+        return report_error("render", &err);
+    size_t n_pixels = run->scene.width * run->scene.height;
+    run->rgb_cdm2 = calloc(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
+    run->picture = calloc(3 * n_pixels, sizeof *run->picture);
+    run->blank = make_backdrop(run->made, &run->scene, run->backdrop);
+    if (!run->rgb_cdm2 || !run->picture || !run->blank)
+        return report("render", EXIT_LIMIT, "out of memory");
+    if (render_brdf(run->made, run->brdf, run->rgb_cdm2, &err) != NQM_OK)
+        return report_error("render", &err);
+    json_t *files = json_array();
+    int exit_code = write_frames(run, files);
+    if (exit_code != EXIT_OK || !run->json) {
+        json_decref(files);
+        return exit_code;
+    }
+    return print_json(json_pack("{s:i,s:o,s:o,s:o,s:I,s:o,s:o}", "schema", 1, "tool", json_tool(), "brdf",
+                                json_name(run->brdf), "scene", json_scene(&run->scene), "supersample",
+                                (json_int_t)run->supersample, "luminance_cdm2", json_light(run), "files", files));
+}
+
+/* White behind pictures to look at, black behind pictures to compute with. */
+static int choose_backdrop(const char *word, const char *output, backdrop *kind) {
+    static const choice choices[] = {
+        {"white", BACKDROP_WHITE}, {"black", BACKDROP_BLACK}, {"light", BACKDROP_LIGHT}, {NULL, 0}};
+    int value = strcmp(ending_of(output), ".png") == 0 ? BACKDROP_WHITE : BACKDROP_BLACK;
+    int exit_code = word ? choose("render", "background", choices, word, &value) : EXIT_OK;
+    *kind = (backdrop)value;
+    return exit_code;
+}
+
+int cmd_render(int argc, char **argv) {
+    render_run run = {0};
+    scene_args scene = scene_args_begin();
+    const char *background = NULL;
+    uint64_t supersample = 2;
+    option options[5 + N_SCENE_OPTIONS] = {
+        {"output", 'o', OPTION_TEXT, &run.output, "FILE",
+         ".png (tone-mapped), .exr or .hdr (cd/m2); several frames: %d or -0001", 0, 0},
+        {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
+        {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points a pixel", 1, 16},
+        {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
+    };
+    scene_args_table(&scene, options);
+    const command cmd = {
+        .name = "render",
+        .usage = "BRDF -o FILE [options]",
+        .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows\n"
+                 "twice the exposure as its white, with highlights bent smoothly towards it. doc/labels.md says what\n"
+                 "the scene is made of.",
+        .example = "nqm render sgd:nickel -o nickel.png\n"
+                   "nqm render measured.bsdf -o turn-%03d.png --shape bunny.ply --light probe.exr --frames 36 "
+                   "--elevation 15\n"
+                   "nqm render ggx:kd=.1,.1,.1;alpha=.2 -o blob.exr --shape blob --interreflection --size 640x480",
+        .options = options,
+        .min_arguments = 1,
+        .max_arguments = 1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    if (!run.output)
+        return report("render", EXIT_USAGE, "say where the picture goes: -o FILE");
+    exit_code = choose_backdrop(background, run.output, &run.backdrop);
+    if (exit_code == EXIT_OK)
+        exit_code = scene_args_end("render", &scene);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    if (!scene.scene.width)
+        return report("render", EXIT_USAGE, "--points makes no picture");
+    run.brdf = argv[0];
+    run.scene = scene.scene;
+    run.supersample = (size_t)supersample;
+    run.scene.width *= run.supersample;
+    run.scene.height *= run.supersample;
+    if (run.scene.width > 8192 || run.scene.height > 4096)
+        return report("render", EXIT_USAGE, "%zu x %zu points in a frame; at most 8192 x 4096", run.scene.width,
+                      run.scene.height);
+    exit_code = run_render(&run);
+    nqm_scene_free(run.made);
+    free(run.rgb_cdm2);
+    free(run.picture);
+    free(run.blank);
+    return exit_code;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What nqm label prints: a table, JSON, CSV, or bare numbers.
+ */
+#include "nqm/label/label.h"
+
+static bool is_test(const label_run *run, size_t i) {
+    return run->items[i].reference != i;
+}
+
+static const char *reference_of(const label_run *run, size_t i) {
+    return run->items[run->items[i].reference].name;
+}
+
+json_t *json_labels(const label_run *run) {
+    json_t *results = json_array();
+    for (size_t i = 0; i < run->n_items; ++i) {
+        const label_item *item = &run->items[i];
+        if (!is_test(run, i))
+            continue;
+        json_t *result = json_pack("{s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp",
+                                   json_number(item->delta_e), "jod", json_number(item->jod));
+        if (run->n_groups > 1)
+            json_object_set_new(result, "reference", json_name(reference_of(run, i)));
+        if (item->err.status != NQM_OK)
+            json_object_set_new(result, "error", json_name(item->err.message));
+        json_array_append_new(results, result);
+    }
+    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
+                     json_name(run->items[0].name), "scene", json_scene(&run->scene_options), "results", results);
+}
+
+static void print_test(const label_run *run, const label_item *item) {
+    bool good = item->err.status == NQM_OK;
+    const char *words = !good ? "failed" : item->delta_e > 0 ? jod_words(item->jod) : "equal pictures";
+    if (run->format == FORMAT_QUIET) {
+        printf("%.4f\n", item->jod);
+    } else if (run->format == FORMAT_TEXT) {
+        printf("%9.3f  %6.2f  %-20s  %s\n", item->delta_e, item->jod, words, item->name);
+    } else {
+        print_csv_text(stdout, item->name);
+        if (good)
+            printf(",%.9g,%.9g,", item->delta_e, item->jod);
+        else
+            printf(",,,");
+        print_csv_text(stdout, item->err.message);
+        if (run->n_groups > 1) {
+            putchar(',');
+            print_csv_text(stdout, run->items[item->reference].name);
+        }
+        putchar('\n');
+    }
+}
+
+int print_labels(const label_run *run) {
+    end_progress();
+    if (run->format == FORMAT_JSON)
+        return print_json(json_labels(run));
+    if (run->format == FORMAT_CSV)
+        puts(run->n_groups > 1 ? "test,delta_e_itp,jod,error,reference" : "test,delta_e_itp,jod,error");
+    for (size_t i = 0; i < run->n_items; ++i) {
+        if (is_test(run, i))
+            print_test(run, &run->items[i]);
+        else if (run->format == FORMAT_TEXT)
+            printf("%9s  %6s  %-20s  test, rendered beside %s\n", "Delta-E", "JOD", "", run->items[i].name);
+    }
+    return fflush(stdout) == 0 ? EXIT_OK : EXIT_OPEN;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * From names of BRDFs to labels: the scene, each picture, and its Delta-E ITP from that of its reference.
+ */
+#include "nqm/label/label.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static nqm_status render_item(const label_run *run, label_item *item) {
+    item->delta_e = item->jod = (double)NAN;
+    item->rgb_cdm2 = calloc(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
+    if (item->rgb_cdm2)
+        return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
+    item->err = (nqm_error){.status = NQM_ERR_NOMEM, .byte_offset = -1};
+    return NQM_ERR_NOMEM;
+}
+
+/* Render item i and compare it with its reference. Faults of tests stay in the item. */
+static nqm_status label_item_at(label_run *run, size_t i) {
+    label_item *item = &run->items[i], *reference = &run->items[item->reference];
+    nqm_status status = render_item(run, item);
+    if (item == reference)
+        return status;
+    if (status == NQM_OK) {
+        const nqm_curve curve = nqm_curve_default();
+        item->delta_e = nqm_scene_delta_e(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
+        item->jod = nqm_curve_jod(&curve, item->delta_e);
+    }
+    if (!run->keep_rgb) {
+        free(item->rgb_cdm2);
+        item->rgb_cdm2 = NULL;
+    }
+    return NQM_OK;
+}
+
+int make_labels(const char *verb, label_run *run) {
+    nqm_error err = {0};
+    if (nqm_scene_create(&run->scene_options, &run->scene, &err) != NQM_OK)
+        return report_error(verb, &err);
+    for (size_t i = 0; i < run->n_items; ++i) {
+        if (show_progress(NULL, "label", (double)i, (double)run->n_items))
+            return report(verb, EXIT_INTERRUPTED, "interrupted");
+        if (label_item_at(run, i) != NQM_OK)
+            return report_error(verb, &run->items[i].err);
+    }
+    return EXIT_OK;
+}
+
+void free_labels(label_run *run) {
+    for (size_t i = 0; i < run->n_items; ++i)
+        free(run->items[i].rgb_cdm2);
+    free(run->items);
+    nqm_scene_free(run->scene);
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * score.h - what `nqm score` computes and how it prints it, and what `nqm batch` and `nqm rank` share with it.
+ */
+#ifndef NQM_TOOL_SCORE_H
+#define NQM_TOOL_SCORE_H
+
+#include "nqm/tool.h"
+
+/** A test and its score, or why it has none. */
+typedef struct score_row {
+    const char *name;
+    nqm_brdf *brdf; /* NULL: it could not be opened */
+    nqm_error err;  /* status NQM_OK: scored */
+    nqm_score_result result;
+} score_row;
+
+typedef struct score_run {
+    const char *ref_name;
+    char **test_names; /* (n_rows) */
+    nqm_brdf *ref;
+    nqm_model *model;
+    size_t n_directions;
+    nqm_score_options options;
+    bool metrics[NQM_METRIC_COUNT]; /* which to print */
+    result_format format;
+    size_t n_rows;
+    score_row *rows; /* (n_rows) in the order of the arguments */
+} score_run;
+
+/** What remarks speak of. */
+typedef struct remark_terms {
+    size_t n_directions;
+    nqm_invalid_policy invalid;
+} remark_terms;
+
+/** Append remarks on negative, missing and unusual values of a scored pair to a JSON array; `who` names the BRDF. */
+void remark_on_reference(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
+void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
+
+/** Which metrics --metrics asks for: "all" or names with commas. EXIT_OK, or a usage error that lists the names.
+ *  chosen: (NQM_METRIC_COUNT) */
+int choose_metrics(const char *verb, const char *text, bool *chosen);
+/** The policy of --invalid, or a usage error. */
+int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *policy_ret);
+/** The precision of --precision, or a usage error. */
+int choose_precision(const char *verb, const char *text, nqm_precision *precision_ret);
+
+/** The "model" member of results: id, sha256, parameters, and the precision where it is not the usual one. */
+json_t *model_json(const nqm_model *model, nqm_precision precision);
+
+/** Open the model, the reference and the tests that run->ref_name and run->test_names name, and score them; faults of
+ *  single tests stand in their rows. EXIT_OK, or the fault is reported and its exit code returned. free_scores() in any
+ *  case. */
+int make_scores(const char *verb, score_run *run, const char *model_name);
+/** Free what make_scores() made. */
+void free_scores(score_run *run);
+
+/** What `nqm score --json` prints. */
+json_t *json_scores(const score_run *run);
+/** Share of people who would say that the reference looks better; 0.5 is guessing. */
+double noticed_share(const nqm_score_result *result);
+/** What a score means, in words. */
+const char *verdict_words(const nqm_score_result *result);
+/** Print the results on standard output, remarks on standard error. EXIT_OK or EXIT_OPEN. */
+int print_scores(const score_run *run);
+
+#endif

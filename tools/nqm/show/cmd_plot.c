@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm plot - drawings of labels, evaluations, trainings, models and BRDFs.
+ */
+#include "figures/plot.h"
+#include "nqm/tool.h"
+
+#include <string.h>
+
+typedef struct plot_arguments {
+    const char *output, *predictor, *size;
+    nqm_plot_options look;
+    double theta_d_deg, phi_d_deg;
+    int n;
+    char **inputs;
+} plot_arguments;
+
+static int settle(nqm_status status, const nqm_error *err) {
+    return status == NQM_OK ? EXIT_OK : report_error("plot", err);
+}
+
+static int plot_curve(const plot_arguments *a) {
+    nqm_error err = {0};
+    return settle(nqm_plot_curve(a->output, a->inputs[0], &a->look, &err), &err);
+}
+
+static int plot_bars(const plot_arguments *a) {
+    nqm_error err = {0};
+    return settle(nqm_plot_bars(a->output, a->inputs[0], &a->look, &err), &err);
+}
+
+static int plot_scatter(const plot_arguments *a) {
+    nqm_error err = {0};
+    return settle(nqm_plot_predictions(a->output, a->inputs[0], a->predictor, &a->look, &err), &err);
+}
+
+static int plot_loss(const plot_arguments *a) {
+    nqm_error err = {0};
+    return settle(nqm_plot_losses(a->output, (size_t)a->n, (const char *const *)a->inputs, &a->look, &err), &err);
+}
+
+static int plot_directions(const plot_arguments *a) {
+    nqm_error err = {0};
+    nqm_directions *directions;
+    int exit_code = open_directions("plot", a->n ? a->inputs[0] : NULL, &directions);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    exit_code = settle(nqm_plot_directions(a->output, directions, &a->look, &err), &err);
+    nqm_directions_free(directions);
+    return exit_code;
+}
+
+static int plot_brdfs(const plot_arguments *a, bool attribution) {
+    nqm_error err = {0};
+    nqm_brdf **brdfs;
+    nqm_slice_options at = nqm_slice_options_default();
+    const double degree = at.phi_d_rad / 90;
+    at.theta_d_rad = a->theta_d_deg * degree;
+    at.phi_d_rad = a->phi_d_deg * degree;
+    int exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    nqm_status status = attribution ? nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err)
+                                    : nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
+                                                      &at, &a->look, &err);
+    close_brdfs(a->n, brdfs);
+    return settle(status, &err);
+}
+
+static int plot_slice(const plot_arguments *a) {
+    return plot_brdfs(a, false);
+}
+
+static int plot_attribution(const plot_arguments *a) {
+    return plot_brdfs(a, true);
+}
+
+static int plot_network(const plot_arguments *a) {
+    nqm_error err = {0};
+    nqm_model *model;
+    int exit_code = open_model("plot", a->n ? a->inputs[0] : NULL, &model);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    exit_code = settle(nqm_plot_network(a->output, model, &a->look, &err), &err);
+    nqm_model_free(model);
+    return exit_code;
+}
+
+static const struct drawing {
+    const char *name, *inputs;
+    int min, max; /* number of inputs */
+    int (*draw)(const plot_arguments *a);
+} drawings[] = {{"curve", "LABELS.csv", 1, 1, plot_curve},
+                {"bars", "EVAL.json", 1, 1, plot_bars},
+                {"scatter", "PAIRS.csv", 1, 1, plot_scatter},
+                {"loss", "LOG.csv...", 1, 8, plot_loss},
+                {"directions", "[MODEL|FILE.csv]", 0, 1, plot_directions},
+                {"slice", "BRDF...", 1, 8, plot_slice},
+                {"attribution", "REF TEST", 2, 2, plot_attribution},
+                {"network", "[MODEL]", 0, 1, plot_network},
+                {0}};
+
+/* "640x480" */
+static int read_size(const char *text, nqm_plot_options *look) {
+    char rest;
+    if (text && (sscanf(text, "%lfx%lf%c", &look->width, &look->height, &rest) != 2 || !(look->width > 0) ||
+                 !(look->height > 0)))
+        return report("plot", EXIT_USAGE, "--size needs WIDTHxHEIGHT, not '%s'", text);
+    return EXIT_OK;
+}
+
+static int draw(plot_arguments *a, const char *what, bool json) {
+    const struct drawing *d = drawings;
+    while (d->name && strcmp(d->name, what) != 0)
+        ++d;
+    if (!d->name)
+        return report("plot", EXIT_USAGE,
+                      "there is no drawing '%s'; there are curve, bars, scatter, loss, directions, slice, attribution "
+                      "and network",
+                      what);
+    if (a->n < d->min || a->n > d->max)
+        return report("plot", EXIT_USAGE, "%s needs %s", d->name, d->inputs);
+    if (!a->output)
+        return report("plot", EXIT_USAGE, "-o FILE says where to draw: .svg, .pdf or .png");
+    int exit_code = read_size(a->size, &a->look);
+    if (exit_code == EXIT_OK)
+        exit_code = d->draw(a);
+    if (exit_code == EXIT_OK && json)
+        return print_json(json_pack("{s:i,s:o,s:s,s:o}", "schema", 1, "tool", json_tool(), "drawing", d->name, "file",
+                                    json_name(a->output)));
+    return exit_code;
+}
+
+int cmd_plot(int argc, char **argv) {
+    bool json = false;
+    plot_arguments a = {.look = nqm_plot_options_default(), .phi_d_deg = 90};
+    const option options[] = {
+        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "the drawing: .svg, .pdf or .png", 0, 0},
+        {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "on top, instead of what is drawn; '': none", 0, 0},
+        {"size", 0, OPTION_TEXT, &a.size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
+        {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png a CSS pixel", 0.5, 8},
+        {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: the column to draw; else the first model", 0, 0},
+        {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: of the cut over theta_h", 0, 89},
+        {"phi-d", 0, OPTION_NUMBER, &a.phi_d_deg, "DEG", "slice: of the cut over theta_h", -360, 360},
+        {"json", 0, OPTION_FLAG, &json, NULL, "say as JSON what was drawn", 0, 0},
+        {0}};
+    const command cmd = {
+        .name = "plot",
+        .usage = "WHAT INPUT... -o FILE [options]",
+        .about = "Draw, with readable axes and colours that colour-blind eyes tell apart:\n"
+                 "  curve LABELS.csv         JOD against Delta-E ITP, with the fitted curve\n"
+                 "  bars EVAL.json           Spearman correlations with 95 % intervals, of `nqm eval --json`\n"
+                 "  scatter PAIRS.csv        predicted against label JOD, of `nqm eval --pairs`\n"
+                 "  loss LOG.csv...          losses and learning rate, of `nqm train --log`\n"
+                 "  directions [MODEL|CSV]   where BRDFs are compared\n"
+                 "  slice BRDF...            cuts through up to 8 BRDFs, and polar lobes\n"
+                 "  attribution REF TEST     where in (theta_h, theta_d) two BRDFs differ\n"
+                 "  network [MODEL]          the layers of a model\n"
+                 "The same input gives the same bytes.",
+        .example = "nqm plot curve labels_real.csv -o curve.svg\n"
+                   "nqm eval corpus.safetensors --json | nqm plot bars - -o bars.pdf\n"
+                   "nqm plot slice sgd:nickel ward:nickel -o nickel.png",
+        .options = options,
+        .min_arguments = 1,
+        .max_arguments = -1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    a.n = n_arguments - 1;
+    a.inputs = argv + 1;
+    return draw(&a, argv[0], json);
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm report - one page about a reference and its tests that needs no other file and no network: scores, pictures,
+ * metrics, where they differ, and where the numbers come from. report_page.c writes it.
+ */
+#include "nqm/show/report.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { DATE_SIZE = 16 };
+
+/* The first test without a score, or a picture, ends the report: half a page is none. */
+static int first_fault(const report_run *run) {
+    for (size_t i = 0; i < run->scores.n_rows; ++i)
+        if (run->scores.rows[i].err.status != NQM_OK)
+            return report_error("report", &run->scores.rows[i].err);
+    for (size_t i = 0; i < run->labels.n_items; ++i)
+        if (run->labels.items[i].err.status != NQM_OK)
+            return report_error("report", &run->labels.items[i].err);
+    return EXIT_OK;
+}
+
+static int render_all(report_run *run) {
+    const score_run *scores = &run->scores;
+    label_run *labels = &run->labels;
+    labels->items = calloc(scores->n_rows + 1, sizeof *labels->items);
+    if (!labels->items)
+        return report("report", EXIT_LIMIT, "out of memory");
+    labels->n_items = scores->n_rows + 1;
+    labels->n_groups = 1;
+    labels->keep_rgb = true;
+    labels->items[0].name = scores->ref_name;
+    for (size_t i = 0; i < scores->n_rows; ++i)
+        labels->items[i + 1].name = scores->rows[i].name;
+    return make_labels("report", labels);
+}
+
+/* Presets and short specs say it best themselves. */
+static bool is_telling(const char *argument) {
+    enum { MAX_LENGTH = 40 };
+    return strlen(argument) <= MAX_LENGTH && !strchr(argument, '/');
+}
+
+/* What the page calls the items. */
+static int name_all(report_run *run) {
+    const label_run *labels = &run->labels;
+    run->short_names = calloc(labels->n_items, sizeof *run->short_names);
+    run->names = calloc(labels->n_items, sizeof *run->names);
+    if (!run->short_names || !run->names)
+        return report("report", EXIT_LIMIT, "out of memory");
+    for (size_t i = 0; i < labels->n_items; ++i)
+        short_name(labels->items[i].name, run->short_names[i], sizeof run->short_names[i]);
+    for (size_t i = 0; i < labels->n_items; ++i) {
+        bool whole = is_telling(labels->items[i].name);
+        for (size_t k = 0; k < labels->n_items; ++k)
+            whole = whole || (k != i && strcmp(run->short_names[i], run->short_names[k]) == 0);
+        run->names[i] = whole ? labels->items[i].name : run->short_names[i];
+    }
+    return EXIT_OK;
+}
+
+static int rank_all(report_run *run) {
+    const score_run *scores = &run->scores;
+    run->ranking = (ranking){.model = scores->model, .n_rows = scores->n_rows};
+    run->ranking.rows = calloc(scores->n_rows, sizeof *run->ranking.rows);
+    if (!run->ranking.rows)
+        return report("report", EXIT_LIMIT, "out of memory");
+    for (size_t i = 0; i < scores->n_rows; ++i)
+        run->ranking.rows[i] = (rank_row){.order = i,
+                                          .pair = {scores->ref_name, scores->rows[i].name},
+                                          .result = scores->rows[i].result,
+                                          .err = &scores->rows[i].err};
+    rank_rows(&run->ranking);
+    return EXIT_OK;
+}
+
+/* Everything that the page says, before its file is begun. */
+static int gather(report_run *run, const char *model) {
+    int exit_code = make_scores("report", &run->scores, model);
+    if (exit_code == EXIT_OK)
+        exit_code = first_fault(run);
+    if (exit_code == EXIT_OK)
+        exit_code = rank_all(run);
+    if (exit_code == EXIT_OK)
+        exit_code = render_all(run);
+    if (exit_code == EXIT_OK)
+        exit_code = name_all(run);
+    return exit_code == EXIT_OK ? first_fault(run) : exit_code;
+}
+
+/* Figures pass through a file beside the page's temporary one, whose name is nobody else's. */
+static int write_page(const report_run *run, output_file *out) {
+    static const char suffix[] = ".png";
+    size_t n = strlen(out->temporary) + sizeof suffix;
+    char *figure = malloc(n);
+    if (!figure)
+        return report("report", EXIT_LIMIT, "out of memory");
+    snprintf(figure, n, "%s%s", out->temporary, suffix);
+    int exit_code = write_report(run, out->stream, figure);
+    free(figure);
+    if (exit_code == EXIT_OK && interrupted())
+        exit_code = report("report", EXIT_INTERRUPTED, "interrupted");
+    return exit_code;
+}
+
+static int make_report(report_run *run, const char *model, const char *path) {
+    output_file out;
+    int exit_code = open_output("report", path, &out); /* a folder that is missing is said at once */
+    if (exit_code == EXIT_OK && !out.temporary)
+        exit_code = report("report", EXIT_USAGE, "the page is a file: -o FILE.html");
+    if (exit_code == EXIT_OK)
+        exit_code = gather(run, model);
+    if (exit_code == EXIT_OK)
+        exit_code = write_page(run, &out);
+    end_progress();
+    int close_code = close_output("report", &out, exit_code == EXIT_OK);
+    return exit_code == EXIT_OK ? close_code : exit_code;
+}
+
+/* The day that the environment gives to files that shall be reproducible, else none.
+ * https://reproducible-builds.org/specs/source-date-epoch/ */
+static int find_date(const char **date, char text[DATE_SIZE]) {
+    const char *epoch = getenv("SOURCE_DATE_EPOCH");
+    if (*date || !epoch)
+        return EXIT_OK;
+    char *end;
+    errno = 0;
+    long long seconds = strtoll(epoch, &end, 10);
+    time_t t = (time_t)seconds;
+    struct tm day;
+    if (end == epoch || *end || errno || seconds < 0 || !gmtime_r(&t, &day) ||
+        strftime(text, DATE_SIZE, "%Y-%m-%d", &day) == 0)
+        return report("report", EXIT_USAGE, "SOURCE_DATE_EPOCH is not a number of seconds: '%s'", epoch);
+    *date = text;
+    return EXIT_OK;
+}
+
+static int check_scene(label_run *labels, uint64_t shrink) {
+    const nqm_scene_options *o = &labels->scene_options;
+    labels->shrink = (size_t)shrink;
+    if (!o->width)
+        return report("report", EXIT_USAGE, "--points makes no pictures");
+    if (o->width % labels->shrink || o->height % labels->shrink)
+        return report("report", EXIT_USAGE, "--shrink must divide the size of the picture");
+    return EXIT_OK;
+}
+
+int cmd_report(int argc, char **argv) {
+    bool json = false;
+    uint64_t shrink = 1;
+    const char *output = NULL, *model = "default", *invalid = "drop";
+    char date[DATE_SIZE];
+    report_run run = {.scores = {.options = nqm_score_options_default()}};
+    scene_args scene = scene_args_begin();
+    scene.size = "400"; /* sharp on paper */
+    option options[9 + N_SCENE_OPTIONS] = {
+        {"output", 'o', OPTION_TEXT, &output, "FILE.html", "the page", 0, 0},
+        {"title", 0, OPTION_TEXT, &run.title, "TEXT", "on top, instead of what is compared", 0, 0},
+        {"date", 0, OPTION_TEXT, &run.date, "TEXT", "in the line to quote; else that of SOURCE_DATE_EPOCH, or none", 0,
+         0},
+        {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        OPTION_ROW_INVALID(&invalid),
+        OPTION_ROW_MIN_VALID(&run.scores.options.min_valid_fraction),
+        {"shrink", 0, OPTION_COUNT, &shrink, "N", "N x N rendered pixels become one of a picture", 1, 16},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
+    };
+    scene_args_table(&scene, options);
+    const command cmd = {
+        .name = "report",
+        .usage = "REF TEST... -o FILE.html [options]",
+        .about =
+            "Write one page for people to read: the JOD of each TEST and what it means, reference and test side by\n"
+            "side on a lit shape with a map of their colour difference, all metrics, where in angle they differ,\n"
+            "and a line to quote. The file needs no network and no other file, and prints well; its numbers stand\n"
+            "in it as JSON too. The same arguments give the same bytes.",
+        .example = "nqm report sgd:nickel ward:nickel -o nickel.html\n"
+                   "nqm report measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr -o fits.html\n"
+                   "nqm report sgd:nickel ward:nickel abc:nickel --title 'Three models of nickel' -o nickel.html",
+        .options = options,
+        .min_arguments = 2,
+        .max_arguments = -1,
+    };
+    int n_arguments, exit_code;
+    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
+        return exit_code;
+    if (!output)
+        return report("report", EXIT_USAGE, "say where the page goes: -o FILE.html");
+    exit_code = choose_invalid("report", invalid, &run.scores.options.invalid);
+    if (exit_code == EXIT_OK)
+        exit_code = scene_args_end("report", &scene);
+    run.labels.scene_options = scene.scene;
+    if (exit_code == EXIT_OK)
+        exit_code = check_scene(&run.labels, shrink);
+    if (exit_code == EXIT_OK)
+        exit_code = find_date(&run.date, date);
+    if (exit_code == EXIT_OK)
+        exit_code = choose_metrics("report", "all", run.scores.metrics);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    run.scores.ref_name = argv[0];
+    run.scores.test_names = argv + 1;
+    run.scores.n_rows = (size_t)n_arguments - 1;
+    exit_code = make_report(&run, model, output);
+    if (exit_code == EXIT_OK && json)
+        exit_code = print_json(json_scores(&run.scores));
+    free(run.short_names);
+    free(run.names);
+    free(run.ranking.rows);
+    free_labels(&run.labels);
+    free_scores(&run.scores);
+    return exit_code;
+}
