@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm plot: every drawing in every format, the same bytes again, sizes and titles, what wrong inputs give.
+# nqm plot: every drawing in every format, the same bytes again on this machine, sizes and titles, what wrong inputs give.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
@@ -60,6 +60,8 @@ draw() {
     done
     well_formed "$dir/$name.svg"
     [ "$(head -c 5 "$dir/$name.pdf")" = %PDF- ] || fail "$name.pdf is no PDF"
+    grep -a '/CreationDate' "$dir/$name.pdf" | grep -q '(20000101' || fail "$name.pdf holds a date" # a fixed one
+    { grep -aq '/FontFile' "$dir/$name.pdf" && grep -aq '/ToUnicode' "$dir/$name.pdf"; } || fail "$name.pdf holds no text"
     [ "$(od -A n -t x1 -N 4 "$dir/$name.png")" = ' 89 50 4e 47' ] || fail "$name.png is no PNG"
 }
 draw curve curve "$dir/labels.csv"

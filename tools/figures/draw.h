@@ -6,8 +6,9 @@
 #ifndef NQM_SRC_PLOT_DRAW_H
 #define NQM_SRC_PLOT_DRAW_H
 
-#include "figures/lettering.h"
 #include "figures/sheet.h"
+
+#include <cairo.h>
 
 enum { NQM_FONT = 13, NQM_SMALL_FONT = 11, NQM_TITLE_FONT = 15, NQM_LINE_STEP = 18, NQM_STYLES = 8 };
 
@@ -22,12 +23,19 @@ void nqm_draw_grey(cairo_t *cr, double level);
 /** The style of a group of bars: light ones, on which intervals are seen. */
 size_t nqm_bar_style(size_t group);
 
-/** Text with "_{..}" and "^{..}"; its width, and the text with its baseline at y. */
-double nqm_label_width(const char *text, double size);
+typedef enum nqm_align { NQM_LEFT, NQM_CENTRE, NQM_RIGHT } nqm_align;
+
+/** Width of a line of UTF-8 text, of which the first 252 bytes are drawn; `size` is the size of the font in pixels. */
+double nqm_text_width(cairo_t *cr, const char *text, double size);
+/** Draw a line of text with its baseline at y, aligned at x. Text wider than `room` gets a smaller font, down to two thirds,
+ *  and is then cut and ends in dots. Bytes that are not UTF-8 are drawn as '?'. */
+void nqm_text_draw(cairo_t *cr, double x, double y, nqm_align align, double size, double room, const char *text);
+/** The same for text with subscripts and superscripts, "_{h}" and "^{-2}", in the room that it needs. */
+double nqm_label_width(cairo_t *cr, const char *text, double size);
 void nqm_label_draw(cairo_t *cr, double x, double y, nqm_align align, double size, const char *text);
 
 /** What ticks, labels and title leave of a box; x or y NULL: no such axis. */
-nqm_box nqm_frame_inner(nqm_box outer, const char *title, const nqm_axis *x, const nqm_axis *y);
+nqm_box nqm_frame_inner(cairo_t *cr, nqm_box outer, const char *title, const nqm_axis *x, const nqm_axis *y);
 /** Grid, frame, ticks, labels and title around that. */
 void nqm_frame_draw(cairo_t *cr, nqm_box inner, const char *title, const nqm_axis *x, const nqm_axis *y);
 /** How many labels fit beside each other, and above each other. */

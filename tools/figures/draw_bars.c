@@ -45,10 +45,10 @@ static void draw_bar(cairo_t *cr, nqm_box box, const nqm_bars *bars, size_t at, 
 void nqm_bars_draw(cairo_t *cr, nqm_box outer, const nqm_bars *bars) {
     double widest = 0;
     for (size_t i = 0; i < bars->n; ++i)
-        widest = fmax(widest, nqm_text_width(bars->names[i], NQM_FONT));
+        widest = fmax(widest, nqm_text_width(cr, bars->names[i], NQM_FONT));
     widest = fmin(widest, outer.width / 3);
     const nqm_box with_names = {outer.x + widest + 8, outer.y, outer.width - widest - 8, outer.height};
-    nqm_box box = nqm_frame_inner(with_names, NULL, &bars->x, NULL);
+    nqm_box box = nqm_frame_inner(cr, with_names, NULL, &bars->x, NULL);
     nqm_frame_draw(cr, box, NULL, &bars->x, NULL);
     double row = box.height / (double)bars->n, bar = 0.76 * row / (double)bars->n_groups;
     for (size_t i = 0; i < bars->n; ++i) {

@@ -26,7 +26,7 @@ static void clip_to(cairo_t *cr, nqm_box box, double margin) {
 }
 
 void nqm_chart_draw(cairo_t *cr, nqm_box outer, const nqm_chart *chart) {
-    const plane p = {chart, nqm_frame_inner(outer, chart->title, &chart->x, &chart->y)};
+    const plane p = {chart, nqm_frame_inner(cr, outer, chart->title, &chart->x, &chart->y)};
     nqm_frame_draw(cr, p.box, chart->title, &chart->x, &chart->y);
     for (size_t i = 0; i < chart->n_series; ++i) {
         const nqm_series *s = &chart->series[i];
@@ -48,7 +48,7 @@ typedef struct legend {
 } legend;
 
 static void add_entry(legend *l, const nqm_series *sample, const char *name) {
-    double width = SAMPLE + 5 + nqm_label_width(name, NQM_FONT) + SPACE;
+    double width = SAMPLE + 5 + nqm_label_width(l->cr, name, NQM_FONT) + SPACE;
     if (l->x > l->box.x && l->x + width - SPACE > l->box.x + l->box.width) {
         l->x = l->box.x;
         l->y += NQM_LINE_STEP;

@@ -16,21 +16,21 @@ size_t nqm_ticks_down(double height) {
     return (size_t)fmax(floor(height / 38), 2);
 }
 
-static double widest_label(const nqm_axis *axis, double height) {
+static double widest_label(cairo_t *cr, const nqm_axis *axis, double height) {
     nqm_tick_mark ticks[NQM_MAX_TICKS];
     size_t n = nqm_axis_ticks(axis, nqm_ticks_down(height), ticks);
     double widest = axis->room;
     for (size_t i = 0; i < n; ++i)
-        widest = fmax(widest, nqm_label_width(ticks[i].label, NQM_SMALL_FONT));
+        widest = fmax(widest, nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT));
     return ceil(widest);
 }
 
-nqm_box nqm_frame_inner(nqm_box outer, const char *title, const nqm_axis *x, const nqm_axis *y) {
+nqm_box nqm_frame_inner(cairo_t *cr, nqm_box outer, const char *title, const nqm_axis *x, const nqm_axis *y) {
     double top = title ? NQM_LINE_STEP + 2 : 8, right = 14;
     double bottom = x ? TICK + GAP + NQM_SMALL_FONT + NQM_LINE_STEP + GAP : 4;
     double left = 4;
     if (y)
-        left = TICK + GAP + widest_label(y, outer.height - top - bottom) + (y->label ? NQM_LINE_STEP + GAP : GAP);
+        left = TICK + GAP + widest_label(cr, y, outer.height - top - bottom) + (y->label ? NQM_LINE_STEP + GAP : GAP);
     return (nqm_box){floor(outer.x + left) + 0.5, floor(outer.y + top) + 0.5, floor(outer.width - left - right),
                      floor(outer.height - top - bottom)};
 }
@@ -52,7 +52,7 @@ static void draw_x_ticks(cairo_t *cr, nqm_box box, const nqm_axis *axis) {
         line(cr, x, box.y, x, bottom);
         nqm_draw_grey(cr, 0.2);
         line(cr, x, bottom, x, bottom + (labelled ? TICK : TICK / 2));
-        double half = nqm_label_width(ticks[i].label, NQM_SMALL_FONT) / 2;
+        double half = nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT) / 2;
         if (!labelled || x - half < free_from)
             continue; /* where numbers would touch, the first stays */
         free_from = x + half + GAP;
@@ -78,7 +78,7 @@ static void draw_y_ticks(cairo_t *cr, nqm_box box, const nqm_axis *axis) {
     if (!axis->label)
         return;
     cairo_save(cr);
-    cairo_translate(cr, box.x - TICK - 2 * GAP - widest_label(axis, box.height), box.y + box.height / 2);
+    cairo_translate(cr, box.x - TICK - 2 * GAP - widest_label(cr, axis, box.height), box.y + box.height / 2);
     cairo_rotate(cr, -1.5707963267948966);
     nqm_label_draw(cr, 0, -GAP, NQM_CENTRE, NQM_FONT, axis->label);
     cairo_restore(cr);

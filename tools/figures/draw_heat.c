@@ -66,7 +66,7 @@ static void draw_scale(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
         cairo_line_to(cr, bar.x + bar.width + 4, y);
         cairo_stroke(cr);
         nqm_label_draw(cr, bar.x + bar.width + 7, y + 0.36 * NQM_SMALL_FONT, NQM_LEFT, NQM_SMALL_FONT, ticks[i].label);
-        widest = fmax(widest, nqm_label_width(ticks[i].label, NQM_SMALL_FONT));
+        widest = fmax(widest, nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT));
     }
     cairo_rectangle(cr, bar.x, bar.y, bar.width, bar.height);
     cairo_stroke(cr);
@@ -80,7 +80,7 @@ static void draw_scale(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
 void nqm_heat_draw(cairo_t *cr, nqm_box outer, const nqm_heat *heat) {
     enum { SCALE_ROOM = 90, SCALE_WIDTH = 16 };
     outer.width -= SCALE_ROOM;
-    nqm_box box = nqm_frame_inner(outer, NULL, &heat->x, &heat->y);
+    nqm_box box = nqm_frame_inner(cr, outer, NULL, &heat->x, &heat->y);
     nqm_frame_draw(cr, box, NULL, &heat->x, &heat->y);
     draw_cells(cr, box, heat);
     nqm_draw_grey(cr, 0.2);

@@ -40,13 +40,13 @@ static void draw_panels(cairo_t *cr, nqm_box box, const nqm_sheet *sheet) {
 enum { NOTE_BYTES = 512, NOTE_STEP = 16 };
 
 /* How many bytes of `text` stand on its first line: up to a line's end, or as many words as the width holds. */
-static size_t first_line(const char *text, double width) {
+static size_t first_line(cairo_t *cr, const char *text, double width) {
     size_t end = strcspn(text, "\n"), n = 0;
     for (size_t next = 0; next < end && next < NOTE_BYTES - 1;) {
         char line[NOTE_BYTES];
         next += 1 + strcspn(text + next + 1, " \n");
         snprintf(line, sizeof line, "%.*s", (int)next, text);
-        if (n > 0 && nqm_label_width(line, NQM_SMALL_FONT) > width)
+        if (n > 0 && nqm_label_width(cr, line, NQM_SMALL_FONT) > width)
             return n;
         n = next;
     }
@@ -57,14 +57,14 @@ static size_t first_line(const char *text, double width) {
 static double draw_note(cairo_t *cr, nqm_box box, const char *note) {
     size_t n_lines = 0;
     for (const char *p = note; *p; ++n_lines) {
-        p += first_line(p, box.width);
+        p += first_line(cr, p, box.width);
         p += *p != 0;
     }
     double height = NOTE_STEP * (double)n_lines, y = box.y + box.height - height + NQM_SMALL_FONT;
     nqm_draw_grey(cr, 0.3);
     for (; *note; y += NOTE_STEP) {
         char line[NOTE_BYTES];
-        size_t n = first_line(note, box.width);
+        size_t n = first_line(cr, note, box.width);
         snprintf(line, sizeof line, "%.*s", (int)n, note);
         nqm_label_draw(cr, box.x, y, NQM_LEFT, NQM_SMALL_FONT, line);
         note += n + (note[n] != 0);

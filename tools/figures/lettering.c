@@ -1,180 +1,131 @@
 /* SPDX-License-Identifier: MIT
  *
- * Text from outlines: UTF-8 to characters, quadratic curves to cubic ones, lines that must fit, and the font that keeps
- * an SVG small.
+ * Colours, and text set in DejaVu Sans, or the nearest font that the machine has.
  */
-#include "figures/lettering.h"
-
-#include "figures/glyphs.h"
+#include "figures/draw.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { TEXT_BYTES = 256 }; /* of a line */
+enum { TEXT_BYTES = 256 }; /* of a line, with its final 0 */
 
-static int compare_glyph(const void *key, const void *glyph) {
-    uint32_t a = *(const uint32_t *)key, b = ((const struct glyph *)glyph)->character;
-    return (a > b) - (a < b);
+void nqm_draw_colour(cairo_t *cr, size_t style, double alpha) {
+    /* Okabe and Ito 2008, "Color universal design"; yellow last, because it is faint on white. */
+    static const unsigned char colours[NQM_STYLES][3] = {{0, 114, 178}, {213, 94, 0},   {0, 158, 115}, {204, 121, 167},
+                                                         {230, 159, 0}, {86, 180, 233}, {0, 0, 0},     {240, 228, 66}};
+    const unsigned char *c = colours[style % NQM_STYLES];
+    cairo_set_source_rgba(cr, c[0] / 255.0, c[1] / 255.0, c[2] / 255.0, alpha);
 }
 
-static const struct glyph *find_glyph(uint32_t character) {
-    static const uint32_t unknown = '?';
-    const struct glyph *g = bsearch(&character, glyphs, GLYPH_COUNT, sizeof *glyphs, compare_glyph);
-    return g ? g : bsearch(&unknown, glyphs, GLYPH_COUNT, sizeof *glyphs, compare_glyph);
+void nqm_draw_grey(cairo_t *cr, double level) {
+    cairo_set_source_rgb(cr, level, level, level);
 }
 
-/* The character at *text, which moves behind it; 0 at the end. A broken sequence counts byte by byte. */
-static uint32_t next_character(const char **text) {
-    const unsigned char *p = (const unsigned char *)*text;
-    uint32_t c = *p;
-    if (c == 0)
-        return 0;
-    size_t n = c >= 0xf0 ? 3 : c >= 0xe0 ? 2 : c >= 0xc0 ? 1 : 0;
-    uint32_t value = n ? c & (0x3fU >> n) : c;
-    for (size_t i = 1; i <= n; ++i) {
-        if ((p[i] & 0xc0) != 0x80) {
-            n = 0;
-            value = c;
+/* ---- text -------------------------------------------------------------------------------------------------------- */
+
+/* Bytes of the valid UTF-8 sequence at p, without checks for overlong forms; 0 for a broken one. */
+static size_t sequence_length(const unsigned char *p) {
+    size_t n = *p < 0x80 ? 1 : *p < 0xc2 ? 0 : *p < 0xe0 ? 2 : *p < 0xf0 ? 3 : *p < 0xf5 ? 4 : 0;
+    for (size_t i = 1; i < n; ++i)
+        if ((p[i] & 0xc0) != 0x80)
+            return 0;
+    return n;
+}
+
+/* Copy the start of `text`, cut at the end of a character, with '?' for each byte that is not UTF-8: cairo refuses to
+ * draw such text, and file names may hold it. */
+static void copy_text(const char *text, char line[TEXT_BYTES]) {
+    size_t n_line = 0;
+    while (*text) {
+        size_t n = sequence_length((const unsigned char *)text), n_copied = n ? n : 1;
+        if (n_line + n_copied > TEXT_BYTES - sizeof "...")
             break;
-        }
-        value = value << 6 | (p[i] & 0x3f);
+        memcpy(line + n_line, n ? text : "?", n_copied);
+        n_line += n_copied;
+        text += n_copied;
     }
-    *text += n + 1;
-    return value;
+    strcpy(line + n_line, *text ? "..." : "");
 }
 
-double nqm_text_width(const char *text, double size) {
-    double units = 0;
-    for (uint32_t c; (c = next_character(&text)) != 0;)
-        units += find_glyph(c)->advance;
-    return units * size / GLYPH_UNITS;
-}
-
-/* Point i of a contour (cyclic), in em units; true: on the curve. */
-static bool point_of(const int16_t *contour, int i, double *x, double *y) {
-    const int16_t *p = contour + 1 + 2 * (i % contour[0]);
-    bool on = p[0] & 1;
-    *x = (p[0] - on) * 0.5;
-    *y = p[1];
-    return on;
-}
-
-static void curve_to(cairo_t *cr, double cx, double cy, double x, double y) {
-    double x0, y0;
-    cairo_get_current_point(cr, &x0, &y0);
-    cairo_curve_to(cr, x0 + (cx - x0) * 2 / 3, y0 + (cy - y0) * 2 / 3, x + (cx - x) * 2 / 3, y + (cy - y) * 2 / 3, x,
-                   y);
-}
-
-static void contour_path(cairo_t *cr, const int16_t *contour) {
-    double x, y, next_x, next_y;
-    (void)point_of(contour, 0, &x, &y);
-    cairo_move_to(cr, x, y);
-    for (int i = 1; i <= contour[0]; ++i) {
-        if (point_of(contour, i, &x, &y)) {
-            cairo_line_to(cr, x, y);
-            continue;
-        }
-        if (point_of(contour, i + 1, &next_x, &next_y)) {
-            ++i;
-        } else {
-            next_x = (x + next_x) / 2;
-            next_y = (y + next_y) / 2;
-        }
-        curve_to(cr, x, y, next_x, next_y);
-    }
-    cairo_close_path(cr);
-}
-
-/* Fill a glyph at the origin, in units of the outlines. */
-static void draw_glyph(cairo_t *cr, const struct glyph *g) {
-    const int16_t *contour = glyph_outlines + g->first;
-    cairo_set_fill_rule(cr, CAIRO_FILL_RULE_WINDING);
-    for (int i = 0; i < g->n_contours; ++i, contour += 1 + 2 * contour[0])
-        contour_path(cr, contour);
-    cairo_fill(cr);
-}
-
-static void draw_outlines(cairo_t *cr, double x, double y, double size, const char *text) {
-    cairo_save(cr);
-    cairo_translate(cr, x, y);
-    cairo_scale(cr, size / GLYPH_UNITS, -size / GLYPH_UNITS);
-    for (uint32_t c; (c = next_character(&text)) != 0;) {
-        const struct glyph *g = find_glyph(c);
-        draw_glyph(cr, g);
-        cairo_translate(cr, g->advance, 0);
-    }
-    cairo_restore(cr);
-}
-
-/* ---- as a font: SVG ---------------------------------------------------------------------------------------------- */
-
-static cairo_status_t render_glyph(cairo_scaled_font_t *font, unsigned long index, cairo_t *cr,
-                                   cairo_text_extents_t *extents) {
-    (void)font;
-    cairo_scale(cr, 1.0 / GLYPH_UNITS, -1.0 / GLYPH_UNITS);
-    draw_glyph(cr, &glyphs[index]);
-    extents->x_advance = (double)glyphs[index].advance / GLYPH_UNITS;
-    return CAIRO_STATUS_SUCCESS;
-}
-
-static void destroy_face(void *face) {
-    cairo_font_face_destroy(face);
-}
-
-/* The glyphs as a font, one for all text of a surface, which is how cairo knows a glyph again; NULL: out of memory. */
-static cairo_font_face_t *face_of(cairo_surface_t *surface) {
-    static const cairo_user_data_key_t key;
-    cairo_font_face_t *face = cairo_surface_get_user_data(surface, &key);
-    if (face)
-        return face;
-    face = cairo_user_font_face_create();
-    cairo_user_font_face_set_render_glyph_func(face, render_glyph);
-    if (cairo_surface_set_user_data(surface, &key, face, destroy_face) == CAIRO_STATUS_SUCCESS)
-        return face;
-    cairo_font_face_destroy(face);
-    return NULL;
-}
-
-static void show_glyphs(cairo_t *cr, cairo_font_face_t *face, double x, double y, double size, const char *text) {
-    cairo_glyph_t line[TEXT_BYTES];
-    int n = 0;
-    for (uint32_t c; (c = next_character(&text)) != 0; ++n) {
-        const struct glyph *g = find_glyph(c);
-        line[n] = (cairo_glyph_t){(unsigned long)(g - glyphs), x, y};
-        x += g->advance * size / GLYPH_UNITS;
-    }
-    cairo_set_font_face(cr, face);
+/* Unhinted, so that the layout is the same at every scale. */
+static double set_font(cairo_t *cr, double size, const char *line) {
+    cairo_font_options_t *options = cairo_font_options_create();
+    cairo_text_extents_t extents;
+    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+    cairo_set_font_options(cr, options);
+    cairo_font_options_destroy(options);
+    cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cr, size);
-    cairo_show_glyphs(cr, line, n);
+    cairo_text_extents(cr, line, &extents);
+    return extents.x_advance;
 }
 
-/* An SVG holds a glyph of a font once, and an outline as often as it is drawn. On pixels outlines are better: they stand
- * where they belong, the glyphs of a font on whole pixels. `text` is shorter than TEXT_BYTES. */
-static void draw_line(cairo_t *cr, double x, double y, double size, const char *text) {
-    cairo_surface_t *target = cairo_get_target(cr);
-    cairo_font_face_t *face = cairo_surface_get_type(target) == CAIRO_SURFACE_TYPE_SVG ? face_of(target) : NULL;
-    if (face)
-        show_glyphs(cr, face, x, y, size, text);
-    else
-        draw_outlines(cr, x, y, size, text);
+double nqm_text_width(cairo_t *cr, const char *text, double size) {
+    char line[TEXT_BYTES];
+    copy_text(text, line);
+    return set_font(cr, size, line);
 }
 
 void nqm_text_draw(cairo_t *cr, double x, double y, nqm_align align, double size, double room, const char *text) {
-    char shown[TEXT_BYTES];
-    double width = nqm_text_width(text, size), smallest = size * 2 / 3;
-    size_t n = strnlen(text, sizeof shown - 4);
-    memcpy(shown, text, n);
-    memcpy(shown + n, text[n] ? "..." : "", text[n] ? 4 : 1);
+    char line[TEXT_BYTES];
+    copy_text(text, line);
+    double width = set_font(cr, size, line);
     if (width > room)
-        size = fmax(size * room / width, smallest);
-    while (n > 0 && nqm_text_width(shown, size) > room * (1 + 1e-9)) {
+        width = set_font(cr, size * fmax(room / width, 2.0 / 3), line);
+    for (size_t n = strlen(line); n > 0 && width > room * (1 + 1e-9); width = set_font(cr, size * 2 / 3, line)) {
         --n;
-        while (n > 0 && ((unsigned char)shown[n] & 0xc0) == 0x80) /* not inside a character */
+        while (n > 0 && ((unsigned char)line[n] & 0xc0) == 0x80) /* cut between characters */
             --n;
-        memcpy(shown + n, "...", 4);
+        strcpy(line + n, "...");
     }
-    width = nqm_text_width(shown, size);
-    draw_line(cr, align == NQM_LEFT ? x : align == NQM_RIGHT ? x - width : x - width / 2, y, size, shown);
+    cairo_move_to(cr, align == NQM_LEFT ? x : align == NQM_RIGHT ? x - width : x - width / 2, y);
+    if (cairo_surface_get_type(cairo_get_target(cr)) != CAIRO_SURFACE_TYPE_IMAGE) {
+        cairo_show_text(cr, line);
+        return;
+    }
+    cairo_text_path(cr, line); /* cairo_show_text() would round the place of each glyph to whole pixels */
+    cairo_fill(cr);
+}
+
+/* ---- subscripts and superscripts --------------------------------------------------------------------------------- */
+
+/* Copy the next run of text of one size; *shift is its height above the baseline in em. false at the end. */
+static bool next_run(const char **text, char run[TEXT_BYTES], double *shift) {
+    const char *p = *text;
+    if (!*p)
+        return false;
+    bool is_small = (p[0] == '_' || p[0] == '^') && p[1] == '{';
+    *shift = is_small ? (p[0] == '_' ? -0.2 : 0.4) : 0;
+    size_t n = 0;
+    p += is_small ? 2 : 0;
+    for (; *p && (is_small ? *p != '}' : !((p[0] == '_' || p[0] == '^') && p[1] == '{')); ++p)
+        if (n < TEXT_BYTES - 1)
+            run[n++] = *p;
+    run[n] = 0;
+    *text = p + (is_small && *p);
+    return true;
+}
+
+static double run_size(double size, double shift) {
+    return shift == 0 ? size : 0.75 * size;
+}
+
+double nqm_label_width(cairo_t *cr, const char *text, double size) {
+    char run[TEXT_BYTES];
+    double shift, width = 0;
+    while (next_run(&text, run, &shift))
+        width += nqm_text_width(cr, run, run_size(size, shift));
+    return width;
+}
+
+void nqm_label_draw(cairo_t *cr, double x, double y, nqm_align align, double size, const char *text) {
+    char run[TEXT_BYTES];
+    double shift, width = nqm_label_width(cr, text, size);
+    x -= align == NQM_LEFT ? 0 : align == NQM_RIGHT ? width : width / 2;
+    while (next_run(&text, run, &shift)) {
+        double font = run_size(size, shift), run_width = nqm_text_width(cr, run, font);
+        nqm_text_draw(cr, x, y - shift * size, NQM_LEFT, font, run_width + 1, run);
+        x += run_width;
+    }
 }

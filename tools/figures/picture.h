@@ -79,8 +79,8 @@ typedef struct nqm_figure {
 
 /**
  * Draw a figure as PNG on white: pictures tone-mapped, maps in the colours of viridis (dark is equal; brighter is more
- * different, also for colour-blind eyes and in grey). The lettering is the library's own: the same bytes on every
- * machine. Needs cairo (CMake option NQM_CAIRO).
+ * different, also for colour-blind eyes and in grey). The same input gives the same bytes on one machine; fonts differ
+ * between machines. Needs cairo (CMake option NQM_CAIRO).
  *
  * @return NQM_ERR_ARG (sizes, or a build without cairo), NQM_ERR_LIMIT (more than 16384 pixels a side), NQM_ERR_IO
  */

@@ -4,8 +4,8 @@
  * only; needs cairo (CMake option NQM_CAIRO).
  *
  * The end of the file's name says the format (".svg", ".pdf", ".png", any case). Colours are those of Okabe and Ito
- * (2008), which colour-blind eyes tell apart, and viridis. The lettering is the library's own and no file holds a date:
- * the same input gives the same bytes. Functions return NQM_ERR_ARG (name, options, a build without cairo), NQM_ERR_IO,
+ * (2008), which colour-blind eyes tell apart, and viridis. No file holds a date: the same input gives the same bytes on
+ * one machine; fonts differ between machines. Functions return NQM_ERR_ARG (name, options, a build without cairo), NQM_ERR_IO,
  * NQM_ERR_NOMEM, and what reading their input gives: NQM_ERR_FORMAT with file and line for a malformed one,
  * NQM_ERR_INCOMPATIBLE where there is nothing to draw.
  */

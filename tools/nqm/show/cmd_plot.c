@@ -156,7 +156,7 @@ int cmd_plot(int argc, char **argv) {
                  "  slice BRDF...            cuts through up to 8 BRDFs, and polar lobes\n"
                  "  attribution REF TEST     where in (theta_h, theta_d) two BRDFs differ\n"
                  "  network [MODEL]          the layers of a model\n"
-                 "The same input gives the same bytes.",
+                 "The same input gives the same bytes on one machine; files hold no date.",
         .example = "nqm plot curve labels_real.csv -o curve.svg\n"
                    "nqm eval corpus.safetensors --json | nqm plot bars - -o bars.pdf\n"
                    "nqm plot slice sgd:nickel ward:nickel -o nickel.png",
