@@ -14,62 +14,104 @@ extern "C" {
 
 /** How the learning rates fall. */
 typedef enum nqm_schedule {
-    NQM_SCHEDULE_PLATEAU = 0, /**< by plateau_factor when the validation loss stagnates (the paper) */
-    NQM_SCHEDULE_COSINE       /**< half a cosine from the full rates to 0 over all epochs, whatever the losses */
+    NQM_SCHEDULE_PLATEAU = 0, /**< times plateau_factor when the validation loss stagnates (the paper) */
+    NQM_SCHEDULE_COSINE       /**< half a cosine from the full rates to 0 over all epochs */
 } nqm_schedule;
 
-typedef enum nqm_whitening { NQM_WHITEN_CHANNEL = 0, NQM_WHITEN_SCALAR } nqm_whitening;
+/** Mean and standard deviation of the transformed samples, over the references of the training pairs. */
+typedef enum nqm_whitening {
+    NQM_WHITEN_CHANNEL = 0, /**< of each colour channel (the paper) */
+    NQM_WHITEN_SCALAR       /**< one for all channels (the notebook) */
+} nqm_whitening;
+
+/** The second copy of the training set, scaled by U[0.95, 1.05]. */
 typedef enum nqm_scale_copy {
-    NQM_SCALE_PAIR_REFLECTANCE = 0, /**< one factor a pair, on f_r (the paper) */
-    NQM_SCALE_ELEMENT_TRANSFORMED,  /**< one factor an element, after the transform (the notebook) */
-    NQM_SCALE_NONE
+    NQM_SCALE_PAIR_REFLECTANCE = 0, /**< one factor per pair, on f_r (the paper) */
+    NQM_SCALE_ELEMENT_TRANSFORMED,  /**< one factor per element, after the transform (the notebook) */
+    NQM_SCALE_NONE                  /**< no second copy */
 } nqm_scale_copy;
 
 enum { NQM_TRAIN_MAX_HIDDEN = 7 };
 
-/** Everything that distinguishes one training from another, from nqm_train_options_recipe(). Strings are lent. */
-typedef struct nqm_train_options {
-    const char *recipe;                  /**< the name the options came from; stored in the model */
-    const char *id;                      /**< model id; default the recipe's name */
-    const char *licence;                 /**< SPDX identifier for the model; NULL: not stated */
-    nqm_layout layout;                   /**< paper: REF_TEST; nqm: REF_DIFF_ABSDIFF */
-    double difference_scale;             /**< s of the layout; paper: unused; nqm: 3 */
-    int scalars;                         /**< 1: scalar features (nqm_scalar) behind the samples; nqm: 1, else 0 */
-    double scalar_scale;                 /**< times the whitened scalar features; default 1 (nqm: 8) */
-    size_t n_hidden;                     /**< hidden layers; 1..NQM_TRAIN_MAX_HIDDEN; default 3 */
-    size_t hidden[NQM_TRAIN_MAX_HIDDEN]; /**< their widths; 1..16384; default 1024, 716, 501 */
-    nqm_target target;                   /**< paper, notebook: JOD; nqm: LOG_DELTA_E */
-    double min_delta_e;      /**< NQM_TARGET_LOG_DELTA_E: smaller ones count as this, which still maps to JOD 10 within
-                             1e-7, so that the log of a perfect copy is finite; > 0; default 0.05 */
-    nqm_whitening whitening; /**< notebook: SCALAR, else CHANNEL; over the references of the training pairs */
-    nqm_scale_copy scale_copy; /**< second copy of the training set scaled by U[0.95, 1.05] */
-    int split_by_pair; /**< 1: validation pairs drawn over all pairs that are not test pairs (the paper: one material
-                            can be on both sides); 0: by material group (notebook, nqm) */
-    double validation_fraction; /**< of the pairs, or of the groups when the dataset brings no validation split; default
-                                   0.2 */
-    int balance;                /**< 1: fill 7 equal label bins up to the fullest by noisy copies, before the split */
-    double balance_sigma;       /**< of the noise, 1/sr, the same draw for both members of a pair; default 0.01 */
-    int freeze_first_layernorm; /**< 1: as the notebook (it is in none of its optimiser groups) */
-    double dropout;             /**< 0..0.9; default 0.2 (nqm: 0.1) */
-    double lr_first, lr_deeper; /**< Adam; default 1e-4 for the first linear layer, 1e-3 for the rest */
-    double weight_decay;        /**< L2, added to the gradient; default 1e-4 (nqm: 1e-5) */
-    nqm_schedule schedule;      /**< paper, notebook: PLATEAU; nqm: COSINE */
-    double plateau_factor;      /**< ReduceLROnPlateau; default 0.1 */
-    size_t plateau_patience;    /**< epochs; default 5 */
-    size_t batch;               /**< pairs; default 512 (nqm: 128) */
-    size_t epochs;              /**< default 100 (nqm: 40) */
-    nqm_precision precision;    /**< of the factors of all products: NQM_PRECISION_F32 (default) or _BF16 */
-    uint64_t seed;              /**< default 1 */
-    const char *checkpoint;     /**< file rewritten after each epoch; NULL: none */
-    int resume;       /**< 1: go on from `checkpoint`, to the same bits as an uninterrupted run. It must come from the
-                           same dataset and options, except that `epochs` may be larger under NQM_SCHEDULE_PLATEAU. */
-    const char *card; /**< Markdown that follows the facts in the model's card; NULL: none */
-    nqm_progress_fn progress;
+/* The groups of nqm_train_options. Ranges and the values of each recipe: src/train/recipes.c and `nqm train --help`. */
+
+/** What the network sees of a pair. */
+typedef struct nqm_train_input {
+    nqm_layout layout;       /**< paper, notebook: REF_TEST; nqm: REF_DIFF_ABSDIFF */
+    double difference_scale; /**< factor of the differences in REF_DIFF_ABSDIFF */
+    int scalars;             /**< 1: the scalar features (nqm_scalar) follow the samples */
+    double scalar_scale;     /**< factor of the whitened scalar features */
+    nqm_whitening whitening;
+} nqm_train_input;
+
+/** What the network predicts. */
+typedef struct nqm_train_labels {
+    nqm_target target;  /**< paper, notebook: JOD; nqm: LOG_DELTA_E */
+    double min_delta_e; /**< NQM_TARGET_LOG_DELTA_E: smaller labels are raised to this value, so that the logarithm of a
+                             perfect copy is finite; the curve maps 0.05 to JOD 10 within 1e-7 */
+} nqm_train_labels;
+
+/** The multi-layer perceptron. */
+typedef struct nqm_train_network {
+    size_t n_hidden;                     /**< hidden layers, 1..NQM_TRAIN_MAX_HIDDEN */
+    size_t hidden[NQM_TRAIN_MAX_HIDDEN]; /**< their widths, 1..16384 */
+    double dropout;                      /**< probability, 0..0.9 */
+    int freeze_first_layernorm;          /**< 1: as in the notebook, where it is in no optimiser group */
+} nqm_train_network;
+
+/** Which pairs validate. Test pairs are never used. */
+typedef struct nqm_train_split {
+    int by_pair; /**< 1: validation pairs drawn over all pairs, so that a material can be on both sides (the paper); 0: whole
+                      materials, those of the dataset's validation split where it has one (notebook, nqm) */
+    double validation_fraction; /**< of the pairs or of the material groups, 0.001..0.9 */
+} nqm_train_split;
+
+/** Examples made from other examples. */
+typedef struct nqm_train_augmentation {
+    int balance;          /**< 1: fill 7 equal label bins up to the fullest with noisy copies, before the split */
+    double balance_sigma; /**< standard deviation of that noise, 1/sr; the same draw for both members of a pair */
+    nqm_scale_copy scale_copy;
+} nqm_train_augmentation;
+
+/** Adam on the log-cosh loss. */
+typedef struct nqm_train_optimiser {
+    double lr_first, lr_deeper; /**< learning rates of the first linear layer and of all other parameters */
+    double weight_decay;        /**< L2, added to the gradient */
+    nqm_schedule schedule;
+    double plateau_factor;   /**< NQM_SCHEDULE_PLATEAU: factor of the rates */
+    size_t plateau_patience; /**< NQM_SCHEDULE_PLATEAU: epochs without a better validation loss before that */
+    size_t batch;            /**< pairs per step */
+    size_t epochs;
+    nqm_precision precision; /**< of the factors of all matrix products: NQM_PRECISION_F32 or _BF16 */
+    uint64_t seed;           /**< of weights, split, augmentation, order and dropout */
+} nqm_train_optimiser;
+
+/** The run itself: none of it changes the model. */
+typedef struct nqm_train_run {
+    const char *checkpoint; /**< file rewritten after each epoch; NULL: none */
+    int resume; /**< 1: continue from `checkpoint`, to the same bits as an uninterrupted run. It must be of the same
+                                 dataset and options; only `epochs` may be larger under NQM_SCHEDULE_PLATEAU */
+    nqm_progress_fn progress; /**< NULL: none */
     void *progress_user;
-    /** Called after each epoch, and first for every epoch that a resumed checkpoint holds; NULL: not. epoch counts from
-     * 1; losses are the mean log-cosh of normalised labels over the pairs. */
+    /** Called after each epoch, and first for every epoch that a resumed checkpoint holds; NULL: none. epoch counts from
+     *  1; losses are the mean log-cosh of normalised labels over the examples. */
     void (*epoch_done)(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first);
     void *epoch_user;
+} nqm_train_run;
+
+/** Everything that distinguishes one training from another; from nqm_train_options_recipe(). Strings are borrowed. */
+typedef struct nqm_train_options {
+    const char *recipe;  /**< the recipe that the options started from; stored in the model */
+    const char *id;      /**< model id; default the recipe's name */
+    const char *licence; /**< SPDX identifier of the model; NULL: not stated */
+    const char *card;    /**< Markdown that is appended to the model's card; NULL: none */
+    nqm_train_input input;
+    nqm_train_labels labels;
+    nqm_train_network network;
+    nqm_train_split split;
+    nqm_train_augmentation augmentation;
+    nqm_train_optimiser optimiser;
+    nqm_train_run run;
 } nqm_train_options;
 
 /** The options of "paper", "notebook" or "nqm"; NQM_ERR_ARG for another name. */

@@ -70,7 +70,7 @@ static void mark_random(size_t n, size_t *idx, size_t part, uint64_t seed, uint8
 
 static nqm_status split_by_row(const nqm_train_options *o, size_t n, uint8_t *is_validation, nqm_error *err) {
     size_t part = 0;
-    nqm_status status = part_size(n, o->validation_fraction, "pairs", &part, err);
+    nqm_status status = part_size(n, o->split.validation_fraction, "pairs", &part, err);
     if (status != NQM_OK)
         return status;
     size_t *idx = nqm_alloc(n, sizeof *idx);
@@ -78,7 +78,7 @@ static nqm_status split_by_row(const nqm_train_options *o, size_t n, uint8_t *is
         return nqm_fail_nomem(err, n * sizeof *idx);
     for (size_t i = 0; i < n; ++i)
         idx[i] = i;
-    mark_random(n, idx, part, o->seed, is_validation);
+    mark_random(n, idx, part, o->optimiser.seed, is_validation);
     nqm_free(idx);
     return NQM_OK;
 }
@@ -98,9 +98,9 @@ static nqm_status choose_groups(const nqm_dataset *d, const nqm_train_options *o
     }
     nqm_status status = NQM_OK;
     if (n_validation == 0) {
-        status = part_size(n, o->validation_fraction, "material groups", &part, err);
+        status = part_size(n, o->split.validation_fraction, "material groups", &part, err);
         if (status == NQM_OK)
-            mark_random(n, idx, part, o->seed, group_is_validation);
+            mark_random(n, idx, part, o->optimiser.seed, group_is_validation);
     }
     nqm_free(idx);
     return status;
@@ -151,7 +151,7 @@ static nqm_status list_rows(const nqm_dataset *d, const nqm_train_options *o, nq
             pool[n] = i;
             label[n++] = d->jod[i];
         }
-    size_t n_copies = o->balance ? nqm_balance(n, label, copies) : 0, k = 0;
+    size_t n_copies = o->augmentation.balance ? nqm_balance(n, label, copies) : 0, k = 0;
     rows->row = nqm_alloc(n + n_copies, sizeof *rows->row);
     if (!rows->row) {
         status = nqm_fail_nomem(err, (n + n_copies) * sizeof *rows->row);
@@ -184,7 +184,7 @@ nqm_status nqm_rows_create(const nqm_dataset *d, const nqm_train_options *o, nqm
             status = nqm_fail_nomem(err, n * sizeof *sorted);
     }
     if (status == NQM_OK)
-        status = o->split_by_pair ? split_by_row(o, n, is_validation, err)
+        status = o->split.by_pair ? split_by_row(o, n, is_validation, err)
                                   : split_by_group(d, o, n, rows.row, is_validation, err);
     if (status == NQM_OK) {
         partition(&rows, n, is_validation, sorted);

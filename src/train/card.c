@@ -28,15 +28,16 @@ static void write_network(FILE *out, const nqm_train_options *o, const struct nq
     for (size_t l = 0; l <= m->params.shape.n_layers; ++l)
         fprintf(out, "%s%zu", l ? "-" : "", m->params.shape.sizes[l]);
     fprintf(out, " with %zu parameters; recipe `%s`.\n", m->params.n, o->recipe);
-    if (o->layout == NQM_LAYOUT_REF_TEST)
+    if (o->input.layout == NQM_LAYOUT_REF_TEST)
         fprintf(out, "Input: reference and test. ");
     else
         fprintf(out, "Input: reference, difference and absolute difference (times %s). ",
-                number(o->difference_scale, 6).text);
-    if (o->scalars)
+                number(o->input.difference_scale, 6).text);
+    if (o->input.scalars)
         fprintf(out, "Behind them %d scalar features of the pair. ", NQM_SCALAR_COUNT);
     fprintf(out, "It learnt %s.\n",
-            o->target == NQM_TARGET_JOD ? "JOD" : "the logarithm of Delta-E ITP, which a fixed curve maps to JOD");
+            o->labels.target == NQM_TARGET_JOD ? "JOD"
+                                               : "the logarithm of Delta-E ITP, which a fixed curve maps to JOD");
 }
 
 static void write_data(FILE *out, const nqm_dataset *d) {
@@ -65,17 +66,18 @@ static void write_data(FILE *out, const nqm_dataset *d) {
 
 static void write_training(FILE *out, const nqm_train_options *o, const nqm_train_report *r) {
     fprintf(out, "\n## Training\n\n%zu epochs of %zu examples in batches of %zu (%zu steps), seed %llu.\n", r->epochs,
-            r->n_train, o->batch, r->n_steps, (unsigned long long)o->seed);
-    if (o->balance)
-        fprintf(out, "Label bins were balanced by noisy copies (sigma %s).\n", number(o->balance_sigma, 6).text);
-    if (o->scale_copy != NQM_SCALE_NONE)
+            r->n_train, o->optimiser.batch, r->n_steps, (unsigned long long)o->optimiser.seed);
+    if (o->augmentation.balance)
+        fprintf(out, "Label bins were balanced by noisy copies (sigma %s).\n",
+                number(o->augmentation.balance_sigma, 6).text);
+    if (o->augmentation.scale_copy != NQM_SCALE_NONE)
         fprintf(out, "Every example has a copy scaled by 0.95 to 1.05.\n");
     fprintf(out, "Loss (log-cosh of normalised labels): %s in training, %s on %zu validation examples.\n",
             number(r->train_loss, 4).text, number(r->validation_loss, 4).text, r->n_validation);
     if (isfinite(r->validation_spearman))
         fprintf(out, "Spearman with the labels there, without noisy copies: %s.\n",
                 number(r->validation_spearman, 3).text);
-    if (o->split_by_pair)
+    if (o->split.by_pair)
         fprintf(out,
                 "Validation examples were drawn over pairs, as in the paper: their materials also occur in training,\n"
                 "so that these validation figures flatter the model.\n");
@@ -90,7 +92,7 @@ static void write_limits(FILE *out, const nqm_train_options *o, const nqm_datase
             "- The labels stand for one kind of scene and viewing condition. Other light, shapes, exposure or\n"
             "  observers may rank pairs differently.\n");
     fprintf(out, "- Distortions unlike the %zu kinds above were not learnt.\n", d->n_kinds);
-    if (o->target == NQM_TARGET_JOD)
+    if (o->labels.target == NQM_TARGET_JOD)
         fprintf(out, "- Scores stay inside the range of the training labels: a perfect copy need not reach 10.\n");
     fprintf(out,
             "- Not a loss for fitting: as the paper's authors found, a good score does not make a good gradient.\n");

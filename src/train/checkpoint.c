@@ -38,6 +38,14 @@ static void list_tensors(const nqm_training *t, const double state[N_STATE], nqm
     memcpy(tensors, list, sizeof list);
 }
 
+/* All digits, so that equal options compare equal when they are read back; free(). */
+static char *options_text(const nqm_train_options *o) {
+    json_t *json = nqm_train_options_json(o);
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(json);
+    return text;
+}
+
 nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *o, const char *dataset_sha256,
                                 nqm_error *err) {
     const double state[N_STATE] = {
@@ -46,14 +54,14 @@ nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *
         [STATE_BEST] = t->plateau.best,   [STATE_BAD_EPOCHS] = (double)t->plateau.bad_epochs};
     nqm_tensor tensors[N_TENSORS];
     list_tensors(t, state, tensors);
-    char *options = nqm_train_options_text(o);
+    char *options = options_text(o);
     if (!options)
         return nqm_fail_nomem(err, 0);
     const nqm_meta meta[] = {
         {"format", format_name}, {"schema", schema}, {"options", options}, {"dataset_sha256", dataset_sha256}};
     nqm_status status =
-        nqm_safetensors_write(o->checkpoint, N_TENSORS, tensors, sizeof meta / sizeof meta[0], meta, NULL, err);
-    nqm_free(options);
+        nqm_safetensors_write(o->run.checkpoint, N_TENSORS, tensors, sizeof meta / sizeof meta[0], meta, NULL, err);
+    free(options);
     return status;
 }
 
@@ -96,15 +104,12 @@ static nqm_status check_origin(const nqm_safetensors *st, const nqm_train_option
     const char *options = nqm_safetensors_meta(st, "options"), *dataset = nqm_safetensors_meta(st, "dataset_sha256");
     if (!dataset || strcmp(dataset, dataset_sha256) != 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
-                        "%s: this checkpoint is of another dataset (%.16s..., not %.16s...)", o->checkpoint,
+                        "%s: this checkpoint is of another dataset (%.16s..., not %.16s...)", o->run.checkpoint,
                         dataset ? dataset : "none", dataset_sha256);
-    char *text = nqm_train_options_text(o);
-    json_t *theirs = options ? json_loads(options, 0, NULL) : NULL;
-    json_t *ours = text ? json_loads(text, 0, NULL) : NULL;
-    nqm_status status = ours ? compare_options(theirs, ours, o->checkpoint, err) : nqm_fail_nomem(err, 0);
+    json_t *theirs = options ? json_loads(options, 0, NULL) : NULL, *ours = nqm_train_options_json(o);
+    nqm_status status = ours ? compare_options(theirs, ours, o->run.checkpoint, err) : nqm_fail_nomem(err, 0);
     json_decref(theirs);
     json_decref(ours);
-    nqm_free(text);
     return status;
 }
 
@@ -149,15 +154,15 @@ nqm_status nqm_checkpoint_read(nqm_training *t, const nqm_train_options *o, cons
                                nqm_error *err) {
     nqm_map map;
     nqm_safetensors *st = NULL;
-    nqm_status status = nqm_map_open(o->checkpoint, &map, err);
+    nqm_status status = nqm_map_open(o->run.checkpoint, &map, err);
     if (status == NQM_OK)
-        status = nqm_safetensors_parse(map.data, map.n_bytes, o->checkpoint, &st, err);
+        status = nqm_safetensors_parse(map.data, map.n_bytes, o->run.checkpoint, &st, err);
     if (status == NQM_OK)
-        status = check_format(st, o->checkpoint, err);
+        status = check_format(st, o->run.checkpoint, err);
     if (status == NQM_OK)
         status = check_origin(st, o, dataset_sha256, err);
     if (status == NQM_OK)
-        status = read_state(st, t, o->checkpoint, err);
+        status = read_state(st, t, o->run.checkpoint, err);
     nqm_safetensors_free(st);
     nqm_map_close(&map);
     return status;

@@ -59,7 +59,7 @@ nqm_status nqm_examples_find_scalars(nqm_examples *e, nqm_error *err) {
         nqm_parallel_for(n - first < e->max_batch ? n - first : e->max_batch, example_scalars, &job);
     }
     find_moments(e, scalars);
-    const nqm_scalar_whitening whitening = {e->scalar_mean, e->scalar_std, e->options->scalar_scale};
+    const nqm_scalar_whitening whitening = {e->scalar_mean, e->scalar_std, e->options->input.scalar_scale};
     for (size_t i = 0; i < n; ++i)
         nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, e->scalars + i * NQM_SCALAR_COUNT);
     nqm_free(scalars);

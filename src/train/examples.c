@@ -39,9 +39,10 @@ static void transform_noisy(void *user, size_t i) {
         return;
     size_t n = n_columns(e);
     float *out = noisy_ref_t(e, row);
-    nqm_rng rng = nqm_rng_make(nqm_hash_u64(e->options->seed, NQM_STREAM_NOISE), (uint64_t)row->pair << 32 | row->copy);
+    nqm_rng rng =
+        nqm_rng_make(nqm_hash_u64(e->options->optimiser.seed, NQM_STREAM_NOISE), (uint64_t)row->pair << 32 | row->copy);
     nqm_add_noise(n, e->dataset->ref_rgb + e->dataset->pair_ref[row->pair] * n, e->dataset->test_rgb + row->pair * n,
-                  e->options->balance_sigma, &rng, out, out + n);
+                  e->options->augmentation.balance_sigma, &rng, out, out + n);
     nqm_features_transform(2 * n, out, out);
 }
 
@@ -67,8 +68,8 @@ void nqm_examples_samples(const nqm_examples *e, size_t i, bool scaled, float *s
     *test_t = row->copy ? *ref_t + n : e->test_t + row->pair * n;
     if (!scaled)
         return;
-    uint64_t seed = nqm_hash_u64(e->options->seed, NQM_STREAM_SCALE);
-    if (e->options->scale_copy == NQM_SCALE_ELEMENT_TRANSFORMED) {
+    uint64_t seed = nqm_hash_u64(e->options->optimiser.seed, NQM_STREAM_SCALE);
+    if (e->options->augmentation.scale_copy == NQM_SCALE_ELEMENT_TRANSFORMED) {
         scale_elements(n, nqm_hash_u64(seed, i), *ref_t, *test_t, scratch);
     } else {
         const float k1 = (float)(cbrt(uniform_factor(seed, i)) - 1);
@@ -120,7 +121,7 @@ static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
             total[i % 9] += sums[i];
     }
     nqm_free(sums);
-    if (e->options->whitening == NQM_WHITEN_SCALAR)
+    if (e->options->input.whitening == NQM_WHITEN_SCALAR)
         for (size_t i = 0; i < 3; ++i)
             total[i] = total[3 + i] = total[6 + i] = total[i] + total[3 + i] + total[6 + i];
     for (size_t k = 0; k < 3; ++k) {
@@ -139,9 +140,9 @@ static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
 
 static double raw_target(const nqm_examples *e, size_t row) {
     uint32_t pair = e->rows.row[row].pair;
-    if (e->options->target == NQM_TARGET_JOD)
+    if (e->options->labels.target == NQM_TARGET_JOD)
         return e->dataset->jod[pair];
-    return log(fmax(e->dataset->delta_e[pair], e->options->min_delta_e));
+    return log(fmax(e->dataset->delta_e[pair], e->options->labels.min_delta_e));
 }
 
 /* z-score by the training examples; the sigmoid spans their range. */
@@ -190,20 +191,20 @@ static nqm_status allocate(nqm_examples *e, nqm_error *err) {
 nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o, size_t max_batch, nqm_examples *e,
                                nqm_error *err) {
     *e = (nqm_examples){.dataset = d, .options = o, .max_batch = max_batch};
-    e->features = (nqm_features){.layout = o->layout, .difference_scale = o->difference_scale};
-    e->samples_width = nqm_features_width(o->layout, d->n_directions);
-    e->width = e->samples_width + (o->scalars ? NQM_SCALAR_COUNT : 0);
+    e->features = (nqm_features){.layout = o->input.layout, .difference_scale = o->input.difference_scale};
+    e->samples_width = nqm_features_width(o->input.layout, d->n_directions);
+    e->width = e->samples_width + (o->input.scalars ? NQM_SCALAR_COUNT : 0);
     nqm_status status = nqm_rows_create(d, o, &e->rows, err);
     if (status == NQM_OK)
         status = allocate(e, err);
     if (status == NQM_OK) {
-        e->n_train = e->rows.n_train * (o->scale_copy == NQM_SCALE_NONE ? 1 : 2);
+        e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE ? 1 : 2);
         nqm_parallel_for(d->n_refs, transform_ref, e);
         nqm_parallel_for(d->n_pairs, transform_test, e);
         nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
         status = find_whitening(e, err);
     }
-    if (status == NQM_OK && o->scalars)
+    if (status == NQM_OK && o->input.scalars)
         status = nqm_examples_find_scalars(e, err);
     if (status == NQM_OK)
         status = find_targets(e, err);

@@ -1,167 +1,113 @@
 /* SPDX-License-Identifier: MIT
  *
- * The three recipes - the paper as printed, the authors' notebook where it differs, and ours - as one struct of
- * options; their check, and their text in a model file and a checkpoint.
+ * The training options, one row each, with their values in the three recipes: the paper as printed, the authors' notebook where
+ * it differs, and ours, whose values were chosen on validation materials (doc/training.md).
  */
-#include "model/model_file.h"
+#include "train/recipes.h"
+#include "io/options_json.h"
 #include "train/train.h"
 
-#include <jansson.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#define FIELD(member) .offset = offsetof(nqm_train_options, member)
 
-static nqm_train_options paper_options(void) {
-    return (nqm_train_options){
-        .recipe = "paper",
-        .id = "paper",
-        .layout = NQM_LAYOUT_REF_TEST,
-        .difference_scale = 3,
-        .scalar_scale = 1,
-        .n_hidden = 3,
-        .hidden = {1024, 716, 501},
-        .target = NQM_TARGET_JOD,
-        .min_delta_e = 0.05,
-        .whitening = NQM_WHITEN_CHANNEL,
-        .scale_copy = NQM_SCALE_PAIR_REFLECTANCE,
-        .split_by_pair = 1,
-        .validation_fraction = 0.2,
-        .balance = 1,
-        .balance_sigma = 0.01,
-        .dropout = 0.2,
-        .lr_first = 1e-4,
-        .lr_deeper = 1e-3,
-        .weight_decay = 1e-4,
-        .plateau_factor = 0.1,
-        .plateau_patience = 5,
-        .batch = 512,
-        .epochs = 100,
-        .seed = 1,
-    };
-}
+static const char *const recipe_names[] = {"paper", "notebook", "nqm", NULL};
+static const char *const layout_words[] = {"ref_test", "ref_diff_absdiff", NULL};
+static const char *const target_words[] = {"jod", "log_delta_e", NULL};
+static const char *const whitening_words[] = {"channel", "scalar", NULL};
+static const char *const scale_copy_words[] = {"pair_reflectance", "element_transformed", "none", NULL};
+static const char *const split_words[] = {"group", "pair", NULL};
+static const char *const schedule_words[] = {"plateau", "cosine", NULL};
+static const char *const precision_words[] = {"f32", "bf16", NULL};
 
-static nqm_train_options notebook_options(void) {
-    nqm_train_options o = paper_options();
-    o.recipe = o.id = "notebook";
-    o.whitening = NQM_WHITEN_SCALAR;
-    o.scale_copy = NQM_SCALE_ELEMENT_TRANSFORMED;
-    o.split_by_pair = 0;
-    o.freeze_first_layernorm = 1;
-    return o;
-}
+/* clang-format off */
+static const nqm_option rows[] = {
+    {"recipe", FIELD(recipe), .kind = NQM_OPTION_TEXT, .metavar = "NAME", .values = {"paper", "notebook", "nqm"},
+     .help = "paper, notebook or nqm: sets the defaults of the options below"},
+    {"id", FIELD(id), .kind = NQM_OPTION_TEXT, .metavar = "NAME", .values = {"paper", "notebook", "nqm"},
+     .help = "id of the model", .storage = NQM_NOT_STORED},
+    {"licence", FIELD(licence), .kind = NQM_OPTION_TEXT, .metavar = "SPDX", .storage = NQM_NOT_STORED,
+     .help = "licence of the model"},
 
-static nqm_train_options nqm_options(void) {
-    nqm_train_options o = paper_options();
-    o.recipe = o.id = "nqm";
-    o.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
-    /* Scalars, schedule, dropout, decay, batch and epochs: chosen on validation materials, doc/training.md. */
-    o.scalars = 1;
-    o.scalar_scale = 8;
-    o.target = NQM_TARGET_LOG_DELTA_E;
-    o.split_by_pair = 0;
-    o.balance = 0;
-    o.schedule = NQM_SCHEDULE_COSINE;
-    o.dropout = 0.1;
-    o.weight_decay = 1e-5;
-    o.batch = 128;
-    o.epochs = 40;
-    return o;
-}
+    {"layout", FIELD(input.layout), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = layout_words,
+     .help = "samples in the input", .values = {"ref_test", NULL, "ref_diff_absdiff"}},
+    {"difference_scale", FIELD(input.difference_scale), .metavar = "S", .help = "factor of the differences in the input",
+     .min = 1e-6, .max = 1e6, .values = {"3"}},
+    {"scalars", FIELD(input.scalars), .kind = NQM_OPTION_BOOL, .values = {"0", NULL, "1"},
+     .help = "scalar features of the pair as further inputs"},
+    {"scalar_scale", FIELD(input.scalar_scale), .metavar = "S", .help = "factor of the whitened scalar features",
+     .min = 1e-6, .max = 1e6, .values = {"1", NULL, "8"}},
+    {"hidden", FIELD(network.n_hidden), .kind = NQM_OPTION_SIZES, .metavar = "LIST", .max_sizes = NQM_TRAIN_MAX_HIDDEN,
+     .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501"}},
+    {"target", FIELD(labels.target), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = target_words,
+     .help = "what the network predicts", .values = {"jod", NULL, "log_delta_e"}},
+    {"min_delta_e", FIELD(labels.min_delta_e), .metavar = "E", .unit = "Delta-E ITP",
+     .help = "smaller labels are raised to this value (log_delta_e)", .min = 1e-6, .max = 10, .values = {"0.05"}},
+    {"whitening", FIELD(input.whitening), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = whitening_words,
+     .help = "mean and deviation of the samples", .values = {"channel", "scalar", "channel"}},
+    {"scale_copy", FIELD(augmentation.scale_copy), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = scale_copy_words,
+     .help = "second copy of the pairs, scaled by 0.95 to 1.05",
+     .values = {"pair_reflectance", "element_transformed", "pair_reflectance"}},
+    {"split_by_pair", "split", FIELD(split.by_pair), .kind = NQM_OPTION_BOOL, .metavar = "WORD", .words = split_words,
+     .help = "validation drawn by group (of material) or by pair", .values = {"pair", "group", "group"}},
+    {"validation_fraction", "validation", FIELD(split.validation_fraction), .metavar = "F",
+     .help = "fraction that validates, if the dataset has no such split", .min = 0.001, .max = 0.9, .values = {"0.2"}},
+    {"balance", FIELD(augmentation.balance), .kind = NQM_OPTION_BOOL, .help = "fill rare label bins with noisy copies",
+     .values = {"1", NULL, "0"}},
+    {"balance_sigma", FIELD(augmentation.balance_sigma), .metavar = "S", .unit = "1/sr",
+     .help = "standard deviation of that noise", .min = 0, .max = 10, .values = {"0.01"}},
+    {"freeze_first_layernorm", "freeze-norm", "train-norm", FIELD(network.freeze_first_layernorm), .kind = NQM_OPTION_BOOL,
+     .help = "leave the first LayerNorm at its initial values", .values = {"0", "1", "0"}},
+    {"dropout", FIELD(network.dropout), .metavar = "P", .help = "probability of dropping an activation", .min = 0,
+     .max = 0.9, .values = {"0.2", NULL, "0.1"}},
+    {"lr_first", FIELD(optimiser.lr_first), .metavar = "R", .help = "learning rate of the first linear layer", .min = 0,
+     .max = 1, .values = {"1e-4"}},
+    {"lr_deeper", "lr", FIELD(optimiser.lr_deeper), .metavar = "R", .help = "learning rate of all other parameters",
+     .min = 0, .max = 1, .values = {"1e-3"}},
+    {"weight_decay", FIELD(optimiser.weight_decay), .metavar = "W", .help = "L2, added to the gradient", .min = 0, .max = 1,
+     .values = {"1e-4", NULL, "1e-5"}},
+    {"schedule", FIELD(optimiser.schedule), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = schedule_words,
+     .help = "how the learning rates fall", .values = {"plateau", NULL, "cosine"}},
+    {"plateau_factor", FIELD(optimiser.plateau_factor), .metavar = "F", .help = "factor of the rates on a plateau",
+     .min = 0.001, .max = 1, .values = {"0.1"}},
+    {"plateau_patience", FIELD(optimiser.plateau_patience), .kind = NQM_OPTION_SIZE, .metavar = "N", .unit = "epochs",
+     .help = "without a better validation loss before that", .min = 0, .max = 1e6, .values = {"5"}},
+    {"batch", FIELD(optimiser.batch), .kind = NQM_OPTION_SIZE, .metavar = "N", .help = "pairs per step", .min = 1,
+     .max = 65536, .values = {"512", NULL, "128"}},
+    {"seed", FIELD(optimiser.seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"},
+     .help = "of weights, split, augmentation, order and dropout"},
+    {"precision", FIELD(optimiser.precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = precision_words,
+     .help = "of the factors of all matrix products", .storage = NQM_STORED_UNLESS_ZERO, .values = {"f32"}},
+    {"epochs", FIELD(optimiser.epochs), .kind = NQM_OPTION_SIZE, .metavar = "N", .help = "passes over the training pairs",
+     .min = 1, .max = 1e6, .values = {"100", NULL, "40"}},
+
+    {"checkpoint", FIELD(run.checkpoint), .kind = NQM_OPTION_TEXT, .metavar = "FILE", .storage = NQM_NOT_STORED,
+     .help = "rewritten after each epoch"},
+    {"resume", .off_name = "", FIELD(run.resume), .kind = NQM_OPTION_BOOL, .storage = NQM_NOT_STORED,
+     .help = "continue from the checkpoint"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_train_option_table = {rows, sizeof rows / sizeof rows[0], recipe_names};
 
 nqm_status nqm_train_options_recipe(const char *recipe, nqm_train_options *options_ret, nqm_error *err) {
-    if (strcmp(recipe, "paper") == 0)
-        *options_ret = paper_options();
-    else if (strcmp(recipe, "notebook") == 0)
-        *options_ret = notebook_options();
-    else if (strcmp(recipe, "nqm") == 0)
-        *options_ret = nqm_options();
-    else
-        return nqm_fail(err, NQM_ERR_ARG, -1, "there is no recipe '%.40s'; there are paper, notebook and nqm", recipe);
-    return NQM_OK;
-}
-
-/* ---- check ------------------------------------------------------------------------------------------------------- */
-
-static nqm_status check_range(const char *what, double value, double min, double max, nqm_error *err) {
-    if (value >= min && value <= max)
-        return NQM_OK;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s is %g; it must be from %g to %g", what, value, min, max);
+    nqm_train_options o = {0};
+    nqm_status status = nqm_options_begin(&nqm_train_option_table, recipe, &o, err);
+    if (status == NQM_OK)
+        *options_ret = o;
+    return status;
 }
 
 nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
-    enum { MAX_WIDTH = 16384, MAX_BATCH = 65536, MAX_EPOCHS = 1000000 };
-    const struct {
-        const char *what;
-        double value, min, max;
-    } ranges[] = {
-        {"the layout", o->layout, NQM_LAYOUT_REF_TEST, NQM_LAYOUT_REF_DIFF_ABSDIFF},
-        {"the target", o->target, NQM_TARGET_JOD, NQM_TARGET_LOG_DELTA_E},
-        {"the schedule", o->schedule, NQM_SCHEDULE_PLATEAU, NQM_SCHEDULE_COSINE},
-        {"the whitening", o->whitening, NQM_WHITEN_CHANNEL, NQM_WHITEN_SCALAR},
-        {"the scale copy", o->scale_copy, NQM_SCALE_PAIR_REFLECTANCE, NQM_SCALE_NONE},
-        {"the difference scale", o->difference_scale, 1e-6, 1e6},
-        {"the scale of the scalar features", o->scalar_scale, 1e-6, 1e6},
-        {"the number of hidden layers", (double)o->n_hidden, 1, NQM_TRAIN_MAX_HIDDEN},
-        {"the smallest Delta-E", o->min_delta_e, 1e-6, 10},
-        {"the validation fraction", o->validation_fraction, 0.001, 0.9},
-        {"the noise of balancing", o->balance_sigma, 0, 10},
-        {"the dropout", o->dropout, 0, 0.9},
-        {"the learning rate of the first layer", o->lr_first, 0, 1},
-        {"the learning rate", o->lr_deeper, 0, 1},
-        {"the weight decay", o->weight_decay, 0, 1},
-        {"the plateau factor", o->plateau_factor, 0.001, 1},
-        {"the batch", (double)o->batch, 1, MAX_BATCH},
-        {"the precision", o->precision, NQM_PRECISION_F32, NQM_PRECISION_BF16},
-        {"the number of epochs", (double)o->epochs, 1, MAX_EPOCHS},
-    };
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < sizeof ranges / sizeof ranges[0]; ++i)
-        status = check_range(ranges[i].what, ranges[i].value, ranges[i].min, ranges[i].max, err);
-    for (size_t i = 0; status == NQM_OK && i < o->n_hidden; ++i)
-        status = check_range("the width of a hidden layer", (double)o->hidden[i], 1, MAX_WIDTH, err);
+    nqm_status status = nqm_options_check(&nqm_train_option_table, o, err);
     if (status == NQM_OK && (!o->recipe || !o->id))
         status = nqm_fail(err, NQM_ERR_ARG, -1, "the options name no recipe or no model id");
-    if (status == NQM_OK && o->resume && !o->checkpoint)
+    if (status == NQM_OK && o->run.resume && !o->run.checkpoint)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "resuming needs a checkpoint");
     return status;
 }
 
-/* ---- text -------------------------------------------------------------------------------------------------------- */
-
-static const char *const schedule_names[] = {"plateau", "cosine"};
-static const char *const whitening_names[] = {"channel", "scalar"};
-static const char *const scale_copy_names[] = {"pair_reflectance", "element_transformed", "none"};
-
 json_t *nqm_train_options_json(const nqm_train_options *o) {
-    json_t *hidden = json_array();
-    for (size_t i = 0; i < o->n_hidden; ++i)
-        json_array_append_new(hidden, json_integer((json_int_t)o->hidden[i]));
-    char seed[32]; /* a JSON integer holds 63 bits only */
-    snprintf(seed, sizeof seed, "%llu", (unsigned long long)o->seed);
-    json_t *json = json_pack(
-        "{s:s, s:s, s:f, s:b, s:f, s:o, s:s, s:f, s:s, s:s, s:b, s:f, s:b, s:f, s:b, s:f, s:f, s:f, s:f, s:s, s:f, "
-        "s:I, "
-        "s:I, s:s}",
-        "recipe", o->recipe, "layout", nqm_layout_names[o->layout], "difference_scale", o->difference_scale, "scalars",
-        o->scalars != 0, "scalar_scale", o->scalar_scale, "hidden", hidden, "target", nqm_target_names[o->target],
-        "min_delta_e", o->min_delta_e, "whitening", whitening_names[o->whitening], "scale_copy",
-        scale_copy_names[o->scale_copy], "split_by_pair", o->split_by_pair != 0, "validation_fraction",
-        o->validation_fraction, "balance", o->balance != 0, "balance_sigma", o->balance_sigma, "freeze_first_layernorm",
-        o->freeze_first_layernorm != 0, "dropout", o->dropout, "lr_first", o->lr_first, "lr_deeper", o->lr_deeper,
-        "weight_decay", o->weight_decay, "schedule", schedule_names[o->schedule], "plateau_factor", o->plateau_factor,
-        "plateau_patience", (json_int_t)o->plateau_patience, "batch", (json_int_t)o->batch, "seed", seed);
-    if (o->precision != NQM_PRECISION_F32) /* left out where it is float: older files do not name it */
-        json_object_set_new(json, "precision", json_string(nqm_precision_name(o->precision)));
-    if (o->schedule == NQM_SCHEDULE_COSINE) /* every epoch's rate depends on it */
-        json_object_set_new(json, "epochs", json_integer((json_int_t)o->epochs));
+    json_t *json = nqm_options_json(&nqm_train_option_table, o);
+    if (o->optimiser.schedule != NQM_SCHEDULE_COSINE) /* under the cosine every epoch's rate depends on it */
+        json_object_del(json, "epochs");
     return json;
-}
-
-char *nqm_train_options_text(const nqm_train_options *options) {
-    json_t *json = nqm_train_options_json(options);
-    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    char *text = dump ? nqm_strdup(dump) : NULL;
-    free(dump);
-    json_decref(json);
-    return text;
 }

@@ -30,30 +30,30 @@ typedef struct run {
 } run;
 
 static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs) {
-    nqm_net_shape shape = {.n_layers = o->n_hidden + 1, .sizes = {n_inputs}};
-    for (size_t i = 0; i < o->n_hidden; ++i)
-        shape.sizes[i + 1] = o->hidden[i];
-    shape.sizes[o->n_hidden + 1] = 1;
+    nqm_net_shape shape = {.n_layers = o->network.n_hidden + 1, .sizes = {n_inputs}};
+    for (size_t i = 0; i < o->network.n_hidden; ++i)
+        shape.sizes[i + 1] = o->network.hidden[i];
+    shape.sizes[o->network.n_hidden + 1] = 1;
     return shape;
 }
 
 static nqm_status allocate(run *r, nqm_error *err) {
     const nqm_train_options *o = r->options;
     nqm_net_shape shape = shape_of(o, r->examples.width);
-    const nqm_trainer_options options = {.precision = o->precision, .max_batch = o->batch};
+    const nqm_trainer_options options = {.precision = o->optimiser.precision, .max_batch = o->optimiser.batch};
     nqm_status status = nqm_params_create(&shape, &r->state.params, err);
-    if (status == NQM_OK && o->checkpoint)
+    if (status == NQM_OK && o->run.checkpoint)
         status = nqm_adam_create(&shape, &r->state.adam, err);
     if (status == NQM_OK)
         status = nqm_trainer_create(&shape, &options, &r->trainer, err);
     if (status != NQM_OK)
         return status;
     r->order = nqm_alloc(r->examples.n_train, sizeof *r->order);
-    r->target = nqm_alloc(o->batch, sizeof(float));
-    r->z = nqm_alloc(o->batch, sizeof(float));
-    r->dz = nqm_alloc(o->batch, sizeof(float));
-    r->state.history = nqm_alloc(o->epochs, sizeof *r->state.history);
-    r->state.max_epochs = o->epochs;
+    r->target = nqm_alloc(o->optimiser.batch, sizeof(float));
+    r->z = nqm_alloc(o->optimiser.batch, sizeof(float));
+    r->dz = nqm_alloc(o->optimiser.batch, sizeof(float));
+    r->state.history = nqm_alloc(o->optimiser.epochs, sizeof *r->state.history);
+    r->state.max_epochs = o->optimiser.epochs;
     if (r->order && r->target && r->z && r->dz && r->state.history)
         return NQM_OK;
     return nqm_fail_nomem(err, r->examples.n_train * sizeof *r->order);
@@ -73,10 +73,11 @@ static void release(run *r) {
 
 static void begin_state(run *r) {
     const nqm_train_options *o = r->options;
-    nqm_params_init(&r->state.params, nqm_hash_u64(o->seed, NQM_STREAM_INIT));
-    r->state.plateau = (nqm_plateau){.factor = o->plateau_factor, .patience = o->plateau_patience, .best = INFINITY};
-    r->state.lr_first = o->lr_first;
-    r->state.lr_deeper = o->lr_deeper;
+    nqm_params_init(&r->state.params, nqm_hash_u64(o->optimiser.seed, NQM_STREAM_INIT));
+    r->state.plateau = (nqm_plateau){
+        .factor = o->optimiser.plateau_factor, .patience = o->optimiser.plateau_patience, .best = INFINITY};
+    r->state.lr_first = o->optimiser.lr_first;
+    r->state.lr_deeper = o->optimiser.lr_deeper;
     nqm_trainer_load(r->trainer, &r->state.params, NULL);
 }
 
@@ -86,7 +87,7 @@ static void begin_state(run *r) {
 static void shuffle(run *r) {
     for (size_t i = 0; i < r->examples.n_train; ++i)
         r->order[i] = i;
-    nqm_rng rng = nqm_rng_make(nqm_hash_u64(r->options->seed, NQM_STREAM_SHUFFLE), r->state.epoch);
+    nqm_rng rng = nqm_rng_make(nqm_hash_u64(r->options->optimiser.seed, NQM_STREAM_SHUFFLE), r->state.epoch);
     nqm_rng_shuffle(&rng, r->examples.n_train, r->order);
 }
 
@@ -105,11 +106,12 @@ static nqm_batch_inputs inputs_of(const run *r) {
 /* One step on n examples; returns their mean loss. */
 static double step(run *r, size_t n, const size_t *index) {
     const nqm_train_options *o = r->options;
-    const nqm_dropout dropout = {.p = o->dropout, .seed = r->dropout_seed, .step = nqm_trainer_steps(r->trainer)};
+    const nqm_dropout dropout = {
+        .p = o->network.dropout, .seed = r->dropout_seed, .step = nqm_trainer_steps(r->trainer)};
     const nqm_step_rates rates = {.lr_first = r->state.lr_first,
                                   .lr_deeper = r->state.lr_deeper,
-                                  .weight_decay = o->weight_decay,
-                                  .freeze_first_layernorm = o->freeze_first_layernorm != 0};
+                                  .weight_decay = o->optimiser.weight_decay,
+                                  .freeze_first_layernorm = o->network.freeze_first_layernorm != 0};
     const nqm_batch_inputs to = inputs_of(r);
     nqm_examples_gather(&r->examples, n, index, &to);
     nqm_trainer_forward(r->trainer, n, &dropout, r->z);
@@ -119,7 +121,7 @@ static double step(run *r, size_t n, const size_t *index) {
 }
 
 static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
-    size_t n_train = r->examples.n_train, batch = r->options->batch;
+    size_t n_train = r->examples.n_train, batch = r->options->optimiser.batch;
     double sum = 0;
     shuffle(r);
     for (size_t first = 0, k = 1; first < n_train; first += batch, ++k) {
@@ -131,10 +133,10 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
                             r->state.epoch + 1, k);
         sum += loss * (double)n;
         double done = (double)(r->state.epoch * r->steps_per_epoch + k);
-        if (nqm_tick(&r->ticker, "train", done, (double)(r->steps_per_epoch * r->options->epochs)))
+        if (nqm_tick(&r->ticker, "train", done, (double)(r->steps_per_epoch * r->options->optimiser.epochs)))
             return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted in epoch %zu%s%s", r->state.epoch + 1,
-                            r->options->checkpoint ? "; go on with the checkpoint " : "",
-                            r->options->checkpoint ? r->options->checkpoint : "");
+                            r->options->run.checkpoint ? "; go on with the checkpoint " : "",
+                            r->options->run.checkpoint ? r->options->run.checkpoint : "");
     }
     *loss_ret = sum / (double)n_train;
     return NQM_OK;
@@ -142,7 +144,7 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
 
 /* Mean loss of the validation examples; z_ret (n_validation) receives the network's outputs, NULL allowed. */
 static double validate(run *r, float *z_ret) {
-    size_t n_validation = r->examples.rows.n_validation, batch = r->options->batch;
+    size_t n_validation = r->examples.rows.n_validation, batch = r->options->optimiser.batch;
     double sum = 0;
     const nqm_batch_inputs to = inputs_of(r);
     for (size_t first = 0; first < n_validation; first += batch) {
@@ -159,17 +161,17 @@ static double validate(run *r, float *z_ret) {
 static void report_epoch(const run *r, size_t epoch) {
     const nqm_train_options *o = r->options;
     const nqm_epoch *e = &r->state.history[epoch];
-    if (o->epoch_done)
-        o->epoch_done(o->epoch_user, epoch + 1, e->train_loss, e->validation_loss, e->lr_first);
+    if (o->run.epoch_done)
+        o->run.epoch_done(o->run.epoch_user, epoch + 1, e->train_loss, e->validation_loss, e->lr_first);
 }
 
 static nqm_status run_epoch(run *r, nqm_error *err) {
     nqm_training *s = &r->state;
     const nqm_train_options *o = r->options;
     double loss = 0;
-    if (o->schedule == NQM_SCHEDULE_COSINE) {
-        s->lr_first = o->lr_first * nqm_cosine_factor(s->epoch, o->epochs);
-        s->lr_deeper = o->lr_deeper * nqm_cosine_factor(s->epoch, o->epochs);
+    if (o->optimiser.schedule == NQM_SCHEDULE_COSINE) {
+        s->lr_first = o->optimiser.lr_first * nqm_cosine_factor(s->epoch, o->optimiser.epochs);
+        s->lr_deeper = o->optimiser.lr_deeper * nqm_cosine_factor(s->epoch, o->optimiser.epochs);
     }
     nqm_status status = train_epoch(r, &loss, err);
     if (status != NQM_OK)
@@ -179,13 +181,13 @@ static nqm_status run_epoch(run *r, nqm_error *err) {
     if (!isfinite(e->validation_loss))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the validation loss stopped being finite in epoch %zu",
                         s->epoch + 1);
-    if (o->schedule == NQM_SCHEDULE_PLATEAU) {
+    if (o->optimiser.schedule == NQM_SCHEDULE_PLATEAU) {
         double factor = nqm_plateau_step(&s->plateau, e->validation_loss);
         s->lr_first = nqm_plateau_rate(s->lr_first, factor);
         s->lr_deeper = nqm_plateau_rate(s->lr_deeper, factor);
     }
     s->epoch++;
-    if (o->checkpoint) {
+    if (o->run.checkpoint) {
         nqm_trainer_store(r->trainer, &s->params, &s->adam);
         status = nqm_checkpoint_write(s, o, r->dataset->sha256, err);
     }
@@ -196,14 +198,14 @@ static nqm_status run_epoch(run *r, nqm_error *err) {
 static nqm_status run_epochs(run *r, nqm_error *err) {
     const nqm_train_options *o = r->options;
     nqm_status status = NQM_OK;
-    if (o->resume)
+    if (o->run.resume)
         status = nqm_checkpoint_read(&r->state, o, r->dataset->sha256, err);
-    if (status == NQM_OK && o->resume)
+    if (status == NQM_OK && o->run.resume)
         nqm_trainer_load(r->trainer, &r->state.params, &r->state.adam);
     r->epochs_resumed = r->state.epoch;
     for (size_t i = 0; status == NQM_OK && i < r->state.epoch; ++i)
         report_epoch(r, i);
-    while (status == NQM_OK && r->state.epoch < o->epochs)
+    while (status == NQM_OK && r->state.epoch < o->optimiser.epochs)
         status = run_epoch(r, err);
     return status;
 }
@@ -224,15 +226,15 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     memcpy(m->directions_deg, r->dataset->directions_deg, 3 * n * sizeof(double));
     memcpy(m->mean, e->features.mean, sizeof m->mean);
     memcpy(m->std, e->features.std, sizeof m->std);
-    m->layout = (int)r->options->layout;
-    m->difference_scale = r->options->difference_scale;
+    m->layout = (int)r->options->input.layout;
+    m->difference_scale = r->options->input.difference_scale;
     memcpy(m->scalar_mean, e->scalar_mean, sizeof m->scalar_mean);
     memcpy(m->scalar_std, e->scalar_std, sizeof m->scalar_std);
-    m->scalar_scale = r->options->scalar_scale;
-    m->scalar_names = r->options->scalars ? nqm_scalar_names() : NULL;
-    if (r->options->scalars && !m->scalar_names)
+    m->scalar_scale = r->options->input.scalar_scale;
+    m->scalar_names = r->options->input.scalars ? nqm_scalar_names() : NULL;
+    if (r->options->input.scalars && !m->scalar_names)
         return nqm_fail_nomem(err, NQM_SCALAR_COUNT);
-    m->target = (int)r->options->target;
+    m->target = (int)r->options->labels.target;
     m->target_mean = e->target_mean;
     m->target_std = e->target_std;
     m->out_lo = e->out_lo;
@@ -265,7 +267,7 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
     }
     if (status == NQM_OK)
         report->validation_spearman = nqm_spearman(residuals.n, values, labels);
-    if (status == NQM_OK && !r->options->split_by_pair && nqm_residuals_suffice(&residuals, NULL))
+    if (status == NQM_OK && !r->options->split.by_pair && nqm_residuals_suffice(&residuals, NULL))
         status = nqm_model_set_interval(m, d, true, &residuals, pairs, &report->calibration, err);
     nqm_free(pairs);
     nqm_free(values);
@@ -344,13 +346,13 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
         return status;
     run r = {.dataset = dataset, .options = options};
     nqm_train_report report = {0};
-    r.ticker = (nqm_ticker){.fn = options->progress, .user = options->progress_user};
-    r.dropout_seed = nqm_hash_u64(options->seed, NQM_STREAM_DROPOUT);
-    status = nqm_examples_create(dataset, options, options->batch, &r.examples, err);
+    r.ticker = (nqm_ticker){.fn = options->run.progress, .user = options->run.progress_user};
+    r.dropout_seed = nqm_hash_u64(options->optimiser.seed, NQM_STREAM_DROPOUT);
+    status = nqm_examples_create(dataset, options, options->optimiser.batch, &r.examples, err);
     if (status == NQM_OK)
         status = allocate(&r, err);
     if (status == NQM_OK) {
-        r.steps_per_epoch = (r.examples.n_train + options->batch - 1) / options->batch;
+        r.steps_per_epoch = (r.examples.n_train + options->optimiser.batch - 1) / options->optimiser.batch;
         begin_state(&r);
         status = run_epochs(&r, err);
     }

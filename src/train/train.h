@@ -8,17 +8,16 @@
 
 #include "data/data.h"
 #include "model/model.h"
+#include "train/recipes.h"
 #include <jansson.h>
-#include <nqm/train.h>
 
 /* ---- options (recipes.c) ----------------------------------------------------------------------------------------- */
 
 /** NQM_ERR_ARG names the option that is out of its range. */
 NQM_MUST_CHECK nqm_status nqm_train_options_check(const nqm_train_options *options, nqm_error *err);
-/** Everything that decides the outcome except `epochs`, as JSON; NULL when out of memory. json_decref(). */
+/** The options that decide the outcome, as JSON; json_decref(). NULL: out of memory. `epochs` only where the schedule depends on
+ *  it: otherwise a training may be continued for more. */
 json_t *nqm_train_options_json(const nqm_train_options *options);
-/** The same as text with all digits; nqm_free(). */
-char *nqm_train_options_text(const nqm_train_options *options);
 
 /** What the random numbers of a training are for: each purpose has a stream of the seed of its own. */
 enum {

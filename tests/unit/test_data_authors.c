@@ -90,9 +90,9 @@ static void goes_on_from_there(void **state) {
     nqm_train_report report;
     nqm_model *model;
     assert_int_equal(nqm_train_options_recipe("notebook", &o, NULL), NQM_OK);
-    o.n_hidden = 1;
-    o.hidden[0] = 8;
-    o.epochs = 2;
+    o.network.n_hidden = 1;
+    o.network.hidden[0] = 8;
+    o.optimiser.epochs = 2;
     assert_int_equal(nqm_train(d, &o, &model, &report, NULL), NQM_OK);
     assert_int_equal(nqm_model_get_info(model).n_parameters, 42 * 8 + 8 + 8 + 8 + 8 + 1);
     nqm_model_free(model);

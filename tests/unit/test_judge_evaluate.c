@@ -240,10 +240,10 @@ static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
     nqm_train_options o;
     nqm_model *model;
     assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
-    o.n_hidden = 1;
-    o.hidden[0] = 32;
-    o.batch = 64;
-    o.epochs = 5;
+    o.network.n_hidden = 1;
+    o.network.hidden[0] = 32;
+    o.optimiser.batch = 64;
+    o.optimiser.epochs = 5;
     assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
     return model;
 }

@@ -156,7 +156,7 @@ static void pair_splits(void **state) {
     size_t n = a.n_train + a.n_validation;
     assert_int_equal(n, d->n_pairs * 3 / 4 + a.n_noisy);
     assert_int_equal(a.n_validation, (size_t)round(0.2 * (double)n));
-    o.seed = 2;
+    o.optimiser.seed = 2;
     assert_int_equal(nqm_rows_create(d, &o, &b, NULL), NQM_OK);
     assert_int_equal(b.n_train, a.n_train);
     assert_memory_not_equal(a.row, b.row, n * sizeof *a.row);
@@ -186,8 +186,8 @@ static void whitening(void **state) {
     nqm_dataset *d = toy_dataset(&toy);
     nqm_train_options o = recipe("paper");
     for (int scalar = 0; scalar < 2; ++scalar) {
-        o.whitening = scalar ? NQM_WHITEN_SCALAR : NQM_WHITEN_CHANNEL;
-        o.scale_copy = NQM_SCALE_NONE;
+        o.input.whitening = scalar ? NQM_WHITEN_SCALAR : NQM_WHITEN_CHANNEL;
+        o.augmentation.scale_copy = NQM_SCALE_NONE;
         nqm_examples e;
         assert_int_equal(nqm_examples_create(d, &o, 7, &e, NULL), NQM_OK);
         assert_int_equal(e.n_train, e.rows.n_train);
@@ -331,14 +331,14 @@ static void scalars_of_examples(void **state) {
         squares += x * x;
     }
     assert_near(sum / (double)e.n_train, 0, 1e-4);
-    assert_near(squares / (double)e.n_train, o.scalar_scale * o.scalar_scale, 1e-2);
+    assert_near(squares / (double)e.n_train, o.input.scalar_scale * o.input.scalar_scale, 1e-2);
     float *x = nqm_alloc(3, e.width * sizeof *x), target[3];
     const size_t index[2] = {5, 5 + e.rows.n_train};
     gather(&e, 2, index, x, target);
     place third = {x + 2 * e.width, e.width};
     nqm_examples_gather_validation(&e, 7, 1, &(nqm_batch_inputs){.row = row_at, .user = &third, .target = target + 2});
     const size_t rows[3] = {5, 5, e.rows.n_train + 7};
-    const nqm_scalar_whitening whitening = {e.scalar_mean, e.scalar_std, o.scalar_scale};
+    const nqm_scalar_whitening whitening = {e.scalar_mean, e.scalar_std, o.input.scalar_scale};
     for (size_t r = 0; r < 3; ++r) {
         uint8_t used[16];
         size_t pair = e.rows.row[rows[r]].pair;
@@ -355,7 +355,7 @@ static void scalars_of_examples(void **state) {
         /* the copy is brighter or darker by up to 5 %, its ratios are the same but for the floor */
         if (r == 1) {
             double level = (double)x[r * e.width + 3 * n + NQM_SCALAR_REF_LEVEL];
-            double step = (level - (double)expected[NQM_SCALAR_REF_LEVEL]) / o.scalar_scale *
+            double step = (level - (double)expected[NQM_SCALAR_REF_LEVEL]) / o.input.scalar_scale *
                           (double)e.scalar_std[NQM_SCALAR_REF_LEVEL];
             assert_true(fabs(step) > 1e-4 && fabs(step) < 0.052);
         }
@@ -368,22 +368,22 @@ static void scalars_of_examples(void **state) {
 static void recipes_are_as_published(void **state) {
     (void)state;
     nqm_train_options paper = recipe("paper"), notebook = recipe("notebook"), nqm;
-    assert_int_equal(paper.batch, 512);
-    assert_int_equal(paper.epochs, 100);
-    assert_near(paper.lr_first, 1e-4, 0);
-    assert_near(paper.lr_deeper, 1e-3, 0);
-    assert_true(paper.split_by_pair && paper.balance && !paper.freeze_first_layernorm);
-    assert_true(!notebook.split_by_pair && notebook.freeze_first_layernorm);
-    assert_int_equal(notebook.whitening, NQM_WHITEN_SCALAR);
-    assert_int_equal(notebook.scale_copy, NQM_SCALE_ELEMENT_TRANSFORMED);
-    nqm_net_shape shape = {
-        .n_layers = 4,
-        .sizes = {nqm_features_width(paper.layout, 500), paper.hidden[0], paper.hidden[1], paper.hidden[2], 1}};
+    assert_int_equal(paper.optimiser.batch, 512);
+    assert_int_equal(paper.optimiser.epochs, 100);
+    assert_near(paper.optimiser.lr_first, 1e-4, 0);
+    assert_near(paper.optimiser.lr_deeper, 1e-3, 0);
+    assert_true(paper.split.by_pair && paper.augmentation.balance && !paper.network.freeze_first_layernorm);
+    assert_true(!notebook.split.by_pair && notebook.network.freeze_first_layernorm);
+    assert_int_equal(notebook.input.whitening, NQM_WHITEN_SCALAR);
+    assert_int_equal(notebook.augmentation.scale_copy, NQM_SCALE_ELEMENT_TRANSFORMED);
+    nqm_net_shape shape = {.n_layers = 4,
+                           .sizes = {nqm_features_width(paper.input.layout, 500), paper.network.hidden[0],
+                                     paper.network.hidden[1], paper.network.hidden[2], 1}};
     assert_int_equal(nqm_params_count(&shape), 4171125);
     nqm = recipe("nqm");
-    shape.sizes[0] = nqm_features_width(nqm.layout, 500);
+    shape.sizes[0] = nqm_features_width(nqm.input.layout, 500);
     assert_int_equal(nqm_params_count(&shape), 4171125 + 1500 * 1024);
-    assert_true(nqm.scalars && !paper.scalars && !notebook.scalars);
+    assert_true(nqm.input.scalars && !paper.input.scalars && !notebook.input.scalars);
     nqm_error err = {0};
     assert_int_equal(nqm_train_options_recipe("best", &nqm, &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "notebook"));
@@ -394,23 +394,23 @@ static void options_out_of_range(void **state) {
     nqm_error err = {0};
     nqm_train_options o = recipe("nqm");
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_OK);
-    o.dropout = 1;
+    o.network.dropout = 1;
     assert_int_equal(nqm_train_options_check(&o, &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "dropout"));
     o = recipe("nqm");
-    o.batch = 0;
+    o.optimiser.batch = 0;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
-    o.lr_deeper = NAN;
+    o.optimiser.lr_deeper = NAN;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
-    o.hidden[2] = 0;
+    o.network.hidden[2] = 0;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
-    o.scalar_scale = 0;
+    o.input.scalar_scale = 0;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
-    o.resume = 1;
+    o.run.resume = 1;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
 }
 

@@ -151,11 +151,11 @@ static nqm_train_report report;
 static nqm_train_options quick(const char *recipe) {
     nqm_train_options o;
     assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
-    o.n_hidden = 2;
-    o.hidden[0] = 32, o.hidden[1] = 16;
-    o.batch = 64;
-    o.epochs = 3;
-    o.lr_first = 1e-3;
+    o.network.n_hidden = 2;
+    o.network.hidden[0] = 32, o.network.hidden[1] = 16;
+    o.optimiser.batch = 64;
+    o.optimiser.epochs = 3;
+    o.optimiser.lr_first = 1e-3;
     return o;
 }
 
@@ -199,7 +199,7 @@ static void materials_on_both_sides_do_not(void **state) {
     nqm_train_report r;
     nqm_error err = {0};
     nqm_calibration c;
-    o.epochs = 1;
+    o.optimiser.epochs = 1;
     assert_int_equal(nqm_train(dataset, &o, &model, &r, NULL), NQM_OK);
     assert_int_equal(r.calibration.n_materials, 0);
     assert_string_equal(nqm_model_get_info(model).calibration, "");

@@ -37,12 +37,12 @@ static int drop_toy(void **state) {
 static nqm_train_options small(const char *recipe) {
     nqm_train_options o;
     assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
-    o.n_hidden = 2;
-    o.hidden[0] = 48;
-    o.hidden[1] = 24;
-    o.batch = 32;
-    o.epochs = 4;
-    o.lr_first = 1e-3;
+    o.network.n_hidden = 2;
+    o.network.hidden[0] = 48;
+    o.network.hidden[1] = 24;
+    o.optimiser.batch = 32;
+    o.optimiser.epochs = 4;
+    o.optimiser.lr_first = 1e-3;
     return o;
 }
 
@@ -82,9 +82,9 @@ static void learns(void **state) {
     const char *const recipes[] = {"paper", "notebook", "nqm"};
     for (size_t i = 0; i < 3; ++i) {
         nqm_train_options o = small(recipes[i]);
-        o.epochs = 40;
-        o.dropout = 0.05;
-        o.split_by_pair = 0;
+        o.optimiser.epochs = 40;
+        o.network.dropout = 0.05;
+        o.split.by_pair = 0;
         nqm_train_report report;
         nqm_model *model = train(&o, &report);
         assert_int_equal(report.epochs, 40);
@@ -104,7 +104,7 @@ static void learns(void **state) {
 static void saved_and_loaded(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
-    o.epochs = 20;
+    o.optimiser.epochs = 20;
     o.card = "Made by a test.";
     nqm_model *model = train(&o, NULL), *loaded;
     assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
@@ -130,16 +130,16 @@ static void repeats_itself_on_any_threads(void **state) {
     const char *const recipes[] = {"notebook", "nqm"};
     for (size_t i = 0; i < 2; ++i) {
         nqm_train_options o = small(recipes[i]);
-        o.n_hidden = 1;
-        o.hidden[0] = 512; /* large enough that the work is shared out */
-        o.batch = 256;
-        o.epochs = 1;
+        o.network.n_hidden = 1;
+        o.network.hidden[0] = 512; /* large enough that the work is shared out */
+        o.optimiser.batch = 256;
+        o.optimiser.epochs = 1;
         nqm_model *one = train(&o, NULL);
         omp_set_num_threads(2);
         nqm_model *two = train(&o, NULL);
         omp_set_num_threads(1);
         assert_same_model(one, two);
-        o.seed = 2;
+        o.optimiser.seed = 2;
         nqm_model *other = train(&o, NULL);
         assert_true(memcmp(one->params.block, other->params.block, one->params.n * sizeof(float)) != 0);
         nqm_model_free(one);
@@ -174,11 +174,11 @@ static void stop_during(nqm_train_options *o) {
     nqm_model *model;
     nqm_error err = {0};
     int calls_left = 2; /* calls are thinned by time: the second one comes in the last step at the latest */
-    o->progress = stop_at;
-    o->progress_user = &calls_left;
+    o->run.progress = stop_at;
+    o->run.progress_user = &calls_left;
     assert_int_equal(nqm_train(toy, o, &model, NULL, &err), NQM_ERR_CANCELLED);
     assert_null(model);
-    o->progress = NULL;
+    o->run.progress = NULL;
 }
 
 static void resumes_to_the_same_bits(void **state) {
@@ -187,24 +187,24 @@ static void resumes_to_the_same_bits(void **state) {
     for (size_t i = 0; i < 3; ++i) {
         nqm_train_options o = small(recipes[i]);
         losses whole = {0}, parts = {0};
-        o.epochs = 9;
-        o.schedule = NQM_SCHEDULE_PLATEAU;
-        o.plateau_patience = 0; /* so that the schedule acts within a few epochs */
-        o.lr_deeper = 0.02;
-        o.epoch_done = note_losses;
-        o.epoch_user = &whole;
+        o.optimiser.epochs = 9;
+        o.optimiser.schedule = NQM_SCHEDULE_PLATEAU;
+        o.optimiser.plateau_patience = 0; /* so that the schedule acts within a few epochs */
+        o.optimiser.lr_deeper = 0.02;
+        o.run.epoch_done = note_losses;
+        o.run.epoch_user = &whole;
         nqm_train_report a, b;
         nqm_model *uninterrupted = train(&o, &a);
-        o.checkpoint = checkpoint;
-        o.epoch_done = NULL;
-        o.epochs = 3;
+        o.run.checkpoint = checkpoint;
+        o.run.epoch_done = NULL;
+        o.optimiser.epochs = 3;
         nqm_model_free(train(&o, NULL));
-        o.resume = 1;
-        o.epochs = 5;
+        o.run.resume = 1;
+        o.optimiser.epochs = 5;
         nqm_model_free(train(&o, NULL));
-        o.epochs = 9;
-        o.epoch_done = note_losses;
-        o.epoch_user = &parts;
+        o.optimiser.epochs = 9;
+        o.run.epoch_done = note_losses;
+        o.run.epoch_user = &parts;
         nqm_model *resumed = train(&o, &b);
         assert_same_model(uninterrupted, resumed);
         assert_int_equal(b.epochs_resumed, 5);
@@ -235,22 +235,22 @@ static void cosine_schedule(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
     losses l = {0};
-    o.schedule = NQM_SCHEDULE_COSINE;
-    o.epochs = 6;
-    o.checkpoint = checkpoint;
-    o.epoch_done = note_losses;
-    o.epoch_user = &l;
+    o.optimiser.schedule = NQM_SCHEDULE_COSINE;
+    o.optimiser.epochs = 6;
+    o.run.checkpoint = checkpoint;
+    o.run.epoch_done = note_losses;
+    o.run.epoch_user = &l;
     unlink(checkpoint);
     nqm_model *model = train(&o, NULL);
     const double expected[6] = {1, (2 + sqrt(3)) / 4, 0.75, 0.5, 0.25, (2 - sqrt(3)) / 4};
     assert_int_equal(l.n, 6);
     for (size_t i = 0; i < 6; ++i)
-        assert_near(l.value[i][2], o.lr_first * expected[i], 1e-15);
+        assert_near(l.value[i][2], o.optimiser.lr_first * expected[i], 1e-15);
     l.n = 0;
-    o.resume = 1;
+    o.run.resume = 1;
     nqm_model *resumed = train(&o, NULL);
     assert_same_model(model, resumed);
-    o.epochs = 9;
+    o.optimiser.epochs = 9;
     refuse(toy, &o, NQM_ERR_INCOMPATIBLE, "epochs 6, not 9");
     nqm_model_free(model);
     nqm_model_free(resumed);
@@ -259,12 +259,12 @@ static void cosine_schedule(void **state) {
 static void stopped_and_resumed(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
-    o.epochs = 60; /* about a second: the ticker calls more than once */
+    o.optimiser.epochs = 60; /* about a second: the ticker calls more than once */
     nqm_model *uninterrupted = train(&o, NULL);
     unlink(checkpoint);
-    o.checkpoint = checkpoint;
+    o.run.checkpoint = checkpoint;
     stop_during(&o);
-    o.resume = access(checkpoint, F_OK) == 0;
+    o.run.resume = access(checkpoint, F_OK) == 0;
     nqm_model *resumed = train(&o, NULL);
     assert_same_model(uninterrupted, resumed);
     nqm_model_free(uninterrupted);
@@ -274,18 +274,18 @@ static void stopped_and_resumed(void **state) {
 static void checkpoints_of_others(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
-    o.schedule = NQM_SCHEDULE_PLATEAU; /* which alone lets epochs differ */
-    o.checkpoint = checkpoint;
+    o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* which alone lets epochs differ */
+    o.run.checkpoint = checkpoint;
     nqm_model_free(train(&o, NULL));
-    o.resume = 1;
+    o.run.resume = 1;
     nqm_train_options other = o;
-    other.batch = 64;
+    other.optimiser.batch = 64;
     refuse(toy, &other, NQM_ERR_INCOMPATIBLE, "batch 32, not 64");
     other = o;
-    other.seed = 7;
+    other.optimiser.seed = 7;
     refuse(toy, &other, NQM_ERR_INCOMPATIBLE, "seed");
     other = o;
-    other.epochs = 2;
+    other.optimiser.epochs = 2;
     refuse(toy, &other, NQM_ERR_INCOMPATIBLE, "4 epochs");
     toy_options t = toy_options_default();
     t.seed = 9;
@@ -293,9 +293,9 @@ static void checkpoints_of_others(void **state) {
     refuse(another, &o, NQM_ERR_INCOMPATIBLE, "another dataset");
     nqm_dataset_free(another);
     other = o;
-    other.checkpoint = "no such checkpoint";
+    other.run.checkpoint = "no such checkpoint";
     refuse(toy, &other, NQM_ERR_IO, "no such checkpoint");
-    other.checkpoint = test_vector("net.safetensors");
+    other.run.checkpoint = test_vector("net.safetensors");
     refuse(toy, &other, NQM_ERR_FORMAT, "no checkpoint");
     FILE *f = fopen(checkpoint, "r+b");
     assert_non_null(f);
@@ -323,7 +323,7 @@ static void divergence_is_noticed(void **state) {
         jod[i] = 5;
     broken = *toy;
     broken.jod = jod;
-    o.target = NQM_TARGET_JOD;
+    o.labels.target = NQM_TARGET_JOD;
     refuse(&broken, &o, NQM_ERR_INCOMPATIBLE, "labels do not differ");
     free(jod);
     free(rgb);
@@ -332,8 +332,8 @@ static void divergence_is_noticed(void **state) {
 static void memory_runs_out(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
-    o.epochs = 1;
-    o.batch = 512;
+    o.optimiser.epochs = 1;
+    o.optimiser.batch = 512;
     nqm_status status = NQM_ERR_NOMEM;
     long n = 0;
     for (; status != NQM_OK && n < 2000; ++n) {

@@ -21,10 +21,10 @@ static nqm_model *trained;
 static nqm_train_options quick(const char *recipe) {
     nqm_train_options o;
     assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
-    o.n_hidden = 1;
-    o.hidden[0] = 16;
-    o.batch = 64;
-    o.epochs = 2;
+    o.network.n_hidden = 1;
+    o.network.hidden[0] = 16;
+    o.optimiser.batch = 64;
+    o.optimiser.epochs = 2;
     return o;
 }
 
@@ -166,8 +166,8 @@ static void models_of_samples_have_none(void **state) {
     nqm_train_options o = quick("paper");
     nqm_model *model;
     nqm_train_report r;
-    o.split_by_pair = 0;
-    o.epochs = 1;
+    o.split.by_pair = 0;
+    o.optimiser.epochs = 1;
     assert_int_equal(nqm_train(dataset, &o, &model, &r, NULL), NQM_OK);
     assert_int_equal(model->n_novelty, 0);
     assert_true(model->interval != NULL && r.calibration.novelty_growth == 0);

@@ -18,10 +18,11 @@ typedef struct net_work {
 } net_work;
 
 static net_work count_work(const nqm_train_options *o, size_t n_directions) {
-    size_t in = (o->layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions + (o->scalars ? NQM_SCALAR_COUNT : 0);
+    size_t in =
+        (o->input.layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions + (o->input.scalars ? NQM_SCALAR_COUNT : 0);
     net_work work = {0, 0};
-    for (size_t layer = 0; layer <= o->n_hidden; ++layer) {
-        const size_t out = layer < o->n_hidden ? o->hidden[layer] : 1;
+    for (size_t layer = 0; layer <= o->network.n_hidden; ++layer) {
+        const size_t out = layer < o->network.n_hidden ? o->network.hidden[layer] : 1;
         const double n = (double)in * (double)out;
         work.forward += n;
         work.training += layer == 0 ? 2 * n : 3 * n;
@@ -57,17 +58,17 @@ static void look(void *user, size_t epoch, double train_loss, double validation_
 static void fill_row(nqm_bench_row *row, const nqm_train_options *o, const nqm_train_report *report, watch *w,
                      double seconds, double cpu_s) {
     row->model = o->recipe;
-    row->batch = o->batch;
-    row->epochs = o->epochs;
-    row->seed = (size_t)o->seed;
+    row->batch = o->optimiser.batch;
+    row->epochs = o->optimiser.epochs;
+    row->seed = (size_t)o->optimiser.seed;
     row->pairs = report->n_train;
     row->seconds = seconds;
     row->cpu_share = cpu_s / seconds / (double)row->threads;
-    const double epochs = (double)o->epochs;
-    row->seconds_median = epochs * nqm_quantile(o->epochs, w->epoch_s, 0.5);
+    const double epochs = (double)o->optimiser.epochs;
+    row->seconds_median = epochs * nqm_quantile(o->optimiser.epochs, w->epoch_s, 0.5);
     row->best_epoch_seconds = w->epoch_s[0]; /* sorted now */
-    row->seconds_worst = epochs * w->epoch_s[o->epochs - 1];
-    if (o->epochs != 100)
+    row->seconds_worst = epochs * w->epoch_s[o->optimiser.epochs - 1];
+    if (o->optimiser.epochs != 100)
         row->seconds_100 = seconds / epochs * 100;
     row->train_loss = w->train_loss;
     row->validation_loss = w->validation_loss;
@@ -76,12 +77,12 @@ static void fill_row(nqm_bench_row *row, const nqm_train_options *o, const nqm_t
 static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_train_options *o, nqm_error *err) {
     const net_work work = count_work(o, dataset->n_directions);
     nqm_bench_entry entry = nqm_bench_entry_make("train", "training");
-    watch w = {.bench = bench, .entry = &entry, .epoch_s = nqm_alloc(o->epochs, sizeof(double))};
+    watch w = {.bench = bench, .entry = &entry, .epoch_s = nqm_alloc(o->optimiser.epochs, sizeof(double))};
     if (!w.epoch_s)
-        return nqm_fail_nomem(err, o->epochs * sizeof(double));
-    nqm_bench_entry_work(bench, &entry, o->precision, 0);
-    o->epoch_done = look;
-    o->epoch_user = &w;
+        return nqm_fail_nomem(err, o->optimiser.epochs * sizeof(double));
+    nqm_bench_entry_work(bench, &entry, o->optimiser.precision, 0);
+    o->run.epoch_done = look;
+    o->run.epoch_user = &w;
     nqm_model *model;
     nqm_train_report report;
     nqm_bench_release_memory(bench);
@@ -92,7 +93,7 @@ static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_t
     const double seconds = nqm_clock_s() - begin - w.away_s, cpu_s = nqm_process_clock_s() - cpu_begin - w.away_cpu_s;
     entry.row.max_rss_mb = nqm_peak_memory_mb();
     if (status == NQM_OK) {
-        entry.row.gflop = 2e-9 * (double)o->epochs *
+        entry.row.gflop = 2e-9 * (double)o->optimiser.epochs *
                           ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
         fill_row(&entry.row, o, &report, &w, seconds, cpu_s);
         status = nqm_bench_add(bench, &entry, err);
@@ -115,13 +116,14 @@ nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, 
     nqm_directions_free(directions);
     if (status != NQM_OK)
         return status;
-    o.balance = 0;
-    o.epochs = epochs ? epochs : o.epochs;
-    o.progress = bench->options.progress;
-    o.progress_user = bench->options.progress_user;
-    for (o.seed = 1; o.seed <= n_seeds && status == NQM_OK; ++o.seed)
-        for (o.precision = NQM_PRECISION_F32; o.precision <= NQM_PRECISION_BF16 && status == NQM_OK; ++o.precision)
-            if (nqm_bench_wants(bench, o.precision))
+    o.augmentation.balance = 0;
+    o.optimiser.epochs = epochs ? epochs : o.optimiser.epochs;
+    o.run.progress = bench->options.progress;
+    o.run.progress_user = bench->options.progress_user;
+    for (o.optimiser.seed = 1; o.optimiser.seed <= n_seeds && status == NQM_OK; ++o.optimiser.seed)
+        for (o.optimiser.precision = NQM_PRECISION_F32; o.optimiser.precision <= NQM_PRECISION_BF16 && status == NQM_OK;
+             ++o.optimiser.precision)
+            if (nqm_bench_wants(bench, o.optimiser.precision))
                 status = train_once(bench, dataset, &o, err);
     nqm_dataset_free(dataset);
     return status;

@@ -28,20 +28,47 @@ static void print_default(const option *o) {
     }
 }
 
+static void print_option(char letter, const char *name, const char *metavar, const char *help) {
+    char left[NQM_OPTION_TEXT_MAX + 64], short_form[8] = "    ";
+    if (letter)
+        snprintf(short_form, sizeof short_form, "-%c, ", letter);
+    snprintf(left, sizeof left, "  %s--%s%s%s", short_form, name, metavar ? " " : "", metavar ? metavar : "");
+    printf("%-30s %s", left, help);
+}
+
+/* Help, what is allowed, unit and default of an option of a table; then the name that switches it off. */
+static void print_table_option(const nqm_option *o, const void *target) {
+    char name[NQM_OPTION_TEXT_MAX], text[NQM_OPTION_TEXT_MAX];
+    if (!*nqm_option_name(o, name))
+        return;
+    print_option(0, name, o->metavar, o->help);
+    if (o->words || o->min != 0 || o->max != 0)
+        printf("; %s", nqm_option_allowed(o, text));
+    if (o->unit)
+        printf(", %s", o->unit);
+    if (!nqm_option_is_flag(o)) {
+        if (*nqm_option_format(o, target, text))
+            printf(" [default: %s]", text);
+    } else if (!o->off_name || *o->off_name) {
+        const bool is_on = *(const int *)((const char *)target + o->offset) != 0;
+        snprintf(text, sizeof text, "%.20s%.60s", o->off_name ? "" : "no-", o->off_name ? o->off_name : name);
+        printf("%s\n", is_on ? " [default]" : "");
+        print_option(0, text, NULL, is_on ? "do not" : "do not [default]");
+    }
+    putchar('\n');
+}
+
 static void print_help(const command *cmd) {
     printf("usage: nqm %s %s\n\n%s\n\noptions:\n", cmd->name, cmd->usage, cmd->about);
     for (const option *o = cmd->options; o->name; ++o) {
-        char left[64];
-        char letter[8] = "    ";
-        if (o->letter)
-            snprintf(letter, sizeof letter, "-%c, ", o->letter);
-        snprintf(left, sizeof left, "  %s--%s%s%s", letter, o->name, o->metavar ? " " : "",
-                 o->metavar ? o->metavar : "");
-        printf("%-30s %s", left, o->help);
+        print_option(o->letter, o->name, o->metavar, o->help);
         print_default(o);
         putchar('\n');
     }
-    printf("%-30s %s\n\nexample:\n", "      --help", "this text");
+    for (size_t i = 0; cmd->table && i < cmd->table->n; ++i)
+        print_table_option(&cmd->table->rows[i], cmd->table_target);
+    print_option(0, "help", NULL, "this text");
+    printf("\n\nexample:\n");
     for (const char *line = cmd->example; *line;) {
         size_t n = strcspn(line, "\n");
         printf("  %.*s\n", (int)n, line);
@@ -83,9 +110,12 @@ static bool store_value(const command *cmd, const option *o, const char *value, 
     return true;
 }
 
-/* The option that `word` names ("--name", "--name=value", "-x"); *value points at what follows '=', or is NULL. */
-static const option *find_option(const command *cmd, const char *word, const char **value) {
+/* The option that `word` names ("--name", "--name=value", "-x"); *value points at what follows '=', or is NULL. A flag of the
+ * table (*from_table_ret) whose name sets it to 0 has *is_off_ret. */
+static const option *find_option(const command *cmd, const char *word, const char **value,
+                                 const nqm_option **from_table_ret, bool *is_off_ret) {
     *value = NULL;
+    *from_table_ret = NULL;
     if (word[1] != '-') {
         for (const option *o = cmd->options; o->name; ++o)
             if (o->letter && word[1] == o->letter && !word[2])
@@ -93,13 +123,23 @@ static const option *find_option(const command *cmd, const char *word, const cha
         return NULL;
     }
     size_t n = strcspn(word + 2, "=");
+    if (word[2 + n] == '=')
+        *value = word + 3 + n;
     for (const option *o = cmd->options; o->name; ++o)
-        if (strlen(o->name) == n && memcmp(o->name, word + 2, n) == 0) {
-            if (word[2 + n] == '=')
-                *value = word + 3 + n;
+        if (strlen(o->name) == n && memcmp(o->name, word + 2, n) == 0)
             return o;
-        }
+    if (cmd->table)
+        *from_table_ret = nqm_option_by_name(cmd->table, word + 2, n, is_off_ret);
     return NULL;
+}
+
+static bool store_table_value(const command *cmd, const nqm_option *o, const char *value, int *exit_code) {
+    char message[sizeof(nqm_error) + 2];
+    nqm_error err = {0};
+    if (nqm_option_set(o, cmd->table_target, value, &err) == NQM_OK)
+        return true;
+    snprintf(message, sizeof message, "--%s", err.message);
+    return usage_error(cmd, exit_code, message, "");
 }
 
 bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code) {
@@ -121,13 +161,18 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
             return false;
         }
         const char *value;
-        const option *o = find_option(cmd, word, &value);
-        if (!o)
+        const nqm_option *from_table;
+        bool is_off = false;
+        const option *o = find_option(cmd, word, &value, &from_table, &is_off);
+        if (!o && !from_table)
             return usage_error(cmd, exit_code, "unknown option", word);
-        if (o->kind == OPTION_FLAG) {
+        if (from_table ? nqm_option_is_flag(from_table) : o->kind == OPTION_FLAG) {
             if (value)
                 return usage_error(cmd, exit_code, "this option takes no value", word);
-            *(bool *)o->target = true;
+            if (from_table)
+                *(int *)((char *)cmd->table_target + from_table->offset) = !is_off;
+            else
+                *(bool *)o->target = true;
             continue;
         }
         if (!value) {
@@ -135,7 +180,8 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
                 return usage_error(cmd, exit_code, "a value is missing behind", word);
             value = argv[++i];
         }
-        if (!store_value(cmd, o, value, exit_code))
+        if (!(from_table ? store_table_value(cmd, from_table, value, exit_code)
+                         : store_value(cmd, o, value, exit_code)))
             return false;
     }
     if (n < cmd->min_arguments)

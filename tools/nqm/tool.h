@@ -7,6 +7,7 @@
 #ifndef NQM_TOOL_H
 #define NQM_TOOL_H
 
+#include "base/options.h"
 #include <jansson.h>
 #include <nqm/nqm.h>
 #include <stdbool.h>
@@ -63,6 +64,8 @@ typedef struct command {
     const char *about;   /* a paragraph; ends without newline */
     const char *example; /* full command lines, one a line */
     const option *options;
+    const nqm_option_table *table; /* further options, set in the struct `table_target`; NULL: none */
+    void *table_target;
     int min_arguments, max_arguments; /* positional; max < 0: any number */
 } command;
 

@@ -124,13 +124,13 @@ static int train_now(const study *s, study_training *t, const char *record_path)
     fputs("epoch,train_loss,validation_loss,lr_first\n", log.stream);
     epoch_log epochs = {t, log.stream};
     o.id = t->id;
-    o.seed = t->seed;
-    o.epochs = (size_t)s->options->epochs;
-    o.checkpoint = checkpoint;
-    o.resume = access(checkpoint, F_OK) == 0;
-    o.progress = show_progress;
-    o.epoch_done = on_epoch;
-    o.epoch_user = &epochs;
+    o.optimiser.seed = t->seed;
+    o.optimiser.epochs = (size_t)s->options->epochs;
+    o.run.checkpoint = checkpoint;
+    o.run.resume = access(checkpoint, F_OK) == 0;
+    o.run.progress = show_progress;
+    o.run.epoch_done = on_epoch;
+    o.run.epoch_user = &epochs;
     nqm_model *trained = NULL;
     if (nqm_train(s->train, &o, &trained, &t->report, &err) != NQM_OK)
         exit_code = report_error("reproduce", &err);
