@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # The table of doc/labels.md: our Delta-E beside the authors' published Delta-E for their Ward, GGX and NBRDF encodings of the
-# measured RGL materials that are not in the test set. DATA holds rgl/, nbrdf/, labels/ and scene/ (doc/corpus.md).
-# usage: doc/agreement.sh DATA [options of nqm agree]
+# measured RGL materials that are not in the test set, by agreement.py. DATA holds rgl/, nbrdf/, labels/ and scene/ (doc/corpus.md).
+# usage: doc/agreement.sh DATA [options of nqm label]
 set -eu
-data=${1:?usage: doc/agreement.sh DATA [options of nqm agree]}
+data=${1:?usage: doc/agreement.sh DATA [options of nqm label]}
 shift
-nqm=${NQM_TOOL:-$(dirname "$0")/../build/nqm}
+here=$(dirname "$0")
 pairs=$(mktemp)
 trap 'rm -f "$pairs"' EXIT
 
@@ -21,4 +21,4 @@ for file in "$data"/rgl/*.bsdf; do
             print "rgl/" m ".bsdf," test "," $2 "," $4
         }' "$data/labels/labels_balanced_train.csv"
 done >>"$pairs"
-"$nqm" agree "$pairs" --root "$data" --light "$data/scene/pixar_campus_rgbe.png" "$@"
+python3 "$here/agreement.py" "$pairs" --root "$data" --light "$data/scene/pixar_campus_rgbe.png" "$@"

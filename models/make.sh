@@ -12,9 +12,9 @@ nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 # The paper's scene, a rotating bunny under the Pixar Campus light: eight views, by points (doc/labels.md).
 scene="--light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --frames 8 --points 1536 --lights 128"
 
-"$nqm" dataset --scan "$data" -o "$work/materials.csv"
+NQM_TOOL=$nqm python3 "$here/scan.py" "$data" >"$work/materials.csv"
 
-# learn KIND: what the encodings KIND-* lean on, from training materials only, named relative to DATA.
+# learn KIND: the dictionary or hypernetwork of the encodings KIND-*, from training materials only, named relative to DATA.
 learn() {
     [ ! -f "$here/encoders/$1.safetensors" ] || return 0
     training=$(awk -F, 'NR > 1 && $5 == "train" { print $3 }' "$work/materials.csv")

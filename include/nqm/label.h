@@ -14,11 +14,6 @@
 extern "C" {
 #endif
 
-/* ---- regression on a file ----------------------------------------------------------------------------------------- */
-
-/** nqm_regress() for a CSV with columns DeltaE and JOD (any order, any case; others ignored). */
-NQM_API NQM_MUST_CHECK nqm_status nqm_regress_csv(const char *path, nqm_regress_report *report_ret, nqm_error *err);
-
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
 /** Mean Delta-E ITP over the points (by their shares) of two renderings of the scene; equal pictures give exactly 0. */
@@ -26,44 +21,6 @@ NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2,
 /** The same, point by point: delta_e (n_points). */
 NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
                                    double *delta_e);
-
-/* ---- comparing labels with somebody else's ----------------------------------------------------------------------- */
-
-enum { NQM_COMPARE_MAX_ENCODINGS = 32 };
-
-/** Our Delta-E beside theirs, over the references of one encoding. */
-typedef struct nqm_compare_row {
-    char encoding[32];
-    size_t n;                          /**< references */
-    double spearman, spearman_ci95[2]; /**< of ours with theirs; interval: bootstrap over references */
-    double null_luminance; /**< of the mean luminance of the reference's picture with theirs: what an order of the
-                                references alone reaches */
-    double median_theirs, median_ours, median_ratio;
-} nqm_compare_row;
-
-typedef struct nqm_comparison {
-    size_t n_encodings;
-    nqm_compare_row rows[NQM_COMPARE_MAX_ENCODINGS]; /**< in the order of the file */
-    nqm_compare_row pooled;                          /**< all pairs together; encoding "all" */
-    double pooled_null_encoding; /**< Spearman of theirs with the median of the encoding over the other references */
-    size_t n_triples, n_ordered; /**< references with ward, ggx and nbrdf; of them those with nbrdf < min(ggx, ward) in
-                                        our Delta-E */
-    size_t n_ordered_theirs;     /**< the same in theirs */
-} nqm_comparison;
-
-/**
- * Make our labels for pairs that somebody else has labelled, and compare: by rank over references, encoding by encoding,
- * because the encoding's name alone explains most of a pooled correlation.
- *
- * @param pairs_csv  columns reference, test (BRDFs; test `fit`: our own fit of the model that `encoding` names),
- *                   encoding, delta_e (theirs); rows of one reference side by side make it quicker
- * @param root       folder at which relative paths start; NULL: the current one
- * @param fit        options of the fits; NULL: the defaults
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_compare_labels(const char *pairs_csv, const char *root, const nqm_scene *scene,
-                                                     const nqm_fit_options *fit, nqm_progress_fn progress,
-                                                     void *progress_user, nqm_comparison *comparison_ret,
-                                                     nqm_error *err);
 
 /* ---- corpora ----------------------------------------------------------------------------------------------------- */
 
@@ -99,8 +56,8 @@ NQM_API nqm_corpus_options nqm_corpus_options_default(void);
  * written beside it as PATH.json, there with the dataset's checksum. The file is the same for any number of threads and
  * processes.
  *
- * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test); see
- *                       nqm_corpus_scan()
+ * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test);
+ *                       models/scan.py writes one for a data folder
  * @param directions     where to sample
  * @param path           the dataset file to write; not "-"
  * @return besides what reading the inputs gives: NQM_ERR_ARG (options), NQM_ERR_INCOMPATIBLE (no material of this part),
@@ -108,17 +65,6 @@ NQM_API nqm_corpus_options nqm_corpus_options_default(void);
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
                                                    const nqm_corpus_options *options, const char *path, nqm_error *err);
-
-/**
- * Write the material list of a data folder: DIR/rgl/ *.bsdf, the members of DIR/nbrdf/ *.zip, the rows of
- * DIR/nps/nps_latents.csv, and the presets `sgd:`. Paths are relative to DIR. All forms of one material make one group.
- * The materials of DIR/labels/labels_real.csv are the test split; a seeded 15 % of the other groups are validation.
- *
- * @param data_dir  DIR
- * @param path      the CSV to write ("-" is standard output)
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_scan(const char *data_dir, uint64_t seed, const char *path,
-                                                  nqm_error *err);
 
 #ifdef __cplusplus
 }

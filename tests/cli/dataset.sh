@@ -33,19 +33,20 @@ done
 make -o "$dir/mended.safetensors" --work "$dir/groups" >/dev/null
 cmp "$dir/one.safetensors" "$dir/mended.safetensors" || fail "a damaged work file changed the result"
 
-# A data folder: names, groups and splits.
+# models/scan.py, a data folder: names, groups and splits.
+scan() { python3 "$NQM_SOURCE/models/scan.py" "$@"; }
 mkdir -p "$dir/data/labels" "$dir/data/rgl"
 printf 'material,model,level,DeltaE,JOD,class\nbrass_1,ward,0,1,9,1\nfelt_rgb_12,ggx,0,1,9,1\n' >"$dir/data/labels/labels_real.csv"
 : >"$dir/data/rgl/felt_rgb.bsdf"
 : >"$dir/data/rgl/paper_rgb.bsdf"
-"$tool" dataset --scan "$dir/data/" >"$dir/list.csv"
+scan "$dir/data/" >"$dir/list.csv"
 grep -qx 'rgl-felt_rgb,felt_rgb,rgl/felt_rgb.bsdf,rgl,test' "$dir/list.csv" || fail "felt: $(cat "$dir/list.csv")"
 grep -q '^rgl-paper_rgb,paper_rgb,rgl/paper_rgb.bsdf,rgl,[tv][^e]' "$dir/list.csv" || fail "paper"
 printf 'material,mean0,mean1,mean2,mean3,mean4,mean5,mean6\n"felt, red",0,0,0,0,0,0,0\n"so ""called""",0,0,0,0,0,0,0\n' \
     >"$dir/latents"
 mkdir -p "$dir/data/nps"
 mv "$dir/latents" "$dir/data/nps/nps_latents.csv"
-"$tool" dataset --scan "$dir/data" >"$dir/quoted.csv"
+scan "$dir/data" >"$dir/quoted.csv"
 grep -q '^"nps-felt, red","felt, red","nps/nps_decoder_f32le.bin:felt, red",nps,[tv]' "$dir/quoted.csv" ||
     fail "commas: $(grep nps "$dir/quoted.csv")"
 grep -q '^"nps-so ""called""","so ""called""",' "$dir/quoted.csv" || fail "quotes: $(grep nps "$dir/quoted.csv")"
@@ -59,6 +60,7 @@ refuses 2 'ggxx' dataset "$dir/materials.csv" --directions "$dir/directions.csv"
 refuses 3 'nowhere' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
 refuses 2 'validation' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
 refuses 3 'missing.csv' dataset "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"
-refuses 3 'labels_real.csv' dataset --scan "$dir"
+if scan "$dir" 2>"$dir/err"; then fail 'a folder without labels is accepted'; fi
+grep -q labels_real.csv "$dir/err" || fail 'the missing file is not named'
 printf 'name,group\n' >"$dir/bad.csv"
 refuses 4 "'brdf'" dataset "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"

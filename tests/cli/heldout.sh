@@ -66,7 +66,7 @@ if [ -f "$data/labels/labels_real.csv" ]; then
     awk -F, 'NR > 1 {sub(/_[0-9]+$/, "", $1); print $1}' "$data/labels/labels_real.csv" | sort -u >"$dir/names"
     for material in $held_out; do echo "$material"; done | sort >"$dir/expected"
     cmp "$dir/names" "$dir/expected" || fail "the list of this test is not that of labels_real.csv"
-    "$tool" dataset --scan "$data" -o "$dir/materials.csv"
+    python3 "$source/models/scan.py" "$data" >"$dir/materials.csv"
     for material in $held_out; do
         awk -F, -v m="$material" '$2 == m && $5 != "test" {exit 1}' "$dir/materials.csv" || fail "$material is not held out"
         awk -F, -v m="$material" '$2 == m {n++} END {exit !n}' "$dir/materials.csv" || fail "$material is not listed"

@@ -13,6 +13,7 @@
 #define NQM_PLOT_H
 
 #include <nqm/metric.h>
+#include <nqm/percept.h>
 
 /** How a drawing looks. Take the defaults from nqm_plot_options_default(). */
 typedef struct nqm_plot_options {
@@ -25,13 +26,14 @@ typedef struct nqm_plot_options {
 nqm_plot_options nqm_plot_options_default(void);
 
 /**
- * JOD against Delta-E ITP of a labels CSV with the curve fitted to it by nqm_regress() (the paper's figure 1a).
+ * JOD against Delta-E ITP of a labels CSV with the curve fitted to it (the paper's figure 1a).
  *
  * @param labels_csv  columns DeltaE, JOD; a column `model`, where there is one, colours the points
+ * @param fit         the curve and its statistics, by nqm_regress()
  * @param options     NULL: the defaults (here and below)
  */
-NQM_MUST_CHECK nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_plot_options *options,
-                                         nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_regress_report *fit,
+                                         const nqm_plot_options *options, nqm_error *err);
 
 /**
  * Spearman correlation of every predictor with the labels, overall and as the mean over materials, with 95 % intervals

@@ -69,10 +69,10 @@ static nqm_status draw_curve(const char *path, nqm_points *points, const nqm_reg
     return draw_chart(path, &chart, 640, 440, "Quality against colour difference", note, options, err);
 }
 
-nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_plot_options *options, nqm_error *err) {
+nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_regress_report *fit,
+                          const nqm_plot_options *options, nqm_error *err) {
     nqm_csv *csv;
     nqm_points points = {0};
-    nqm_regress_report fit;
     int delta_e, jod;
     nqm_status status = nqm_csv_load(labels_csv, &csv, err);
     if (status != NQM_OK)
@@ -81,11 +81,9 @@ nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_pl
     if (status == NQM_OK)
         status = nqm_points_column(csv, labels_csv, "JOD", &jod, err);
     if (status == NQM_OK)
-        status = nqm_regress_csv(labels_csv, &fit, err);
-    if (status == NQM_OK)
         status = nqm_points_read(csv, delta_e, jod, nqm_csv_column(csv, "model"), &points, err);
     if (status == NQM_OK)
-        status = draw_curve(path, &points, &fit, options, err);
+        status = draw_curve(path, &points, fit, options, err);
     nqm_points_free(&points);
     nqm_csv_free(csv);
     return status;

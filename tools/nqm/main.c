@@ -28,7 +28,6 @@ static const verb verbs[] = {
     {"label", cmd_label, "Delta-E ITP and JOD of a pair by rendering"},
     {"dataset", cmd_dataset, "make a training corpus from a list of materials"},
     {"regress", cmd_regress, "fit the curve from Delta-E ITP to JOD to human scores"},
-    {"agree", cmd_agree, "our labels beside somebody else's for the same pairs"},
     {"train", cmd_train, "train a model on a dataset"},
     {"calibrate", cmd_calibrate, "give a model the intervals around its JOD"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},

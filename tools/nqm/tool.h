@@ -93,6 +93,9 @@ int open_directions(const char *verb, const char *name_or_path, nqm_directions *
  *  whose rows all get `split`. As open_model(). */
 int open_dataset(const char *verb, const char *path, const char *labels, nqm_split split, nqm_dataset **dataset_ret);
 
+/** Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). As open_model(). */
+int regress_csv(const char *verb, const char *path, nqm_regress_report *report_ret);
+
 /** A word of an option and the value that it stands for; a NULL name ends the list. */
 typedef struct choice {
     const char *name;
@@ -184,7 +187,6 @@ int close_output(const char *verb, output_file *out, bool keep);
 
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
-int cmd_agree(int argc, char **argv);
 int cmd_batch(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);

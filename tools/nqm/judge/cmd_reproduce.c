@@ -95,10 +95,9 @@ static int check_apart(const study *s) {
 }
 
 static int load_data(study *s) {
-    nqm_error err = {0};
-    if (nqm_regress_csv(s->test_labels, &s->regression, &err) != NQM_OK)
-        return report_error("reproduce", &err);
-    int exit_code = open_dataset("reproduce", s->test_folder, s->test_labels, NQM_SPLIT_TEST, &s->test);
+    int exit_code = regress_csv("reproduce", s->test_labels, &s->regression);
+    if (exit_code == EXIT_OK)
+        exit_code = open_dataset("reproduce", s->test_folder, s->test_labels, NQM_SPLIT_TEST, &s->test);
     if (exit_code == EXIT_OK)
         exit_code = open_dataset("reproduce", s->train_folder, s->train_labels, NQM_SPLIT_ALL, &s->train);
     if (exit_code == EXIT_OK)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm dataset - make a training corpus from a list of materials, or the list from a data folder. Started by mpirun or
+ * nqm dataset - make a training corpus from a list of materials. Started by mpirun or
  * srun, all ranks work and the first writes the dataset.
  */
 #include "nqm/label/scene_args.h"
@@ -11,7 +11,7 @@
 
 typedef struct arguments {
     const char *output, *directions, *only;
-    bool scan, json;
+    bool json;
     size_t count; /* of processes */
 } arguments;
 
@@ -70,11 +70,6 @@ static int build(const char *materials, const arguments *a, const nqm_corpus_opt
 }
 
 static int run(const char *argument, const arguments *a, const nqm_corpus_options *corpus) {
-    nqm_error err = {0};
-    if (a->scan) {
-        nqm_status status = nqm_corpus_scan(argument, corpus->seed, a->output ? a->output : "-", &err);
-        return status == NQM_OK ? EXIT_OK : report_error("dataset", &err);
-    }
     if (!a->output)
         return report("dataset", EXIT_USAGE, "say where the corpus goes: -o FILE");
     if (!a->directions)
@@ -127,7 +122,7 @@ int cmd_dataset(int argc, char **argv) {
     log_state state = {0};
     bool log = false;
     scene.n_points = scene.scene.n_points;
-    option options[12 + N_SCENE_OPTIONS] = {
+    option options[11 + N_SCENE_OPTIONS] = {
         {.name = "output",
          .letter = 'o',
          .kind = OPTION_TEXT,
@@ -170,11 +165,7 @@ int cmd_dataset(int argc, char **argv) {
          .kind = OPTION_COUNT,
          .target = &corpus.seed,
          .metavar = "N",
-         .help = "of the perturbations and of the validation split"},
-        {.name = "scan",
-         .kind = OPTION_FLAG,
-         .target = &a.scan,
-         .help = "the argument is a data folder: write its material list"},
+         .help = "of the perturbations and of the fits"},
         {.name = "log",
          .kind = OPTION_FLAG,
          .target = &log,
@@ -183,8 +174,7 @@ int cmd_dataset(int argc, char **argv) {
         {0}};
     const command cmd = {
         .name = "dataset",
-        .usage =
-            "MATERIALS.csv --directions CSV -o FILE [options]\n       nqm dataset --scan DATA_DIR [-o MATERIALS.csv]",
+        .usage = "MATERIALS.csv --directions CSV -o FILE [options]",
         .about =
             "Make a dataset for `nqm train`: encodings, published fits, other forms of the same material and\n"
             "perturbations of every reference, labelled by rendering. MATERIALS.csv has the columns name, group, "
@@ -192,7 +182,7 @@ int cmd_dataset(int argc, char **argv) {
             "source and split. Test materials go to a file of their own (--only test). Started by mpirun, all ranks\n"
             "work on it; they must see the same --work folder.",
         .example =
-            "nqm dataset --scan data -o materials.csv\n"
+            "models/scan.py data > materials.csv\n"
             "nqm dataset materials.csv --root data --directions directions.csv -o corpus.safetensors --work work\n"
             "nqm dataset materials.csv --root data --directions directions.csv --only test -o test.safetensors\n"
             "mpirun -n 8 nqm dataset materials.csv --directions directions.csv -o corpus.safetensors --work work",

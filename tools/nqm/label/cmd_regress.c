@@ -2,7 +2,44 @@
  *
  * nqm regress - fit the curve from Delta-E ITP to JOD to human scores.
  */
+#include "io/io.h"
 #include "nqm/tool.h"
+
+#include <stdlib.h>
+
+static nqm_status read_column(const nqm_csv *csv, const char *path, const char *name, double *value, nqm_error *err) {
+    int column = nqm_csv_column(csv, name);
+    if (column < 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header has no column %s", path, name);
+    nqm_status status = NQM_OK;
+    for (size_t row = 0; status == NQM_OK && row < nqm_csv_rows(csv); ++row)
+        status = nqm_csv_number(csv, row, column, &value[row], err);
+    return status;
+}
+
+int regress_csv(const char *verb, const char *path, nqm_regress_report *report_ret) {
+    nqm_error err = {0};
+    nqm_csv *csv;
+    nqm_status status = nqm_csv_load(path, &csv, &err);
+    if (status != NQM_OK)
+        return report_error(verb, &err);
+    size_t n = nqm_csv_rows(csv);
+    double *values = calloc(n + 1, 2 * sizeof *values);
+    if (!values)
+        status = nqm_fail_nomem(&err, n * 2 * sizeof *values);
+    else if (n < 4)
+        status =
+            nqm_fail(&err, NQM_ERR_INCOMPATIBLE, -1, "%s: %zu rows do not determine the curve, 4 are needed", path, n);
+    if (status == NQM_OK)
+        status = read_column(csv, path, "DeltaE", values, &err);
+    if (status == NQM_OK)
+        status = read_column(csv, path, "JOD", values + n, &err);
+    if (status == NQM_OK)
+        status = nqm_regress(n, values, values + n, report_ret, &err);
+    free(values);
+    nqm_csv_free(csv);
+    return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
+}
 
 static int print_report_json(const nqm_regress_report *r) {
     json_t *root = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
@@ -45,9 +82,9 @@ int cmd_regress(int argc, char **argv) {
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
     nqm_regress_report regression;
-    nqm_error err = {0};
-    if (nqm_regress_csv(argv[0], &regression, &err) != NQM_OK)
-        return report_error("regress", &err);
+    exit_code = regress_csv("regress", argv[0], &regression);
+    if (exit_code != EXIT_OK)
+        return exit_code;
     if (json)
         return print_report_json(&regression);
     print_report_text(&regression);

@@ -12,14 +12,27 @@ static const char *reference_of(const label_run *run, size_t i) {
     return run->items[run->items[i].reference].name;
 }
 
+/* Mean luminance of the picture of a reference, cd/m2 (weights of BT.709). */
+static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
+    size_t n = nqm_scene_count(run->scene);
+    const double *weight = nqm_scene_shares(run->scene);
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i)
+        sum += (weight ? weight[i] : 1 / (double)n) *
+               (0.2126 * rgb_cdm2[3 * i] + 0.7152 * rgb_cdm2[3 * i + 1] + 0.0722 * rgb_cdm2[3 * i + 2]);
+    return sum;
+}
+
 json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i))
             continue;
-        json_t *result = json_pack("{s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp",
-                                   json_number(item->delta_e), "jod", json_number(item->jod));
+        json_t *result =
+            json_pack("{s:o,s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp", json_number(item->delta_e),
+                      "jod", json_number(item->jod), "reference_luminance_cdm2",
+                      json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));
         if (item->err.status != NQM_OK)

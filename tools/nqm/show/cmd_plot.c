@@ -21,7 +21,10 @@ static int settle(nqm_status status, const nqm_error *err) {
 
 static int plot_curve(const plot_arguments *a) {
     nqm_error err = {0};
-    return settle(nqm_plot_curve(a->output, a->inputs[0], &a->look, &err), &err);
+    nqm_regress_report fit;
+    int exit_code = regress_csv("plot", a->inputs[0], &fit);
+    return exit_code == EXIT_OK ? settle(nqm_plot_curve(a->output, a->inputs[0], &fit, &a->look, &err), &err)
+                                : exit_code;
 }
 
 static int plot_bars(const plot_arguments *a) {
