@@ -3,7 +3,7 @@
  * Pictures written and read back: OpenEXR to the float, Radiance HDR to its precision, PNG through libpng to the byte;
  * averaging; the tone curve; the colour map; scales; figures.
  */
-#include "figures/tone.h"
+#include "figures/sheet.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
 

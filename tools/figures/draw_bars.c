@@ -7,7 +7,7 @@
 #include <math.h>
 
 size_t nqm_bar_style(size_t group) {
-    return (5 + NQM_STYLES - group % NQM_STYLES) % NQM_STYLES; /* sky blue, orange, purple */
+    return (5 + NQM_STYLES - group % NQM_STYLES) % NQM_STYLES; /* sky blue, orange, purple, ... */
 }
 
 static double across(nqm_box box, const nqm_axis *axis, double value) {
@@ -17,13 +17,9 @@ static double across(nqm_box box, const nqm_axis *axis, double value) {
 static void draw_interval(cairo_t *cr, double x0, double x1, double y) {
     nqm_draw_grey(cr, 0.1);
     cairo_set_line_width(cr, 1.2);
-    cairo_move_to(cr, x0, y);
-    cairo_line_to(cr, x1, y);
-    for (int end = 0; end < 2; ++end) {
-        cairo_move_to(cr, end ? x1 : x0, y - 3);
-        cairo_line_to(cr, end ? x1 : x0, y + 3);
-    }
-    cairo_stroke(cr);
+    nqm_line_draw(cr, x0, y, x1, y);
+    nqm_line_draw(cr, x0, y - 3, x0, y + 3);
+    nqm_line_draw(cr, x1, y - 3, x1, y + 3);
 }
 
 static void draw_bar(cairo_t *cr, nqm_box box, const nqm_bars *bars, size_t at, size_t group, nqm_box bar) {
@@ -37,7 +33,7 @@ static void draw_bar(cairo_t *cr, nqm_box box, const nqm_bars *bars, size_t at, 
         draw_interval(cr, across(box, &bars->x, bars->low[at]), across(box, &bars->x, bars->high[at]), y);
         right = fmax(right, across(box, &bars->x, bars->high[at]));
     }
-    snprintf(text, sizeof text, "%s%.3f", bars->value[at] < 0 ? "\xe2\x88\x92" : "", fabs(bars->value[at]));
+    snprintf(text, sizeof text, "%s%.3f", bars->value[at] < 0 ? NQM_MINUS : "", fabs(bars->value[at]));
     nqm_draw_grey(cr, 0.1);
     nqm_label_draw(cr, right + 6, y + 0.36 * NQM_SMALL_FONT, NQM_LEFT, NQM_SMALL_FONT, text);
 }
@@ -65,9 +61,7 @@ void nqm_bars_draw(cairo_t *cr, nqm_box outer, const nqm_bars *bars) {
 static void rule(cairo_t *cr, nqm_box box, double y, double width) {
     nqm_draw_grey(cr, 0.2);
     cairo_set_line_width(cr, width);
-    cairo_move_to(cr, box.x, floor(y) + 0.5);
-    cairo_line_to(cr, box.x + box.width, floor(y) + 0.5);
-    cairo_stroke(cr);
+    nqm_line_draw(cr, box.x, floor(y) + 0.5, box.x + box.width, floor(y) + 0.5);
 }
 
 void nqm_table_draw(cairo_t *cr, nqm_box box, const nqm_table *table) {
@@ -79,7 +73,7 @@ void nqm_table_draw(cairo_t *cr, nqm_box box, const nqm_table *table) {
     for (size_t i = 0; i < table->n_rows; ++i) {
         double x = box.x;
         for (size_t k = 0; k < table->n_columns; ++k) {
-            double width = table->shares[k] * box.width;
+            double width = table->widths[k] * box.width;
             bool right = table->right_aligned[k];
             nqm_draw_grey(cr, 0);
             nqm_text_draw(cr, right ? x + width - 10 : x + 10, box.y + row * ((double)i + 0.5) + 0.36 * NQM_FONT,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames: the grid, the ticks with their numbers, the names of the axes and the title of a panel.
+ * The frame of a chart or heat map: grid, ticks, labels and title.
  */
 #include "figures/draw.h"
 
@@ -8,7 +8,7 @@
 
 enum { TICK = 4, GAP = 4 };
 
-size_t nqm_ticks_across(double width) {
+static size_t ticks_across(double width) {
     return (size_t)fmax(floor(width / 65), 2);
 }
 
@@ -19,7 +19,7 @@ size_t nqm_ticks_down(double height) {
 static double widest_label(cairo_t *cr, const nqm_axis *axis, double height) {
     nqm_tick_mark ticks[NQM_MAX_TICKS];
     size_t n = nqm_axis_ticks(axis, nqm_ticks_down(height), ticks);
-    double widest = axis->room;
+    double widest = axis->label_width;
     for (size_t i = 0; i < n; ++i)
         widest = fmax(widest, nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT));
     return ceil(widest);
@@ -35,7 +35,7 @@ nqm_box nqm_frame_inner(cairo_t *cr, nqm_box outer, const char *title, const nqm
                      floor(outer.height - top - bottom)};
 }
 
-static void line(cairo_t *cr, double x0, double y0, double x1, double y1) {
+void nqm_line_draw(cairo_t *cr, double x0, double y0, double x1, double y1) {
     cairo_move_to(cr, x0, y0);
     cairo_line_to(cr, x1, y1);
     cairo_stroke(cr);
@@ -43,19 +43,19 @@ static void line(cairo_t *cr, double x0, double y0, double x1, double y1) {
 
 static void draw_x_ticks(cairo_t *cr, nqm_box box, const nqm_axis *axis) {
     nqm_tick_mark ticks[NQM_MAX_TICKS];
-    size_t n = nqm_axis_ticks(axis, nqm_ticks_across(box.width), ticks);
-    double free_from = -(double)INFINITY;
+    size_t n = nqm_axis_ticks(axis, ticks_across(box.width), ticks);
+    double free_x = -(double)INFINITY;
     for (size_t i = 0; i < n; ++i) {
         double x = floor(box.x + box.width * nqm_axis_place(axis, ticks[i].value)) + 0.5, bottom = box.y + box.height;
-        bool labelled = ticks[i].label[0] != 0;
-        nqm_draw_grey(cr, labelled ? 0.88 : 0.94);
-        line(cr, x, box.y, x, bottom);
+        bool has_label = ticks[i].label[0] != 0;
+        nqm_draw_grey(cr, has_label ? 0.88 : 0.94);
+        nqm_line_draw(cr, x, box.y, x, bottom);
         nqm_draw_grey(cr, 0.2);
-        line(cr, x, bottom, x, bottom + (labelled ? TICK : TICK / 2));
+        nqm_line_draw(cr, x, bottom, x, bottom + (has_label ? TICK : TICK / 2));
         double half = nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT) / 2;
-        if (!labelled || x - half < free_from)
-            continue; /* where numbers would touch, the first stays */
-        free_from = x + half + GAP;
+        if (!has_label || x - half < free_x)
+            continue; /* numbers must not overlap */
+        free_x = x + half + GAP;
         nqm_label_draw(cr, x, bottom + TICK + GAP + NQM_SMALL_FONT - 1, NQM_CENTRE, NQM_SMALL_FONT, ticks[i].label);
     }
     if (axis->label)
@@ -68,20 +68,16 @@ static void draw_y_ticks(cairo_t *cr, nqm_box box, const nqm_axis *axis) {
     size_t n = nqm_axis_ticks(axis, nqm_ticks_down(box.height), ticks);
     for (size_t i = 0; i < n; ++i) {
         double y = floor(box.y + box.height * (1 - nqm_axis_place(axis, ticks[i].value))) + 0.5;
-        bool labelled = ticks[i].label[0] != 0;
-        nqm_draw_grey(cr, labelled ? 0.88 : 0.94);
-        line(cr, box.x, y, box.x + box.width, y);
+        bool has_label = ticks[i].label[0] != 0;
+        nqm_draw_grey(cr, has_label ? 0.88 : 0.94);
+        nqm_line_draw(cr, box.x, y, box.x + box.width, y);
         nqm_draw_grey(cr, 0.2);
-        line(cr, box.x - (labelled ? TICK : TICK / 2), y, box.x, y);
+        nqm_line_draw(cr, box.x - (has_label ? TICK : TICK / 2), y, box.x, y);
         nqm_label_draw(cr, box.x - TICK - GAP, y + 0.36 * NQM_SMALL_FONT, NQM_RIGHT, NQM_SMALL_FONT, ticks[i].label);
     }
-    if (!axis->label)
-        return;
-    cairo_save(cr);
-    cairo_translate(cr, box.x - TICK - 2 * GAP - widest_label(cr, axis, box.height), box.y + box.height / 2);
-    cairo_rotate(cr, -1.5707963267948966);
-    nqm_label_draw(cr, 0, -GAP, NQM_CENTRE, NQM_FONT, axis->label);
-    cairo_restore(cr);
+    if (axis->label)
+        nqm_label_draw_upwards(cr, box.x - TICK - 3 * GAP - widest_label(cr, axis, box.height), box.y + box.height / 2,
+                               axis->label);
 }
 
 void nqm_frame_draw(cairo_t *cr, nqm_box inner, const char *title, const nqm_axis *x, const nqm_axis *y) {

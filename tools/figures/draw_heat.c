@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Maps: cells in the colours of viridis, with a scale at the right.
+ * Heat maps in the colours of viridis, with a colour scale at the right.
  */
 #include "figures/draw.h"
 
@@ -14,7 +14,7 @@ static void viridis_bytes(double t, unsigned char bytes[3]) {
         bytes[k] = nqm_srgb_byte(rgb[k]);
 }
 
-/* The map as a picture, `FINE` pixels a cell each way so that no viewer blurs the cells; without a value: transparent. */
+/* The map as an image with FINE x FINE pixels per cell, so that no viewer blurs the cells; NaN is transparent. */
 enum { FINE = 8 };
 
 static void fill_picture(cairo_surface_t *picture, const nqm_heat *heat) {
@@ -43,7 +43,7 @@ static void draw_cells(cairo_t *cr, nqm_box box, const nqm_heat *heat) {
     cairo_save(cr);
     cairo_translate(cr, box.x, box.y);
     cairo_scale(cr, box.width / width, box.height / height);
-    cairo_set_source_surface(cr, picture, 0, 0); /* a failed one makes cr fail */
+    cairo_set_source_surface(cr, picture, 0, 0); /* takes over the error of a failed surface */
     cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_NEAREST);
     cairo_paint(cr);
     cairo_restore(cr);
@@ -62,19 +62,13 @@ static void draw_scale(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
     nqm_draw_grey(cr, 0.2);
     for (size_t i = 0; i < n; ++i) {
         double y = bar.y + bar.height * (1 - nqm_axis_place(axis, ticks[i].value));
-        cairo_move_to(cr, bar.x + bar.width, y);
-        cairo_line_to(cr, bar.x + bar.width + 4, y);
-        cairo_stroke(cr);
+        nqm_line_draw(cr, bar.x + bar.width, y, bar.x + bar.width + 4, y);
         nqm_label_draw(cr, bar.x + bar.width + 7, y + 0.36 * NQM_SMALL_FONT, NQM_LEFT, NQM_SMALL_FONT, ticks[i].label);
         widest = fmax(widest, nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT));
     }
     cairo_rectangle(cr, bar.x, bar.y, bar.width, bar.height);
     cairo_stroke(cr);
-    cairo_save(cr);
-    cairo_translate(cr, bar.x + bar.width + 7 + widest + 6 + NQM_FONT, bar.y + bar.height / 2);
-    cairo_rotate(cr, -1.5707963267948966);
-    nqm_label_draw(cr, 0, 0, NQM_CENTRE, NQM_FONT, axis->label);
-    cairo_restore(cr);
+    nqm_label_draw_upwards(cr, bar.x + bar.width + 7 + widest + 6 + NQM_FONT, bar.y + bar.height / 2, axis->label);
 }
 
 void nqm_heat_draw(cairo_t *cr, nqm_box outer, const nqm_heat *heat) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A sheet to a file: cairo's surfaces for SVG, PDF and PNG, and where title, legend, panels and note stand.
+ * A sheet to a file: the layout of title, legend, panels and note, and cairo's surfaces for SVG, PDF and PNG.
  */
 #include "figures/draw.h"
 #include "io/io.h"
@@ -12,11 +12,11 @@
 
 enum { MARGIN = 12, GAP = 14 };
 
-/* ---- the sheet --------------------------------------------------------------------------------------------------- */
+/* ---- layout ------------------------------------------------------------------------------------------------------ */
 
 static void draw_panel(cairo_t *cr, nqm_box box, const nqm_sheet_panel *panel) {
     if (panel->chart)
-        (panel->chart->polar ? nqm_polar_draw : nqm_chart_draw)(cr, box, panel->chart);
+        nqm_chart_draw(cr, box, panel->chart);
     if (panel->heat)
         nqm_heat_draw(cr, box, panel->heat);
     if (panel->bars)
@@ -29,7 +29,7 @@ static void draw_panels(cairo_t *cr, nqm_box box, const nqm_sheet *sheet) {
     double width = (box.width - GAP * (double)(sheet->n_columns - 1)) / (double)sheet->n_columns;
     double all = box.height - GAP * (double)(sheet->n_rows - 1), y = box.y;
     for (size_t i = 0; i < sheet->n_rows; ++i) {
-        double height = all * (sheet->row_shares ? sheet->row_shares[i] : 1 / (double)sheet->n_rows);
+        double height = all * (sheet->row_heights ? sheet->row_heights[i] : 1 / (double)sheet->n_rows);
         for (size_t k = 0; k < sheet->n_columns; ++k)
             draw_panel(cr, (nqm_box){box.x + (width + GAP) * (double)k, y, width, height},
                        &sheet->panels[i * sheet->n_columns + k]);
@@ -39,7 +39,7 @@ static void draw_panels(cairo_t *cr, nqm_box box, const nqm_sheet *sheet) {
 
 enum { NOTE_BYTES = 512, NOTE_STEP = 16 };
 
-/* How many bytes of `text` stand on its first line: up to a line's end, or as many words as the width holds. */
+/* Length in bytes of the first line of `text`: up to a line feed, or as many words as fit into the width. */
 static size_t first_line(cairo_t *cr, const char *text, double width) {
     size_t end = strcspn(text, "\n"), n = 0;
     for (size_t next = 0; next < end && next < NOTE_BYTES - 1;) {
@@ -53,7 +53,7 @@ static size_t first_line(cairo_t *cr, const char *text, double width) {
     return n;
 }
 
-/* Lines of small letters that end at the bottom of the box; returns their height. */
+/* Lines of small text at the bottom of the box; returns their height. */
 static double draw_note(cairo_t *cr, nqm_box box, const char *note) {
     size_t n_lines = 0;
     for (const char *p = note; *p; ++n_lines) {
@@ -113,7 +113,7 @@ nqm_status nqm_surface_write_png(const char *path, cairo_surface_t *surface, nqm
     return status;
 }
 
-/* Draw and let cairo write what it keeps back until the surface ends. */
+/* Vector surfaces write their last data when they are finished. */
 static nqm_status draw_on(cairo_surface_t *surface, const nqm_sheet *sheet, double scale, nqm_error *err) {
     cairo_t *cr = cairo_create(surface);
     cairo_scale(cr, scale, scale);
@@ -140,8 +140,8 @@ static nqm_status write_png(const char *path, const nqm_sheet *sheet, double sca
     return status;
 }
 
-/* cairo numbers the surfaces of a process in the names of groups, id="surface5", to which nothing refers: the digits
- * become 0, so that a drawing does not depend on what was drawn before it. */
+/* cairo counts the surfaces of a process in the names of groups, id="surface5". Nothing refers to these names; they all
+ * become "surface0", so that a drawing does not depend on what the process drew before. */
 static cairo_status_t take_svg(void *out, const unsigned char *data, unsigned int n) {
     static const char id[] = "id=\"surface";
     const nqm_outfile *file = out;
@@ -173,7 +173,7 @@ static nqm_status write_vector(const char *path, bool svg, const nqm_sheet *shee
         svg ? take_svg : take_pdf, &out, points * sheet->width, points * sheet->height);
     if (svg)
         cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
-    else /* without it, the time of day */
+    else /* a fixed date: by default, cairo stores the time of day */
         cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
     status = draw_on(surface, sheet, points, err);
     cairo_surface_destroy(surface);
@@ -190,13 +190,14 @@ nqm_status nqm_sheet_write(const char *path, const nqm_sheet *sheet, const nqm_p
     sized.width = o.width > 0 ? o.width : sheet->width;
     sized.height = o.height > 0 ? o.height : sheet->height;
     if (!(sized.width >= 200 && sized.width <= 4000 && sized.height >= 200 && sized.height <= 4000))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a drawing has 200 to 4000 pixels a side, not %g x %g", path,
-                        sized.width, sized.height);
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "%s: width and height of a drawing must be 200 to 4000 pixels, not %g x %g", path, sized.width,
+                        sized.height);
     if (!(o.scale >= 0.5 && o.scale <= 8))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the scale of a drawing lies in 0.5 to 8", path);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the scale of a drawing must be 0.5 to 8", path);
     if (nqm_name_ends_in(path, ".png"))
         return write_png(path, &sized, o.scale, err);
     if (nqm_name_ends_in(path, ".svg") || nqm_name_ends_in(path, ".pdf"))
         return write_vector(path, nqm_name_ends_in(path, ".svg"), &sized, err);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a drawing's name ends in .svg, .pdf or .png", path);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of a drawing must end in .svg, .pdf or .png", path);
 }

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: MIT
  *
- * Figures: a grid of pictures and maps with titles, captions and a scale, drawn by cairo on white. Lengths are pixels.
+ * Figures: a grid of pictures and maps with titles, captions and a colour scale. Lengths are pixels.
  */
 #include "figures/draw.h"
 #include "io/io.h"
+#include "math/math.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { MAX_CELLS = 64, MAX_SIDE = 16384, BAR_STEPS = 5 };
 
-/* Where everything stands. */
 typedef struct layout {
     size_t panel_width, panel_height;
-    double font, line; /* size of letters, distance of lines */
+    double font, line; /* size of the font, distance of lines */
     double left, top;  /* of the first panel */
     double step_x, step_y;
-    double bar_x, bar_width; /* bar_width 0: no scale */
+    double bar_x, bar_width; /* of the colour scale; bar_width 0: none */
     double delta_e_max;
     double width, height;
 } layout;
@@ -43,7 +43,7 @@ static bool is_map(const nqm_panel *panel) {
     return !panel->rgb_cdm2 && panel->delta_e;
 }
 
-/* The upper end of the scale; 0 when there are no maps. */
+/* The upper end of the colour scale; 0 when there are no maps. */
 static nqm_status find_scale(const nqm_figure *f, double *end, nqm_error *err) {
     const double *maps[MAX_CELLS * MAX_CELLS];
     size_t n_maps = 0;
@@ -80,7 +80,6 @@ static layout lay_out(const nqm_figure *f, size_t supersample, double delta_e_ma
     return l;
 }
 
-/* Copy the bytes of a panel to their place. */
 static void place_panel(cairo_surface_t *surface, const layout *l, size_t row, size_t column,
                         const unsigned char *rgb) {
     cairo_surface_flush(surface);
@@ -109,7 +108,7 @@ static void draw_caption(cairo_t *cr, const layout *l, double x, double y, const
 static void draw_row_title(cairo_t *cr, const layout *l, size_t row, const char *title) {
     cairo_save(cr);
     cairo_translate(cr, l->left - 0.35 * l->line, l->top + l->step_y * (double)row + (double)l->panel_height / 2);
-    cairo_rotate(cr, -1.5707963267948966);
+    cairo_rotate(cr, -NQM_PI / 2);
     nqm_text_draw(cr, 0, 0, NQM_CENTRE, l->font, (double)l->panel_height + 4, title);
     cairo_restore(cr);
 }
@@ -153,7 +152,7 @@ static void draw_scale(cairo_t *cr, const layout *l) {
         cairo_move_to(cr, right, y);
         cairo_line_to(cr, right + 4, y);
         cairo_stroke(cr);
-        bool last = tick > l->delta_e_max * (1 - 1e-9); /* what is beyond has its colour too */
+        bool last = tick > l->delta_e_max * (1 - 1e-9); /* larger values have this colour too */
         snprintf(text, sizeof text, "%s%s", last ? "\xe2\x89\xa5 " : "",
                  nqm_format_double(number, sizeof number, nqm_round_digits(tick, 6)));
         nqm_text_draw(cr, right + 7, y + 0.36 * l->font, NQM_LEFT, l->font, 4 * l->font, text);
@@ -215,7 +214,7 @@ nqm_status nqm_figure_write(const char *path, const nqm_figure *f, nqm_error *er
     size_t supersample = f->supersample ? f->supersample : 1;
     const nqm_tone tone = f->tone.white_cdm2 > 0 ? f->tone : nqm_tone_default();
     if (f->n_rows < 1 || f->n_rows > MAX_CELLS || f->n_columns < 1 || f->n_columns > MAX_CELLS)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a figure has 1 to %d rows and columns", path, (int)MAX_CELLS);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a figure must have 1 to %d rows and columns", path, (int)MAX_CELLS);
     if (f->width < supersample || f->height < supersample || f->width % supersample || f->height % supersample ||
         f->width > NQM_IMAGE_MAX_WIDTH || f->height > NQM_IMAGE_MAX_WIDTH)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: panels of %zu x %zu pixels cannot be reduced by %zu", path, f->width,

@@ -3,6 +3,7 @@
  * Colours, and text set in DejaVu Sans, or the nearest font that the machine has.
  */
 #include "figures/draw.h"
+#include "math/math.h"
 
 #include <math.h>
 #include <string.h>
@@ -128,4 +129,12 @@ void nqm_label_draw(cairo_t *cr, double x, double y, nqm_align align, double siz
         nqm_text_draw(cr, x, y - shift * size, NQM_LEFT, font, run_width + 1, run);
         x += run_width;
     }
+}
+
+void nqm_label_draw_upwards(cairo_t *cr, double x, double y, const char *text) {
+    cairo_save(cr);
+    cairo_translate(cr, x, y);
+    cairo_rotate(cr, -NQM_PI / 2);
+    nqm_label_draw(cr, 0, 0, NQM_CENTRE, NQM_FONT, text);
+    cairo_restore(cr);
 }

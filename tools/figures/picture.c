@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures to files: averaging, tone mapping and the choice of the format by the name's end.
+ * Pictures and maps to files: tone curve, sRGB, viridis, averaging, and the format by the file name.
  */
-#include "figures/tone.h"
+#include "figures/sheet.h"
 #include "io/io.h"
+#include "math/math.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,7 +12,45 @@
 
 enum { MAX_SUPERSAMPLE = 16 };
 
-/* The colour of one pixel of the source, linear. */
+/* ---- colours ----------------------------------------------------------------------------------------------------- */
+
+nqm_tone nqm_tone_default(void) {
+    return (nqm_tone){.white_cdm2 = 400, .shoulder = 0.6};
+}
+
+double nqm_tone_apply(const nqm_tone *tone, double value_cdm2) {
+    double x = fmax(value_cdm2, 0) / tone->white_cdm2, s = tone->shoulder;
+    if (x <= s)
+        return x;
+    return s < 1 ? s - (1 - s) * expm1(-(x - s) / (1 - s)) : 1;
+}
+
+unsigned char nqm_srgb_byte(double linear) {
+    double coded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+    return (unsigned char)nearbyint(255 * fmin(fmax(coded, 0), 1));
+}
+
+double nqm_srgb_linear(double coded) {
+    return coded <= 0.04045 ? coded / 12.92 : pow((coded + 0.055) / 1.055, 2.4);
+}
+
+void nqm_viridis(double t, double *rgb) {
+    /* Every eighth of the 256 sRGB colours of viridis (S. van der Walt and N. Smith 2015, CC0); linear between them. */
+    static const unsigned char table[33][3] = {
+        {68, 1, 84},    {71, 13, 96},   {72, 24, 106},  {72, 35, 116},  {71, 45, 123},  {69, 55, 129},  {66, 64, 134},
+        {62, 73, 137},  {59, 82, 139},  {55, 91, 141},  {51, 99, 141},  {47, 107, 142}, {44, 114, 142}, {41, 122, 142},
+        {38, 130, 142}, {35, 137, 142}, {33, 145, 140}, {31, 152, 139}, {31, 160, 136}, {34, 167, 133}, {40, 174, 128},
+        {50, 182, 122}, {63, 188, 115}, {78, 195, 107}, {94, 201, 98},  {112, 207, 87}, {132, 212, 75}, {152, 216, 62},
+        {173, 220, 48}, {194, 223, 35}, {216, 226, 25}, {236, 229, 27}, {253, 231, 37}};
+    double at = 32 * fmin(fmax(t, 0), 1);
+    size_t i = at < 31 ? (size_t)at : 31;
+    for (size_t k = 0; k < 3; ++k)
+        rgb[k] = nqm_srgb_linear((table[i][k] + (at - (double)i) * (table[i + 1][k] - table[i][k])) / 255);
+}
+
+/* ---- averaging --------------------------------------------------------------------------------------------------- */
+
+/* The linear colour of pixel `at` of a picture or map. */
 typedef void (*pixel_fn)(const void *source, size_t at, double *rgb);
 
 static void average_block(pixel_fn pixel, const void *source, size_t width, size_t first, size_t supersample,
@@ -75,6 +114,8 @@ void nqm_map_bytes(size_t width, size_t height, const double *delta_e, size_t su
     bytes_of(mapped_pixel, &source, width, height, supersample, rgb);
 }
 
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
 static nqm_status write_png(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
                             nqm_error *err) {
     size_t width = picture->width / supersample, height = picture->height / supersample;
@@ -112,11 +153,26 @@ bool nqm_name_ends_in(const char *path, const char *suffix) {
 
 static nqm_status check_size(const char *path, size_t width, size_t height, size_t supersample, nqm_error *err) {
     if (width < 1 || height < 1 || width > NQM_IMAGE_MAX_WIDTH || height > NQM_IMAGE_MAX_HEIGHT)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture has 1 x 1 to %d x %d pixels", path,
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture must have 1 x 1 to %d x %d pixels", path,
                         (int)NQM_IMAGE_MAX_WIDTH, (int)NQM_IMAGE_MAX_HEIGHT);
     if (supersample < 1 || supersample > MAX_SUPERSAMPLE || width % supersample || height % supersample)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels cannot become one in a picture of %zu x %zu", path,
-                        supersample, width, height);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels a side cannot be averaged in a picture of %zu x %zu",
+                        path, supersample, width, height);
+    return NQM_OK;
+}
+
+nqm_status nqm_map_scale(size_t n_maps, const double *const *maps, size_t n, double *end_ret, nqm_error *err) {
+    size_t n_values = 0, n_most;
+    double *values = nqm_mul_size(n_maps, n, &n_most) ? nqm_alloc(n_most, sizeof *values) : NULL;
+    if (!values)
+        return nqm_fail_nomem(err, n_maps * n * sizeof *values);
+    for (size_t m = 0; m < n_maps; ++m)
+        for (size_t i = 0; i < n; ++i)
+            if (isfinite(maps[m][i]))
+                values[n_values++] = maps[m][i];
+    double high = n_values ? fmax(nqm_quantile(n_values, values, 0.99), 1) : 1, step = nqm_tick_step(high, 5);
+    nqm_free(values);
+    *end_ret = step * ceil(high / step * (1 - 1e-9));
     return NQM_OK;
 }
 
@@ -126,7 +182,7 @@ nqm_status nqm_map_write(const char *path, size_t width, size_t height, const do
     if (status != NQM_OK)
         return status;
     if (!(delta_e_max > 0) || !nqm_name_ends_in(path, ".png"))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0 and a name that ends in .png", path);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0, and a name that ends in .png", path);
     size_t n = width / supersample * (height / supersample);
     unsigned char *rgb = nqm_alloc(n, 3);
     if (!rgb)
@@ -151,5 +207,5 @@ nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_
         return write_png(path, picture, supersample, tone, err);
     if (nqm_name_ends_in(path, ".exr") || nqm_name_ends_in(path, ".hdr"))
         return write_linear(path, nqm_name_ends_in(path, ".exr"), picture, supersample, err);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture's name ends in .png, .exr or .hdr", path);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of a picture must end in .png, .exr or .hdr", path);
 }

@@ -1,86 +1,96 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/picture.h - pictures to files: what a scene shows as OpenEXR, Radiance HDR or PNG, and figures that put pictures
- * and maps of their differences side by side. In libnqm-full only.
+ * picture.h - rendered pictures and maps of colour differences to files: tone mapping, a colour map, OpenEXR, Radiance HDR,
+ * PNG, and grids of pictures and maps with titles. Arrays and strings are borrowed.
  */
-#ifndef NQM_PICTURE_H
-#define NQM_PICTURE_H
+#ifndef NQM_FIGURES_PICTURE_H
+#define NQM_FIGURES_PICTURE_H
 
-#include <nqm/base.h>
+#include "base/base.h"
 
-/** A linear RGB picture in cd/m2; lent by the caller. */
+/** Version of cairo, "1.16.0"; NULL: this build is without cairo and draws neither figures nor sheets. */
+const char *nqm_cairo_version(void);
+
+/** Whether a file name ends in `suffix` (any case) and has something before it. */
+bool nqm_name_ends_in(const char *path, const char *suffix);
+
+/** A picture in linear RGB. */
 typedef struct nqm_picture {
-    size_t width, height;   /**< pixels, 1 to 8192 x 4096 */
-    const double *rgb_cdm2; /**< (height, width, 3), first row on top; finite, cd/m2 of each channel relative to a white
-                                 of (1, 1, 1) that has 1 cd/m2 */
+    size_t width, height; /**< pixels, 1 to 8192 x 4096 */
+    const double
+        *rgb_cdm2; /**< (height, width, 3), top row first; finite; cd/m2, where (1, 1, 1) is a white of 1 cd/m2 */
 } nqm_picture;
 
 /**
- * How cd/m2 become the 8-bit sRGB (IEC 61966-2-1) of a PNG. With x = value / white_cdm2, channel by channel: x up to the
- * shoulder s, and s + (1 - s)(1 - exp(-(x - s)/(1 - s))) above it, so that highlights bend towards white without an edge.
+ * Tone curve from cd/m2 to the 8-bit sRGB (IEC 61966-2-1) of a PNG. With x = value / white_cdm2, channel by channel: x up to
+ * the shoulder s, and s + (1 - s)(1 - exp(-(x - s)/(1 - s))) above it, so that highlights approach white smoothly.
  */
 typedef struct nqm_tone {
-    double white_cdm2; /**< cd/m2, > 0; default 400: a white Lambert surface of the default scene shows at half of it */
+    double white_cdm2; /**< cd/m2, > 0; default 400: a white Lambert surface of the default scene has half of it */
     double shoulder;   /**< s in (0, 1]; 1 clips; default 0.6 */
 } nqm_tone;
 
 /** The defaults above. */
 nqm_tone nqm_tone_default(void);
+/** The tone curve: cd/m2 to linear light in [0, 1]. */
+double nqm_tone_apply(const nqm_tone *tone, double value_cdm2);
+/** Linear light in [0, 1] to a byte of sRGB. */
+unsigned char nqm_srgb_byte(double linear);
+/** sRGB in [0, 1] to linear light. */
+double nqm_srgb_linear(double coded);
+/** The colour map viridis at t in [0, 1]: linear light (3). */
+void nqm_viridis(double t, double *rgb);
+
+/** Tone-map a picture and average blocks of supersample x supersample pixels into rgb (height/supersample,
+ *  width/supersample, 3), bytes of sRGB. */
+void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb);
+/** The same for a map (height, width) of differences: viridis from 0 to delta_e_max, white for NaN. */
+void nqm_map_bytes(size_t width, size_t height, const double *delta_e, size_t supersample, double delta_e_max,
+                   unsigned char *rgb);
 
 /**
- * Write a picture in the format that the name's end says: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 %
- * precision) hold cd/m2, ".png" is tone-mapped. Every `supersample` x `supersample` pixels become one: the mean of cd/m2
- * or, for PNG, of what the display shows, so that edges of highlights are smooth.
+ * Write a picture in the format of the file name: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 % precision) hold
+ * cd/m2, ".png" is tone-mapped. Blocks of `supersample` x `supersample` pixels are averaged: in cd/m2 or, for PNG, after
+ * tone mapping, so that edges of highlights are smooth.
  *
  * @param supersample  1 to 16; divides width and height
  * @param tone         for PNG; NULL: the default
- * @return NQM_ERR_ARG (another ending, sizes), NQM_ERR_IO
+ * @return NQM_ERR_ARG (file name, sizes), NQM_ERR_IO
  */
 NQM_MUST_CHECK nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_t supersample,
                                             const nqm_tone *tone, nqm_error *err);
 
-/**
- * The upper end of a scale for maps of differences: what 99 % of their values stay below, rounded up to a multiple of
- * 1, 2 or 5; at least 1.
- *
- * @param delta_e  (n_maps) maps of n values each; NaN: none
- */
+/** Upper end of a colour scale for n_maps maps of n differences each (NaN: no value): their 99th percentile, rounded up to a
+ *  multiple of 1, 2 or 5 times a power of ten; at least 1. */
 NQM_MUST_CHECK nqm_status nqm_map_scale(size_t n_maps, const double *const *delta_e, size_t n, double *end_ret,
                                         nqm_error *err);
 
-/**
- * Write a map of differences alone as PNG, in the colours of nqm_figure_write(), for those who draw the scale themselves.
- *
- * @param delta_e      (height, width) >= 0; NaN is white
- * @param delta_e_max  upper end of the scale, > 0; larger values have its colour
- * @return as nqm_picture_write(), whose limits hold; NQM_ERR_ARG unless the name ends in ".png"
- */
+/** Write a map (height, width) of differences as PNG, as nqm_map_bytes(); limits and errors of nqm_picture_write(). */
 NQM_MUST_CHECK nqm_status nqm_map_write(const char *path, size_t width, size_t height, const double *delta_e,
                                         size_t supersample, double delta_e_max, nqm_error *err);
 
-/** One place of a figure: a picture, or a map of differences, or nothing. All lent. */
+/** A cell of a figure: a picture, a map of differences, or empty. */
 typedef struct nqm_panel {
     const double *rgb_cdm2; /**< (height, width, 3), as in nqm_picture; NULL: no picture */
-    const double *delta_e; /**< (height, width) Delta-E ITP, NaN where there is nothing; drawn where rgb_cdm2 is NULL */
-    const char *caption;   /**< below the panel; UTF-8 (ASCII and a few more letters are drawn); NULL: none */
+    const double *delta_e;  /**< (height, width) Delta-E ITP, NaN: no value; drawn where rgb_cdm2 is NULL */
+    const char *caption;    /**< UTF-8, below the panel; lines end in \n; NULL: none */
 } nqm_panel;
 
-/** A figure: a grid of panels of one size, with titles, and a scale where it holds maps. All lent. */
+/** A grid of panels of one size, with titles, and a colour scale where it holds maps. */
 typedef struct nqm_figure {
     size_t n_rows, n_columns;         /**< 1 to 64 each */
     size_t width, height;             /**< of each panel's data, pixels */
-    size_t supersample;               /**< so many pixels each way of the data become one of the figure; 0: 1 */
+    size_t supersample;               /**< blocks of so many pixels each way become one; 0: 1 */
     const nqm_panel *panels;          /**< (n_rows, n_columns) */
     const char *const *row_titles;    /**< (n_rows), at the left; NULL or NULL entries: none */
-    const char *const *column_titles; /**< (n_columns), on top; the same */
-    double delta_e_max; /**< upper end of the scale; 0: what 99 % of the maps' pixels stay below, rounded up */
-    nqm_tone tone;      /**< for the pictures; zeroed: the default */
+    const char *const *column_titles; /**< (n_columns), at the top; NULL or NULL entries: none */
+    double delta_e_max;               /**< upper end of the colour scale; 0: as nqm_map_scale() */
+    nqm_tone tone;                    /**< for the pictures; zeroed: the default */
 } nqm_figure;
 
 /**
- * Draw a figure as PNG on white: pictures tone-mapped, maps in the colours of viridis (dark is equal; brighter is more
- * different, also for colour-blind eyes and in grey). The same input gives the same bytes on one machine; fonts differ
- * between machines. Needs cairo (CMake option NQM_CAIRO).
+ * Draw a figure as PNG on white: pictures tone-mapped, maps in viridis, which colour-blind readers and grey prints keep
+ * apart. The same input gives the same bytes on one machine; fonts differ between machines. Needs cairo (NQM_CAIRO).
  *
  * @return NQM_ERR_ARG (sizes, or a build without cairo), NQM_ERR_LIMIT (more than 16384 pixels a side), NQM_ERR_IO
  */

@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The drawing of where two BRDFs differ, over (theta_h, theta_d).
+ * A map of where two BRDFs differ, over (theta_h, theta_d).
  */
-#include "figures/plot_brdf.h"
+#include "figures/plot_shared.h"
 #include "math/math.h"
 
 #include <math.h>
-
-#define THETA "\xce\xb8"
-#define PHI   "\xcf\x86"
-#define DEG   "\xc2\xb0"
 
 enum { N_THETA_H = 90, N_THETA_D = 60, N_PHI_D = 18 };
 
@@ -50,31 +46,25 @@ static void fill_row(void *user, size_t row) {
 
 static nqm_status draw(const char *path, const differing *d, const nqm_plot_options *options, nqm_error *err) {
     char names[2][64], title[160];
-    nqm_heat heat = {.x = {.label = THETA "_{h} (" DEG ", square-root scale)", .scale = NQM_SQRT, .max = 90},
-                     .y = {.label = THETA "_{d} (" DEG ")", .max = 90, .step = 15},
+    nqm_heat heat = {.x = {.label = NQM_THETA "_{h} (" NQM_DEG ", square-root scale)", .scale = NQM_SQRT, .max = 90},
+                     .y = {.label = NQM_THETA "_{d} (" NQM_DEG ")", .max = 90, .step = 15},
                      .value = nqm_axis_make("mean |difference of log(f_{r} + 0.003)|", NQM_LINEAR),
                      .n_columns = N_THETA_H,
                      .n_rows = N_THETA_D,
                      .values = d->map};
     nqm_axis_hold(&heat.value, N_THETA_H * N_THETA_D, d->map);
     if (heat.value.min > heat.value.max)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: nowhere do both BRDFs hold a value", path);
-    nqm_axis_hold(&heat.value, 2, (double[]){0, 0.01}); /* rounding alone is not made to look like a difference */
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there is no direction where both BRDFs have a value", path);
+    nqm_axis_hold(&heat.value, 2, (double[]){0, 0.01}); /* rounding errors must not look like a difference */
     nqm_axis_round(&heat.value, 6);
     nqm_plot_brdf_name(d->ref, names[0]);
     nqm_plot_brdf_name(d->test, names[1]);
     snprintf(title, sizeof title, "Where %s differs from %s", names[1], names[0]);
-    const nqm_sheet sheet = {.title = title,
-                             .note = "mean over " PHI
-                                     "_{d} and the channels, of the BRDFs themselves: no network is involved; "
-                                     "white: light or viewer below the horizon\n"
-                                     "a difference of 0.1 is about 10 %, one of 0.7 a factor of 2",
-                             .width = 620,
-                             .height = 480,
-                             .n_rows = 1,
-                             .n_columns = 1,
-                             .panels = &(nqm_sheet_panel){.heat = &heat}};
-    return nqm_sheet_write(path, &sheet, options, err);
+    static const char note[] =
+        "mean over " NQM_PHI "_{d} and the channels of the BRDFs themselves; no model is involved; "
+        "white: light or viewer below the horizon\n"
+        "a difference of 0.1 is about 10 %, one of 0.7 a factor of 2";
+    return nqm_panel_write(path, (nqm_sheet_panel){.heat = &heat}, 620, 480, title, note, options, err);
 }
 
 nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *ref, const nqm_brdf *test,

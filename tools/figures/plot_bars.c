@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The drawing of an evaluation: Spearman correlations as bars with 95 % intervals (paper, figure 3).
+ * Plot of an evaluation: Spearman correlations as bars with 95 % intervals (paper, figure 3).
  */
-#include "figures/sheet.h"
+#include "figures/plot_shared.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -39,7 +39,7 @@ static double rank_value(const predictor *p) {
     return isfinite(value) ? value : -2;
 }
 
-/* Best first; equal ones by name, so that the order is always the same. */
+/* Best first; equal ones by name, so that the order is unique. */
 static int compare(const void *a, const void *b) {
     double x = rank_value(a), y = rank_value(b);
     return x != y ? (x < y) - (x > y) : strcmp(((const predictor *)a)->name, ((const predictor *)b)->name);
@@ -50,11 +50,12 @@ static nqm_status read_predictors(const char *path, const json_t *root, predicto
     const json_t *rows = json_object_get(root, "results");
     *n = json_array_size(rows);
     if (!json_is_array(rows))
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no list \"results\", as nqm eval --json prints it", path);
+        return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                        "%s: there is no list \"results\"; expected the output of nqm eval --json", path);
     if (*n == 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there are no results to draw", path);
     if (*n > MAX_PREDICTORS)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: %zu predictors; at most %d are drawn", path, *n,
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: there are %zu predictors; at most %d can be drawn", path, *n,
                         (int)MAX_PREDICTORS);
     for (size_t i = 0; i < *n; ++i) {
         predictors[i] = read_predictor(json_array_get(rows, i));
@@ -84,16 +85,10 @@ static nqm_status draw(const char *path, const predictor *predictors, size_t n, 
         nqm_axis_hold(&axis, N_GROUPS, predictors[i].low);
     }
     nqm_axis_round(&axis, 6);
-    axis.max += 0.12 * (axis.max - axis.min); /* room for the numbers behind the bars */
+    axis.max += 0.12 * (axis.max - axis.min); /* room for the numbers after the bars */
     const nqm_bars bars = {axis, n, N_GROUPS, names, groups, value, low, high};
-    const nqm_sheet sheet = {.title = "Agreement with the labels",
-                             .note = note,
-                             .width = 640,
-                             .height = 150 + 42 * (double)n,
-                             .n_rows = 1,
-                             .n_columns = 1,
-                             .panels = &(nqm_sheet_panel){.bars = &bars}};
-    return nqm_sheet_write(path, &sheet, options, err);
+    return nqm_panel_write(path, (nqm_sheet_panel){.bars = &bars}, 640, 150 + 42 * (double)n,
+                           "Agreement with the labels", note, options, err);
 }
 
 static void describe(const json_t *root, char *note, size_t n_note) {
@@ -105,18 +100,15 @@ static void describe(const json_t *root, char *note, size_t n_note) {
              split ? split : "");
 }
 
-/* "-" is standard input. */
 static nqm_status load(const char *path, json_t **root_ret, nqm_error *err) {
     json_error_t fault;
-    bool standard_input = strcmp(path, "-") == 0;
-    FILE *in = standard_input ? stdin : fopen(path, "rb");
+    FILE *in = fopen(path, "rb");
     if (!in)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot open: %s", path, strerror(errno));
     *root_ret = json_loadf(in, 0, &fault);
-    bool unread = ferror(in) != 0;
-    if (!standard_input)
-        fclose(in);
-    if (unread)
+    bool has_failed = ferror(in) != 0;
+    fclose(in);
+    if (has_failed)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot read", path);
     if (!*root_ret)
         return nqm_fail(err, NQM_ERR_FORMAT, fault.position, "%s: line %d is not JSON: %s", path, fault.line,

@@ -1,19 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * The drawings of labels: JOD against Delta-E with the fitted curve (paper, figure 1a), and predictions against labels.
+ * Plots of labels: JOD against Delta-E with the fitted curve (paper, figure 1a), and predictions against labels.
  */
-#include "figures/points.h"
+#include "figures/plot_shared.h"
 #include "math/math.h"
 
 #include <math.h>
 #include <nqm/label.h>
 #include <string.h>
 
-nqm_plot_options nqm_plot_options_default(void) {
-    return (nqm_plot_options){.scale = 2};
-}
-
-/* Human scores may lie beyond 0 to 10; the axes hold all of them. */
+/* Human scores may be outside of 0 to 10. */
 static void round_axes(nqm_chart *chart) {
     for (size_t i = 0; i < chart->n_series; ++i) {
         nqm_axis_hold(&chart->x, chart->series[i].n, chart->series[i].x);
@@ -21,18 +17,6 @@ static void round_axes(nqm_chart *chart) {
     }
     nqm_axis_round(&chart->x, 8);
     nqm_axis_round(&chart->y, 8);
-}
-
-static nqm_status draw_chart(const char *path, const nqm_chart *chart, double width, double height, const char *title,
-                             const char *note, const nqm_plot_options *options, nqm_error *err) {
-    const nqm_sheet sheet = {.title = title,
-                             .note = note,
-                             .width = width,
-                             .height = height,
-                             .n_rows = 1,
-                             .n_columns = 1,
-                             .panels = &(nqm_sheet_panel){.chart = chart}};
-    return nqm_sheet_write(path, &sheet, options, err);
 }
 
 /* ---- the curve --------------------------------------------------------------------------------------------------- */
@@ -66,7 +50,8 @@ static nqm_status draw_curve(const char *path, nqm_points *points, const nqm_reg
              "E^{b3} \xe2\x88\x92 b_{2})))): b_{1} = %.3f, b_{2} = %.4f, b_{3} = %.4f\n"
              "least squares over %zu labels, RMSE %.3f JOD; Spearman correlation %.3f",
              fit->curve.b1, fit->curve.b2, fit->curve.b3, fit->n, fit->rmse, fit->spearman);
-    return draw_chart(path, &chart, 640, 440, "Quality against colour difference", note, options, err);
+    return nqm_panel_write(path, (nqm_sheet_panel){.chart = &chart}, 640, 440, "Quality against colour difference",
+                           note, options, err);
 }
 
 nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_regress_report *fit,
@@ -104,8 +89,8 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
     char title[128], label[128];
     double ends[2];
     bool jod = !is_metric(predictor);
-    snprintf(title, sizeof title, "%s against the labels, pair by pair", predictor);
-    snprintf(label, sizeof label, "%s by %s", jod ? "JOD" : "distance", predictor);
+    snprintf(title, sizeof title, "%s against the label of each pair", predictor);
+    snprintf(label, sizeof label, "%s (%s)", jod ? "predicted JOD" : "distance", predictor);
     nqm_chart chart = {.x = nqm_axis_make("JOD of the label", NQM_LINEAR),
                        .y = nqm_axis_make(label, jod ? NQM_LINEAR : NQM_LOG),
                        .series = series,
@@ -124,13 +109,13 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
             (nqm_series){.name = "equal", .style = 6, .dashed = true, .size = 1.2, .n = 2, .x = ends, .y = ends};
     }
     char note[128];
-    double sign = jod ? 1 : -1; /* distances fall where quality rises */
+    double sign = jod ? 1 : -1; /* a larger distance is lower quality */
     snprintf(note, sizeof note, "%zu pairs; Spearman correlation %.3f%s", points->n,
              sign * nqm_spearman(points->n, points->x, points->y), jod ? "" : " (signed: higher is better)");
-    return draw_chart(path, &chart, 560, 580, title, note, options, err);
+    return nqm_panel_write(path, (nqm_sheet_panel){.chart = &chart}, 560, 580, title, note, options, err);
 }
 
-/* The column of a predictor: the one named, or that which follows the label. */
+/* The column of a predictor: by name, or the one after jod. */
 static nqm_status find_predictor(const nqm_csv *csv, const char *path, const char *predictor, int jod, int *column,
                                  const char **name, nqm_error *err) {
     *name = predictor;
@@ -138,7 +123,7 @@ static nqm_status find_predictor(const nqm_csv *csv, const char *path, const cha
         return nqm_points_column(csv, path, predictor, column, err);
     *column = jod + 1;
     if ((size_t)*column >= nqm_csv_columns(csv))
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no predictor follows the column jod", path);
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no predictor after the column jod", path);
     *name = nqm_csv_header(csv, *column);
     return NQM_OK;
 }

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The drawings of a model: its directions (paper, figure 1b), and its layers (figure 2).
+ * Plots of a model: its directions (paper, figure 1b), and its layers as a table (figure 2).
  */
-#include "figures/sheet.h"
+#include "figures/plot_shared.h"
 
 #include <string.h>
-
-#define THETA "\xce\xb8"
-#define PHI   "\xcf\x86"
-#define DEG   "\xc2\xb0"
 
 nqm_status nqm_plot_directions(const char *path, const nqm_directions *directions, const nqm_plot_options *options,
                                nqm_error *err) {
@@ -22,22 +18,23 @@ nqm_status nqm_plot_directions(const char *path, const nqm_directions *direction
     nqm_series series[2];
     nqm_chart charts[2];
     nqm_sheet_panel panels[2];
-    static const char *const labels[2] = {THETA "_{d} (" DEG ")", PHI "_{d} (" DEG ")"};
+    static const char *const labels[2] = {NQM_THETA "_{d} (" NQM_DEG ")", NQM_PHI "_{d} (" NQM_DEG ")"};
     static const double ends[2] = {90, 180}, steps[2] = {15, 30};
     for (size_t k = 0; k < 2; ++k) {
         series[k] =
             (nqm_series){.mark = NQM_MARK_POINTS, .size = 4.5, .n = n, .x = columns, .y = columns + (k + 1) * n};
-        charts[k] = (nqm_chart){.x = {.label = THETA "_{h} (" DEG ")", .scale = NQM_LINEAR, .max = 90, .step = 15},
-                                .y = {.label = labels[k], .scale = NQM_LINEAR, .max = ends[k], .step = steps[k]},
-                                .n_series = 1,
-                                .series = &series[k]};
-        nqm_axis_hold(&charts[k].y, n, series[k].y); /* phi_d of a file may be anything */
+        charts[k] =
+            (nqm_chart){.x = {.label = NQM_THETA "_{h} (" NQM_DEG ")", .scale = NQM_LINEAR, .max = 90, .step = 15},
+                        .y = {.label = labels[k], .scale = NQM_LINEAR, .max = ends[k], .step = steps[k]},
+                        .n_series = 1,
+                        .series = &series[k]};
+        nqm_axis_hold(&charts[k].y, n, series[k].y); /* phi_d from a file may have any value */
         nqm_axis_round(&charts[k].y, 6);
         panels[k] = (nqm_sheet_panel){.chart = &charts[k]};
     }
     char title[64], note[128];
     snprintf(title, sizeof title, "%zu directions", n);
-    snprintf(note, sizeof note, "half-vector coordinates (Rusinkiewicz 1998), " PHI "_{h} = 0; id of the set %s",
+    snprintf(note, sizeof note, "half-vector coordinates (Rusinkiewicz 1998), " NQM_PHI "_{h} = 0; id of the set %s",
              nqm_directions_id(directions));
     const nqm_sheet sheet = {
         .title = title, .note = note, .width = 760, .height = 420, .n_rows = 1, .n_columns = 2, .panels = panels};
@@ -63,7 +60,7 @@ static void print_count(size_t count, char cell[CELL]) {
     cell[at] = 0;
 }
 
-/* The rows of the table: heading, a line a layer, sums. */
+/* The rows of the table: heading, one per layer, totals. */
 static void fill_table(const nqm_model_info *info, char (*cells)[CELL]) {
     static const char *const heads[LAYER_COLUMNS] = {"layer",      "inputs",          "outputs",
                                                      "parameters", "multiplications", "followed by"};
@@ -79,11 +76,11 @@ static void fill_table(const nqm_model_info *info, char (*cells)[CELL]) {
         print_count(out, row[2]);
         print_count(in * out + out + (last ? 0 : 2 * out), row[3]); /* LayerNorm: gain and shift */
         print_count(in * out, row[4]);
-        snprintf(row[5], CELL, "%s", last ? "sigmoid over the labels' range" : "LayerNorm, GELU, dropout");
+        snprintf(row[5], CELL, "%s", last ? "sigmoid over the range of labels" : "LayerNorm, GELU, dropout");
         all += in * out;
     }
     char(*sum)[CELL] = cells + LAYER_COLUMNS * (info->n_layers + 1);
-    snprintf(sum[0], CELL, "sum");
+    snprintf(sum[0], CELL, "total");
     print_count(info->n_parameters, sum[3]);
     print_count(all, sum[4]);
 }
@@ -103,7 +100,7 @@ nqm_status nqm_plot_network(const char *path, const nqm_model *model, const nqm_
         const nqm_table table = {.n_rows = n_rows,
                                  .n_columns = LAYER_COLUMNS,
                                  .cells = texts,
-                                 .shares = (double[]){0.12, 0.1, 0.1, 0.17, 0.19, 0.32},
+                                 .widths = (double[]){0.12, 0.1, 0.1, 0.17, 0.19, 0.32},
                                  .right_aligned = (bool[]){false, true, true, true, true, false}};
         char title[128], note[256];
         snprintf(title, sizeof title, "The network of model \"%.60s\"", info.id);
@@ -112,14 +109,8 @@ nqm_status nqm_plot_network(const char *path, const nqm_model *model, const nqm_
             "recipe %.40s; %zu directions; parameters of a layer: weights, biases, gain and shift of its LayerNorm\n"
             "output: JOD from %.2f to %.2f; dropout is active in training only",
             info.recipe, nqm_directions_count(info.directions), info.jod_min, info.jod_max);
-        const nqm_sheet sheet = {.title = title,
-                                 .note = note,
-                                 .width = 760,
-                                 .height = 90 + 30 * (double)n_rows,
-                                 .n_rows = 1,
-                                 .n_columns = 1,
-                                 .panels = &(nqm_sheet_panel){.table = &table}};
-        status = nqm_sheet_write(path, &sheet, options, err);
+        status = nqm_panel_write(path, (nqm_sheet_panel){.table = &table}, 760, 90 + 30 * (double)n_rows, title, note,
+                                 options, err);
     }
     nqm_free(cells);
     nqm_free(texts);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The drawing of trainings: losses over the epochs, and the learning rate below.
+ * Plot of trainings: losses over the epochs and, below, the learning rate.
  */
-#include "figures/points.h"
+#include "figures/plot_shared.h"
 
 #include <string.h>
 
@@ -33,12 +33,12 @@ static nqm_status read_log(const char *path, training *t, nqm_error *err) {
     return status;
 }
 
-/* One log needs no name; several have that of their file. */
-static void name_losses(training *t, const char *path, bool alone) {
+/* The names of several logs begin with their files. */
+static void name_losses(training *t, const char *path, bool is_only) {
     static const char *const losses[2] = {"training", "validation"};
     const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     for (size_t k = 0; k < 2; ++k)
-        snprintf(t->names[k], sizeof t->names[k], "%.100s%s%s", alone ? "" : file, alone ? "" : ", ", losses[k]);
+        snprintf(t->names[k], sizeof t->names[k], "%.100s%s%s", is_only ? "" : file, is_only ? "" : ", ", losses[k]);
 }
 
 static nqm_status draw(const char *path, size_t n, const training *trainings, const nqm_plot_options *options,
@@ -68,18 +68,18 @@ static nqm_status draw(const char *path, size_t n, const training *trainings, co
     nqm_axis_round(&lower.y, 4);
     upper.x.min = lower.x.min;
     upper.x.max = lower.x.max;
-    upper.y.room = lower.y.room = 36;
+    upper.y.label_width = lower.y.label_width = 44;
     upper.series = losses;
     upper.n_series = 2 * n;
     lower.series = rates;
     lower.n_series = n;
     const nqm_sheet sheet = {.title = "Training",
-                             .note = "mean loss of an epoch; learning rate of the first layer",
+                             .note = "mean loss of each epoch; learning rate of the first layer",
                              .width = 640,
                              .height = 520,
                              .n_rows = 2,
                              .n_columns = 1,
-                             .row_shares = (double[]){0.64, 0.36},
+                             .row_heights = (double[]){0.64, 0.36},
                              .panels = (nqm_sheet_panel[]){{.chart = &upper}, {.chart = &lower}}};
     return nqm_sheet_write(path, &sheet, options, err);
 }
@@ -89,7 +89,7 @@ nqm_status nqm_plot_losses(const char *path, size_t n, const char *const *log_cs
     training trainings[MAX_LOGS] = {0};
     nqm_status status = NQM_OK;
     if (n < 1 || n > MAX_LOGS)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: 1 to %d trainings are drawn, not %zu", path, (int)MAX_LOGS, n);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: 1 to %d trainings can be drawn, not %zu", path, (int)MAX_LOGS, n);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         status = read_log(log_csv[i], &trainings[i], err);
         name_losses(&trainings[i], log_csv[i], n == 1);

@@ -1,32 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * The drawing of BRDFs over each other: slices in half-vector coordinates, polar lobes, and the plane of incidence.
+ * Plots of several BRDFs: slices in half-vector coordinates, polar lobes, and the plane of incidence.
  */
-#include "figures/plot_brdf.h"
+#include "figures/sheet.h"
 #include "math/math.h"
 
 #include <math.h>
 #include <string.h>
 
-#define THETA "\xce\xb8"
-#define PHI   "\xcf\x86"
-#define DEG   "\xc2\xb0"
-
 enum { MAX_BRDFS = 8, N_POINTS = 361, N_PANELS = 6, OVER_THETA_H = 0, OVER_THETA_D, LOBES, INCIDENT };
 
+/* Angles of the light; the lobes have the second one. */
+static const double theta_i_rad[3] = {15 * NQM_PI / 180, 45 * NQM_PI / 180, 70 * NQM_PI / 180};
+
 typedef struct slicing {
-    nqm_slice_options at;
+    double theta_d_rad, phi_d_rad; /* of the slice over theta_h */
     nqm_chart charts[N_PANELS];
     char titles[N_PANELS][80], names[MAX_BRDFS][64];
     nqm_series series[N_PANELS][MAX_BRDFS];
     double x[N_PANELS][N_POINTS];
     double y[N_PANELS][MAX_BRDFS][N_POINTS]; /* luminance of f_r, 1/sr; NaN where there is no value */
 } slicing;
-
-nqm_slice_options nqm_slice_options_default(void) {
-    return (nqm_slice_options){.phi_d_rad = NQM_PI / 2,
-                               .theta_i_rad = {15 * NQM_PI / 180, 45 * NQM_PI / 180, 70 * NQM_PI / 180}};
-}
 
 void nqm_plot_brdf_name(const nqm_brdf *brdf, char name[64]) {
     const char *full = nqm_brdf_get_info(brdf).name, *slash = strrchr(full, '/');
@@ -46,28 +40,31 @@ static double luminance(const nqm_brdf *brdf, bool half_diff, const double *at) 
     return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED ? nqm_luminance(rgb) : (double)NAN;
 }
 
-/* Where the point at x (degrees) of a panel lies: (theta_h, theta_d, phi_d), or light and viewer. */
+static double light_of(size_t panel) {
+    return theta_i_rad[panel == LOBES ? 1 : panel - INCIDENT];
+}
+
+/* The point at x (degrees) of a panel: (theta_h, theta_d, phi_d) if true, else the directions of light and viewer. */
 static bool locate(const slicing *s, size_t panel, double x_deg, double at[6]) {
     double x = x_deg * NQM_PI / 180;
     if (panel == OVER_THETA_H || panel == OVER_THETA_D) {
         bool over_h = panel == OVER_THETA_H;
         at[0] = over_h ? x : 0;
-        at[1] = over_h ? s->at.theta_d_rad : x;
-        at[2] = s->at.phi_d_rad;
+        at[1] = over_h ? s->theta_d_rad : x;
+        at[2] = s->phi_d_rad;
         return true;
     }
-    double theta_i = s->at.theta_i_rad[panel == LOBES ? 1 : panel - INCIDENT];
-    nqm_spherical(theta_i, NQM_PI, at); /* the light stands at the left, its mirror direction is at the right */
+    nqm_spherical(light_of(panel), NQM_PI, at); /* the light is at the left, its mirror direction at the right */
     nqm_spherical(fabs(x), x < 0 ? NQM_PI : 0, at + 3);
     return false;
 }
 
 static void evaluate(slicing *s, size_t panel, size_t n, const nqm_brdf *const *brdfs) {
-    bool whole = panel >= LOBES; /* both sides of the normal */
+    bool has_both_sides = panel >= LOBES; /* of the normal */
     for (size_t i = 0; i < N_POINTS; ++i) {
-        double share = (double)i / (N_POINTS - 1), at[6];
-        /* Quadratic in theta_h: highlights are narrow. The horizon itself is left out. */
-        s->x[panel][i] = whole ? -89.5 + 179 * share : 89.5 * (panel == OVER_THETA_H ? share * share : share);
+        double t = (double)i / (N_POINTS - 1), at[6];
+        /* Quadratic in theta_h, because highlights are narrow; without the horizon. */
+        s->x[panel][i] = has_both_sides ? -89.5 + 179 * t : 89.5 * (panel == OVER_THETA_H ? t * t : t);
         bool half_diff = locate(s, panel, s->x[panel][i], at);
         for (size_t k = 0; k < n; ++k)
             s->y[panel][k][i] = luminance(brdfs[k], half_diff, at);
@@ -76,35 +73,36 @@ static void evaluate(slicing *s, size_t panel, size_t n, const nqm_brdf *const *
 
 static void describe(slicing *s, size_t panel) {
     static const char *const labels[N_PANELS] = {
-        THETA "_{h} (" DEG ")", THETA "_{d} (" DEG ")", NULL,
-        THETA "_{o} (" DEG ")", THETA "_{o} (" DEG ")", THETA "_{o} (" DEG ")"};
+        NQM_THETA "_{h} (" NQM_DEG ")", NQM_THETA "_{d} (" NQM_DEG ")", NULL,
+        NQM_THETA "_{o} (" NQM_DEG ")", NQM_THETA "_{o} (" NQM_DEG ")", NQM_THETA "_{o} (" NQM_DEG ")"};
     const double deg = 180 / NQM_PI;
     nqm_chart *chart = &s->charts[panel];
     char *title = s->titles[panel];
-    bool whole = panel >= LOBES;
-    double theta_i = s->at.theta_i_rad[panel == LOBES ? 1 : whole ? panel - INCIDENT : 0] * deg;
+    bool has_both_sides = panel >= LOBES;
+    double theta_i = has_both_sides ? light_of(panel) * deg : 0;
     if (panel == OVER_THETA_H)
-        snprintf(title, 80, THETA "_{d} = %.3g" DEG ", " PHI "_{d} = %.3g" DEG, s->at.theta_d_rad * deg,
-                 s->at.phi_d_rad * deg);
+        snprintf(title, 80, NQM_THETA "_{d} = %.3g" NQM_DEG ", " NQM_PHI "_{d} = %.3g" NQM_DEG, s->theta_d_rad * deg,
+                 s->phi_d_rad * deg);
     else if (panel == OVER_THETA_D)
-        snprintf(title, 80, "mirror direction, " THETA "_{h} = 0");
+        snprintf(title, 80, "mirror direction, " NQM_THETA "_{h} = 0");
     else
-        snprintf(title, 80, "%s, " THETA "_{i} = %.3g" DEG, panel == LOBES ? "lobes" : "plane of incidence", theta_i);
+        snprintf(title, 80, "%s, " NQM_THETA "_{i} = %.3g" NQM_DEG, panel == LOBES ? "lobes" : "plane of incidence",
+                 theta_i);
     *chart =
         (nqm_chart){.title = title,
                     .x = {.label = labels[panel],
                           .scale = panel == OVER_THETA_H ? NQM_SQRT : NQM_LINEAR,
-                          .min = whole ? -90 : 0,
+                          .min = has_both_sides ? -90 : 0,
                           .max = 90,
-                          .step = whole ? 30 : 15},
+                          .step = has_both_sides ? 30 : 15},
                     .y = nqm_axis_make(panel == LOBES ? "radius: f_{r} (1/sr), logarithmic" : "f_{r} (1/sr)", NQM_LOG),
                     .polar = panel == LOBES,
                     .light_deg = -theta_i,
                     .series = s->series[panel]};
 }
 
-/* The axis leaves out the lowest values, mostly at the horizon, which would take most of it. */
-static nqm_status end_axis(nqm_chart *chart, nqm_error *err) {
+/* The lowest 2 % of the values, most of them near the horizon, would take most of the axis: they are cut. */
+static nqm_status set_axis_range(nqm_chart *chart, nqm_error *err) {
     double *values = nqm_alloc(chart->n_series * N_POINTS, sizeof *values);
     if (!values)
         return nqm_fail_nomem(err, chart->n_series * N_POINTS * sizeof *values);
@@ -118,7 +116,7 @@ static nqm_status end_axis(nqm_chart *chart, nqm_error *err) {
         chart->y.min = nqm_quantile(n, values, 0.02);
     nqm_free(values);
     nqm_axis_round(&chart->y, 5);
-    if (chart->polar) /* the lowest value stands clear of the foot */
+    if (chart->polar) /* leave a gap between the smallest value and the centre */
         chart->y.min /= 10;
     return NQM_OK;
 }
@@ -138,13 +136,13 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
                                                .x = s->x[panel],
                                                .y = s->y[panel][k]};
         s->charts[panel].n_series = n;
-        status = end_axis(&s->charts[panel], err);
+        status = set_axis_range(&s->charts[panel], err);
         panels[panel] = (nqm_sheet_panel){.chart = &s->charts[panel]};
     }
     const nqm_sheet sheet = {.title = "Slices of BRDFs",
-                             .note = "luminance of f_{r}, without the cosine; the light stands at " THETA
+                             .note = "luminance of f_{r}, without the cosine; the light is at " NQM_THETA
                                      "_{i} on the left "
-                                     "(negative " THETA "_{o}), its mirror direction on the right",
+                                     "(negative " NQM_THETA "_{o}), its mirror direction on the right",
                              .width = 960,
                              .height = 640,
                              .n_rows = 2,
@@ -154,19 +152,16 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
 }
 
 nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_brdf *const *brdfs, const char *const *names,
-                           const nqm_slice_options *slices, const nqm_plot_options *options, nqm_error *err) {
-    const nqm_slice_options at = slices ? *slices : nqm_slice_options_default();
+                           double theta_d_rad, double phi_d_rad, const nqm_plot_options *options, nqm_error *err) {
     if (n < 1 || n > MAX_BRDFS)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: 1 to %d BRDFs are drawn, not %zu", path, (int)MAX_BRDFS, n);
-    bool inside = at.theta_d_rad >= 0 && at.theta_d_rad < NQM_PI / 2 && isfinite(at.phi_d_rad);
-    for (size_t k = 0; k < 3; ++k)
-        inside = inside && at.theta_i_rad[k] >= 0 && at.theta_i_rad[k] < NQM_PI / 2;
-    if (!inside)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: theta_d and theta_i of slices lie in 0 to 90 degrees", path);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: 1 to %d BRDFs can be drawn, not %zu", path, (int)MAX_BRDFS, n);
+    if (!(theta_d_rad >= 0 && theta_d_rad < NQM_PI / 2 && isfinite(phi_d_rad)))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: theta_d of slices must be 0 to below 90 degrees", path);
     slicing *s = nqm_alloc(1, sizeof *s);
     if (!s)
         return nqm_fail_nomem(err, sizeof *s);
-    s->at = at;
+    s->theta_d_rad = theta_d_rad;
+    s->phi_d_rad = phi_d_rad;
     for (size_t k = 0; k < n; ++k)
         if (names)
             snprintf(s->names[k], sizeof s->names[k], "%.60s", names[k]);

@@ -1,59 +1,65 @@
 /* SPDX-License-Identifier: MIT
  *
- * sheet.h - what a drawing holds, whatever draws it: axes with their ticks, series of points, maps, bars and tables, set
- * on a sheet with a title, a legend and a note. All strings and arrays are lent.
+ * sheet.h - the content of a drawing, independent of how it is drawn: axes with ticks, series of points, heat maps, bars and
+ * tables in a grid of panels, with a title, a legend and a note. All strings and arrays are borrowed.
  *
  * Labels may hold subscripts and superscripts: "_{h}" and "^{-2}".
  */
-#ifndef NQM_SRC_PLOT_SHEET_H
-#define NQM_SRC_PLOT_SHEET_H
-
-#include "figures/tone.h"
+#ifndef NQM_FIGURES_SHEET_H
+#define NQM_FIGURES_SHEET_H
 
 #include "figures/plot.h"
 
-/* ---- axes -------------------------------------------------------------------------------------------------------- */
+/* Greek letters and the degree sign for labels. */
+#define NQM_THETA "\xce\xb8"
+#define NQM_PHI   "\xcf\x86"
+#define NQM_DEG   "\xc2\xb0"
+#define NQM_MINUS "\xe2\x88\x92"
 
-/** How values become places: as they are, their logarithm, or their square root (theta_h: as MERL tables do). */
+/* ---- axes (axis.c) ----------------------------------------------------------------------------------------------- */
+
+/** Position on an axis as a function of the value. NQM_SQRT is for theta_h, as in MERL tables. */
 typedef enum nqm_scale { NQM_LINEAR = 0, NQM_LOG, NQM_SQRT } nqm_scale;
 
 typedef struct nqm_axis {
     const char *label;
     nqm_scale scale;
-    double min, max; /* min < max; both above 0 for NQM_LOG, not below for NQM_SQRT */
-    double step;     /* linear: distance of the ticks, 0: chosen */
-    double room;     /* for the numbers of a vertical axis, so that frames below each other agree; 0: what they need */
+    double min, max;    /* min < max; above 0 for NQM_LOG, not below 0 for NQM_SQRT */
+    double step;        /* linear: distance of the ticks; 0: automatic */
+    double label_width; /* least width for the numbers of a vertical axis, so that stacked frames align; pixels */
 } nqm_axis;
 
 enum { NQM_MAX_TICKS = 128 };
 typedef struct nqm_tick_mark {
     double value;
-    char label[24]; /* "" for the small ones between */
+    char label[24]; /* "" for minor ticks */
 } nqm_tick_mark;
 
-/** An axis that holds nothing yet. */
+/** An axis with an empty range. */
 nqm_axis nqm_axis_make(const char *label, nqm_scale scale);
-/** Make the axis hold n more values; those that are not finite, or have no place on its scale, are passed over. */
+/** Extend the range to n values; values that are not finite, or have no position on the scale, are skipped. */
 void nqm_axis_hold(nqm_axis *axis, size_t n, const double *values);
-/** Move the ends outwards to round numbers; an axis that holds nothing or one value gets a range around it. */
+/** Move the ends outwards to round numbers, for about n_most ticks; an empty range, or one of a single value, is widened. */
 void nqm_axis_round(nqm_axis *axis, size_t n_most);
-/** The ticks of an axis, rising, about n_most of them labelled; returns how many. */
+/** The ticks in ascending order, about n_most of them with labels; returns their number. */
 size_t nqm_axis_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark ticks[NQM_MAX_TICKS]);
-/** Place of a value: 0 at min, 1 at max; outside of [0, 1] beyond; NaN where it has none. */
+/** Position of a value: 0 at min, 1 at max, also outside of [0, 1]; NaN where it has none. */
 double nqm_axis_place(const nqm_axis *axis, double value);
+/** 1, 2 or 5 times a power of ten: the smallest step that divides [0, length] into at most n_most parts. */
+double nqm_tick_step(double length, size_t n_most);
 
-/* ---- what stands on a sheet -------------------------------------------------------------------------------------- */
+/* ---- content of a sheet ------------------------------------------------------------------------------------------ */
 
 typedef enum nqm_mark { NQM_MARK_LINE = 0, NQM_MARK_STEPS, NQM_MARK_POINTS } nqm_mark;
 
 typedef struct nqm_series {
-    const char *name; /* in the legend, once for equal names; NULL: not there */
+    const char *name; /* legend entry, once for equal names; NULL: none */
     nqm_mark mark;
-    size_t style; /* which colour and shape, 0 to 7 */
+    size_t style; /* colour and shape, 0 to 7 */
     bool dashed;
-    double size; /* width of the line, diameter of the points; 0: usual */
+    double size; /* width of the line, diameter of the points, pixels; 0: default */
     size_t n;
-    const double *x, *y; /* (n); a point that has no place interrupts a line */
+    const double *x, *y; /* (n); a point without a position interrupts a line */
 } nqm_series;
 
 /** Series in a frame; polar: x is an angle in degrees from the normal, y the radius. */
@@ -61,36 +67,36 @@ typedef struct nqm_chart {
     const char *title;
     nqm_axis x, y;
     bool polar;
-    double light_deg; /* polar: where the light stands */
+    double light_deg; /* polar: angle of the light */
     size_t n_series;
     const nqm_series *series;
 } nqm_chart;
 
-/** A map: cells of equal size on the paper between the ends of the axes. */
+/** A heat map; its cells have equal size on paper. */
 typedef struct nqm_heat {
     nqm_axis x, y, value;
     size_t n_columns, n_rows;
-    const double *values; /* (n_rows, n_columns), first row at y.min; NaN: nothing */
+    const double *values; /* (n_rows, n_columns), first row at y.min; NaN: no value */
 } nqm_heat;
 
-/** Horizontal bars in groups. */
+/** Groups of horizontal bars with intervals. */
 typedef struct nqm_bars {
     nqm_axis x;
     size_t n, n_groups;
-    const char *const *names;         /* (n), top first */
+    const char *const *names;         /* (n), from the top */
     const char *const *group_names;   /* (n_groups) */
     const double *value, *low, *high; /* (n, n_groups); NaN: none */
 } nqm_bars;
 
-/** Lines of text in columns, the first line a heading, the last a sum. */
+/** Text in rows and columns; the first row is the heading, the last one the totals. */
 typedef struct nqm_table {
     size_t n_rows, n_columns;
     const char *const *cells;  /* (n_rows, n_columns) */
-    const double *shares;      /* (n_columns) of the width; they sum to 1 */
+    const double *widths;      /* (n_columns), fractions of the width; their sum is 1 */
     const bool *right_aligned; /* (n_columns) */
 } nqm_table;
 
-typedef struct nqm_sheet_panel { /* one of these, or none */
+typedef struct nqm_sheet_panel { /* at most one of these */
     const nqm_chart *chart;
     const nqm_heat *heat;
     const nqm_bars *bars;
@@ -99,14 +105,14 @@ typedef struct nqm_sheet_panel { /* one of these, or none */
 
 typedef struct nqm_sheet {
     const char *title;             /* NULL or "": none */
-    const char *note;              /* below, small; lines end with \n; NULL: none */
+    const char *note;              /* small, at the bottom; lines end in \n; NULL: none */
     double width, height;          /* CSS pixels */
     size_t n_rows, n_columns;      /* of panels; at least 1 */
-    const double *row_shares;      /* (n_rows) of the height, summing to 1; NULL: equal */
+    const double *row_heights;     /* (n_rows), fractions of the height; their sum is 1; NULL: equal */
     const nqm_sheet_panel *panels; /* (n_rows, n_columns) */
 } nqm_sheet;
 
-/** Draw to a file; `sheet` gives title and size where `options` (NULL: the defaults) do not. */
+/** Draw to a file; `options` (NULL: the defaults) override title and size of the sheet. */
 NQM_MUST_CHECK nqm_status nqm_sheet_write(const char *path, const nqm_sheet *sheet, const nqm_plot_options *options,
                                           nqm_error *err);
 

@@ -2,7 +2,7 @@
  *
  * The libraries of this build beyond those of nqm_build_info(), in one line.
  */
-#include "figures/tone.h"
+#include "figures/picture.h"
 #include "io/io.h"
 #include "nqm/tool.h"
 #include "render/render.h"

@@ -56,16 +56,13 @@ static int plot_directions(const plot_arguments *a) {
 static int plot_brdfs(const plot_arguments *a, bool attribution) {
     nqm_error err = {0};
     nqm_brdf **brdfs;
-    nqm_slice_options at = nqm_slice_options_default();
-    const double degree = at.phi_d_rad / 90;
-    at.theta_d_rad = a->theta_d_deg * degree;
-    at.phi_d_rad = a->phi_d_deg * degree;
+    const double degree = 0.017453292519943295;
     int exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
     if (exit_code != EXIT_OK)
         return exit_code;
     nqm_status status = attribution ? nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err)
                                     : nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
-                                                      &at, &a->look, &err);
+                                                      a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, &err);
     close_brdfs(a->n, brdfs);
     return settle(status, &err);
 }

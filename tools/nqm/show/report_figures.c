@@ -98,6 +98,6 @@ int put_slices(const report_page *page, size_t test, const char *alt) {
     const nqm_brdf *const brdfs[] = {scores->ref, scores->rows[test].brdf};
     static const char *const names[] = {"reference", "test"};
     nqm_error err = {0};
-    nqm_status status = nqm_plot_slices(page->figure, 2, brdfs, names, NULL, &look, &err);
+    nqm_status status = nqm_plot_slices(page->figure, 2, brdfs, names, 0, 1.5707963267948966, &look, &err);
     return take_in(page, status, &err, alt, (size_t)look.width, (size_t)look.height);
 }

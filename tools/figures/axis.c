@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * Axes: round ends, ticks at 1, 2 or 5 times a power of ten, and their labels.
+ * Axes: round ends, ticks at multiples of 1, 2 or 5 times a power of ten, and their labels.
  */
 #include "figures/sheet.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Rounding must not move a tick over the end of its axis. */
+/* Tolerance, so that rounding errors do not drop a tick at the end of an axis. */
 static const double slack = 1e-9;
+
+double nqm_tick_step(double length, size_t n_most) {
+    double power = pow(10, floor(log10(length / (double)n_most)));
+    static const double factors[] = {1, 2, 5, 10};
+    size_t i = 0;
+    while (i < 3 && length / (factors[i] * power) > (double)n_most * (1 + 1e-9))
+        ++i;
+    return factors[i] * power;
+}
 
 nqm_axis nqm_axis_make(const char *label, nqm_scale scale) {
     return (nqm_axis){.label = label, .scale = scale, .min = (double)INFINITY, .max = -(double)INFINITY};
@@ -16,9 +25,9 @@ nqm_axis nqm_axis_make(const char *label, nqm_scale scale) {
 
 void nqm_axis_hold(nqm_axis *axis, size_t n, const double *values) {
     for (size_t i = 0; i < n; ++i) {
-        bool has_place = isfinite(values[i]) &&
-                         (axis->scale == NQM_LINEAR || values[i] > 0 || (axis->scale == NQM_SQRT && values[i] == 0));
-        if (has_place) {
+        bool has_position = isfinite(values[i]) &&
+                            (axis->scale == NQM_LINEAR || values[i] > 0 || (axis->scale == NQM_SQRT && values[i] == 0));
+        if (has_position) {
             axis->min = fmin(axis->min, values[i]);
             axis->max = fmax(axis->max, values[i]);
         }
@@ -42,7 +51,7 @@ static double round_number(double value, bool up) {
     return digits[i] * power;
 }
 
-/* An axis needs two ends that differ. */
+/* Give an empty range, or one of a single value, two different ends. */
 static void widen(nqm_axis *axis) {
     if (axis->min > axis->max)
         *axis = (nqm_axis){.label = axis->label, .scale = axis->scale, .step = axis->step, .min = 1, .max = 1};
@@ -85,7 +94,7 @@ double nqm_axis_place(const nqm_axis *axis, double value) {
 static void label_number(double value, char label[24]) {
     char number[32];
     nqm_format_double(number, sizeof number, nqm_round_digits(fabs(value), 9));
-    snprintf(label, 24, "%s%.19s", value < 0 ? "\xe2\x88\x92" : "", number);
+    snprintf(label, 24, "%s%.19s", value < 0 ? NQM_MINUS : "", number);
 }
 
 /* digit * 10^exponent */
@@ -94,7 +103,7 @@ static void label_power(int digit, int exponent, bool powers, char label[24]) {
     if (digit > 1)
         snprintf(factor, sizeof factor, "%d\xc2\xb7", digit % 10);
     if (powers)
-        snprintf(label, 24, "%s10^{%s%d}", factor, exponent < 0 ? "\xe2\x88\x92" : "", abs(exponent) % 1000);
+        snprintf(label, 24, "%s10^{%s%d}", factor, exponent < 0 ? NQM_MINUS : "", abs(exponent) % 1000);
     else
         label_number(digit * pow(10, exponent), label);
 }
@@ -117,7 +126,7 @@ static size_t linear_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark *t
     return n;
 }
 
-/* All decades have a tick; labels go to every `stride`-th of them, or to 1, 2 and 5 where decades are few. */
+/* Each decade has a tick. Every `stride`-th decade has a label or, if there are few, 1, 2 and 5 times each. */
 static size_t log_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark *ticks) {
     double low = log10(axis->min), high = log10(axis->max);
     int first = (int)floor(low + slack), last = (int)floor(high + slack);
@@ -138,7 +147,7 @@ static size_t log_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark *tick
     return n;
 }
 
-/* Angles from 0: denser labels where the scale is wide. */
+/* Degrees; labels are denser near 0, where the scale is wide. */
 static size_t sqrt_ticks(const nqm_axis *axis, nqm_tick_mark *ticks) {
     static const double values[] = {0, 1, 2, 5, 10, 20, 30, 45, 60, 75, 90};
     size_t n = 0;
