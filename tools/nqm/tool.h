@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * tool.h - what the verbs of the command line share: option tables (parsing and help from one place), exit codes,
- * errors on standard error, progress on a terminal, Ctrl-C, and JSON and CSV on standard output. Uses public headers
- * only.
+ * tool.h - shared by the verbs of the command line: option tables for parsing and help, exit codes, errors and progress on
+ * standard error, Ctrl-C, JSON and CSV on standard output, output files.
  */
 #ifndef NQM_TOOL_H
 #define NQM_TOOL_H
 
+#include "base/base.h"
 #include "base/options.h"
+
 #include <jansson.h>
 #include <nqm/nqm.h>
 #include <stdbool.h>
@@ -77,6 +78,8 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
 
 /* ---- inputs ------------------------------------------------------------------------------------------------------ */
 
+/** A file argument as a path: "-" is standard input. */
+const char *input_path(const char *argument);
 /** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and
  *  its exit code returned. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
@@ -173,11 +176,10 @@ extern const char agreement_columns[];
 
 /* ---- files that a verb writes itself ----------------------------------------------------------------------------- */
 
-/** A file that appears under its name only when complete; zeroed: none. */
+/** A file that gets its final name when it is complete; zeroed: none. */
 typedef struct output_file {
     FILE *stream;
-    const char *path; /* lent */
-    char *temporary;  /* where it is written; NULL: in place, a device */
+    nqm_outfile file; /* zeroed: standard output */
 } output_file;
 
 /** Open ("-": standard output); EXIT_OK, or the fault is reported and its exit code returned. */

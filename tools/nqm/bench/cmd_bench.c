@@ -120,7 +120,7 @@ static int print_rows(const nqm_bench *bench, const bench_arguments *a, output_f
         bool bad = !json || json_dumpf(json, output->stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
         json_decref(json);
         if (bad)
-            return report("bench", EXIT_OPEN, "%s: cannot write", output->path);
+            return report("bench", EXIT_OPEN, "%s: cannot write", a->output);
         fputc('\n', output->stream);
     }
     if (a->json)

@@ -5,6 +5,7 @@
 #include "figures/plot.h"
 #include "nqm/tool.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct plot_arguments {
@@ -12,76 +13,76 @@ typedef struct plot_arguments {
     nqm_plot_options look;
     double theta_d_deg, phi_d_deg;
     int n;
-    char **inputs;
+    char **inputs;            /* (n) */
+    const char *const *paths; /* (n) the inputs as files */
 } plot_arguments;
 
-static int settle(nqm_status status, const nqm_error *err) {
+static int finish(nqm_status status, const nqm_error *err) {
     return status == NQM_OK ? EXIT_OK : report_error("plot", err);
 }
 
 static int plot_curve(const plot_arguments *a) {
     nqm_error err = {0};
     nqm_regress_report fit;
-    int exit_code = regress_csv("plot", a->inputs[0], &fit);
-    return exit_code == EXIT_OK ? settle(nqm_plot_curve(a->output, a->inputs[0], &fit, &a->look, &err), &err)
+    int exit_code = regress_csv("plot", a->paths[0], &fit);
+    return exit_code == EXIT_OK ? finish(nqm_plot_curve(a->output, a->paths[0], &fit, &a->look, &err), &err)
                                 : exit_code;
 }
 
 static int plot_bars(const plot_arguments *a) {
     nqm_error err = {0};
-    return settle(nqm_plot_bars(a->output, a->inputs[0], &a->look, &err), &err);
+    return finish(nqm_plot_bars(a->output, a->paths[0], &a->look, &err), &err);
 }
 
 static int plot_scatter(const plot_arguments *a) {
     nqm_error err = {0};
-    return settle(nqm_plot_predictions(a->output, a->inputs[0], a->predictor, &a->look, &err), &err);
+    return finish(nqm_plot_predictions(a->output, a->paths[0], a->predictor, &a->look, &err), &err);
 }
 
 static int plot_loss(const plot_arguments *a) {
     nqm_error err = {0};
-    return settle(nqm_plot_losses(a->output, (size_t)a->n, (const char *const *)a->inputs, &a->look, &err), &err);
+    return finish(nqm_plot_losses(a->output, (size_t)a->n, a->paths, &a->look, &err), &err);
 }
 
 static int plot_directions(const plot_arguments *a) {
     nqm_error err = {0};
     nqm_directions *directions;
     int exit_code = open_directions("plot", a->n ? a->inputs[0] : NULL, &directions);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    exit_code = settle(nqm_plot_directions(a->output, directions, &a->look, &err), &err);
+    if (exit_code == EXIT_OK)
+        exit_code = finish(nqm_plot_directions(a->output, directions, &a->look, &err), &err);
     nqm_directions_free(directions);
     return exit_code;
 }
 
-static int plot_brdfs(const plot_arguments *a, bool attribution) {
+static int plot_slice(const plot_arguments *a) {
     nqm_error err = {0};
     nqm_brdf **brdfs;
     const double degree = 0.017453292519943295;
     int exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    nqm_status status = attribution ? nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err)
-                                    : nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
-                                                      a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, &err);
-    close_brdfs(a->n, brdfs);
-    return settle(status, &err);
-}
-
-static int plot_slice(const plot_arguments *a) {
-    return plot_brdfs(a, false);
+    if (exit_code == EXIT_OK)
+        exit_code = finish(nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
+                                           a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, &err),
+                           &err);
+    close_brdfs(brdfs ? a->n : 0, brdfs);
+    return exit_code;
 }
 
 static int plot_attribution(const plot_arguments *a) {
-    return plot_brdfs(a, true);
+    nqm_error err = {0};
+    nqm_brdf **brdfs;
+    int exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
+    if (exit_code == EXIT_OK)
+        exit_code = finish(nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err), &err);
+    close_brdfs(brdfs ? a->n : 0, brdfs);
+    return exit_code;
 }
 
 static int plot_network(const plot_arguments *a) {
     nqm_error err = {0};
     nqm_model *model;
     int exit_code = open_model("plot", a->n ? a->inputs[0] : NULL, &model);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    exit_code = settle(nqm_plot_network(a->output, model, &a->look, &err), &err);
+    if (exit_code == EXIT_OK)
+        exit_code = finish(nqm_plot_network(a->output, model, &a->look, &err), &err);
     nqm_model_free(model);
     return exit_code;
 }
@@ -114,17 +115,25 @@ static int draw(plot_arguments *a, const char *what, bool json) {
     while (d->name && strcmp(d->name, what) != 0)
         ++d;
     if (!d->name)
-        return report("plot", EXIT_USAGE,
-                      "there is no drawing '%s'; there are curve, bars, scatter, loss, directions, slice, attribution "
-                      "and network",
-                      what);
+        return report(
+            "plot", EXIT_USAGE,
+            "there is no drawing '%s'; choose curve, bars, scatter, loss, directions, slice, attribution or network",
+            what);
     if (a->n < d->min || a->n > d->max)
         return report("plot", EXIT_USAGE, "%s needs %s", d->name, d->inputs);
     if (!a->output)
-        return report("plot", EXIT_USAGE, "-o FILE says where to draw: .svg, .pdf or .png");
+        return report("plot", EXIT_USAGE, "give the file of the drawing: -o FILE.svg, .pdf or .png");
     int exit_code = read_size(a->size, &a->look);
-    if (exit_code == EXIT_OK)
-        exit_code = d->draw(a);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    const char **paths = calloc((size_t)a->n + 1, sizeof *paths);
+    if (!paths)
+        return report("plot", EXIT_LIMIT, "out of memory");
+    for (int i = 0; i < a->n; ++i)
+        paths[i] = input_path(a->inputs[i]);
+    a->paths = paths;
+    exit_code = d->draw(a);
+    free(paths);
     if (exit_code == EXIT_OK && json)
         return print_json(json_pack("{s:i,s:o,s:s,s:o}", "schema", 1, "tool", json_tool(), "drawing", d->name, "file",
                                     json_name(a->output)));
@@ -136,25 +145,25 @@ int cmd_plot(int argc, char **argv) {
     plot_arguments a = {.look = nqm_plot_options_default(), .phi_d_deg = 90};
     const option options[] = {
         {"output", 'o', OPTION_TEXT, &a.output, "FILE", "the drawing: .svg, .pdf or .png", 0, 0},
-        {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "on top, instead of what is drawn; '': none", 0, 0},
+        {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "title, instead of the automatic one; '': none", 0, 0},
         {"size", 0, OPTION_TEXT, &a.size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
-        {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png a CSS pixel", 0.5, 8},
-        {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: the column to draw; else the first model", 0, 0},
-        {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: of the cut over theta_h", 0, 89},
-        {"phi-d", 0, OPTION_NUMBER, &a.phi_d_deg, "DEG", "slice: of the cut over theta_h", -360, 360},
-        {"json", 0, OPTION_FLAG, &json, NULL, "say as JSON what was drawn", 0, 0},
+        {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png per CSS pixel", 0.5, 8},
+        {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: column to draw [default: the first model]", 0, 0},
+        {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: theta_d of the slice over theta_h", 0, 89},
+        {"phi-d", 0, OPTION_NUMBER, &a.phi_d_deg, "DEG", "slice: phi_d of the slice over theta_h", -360, 360},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print the kind and the file of the drawing as JSON", 0, 0},
         {0}};
     const command cmd = {
         .name = "plot",
         .usage = "WHAT INPUT... -o FILE [options]",
-        .about = "Draw, with readable axes and colours that colour-blind eyes tell apart:\n"
+        .about = "Draw, in colours chosen for colour-blind readers:\n"
                  "  curve LABELS.csv         JOD against Delta-E ITP, with the fitted curve\n"
-                 "  bars EVAL.json           Spearman correlations with 95 % intervals, of `nqm eval --json`\n"
-                 "  scatter PAIRS.csv        predicted against label JOD, of `nqm eval --pairs`\n"
-                 "  loss LOG.csv...          losses and learning rate, of `nqm train --log`\n"
-                 "  directions [MODEL|CSV]   where BRDFs are compared\n"
-                 "  slice BRDF...            cuts through up to 8 BRDFs, and polar lobes\n"
-                 "  attribution REF TEST     where in (theta_h, theta_d) two BRDFs differ\n"
+                 "  bars EVAL.json           Spearman correlations with 95 % intervals, from `nqm eval --json`\n"
+                 "  scatter PAIRS.csv        predicted JOD against the label, from `nqm eval --pairs`\n"
+                 "  loss LOG.csv...          losses and learning rate, from `nqm train --log`\n"
+                 "  directions [MODEL|CSV]   the sampling directions\n"
+                 "  slice BRDF...            slices and polar lobes of up to 8 BRDFs\n"
+                 "  attribution REF TEST     where two BRDFs differ, over (theta_h, theta_d)\n"
                  "  network [MODEL]          the layers of a model\n"
                  "The same input gives the same bytes on one machine; files hold no date.",
         .example = "nqm plot curve labels_real.csv -o curve.svg\n"

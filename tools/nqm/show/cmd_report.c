@@ -94,11 +94,11 @@ static int gather(report_run *run, const char *model) {
 /* Figures pass through a file beside the page's temporary one, whose name is nobody else's. */
 static int write_page(const report_run *run, output_file *out) {
     static const char suffix[] = ".png";
-    size_t n = strlen(out->temporary) + sizeof suffix;
+    size_t n = strlen(out->file.temporary) + sizeof suffix;
     char *figure = malloc(n);
     if (!figure)
         return report("report", EXIT_LIMIT, "out of memory");
-    snprintf(figure, n, "%s%s", out->temporary, suffix);
+    snprintf(figure, n, "%s%s", out->file.temporary, suffix);
     int exit_code = write_report(run, out->stream, figure);
     free(figure);
     if (exit_code == EXIT_OK && interrupted())
@@ -109,7 +109,7 @@ static int write_page(const report_run *run, output_file *out) {
 static int make_report(report_run *run, const char *model, const char *path) {
     output_file out;
     int exit_code = open_output("report", path, &out); /* a folder that is missing is said at once */
-    if (exit_code == EXIT_OK && !out.temporary)
+    if (exit_code == EXIT_OK && !out.file.temporary)
         exit_code = report("report", EXIT_USAGE, "the page is a file: -o FILE.html");
     if (exit_code == EXIT_OK)
         exit_code = gather(run, model);
