@@ -130,21 +130,17 @@ nqm_status nqm_dataset_hash(const nqm_dataset *d, char sha256_ret[65], nqm_error
     return NQM_OK;
 }
 
-void *nqm_dataset_alloc(nqm_dataset *dataset, size_t n, size_t size) {
-    if (dataset->n_blocks == NQM_DATASET_MAX_BLOCKS)
-        return NULL;
-    void *block = nqm_alloc(n, size);
-    if (block)
-        dataset->blocks[dataset->n_blocks++] = block;
-    return block;
-}
-
 void nqm_dataset_free(nqm_dataset *dataset) {
     if (!dataset)
         return;
     nqm_directions_free(dataset->directions);
-    for (size_t i = 0; i < dataset->n_blocks; ++i)
-        nqm_free(dataset->blocks[i]);
+    nqm_names_free(&dataset->ref_names);
+    nqm_names_free(&dataset->group_names);
+    nqm_names_free(&dataset->kind_names);
+    nqm_names_free(&dataset->kind_families);
+    nqm_names_free(&dataset->pair_names);
+    nqm_free(dataset->manifest);
+    nqm_free(dataset->block);
     nqm_map_close(&dataset->file);
     nqm_free(dataset);
 }
@@ -167,21 +163,21 @@ size_t nqm_dataset_kind_count(const nqm_dataset *dataset) {
 }
 
 const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i) {
-    return i < dataset->n_kinds ? dataset->kind_names[i] : NULL;
+    return i < dataset->n_kinds ? nqm_name(&dataset->kind_names, i) : NULL;
 }
 
 const char *nqm_dataset_kind_family(const nqm_dataset *dataset, size_t i) {
     if (i >= dataset->n_kinds)
         return NULL;
-    return dataset->kind_families ? dataset->kind_families[i] : "";
+    return i < dataset->kind_families.n ? nqm_name(&dataset->kind_families, i) : "";
 }
 
 nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
     uint32_t ref = d->pair_ref[i];
-    return (nqm_dataset_pair){.ref = d->ref_names[ref],
-                              .group = d->group_names[d->ref_group[ref]],
-                              .test = d->pair_names[i],
-                              .kind = d->kind_names[d->pair_kind[i]],
+    return (nqm_dataset_pair){.ref = nqm_name(&d->ref_names, ref),
+                              .group = nqm_name(&d->group_names, d->ref_group[ref]),
+                              .test = nqm_name(&d->pair_names, i),
+                              .kind = nqm_name(&d->kind_names, d->pair_kind[i]),
                               .material_class = nqm_material_class_name(nqm_dataset_ref_class(d, ref)),
                               .family = nqm_dataset_kind_family(d, d->pair_kind[i]),
                               .split = nqm_dataset_pair_split(d, i),

@@ -121,56 +121,31 @@ static nqm_status read_columns(const nqm_safetensors *st, nqm_dataset *d, const 
     return NQM_OK;
 }
 
-/* A metadata value that is a JSON array of strings, copied into blocks of the dataset. *n_io: the length asked for, or
- * 0 for any. */
-static nqm_status read_names(const nqm_safetensors *st, const char *key, nqm_dataset *d, size_t *n_io,
-                             const char *const **names_ret, const char *name, nqm_error *err) {
-    const char *json = nqm_safetensors_meta(st, key);
-    json_t *array = json ? json_loads(json, 0, NULL) : NULL;
-    size_t n = json_array_size(array), n_chars = 0;
+/* A metadata value that is a JSON array of n strings. */
+static nqm_status read_names(const nqm_safetensors *st, const char *key, size_t n, nqm_names *names, const char *name,
+                             nqm_error *err) {
+    const char *text = nqm_safetensors_meta(st, key);
+    json_t *array = text ? json_loads(text, 0, NULL) : NULL, *item;
     nqm_status status = NQM_OK;
-    if (!json_is_array(array) || (*n_io && n != *n_io)) {
-        status =
-            nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: metadata '%s' is not a JSON array of %zu names", name, key, *n_io);
-        goto done;
+    if (!json_is_array(array) || json_array_size(array) != n)
+        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: metadata '%s' is not a JSON array of %zu names", name, key, n);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        item = json_array_get(array, i);
+        status = json_is_string(item) ? nqm_names_add(names, json_string_value(item), json_string_length(item), err)
+                                      : nqm_fail(err, NQM_ERR_FORMAT, -1,
+                                                 "%s: metadata '%s' has an element that is no string", name, key);
     }
-    for (size_t i = 0; i < n; ++i) {
-        if (!json_is_string(json_array_get(array, i))) {
-            status =
-                nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: metadata '%s' holds something else than strings", name, key);
-            goto done;
-        }
-        n_chars += json_string_length(json_array_get(array, i)) + 1;
-    }
-    const char **names = nqm_dataset_alloc(d, n, sizeof *names);
-    char *text = nqm_dataset_alloc(d, n_chars, 1);
-    if (!names || !text) {
-        status = nqm_fail_nomem(err, n_chars);
-        goto done;
-    }
-    for (size_t i = 0; i < n; ++i) {
-        json_t *item = json_array_get(array, i);
-        size_t length = json_string_length(item) + 1;
-        names[i] = memcpy(text, json_string_value(item), length);
-        text += length;
-    }
-    *n_io = n;
-    *names_ret = names;
-done:
     json_decref(array);
     return status;
 }
 
-static nqm_status read_manifest(const nqm_safetensors *st, nqm_dataset *d, nqm_error *err) {
-    const char *manifest = nqm_safetensors_meta(st, "manifest");
-    if (!manifest)
-        return NQM_OK;
-    char *copy = nqm_dataset_alloc(d, strlen(manifest) + 1, 1);
-    if (!copy)
-        return nqm_fail_nomem(err, strlen(manifest));
-    strcpy(copy, manifest);
-    d->manifest = copy;
-    return NQM_OK;
+/* How many kinds there are: no tensor has a row for each. */
+static size_t count_kinds(const nqm_safetensors *st) {
+    const char *text = nqm_safetensors_meta(st, "kind_names");
+    json_t *array = text ? json_loads(text, 0, NULL) : NULL;
+    size_t n = json_array_size(array);
+    json_decref(array);
+    return n;
 }
 
 static nqm_status check_identity(const nqm_safetensors *st, bool verify_checksum, const char *name, nqm_error *err) {
@@ -195,18 +170,22 @@ static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, 
     nqm_status status = check_identity(st, verify_checksum, name, err);
     if (status == NQM_OK)
         status = read_columns(st, d, name, err);
-    if (status == NQM_OK)
-        status = read_names(st, "ref_names", d, &d->n_refs, &d->ref_names, name, err);
-    if (status == NQM_OK)
-        status = read_names(st, "group_names", d, &d->n_groups, &d->group_names, name, err);
-    if (status == NQM_OK)
-        status = read_names(st, "kind_names", d, &d->n_kinds, &d->kind_names, name, err);
-    if (status == NQM_OK && nqm_safetensors_meta(st, "kind_families")) /* older files have none */
-        status = read_names(st, "kind_families", d, &d->n_kinds, &d->kind_families, name, err);
-    if (status == NQM_OK)
-        status = read_names(st, "pair_names", d, &d->n_pairs, &d->pair_names, name, err);
-    if (status == NQM_OK)
-        status = read_manifest(st, d, err);
+    d->n_kinds = count_kinds(st);
+    const struct {
+        const char *key;
+        size_t n;
+        nqm_names *names;
+    } lists[] = {{"ref_names", d->n_refs, &d->ref_names},
+                 {"group_names", d->n_groups, &d->group_names},
+                 {"kind_names", d->n_kinds, &d->kind_names},
+                 {"pair_names", d->n_pairs, &d->pair_names},
+                 {"kind_families", d->n_kinds, &d->kind_families}};
+    const size_t n_lists = nqm_safetensors_meta(st, "kind_families") ? 5 : 4; /* older files have no families */
+    for (size_t i = 0; status == NQM_OK && i < n_lists; ++i)
+        status = read_names(st, lists[i].key, lists[i].n, lists[i].names, name, err);
+    const char *manifest = nqm_safetensors_meta(st, "manifest");
+    if (status == NQM_OK && manifest && !(d->manifest = nqm_strdup(manifest)))
+        status = nqm_fail_nomem(err, strlen(manifest));
     if (status == NQM_OK)
         status = nqm_dataset_validate(d, name, err);
     if (status == NQM_OK)
@@ -250,10 +229,10 @@ nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_err
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static char *names_to_json(size_t n, const char *const *names) {
+static char *names_to_json(const nqm_names *names) {
     json_t *array = json_array();
-    for (size_t i = 0; array && i < n; ++i)
-        if (json_array_append_new(array, json_string(names[i])) != 0) {
+    for (size_t i = 0; array && i < names->n; ++i)
+        if (json_array_append_new(array, json_string(nqm_name(names, i))) != 0) {
             json_decref(array);
             array = NULL;
         }
@@ -283,9 +262,9 @@ nqm_status nqm_dataset_write(const nqm_dataset *d, const char *path, char sha256
     nqm_status status = nqm_dataset_validate(d, path, err);
     if (status != NQM_OK)
         return status;
-    char *refs = names_to_json(d->n_refs, d->ref_names), *groups = names_to_json(d->n_groups, d->group_names);
-    char *kinds = names_to_json(d->n_kinds, d->kind_names), *pairs = names_to_json(d->n_pairs, d->pair_names);
-    char *families = d->kind_families ? names_to_json(d->n_kinds, d->kind_families) : NULL;
+    char *refs = names_to_json(&d->ref_names), *groups = names_to_json(&d->group_names);
+    char *kinds = names_to_json(&d->kind_names), *pairs = names_to_json(&d->pair_names);
+    char *families = d->kind_families.n ? names_to_json(&d->kind_families) : NULL;
     nqm_meta meta[8] = {{"format", format_name}, {"schema", schema},    {"ref_names", refs},
                         {"group_names", groups}, {"kind_names", kinds}, {"pair_names", pairs}};
     size_t n_meta = 6;
@@ -295,7 +274,7 @@ nqm_status nqm_dataset_write(const nqm_dataset *d, const char *path, char sha256
         meta[n_meta++] = (nqm_meta){"manifest", d->manifest};
     nqm_tensor tensors[N_COLUMNS];
     size_t n_tensors = list_tensors(d, tensors);
-    if (refs && groups && kinds && pairs && (families || !d->kind_families))
+    if (refs && groups && kinds && pairs && (families || !d->kind_families.n))
         status = nqm_safetensors_write(path, n_tensors, tensors, n_meta, meta, sha256_ret, err);
     else
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: a name is not UTF-8, or memory is short", path);

@@ -19,7 +19,6 @@ void nqm_human_free(nqm_human *human) {
     if (!human)
         return;
     nqm_dataset_free(human->dataset);
-    nqm_csv_free(human->csv);
     nqm_free(human->triplets);
     nqm_free(human);
 }
@@ -38,7 +37,7 @@ static double follow_others(double n, double n_other) {
 
 nqm_human_info nqm_human_get_info(const nqm_human *human) {
     nqm_human_info info = {.kind = human->kind,
-                           .n_rows = nqm_csv_rows(human->csv),
+                           .n_rows = human->n_rows,
                            .n_refs = human->dataset->n_refs,
                            .n_groups = human->dataset->n_groups,
                            .n_triplets = human->n_triplets};

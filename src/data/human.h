@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * human.h - inside of the answers of people: human_answers.c reads them, human_file.c samples the BRDFs that they are
- * about, human.c judges choices.
+ * human.h - people's answers: human_answers.c reads the CSV, human_file.c samples the BRDFs that the answers are about.
  */
-#ifndef NQM_SRC_TRAIN_HUMAN_H
-#define NQM_SRC_TRAIN_HUMAN_H
+#ifndef NQM_SRC_DATA_HUMAN_H
+#define NQM_SRC_DATA_HUMAN_H
 
 #include "data/data.h"
 #include "io/io.h"
 #include <nqm/data.h>
 
-/** How many people found which of two tests closer to their reference. */
+/** Which of two tests of a reference is more like it: how many people chose each. */
 typedef struct nqm_triplet {
     uint32_t group;
     uint32_t a, b; /* pairs of the dataset, a < b, with the same reference */
@@ -19,19 +18,19 @@ typedef struct nqm_triplet {
 
 struct nqm_human {
     nqm_human_kind kind;
-    nqm_csv *csv; /* the dataset's names are its fields */
+    size_t n_rows; /* of the CSV */
     nqm_dataset *dataset;
     size_t n_triplets;
     nqm_triplet *triplets; /* (n_triplets) distinct, by group */
 };
 
-/** The rows of a file. */
+/** The rows of a CSV. */
 typedef struct nqm_answers {
     nqm_human_kind kind;
-    const nqm_csv *csv;                                            /* lent */
-    const char *path;                                              /* lent */
-    int reference, test[2], value[2], choice, material, test_kind; /* columns; -1: not there */
-    size_t n_rows, n_slots;                                        /* n_slots: tests of a row, 1 or 2 */
+    const nqm_csv *csv;                                            /* borrowed */
+    const char *path;                                              /* borrowed */
+    int reference, test[2], value[2], choice, material, test_kind; /* columns; -1: missing */
+    size_t n_rows, n_slots;                                        /* n_slots: tests per row, 1 or 2 */
     double *values; /* (n_rows, n_slots) the score, or the number of people who chose each; nqm_free() */
 } nqm_answers;
 

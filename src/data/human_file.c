@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The answers of people as a dataset: the BRDFs that they name are sampled. Rows are sorted by reference and test, so
- * that each reference, and each test of it, is opened once.
+ * People's answers as a dataset: the BRDFs that they name are sampled. Rows are sorted by reference and test, so that every
+ * reference, and every test of it, is opened once.
  */
 #include "brdf/brdf.h"
 #include "data/human.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One test of one row. Strings are lent by the CSV. */
+/* One test of one row. Strings are borrowed from the CSV. */
 typedef struct entry {
     const char *ref, *test;
     size_t row, slot; /* slot 1: test_b */
@@ -18,14 +18,13 @@ typedef struct entry {
 
 typedef struct reader {
     nqm_human *human;
-    nqm_dataset *d;
+    nqm_dataset_builder builder;
     nqm_answers answers;
     const nqm_human_options *options;
-    size_t n_entries;
-    entry *entries;     /* (n_entries) sorted */
-    uint32_t *pair_of;  /* (n_rows, n_slots) */
-    size_t *ref_entry;  /* (n_refs) first entry of each reference */
-    size_t *pair_entry; /* (n_pairs) likewise */
+    size_t n_entries, n_refs, n_pairs;
+    entry *entries;    /* (n_entries) sorted */
+    uint32_t *pair_of; /* (n_rows, n_slots) */
+    nqm_ticker ticker;
     nqm_error *err;
 } reader;
 
@@ -41,51 +40,36 @@ static int compare_entries(const void *x, const void *y) {
     return order;
 }
 
-static bool same_pair(const entry *a, const entry *b) {
-    return strcmp(a->ref, b->ref) == 0 && strcmp(a->test, b->test) == 0;
+static bool begins_ref(const reader *r, size_t i) {
+    return i == 0 || strcmp(r->entries[i].ref, r->entries[i - 1].ref) != 0;
 }
 
-/* Number references and pairs. With choices equal pairs are one; a score is a pair of its own. */
-static void number_pairs(reader *r, uint32_t *pair_ref) {
+static bool repeats_pair(const reader *r, size_t i) {
+    return !begins_ref(r, i) && strcmp(r->entries[i].test, r->entries[i - 1].test) == 0;
+}
+
+/* Equal choices are one pair; every score is a pair of its own. */
+static bool begins_pair(const reader *r, size_t i) {
+    return r->answers.n_slots == 1 || !repeats_pair(r, i);
+}
+
+static nqm_status sort_entries(reader *r) {
+    const nqm_answers *a = &r->answers;
+    r->n_entries = a->n_rows * a->n_slots;
+    r->entries = nqm_alloc(r->n_entries, sizeof *r->entries);
+    r->pair_of = nqm_alloc(r->n_entries, sizeof *r->pair_of);
+    if (!r->entries || !r->pair_of)
+        return nqm_fail_nomem(r->err, r->n_entries * sizeof(entry));
+    for (size_t i = 0; i < r->n_entries; ++i) {
+        size_t row = i / a->n_slots, slot = i % a->n_slots;
+        r->entries[i] =
+            (entry){nqm_csv_text(a->csv, row, a->reference), nqm_csv_text(a->csv, row, a->test[slot]), row, slot};
+    }
     qsort(r->entries, r->n_entries, sizeof *r->entries, compare_entries);
     for (size_t i = 0; i < r->n_entries; ++i) {
-        const entry *e = &r->entries[i];
-        if (i == 0 || strcmp(e->ref, e[-1].ref) != 0)
-            r->ref_entry[r->d->n_refs++] = i;
-        if (i == 0 || r->answers.n_slots == 1 || !same_pair(e, e - 1)) {
-            pair_ref[r->d->n_pairs] = (uint32_t)(r->d->n_refs - 1);
-            r->pair_entry[r->d->n_pairs++] = i;
-        }
-        r->pair_of[e->row * r->answers.n_slots + e->slot] = (uint32_t)(r->d->n_pairs - 1);
-    }
-}
-
-/* Index of a name among `names`, appended when new. */
-static uint32_t intern(size_t *n, const char **names, const char *name) {
-    size_t i = *n;
-    while (i-- > 0)
-        if (strcmp(names[i], name) == 0)
-            return (uint32_t)i;
-    names[*n] = name;
-    return (uint32_t)(*n)++;
-}
-
-/* The material of a reference, which is the same in all of its rows; without that column the reference itself. */
-static nqm_status group_references(reader *r, uint32_t *ref_group, const char **group_names) {
-    for (size_t ref = 0; ref < r->d->n_refs; ++ref) {
-        size_t first = r->ref_entry[ref], end = ref + 1 < r->d->n_refs ? r->ref_entry[ref + 1] : r->n_entries;
-        const char *name = r->entries[first].ref;
-        if (r->answers.material >= 0)
-            name = nqm_csv_text(r->answers.csv, r->entries[first].row, r->answers.material);
-        for (size_t i = first; r->answers.material >= 0 && i < end; ++i)
-            if (strcmp(nqm_csv_text(r->answers.csv, r->entries[i].row, r->answers.material), name) != 0)
-                return nqm_fail(
-                    r->err, NQM_ERR_INCOMPATIBLE, -1,
-                    "%s: row %zu: the reference '%.100s' is of material '%.60s' here, and '%.60s' in row %zu",
-                    r->answers.path, r->entries[i].row + 1, r->entries[i].ref,
-                    nqm_csv_text(r->answers.csv, r->entries[i].row, r->answers.material), name,
-                    r->entries[first].row + 1);
-        ref_group[ref] = intern(&r->d->n_groups, group_names, name);
+        r->n_refs += begins_ref(r, i);
+        r->n_pairs += begins_pair(r, i);
+        r->pair_of[r->entries[i].row * a->n_slots + r->entries[i].slot] = (uint32_t)(r->n_pairs - 1);
     }
     return NQM_OK;
 }
@@ -94,12 +78,13 @@ static nqm_status group_references(reader *r, uint32_t *ref_group, const char **
 
 /* Sample a BRDF; used (n_directions) becomes 1 where it has a value. */
 static nqm_status sample_brdf(const reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
+    const nqm_dataset *d = r->builder.dataset;
     nqm_error inner = {0};
     nqm_brdf *brdf = NULL;
     nqm_status status = nqm_brdf_open_below(name, r->options->root, &brdf, &inner);
     if (status == NQM_OK)
-        status = nqm_sample(brdf, r->d->directions, NQM_INVALID_DROP, rgb, used, NULL, &inner);
-    for (size_t i = 0; status == NQM_OK && i < r->d->n_directions; ++i)
+        status = nqm_sample(brdf, d->directions, NQM_INVALID_DROP, rgb, used, NULL, &inner);
+    for (size_t i = 0; status == NQM_OK && i < d->n_directions; ++i)
         used[i] = used[i] == NQM_VALUE_OK || used[i] == NQM_VALUE_CLAMPED;
     nqm_brdf_free(brdf);
     return status == NQM_OK ? NQM_OK
@@ -107,45 +92,103 @@ static nqm_status sample_brdf(const reader *r, const char *name, size_t row, flo
                                        row + 1, inner.message);
 }
 
-static nqm_status check_valid(const reader *r, size_t pair, const uint8_t *ref_used, const uint8_t *test_used) {
-    size_t n_valid = 0, n = r->d->n_directions;
+static nqm_status check_valid(const reader *r, const entry *e, const uint8_t *ref_used, const uint8_t *test_used) {
+    size_t n_valid = 0, n = r->builder.dataset->n_directions;
     for (size_t i = 0; i < n; ++i)
         n_valid += ref_used[i] && test_used[i];
     if (n_valid > 0 && (double)n_valid >= r->options->min_valid_fraction * (double)n)
         return NQM_OK;
-    const entry *e = &r->entries[r->pair_entry[pair]];
     return nqm_fail(r->err, NQM_ERR_INCOMPATIBLE, -1,
-                    "%s: row %zu: only at %zu of %zu directions have both BRDFs a value ('%.100s', '%.100s')",
+                    "%s: row %zu: both BRDFs have a value at only %zu of %zu directions ('%.100s', '%.100s')",
                     r->answers.path, e->row + 1, n_valid, n, e->ref, e->test);
 }
 
-static nqm_status sample_pairs(reader *r, float *ref_rgb, float *test_rgb, uint8_t *ref_used, uint8_t *test_used) {
+/* ---- rows of the dataset ----------------------------------------------------------------------------------------- */
+
+/* The material of a row; without that column the reference itself. */
+static const char *material_of(const reader *r, const entry *e) {
+    return r->answers.material >= 0 ? nqm_csv_text(r->answers.csv, e->row, r->answers.material) : e->ref;
+}
+
+/* The reference that begins with an entry, whose rows must all name the same material. */
+static nqm_status add_reference(reader *r, size_t first) {
+    const entry *e = &r->entries[first];
+    const char *name = material_of(r, e);
+    nqm_dataset *d = r->builder.dataset;
+    uint32_t group = 0;
+    for (size_t i = first + 1; i < r->n_entries && !begins_ref(r, i); ++i)
+        if (strcmp(material_of(r, &r->entries[i]), material_of(r, e)) != 0 && r->answers.material >= 0)
+            return nqm_fail(r->err, NQM_ERR_INCOMPATIBLE, -1,
+                            "%s: row %zu: the reference '%.100s' is of material '%.60s' here, and '%.60s' in row %zu",
+                            r->answers.path, r->entries[i].row + 1, e->ref, material_of(r, &r->entries[i]), name,
+                            e->row + 1);
+    const size_t n = d->n_directions, ref = d->n_refs;
+    nqm_status status = nqm_dataset_add_group(&r->builder, name, strlen(name), NQM_SPLIT_TEST, &group, r->err);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_reference(&r->builder, e->ref, group, r->err);
+    return status == NQM_OK
+               ? sample_brdf(r, e->ref, e->row, r->builder.ref_rgb + 3 * n * ref, r->builder.ref_used + n * ref)
+               : status;
+}
+
+static nqm_status add_pair(reader *r, size_t i) {
+    const entry *e = &r->entries[i];
+    const nqm_dataset *d = r->builder.dataset;
+    const size_t n = d->n_directions, ref = d->n_refs - 1;
+    const double value = r->answers.n_slots == 1 ? r->answers.values[e->row] : (double)NAN;
+    float *rgb = r->builder.test_rgb + 3 * n * d->n_pairs;
+    uint8_t *used = r->builder.test_used + n * d->n_pairs;
+    uint32_t kind = 0;
     nqm_status status = NQM_OK;
-    size_t n = r->d->n_directions;
-    nqm_ticker ticker = {.fn = r->options->progress, .user = r->options->progress_user};
-    for (size_t ref = 0; status == NQM_OK && ref < r->d->n_refs; ++ref) {
-        const entry *e = &r->entries[r->ref_entry[ref]];
-        status = sample_brdf(r, e->ref, e->row, ref_rgb + 3 * n * ref, ref_used + n * ref);
+    if (repeats_pair(r, i)) { /* one more score of the same pair */
+        memcpy(rgb, rgb - 3 * n, 3 * n * sizeof *rgb);
+        memcpy(used, used - n, n);
+    } else {
+        status = sample_brdf(r, e->test, e->row, rgb, used);
     }
-    for (size_t pair = 0; status == NQM_OK && pair < r->d->n_pairs; ++pair) {
-        const entry *e = &r->entries[r->pair_entry[pair]];
-        float *rgb = test_rgb + 3 * n * pair;
-        uint8_t *used = test_used + n * pair;
-        if (pair > 0 && same_pair(e, e - 1)) { /* one more score of the same pair */
-            memcpy(rgb, rgb - 3 * n, 3 * n * sizeof *rgb);
-            memcpy(used, used - n, n);
-        } else {
-            status = sample_brdf(r, e->test, e->row, rgb, used);
-        }
-        if (status == NQM_OK)
-            status = check_valid(r, pair, ref_used + n * r->d->pair_ref[pair], used);
-        if (status == NQM_OK && nqm_tick(&ticker, "sample", (double)(pair + 1), (double)r->d->n_pairs))
-            status = nqm_fail(r->err, NQM_ERR_CANCELLED, -1, "interrupted");
-    }
+    if (status == NQM_OK)
+        status = check_valid(r, e, r->builder.ref_used + n * ref, used);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_kind(
+            &r->builder,
+            r->answers.test_kind >= 0 ? nqm_csv_text(r->answers.csv, e->row, r->answers.test_kind) : "human", NULL,
+            &kind, r->err);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_pair(&r->builder, (uint32_t)ref, e->test, kind, (double)NAN,
+                                      r->answers.kind == NQM_HUMAN_DISTANCE ? -value : value, r->err);
+    if (status == NQM_OK && nqm_tick(&r->ticker, "sample", (double)d->n_pairs, (double)r->n_pairs))
+        status = nqm_fail(r->err, NQM_ERR_CANCELLED, -1, "interrupted");
     return status;
 }
 
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
+static nqm_status build_dataset(reader *r) {
+    const nqm_directions *given = r->options->directions;
+    nqm_directions *made = NULL;
+    nqm_status status = given ? NQM_OK : nqm_directions_create(NULL, 0, NULL, &made, r->err);
+    if (status != NQM_OK)
+        return status;
+    const nqm_directions *directions = given ? given : made;
+    const nqm_dataset_limits limits = {.n_directions = nqm_directions_count(directions),
+                                       .directions_deg = nqm_directions_degrees(directions),
+                                       .max_refs = r->n_refs,
+                                       .max_pairs = r->n_pairs,
+                                       .has_masks = true};
+    status = nqm_dataset_begin(&limits, &r->builder, r->err);
+    nqm_directions_free(made);
+    if (status != NQM_OK)
+        return status;
+    r->ticker = (nqm_ticker){.fn = r->options->progress, .user = r->options->progress_user};
+    for (size_t i = 0; status == NQM_OK && i < r->n_entries; ++i) {
+        if (begins_ref(r, i))
+            status = add_reference(r, i);
+        if (status == NQM_OK && begins_pair(r, i))
+            status = add_pair(r, i);
+    }
+    r->builder.dataset->order_only = r->answers.kind != NQM_HUMAN_JOD;
+    return nqm_dataset_finish(&r->builder, status, NULL, NULL, &r->human->dataset, r->err);
+}
+
+/* ---- choices ----------------------------------------------------------------------------------------------------- */
 
 static int compare_triplets(const void *x, const void *y) {
     const nqm_triplet *p = x, *q = y;
@@ -165,7 +208,7 @@ static nqm_status gather_triplets(reader *r) {
         const uint32_t *pair = r->pair_of + 2 * row;
         const double *n = r->answers.values + 2 * row;
         bool swap = pair[0] > pair[1];
-        h->triplets[row] = (nqm_triplet){.group = r->d->ref_group[r->d->pair_ref[pair[0]]],
+        h->triplets[row] = (nqm_triplet){.group = h->dataset->ref_group[h->dataset->pair_ref[pair[0]]],
                                          .a = pair[swap],
                                          .b = pair[!swap],
                                          .n_a = n[swap],
@@ -185,110 +228,7 @@ static nqm_status gather_triplets(reader *r) {
     return NQM_OK;
 }
 
-static void fill_labels(const reader *r, double *delta_e, double *jod, uint32_t *pair_kind, const char **kind_names) {
-    for (size_t pair = 0; pair < r->d->n_pairs; ++pair) {
-        size_t row = r->entries[r->pair_entry[pair]].row;
-        double value = r->answers.n_slots == 1 ? r->answers.values[row] : (double)NAN;
-        delta_e[pair] = NAN;
-        jod[pair] = r->human->kind == NQM_HUMAN_DISTANCE ? -value : value;
-        bool named = r->answers.test_kind >= 0;
-        pair_kind[pair] = intern(&r->d->n_kinds, kind_names,
-                                 named ? nqm_csv_text(r->answers.csv, row, r->answers.test_kind) : "human");
-    }
-}
-
-static nqm_status fill_dataset(reader *r) {
-    nqm_dataset *d = r->d;
-    size_t n = r->n_entries;
-    uint32_t *pair_ref = nqm_dataset_alloc(d, n, sizeof *pair_ref),
-             *ref_group = nqm_dataset_alloc(d, n, sizeof *ref_group);
-    uint32_t *pair_kind = nqm_dataset_alloc(d, n, sizeof *pair_kind);
-    uint8_t *group_split = nqm_dataset_alloc(d, n, 1);
-    const char **ref_names = nqm_dataset_alloc(d, n, sizeof *ref_names);
-    const char **group_names = nqm_dataset_alloc(d, n, sizeof *group_names);
-    const char **kind_names = nqm_dataset_alloc(d, n, sizeof *kind_names);
-    const char **pair_names = nqm_dataset_alloc(d, n, sizeof *pair_names);
-    double *delta_e = nqm_dataset_alloc(d, n, sizeof *delta_e), *jod = nqm_dataset_alloc(d, n, sizeof *jod);
-    if (!pair_ref || !ref_group || !pair_kind || !group_split || !ref_names || !group_names || !kind_names ||
-        !pair_names || !delta_e || !jod)
-        return nqm_fail_nomem(r->err, n * 8 * sizeof(double));
-    number_pairs(r, pair_ref);
-    nqm_status status = group_references(r, ref_group, group_names);
-    if (status != NQM_OK)
-        return status;
-    fill_labels(r, delta_e, jod, pair_kind, kind_names);
-    memset(group_split, NQM_SPLIT_TEST, d->n_groups);
-    for (size_t i = 0; i < d->n_refs; ++i)
-        ref_names[i] = r->entries[r->ref_entry[i]].ref;
-    for (size_t i = 0; i < d->n_pairs; ++i)
-        pair_names[i] = r->entries[r->pair_entry[i]].test;
-    d->pair_ref = pair_ref;
-    d->ref_group = ref_group;
-    d->pair_kind = pair_kind;
-    d->group_split = group_split;
-    d->ref_names = ref_names;
-    d->group_names = group_names;
-    d->kind_names = kind_names;
-    d->pair_names = pair_names;
-    d->delta_e = delta_e;
-    d->jod = jod;
-    d->order_only = r->human->kind != NQM_HUMAN_JOD;
-    return NQM_OK;
-}
-
-static nqm_status fill_samples(reader *r) {
-    nqm_dataset *d = r->d;
-    const nqm_directions *lent = r->options->directions;
-    nqm_status status = lent ? nqm_directions_from_degrees(nqm_directions_count(lent), nqm_directions_degrees(lent),
-                                                           &d->directions, r->err)
-                             : nqm_directions_create(NULL, 0, NULL, &d->directions, r->err);
-    if (status != NQM_OK)
-        return status;
-    size_t n = d->n_directions = nqm_directions_count(d->directions);
-    d->directions_deg = nqm_directions_degrees(d->directions);
-    float *ref_rgb = nqm_dataset_alloc(d, d->n_refs, 3 * n * sizeof *ref_rgb);
-    float *test_rgb = nqm_dataset_alloc(d, d->n_pairs, 3 * n * sizeof *test_rgb);
-    uint8_t *ref_used = nqm_dataset_alloc(d, d->n_refs, n), *test_used = nqm_dataset_alloc(d, d->n_pairs, n);
-    if (!ref_rgb || !test_rgb || !ref_used || !test_used)
-        return nqm_fail_nomem(r->err, (d->n_refs + d->n_pairs) * n * 13);
-    d->ref_rgb = ref_rgb;
-    d->test_rgb = test_rgb;
-    d->ref_used = ref_used;
-    d->test_used = test_used;
-    status = sample_pairs(r, ref_rgb, test_rgb, ref_used, test_used);
-    return status == NQM_OK ? nqm_dataset_hash(d, d->sha256, r->err) : status;
-}
-
-static nqm_status begin(reader *r) {
-    const nqm_answers *a = &r->answers;
-    r->n_entries = a->n_rows * a->n_slots;
-    r->entries = nqm_alloc(r->n_entries, sizeof *r->entries);
-    r->pair_of = nqm_alloc(r->n_entries, sizeof *r->pair_of);
-    r->ref_entry = nqm_alloc(r->n_entries, sizeof *r->ref_entry);
-    r->pair_entry = nqm_alloc(r->n_entries, sizeof *r->pair_entry);
-    if (!r->entries || !r->pair_of || !r->ref_entry || !r->pair_entry)
-        return nqm_fail_nomem(r->err, r->n_entries * (sizeof(entry) + 2 * sizeof(size_t)));
-    for (size_t i = 0; i < r->n_entries; ++i) {
-        size_t row = i / a->n_slots, slot = i % a->n_slots;
-        r->entries[i] =
-            (entry){nqm_csv_text(a->csv, row, a->reference), nqm_csv_text(a->csv, row, a->test[slot]), row, slot};
-    }
-    return NQM_OK;
-}
-
-static nqm_status read_all(reader *r, const char *csv_path) {
-    nqm_status status = nqm_csv_load(csv_path, &r->human->csv, r->err);
-    if (status == NQM_OK)
-        status = nqm_answers_read(r->human->csv, csv_path, &r->answers, r->err);
-    r->human->kind = r->answers.kind;
-    if (status == NQM_OK)
-        status = begin(r);
-    if (status == NQM_OK)
-        status = fill_dataset(r);
-    if (status == NQM_OK && r->human->kind == NQM_HUMAN_CHOICE)
-        status = gather_triplets(r);
-    return status == NQM_OK ? fill_samples(r) : status;
-}
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options, nqm_human **human_ret,
                           nqm_error *err) {
@@ -296,22 +236,27 @@ nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options
     nqm_human_options o = options ? *options : nqm_human_options_default();
     if (!(o.min_valid_fraction >= 0 && o.min_valid_fraction <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1", o.min_valid_fraction);
-    nqm_human *human = nqm_alloc(1, sizeof *human);
-    if (human)
-        human->dataset = nqm_alloc(1, sizeof *human->dataset);
-    reader r = {.human = human, .options = &o, .err = err};
-    nqm_status status = NQM_OK;
-    if (!human || !human->dataset)
-        status = nqm_fail_nomem(err, sizeof *human);
-    r.d = human ? human->dataset : NULL;
+    nqm_csv *csv = NULL;
+    reader r = {.human = nqm_alloc(1, sizeof *r.human), .options = &o, .err = err};
+    nqm_status status = r.human ? nqm_csv_load(csv_path, &csv, err) : nqm_fail_nomem(err, sizeof *r.human);
     if (status == NQM_OK)
-        status = read_all(&r, csv_path);
-    void *blocks[] = {r.answers.values, r.entries, r.pair_of, r.ref_entry, r.pair_entry};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
-        nqm_free(blocks[i]);
+        status = nqm_answers_read(csv, csv_path, &r.answers, err);
+    if (status == NQM_OK) {
+        r.human->kind = r.answers.kind;
+        r.human->n_rows = r.answers.n_rows;
+        status = sort_entries(&r);
+    }
     if (status == NQM_OK)
-        *human_ret = human;
+        status = build_dataset(&r);
+    if (status == NQM_OK && r.answers.kind == NQM_HUMAN_CHOICE)
+        status = gather_triplets(&r);
+    nqm_free(r.answers.values);
+    nqm_free(r.entries);
+    nqm_free(r.pair_of);
+    nqm_csv_free(csv);
+    if (status == NQM_OK)
+        *human_ret = r.human;
     else
-        nqm_human_free(human);
+        nqm_human_free(r.human);
     return status;
 }

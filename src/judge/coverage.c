@@ -60,7 +60,7 @@ static void finish(const nqm_dataset *d, const nqm_selection *s, const tally *t,
         c->by_material += share;
         if (share < c->lowest) {
             c->lowest = share;
-            c->lowest_material = d->group_names[g];
+            c->lowest_material = nqm_name(&d->group_names, g);
         }
     }
     c->by_material /= (double)c->n_materials;

@@ -18,7 +18,7 @@ static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t
     const nqm_dataset *d = ev->dataset;
     size_t kind = d->pair_kind[pair];
     return nqm_evaluation_in_split(d, pair, o->split) && nqm_evaluation_in_split(d, pair, ev->split) &&
-           in_range(d, o, pair) && is(o->kind, d->kind_names[kind]) &&
+           in_range(d, o, pair) && is(o->kind, nqm_name(&d->kind_names, kind)) &&
            is(o->family, nqm_dataset_kind_family(d, kind)) &&
            is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }

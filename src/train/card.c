@@ -57,7 +57,7 @@ static void write_data(FILE *out, const nqm_dataset *d) {
         size_t n[3] = {0};
         for (size_t i = 0; i < d->n_pairs; ++i)
             n[nqm_dataset_pair_split(d, i)] += d->pair_kind[i] == kind;
-        fprintf(out, "| %s | %zu | %zu | %zu |\n", d->kind_names[kind], n[0], n[1], n[2]);
+        fprintf(out, "| %s | %zu | %zu | %zu |\n", nqm_name(&d->kind_names, kind), n[0], n[1], n[2]);
     }
     fprintf(out, "\nA material is in one split only, with all its reconstructions. The test split was not used.\n");
     if (n_groups[NQM_SPLIT_VALIDATION] == 0)

@@ -75,7 +75,7 @@ static void round_trip(void **state) {
 static void families_may_be_missing(void **state) {
     (void)state;
     nqm_dataset old = *toy, *d;
-    old.kind_families = NULL;
+    old.kind_families = (nqm_names){0};
     assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
     assert_string_equal(nqm_dataset_kind_family(d, 1), "");

@@ -10,6 +10,7 @@
 #include "train/train.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { SPEC_BYTES = 200, TESTS_PER_REF = 10, NAME_BYTES = 32 };
 
@@ -59,50 +60,28 @@ static double label_delta_e(size_t n, const float *ref, const float *test) {
     return 40 * sum / (double)n;
 }
 
-/* Memory of a dataset while it is filled; the dataset's own pointers are to constants. */
-typedef struct arrays {
-    float *ref_rgb, *test_rgb;
-    uint32_t *pair_ref, *ref_group;
-    double *delta_e, *jod;
-    const char **ref_names, **pair_names;
-    char *text;
-} arrays;
-
-static bool allocate(nqm_dataset *d, arrays *a) {
-    const size_t width = 3 * d->n_directions * sizeof(float);
-    d->ref_rgb = a->ref_rgb = nqm_dataset_alloc(d, d->n_refs, width);
-    d->test_rgb = a->test_rgb = nqm_dataset_alloc(d, d->n_pairs, width);
-    d->pair_ref = a->pair_ref = nqm_dataset_alloc(d, d->n_pairs, sizeof(uint32_t));
-    d->ref_group = a->ref_group = nqm_dataset_alloc(d, d->n_refs, sizeof(uint32_t));
-    d->delta_e = a->delta_e = nqm_dataset_alloc(d, d->n_pairs, sizeof(double));
-    d->jod = a->jod = nqm_dataset_alloc(d, d->n_pairs, sizeof(double));
-    d->pair_kind = nqm_dataset_alloc(d, d->n_pairs, sizeof(uint32_t));
-    d->group_split = nqm_dataset_alloc(d, d->n_groups, 1);
-    a->ref_names = nqm_dataset_alloc(d, d->n_refs, sizeof(char *));
-    a->pair_names = nqm_dataset_alloc(d, d->n_pairs, sizeof(char *));
-    a->text = nqm_dataset_alloc(d, d->n_refs + d->n_pairs, NAME_BYTES);
-    d->ref_names = d->group_names = a->ref_names;
-    d->pair_names = a->pair_names;
-    return a->ref_rgb && a->test_rgb && a->pair_ref && a->ref_group && a->delta_e && a->jod && d->pair_kind &&
-           d->group_split && a->ref_names && a->pair_names && a->text;
-}
-
-static nqm_status fill_reference(const nqm_dataset *d, arrays *a, size_t ref, nqm_rng *rng, nqm_error *err) {
+static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng, nqm_error *err) {
+    const nqm_dataset *d = b->dataset;
     const size_t width = 3 * d->n_directions;
     const material m = random_material(rng);
-    float *ref_rgb = a->ref_rgb + ref * width;
-    a->ref_group[ref] = (uint32_t)ref;
-    a->ref_names[ref] = a->text + ref * NAME_BYTES;
-    snprintf(a->text + ref * NAME_BYTES, NAME_BYTES, "material %zu", ref);
-    nqm_status status = sample_material(&m, d->directions, ref_rgb, err);
+    char name[NAME_BYTES];
+    uint32_t group = 0, kind = 0;
+    snprintf(name, sizeof name, "material %zu", ref);
+    nqm_status status = sample_material(&m, d->directions, b->ref_rgb + ref * width, err);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_group(b, name, strlen(name), NQM_SPLIT_TRAIN, &group, err);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_reference(b, name, group, err);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_kind(b, "random", NULL, &kind, err);
     for (size_t i = ref * TESTS_PER_REF; i < (ref + 1) * TESTS_PER_REF && status == NQM_OK; ++i) {
         const material changed = change(&m, rng);
-        float *test_rgb = a->test_rgb + i * width;
+        float *test_rgb = b->test_rgb + i * width;
         status = sample_material(&changed, d->directions, test_rgb, err);
-        a->pair_ref[i] = (uint32_t)ref;
-        a->delta_e[i] = label_delta_e(width, ref_rgb, test_rgb);
-        a->pair_names[i] = a->text + (d->n_refs + i) * NAME_BYTES;
-        snprintf(a->text + (d->n_refs + i) * NAME_BYTES, NAME_BYTES, "copy %zu", i);
+        snprintf(name, sizeof name, "copy %zu", i);
+        if (status == NQM_OK)
+            status = nqm_dataset_add_pair(b, (uint32_t)ref, name, kind,
+                                          label_delta_e(width, b->ref_rgb + ref * width, test_rgb), 0, err);
     }
     return status;
 }
@@ -119,39 +98,20 @@ static nqm_status spread_jods(const nqm_dataset *d, double *jod, nqm_error *err)
     return NQM_OK;
 }
 
-static nqm_status fill(nqm_dataset *d, const nqm_directions *directions, nqm_error *err) {
-    static const char *const kinds[] = {"random"};
-    arrays a;
-    nqm_status status = nqm_directions_from_degrees(nqm_directions_count(directions),
-                                                    nqm_directions_degrees(directions), &d->directions, err);
-    if (status != NQM_OK)
-        return status;
-    d->n_directions = nqm_directions_count(d->directions);
-    d->directions_deg = nqm_directions_degrees(d->directions);
-    d->kind_names = kinds;
-    d->manifest = "{\"made_by\": \"nqm bench\"}";
-    if (!allocate(d, &a))
-        return nqm_fail_nomem(err, d->n_pairs * 3 * d->n_directions * sizeof(float));
-    nqm_rng rng = nqm_rng_make(1, 0);
-    for (size_t ref = 0; ref < d->n_refs && status == NQM_OK; ++ref)
-        status = fill_reference(d, &a, ref, &rng, err);
-    if (status == NQM_OK)
-        status = spread_jods(d, a.jod, err);
-    return status == NQM_OK ? nqm_dataset_hash(d, d->sha256, err) : status;
-}
-
 nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret, nqm_error *err) {
     *dataset_ret = NULL;
-    nqm_dataset *d = nqm_alloc(1, sizeof *d);
-    if (!d)
-        return nqm_fail_nomem(err, sizeof *d);
-    d->n_refs = d->n_groups = n_refs;
-    d->n_pairs = n_refs * TESTS_PER_REF;
-    d->n_kinds = 1;
-    nqm_status status = fill(d, directions, err);
+    const nqm_dataset_limits limits = {.n_directions = nqm_directions_count(directions),
+                                       .directions_deg = nqm_directions_degrees(directions),
+                                       .max_refs = n_refs,
+                                       .max_pairs = n_refs * TESTS_PER_REF};
+    nqm_dataset_builder b;
+    nqm_status status = nqm_dataset_begin(&limits, &b, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_rng rng = nqm_rng_make(1, 0);
+    for (size_t ref = 0; ref < n_refs && status == NQM_OK; ++ref)
+        status = add_material(&b, ref, &rng, err);
     if (status == NQM_OK)
-        *dataset_ret = d;
-    else
-        nqm_dataset_free(d);
-    return status;
+        status = spread_jods(b.dataset, b.jod, err);
+    return nqm_dataset_finish(&b, status, "{\"made_by\": \"nqm bench\"}", NULL, dataset_ret, err);
 }

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Lists of strings: see names.h.
+ */
+#include "base/names.h"
+
+#include <string.h>
+
+/* Room for n elements in *block, which holds *max_n; the capacity doubles. */
+static bool reserve(void **block, size_t *max_n, size_t n, size_t size) {
+    if (n <= *max_n)
+        return true;
+    const size_t max = nqm_larger(n, 2 * *max_n);
+    void *larger = nqm_alloc(max, size);
+    if (!larger)
+        return false;
+    if (*block)
+        memcpy(larger, *block, *max_n * size);
+    nqm_free(*block);
+    *block = larger;
+    *max_n = max;
+    return true;
+}
+
+nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err) {
+    void *start = names->start, *text = names->text;
+    const bool ok = reserve(&start, &names->max_n, names->n + 1, sizeof *names->start) &&
+                    reserve(&text, &names->max_text, names->n_text + n_bytes + 1, 1);
+    names->start = start;
+    names->text = text;
+    if (!ok)
+        return nqm_fail_nomem(err, n_bytes);
+    names->start[names->n++] = names->n_text;
+    memcpy(names->text + names->n_text, name, n_bytes);
+    names->text[names->n_text + n_bytes] = '\0';
+    names->n_text += n_bytes + 1;
+    return NQM_OK;
+}
+
+nqm_status nqm_names_intern(nqm_names *names, const char *name, size_t n_bytes, uint32_t *index_ret, nqm_error *err) {
+    size_t i = names->n;
+    for (; i-- > 0;)
+        if (strncmp(nqm_name(names, i), name, n_bytes) == 0 && nqm_name(names, i)[n_bytes] == '\0')
+            break;
+    *index_ret = (uint32_t)(i < names->n ? i : names->n);
+    return i < names->n ? NQM_OK : nqm_names_add(names, name, n_bytes, err);
+}
+
+void nqm_names_free(nqm_names *names) {
+    nqm_free(names->start);
+    nqm_free(names->text);
+    *names = (nqm_names){0};
+}
