@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Benchmarks in general: timing several ways in turns with samples of the machine's peaks between them, and rows, which
- * are settled at the end, when all samples of the peaks are there.
+ * Shared by all benchmarks: timing in turns with samples of the machine's peaks in between, and the rows, which are completed
+ * at the end, when all samples of the peaks exist.
  */
-#include "bench/inside.h"
+#include "bench/bench.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -18,13 +18,13 @@ nqm_bench_options nqm_bench_options_default(void) {
 
 static nqm_status check_options(const nqm_bench_options *o, nqm_error *err) {
     if (o->rounds < 1 || o->rounds > 1000)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "rounds %zu: not 1 to 1000", o->rounds);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "rounds must be 1 to 1000, not %zu", o->rounds);
     if (!(o->round_s >= 1e-4 && o->round_s <= 10))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "seconds of a round %g: not 0.0001 to 10", o->round_s);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "seconds per round must be 0.0001 to 10, not %g", o->round_s);
     if (!(o->memory_mb >= 1 && o->memory_mb <= 65536))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "megabytes of memory %g: not 1 to 65536", o->memory_mb);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "megabytes of memory must be 1 to 65536, not %g", o->memory_mb);
     if (o->precisions == 0 || o->precisions >> NQM_PRECISION_COUNT)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "precisions: none, or an unknown one");
+        return nqm_fail(err, NQM_ERR_ARG, -1, "precisions: there is none, or an unknown one");
     return NQM_OK;
 }
 
@@ -64,55 +64,90 @@ void nqm_bench_free(nqm_bench *bench) {
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
-static const nqm_bench_row nothing = {.precision = -1,
-                                      .seconds = NAN,
-                                      .seconds_median = NAN,
-                                      .seconds_worst = NAN,
-                                      .ms_per_pair = NAN,
-                                      .gflop = NAN,
-                                      .gflops = NAN,
-                                      .peak_gflops = NAN,
-                                      .peak_median = NAN,
-                                      .megabytes = NAN,
-                                      .gb_per_s = NAN,
-                                      .peak_gb_per_s = NAN,
-                                      .floor_seconds = NAN,
-                                      .floor_f32 = NAN,
-                                      .ratio = NAN,
-                                      .times_floor = NAN,
-                                      .cpu_share = NAN,
-                                      .max_rss_mb = NAN,
-                                      .train_loss = NAN,
-                                      .validation_loss = NAN,
-                                      .seconds_100 = NAN,
-                                      .best_epoch_seconds = NAN,
-                                      .times_alternative = NAN};
+#define FIELD(key, kind, member)                                                                                       \
+    { key, NQM_BENCH_##kind, offsetof(nqm_bench_row, member) }
+const nqm_bench_field nqm_bench_fields[] = {
+    FIELD("bench", TEXT, bench),
+    FIELD("name", TEXT, name),
+    FIELD("subject", TEXT, subject),
+    FIELD("model", TEXT, model),
+    FIELD("by", TEXT, by),
+    FIELD("kernels", TEXT, kernels),
+    FIELD("precision", PRECISION, precision),
+    FIELD("batch", COUNT, size.batch),
+    FIELD("threads", COUNT, size.threads),
+    FIELD("epochs", COUNT, size.epochs),
+    FIELD("seed", COUNT, size.seed),
+    FIELD("pairs", COUNT, size.pairs),
+    FIELD("layer", COUNT, size.layer),
+    FIELD("m", COUNT, size.m),
+    FIELD("n", COUNT, size.n),
+    FIELD("k", COUNT, size.k),
+    FIELD("rounds", COUNT, size.rounds),
+    FIELD("seconds", NUMBER, times.best),
+    FIELD("seconds_median", NUMBER, times.median),
+    FIELD("seconds_worst", NUMBER, times.worst),
+    FIELD("best_epoch_seconds", NUMBER, times.best_epoch),
+    FIELD("seconds_100_epochs", NUMBER, times.epochs_100),
+    FIELD("ms_per_pair", NUMBER, times.ms_per_pair),
+    FIELD("gflop", NUMBER, work.gflop),
+    FIELD("gflops", NUMBER, work.gflops),
+    FIELD("peak_gflops", NUMBER, limits.peak_gflops),
+    FIELD("peak_median_gflops", NUMBER, limits.peak_median_gflops),
+    FIELD("megabytes", NUMBER, work.megabytes),
+    FIELD("gb_per_s", NUMBER, work.gb_per_s),
+    FIELD("peak_gb_per_s", NUMBER, limits.peak_gb_per_s),
+    FIELD("floor_seconds", NUMBER, limits.floor_seconds),
+    FIELD("floor_f32_seconds", NUMBER, limits.floor_f32_seconds),
+    FIELD("ratio", NUMBER, limits.ratio),
+    FIELD("times_floor", NUMBER, limits.times_floor),
+    FIELD("times_alternative", NUMBER, times.times_alternative),
+    FIELD("cpu_share", NUMBER, times.cpu_share),
+    FIELD("max_rss_mb", NUMBER, work.max_rss_mb),
+    FIELD("train_loss", NUMBER, work.train_loss),
+    FIELD("validation_loss", NUMBER, work.validation_loss),
+    {0},
+};
+
+double nqm_bench_number(const nqm_bench_row *row, const nqm_bench_field *field) {
+    const void *at = (const char *)row + field->offset;
+    return field->kind == NQM_BENCH_COUNT ? (double)*(const size_t *)at : *(const double *)at;
+}
+
+const char *nqm_bench_text(const nqm_bench_row *row, const nqm_bench_field *field) {
+    if (field->kind == NQM_BENCH_PRECISION)
+        return row->precision < 0 ? NULL : nqm_precision_name((nqm_precision)row->precision);
+    return *(const char *const *)(const void *)((const char *)row + field->offset);
+}
 
 nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name) {
-    nqm_bench_entry entry = {nothing, NQM_METER_NONE, NQM_METER_NONE, NQM_METER_NONE, 0};
+    nqm_bench_entry entry = {{.precision = -1}, NQM_METER_NONE, NQM_METER_NONE, NQM_METER_NONE, 0};
+    for (const nqm_bench_field *f = nqm_bench_fields; f->key; ++f)
+        if (f->kind == NQM_BENCH_NUMBER)
+            *(double *)(void *)((char *)&entry.row + f->offset) = NAN;
     entry.row.bench = bench_name;
     entry.row.name = name;
     entry.row.by = "nqm";
     entry.row.kernels = nqm_kernels_selected();
-    entry.row.threads = (size_t)omp_get_max_threads();
+    entry.row.size.threads = (size_t)omp_get_max_threads();
     return entry;
 }
 
 void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop) {
     entry->row.precision = (int)precision;
-    entry->row.gflop = 1e-9 * flop;
+    entry->row.work.gflop = 1e-9 * flop;
     entry->peak = nqm_bench_peak_meter(bench, precision);
     entry->peak_f32 = nqm_bench_peak_meter(bench, NQM_PRECISION_F32);
 }
 
 void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes) {
-    entry->row.megabytes = 1e-6 * (double)n_bytes;
+    entry->row.work.megabytes = 1e-6 * (double)n_bytes;
     entry->read = nqm_bench_read_meter(bench, n_bytes, (size_t)omp_get_max_threads());
 }
 
-/* Room for one more at the end of an array of n, which begins as NULL; the array doubles. NULL: out of memory. */
+/* Make room for an element after the n of an array (first NULL), doubling its size at powers of two. NULL: out of memory. */
 static void *grow(void *array, size_t n, size_t size) {
-    if (n & (n - 1) || (n == 0 && array)) /* there is room up to the next power of two */
+    if (n & (n - 1) || (n == 0 && array))
         return array;
     void *larger = nqm_alloc(n ? 2 * n : 1, size);
     if (!larger)
@@ -143,46 +178,46 @@ const char *nqm_bench_keep_text(nqm_bench *bench, const char *text) {
     return bench->text[bench->n_texts++] = copy;
 }
 
-/* What follows from the times, the work and the peaks. */
-static void settle(const nqm_bench *bench, nqm_bench_entry *entry) {
+/* Derive rates, limits and ratios from the times, the work and the peaks. */
+static void complete(const nqm_bench *bench, nqm_bench_entry *entry) {
     nqm_bench_row *row = &entry->row;
     double arithmetic = NAN, reading = NAN;
-    if (row->batch && strcmp(row->bench, "score") == 0)
-        row->ms_per_pair = 1e3 * row->seconds / (double)row->batch;
-    row->gflops = row->gflop / row->seconds;
-    row->gb_per_s = row->megabytes / row->seconds / 1000;
+    if (row->size.batch && strcmp(row->bench, "score") == 0)
+        row->times.ms_per_pair = 1e3 * row->times.best / (double)row->size.batch;
+    row->work.gflops = row->work.gflop / row->times.best;
+    row->work.gb_per_s = row->work.megabytes / row->times.best / 1000;
     if (entry->peak != NQM_METER_NONE) {
-        row->peak_gflops = nqm_bench_meter_peak(&bench->meter[entry->peak]);
-        row->peak_median = nqm_bench_meter_median(&bench->meter[entry->peak]);
-        arithmetic = row->gflop / row->peak_gflops;
+        row->limits.peak_gflops = nqm_bench_meter_peak(&bench->meter[entry->peak]);
+        row->limits.peak_median_gflops = nqm_bench_meter_median(&bench->meter[entry->peak]);
+        arithmetic = row->work.gflop / row->limits.peak_gflops;
     }
     if (entry->peak_f32 != NQM_METER_NONE && entry->row.precision == NQM_PRECISION_BF16)
-        row->floor_f32 = row->gflop / nqm_bench_meter_peak(&bench->meter[entry->peak_f32]);
+        row->limits.floor_f32_seconds = row->work.gflop / nqm_bench_meter_peak(&bench->meter[entry->peak_f32]);
     if (entry->read != NQM_METER_NONE) {
-        row->peak_gb_per_s = nqm_bench_meter_peak(&bench->meter[entry->read]);
-        reading = row->megabytes / row->peak_gb_per_s / 1000;
+        row->limits.peak_gb_per_s = nqm_bench_meter_peak(&bench->meter[entry->read]);
+        reading = row->work.megabytes / row->limits.peak_gb_per_s / 1000;
     }
-    row->floor_seconds = fmax(arithmetic, reading); /* fmax() leaves NaN out */
-    row->ratio = row->floor_seconds / row->seconds;
-    row->times_floor = row->seconds / row->floor_seconds;
+    row->limits.floor_seconds = fmax(arithmetic, reading); /* fmax() ignores NaN */
+    row->limits.ratio = row->limits.floor_seconds / row->times.best;
+    row->limits.times_floor = row->times.best / row->limits.floor_seconds;
 }
 
-static nqm_bench_entry meter_entry(const nqm_meter *meter) {
+static nqm_bench_entry meter_entry(const nqm_bench_meter *meter) {
     nqm_bench_entry entry = nqm_bench_entry_make("peak", meter->bytes ? "reading" : "arithmetic");
     nqm_bench_row *row = &entry.row;
     row->by = NULL;
     row->kernels = meter->kernels;
-    row->threads = meter->threads;
-    row->rounds = meter->n_samples;
+    row->size.threads = meter->threads;
+    row->size.rounds = meter->n_samples;
     if (meter->bytes) {
-        row->megabytes = 1e-6 * (double)meter->bytes;
-        row->gb_per_s = row->peak_gb_per_s = nqm_bench_meter_peak(meter);
-        row->seconds = row->megabytes / 1000 / nqm_bench_meter_peak(meter);
-        row->seconds_median = row->megabytes / 1000 / nqm_bench_meter_median(meter);
+        row->work.megabytes = 1e-6 * (double)meter->bytes;
+        row->work.gb_per_s = row->limits.peak_gb_per_s = nqm_bench_meter_peak(meter);
+        row->times.best = row->work.megabytes / 1000 / nqm_bench_meter_peak(meter);
+        row->times.median = row->work.megabytes / 1000 / nqm_bench_meter_median(meter);
     } else {
         row->precision = (int)meter->precision;
-        row->gflops = row->peak_gflops = nqm_bench_meter_peak(meter);
-        row->peak_median = nqm_bench_meter_median(meter);
+        row->work.gflops = row->limits.peak_gflops = nqm_bench_meter_peak(meter);
+        row->limits.peak_median_gflops = nqm_bench_meter_median(meter);
     }
     return entry;
 }
@@ -198,9 +233,10 @@ nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err) {
     nqm_bench_release_memory(bench);
     for (size_t i = 0; i < n_timed; ++i) {
         nqm_bench_entry *entry = &bench->entry[i];
-        settle(bench, entry);
+        complete(bench, entry);
         if (entry->alternative)
-            entry->row.times_alternative = bench->entry[i - entry->alternative].row.seconds / entry->row.seconds;
+            entry->row.times.times_alternative =
+                bench->entry[i - entry->alternative].row.times.best / entry->row.times.best;
     }
     return status;
 }
@@ -219,26 +255,26 @@ nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err) {
     const nqm_bench_options *o = &bench->options;
     bench->done += 1;
     if (o->progress && o->progress(o->progress_user, stage, bench->done, bench->total) != 0)
-        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted: nothing is printed of what was measured");
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted; the results so far are discarded");
     return NQM_OK;
 }
 
-double nqm_process_clock_s(void) {
+double nqm_bench_process_clock_s(void) {
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Seconds of one call, from as many as fill a round. */
-static double time_calls(const nqm_contender *c, double round_s, double *cpu_s) {
+/* Mean seconds of a call in a round. */
+static double time_calls(const nqm_bench_contender *c, double round_s, double *cpu_s) {
     size_t n = 0;
-    double cpu_begin = nqm_process_clock_s(), begin = nqm_clock_s(), now;
+    double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s(), now;
     do {
         c->run(c->user);
         ++n;
         now = nqm_clock_s();
     } while (now - begin < round_s);
-    *cpu_s += (nqm_process_clock_s() - cpu_begin) / (double)n;
+    *cpu_s += (nqm_bench_process_clock_s() - cpu_begin) / (double)n;
     return (now - begin) / (double)n;
 }
 
@@ -246,16 +282,16 @@ nqm_status nqm_bench_add_times(nqm_bench *bench, const nqm_bench_entry *entry, s
                                nqm_error *err) {
     nqm_bench_entry timed = *entry;
     nqm_bench_row *row = &timed.row;
-    row->rounds = n;
-    row->seconds_median = nqm_quantile(n, seconds, 0.5);
-    row->seconds = seconds[0]; /* sorted now */
-    row->seconds_worst = seconds[n - 1];
-    row->cpu_share = cpu_s / (double)n / nqm_mean(n, seconds) / (double)row->threads;
+    row->size.rounds = n;
+    row->times.median = nqm_quantile(n, seconds, 0.5);
+    row->times.best = seconds[0]; /* sorted now */
+    row->times.worst = seconds[n - 1];
+    row->times.cpu_share = cpu_s / (double)n / nqm_mean(n, seconds) / (double)row->size.threads;
     return nqm_bench_add(bench, &timed, err);
 }
 
-nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_contender *contenders, const nqm_bench_entry *entries,
-                          nqm_error *err) {
+nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
+                          const nqm_bench_entry *entries, nqm_error *err) {
     const size_t rounds = bench->options.rounds;
     double *seconds = nqm_alloc(n * (rounds + 1), sizeof *seconds);
     if (!seconds)
@@ -263,7 +299,7 @@ nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_contender *conte
     double *cpu_s = seconds + n * rounds;
     nqm_status status = NQM_OK;
     for (size_t i = 0; i < n; ++i)
-        contenders[i].run(contenders[i].user); /* warm */
+        contenders[i].run(contenders[i].user); /* warm up */
     for (size_t round = 0; round < rounds && status == NQM_OK; ++round) {
         for (size_t i = 0; i < n; ++i) {
             seconds[i * rounds + round] = time_calls(&contenders[i], bench->options.round_s, &cpu_s[i]);

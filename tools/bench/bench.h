@@ -1,145 +1,287 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/bench.h - how fast this library is on this machine, beside what the machine can do: the peaks of its arithmetic and
- * of its memory are measured between the timings, so that every figure stands beside a limit of the same minutes.
+ * bench.h - benchmarks of this library together with the limits of the machine: peaks of arithmetic and memory are measured
+ * between the timings, so that each result has a limit from the same minutes.
  *
- * Other programs on the machine disturb timings in one direction only. So each figure is timed in several rounds that
- * take turns with the others; the best round counts, and the median and the worst say how quiet the machine was.
+ * Other programs only ever make a timing longer. Each result is therefore timed in several rounds, in turns with the others;
+ * the best round counts, and median and worst round show how busy the machine was.
  */
-#ifndef NQM_BENCH_H
-#define NQM_BENCH_H
+#ifndef NQM_BENCH_BENCH_H
+#define NQM_BENCH_BENCH_H
+
+#include "base/base.h"
+#include "kernel/kernel.h"
 
 #include <nqm/train.h>
 
-/** The machine; strings are lent by static storage. 0 or "": not known. */
+/* ---- the machine (machine.c) ------------------------------------------------------------------------------------- */
+
+/** The machine; strings are static. 0 or "": unknown. */
 typedef struct nqm_bench_machine {
-    const char *cpu;     /**< model name of the processor */
-    const char *system;  /**< operating system and release */
-    size_t cores;        /**< that this process may use */
-    size_t threads;      /**< that this process computes with */
-    double mhz;          /**< clock as the system states it */
-    size_t cache_kib[3]; /**< of one core's first, second and the shared third level of data cache */
-    double memory_mb;    /**< of the machine, 1e6 bytes */
-    double load;         /**< load average of the last minute: above 0.1 the machine is not quiet */
+    const char *cpu;     /* model name of the processor */
+    const char *system;  /* operating system and release */
+    size_t cores;        /* available to this process */
+    size_t threads;      /* used by this process */
+    double mhz;          /* clock according to the system */
+    size_t cache_kib[3]; /* data caches: first and second level of a core, shared third level */
+    double memory_mb;    /* 1e6 bytes */
+    double load;         /* load average of the last minute; above 0.1, other programs disturb the timings */
 } nqm_bench_machine;
-/** Find out; not while another thread does. */
+/** Not thread-safe. */
 nqm_bench_machine nqm_bench_get_machine(void);
 
-/** One figure. What does not apply is NULL, 0 for counts, NaN for numbers, -1 for the precision. Strings are lent by the
+/** Restart the measurement of the largest resident memory, where the system can (Linux). */
+void nqm_bench_reset_peak_memory(void);
+/** Largest resident memory since then, or since the process began, 1e6 bytes; NaN: unknown. */
+double nqm_bench_peak_memory_mb(void);
+/** Processor time of all threads, seconds. */
+double nqm_bench_process_clock_s(void);
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+/** One result. What does not apply is NULL, 0 for counts, NaN for numbers, -1 for the precision. Strings belong to the
  *  benchmark. */
 typedef struct nqm_bench_row {
-    const char *bench;   /**< "peak", "gemm", "train", "score", "load" */
-    const char *name;    /**< what was timed: "layer 1 forward" */
-    const char *subject; /**< the file or command */
-    const char *model;   /**< the network: "paper", "default", a recipe */
-    const char *by;      /**< whose code: "nqm", "onednn sgemm", "onednn" */
-    const char *kernels; /**< nqm_kernels_name() in use */
-    int precision;       /**< an nqm_precision */
-    size_t batch, threads, epochs, seed;
-    size_t pairs;          /**< of training, with the scaled copies */
-    size_t layer;          /**< of the network, from 1 */
-    size_t m, n, k;        /**< of a matrix product */
-    size_t rounds;         /**< timings */
-    double seconds;        /**< of the best round */
-    double seconds_median; /**< of the rounds */
-    double seconds_worst;  /**< of the rounds */
-    double ms_per_pair;    /**< 1000 seconds / pairs */
-    double gflop;          /**< arithmetic, 1e9 operations: a multiplication and an addition are two */
-    double gflops;         /**< gflop / seconds */
-    /** What the instructions of this precision reached on all threads meanwhile, in processor time: the 90th percentile of
-     *  its samples. */
-    double peak_gflops;
-    double peak_median;     /**< median of the same samples */
-    double megabytes;       /**< that must be read, 1e6 bytes */
-    double gb_per_s;        /**< megabytes / seconds / 1000 */
-    double peak_gb_per_s;   /**< best reading rate of an array of that size meanwhile */
-    double floor_seconds;   /**< the longer of gflop / peak_gflops and megabytes / peak_gb_per_s */
-    double floor_f32;       /**< gflop at the peak of float: shorter where 16 bits are no faster */
-    double ratio;           /**< floor_seconds / seconds: 1 is all the machine can do */
-    double times_floor;     /**< seconds / floor_seconds */
-    double cpu_share;       /**< processor time / (seconds threads): below 1 waiting, or others had the processor */
-    double max_rss_mb;      /**< largest resident memory of the process meanwhile, 1e6 bytes */
-    double train_loss;      /**< of the last epoch */
-    double validation_loss; /**< of the last epoch */
-    double best_epoch_seconds;
-    double seconds_100;       /**< extrapolated to 100 epochs, when there were fewer */
-    double times_alternative; /**< seconds of the other way to the same result / seconds */
+    const char *bench;   /* "peak", "gemm", "train", "score", "load" */
+    const char *name;    /* what was timed: "layer 1 forward" */
+    const char *subject; /* file or command */
+    const char *model;   /* network: "paper", "default", a recipe */
+    const char *by;      /* implementation: "nqm", "onednn sgemm", "onednn" */
+    const char *kernels; /* nqm_kernels_name() in use */
+    int precision;       /* an nqm_precision */
+    struct nqm_bench_size {
+        size_t batch, threads, epochs, seed;
+        size_t pairs;   /* of training, with the scaled copies */
+        size_t layer;   /* of the network, from 1 */
+        size_t m, n, k; /* of a matrix product */
+        size_t rounds;  /* number of timings */
+    } size;
+    struct nqm_bench_times {
+        double best, median, worst; /* of the rounds, seconds */
+        double best_epoch;          /* seconds */
+        double epochs_100;          /* extrapolated to 100 epochs, if there were fewer, seconds */
+        double ms_per_pair;         /* best / pairs */
+        double times_alternative;   /* time of the alternative / best */
+        double cpu_share;           /* processor time / (time * threads); below 1: waiting, or other programs ran */
+    } times;
+    struct nqm_bench_work {
+        double gflop;                       /* 1e9 operations; a multiplication and an addition are two */
+        double gflops;                      /* gflop / best */
+        double megabytes;                   /* that must be read, 1e6 bytes */
+        double gb_per_s;                    /* megabytes / best / 1000 */
+        double max_rss_mb;                  /* largest resident memory of the process during the run, 1e6 bytes */
+        double train_loss, validation_loss; /* of the last epoch */
+    } work;
+    struct nqm_bench_limits {
+        double peak_gflops; /* of this precision on all threads, per processor time: 90th percentile of the samples */
+        double peak_median_gflops;
+        double peak_gb_per_s;     /* best rate of reading an array of that size */
+        double floor_seconds;     /* the longer of gflop / peak_gflops and megabytes / peak_gb_per_s */
+        double floor_f32_seconds; /* gflop at the float peak; shorter than floor_seconds if bf16 is slower than float */
+        double ratio;             /* floor_seconds / best; 1: at the limit of the machine */
+        double times_floor;       /* best / floor_seconds */
+    } limits;
 } nqm_bench_row;
 
-/** What to measure how long. */
+/** A member of nqm_bench_row, under its name in the JSON. */
+typedef struct nqm_bench_field {
+    const char *key;
+    enum { NQM_BENCH_TEXT, NQM_BENCH_PRECISION, NQM_BENCH_COUNT, NQM_BENCH_NUMBER } kind;
+    size_t offset; /* in nqm_bench_row, bytes */
+} nqm_bench_field;
+/** All fields in the order of the JSON; a NULL key ends them. */
+extern const nqm_bench_field nqm_bench_fields[];
+/** Value of a NUMBER field, or of a COUNT field as a number. */
+double nqm_bench_number(const nqm_bench_row *row, const nqm_bench_field *field);
+/** Text of a TEXT or PRECISION field; NULL: does not apply. */
+const char *nqm_bench_text(const nqm_bench_row *row, const nqm_bench_field *field);
+
+/* ---- benchmarks -------------------------------------------------------------------------------------------------- */
+
 typedef struct nqm_bench_options {
-    size_t rounds;       /**< timings of each figure; 1..1000; default 7 */
-    double round_s;      /**< seconds that one timing takes at least; 1e-4..10; default 0.01 */
-    int quick;           /**< 1: fewer and smaller problems: to see that everything works, not how fast; default 0 */
-    unsigned precisions; /**< bits 1 << nqm_precision; default all */
-    double memory_mb;    /**< size of the array that memory is read from, 1e6 bytes; above all caches; 1..65536; default
-                              256 */
+    size_t rounds;       /* timings of each result; 1 to 1000; default 7 */
+    double round_s;      /* shortest time of a round; 1e-4 to 10 s; default 0.01 */
+    bool quick;          /* fewer and smaller problems, which test the benchmarks but do not measure; default false */
+    unsigned precisions; /* bits 1 << nqm_precision; default all */
+    double memory_mb;    /* size of the array for reading rates, larger than all caches; 1 to 65536; default 256 */
     nqm_progress_fn progress;
     void *progress_user;
 } nqm_bench_options;
 /** The defaults above. */
 nqm_bench_options nqm_bench_options_default(void);
 
-/** Meters of the machine's peaks, and rows. Belongs to one thread. */
+/** Meters of the machine's peaks, and rows. For one thread. */
 typedef struct nqm_bench nqm_bench;
 
-/** Begin: measures the peaks for the first time. options NULL: the defaults. NQM_ERR_ARG, NQM_ERR_NOMEM,
+/** Create, and measure the peaks for the first time. options NULL: the defaults. NQM_ERR_ARG, NQM_ERR_NOMEM,
  *  NQM_ERR_CANCELLED. */
 NQM_MUST_CHECK nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err);
-/** Free it with its rows; NULL is allowed. */
+/** NULL is allowed. */
 void nqm_bench_free(nqm_bench *bench);
 
 /**
- * The matrix products of the networks of `paper` and `default`, each hidden layer forward, back to its input and to its
- * weights' gradient, in the kernels in use (nqm_kernels_select()), beside oneDNN's. Batch 512; forward also 180 and 1.
- * Quick: layer 3 only.
- * NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
+ * The matrix products of the networks of `paper` and `default`: each hidden layer forward, the gradient of its input and of
+ * its weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Batch 512; forward also 180 and 1. Quick:
+ * layer 3 only. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
  */
 NQM_MUST_CHECK nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err);
 
 /**
- * nqm_train() on a dataset made on the spot, of the paper's size: 5,344 training pairs and 668 for validation under the
- * recipe "paper". One row for each seed and precision (float, bfloat16): `seconds` is the whole training,
- * `best_epoch_seconds` the quickest epoch, seconds_median and _worst are those of the epochs times their number. Quick:
- * a thirtieth of the pairs.
+ * nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe "paper".
+ * One row for each seed (1 to n_seeds) and precision (float, bfloat16). Median and worst time are those of the epochs times
+ * their number. Quick: a thirtieth of the pairs.
  *
- * @param recipe   "paper", "notebook", "nqm"
- * @param epochs   0: the recipe's
- * @param n_seeds  trainings with the seeds 1 .. n_seeds
+ * @param recipe  "paper", "notebook", "nqm"
+ * @param epochs  0: the recipe's
  * @return as nqm_train()
  */
 NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, size_t n_seeds,
                                           nqm_error *err);
 
 /**
- * Scoring of 1, 9, 180 and 512 pairs in each precision: the network alone, and the chain from sampled pairs to JOD; each
- * pair with a reference of its own, and 9 tests with one reference, whose part of the first layer is then computed once.
- * The floor of one pair is reading the weights. Quick: 1 and 9 pairs. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
+ * Scoring of 1, 9, 180 and 512 pairs in each precision: the network alone, and everything from samples to JOD; with a
+ * reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1 and 9
+ * pairs. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
  */
 NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *err);
 
 /**
- * From a file to samples at `directions` - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - while its pages are in memory
- * ("warm"), and after they were dropped ("cold"; files on a disk only).
+ * From a file to samples at `directions` - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in memory
+ * ("warm") and after they were dropped ("cold"; files on a disk only).
  *
- * @param folder  where a MERL table may lie for a moment, which is then loaded; NULL: no such table
+ * @param folder  for a temporary MERL table, which is loaded, too; NULL: no table
  * @param files   (n_files) arguments for nqm_brdf_open()
  * @return as those functions, and NQM_ERR_CANCELLED
  */
 NQM_MUST_CHECK nqm_status nqm_bench_load(nqm_bench *bench, const nqm_directions *directions, const char *folder,
                                          size_t n_files, const char *const *files, nqm_error *err);
-/** A whole command from its start to its end, with its standard output thrown away. `name` is for the row.
- *
- * @param argv  the path of the program, its arguments, NULL
- * @return NQM_ERR_IO when it cannot be run or does not end with 0; NQM_ERR_CANCELLED
- */
+/** A command from its start to its end, with standard output to /dev/null. argv: path of the program, arguments, NULL.
+ *  NQM_ERR_IO if it cannot be run or does not exit with 0; NQM_ERR_CANCELLED. */
 NQM_MUST_CHECK nqm_status nqm_bench_command(nqm_bench *bench, const char *name, const char *const *argv,
                                             nqm_error *err);
 
-/** Measure the peaks for the last time and settle all rows. NQM_ERR_NOMEM. */
+/** Measure the peaks for the last time and complete all rows. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);
-/** Rows after nqm_bench_finish(): what was timed, in that order, then the peaks. */
+/** The rows after nqm_bench_finish(): the timings in their order, then the peaks. */
 size_t nqm_bench_count(const nqm_bench *bench);
 nqm_bench_row nqm_bench_get_row(const nqm_bench *bench, size_t i);
+
+/* ==== shared by the benchmarks ==================================================================================== */
+
+/* ---- loops that reach the peaks (loops.c) ------------------------------------------------------------------------ */
+
+/** A loop of a single kind of instruction, with enough independent accumulators to hide its latency. */
+typedef struct nqm_bench_peak_loop {
+    float (*run)(size_t n, const uint32_t *seed); /* n steps; seed (64); NULL: the processor has no such instruction */
+    double flop;                                  /* operations per step */
+} nqm_bench_peak_loop;
+nqm_bench_peak_loop nqm_bench_find_peak_loop(const char *kernels, nqm_precision precision);
+/** A loop that reads n_bytes, a multiple of 512, at an address aligned to 64 bytes. Returns a sum of it. */
+typedef uint64_t (*nqm_bench_read_loop)(size_t n_bytes, const void *data);
+nqm_bench_read_loop nqm_bench_find_read_loop(const char *kernels);
+
+/* ---- meters (meter.c) -------------------------------------------------------------------------------------------- */
+
+enum { NQM_METER_NONE = -1, NQM_MAX_METERS = 128, NQM_METER_SAMPLES = 512 };
+
+/** A rate of the machine that is sampled repeatedly: operations or bytes per nanosecond. */
+typedef struct nqm_bench_meter {
+    const char *kernels;     /* whose instructions */
+    nqm_precision precision; /* of arithmetic */
+    size_t bytes;            /* size of the array that is read; 0: a meter of arithmetic */
+    size_t threads;
+    size_t steps; /* per timing */
+    double best;
+    double sample[NQM_METER_SAMPLES]; /* ring buffer of the latest ones */
+    size_t n_samples;                 /* ever taken */
+} nqm_bench_meter;
+
+/** A timed result before nqm_bench_finish(). */
+typedef struct nqm_bench_entry {
+    nqm_bench_row row;
+    int peak, peak_f32, read; /* meters, or NQM_METER_NONE */
+    size_t alternative;       /* distance to the earlier entry that gets the same result another way; 0: none */
+} nqm_bench_entry;
+
+struct nqm_bench {
+    nqm_bench_options options;
+    nqm_bench_meter meter[NQM_MAX_METERS];
+    int n_meters;
+    unsigned char *memory; /* (memory_bytes), for the reading meters */
+    size_t memory_bytes;
+    nqm_bench_entry *entry; /* (n_entries) */
+    size_t n_entries;
+    char **text; /* (n_texts), strings of rows */
+    size_t n_texts;
+    double done, total; /* progress of the current benchmark */
+};
+
+/** The meter of arithmetic on all threads with the selected kernels; NQM_METER_NONE: there is none. Kernels without
+ *  bfloat16 instructions compute in float: then it is the one of float. */
+int nqm_bench_peak_meter(nqm_bench *bench, nqm_precision precision);
+/** The meter of reading an array of n_bytes repeatedly. */
+int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads);
+/** Sample a meter for a few milliseconds; NQM_METER_NONE is allowed. */
+void nqm_bench_sample(nqm_bench *bench, int which);
+/** The peak: the best sample of reading, the 90th percentile of arithmetic. */
+double nqm_bench_meter_peak(const nqm_bench_meter *meter);
+double nqm_bench_meter_median(const nqm_bench_meter *meter);
+/** Allocate the array of the reading meters, if it is not there; free it while a benchmark measures its own memory. */
+NQM_MUST_CHECK nqm_status nqm_bench_take_memory(nqm_bench *bench, nqm_error *err);
+void nqm_bench_release_memory(nqm_bench *bench);
+
+/* ---- timings and rows (bench.c) ---------------------------------------------------------------------------------- */
+
+/** One of several implementations that are timed in turns. */
+typedef struct nqm_bench_contender {
+    void (*run)(void *user);
+    void *user;
+} nqm_bench_contender;
+
+/** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all but
+ *  the times. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
+                                         const nqm_bench_entry *entries, nqm_error *err);
+/** An entry without values, for our own code with the selected kernels on all threads. */
+nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name);
+/** Set precision and operations of an entry, and its meters of arithmetic. */
+void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop);
+/** Set the bytes that each call must read, and the meter of reading. */
+void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes);
+/** A copy of `text` that lives as long as the rows; NULL when out of memory. */
+const char *nqm_bench_keep_text(nqm_bench *bench, const char *text);
+/** Add an entry with the seconds (n) of its rounds, which are sorted, and their total processor time. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_bench_add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds,
+                                              double cpu_s, nqm_error *err);
+/** Add an entry with its times. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err);
+/** Report one more of bench->total steps; NQM_ERR_CANCELLED when the user cancels. */
+NQM_MUST_CHECK nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err);
+static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision precision) {
+    return bench->options.precisions >> precision & 1;
+}
+
+/* ---- pairs for training and scoring (pairs.c) -------------------------------------------------------------------- */
+
+/** 10 labelled pairs for each of n_refs generated references, always the same, at `directions`, which are copied. */
+NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret,
+                                          nqm_error *err);
+
+/* ---- oneDNN for comparison (onednn.c) ---------------------------------------------------------------------------- */
+
+/** C (m, n) = A (m, k) B (k, n) by oneDNN's matrix product primitive, in buffers of its own. */
+typedef struct nqm_bench_onednn nqm_bench_onednn;
+/**
+ * Create one, with B in the layout that oneDNN prefers.
+ *
+ * @param trans_a      A is stored as (k, m), and B row-major: both are activations, as in a weight gradient
+ * @param product_ret  NULL, with NQM_OK, if oneDNN is missing or cannot do it on this machine
+ */
+NQM_MUST_CHECK nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
+                                                  nqm_bench_onednn **product_ret, nqm_error *err);
+void nqm_bench_onednn_run(void *product);
+void nqm_bench_onednn_free(nqm_bench_onednn *product);
+/** oneDNN's sgemm on its own threads; only if nqm_bench_onednn_create() gave a product. */
+void nqm_bench_onednn_sgemm(const nqm_gemm *g);
 
 #endif

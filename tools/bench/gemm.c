@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * The matrix products of the networks, one by one: layers forward, back to their input, and to their weights' gradient,
- * from packed panels as training and scoring run them, and oneDNN's beside them.
+ * The matrix products of the networks: layers forward, the gradient of their input and of their weights, from packed panels
+ * as in training and scoring, compared with oneDNN's.
  */
-#include "bench/inside.h"
+#include "bench/bench.h"
 #include "kernel/panel.h"
 
 #include <string.h>
 
-/* Layer 1 of both networks, and the layers that they share. The last layer has one output: no matrix product. */
+/* Layer 1 of both networks, and the layers of equal size. The last layer has one output: no matrix product. */
 static const struct {
     const char *model;
     size_t layer, in, out;
@@ -20,16 +20,16 @@ static const struct {
 typedef enum pass_kind { FORWARD, INPUT_GRADIENT, WEIGHT_GRADIENT, N_PASSES } pass_kind;
 static const char *const pass_names[] = {"forward", "input gradient", "weight gradient"};
 
-/* One product in one precision: C (m, n) = A (m, k) B (k, n), from memory of its own. */
+/* A product in a precision, C (m, n) = A (m, k) B (k, n), with its buffers. */
 typedef struct job {
     nqm_precision precision;
     pass_kind pass;
     size_t m, n, k;
     float *x, *w, *c;     /* A or its transpose, B or its transpose, row-major; C */
     nqm_panels panels;    /* B; the gradient */
-    uint32_t *rows;       /* A in units; of a weight gradient its transpose, and */
-    uint32_t *rows_right; /* B */
-    nqm_library_product *library;
+    uint32_t *rows;       /* A as packed 32-bit words; for a weight gradient the columns of A */
+    uint32_t *rows_right; /* weight gradient: the columns of B */
+    nqm_bench_onednn *onednn;
 } job;
 
 /* ---- ours -------------------------------------------------------------------------------------------------------- */
@@ -45,7 +45,7 @@ static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
            n_strips * NQM_STRIP * NQM_PANEL * sizeof *tiles);
 }
 
-/* A factor (k, n) of a weight gradient as training has it. */
+/* A factor (k, n) of a weight gradient, in the layout of training. */
 static nqm_columns columns_of(const job *j, size_t n, size_t width, const uint32_t *data) {
     nqm_columns columns = nqm_columns_of(j->precision, width, j->k, n);
     columns.data = data;
@@ -82,10 +82,10 @@ static void run_sgemm(void *user) {
                         .lda = gradient ? j->m : j->k,
                         .ldb = gradient ? j->n : j->k,
                         .ldc = j->n};
-    nqm_library_sgemm(&g);
+    nqm_bench_onednn_sgemm(&g);
 }
 
-/* ---- making and racing them -------------------------------------------------------------------------------------- */
+/* ---- creation and timing ---------------------------------------------------------------------------------------- */
 
 static void fill_random(size_t n, float *x, uint64_t seed) {
     nqm_rng rng = nqm_rng_make(seed, 0);
@@ -113,7 +113,7 @@ static void free_job(job *j) {
     nqm_free(j->rows);
     nqm_free(j->rows_right);
     nqm_panels_free(&j->panels);
-    nqm_library_product_free(j->library);
+    nqm_bench_onednn_free(j->onednn);
 }
 
 static void fill_columns(const job *j, size_t n, size_t width, const float *x, uint32_t *to) {
@@ -129,11 +129,10 @@ static void fill_columns(const job *j, size_t n, size_t width, const float *x, u
 
 static nqm_status make_job(job *j, nqm_error *err) {
     const bool gradient = j->pass == WEIGHT_GRADIENT;
-    const nqm_library_shape shape = {j->m, j->n, j->k};
     nqm_status status =
         nqm_panels_create(gradient ? NQM_PRECISION_F32 : j->precision, gradient ? j->m : j->k, j->n, &j->panels, err);
     if (status == NQM_OK)
-        status = nqm_library_product_create(j->precision, gradient, &shape, &j->library, err);
+        status = nqm_bench_onednn_create(j->precision, gradient, j->m, j->n, j->k, &j->onednn, err);
     if (status != NQM_OK)
         return status;
     j->x = nqm_alloc(j->m * j->k, sizeof *j->x);
@@ -158,14 +157,14 @@ static nqm_status make_job(job *j, nqm_error *err) {
 }
 
 static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {
-    nqm_contender contenders[3];
+    nqm_bench_contender contenders[3];
     nqm_bench_entry entries[3];
     size_t n = 0;
     nqm_bench_entry entry = nqm_bench_entry_make("gemm", pass_names[j->pass]);
     entry.row.model = layers[layer].model;
-    entry.row.layer = layers[layer].layer;
-    entry.row.batch = batch;
-    entry.row.m = j->m, entry.row.n = j->n, entry.row.k = j->k;
+    entry.row.size.layer = layers[layer].layer;
+    entry.row.size.batch = batch;
+    entry.row.size.m = j->m, entry.row.size.n = j->n, entry.row.size.k = j->k;
     nqm_bench_entry_work(bench, &entry, j->precision, 2.0 * (double)j->m * (double)j->n * (double)j->k);
     if (batch == 1)
         nqm_bench_entry_reading(bench, &entry, j->panels.n_panels * j->panels.stride * NQM_PANEL * sizeof(uint32_t));
@@ -174,11 +173,11 @@ static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch,
         void (*run)(void *);
         void *user;
     } ways[] = {{"nqm", j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
-                {"onednn", j->library ? nqm_library_product_run : NULL, j->library},
-                {"onednn sgemm", j->library && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
+                {"onednn", j->onednn ? nqm_bench_onednn_run : NULL, j->onednn},
+                {"onednn sgemm", j->onednn && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
         if (ways[i].run) {
-            contenders[n] = (nqm_contender){ways[i].run, ways[i].user};
+            contenders[n] = (nqm_bench_contender){ways[i].run, ways[i].user};
             entries[n] = entry;
             entries[n++].row.by = ways[i].by;
         }
@@ -199,11 +198,11 @@ static nqm_status bench_product(nqm_bench *bench, size_t layer, pass_kind pass, 
     return status;
 }
 
-/* Layer 1 needs no gradient of its input, bytes are for scoring, and only scoring has other batches. */
+/* Layer 1 needs no gradient of its input; int8 and batches other than 512 are for scoring only. */
 static bool is_needed(const nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch) {
     if (pass == INPUT_GRADIENT && layers[layer].layer == 1)
         return false;
-    if (!nqm_bench_wants(bench, precision) || (bench->options.quick && layers[layer].layer != 3))
+    if (!nqm_bench_has_precision(bench, precision) || (bench->options.quick && layers[layer].layer != 3))
         return false;
     return pass == FORWARD || (precision != NQM_PRECISION_INT8 && batch == 512);
 }

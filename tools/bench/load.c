@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * From a file to samples at a model's directions, with the file in memory and with its pages dropped; and whole
- * commands, from their start to their end.
+ * Loading a file to samples at a model's directions, with its pages in memory and after they were dropped; and whole commands.
  */
-#include "bench/inside.h"
+#include "bench/bench.h"
 #include "math/math.h"
 
 #include <errno.h>
@@ -19,7 +18,7 @@
 
 typedef struct load_job {
     const char *path;
-    int fd; /* of the same file, to drop its pages; -1: it is no file */
+    int fd; /* of the same file, to drop its pages; -1: not a file */
     const nqm_directions *directions;
     float *rgb; /* (n_directions, 3) */
     nqm_status status;
@@ -37,7 +36,7 @@ static void run_load(void *user) {
     nqm_brdf_free(brdf);
 }
 
-/* One call a round, each after its pages were dropped; that takes no part of the time. */
+/* One call per round, each after its pages were dropped, which is not timed. */
 static nqm_status race_cold(nqm_bench *bench, load_job *job, const nqm_bench_entry *entry, nqm_error *err) {
     const size_t rounds = bench->options.rounds;
     double *seconds = nqm_alloc(rounds, sizeof *seconds);
@@ -47,10 +46,10 @@ static nqm_status race_cold(nqm_bench *bench, load_job *job, const nqm_bench_ent
     double cpu_s = 0;
     for (size_t i = 0; i < rounds && status == NQM_OK; ++i) {
         posix_fadvise(job->fd, 0, 0, POSIX_FADV_DONTNEED);
-        double cpu_begin = nqm_process_clock_s(), begin = nqm_clock_s();
+        double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s();
         run_load(job);
         seconds[i] = nqm_clock_s() - begin;
-        cpu_s += nqm_process_clock_s() - cpu_begin;
+        cpu_s += nqm_bench_process_clock_s() - cpu_begin;
         status = nqm_bench_step(bench, "load", err);
     }
     if (status == NQM_OK)
@@ -62,13 +61,13 @@ static nqm_status race_cold(nqm_bench *bench, load_job *job, const nqm_bench_ent
 static nqm_status bench_file(nqm_bench *bench, load_job *job, const char *name, nqm_error *err) {
     struct stat facts;
     nqm_bench_entry entry = nqm_bench_entry_make("load", "warm");
-    entry.row.threads = 1;
+    entry.row.size.threads = 1;
     entry.row.subject = nqm_bench_keep_text(bench, name);
     if (!entry.row.subject)
         return nqm_fail_nomem(err, strlen(name));
     if (job->fd >= 0 && fstat(job->fd, &facts) == 0)
-        entry.row.megabytes = 1e-6 * (double)facts.st_size;
-    const nqm_contender contender = {run_load, job};
+        entry.row.work.megabytes = 1e-6 * (double)facts.st_size;
+    const nqm_bench_contender contender = {run_load, job};
     nqm_status status = nqm_bench_race(bench, 1, &contender, &entry, err);
     entry.row.name = "cold";
     if (status == NQM_OK && job->fd >= 0 && job->status == NQM_OK)
@@ -85,8 +84,7 @@ static nqm_status bench_file(nqm_bench *bench, load_job *job, const char *name, 
 
 static const char merl_spec[] = "ggx:kd=.2,.1,.05;ks=.5;alpha=.1;f0=.1";
 
-/* Write a table and leave nothing but an open file without a name; its path under /proc leads there as any path does,
- * and whatever ends this process ends the file. */
+/* Write a table, open it and remove its name: it is opened again by its path under /proc, and vanishes with this process. */
 static nqm_status make_merl(nqm_bench *bench, const char *folder, int *fd_ret, nqm_error *err) {
     *fd_ret = -1;
     const size_t n = strlen(folder) + 32;
@@ -171,9 +169,9 @@ nqm_status nqm_bench_command(nqm_bench *bench, const char *name, const char *con
     entry.row.subject = nqm_bench_keep_text(bench, name);
     if (!entry.row.subject)
         return nqm_fail_nomem(err, strlen(name));
-    const nqm_contender contender = {run_command, &job};
+    const nqm_bench_contender contender = {run_command, &job};
     nqm_status status = nqm_bench_race(bench, 1, &contender, &entry, err);
     if (status == NQM_OK && job.failed)
-        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be run, or fails", argv[0]);
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be run, or failed", argv[0]);
     return status;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loops that reach what the processor can do: multiply and add on independent sums that stay in registers, and reading
- * memory in order. Each is compiled for its instruction set; the table at the end says which kernels use which.
+ * Loops that reach the peaks of the processor: multiply-adds on independent accumulators in registers, and sequential reading
+ * of memory. Each is compiled for its instruction set; the table at the end assigns them to the kernels.
  */
-#include "bench/inside.h"
+#include "bench/bench.h"
 
 #include <string.h>
 #if defined __x86_64__
@@ -18,8 +18,8 @@
 
 /* NOLINTBEGIN(bugprone-macro-parentheses): types and attributes cannot stand in parentheses */
 
-/* SUMS chains: as many as the latency of the instruction times its rate needs, and no more than registers; begun from
- * different places, lest the compiler see that they are one. */
+/* SUMS accumulators: at least latency x throughput of the instruction, at most the number of registers. They start from
+ * different values, so that the compiler cannot merge them. */
 #define DEFINE_PEAK(NAME, ATTRIBUTE, SUMS, VECTOR, LOAD, STEP)                                                         \
     ATTRIBUTE static float NAME(size_t n, const uint32_t *seed) {                                                      \
         VECTOR sum[SUMS], stored[SUMS];                                                                                \
@@ -84,11 +84,11 @@ DEFINE_PEAK(peak_f32_neon, ANY_TARGET, 24, float32x4_t, LOAD_NEON, STEP_NEON)
 DEFINE_PEAK(peak_f32_any, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_ANY)
 #endif
 
-/* Which loops show what a table of kernels could reach; the last line is for all others. */
+/* The loops of each table of kernels; the last row is for all others. */
 static const struct {
     const char *kernels;
-    nqm_peak_loop peak[NQM_PRECISION_COUNT];
-    nqm_read_loop read;
+    nqm_bench_peak_loop peak[NQM_PRECISION_COUNT];
+    nqm_bench_read_loop read;
 } table[] = {
 #if defined __x86_64__
     {"avx512+bf16",
@@ -111,10 +111,10 @@ static size_t find(const char *kernels) {
     return i;
 }
 
-nqm_peak_loop nqm_peak_loop_find(const char *kernels, nqm_precision precision) {
+nqm_bench_peak_loop nqm_bench_find_peak_loop(const char *kernels, nqm_precision precision) {
     return table[find(kernels)].peak[precision];
 }
 
-nqm_read_loop nqm_read_loop_find(const char *kernels) {
+nqm_bench_read_loop nqm_bench_find_read_loop(const char *kernels) {
     return table[find(kernels)].read;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the operating system says of the machine and of this process; where it does not, nothing.
+ * Facts about the machine and this process from the operating system, where it provides them.
  */
-#include "bench/inside.h"
+#include "bench/bench.h"
 
 #include <math.h>
 #include <omp.h>
@@ -56,15 +56,15 @@ nqm_bench_machine nqm_bench_get_machine(void) {
     return machine;
 }
 
-void nqm_reset_peak_memory(void) {
+void nqm_bench_reset_peak_memory(void) {
     FILE *file = fopen("/proc/self/clear_refs", "w");
     if (!file)
         return;
-    fputs("5", file); /* proc(5): the peak becomes what is resident now */
+    fputs("5", file); /* proc(5): sets the peak to the current value */
     fclose(file);
 }
 
-double nqm_peak_memory_mb(void) {
+double nqm_bench_peak_memory_mb(void) {
     char text[40];
     const char *end;
     double kib;

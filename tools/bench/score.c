@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scoring: the packed network alone, and the chain from sampled pairs to JOD, for one pair and for many, each pair with a
- * reference of its own or nine tests with each. The network keeps what the last reference gave it, so successive calls
- * bring others.
+ * Scoring: the packed network alone, and everything from samples to JOD, for several batch sizes, with one or nine tests per
+ * reference. The network caches the contribution of the last reference, so successive calls use different ones.
  */
-#include "bench/inside.h"
+#include "bench/bench.h"
 #include "kernel/panel.h"
 #include "metric/metric.h"
 #include "net/inference.h"
@@ -12,25 +11,25 @@
 
 #include <string.h>
 
-enum { N_REFS = 64, TESTS_PER_REF = 9, TURNS = 3 /* sets of references that calls alternate between */ };
+enum { N_REFS = 64, TESTS_PER_REF = 9, TURNS = 3 /* sets of references, used in turns */ };
 
-/* Pairs to score, as samples (for the chain) and as inputs of the network. */
+/* Pairs to score, as samples and as inputs of the network. */
 typedef struct material_pairs {
     size_t n, n_values, stride;
-    float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours differ */
-    float *x;          /* (n, stride) the same as inputs */
-    float *x_shared;   /* (n, stride) the same with TESTS_PER_REF neighbours of one reference */
+    float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours have different ones */
+    float *x;          /* (n, stride), inputs */
+    float *x_shared;   /* (n, stride), inputs where TESTS_PER_REF neighbours have the same reference */
 } material_pairs;
 
-/* One way to score a batch. */
+/* A batch and its buffers. */
 typedef struct job {
     const material_pairs *pairs;
     nqm_inference_work *work;
     nqm_predictor *predictor;
     size_t batch, turn;
-    bool shared;
-    float *z;    /* (batch) */
-    double *jod; /* (batch) */
+    bool is_shared; /* references are shared */
+    float *z;       /* (batch) */
+    double *jod;    /* (batch) */
 } job;
 
 enum { MAX_BATCH = NQM_PREDICT_BATCH };
@@ -39,17 +38,17 @@ static void run_network(void *user) {
     job *j = user;
     const material_pairs *p = j->pairs;
     const size_t turn = j->turn++ % TURNS;
-    const float *x = j->shared ? p->x_shared + turn * TESTS_PER_REF * p->stride : p->x + turn * p->stride;
+    const float *x = j->is_shared ? p->x_shared + turn * TESTS_PER_REF * p->stride : p->x + turn * p->stride;
     nqm_inference_run(j->work, j->batch, x, p->stride, j->z);
 }
 
-static void run_chain(void *user) {
+static void run_all(void *user) {
     job *j = user;
     const material_pairs *p = j->pairs;
     const size_t first = j->turn++ % TURNS;
     const float *ref[MAX_BATCH], *test[MAX_BATCH];
     for (size_t i = 0; i < j->batch; ++i) {
-        ref[i] = p->ref + (first + (j->shared ? i / TESTS_PER_REF : i)) * p->n_values;
+        ref[i] = p->ref + (first + (j->is_shared ? i / TESTS_PER_REF : i)) * p->n_values;
         test[i] = p->test + (first + i) * p->n_values;
     }
     nqm_predictor_run(j->predictor, &(nqm_sampled_pairs){.n = j->batch, .ref = ref, .test = test}, j->jod, NULL);
@@ -64,7 +63,7 @@ static void free_pairs(material_pairs *p) {
     nqm_free(p->x_shared);
 }
 
-/* Inputs do not have to come from the pairs for the network alone: it takes as long for any numbers. */
+/* Random inputs: the time of the network does not depend on their values. */
 static void fill_inputs(material_pairs *p, size_t n_in, size_t n_ref) {
     nqm_rng rng = nqm_rng_make(2, 0);
     for (size_t i = 0; i < p->n; ++i)
@@ -127,7 +126,7 @@ static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precisi
     return j->z && j->jod ? NQM_OK : nqm_fail_nomem(err, j->batch * sizeof *j->jod);
 }
 
-/* The work of a batch: multiply-adds, less what shared references save, and the weights' bytes. */
+/* The work of a batch: multiply-adds, without those that shared references save, and the bytes of the weights. */
 static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const job *j, nqm_precision precision,
                                 const char *name, const char *id) {
     const nqm_net_shape *shape = &model->params.shape;
@@ -135,11 +134,11 @@ static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const 
     for (size_t l = 0; l < shape->n_layers; ++l)
         n_weights += (double)shape->sizes[l] * (double)shape->sizes[l + 1];
     double mac = n_weights * (double)j->batch;
-    const size_t n_refs = j->shared ? (j->batch + TESTS_PER_REF - 1) / TESTS_PER_REF : j->batch;
+    const size_t n_refs = j->is_shared ? (j->batch + TESTS_PER_REF - 1) / TESTS_PER_REF : j->batch;
     mac -= (double)(j->batch - n_refs) * (double)(3 * model->n_directions) * (double)shape->sizes[1];
     nqm_bench_entry entry = nqm_bench_entry_make("score", name);
     entry.row.model = id;
-    entry.row.batch = j->batch;
+    entry.row.size.batch = j->batch;
     nqm_bench_entry_work(bench, &entry, precision, 2 * mac);
     nqm_bench_entry_reading(bench, &entry, (size_t)n_weights * sizeof(float) >> precision);
     return entry;
@@ -147,7 +146,7 @@ static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const 
 
 static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const material_pairs *pairs, size_t batch,
                               nqm_precision precision, nqm_error *err) {
-    job own = {.pairs = pairs, .batch = batch}, shared = {.pairs = pairs, .batch = batch, .shared = true};
+    job own = {.pairs = pairs, .batch = batch}, shared = {.pairs = pairs, .batch = batch, .is_shared = true};
     nqm_status status = make_job(&own, model, precision, err);
     if (status == NQM_OK)
         status = make_job(&shared, model, precision, err);
@@ -155,8 +154,8 @@ static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const ma
     if (status == NQM_OK && !id)
         status = nqm_fail_nomem(err, strlen(model->id));
     if (status == NQM_OK) {
-        const nqm_contender contenders[] = {
-            {run_network, &own}, {run_chain, &own}, {run_network, &shared}, {run_chain, &shared}};
+        const nqm_bench_contender contenders[] = {
+            {run_network, &own}, {run_all, &own}, {run_network, &shared}, {run_all, &shared}};
         nqm_bench_entry entries[] = {
             describe(bench, model, &own, precision, "network", id),
             describe(bench, model, &own, precision, "samples to JOD", id),
@@ -183,7 +182,7 @@ nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *
     bench->total = (double)(n_batches * bench->options.rounds * (size_t)NQM_PRECISION_COUNT);
     for (size_t b = 0; b < n_batches; ++b)
         for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p)
-            if (nqm_bench_wants(bench, p))
+            if (nqm_bench_has_precision(bench, p))
                 status = bench_batch(bench, model, &pairs, batches[b], p, err);
     free_pairs(&pairs);
     return status;

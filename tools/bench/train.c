@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training as users get it, nqm_train(), on as many pairs as the paper's: 3,340, of which a fifth is for validation and the
- * rest is doubled by scaled copies, so 5,344 and 668. The peaks are measured between the epochs; that time is left out.
+ * nqm_train() on as many pairs as the paper's: 3,340, of which a fifth is for validation and the rest is doubled by scaled
+ * copies: 5,344 and 668. The peaks are sampled between the epochs, outside of the timings.
  */
 #include "train/train.h"
-#include "bench/inside.h"
+#include "bench/bench.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 enum { N_REFS = 334, N_REFS_QUICK = 12 };
 
-/* Multiply-adds of one pair: forward, and with both ways back; layer 1 needs no gradient of its input. */
+/* Multiply-adds per pair: forward, and forward with both gradients; layer 1 needs no gradient of its input. */
 typedef struct net_work {
     double forward, training;
 } net_work;
@@ -31,19 +31,19 @@ static net_work count_work(const nqm_train_options *o, size_t n_directions) {
     return work;
 }
 
-/* What happens between epochs: a look at the meters, whose time is taken off. */
+/* Times of the epochs, without those of the samples in between. */
 typedef struct watch {
     nqm_bench *bench;
     nqm_bench_entry *entry;
-    double last_s, cpu_s, away_s, away_cpu_s;
+    double last_s, sampling_s, sampling_cpu_s;
     double *epoch_s; /* (epochs) */
     double validation_loss, train_loss;
 } watch;
 
-static void look(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
+static void end_epoch(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
     (void)lr_first;
     watch *w = user;
-    const double now = nqm_clock_s(), cpu = nqm_process_clock_s();
+    const double now = nqm_clock_s(), cpu = nqm_bench_process_clock_s();
     w->epoch_s[epoch - 1] = now - w->last_s;
     w->train_loss = train_loss;
     w->validation_loss = validation_loss;
@@ -51,27 +51,27 @@ static void look(void *user, size_t epoch, double train_loss, double validation_
     if (w->entry->peak_f32 != w->entry->peak)
         nqm_bench_sample(w->bench, w->entry->peak_f32);
     w->last_s = nqm_clock_s();
-    w->away_s += w->last_s - now;
-    w->away_cpu_s += nqm_process_clock_s() - cpu;
+    w->sampling_s += w->last_s - now;
+    w->sampling_cpu_s += nqm_bench_process_clock_s() - cpu;
 }
 
 static void fill_row(nqm_bench_row *row, const nqm_train_options *o, const nqm_train_report *report, watch *w,
                      double seconds, double cpu_s) {
     row->model = o->recipe;
-    row->batch = o->optimiser.batch;
-    row->epochs = o->optimiser.epochs;
-    row->seed = (size_t)o->optimiser.seed;
-    row->pairs = report->n_train;
-    row->seconds = seconds;
-    row->cpu_share = cpu_s / seconds / (double)row->threads;
+    row->size.batch = o->optimiser.batch;
+    row->size.epochs = o->optimiser.epochs;
+    row->size.seed = (size_t)o->optimiser.seed;
+    row->size.pairs = report->n_train;
+    row->times.best = seconds;
+    row->times.cpu_share = cpu_s / seconds / (double)row->size.threads;
     const double epochs = (double)o->optimiser.epochs;
-    row->seconds_median = epochs * nqm_quantile(o->optimiser.epochs, w->epoch_s, 0.5);
-    row->best_epoch_seconds = w->epoch_s[0]; /* sorted now */
-    row->seconds_worst = epochs * w->epoch_s[o->optimiser.epochs - 1];
+    row->times.median = epochs * nqm_quantile(o->optimiser.epochs, w->epoch_s, 0.5);
+    row->times.best_epoch = w->epoch_s[0]; /* sorted now */
+    row->times.worst = epochs * w->epoch_s[o->optimiser.epochs - 1];
     if (o->optimiser.epochs != 100)
-        row->seconds_100 = seconds / epochs * 100;
-    row->train_loss = w->train_loss;
-    row->validation_loss = w->validation_loss;
+        row->times.epochs_100 = seconds / epochs * 100;
+    row->work.train_loss = w->train_loss;
+    row->work.validation_loss = w->validation_loss;
 }
 
 static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_train_options *o, nqm_error *err) {
@@ -81,20 +81,21 @@ static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_t
     if (!w.epoch_s)
         return nqm_fail_nomem(err, o->optimiser.epochs * sizeof(double));
     nqm_bench_entry_work(bench, &entry, o->optimiser.precision, 0);
-    o->run.epoch_done = look;
+    o->run.epoch_done = end_epoch;
     o->run.epoch_user = &w;
     nqm_model *model;
     nqm_train_report report;
     nqm_bench_release_memory(bench);
-    nqm_reset_peak_memory();
-    const double cpu_begin = nqm_process_clock_s(), begin = nqm_clock_s();
+    nqm_bench_reset_peak_memory();
+    const double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s();
     w.last_s = begin;
     nqm_status status = nqm_train(dataset, o, &model, &report, err);
-    const double seconds = nqm_clock_s() - begin - w.away_s, cpu_s = nqm_process_clock_s() - cpu_begin - w.away_cpu_s;
-    entry.row.max_rss_mb = nqm_peak_memory_mb();
+    const double seconds = nqm_clock_s() - begin - w.sampling_s,
+                 cpu_s = nqm_bench_process_clock_s() - cpu_begin - w.sampling_cpu_s;
+    entry.row.work.max_rss_mb = nqm_bench_peak_memory_mb();
     if (status == NQM_OK) {
-        entry.row.gflop = 2e-9 * (double)o->optimiser.epochs *
-                          ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
+        entry.row.work.gflop = 2e-9 * (double)o->optimiser.epochs *
+                               ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
         fill_row(&entry.row, o, &report, &w, seconds, cpu_s);
         status = nqm_bench_add(bench, &entry, err);
     }
@@ -123,7 +124,7 @@ nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, 
     for (o.optimiser.seed = 1; o.optimiser.seed <= n_seeds && status == NQM_OK; ++o.optimiser.seed)
         for (o.optimiser.precision = NQM_PRECISION_F32; o.optimiser.precision <= NQM_PRECISION_BF16 && status == NQM_OK;
              ++o.optimiser.precision)
-            if (nqm_bench_wants(bench, o.optimiser.precision))
+            if (nqm_bench_has_precision(bench, o.optimiser.precision))
                 status = train_once(bench, dataset, &o, err);
     nqm_dataset_free(dataset);
     return status;

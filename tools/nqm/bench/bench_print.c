@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The rows of a benchmark as JSON and as tables in Markdown, which can be read as they are and be put into a document.
+ * The rows of a benchmark as JSON and as Markdown tables.
  */
 #include "nqm/bench/bench_print.h"
 
@@ -10,7 +10,7 @@
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-/* What the user told OpenMP: waiting threads that sleep ("passive") cost small batches a good deal. */
+/* The OpenMP settings of the user: with OMP_WAIT_POLICY=passive, small batches are much slower. */
 static json_t *openmp_json(void) {
     static const char *const names[] = {"OMP_NUM_THREADS", "OMP_PROC_BIND", "OMP_WAIT_POLICY"};
     json_t *openmp = json_object();
@@ -33,66 +33,20 @@ static json_t *machine_json(void) {
                      nqm_kernels_selected(), "build", nqm_build_info(), "openmp", openmp_json());
 }
 
-static void add_text(json_t *object, const char *key, const char *text) {
-    if (text)
-        json_object_set_new(object, key, json_name(text));
-}
-
-static void add_count(json_t *object, const char *key, size_t n) {
-    if (n)
-        json_object_set_new(object, key, json_integer((json_int_t)n));
-}
-
-static void add_number(json_t *object, const char *key, double value) {
-    if (isfinite(value))
-        json_object_set_new(object, key, json_real(value));
-}
-
-static json_t *row_json(const nqm_bench_row *r) {
-    json_t *o = json_object();
-    add_text(o, "bench", r->bench);
-    add_text(o, "name", r->name);
-    add_text(o, "subject", r->subject);
-    add_text(o, "model", r->model);
-    add_text(o, "by", r->by);
-    add_text(o, "kernels", r->kernels);
-    add_text(o, "precision", r->precision < 0 ? NULL : nqm_precision_name((nqm_precision)r->precision));
-    const struct {
-        const char *key;
-        size_t n;
-    } counts[] = {{"batch", r->batch}, {"threads", r->threads}, {"epochs", r->epochs}, {"seed", r->seed},
-                  {"pairs", r->pairs}, {"layer", r->layer},     {"m", r->m},           {"n", r->n},
-                  {"k", r->k},         {"rounds", r->rounds}};
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
-        add_count(o, counts[i].key, counts[i].n);
-    const struct {
-        const char *key;
-        double value;
-    } numbers[] = {{"seconds", r->seconds},
-                   {"seconds_median", r->seconds_median},
-                   {"seconds_worst", r->seconds_worst},
-                   {"best_epoch_seconds", r->best_epoch_seconds},
-                   {"seconds_100_epochs", r->seconds_100},
-                   {"ms_per_pair", r->ms_per_pair},
-                   {"gflop", r->gflop},
-                   {"gflops", r->gflops},
-                   {"peak_gflops", r->peak_gflops},
-                   {"peak_median_gflops", r->peak_median},
-                   {"megabytes", r->megabytes},
-                   {"gb_per_s", r->gb_per_s},
-                   {"peak_gb_per_s", r->peak_gb_per_s},
-                   {"floor_seconds", r->floor_seconds},
-                   {"floor_f32_seconds", r->floor_f32},
-                   {"ratio", r->ratio},
-                   {"times_floor", r->times_floor},
-                   {"times_alternative", r->times_alternative},
-                   {"cpu_share", r->cpu_share},
-                   {"max_rss_mb", r->max_rss_mb},
-                   {"train_loss", r->train_loss},
-                   {"validation_loss", r->validation_loss}};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
-        add_number(o, numbers[i].key, numbers[i].value);
-    return o;
+static json_t *row_json(const nqm_bench_row *row) {
+    json_t *object = json_object();
+    for (const nqm_bench_field *f = nqm_bench_fields; f->key; ++f) {
+        const bool is_text = f->kind == NQM_BENCH_TEXT || f->kind == NQM_BENCH_PRECISION;
+        const char *text = is_text ? nqm_bench_text(row, f) : NULL;
+        const double number = is_text ? 0 : nqm_bench_number(row, f);
+        if (text)
+            json_object_set_new(object, f->key, json_name(text));
+        else if (f->kind == NQM_BENCH_COUNT && number > 0)
+            json_object_set_new(object, f->key, json_integer((json_int_t)number));
+        else if (f->kind == NQM_BENCH_NUMBER && isfinite(number))
+            json_object_set_new(object, f->key, json_real(number));
+    }
+    return object;
 }
 
 json_t *bench_json(const nqm_bench *bench) {
@@ -106,105 +60,130 @@ json_t *bench_json(const nqm_bench *bench) {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-static const char *precision_text(const nqm_bench_row *r) {
-    return r->precision < 0 ? "" : nqm_precision_name((nqm_precision)r->precision);
+enum { MAX_COLUMNS = 18 };
+
+/* A column: fields of a row, by their keys. */
+typedef struct column {
+    const char *heading;
+    const char *key;             /* a text, a count, or a number, printed with n_digits significant digits */
+    const char *times, *divisor; /* further numbers; NULL: none */
+    double factor;               /* 0: 1 */
+    int n_digits;                /* 0: a text or a count */
+} column;
+
+typedef struct table {
+    const char *bench, *title;
+    column columns[MAX_COLUMNS + 1]; /* a NULL heading ends them */
+} table;
+
+#define TEXT(heading, key)                                                                                             \
+    { heading, key, NULL, NULL, 0, 0 }
+#define NUMBER(heading, key, n_digits)                                                                                 \
+    { heading, key, NULL, NULL, 0, n_digits }
+#define MEDIAN_COLUMN                                                                                                  \
+    { "median / best", "seconds_median", .divisor = "seconds", .n_digits = 3 }
+
+static const table tables[] = {
+    {"peak",
+     "Peaks of arithmetic",
+     {TEXT("kernels", "kernels"), TEXT("precision", "precision"), TEXT("threads", "threads"),
+      NUMBER("best, GFLOP/s", "peak_gflops", 3), NUMBER("median, GFLOP/s", "peak_median_gflops", 3)}},
+    {"peak",
+     "Peaks of reading memory",
+     {TEXT("kernels", "kernels"),
+      NUMBER("MB", "megabytes", 3),
+      TEXT("threads", "threads"),
+      NUMBER("best, GB/s", "peak_gb_per_s", 3),
+      {"median, GB/s", "megabytes", .divisor = "seconds_median", .factor = 1e-3, .n_digits = 3}}},
+    {"gemm",
+     "Matrix products",
+     {TEXT("kernels", "kernels"), TEXT("product", NULL), TEXT("batch", "batch"), TEXT("m x n x k", NULL),
+      TEXT("precision", "precision"), TEXT("by", "by"), NUMBER("GFLOP/s", "gflops", 3), NUMBER("GB/s", "gb_per_s", 3),
+      NUMBER("of the peak", "ratio", 3), MEDIAN_COLUMN}},
+    {"train",
+     "Training",
+     {TEXT("recipe", "model"),
+      TEXT("precision", "precision"),
+      TEXT("kernels", "kernels"),
+      TEXT("seed", "seed"),
+      TEXT("pairs", "pairs"),
+      TEXT("epochs", "epochs"),
+      {"TFLOP", "gflop", .factor = 1e-3, .n_digits = 4},
+      NUMBER("s", "seconds", 3),
+      {"s, all as the best epoch", "best_epoch_seconds", "epochs", .n_digits = 3},
+      NUMBER("s, extrapolated to 100 epochs", "seconds_100_epochs", 3),
+      NUMBER("GFLOP/s", "gflops", 3),
+      NUMBER("floor, s", "floor_seconds", 3),
+      NUMBER("x floor", "times_floor", 3),
+      {"best x floor", "best_epoch_seconds", "epochs", "floor_seconds", .n_digits = 3},
+      NUMBER("share of processors", "cpu_share", 2),
+      {"x floor, processor time", "times_floor", "cpu_share", .n_digits = 3},
+      NUMBER("MB", "max_rss_mb", 3),
+      NUMBER("validation loss", "validation_loss", 4)}},
+    {"score",
+     "Scoring",
+     {TEXT("model", "model"),
+      TEXT("what", "name"),
+      TEXT("precision", "precision"),
+      TEXT("kernels", "kernels"),
+      TEXT("pairs", "batch"),
+      NUMBER("ms a pair", "ms_per_pair", 3),
+      {"floor, ms", "floor_seconds", .divisor = "batch", .factor = 1e3, .n_digits = 3},
+      NUMBER("x floor", "times_floor", 3),
+      NUMBER("GFLOP/s", "gflops", 3),
+      NUMBER("GB/s", "gb_per_s", 3),
+      NUMBER("gain of one reference", "times_alternative", 3),
+      MEDIAN_COLUMN}},
+    {"load",
+     "Loading and starting",
+     {TEXT("what", "subject"),
+      TEXT("", "name"),
+      NUMBER("MB", "megabytes", 3),
+      {"best, ms", "seconds", .factor = 1e3, .n_digits = 3},
+      {"median, ms", "seconds_median", .factor = 1e3, .n_digits = 3},
+      {"worst, ms", "seconds_worst", .factor = 1e3, .n_digits = 3}}},
+};
+
+static const nqm_bench_field *find_field(const char *key) {
+    const nqm_bench_field *f = nqm_bench_fields;
+    while (strcmp(f->key, key) != 0)
+        ++f;
+    return f;
 }
 
-/* A cell of a table: a number with so many significant digits, or nothing. */
-static void cell(double value, int n_digits) {
-    if (!isfinite(value)) {
+/* A number with so many significant digits, or nothing. */
+static void print_number(double value, int n_digits) {
+    int n_after = n_digits - 1 - (value != 0 && isfinite(value) ? (int)floor(log10(fabs(value))) : 0);
+    if (isfinite(value))
+        printf(" %.*f |", n_after < 0 ? 0 : n_after, value);
+    else
         printf(" |");
+}
+
+static void print_cell(const nqm_bench_row *row, const column *c) {
+    if (!c->key) { /* composed of several fields */
+        if (strcmp(c->heading, "product") == 0)
+            printf(" %s, layer %zu %s |", row->model, row->size.layer, row->name);
+        else
+            printf(" %zu x %zu x %zu |", row->size.m, row->size.n, row->size.k);
         return;
     }
-    int after = n_digits - 1 - (value != 0 ? (int)floor(log10(fabs(value))) : 0);
-    printf(" %.*f |", after < 0 ? 0 : after, value);
+    const nqm_bench_field *f = find_field(c->key);
+    if (c->n_digits > 0)
+        print_number(nqm_bench_number(row, f) * (c->factor != 0 ? c->factor : 1) *
+                         (c->times ? nqm_bench_number(row, find_field(c->times)) : 1) /
+                         (c->divisor ? nqm_bench_number(row, find_field(c->divisor)) : 1),
+                     c->n_digits);
+    else if (f->kind == NQM_BENCH_COUNT)
+        printf(" %.0f |", nqm_bench_number(row, f));
+    else
+        printf(" %s |", nqm_bench_text(row, f) ? nqm_bench_text(row, f) : "");
 }
 
-static void print_peak(const nqm_bench_row *r) {
-    printf("| %s |", r->kernels);
-    if (r->megabytes > 0) {
-        printf(" reading %.3g MB | %zu |", r->megabytes, r->threads);
-        cell(r->peak_gb_per_s, 3);
-        printf(" GB/s |");
-        cell(r->megabytes / 1000 / r->seconds_median, 3);
-    } else {
-        printf(" %s | %zu |", precision_text(r), r->threads);
-        cell(r->peak_gflops, 3);
-        printf(" GFLOP/s |");
-        cell(r->peak_median, 3);
-    }
-    putchar('\n');
+static bool belongs_to(const nqm_bench_row *row, const table *t) {
+    bool is_reading = strcmp(row->bench, "peak") == 0 && row->precision < 0;
+    return strcmp(row->bench, t->bench) == 0 && is_reading == (strcmp(t->title, "Peaks of reading memory") == 0);
 }
-
-static void print_gemm(const nqm_bench_row *r) {
-    printf("| %s | %s, layer %zu %s | %zu | %zu x %zu x %zu | %s | %s |", r->kernels, r->model, r->layer, r->name,
-           r->batch, r->m, r->n, r->k, precision_text(r), r->by);
-    cell(r->gflops, 3);
-    cell(r->gb_per_s, 3);
-    cell(r->ratio, 3);
-    cell(r->seconds_median / r->seconds, 3);
-    putchar('\n');
-}
-
-static void print_train(const nqm_bench_row *r) {
-    printf("| %s | %s | %s | %zu | %zu | %zu |", r->model, precision_text(r), r->kernels, r->seed, r->pairs, r->epochs);
-    const double best = (double)r->epochs * r->best_epoch_seconds;
-    cell(r->gflop / 1000, 4);
-    cell(r->seconds, 3);
-    cell(best, 3);
-    cell(r->seconds_100, 3);
-    cell(r->gflops, 3);
-    cell(r->floor_seconds, 3);
-    cell(r->times_floor, 3);
-    cell(best / r->floor_seconds, 3);
-    cell(r->cpu_share, 2);
-    cell(r->times_floor * r->cpu_share, 3);
-    cell(r->max_rss_mb, 3);
-    cell(r->validation_loss, 4);
-    putchar('\n');
-}
-
-static void print_score(const nqm_bench_row *r) {
-    printf("| %s | %s | %s | %s | %zu |", r->model, r->name, precision_text(r), r->kernels, r->batch);
-    cell(r->ms_per_pair, 3);
-    cell(1e3 * r->floor_seconds / (double)r->batch, 3);
-    cell(r->times_floor, 3);
-    cell(r->gflops, 3);
-    cell(r->gb_per_s, 3);
-    cell(r->times_alternative, 3);
-    cell(r->seconds_median / r->seconds, 3);
-    putchar('\n');
-}
-
-static void print_load(const nqm_bench_row *r) {
-    printf("| %s | %s |", r->subject, r->name);
-    cell(r->megabytes, 3);
-    cell(1e3 * r->seconds, 3);
-    cell(1e3 * r->seconds_median, 3);
-    cell(1e3 * r->seconds_worst, 3);
-    putchar('\n');
-}
-
-static const struct table {
-    const char *bench, *title, *head, *rule;
-    void (*print)(const nqm_bench_row *row);
-} tables[] = {
-    {"peak", "Peaks", "| kernels | what | threads | best | | median |", "|---|---|---|---|---|---|", print_peak},
-    {"gemm", "Matrix products",
-     "| kernels | product | batch | m x n x k | precision | by | GFLOP/s | GB/s | of the peak | median / best |",
-     "|---|---|---|---|---|---|---|---|---|---|", print_gemm},
-    {"train", "Training",
-     "| recipe | precision | kernels | seed | pairs | epochs | TFLOP | s | s, all as the best epoch | s, extrapolated "
-     "to 100 epochs | GFLOP/s "
-     "| floor, s | x floor | best x floor | share of processors | x floor, processor time | MB | validation loss |",
-     "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|", print_train},
-    {"score", "Scoring",
-     "| model | what | precision | kernels | pairs | ms a pair | floor, ms | x floor | GFLOP/s | GB/s | gain of one "
-     "reference | median / best |",
-     "|---|---|---|---|---|---|---|---|---|---|---|---|", print_score},
-    {"load", "Loading and starting", "| what | | MB | best, ms | median, ms | worst, ms |", "|---|---|---|---|---|---|",
-     print_load},
-};
 
 static void print_machine(void) {
     const nqm_bench_machine m = nqm_bench_get_machine();
@@ -222,16 +201,26 @@ static void print_machine(void) {
 void print_bench_tables(const nqm_bench *bench) {
     end_progress();
     print_machine();
-    for (size_t t = 0; t < sizeof tables / sizeof *tables; ++t) {
-        bool begun = false;
+    for (const table *t = tables; t < tables + sizeof tables / sizeof *tables; ++t) {
+        bool has_begun = false;
         for (size_t i = 0; i < nqm_bench_count(bench); ++i) {
             const nqm_bench_row row = nqm_bench_get_row(bench, i);
-            if (strcmp(row.bench, tables[t].bench) != 0)
+            if (!belongs_to(&row, t))
                 continue;
-            if (!begun)
-                printf("\n### %s\n\n%s\n%s\n", tables[t].title, tables[t].head, tables[t].rule);
-            begun = true;
-            tables[t].print(&row);
+            if (!has_begun) {
+                printf("\n### %s\n\n|", t->title);
+                for (const column *c = t->columns; c->heading; ++c)
+                    printf(" %s |", c->heading);
+                printf("\n|");
+                for (const column *c = t->columns; c->heading; ++c)
+                    printf("---|");
+                putchar('\n');
+            }
+            has_begun = true;
+            putchar('|');
+            for (const column *c = t->columns; c->heading; ++c)
+                print_cell(&row, c);
+            putchar('\n');
         }
     }
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The matrix product of oneDNN as a program that cares would use it: its primitive made beforehand, and weights in the
- * layout that it chose. What our products are compared with.
+ * The matrix product of oneDNN in its fastest form, for comparison: the primitive is created in advance, and the weights have
+ * the layout that it prefers.
  */
-#include "bench/inside.h"
 #include "kernel/onednn.h"
+#include "bench/bench.h"
 
-struct nqm_library_product {
+struct nqm_bench_onednn {
     const nqm_onednn *onednn;
     dnnl_engine_t engine;
     dnnl_stream_t stream;
@@ -15,16 +15,16 @@ struct nqm_library_product {
     void *block[3];
 };
 
-/* A pattern of bytes that is a small positive number in every precision. */
+/* Bytes of a small positive number in each precision. */
 static const unsigned char pattern[NQM_PRECISION_COUNT][4] = {{0, 0, 0, 0x3c}, {0, 0x3c, 0, 0x3c}, {1, 1, 1, 1}};
 
-static bool init_matrix(const nqm_library_product *p, dnnl_memory_desc_t *desc, size_t rows, size_t columns,
+static bool init_matrix(const nqm_bench_onednn *p, dnnl_memory_desc_t *desc, size_t rows, size_t columns,
                         dnnl_data_type_t type, dnnl_format_tag_t tag) {
     const dnnl_dims_t dims = {(dnnl_dim_t)rows, (dnnl_dim_t)columns};
     return p->onednn->dnnl_memory_desc_init_by_tag(desc, 2, dims, type, tag) == dnnl_success;
 }
 
-static bool make_primitive(nqm_library_product *p, dnnl_matmul_desc_t *op, nqm_precision precision, bool *no_memory) {
+static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_precision precision, bool *no_memory) {
     dnnl_primitive_desc_t desc;
     if (p->onednn->dnnl_primitive_desc_create(&desc, op, NULL, p->engine, NULL) != dnnl_success)
         return false;
@@ -43,7 +43,7 @@ static bool make_primitive(nqm_library_product *p, dnnl_matmul_desc_t *op, nqm_p
     return ok;
 }
 
-static bool make_product(nqm_library_product *p, nqm_precision precision, bool trans_a, const nqm_library_shape *s,
+static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
                          bool *no_memory) {
     static const dnnl_data_type_t left[] = {dnnl_f32, dnnl_bf16, dnnl_u8}, right[] = {dnnl_f32, dnnl_bf16, dnnl_s8},
                                   out[] = {dnnl_f32, dnnl_f32, dnnl_s32};
@@ -51,40 +51,40 @@ static bool make_product(nqm_library_product *p, nqm_precision precision, bool t
     dnnl_matmul_desc_t op;
     return p->onednn->dnnl_engine_create(&p->engine, dnnl_cpu, 0) == dnnl_success &&
            p->onednn->dnnl_stream_create(&p->stream, p->engine, dnnl_stream_default_flags) == dnnl_success &&
-           init_matrix(p, &a, s->m, s->k, left[precision], trans_a ? dnnl_ba : dnnl_ab) &&
-           init_matrix(p, &b, s->k, s->n, right[precision], trans_a ? dnnl_ab : dnnl_format_tag_any) &&
-           init_matrix(p, &c, s->m, s->n, out[precision], dnnl_ab) &&
+           init_matrix(p, &a, m, k, left[precision], trans_a ? dnnl_ba : dnnl_ab) &&
+           init_matrix(p, &b, k, n, right[precision], trans_a ? dnnl_ab : dnnl_format_tag_any) &&
+           init_matrix(p, &c, m, n, out[precision], dnnl_ab) &&
            p->onednn->dnnl_matmul_desc_init(&op, &a, &b, NULL, &c) == dnnl_success &&
            make_primitive(p, &op, precision, no_memory);
 }
 
-nqm_status nqm_library_product_create(nqm_precision precision, bool trans_a, const nqm_library_shape *shape,
-                                      nqm_library_product **product_ret, nqm_error *err) {
+nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
+                                   nqm_bench_onednn **product_ret, nqm_error *err) {
     const nqm_onednn *onednn = nqm_onednn_get();
     bool no_memory = false;
     *product_ret = NULL;
     if (!onednn)
         return NQM_OK;
-    nqm_library_product *p = *product_ret = nqm_alloc(1, sizeof *p);
+    nqm_bench_onednn *p = *product_ret = nqm_alloc(1, sizeof *p);
     if (!p)
         return nqm_fail_nomem(err, sizeof *p);
     p->onednn = onednn;
-    if (make_product(p, precision, trans_a, shape, &no_memory))
+    if (make_product(p, precision, trans_a, m, n, k, &no_memory))
         return NQM_OK;
-    nqm_library_product_free(p);
+    nqm_bench_onednn_free(p);
     *product_ret = NULL;
-    return no_memory ? nqm_fail_nomem(err, shape->k * shape->n * sizeof(float)) : NQM_OK;
+    return no_memory ? nqm_fail_nomem(err, k * n * sizeof(float)) : NQM_OK;
 }
 
-void nqm_library_product_run(void *product) {
-    const nqm_library_product *p = product;
+void nqm_bench_onednn_run(void *product) {
+    const nqm_bench_onednn *p = product;
     const dnnl_exec_arg_t arguments[] = {
         {DNNL_ARG_SRC, p->memory[0]}, {DNNL_ARG_WEIGHTS, p->memory[1]}, {DNNL_ARG_DST, p->memory[2]}};
     p->onednn->dnnl_primitive_execute(p->primitive, p->stream, 3, arguments);
     p->onednn->dnnl_stream_wait(p->stream);
 }
 
-void nqm_library_product_free(nqm_library_product *p) {
+void nqm_bench_onednn_free(nqm_bench_onednn *p) {
     if (!p)
         return;
     for (size_t i = 0; i < 3; ++i) {
@@ -97,7 +97,7 @@ void nqm_library_product_free(nqm_library_product *p) {
     nqm_free(p);
 }
 
-void nqm_library_sgemm(const nqm_gemm *g) {
+void nqm_bench_onednn_sgemm(const nqm_gemm *g) {
     nqm_onednn_get()->dnnl_sgemm(g->trans_a ? 'T' : 'N', g->trans_b ? 'T' : 'N', (dnnl_dim_t)g->m, (dnnl_dim_t)g->n,
                                  (dnnl_dim_t)g->k, g->alpha, g->a, (dnnl_dim_t)g->lda, g->b, (dnnl_dim_t)g->ldb,
                                  g->beta, g->c, (dnnl_dim_t)g->ldc);
