@@ -12,7 +12,7 @@ libdir=$(dirname "$(find "$prefix" -name libnqm.so | head -n 1)")
 for flavour in nqm nqm-full; do
     flags=$(PKG_CONFIG_PATH=$libdir/pkgconfig pkg-config --define-variable=prefix="$prefix" --cflags --libs $flavour)
     # shellcheck disable=SC2086
-    ${CC:-cc} -std=c11 -Wall -Wextra -Werror "$source/examples/score.c" -o "$prefix/score-$flavour" $flags
+    ${CC:-cc} -std=c11 -Wall -Wextra -Werror "$source/examples/score_files.c" -o "$prefix/score-$flavour" $flags
     LD_LIBRARY_PATH=$libdir "$prefix/score-$flavour" sgd:nickel ward:nickel >"$prefix/$flavour.txt"
     grep -q 'JOD' "$prefix/$flavour.txt"
 done

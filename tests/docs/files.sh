@@ -1,0 +1,80 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Make the files that the commands in README.md and doc/ name, in the folder BUILD/docs-files; pages.py copies them to the scratch
+# folder of each page. They are small: the models and corpora have the right form, but their numbers mean nothing.
+set -eu
+folder=${NQM_BUILD:?}/docs-files source=${NQM_SOURCE:?} nqm=${NQM_TOOL:?}
+rm -rf "$folder"
+mkdir -p "$folder"
+cd "$folder"
+
+# BRDFs: a measurement (a MERL table), an approximation of it (a network file), a light map and a shape.
+"$nqm" convert sgd:nickel -o measured.binary
+"$nqm" fit sgd:nickel --model hyper-low -o approximation.safetensors -q
+"$nqm" render lambert:kd=.8 -o probe.exr --size 64x32 --background light >/dev/null
+cat >bunny.ply <<END
+ply
+format ascii 1.0
+element vertex 6
+property float x
+property float y
+property float z
+element face 8
+property list uchar int vertex_indices
+end_header
+1 0 0
+-1 0 0
+0 1 0
+0 -1 0
+0 0 1
+0 0 -1
+3 0 2 4
+3 2 1 4
+3 1 3 4
+3 3 0 4
+3 2 0 5
+3 1 2 5
+3 3 1 5
+3 0 3 5
+END
+
+# A corpus, its test pairs, a model trained on it.
+cat >materials.csv <<END
+name,group,brdf,source,split
+nickel,nickel,sgd:nickel,sgd,train
+brass,brass,sgd:brass,sgd,train
+blue-rubber,blue-rubber,sgd:blue-rubber,sgd,train
+pink-felt,pink-felt,sgd:pink-felt,sgd,validation
+gold-paint,gold-paint,sgd:gold-paint,sgd,validation
+alum-bronze,alum-bronze,sgd:alum-bronze,sgd,test
+red-plastic,red-plastic,sgd:red-plastic,sgd,test
+END
+"$nqm" directions show default -o directions.csv
+scene="--models ward,ggx --perturbations 3 --points 100 --lights 64"
+# shellcheck disable=SC2086
+"$nqm" dataset materials.csv --directions directions.csv $scene -o train.safetensors
+# shellcheck disable=SC2086
+"$nqm" dataset materials.csv --directions directions.csv $scene -o test.safetensors --only test
+cp train.safetensors corpus.safetensors
+"$nqm" train train.safetensors --hidden 32,16,8 --epochs 3 -o my.safetensors --log loss.csv
+
+# A study in the authors' layout.
+mkdir authors-data
+"$NQM_BUILD/tests/authors_folder" authors-data
+cp -r authors-data/. .
+
+# A list of pairs, and scores that people might have given them.
+cat >pairs.csv <<END
+reference,test
+sgd:nickel,ward:nickel
+sgd:nickel,abc:nickel
+sgd:brass,ward:brass
+sgd:brass,abc:brass
+END
+cat >opinions.csv <<END
+reference,test,score
+sgd:nickel,ward:nickel,2.1
+sgd:nickel,abc:nickel,3.4
+sgd:brass,ward:brass,2.6
+sgd:brass,abc:brass,3.9
+END
