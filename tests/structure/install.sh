@@ -1,20 +1,44 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Install into a temporary folder; compile an outside program against it through pkg-config, once with each library; run it,
-# and the installed tool.
+# Install into a temporary folder; compile every program of examples/ against the installed headers and each library through
+# pkg-config, as C11 with warnings as errors; run them and compare what they print; run the installed tool.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
 prefix=$(mktemp -d)
 trap 'rm -rf "$prefix"' EXIT
 cmake --install "$build" --prefix "$prefix" >"$prefix/install.log"
 libdir=$(dirname "$(find "$prefix" -name libnqm.so | head -n 1)")
-# The .pc files carry the configured prefix; --define-variable moves it, as DESTDIR packaging does.
-for flavour in nqm nqm-full; do
-    flags=$(PKG_CONFIG_PATH=$libdir/pkgconfig pkg-config --define-variable=prefix="$prefix" --cflags --libs $flavour)
-    # shellcheck disable=SC2086
-    ${CC:-cc} -std=c11 -Wall -Wextra -Werror "$source/examples/score_files.c" -o "$prefix/score-$flavour" $flags
-    LD_LIBRARY_PATH=$libdir "$prefix/score-$flavour" sgd:nickel ward:nickel >"$prefix/$flavour.txt"
-    grep -q 'JOD' "$prefix/$flavour.txt"
+fail() {
+    echo "$1"
+    exit 1
+}
+
+# prints NAME PATTERN...: the lines that examples/NAME.c prints match the extended patterns, one each, with either library.
+prints() {
+    name=$1
+    shift
+    for flavour in nqm nqm-full; do
+        # The .pc files contain the configured prefix; --define-variable replaces it, as packaging with DESTDIR does.
+        flags=$(PKG_CONFIG_PATH=$libdir/pkgconfig pkg-config --define-variable=prefix="$prefix" --cflags --libs $flavour)
+        # shellcheck disable=SC2086
+        ${CC:-cc} -std=c11 -Wall -Wextra -Werror "$source/examples/$name.c" -o "$prefix/$name" $flags -pthread -lm
+        # shellcheck disable=SC2086
+        LD_LIBRARY_PATH=$libdir "$prefix/$name" $arguments >"$prefix/out" || fail "examples/$name.c with lib$flavour fails"
+        [ "$(wc -l <"$prefix/out")" = $# ] || fail "examples/$name.c prints $(cat "$prefix/out")"
+        i=0
+        for pattern in "$@"; do
+            i=$((i + 1))
+            sed -n ${i}p "$prefix/out" | grep -qxE "$pattern" || fail "examples/$name.c prints $(cat "$prefix/out"), not $pattern"
+        done
+    done
+    tested="$tested $name"
+}
+tested=
+arguments="sgd:nickel ward:nickel sgd:nickel"
+prints score_files 'ward:nickel: 4\.5[0-9] JOD \[4\.[0-9]+, 4\.[0-9]+\]' 'sgd:nickel: 10\.00 JOD \[10\.00, 10\.00\]'
+arguments=
+prints score_threads 'ward:nickel: 4\.5[0-9] JOD' 'abc:nickel: 6\.[67][0-9] JOD' 'cook-torrance:nickel: 5\.[34][0-9] JOD' 'sgd:nickel: 10\.00 JOD'
+for file in "$source"/examples/*.c; do
+    case " $tested " in *" $(basename "$file" .c) "*) ;; *) fail "$file is not tested" ;; esac
 done
-diff "$prefix/nqm.txt" "$prefix/nqm-full.txt"
 "$prefix/bin/nqm" --version | grep -q '^nqm [0-9]'

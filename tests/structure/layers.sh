@@ -46,6 +46,13 @@ awk '
         exit bad
     }' src/LAYERS $files
 
+# doc/design.md has a table of the same rooms on the same layers, in the same order.
+sed -n 's/^\([a-z]*\) *\([0-9]*\):.*/\2 \1/p' src/LAYERS >"$build/layers.txt"
+sed -n 's/^| \([0-9]*\) | \([a-z]*\) |.*/\1 \2/p' doc/design.md | diff "$build/layers.txt" - || {
+    echo "the table of doc/design.md (>) differs from src/LAYERS (<)"
+    exit 1
+}
+
 # Object files lie in the build folder under the path of their source.
 objects=$(cd "$build/CMakeFiles" && find . -path '*.dir/src/*.o' -o -path '*.dir/tools/*.o')
 # shellcheck disable=SC2086

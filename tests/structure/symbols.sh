@@ -37,4 +37,11 @@ if readelf -d "$build/libnqm.so" | grep -E 'NEEDED.*(OpenEXR|png|cairo|embree)';
 for binary in libnqm.so libnqm-full.so nqm; do
     if readelf -d "$build/$binary" | grep -E 'NEEDED.*(matio|dnnl|embree)'; then fail "$binary is linked with a library that is to be loaded when needed"; fi
 done
+
+# The libraries never print, exit, start programs, or use the environment or the umask.
+for library in libnqm.so libnqm-full.so; do
+    forbidden=$(nm --dynamic --undefined-only "$build/$library" | awk '{ sub(/@.*/, "", $NF); print $NF }' |
+        grep -xE 'printf|__printf_chk|vprintf|__vprintf_chk|puts|putchar|perror|stderr|getenv|secure_getenv|setenv|putenv|system|popen|posix_spawnp?|v?fork|exec[lv][pe]*|_?exit|_Exit|quick_exit|abort|setlocale' || true)
+    [ -z "$forbidden" ] || fail "$library calls $(echo "$forbidden" | tr '\n' ' ')"
+done
 exit $bad
