@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm report - one page about a reference and its tests that needs no other file and no network: scores, pictures,
- * metrics, where they differ, and where the numbers come from. report_page.c writes it.
+ * nqm report - a self-contained page about a reference and its tests: scores, pictures, metrics, differences over angle,
+ * provenance. report_page.c writes it.
  */
 #include "nqm/show/report.h"
 
@@ -12,7 +12,7 @@
 
 enum { DATE_SIZE = 16 };
 
-/* The first test without a score, or a picture, ends the report: half a page is none. */
+/* The first test without a score or a picture ends the report. */
 static int first_fault(const report_run *run) {
     for (size_t i = 0; i < run->scores.n_rows; ++i)
         if (run->scores.rows[i].err.status != NQM_OK)
@@ -38,13 +38,12 @@ static int render_all(report_run *run) {
     return make_labels("report", labels);
 }
 
-/* Presets and short specs say it best themselves. */
-static bool is_telling(const char *argument) {
+/* Presets and short specs need no short form. */
+static bool is_short(const char *argument) {
     enum { MAX_LENGTH = 40 };
     return strlen(argument) <= MAX_LENGTH && !strchr(argument, '/');
 }
 
-/* What the page calls the items. */
 static int name_all(report_run *run) {
     const label_run *labels = &run->labels;
     run->short_names = calloc(labels->n_items, sizeof *run->short_names);
@@ -54,7 +53,7 @@ static int name_all(report_run *run) {
     for (size_t i = 0; i < labels->n_items; ++i)
         short_name(labels->items[i].name, run->short_names[i], sizeof run->short_names[i]);
     for (size_t i = 0; i < labels->n_items; ++i) {
-        bool whole = is_telling(labels->items[i].name);
+        bool whole = is_short(labels->items[i].name);
         for (size_t k = 0; k < labels->n_items; ++k)
             whole = whole || (k != i && strcmp(run->short_names[i], run->short_names[k]) == 0);
         run->names[i] = whole ? labels->items[i].name : run->short_names[i];
@@ -77,7 +76,7 @@ static int rank_all(report_run *run) {
     return EXIT_OK;
 }
 
-/* Everything that the page says, before its file is begun. */
+/* Compute everything before the page is written. */
 static int gather(report_run *run, const char *model) {
     int exit_code = make_scores("report", &run->scores, model);
     if (exit_code == EXIT_OK)
@@ -91,7 +90,7 @@ static int gather(report_run *run, const char *model) {
     return exit_code == EXIT_OK ? first_fault(run) : exit_code;
 }
 
-/* Figures pass through a file beside the page's temporary one, whose name is nobody else's. */
+/* The temporary file of the figures has the unique name of the page's own, and an ending. */
 static int write_page(const report_run *run, output_file *out) {
     static const char suffix[] = ".png";
     size_t n = strlen(out->file.temporary) + sizeof suffix;
@@ -108,9 +107,9 @@ static int write_page(const report_run *run, output_file *out) {
 
 static int make_report(report_run *run, const char *model, const char *path) {
     output_file out;
-    int exit_code = open_output("report", path, &out); /* a folder that is missing is said at once */
+    int exit_code = open_output("report", path, &out); /* first: a missing folder is reported before the work */
     if (exit_code == EXIT_OK && !out.file.temporary)
-        exit_code = report("report", EXIT_USAGE, "the page is a file: -o FILE.html");
+        exit_code = report("report", EXIT_USAGE, "the page must be a file: -o FILE.html");
     if (exit_code == EXIT_OK)
         exit_code = gather(run, model);
     if (exit_code == EXIT_OK)
@@ -120,8 +119,7 @@ static int make_report(report_run *run, const char *model, const char *path) {
     return exit_code == EXIT_OK ? close_code : exit_code;
 }
 
-/* The day that the environment gives to files that shall be reproducible, else none.
- * https://reproducible-builds.org/specs/source-date-epoch/ */
+/* Without a date: the day of SOURCE_DATE_EPOCH (https://reproducible-builds.org/specs/source-date-epoch/), or none. */
 static int find_date(const char **date, char text[DATE_SIZE]) {
     const char *epoch = getenv("SOURCE_DATE_EPOCH");
     if (*date || !epoch)
@@ -133,7 +131,7 @@ static int find_date(const char **date, char text[DATE_SIZE]) {
     struct tm day;
     if (end == epoch || *end || errno || seconds < 0 || !gmtime_r(&t, &day) ||
         strftime(text, DATE_SIZE, "%Y-%m-%d", &day) == 0)
-        return report("report", EXIT_USAGE, "SOURCE_DATE_EPOCH is not a number of seconds: '%s'", epoch);
+        return report("report", EXIT_USAGE, "SOURCE_DATE_EPOCH must be a number of seconds, not '%s'", epoch);
     *date = text;
     return EXIT_OK;
 }
@@ -142,7 +140,7 @@ static int check_scene(label_run *labels, uint64_t shrink) {
     const nqm_scene_options *o = &labels->scene_options;
     labels->shrink = (size_t)shrink;
     if (!o->width)
-        return report("report", EXIT_USAGE, "--points makes no pictures");
+        return report("report", EXIT_USAGE, "--points renders no pictures, which the report needs");
     if (o->width % labels->shrink || o->height % labels->shrink)
         return report("report", EXIT_USAGE, "--shrink must divide the size of the picture");
     return EXIT_OK;
@@ -158,13 +156,13 @@ int cmd_report(int argc, char **argv) {
     scene.size = "400"; /* sharp on paper */
     option options[9 + N_SCENE_OPTIONS] = {
         {"output", 'o', OPTION_TEXT, &output, "FILE.html", "the page", 0, 0},
-        {"title", 0, OPTION_TEXT, &run.title, "TEXT", "on top, instead of what is compared", 0, 0},
-        {"date", 0, OPTION_TEXT, &run.date, "TEXT", "in the line to quote; else that of SOURCE_DATE_EPOCH, or none", 0,
-         0},
-        {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
+        {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]",
+         0, 0},
+        {"model", 'm', OPTION_TEXT, &model, "MODEL", "name of a built-in model, or a model file", 0, 0},
         OPTION_ROW_INVALID(&invalid),
         OPTION_ROW_MIN_VALID(&run.scores.options.min_valid_fraction),
-        {"shrink", 0, OPTION_COUNT, &shrink, "N", "N x N rendered pixels become one of a picture", 1, 16},
+        {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
     };
     scene_args_table(&scene, options);
@@ -172,10 +170,10 @@ int cmd_report(int argc, char **argv) {
         .name = "report",
         .usage = "REF TEST... -o FILE.html [options]",
         .about =
-            "Write one page for people to read: the JOD of each TEST and what it means, reference and test side by\n"
-            "side on a lit shape with a map of their colour difference, all metrics, where in angle they differ,\n"
-            "and a line to quote. The file needs no network and no other file, and prints well; its numbers stand\n"
-            "in it as JSON too. The same arguments give the same bytes.",
+            "Write a page for readers: the JOD of each TEST and its meaning, rendered pictures of reference and test\n"
+            "with a map of their colour difference, all metrics, the directions where they differ, and a line to\n"
+            "quote. The page is a single file, loads nothing from the network, prints well, and holds its numbers as\n"
+            "JSON. The same arguments give the same bytes on one machine.",
         .example = "nqm report sgd:nickel ward:nickel -o nickel.html\n"
                    "nqm report measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr -o fits.html\n"
                    "nqm report sgd:nickel ward:nickel abc:nickel --title 'Three models of nickel' -o nickel.html",
@@ -187,7 +185,7 @@ int cmd_report(int argc, char **argv) {
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
     if (!output)
-        return report("report", EXIT_USAGE, "say where the page goes: -o FILE.html");
+        return report("report", EXIT_USAGE, "give the file of the page: -o FILE.html");
     exit_code = choose_invalid("report", invalid, &run.scores.options.invalid);
     if (exit_code == EXIT_OK)
         exit_code = scene_args_end("report", &scene);

@@ -11,46 +11,52 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* XML holds no control characters, not even as entities. */
+/* XML cannot hold most control characters, not even escaped. */
 static void put_text(FILE *out, const char *text) {
+    static const char special[] = "&<>\"'";
+    static const char *const escaped[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
     json_t *utf8 = json_name(text);
     for (const char *p = utf8 ? json_string_value(utf8) : ""; *p; ++p) {
-        bool control = (unsigned char)*p < ' ' && *p != '\n' && *p != '\t';
-        switch (*p) {
-        case '&':
-            fputs("&amp;", out);
-            break;
-        case '<':
-            fputs("&lt;", out);
-            break;
-        case '>':
-            fputs("&gt;", out);
-            break;
-        case '"':
-            fputs("&quot;", out);
-            break;
-        case '\'':
-            fputs("&#39;", out);
-            break;
-        default:
-            fputc(control ? '?' : *p, out);
-        }
+        const char *found = strchr(special, *p);
+        bool is_control = (unsigned char)*p < ' ' && *p != '\n' && *p != '\t';
+        if (found)
+            fputs(escaped[found - special], out);
+        else
+            fputc(is_control ? '?' : *p, out);
     }
     json_decref(utf8);
 }
 
+static void put_number(FILE *out, bool keeps_zeros, int n_digits, char conversion, double value) {
+    if (!isfinite(value))
+        fputs("\xe2\x80\x93", out); /* a dash */
+    else
+        fprintf(out, conversion == 'f' ? "%.*f" : keeps_zeros ? "%#.*g" : "%.*g", n_digits, value);
+}
+
 void html(FILE *out, const char *markup, ...) {
-    va_list texts;
-    va_start(texts, markup);
+    va_list values;
+    va_start(values, markup);
     for (const char *p = markup; *p; ++p) {
-        bool conversion = *p == '%';
-        p += conversion;
-        if (conversion && *p == 's')
-            put_text(out, va_arg(texts, const char *));
-        else
+        if (*p != '%') {
             fputc(*p, out);
+            continue;
+        }
+        bool keeps_zeros = *++p == '#';
+        p += keeps_zeros;
+        int n_digits = *p == '.' ? p[1] - '0' : 0;
+        p += *p == '.' ? 2 : 0;
+        if (*p == 's')
+            put_text(out, va_arg(values, const char *));
+        else if (*p == 'z')
+            fprintf(out, "%zu", va_arg(values, size_t));
+        else if (*p == '%')
+            fputc('%', out);
+        else
+            put_number(out, keeps_zeros, n_digits, *p, va_arg(values, double));
+        p += *p == 'z'; /* the u */
     }
-    va_end(texts);
+    va_end(values);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
@@ -67,22 +73,22 @@ int html_image(const char *verb, FILE *out, const html_picture *picture) {
     FILE *in = fopen(picture->path, "rb");
     if (!in)
         return report(verb, EXIT_OPEN, "%s: cannot read: %s", picture->path, strerror(errno));
-    html(out, "<img width='%s' height='%s' alt='%s' src='data:image/png;base64,", html_count(picture->width).text,
-         html_count(picture->height).text, picture->alt);
-    bool good = put_base64(out, in);
+    html(out, "<img width='%zu' height='%zu' alt='%s' src='data:image/png;base64,", picture->width, picture->height,
+         picture->alt);
+    bool is_complete = put_base64(out, in);
     fclose(in);
     html(out, "'/>\n");
-    return good ? EXIT_OK : report(verb, EXIT_OPEN, "%s: cannot read", picture->path);
+    return is_complete ? EXIT_OK : report(verb, EXIT_OPEN, "%s: cannot read", picture->path);
 }
 
 /* ---- data -------------------------------------------------------------------------------------------------------- */
 
-/* These three stand in strings only, where JSON has another way to write them. */
+/* < > & occur in strings only, where JSON can escape them. */
 int html_json(const char *verb, FILE *out, const char *id, json_t *value) {
     char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
     json_decref(value);
     if (!text)
-        return report(verb, EXIT_LIMIT, "no JSON can be made: memory is short");
+        return report(verb, EXIT_LIMIT, "cannot write JSON: out of memory");
     html(out, "<script type='application/json' id='%s'>", id);
     for (const char *p = text; *p; ++p) {
         if (*p == '<' || *p == '>' || *p == '&')
@@ -95,43 +101,17 @@ int html_json(const char *verb, FILE *out, const char *id, json_t *value) {
     return EXIT_OK;
 }
 
-/* ---- numbers ----------------------------------------------------------------------------------------------------- */
+/* ---- people ------------------------------------------------------------------------------------------------------ */
 
-static const char dash[] = "\xe2\x80\x93";
-
-html_number html_fixed(double value, int decimals) {
-    html_number n;
-    snprintf(n.text, sizeof n.text, isfinite(value) ? "%.*f" : dash, decimals, value);
-    return n;
-}
-
-html_number html_digits(double value, int significant) {
-    html_number n;
-    snprintf(n.text, sizeof n.text, isfinite(value) ? "%.*g" : dash, significant, value);
-    return n;
-}
-
-html_number html_all_digits(double value, int significant) {
-    html_number n;
-    snprintf(n.text, sizeof n.text, isfinite(value) ? "%#.*g" : dash, significant, value);
-    return n;
-}
-
-html_number html_count(size_t count) {
-    html_number n;
-    snprintf(n.text, sizeof n.text, "%zu", count);
-    return n;
-}
-
-html_number html_share(double share) {
-    html_number n;
-    bool nearly_all = share >= 0.995, hardly_any = share < 0.005;
-    snprintf(n.text, sizeof n.text, "%s%.0f\xc2\xa0%%",
-             nearly_all   ? ">\xc2\xa0"
-             : hardly_any ? "<\xc2\xa0"
-                          : "",
-             nearly_all   ? 99
-             : hardly_any ? 1
-                          : 100 * share);
-    return n;
+html_percent html_people(double fraction) {
+    html_percent p;
+    bool is_almost_all = fraction >= 0.995, is_almost_none = fraction < 0.005;
+    snprintf(p.text, sizeof p.text, "%s%.0f\xc2\xa0%%",
+             is_almost_all    ? ">\xc2\xa0"
+             : is_almost_none ? "<\xc2\xa0"
+                              : "",
+             is_almost_all    ? 99
+             : is_almost_none ? 1
+                              : 100 * fraction);
+    return p;
 }

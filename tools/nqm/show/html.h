@@ -1,41 +1,35 @@
 /* SPDX-License-Identifier: MIT
  *
- * html.h - writing a page that is HTML and well-formed XML at once, and leans on no other file: escaped texts, pictures
- * as data: addresses, data as JSON.
+ * html.h - writes a self-contained page that is both HTML and well-formed XML: escaped texts, numbers, pictures as data:
+ * URLs, data as JSON.
  */
 #ifndef NQM_TOOL_HTML_H
 #define NQM_TOOL_HTML_H
 
 #include "nqm/tool.h"
 
-/** Write markup, in which each %s stands for a text that is escaped, and %% for a percent sign; no other conversion is
- *  allowed. Attributes stand in single quotes. */
+/** Write markup. As in printf(): %s is a text, which is escaped; %zu a size_t; %.2f, %.3g and %#.4g a double, written as a
+ *  dash if it is not finite; %% a percent sign. Attributes are in single quotes. */
 __attribute__((format(printf, 2, 3))) void html(FILE *out, const char *markup, ...);
 
-/** What an <img> needs beside its bytes. */
+/** A PNG file and its <img>. */
 typedef struct html_picture {
-    const char *path; /* PNG file */
+    const char *path;
     const char *alt;
     size_t width, height; /* CSS pixels */
 } html_picture;
 
-/** An <img> that holds the file's bytes. EXIT_OK, or the fault is reported and its exit code returned. */
+/** An <img> that holds the bytes of the file. EXIT_OK, or reports the error and returns its exit code. */
 int html_image(const char *verb, FILE *out, const html_picture *picture);
 
-/** A block of data, which no browser runs: <script type='application/json' id='...'>. Releases the value. EXIT_OK, or the
- *  fault is reported and its exit code returned. */
+/** A data block, <script type='application/json' id='...'>, which browsers do not run. Releases the value. EXIT_OK, or
+ *  reports the error and returns its exit code. */
 int html_json(const char *verb, FILE *out, const char *id, json_t *value);
 
-/** A number as text, to be passed to html() as `.text`; a dash when it is not finite. */
-typedef struct html_number {
-    char text[40];
-} html_number;
-html_number html_fixed(double value, int decimals);
-html_number html_digits(double value, int significant);
-/** The same with all its digits: "0.0250". */
-html_number html_all_digits(double value, int significant);
-html_number html_count(size_t count);
-/** A share of people: "71 %", "> 99 %". */
-html_number html_share(double share);
+/** A fraction of people as text for html(): "71 %", "> 99 %". */
+typedef struct html_percent {
+    char text[16];
+} html_percent;
+html_percent html_people(double fraction);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The figures of a report. Each is drawn to a file beside the page, taken in and removed.
+ * The figures of a report. Each is drawn to a temporary file, embedded in the page and removed.
  */
 #include "nqm/show/report.h"
 
@@ -43,9 +43,9 @@ void end_figures(report_page *page) {
     free(page->delta_e);
 }
 
-/* Take in what was drawn, shown at a size in CSS pixels. */
-static int take_in(const report_page *page, nqm_status status, const nqm_error *err, const char *alt, size_t width,
-                   size_t height) {
+/* Embed the figure that was drawn with `status`, at a size in CSS pixels. */
+static int embed(const report_page *page, nqm_status status, const nqm_error *err, const char *alt, size_t width,
+                 size_t height) {
     if (status != NQM_OK)
         return report_error("report", err);
     const html_picture picture = {page->figure, alt, width, height};
@@ -62,7 +62,7 @@ int put_picture(const report_page *page, size_t item, const char *alt) {
     nqm_error err = {0};
     frame_picture(labels->scene, o, 0, page->white, labels->items[item].rgb_cdm2, page->picture);
     nqm_status status = nqm_picture_write(page->figure, &picture, labels->shrink, &tone, &err);
-    return take_in(page, status, &err, alt, o->width / labels->shrink, o->height / labels->shrink);
+    return embed(page, status, &err, alt, o->width / labels->shrink, o->height / labels->shrink);
 }
 
 int put_map(const report_page *page, size_t test, const char *alt) {
@@ -72,7 +72,7 @@ int put_map(const report_page *page, size_t test, const char *alt) {
     frame_map(labels->scene, o, 0, page->delta_e + test * nqm_scene_count(labels->scene), page->map);
     nqm_status status =
         nqm_map_write(page->figure, o->width, o->height, page->map, labels->shrink, page->delta_e_max, &err);
-    return take_in(page, status, &err, alt, o->width / labels->shrink, o->height / labels->shrink);
+    return embed(page, status, &err, alt, o->width / labels->shrink, o->height / labels->shrink);
 }
 
 int put_scale(const report_page *page, const char *alt) {
@@ -81,7 +81,7 @@ int put_scale(const report_page *page, const char *alt) {
     for (size_t i = 0; i < SCALE_STEPS; ++i)
         steps[i] = page->delta_e_max * ((double)i + 0.5) / SCALE_STEPS;
     nqm_status status = nqm_map_write(page->figure, SCALE_STEPS, 1, steps, 1, page->delta_e_max, &err);
-    return take_in(page, status, &err, alt, SCALE_STEPS, 1);
+    return embed(page, status, &err, alt, SCALE_STEPS, 1);
 }
 
 int put_attribution(const report_page *page, size_t test, const char *alt) {
@@ -89,7 +89,7 @@ int put_attribution(const report_page *page, size_t test, const char *alt) {
     const score_run *scores = &page->run->scores;
     nqm_error err = {0};
     nqm_status status = nqm_plot_attribution(page->figure, scores->ref, scores->rows[test].brdf, &look, &err);
-    return take_in(page, status, &err, alt, (size_t)look.width, (size_t)look.height);
+    return embed(page, status, &err, alt, (size_t)look.width, (size_t)look.height);
 }
 
 int put_slices(const report_page *page, size_t test, const char *alt) {
@@ -99,5 +99,5 @@ int put_slices(const report_page *page, size_t test, const char *alt) {
     static const char *const names[] = {"reference", "test"};
     nqm_error err = {0};
     nqm_status status = nqm_plot_slices(page->figure, 2, brdfs, names, 0, 1.5707963267948966, &look, &err);
-    return take_in(page, status, &err, alt, (size_t)look.width, (size_t)look.height);
+    return embed(page, status, &err, alt, (size_t)look.width, (size_t)look.height);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The page of a report: head, summary, how to read it, a section a test (report_test.c), provenance, data.
+ * The page of a report: head, summary, a section for each test (report_test.c), guide, provenance, data.
  */
 #include "nqm/show/report.h"
 
 #include <math.h>
 
-enum { MAX_COMPARED = 12 }; /* tests in the table of preferences, so that it fits a sheet of paper */
+enum { MAX_COMPARED = 12 }; /* tests in the table of preferences, which must fit on a sheet of paper */
 
 static size_t count_tests(const report_page *page) {
     return page->run->scores.n_rows;
@@ -27,12 +27,12 @@ static void put_title(const report_page *page) {
     if (page->run->title)
         html(page->out, "%s", page->run->title);
     else if (scores->n_rows == 1)
-        html(page->out, "How close %s comes to %s", page->run->names[1], page->run->names[0]);
+        html(page->out, "How closely %s matches %s", page->run->names[1], page->run->names[0]);
     else
-        html(page->out, "How close %s approximations come to %s", html_count(scores->n_rows).text, page->run->names[0]);
+        html(page->out, "How closely %zu approximations match %s", scores->n_rows, page->run->names[0]);
 }
 
-/* The policy lets the page load nothing; its data block is no script that runs. */
+/* The policy forbids the page to load anything. */
 static void put_head(const report_page *page) {
     html(page->out,
          "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'/>\n"
@@ -47,34 +47,32 @@ static void put_head(const report_page *page) {
     html(page->out, "</style>\n</head>\n<body>\n<main>\n<header>\n<h1>");
     put_title(page);
     html(page->out,
-         "</h1>\n<p class='lead'>Predicted image-space quality in JOD (just-objectionable differences), from "
-         "the BRDFs alone; pictures and their colour differences beside it, rendered to look at and to "
-         "check.</p>\n</header>\n");
+         "</h1>\n<p class='lead'>Image quality in JOD (just-objectionable differences), predicted from the BRDFs "
+         "without "
+         "rendering. Rendered pictures and their colour differences let you check the predictions.</p>\n</header>\n");
 }
 
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
 
-/* That of identical BRDFs is a point. */
+/* Identical BRDFs have none. */
 static bool has_interval(const nqm_score_result *r) {
     return !r->identical && isfinite(r->jod_low) && isfinite(r->jod_high);
 }
 
 void put_interval(FILE *out, const nqm_score_result *r) {
     if (has_interval(r))
-        html(out, " <span class='interval'>(95&#160;%% interval %s to %s)</span>", html_fixed(r->jod_low, 2).text,
-             html_fixed(r->jod_high, 2).text);
+        html(out, " <span class='interval'>(95&#160;%% interval %.2f to %.2f)</span>", r->jod_low, r->jod_high);
 }
 
 void put_strip(FILE *out, const nqm_score_result *r, double rendered_jod) {
     html(out,
-         "<svg class='strip' viewBox='-4 0 108 14' width='135' height='17' role='img' aria-label='predicted %s, "
-         "rendered %s of 10'><path d='M0 3V11M50 3V11M100 3V11M0 7H100'/>",
-         html_fixed(r->jod, 2).text, html_fixed(rendered_jod, 2).text);
+         "<svg class='strip' viewBox='-4 0 108 14' width='135' height='17' role='img' aria-label='predicted %.2f, "
+         "rendered %.2f of 10'><path d='M0 3V11M50 3V11M100 3V11M0 7H100'/>",
+         r->jod, rendered_jod);
     if (has_interval(r))
-        html(out, "<path class='interval' d='M%s 7H%s'/>", html_fixed(10 * r->jod_low, 2).text,
-             html_fixed(10 * r->jod_high, 2).text);
-    html(out, "<circle class='ring' cx='%s' cy='7' r='3.4'/><circle cx='%s' cy='7' r='3.4'/></svg>",
-         html_fixed(10 * rendered_jod, 2).text, html_fixed(10 * r->jod, 2).text);
+        html(out, "<path class='interval' d='M%.2f 7H%.2f'/>", 10 * r->jod_low, 10 * r->jod_high);
+    html(out, "<circle class='ring' cx='%.2f' cy='7' r='3.4'/><circle cx='%.2f' cy='7' r='3.4'/></svg>",
+         10 * rendered_jod, 10 * r->jod);
 }
 
 static void put_summary_row(const report_page *page, size_t place) {
@@ -83,17 +81,14 @@ static void put_summary_row(const report_page *page, size_t place) {
     const label_item *item = &page->run->labels.items[ranked->order + 1];
     FILE *out = page->out;
     html(out,
-         "<tr><td class='n'>%s</td><th scope='row'><a href='#test-%s'>%s</a></th><td class='n'><strong>%s</strong>",
-         html_count(ranked->rank).text, html_count(place + 1).text, name_at(page, place),
-         html_fixed(row->result.jod, 2).text);
+         "<tr><td class='n'>%zu</td><th scope='row'><a href='#test-%zu'>%s</a></th><td class='n'><strong>%.2f</strong>",
+         ranked->rank, place + 1, name_at(page, place), row->result.jod);
     if (has_interval(&row->result))
-        html(out, "<br/><span class='interval'>%s to %s</span>", html_fixed(row->result.jod_low, 2).text,
-             html_fixed(row->result.jod_high, 2).text);
+        html(out, "<br/><span class='interval'>%.2f to %.2f</span>", row->result.jod_low, row->result.jod_high);
     html(out, "</td><td class='graph'>");
     put_strip(out, &row->result, item->jod);
-    html(out, "</td><td>%s</td><td class='n'>%s</td><td class='n'>%s</td><td class='n'>%s</td></tr>\n",
-         verdict_words(&row->result), html_share(noticed_share(&row->result)).text, html_fixed(item->jod, 2).text,
-         html_fixed(item->delta_e, 2).text);
+    html(out, "</td><td>%s</td><td class='n'>%s</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
+         verdict_words(&row->result), html_people(noticed_share(&row->result)).text, item->jod, item->delta_e);
 }
 
 static void put_summary(const report_page *page) {
@@ -116,7 +111,7 @@ static void put_summary(const report_page *page) {
          nqm_model_get_info(page->run->scores.model).id);
 }
 
-/* How many people prefer each test to each other. */
+/* The fraction of people who prefer one test to another. */
 static void put_preferences(const report_page *page) {
     size_t n = count_tests(page);
     FILE *out = page->out;
@@ -126,18 +121,17 @@ static void put_preferences(const report_page *page) {
         out,
         "<section>\n<h2>Preferences between the tests</h2>\n<div class='scroll' role='region' aria-label='Preferences' "
         "tabindex='0'>\n"
-        "<table class='matrix'><caption>Expected share of people who prefer the row to the column (numbered as the "
-        "rows), with the reference in sight</caption>\n<thead><tr><th scope='col'>Test</th>");
+        "<table class='matrix'><caption>Expected percentage of people who prefer the test of the row to the test of "
+        "the column (same numbers) when they also see the reference</caption>\n<thead><tr><th scope='col'>Test</th>");
     for (size_t k = 0; k < n; ++k)
-        html(out, "<th scope='col' class='n'>(%s)</th>", html_count(k + 1).text);
+        html(out, "<th scope='col' class='n'>(%zu)</th>", k + 1);
     html(out, "</tr></thead>\n<tbody>\n");
     for (size_t i = 0; i < n; ++i) {
-        html(out, "<tr><th scope='row'>(%s) %s</th>", html_count(i + 1).text, name_at(page, i));
-        for (size_t k = 0; k < n; ++k)
-            html(out, "<td class='n'>%s</td>",
-                 i == k
-                     ? ""
-                     : html_share(nqm_jod_preference(row_at(page, i)->result.jod, row_at(page, k)->result.jod)).text);
+        html(out, "<tr><th scope='row'>(%zu) %s</th>", i + 1, name_at(page, i));
+        for (size_t k = 0; k < n; ++k) {
+            double fraction = nqm_jod_preference(row_at(page, i)->result.jod, row_at(page, k)->result.jod);
+            html(out, "<td class='n'>%s</td>", i == k ? "" : html_people(fraction).text);
+        }
         html(out, "</tr>\n");
     }
     html(out, "</tbody></table>\n</div>\n</section>\n");
@@ -146,29 +140,32 @@ static void put_preferences(const report_page *page) {
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
 
 static void put_range(FILE *out, double from, double to) {
-    bool last = from == 0;
-    html(out, "<tr><td>%s%s%s</td><td>%s</td><td class='n'>", last ? "below " : html_digits(from, 3).text,
-         last ? "" : " to ", html_digits(to, 3).text, jod_words(from));
-    if (!last)
-        html(out, "%s to ", html_share(nqm_jod_preference(10, to)).text);
-    html(out, "%s</td></tr>\n", html_share(nqm_jod_preference(10, from)).text);
+    if (from == 0)
+        html(out, "<tr><td>below %.3g</td>", to);
+    else
+        html(out, "<tr><td>%.3g to %.3g</td>", from, to);
+    html(out, "<td>%s</td><td class='n'>", jod_words(from));
+    if (from > 0)
+        html(out, "%s to ", html_people(nqm_jod_preference(10, to)).text);
+    html(out, "%s</td></tr>\n", html_people(nqm_jod_preference(10, from)).text);
 }
 
 static void put_guide(const report_page *page) {
-    static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* of the ranges of jod_words() */
+    static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of jod_words() */
     FILE *out = page->out;
-    html(out,
-         "<section class='guide'>\n<h2>How to read the numbers</h2>\n<div class='two'>\n<div>\n"
-         "<p>JOD 10 is no visible difference. One JOD less means that 75&#160;%% of people, shown both, say that the "
-         "reference looks better; with no difference to see, 50&#160;%% do by guessing. The share is "
-         "\xce\xa6(0.6745&#160;d) for a difference of d JOD, with \xce\xa6 the normal distribution function.</p>\n"
-         "<p>The JOD is what the network predicts, without rendering, for pictures in the scene that its training "
-         "labels come from. The JOD of pictures holds for the renderings shown here, through the published curve from "
-         "\xce\x94"
-         "E&#160;ITP (ITU-R BT.2124). Where both are far apart, look at the pictures.</p>\n");
+    html(
+        out,
+        "<section class='guide'>\n<h2>How to read the numbers</h2>\n<div class='two'>\n<div>\n"
+        "<p>JOD 10 means no visible difference. One JOD less means that 75&#160;%% of people who see both say that the "
+        "reference looks better; without a visible difference, 50&#160;%% say so, because they guess. For a difference "
+        "of d JOD, the percentage is \xce\xa6(0.6745&#160;d), with \xce\xa6 the normal distribution function.</p>\n"
+        "<p>The network predicts the JOD from the BRDFs, for pictures in the scene of its training labels. The JOD of "
+        "pictures is computed from the pictures on this page, by the published curve from \xce\x94"
+        "E&#160;ITP (ITU-R BT.2124). If the two differ much, trust the pictures.</p>\n");
     if (*nqm_model_get_info(page->run->scores.model).calibration)
-        html(out, "<p>The 95&#160;%% interval is where the JOD of rendered pictures lies for 95&#160;%% of pairs of "
-                  "materials that are new to the model.</p>\n");
+        html(out,
+             "<p>The 95&#160;%% interval contains the JOD of rendered pictures for 95&#160;%% of pairs with materials "
+             "that the model was not trained on.</p>\n");
     html(out, "</div>\n<table><thead><tr><th scope='col'>JOD</th><th scope='col'>In words</th>"
               "<th scope='col' class='n'>Prefer the reference</th></tr></thead>\n<tbody>\n");
     for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i)
@@ -191,23 +188,21 @@ static void put_scene(const report_page *page) {
     const nqm_scene_options *o = &page->run->labels.scene_options;
     json_t *scene = json_scene(o);
     html(page->out,
-         "%s under %s, %s \xc3\x97 %s pixels, %s light directions a point, a white surface at %s cd/m\xc2\xb2, "
-         "peak %s cd/m\xc2\xb2, seed %s",
+         "%s under %s, %zu \xc3\x97 %zu pixels, %zu light directions per point, a white surface at %.6g cd/m\xc2\xb2, "
+         "peak %.6g cd/m\xc2\xb2, seed %zu",
          json_string_value(json_object_get(scene, "shape")), json_string_value(json_object_get(scene, "light")),
-         html_count(o->width).text, html_count(o->height).text, html_count(nqm_scene_options_lights(o)).text,
-         html_digits(o->exposure_cdm2, 6).text, html_digits(o->peak_cdm2, 6).text, html_count(o->seed).text);
+         o->width, o->height, nqm_scene_options_lights(o), o->exposure_cdm2, o->peak_cdm2, o->seed);
     if (o->turn_rad != 0 || o->elevation_rad != 0)
-        html(page->out, ", turned by %s\xc2\xb0, seen from %s\xc2\xb0",
-             html_digits(json_real_value(json_object_get(scene, "turn")), 6).text,
-             html_digits(json_real_value(json_object_get(scene, "elevation")), 6).text);
+        html(page->out, ", turned by %.6g\xc2\xb0, seen from %.6g\xc2\xb0",
+             json_real_value(json_object_get(scene, "turn")), json_real_value(json_object_get(scene, "elevation")));
     if (o->n_frames > 1)
-        html(page->out, ", mean of %s views of which the first is shown", html_count(o->n_frames).text);
+        html(page->out, ", mean of %zu views, of which the first is shown", o->n_frames);
     html(page->out, "%s%s", o->shadows ? "" : ", no shadows", o->interreflection ? ", one interreflection" : "");
     json_decref(scene);
 }
 
 static void put_provenance(const report_page *page) {
-    static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
+    static const char *const remedy[] = {"skipped", "set to 0", "filled from the nearest direction", "an error"};
     const score_run *scores = &page->run->scores;
     nqm_model_info info = nqm_model_get_info(scores->model);
     FILE *out = page->out;
@@ -215,19 +210,19 @@ static void put_provenance(const report_page *page) {
     snprintf(prefix, sizeof prefix, "%s", info.sha256);
     html(out,
          "<section class='provenance'>\n<h2>Provenance</h2>\n<p class='quote'>JOD predicted with nqm %s, model %s "
-         "(SHA-256 %s), at %s directions (%s); pictures: ",
-         nqm_version(), info.id, prefix, html_count(scores->n_directions).text, nqm_directions_id(info.directions));
+         "(SHA-256 %s), at %zu directions (%s); pictures: ",
+         nqm_version(), info.id, prefix, scores->n_directions, nqm_directions_id(info.directions));
     put_scene(page);
     html(out, "%s%s.</p>\n<dl>\n", page->run->date ? "; " : "", page->run->date ? page->run->date : "");
     put_brdf(out, "Reference", scores->ref);
     for (size_t i = 0; i < count_tests(page); ++i)
         put_brdf(out, "Test", row_at(page, i)->brdf);
     html(out,
-         "<dt>Model</dt><dd>%s, recipe %s, %s parameters, SHA-256 <span class='hash'>%s</span></dd>\n"
+         "<dt>Model</dt><dd>%s, recipe %s, %zu parameters, SHA-256 <span class='hash'>%s</span></dd>\n"
          "<dt>Directions without a value</dt><dd>%s</dd>\n</dl>\n"
          "<p class='note'>Method: Kavoosighafi, Mantiuk, Hajisharif, Miandji, Unger, A Neural Quality Metric for BRDF "
          "Models, 2025.</p>\n</section>\n",
-         info.id, info.recipe, html_count(info.n_parameters).text, info.sha256, remedy[scores->options.invalid]);
+         info.id, info.recipe, info.n_parameters, info.sha256, remedy[scores->options.invalid]);
 }
 
 /* ---- the page ---------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The style of a report: screen, phone (below 44 rem) and paper. Colours of text have a contrast of 7 and more.
+ * The style sheet of a report for screen, phone (below 44 rem) and paper. The contrast of text is at least 7.
  */
 #include "nqm/show/report.h"
 
