@@ -55,7 +55,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
         abort();
     if (dictionary)
         code(dictionary);
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
     free(bytes);
     return 0;
 }

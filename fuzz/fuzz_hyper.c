@@ -43,7 +43,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
         abort();
     if (status == NQM_OK && nqm_hyper_encode(&hyper, 2, hd, rgb, weights, NULL) == NQM_ERR_ARG)
         abort();
-    nqm_hyper_free(&hyper);
+    nqm_free(hyper.block);
     nqm_free(copy);
     return 0;
 }
@@ -59,7 +59,7 @@ blob fuzz_seed(void) {
     nqm_hyper_init(&hyper, mean, 1);
     if (nqm_hyper_write(&hyper, 1, names, &options, path, NULL) != NQM_OK)
         abort();
-    nqm_hyper_free(&hyper);
+    nqm_free(hyper.block);
     blob b = blob_load(path);
     unlink(path);
     return b;

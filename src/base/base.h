@@ -26,6 +26,19 @@ nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes);
 void *nqm_alloc(size_t n, size_t size);
 /** Free a block of nqm_alloc(); NULL allowed. */
 void nqm_free(void *block);
+/** One of several arrays that share a block. */
+typedef struct nqm_array {
+    void *pointer;  /**< address of a pointer variable; receives the array's address */
+    size_t n, size; /**< elements, and bytes of each */
+} nqm_array;
+/** Allocate zeroed, 64-byte aligned arrays in one block. The first array owns the block: nqm_free() of it frees all of them.
+ *  On failure all pointers are NULL. */
+NQM_MUST_CHECK nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error *err);
+/** The arguments of nqm_alloc_arrays() but the last, from {&pointer, n, size}, ... */
+#define NQM_ARRAYS(...)                                                                                                \
+    sizeof((nqm_array[]){__VA_ARGS__}) / sizeof(nqm_array), (const nqm_array[]) {                                      \
+        __VA_ARGS__                                                                                                    \
+    }
 /** As nqm_alloc(), for large blocks that several threads fill: whole pages, large ones where the system has them, which are
  *  cleared when they are first touched, each by the thread that does. Free with nqm_free_pages(). */
 void *nqm_alloc_pages(size_t n, size_t size);

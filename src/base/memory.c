@@ -50,6 +50,24 @@ void nqm_free(void *block) {
     free(block);
 }
 
+nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error *err) {
+    size_t n_bytes = 0, n_array;
+    unsigned char *at = NULL;
+    bool ok = true;
+    for (size_t i = 0; ok && i < n_arrays; ++i) {
+        ok = nqm_mul_size(arrays[i].n, arrays[i].size, &n_array) && n_array <= SIZE_MAX / 2 - n_bytes;
+        n_bytes += ok ? (n_array + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : 0;
+    }
+    if (ok)
+        at = nqm_alloc(n_bytes, 1);
+    for (size_t i = 0; i < n_arrays; ++i) {
+        memcpy(arrays[i].pointer, &at, sizeof at);
+        if (at)
+            at += (arrays[i].n * arrays[i].size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    }
+    return at ? NQM_OK : nqm_fail_nomem(err, n_bytes);
+}
+
 enum { MIN_PAGES = 1 << 20 }; /* bytes; below, a mapping of its own does not pay */
 
 void *nqm_alloc_pages(size_t n, size_t size) {

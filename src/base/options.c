@@ -18,7 +18,7 @@ static void *field_of(const nqm_option *o, const void *options) {
 static double number_at(const nqm_option *o, const void *field) {
     switch (o->kind) {
     case NQM_OPTION_DOUBLE:
-        return *(const double *)field;
+        return o->scale != 0 ? nqm_round_digits(*(const double *)field / o->scale, 14) : *(const double *)field;
     case NQM_OPTION_SIZE:
     case NQM_OPTION_SIZES: /* one element of the list */
         return (double)*(const size_t *)field;
@@ -32,7 +32,7 @@ static double number_at(const nqm_option *o, const void *field) {
 static void store_number(const nqm_option *o, void *field, double value) {
     switch (o->kind) {
     case NQM_OPTION_DOUBLE:
-        *(double *)field = value;
+        *(double *)field = o->scale != 0 ? o->scale * value : value;
         break;
     case NQM_OPTION_SIZE:
     case NQM_OPTION_SIZES:

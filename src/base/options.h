@@ -39,8 +39,10 @@ typedef struct nqm_option {
     const char *unit;     /* "1/sr"; NULL: none */
     nqm_option_kind kind;
     nqm_option_storage storage;
-    size_t offset;            /* of the field in the struct, bytes */
-    double min, max;          /* of numbers, both included; both 0: any finite value */
+    size_t offset;   /* of the field in the struct, bytes */
+    double min, max; /* of numbers, both included; both 0: any finite value */
+    double
+        scale; /* of a double: field = scale * value (pi / 180 for degrees); 0: 1. Range, defaults and text are values */
     const char *const *words; /* by value, NULL-terminated. Of a bool: it takes one of two words on the command line */
     size_t max_sizes;         /* of a list */
     const char

@@ -104,4 +104,9 @@ nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err);
  *  also when this fails. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
 
+/** Whether a direction pair with this nqm_value_flag has a value. */
+static inline bool nqm_has_value(uint8_t flag) {
+    return flag <= NQM_VALUE_CLAMPED;
+}
+
 #endif

@@ -85,7 +85,7 @@ static nqm_status sample_brdf(const reader *r, const char *name, size_t row, flo
     if (status == NQM_OK)
         status = nqm_sample(brdf, d->directions, NQM_INVALID_DROP, rgb, used, NULL, &inner);
     for (size_t i = 0; status == NQM_OK && i < d->n_directions; ++i)
-        used[i] = used[i] == NQM_VALUE_OK || used[i] == NQM_VALUE_CLAMPED;
+        used[i] = nqm_has_value(used[i]);
     nqm_brdf_free(brdf);
     return status == NQM_OK ? NQM_OK
                             : nqm_fail(r->err, status, inner.byte_offset, "%s: row %zu: %.400s", r->answers.path,

@@ -29,7 +29,7 @@ static nqm_status list_names(size_t n, const char *const *names, char **text_ret
     for (size_t i = 0; list && i < n; ++i)
         if (json_array_append_new(list, json_string(names[i])) != 0) {
             json_decref(list);
-            return nqm_fail(err, NQM_ERR_ARG, -1, "the name of reference %zu is not UTF-8, or memory is short", i);
+            return nqm_fail(err, NQM_ERR_ARG, -1, "the name of reference %zu is not UTF-8, or memory ran out", i);
         }
     *text_ret = list ? json_dumps(list, JSON_COMPACT) : NULL;
     json_decref(list);
@@ -71,12 +71,12 @@ static bool all_finite(const nqm_tensor *tensor) {
 
 static nqm_status check(const nqm_safetensors *st, const char *name, const char *kind, nqm_error *err) {
     if (!meta_is(st, "format", format) || !meta_is(st, "schema", schema) || !meta_is(st, "kind", kind))
-        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: safetensors, but not an encoder '%s' of schema %s (byte 8)", name,
-                        kind, schema);
+        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: a safetensors file, but not an encoder '%s' of schema %s (byte 8)",
+                        name, kind, schema);
     char hex[65];
     bool matches;
     if (!nqm_safetensors_checksum(st, hex, &matches) || !matches)
-        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: checksum is missing or another: the file was changed or damaged",
+        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: the checksum is missing or wrong: the file was changed or damaged",
                         name);
     for (size_t i = 0; i < nqm_safetensors_count(st); ++i) {
         const nqm_tensor *tensor = nqm_safetensors_at(st, i);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * encoder_file.h - what the files of learned encoders share (doc/files.md): safetensors that say their kind, how they
- * were learned and from which references, under a checksum; and those that the build has put into the library.
+ * encoder_file.h - the common format of learned encoders (doc/files.md): safetensors with their kind, seed, steps and
+ * references as metadata and a checksum; and the encoder files embedded in the library.
  */
 #ifndef NQM_SRC_FIT_ENCODER_FILE_H
 #define NQM_SRC_FIT_ENCODER_FILE_H
@@ -23,13 +23,13 @@ NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const char *kind, 
                                             const nqm_learn_options *options, size_t n_tensors,
                                             const nqm_tensor *tensors, nqm_error *err);
 
-/** Parse such a file; NQM_ERR_MODEL unless it is of this kind, its checksum holds and every number in it is finite. `name`
- *  is for messages. Free with nqm_safetensors_free(). */
+/** Parse such a file; NQM_ERR_MODEL unless it is of this kind, its checksum is correct and all values are finite. `name` is
+ *  for messages. Free with nqm_safetensors_free(). */
 NQM_MUST_CHECK nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                             const char *kind, nqm_safetensors **st_ret, nqm_error *err);
 
-/** A tensor of float32 with these dimensions (0: any, at least 1); NQM_ERR_MODEL when it is missing or of another type or
- *  shape. Data begin at a multiple of 4 bytes. */
+/** A tensor of float32 with these dimensions (0: any, at least 1); NQM_ERR_MODEL if it is missing or of another type or
+ *  shape. Its data are 4-byte aligned. */
 NQM_MUST_CHECK nqm_status nqm_encoder_tensor(const nqm_safetensors *st, const char *name, const char *tensor_name,
                                              size_t n_dims, const size_t *dims, const nqm_tensor **tensor_ret,
                                              nqm_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * encoders.h - the encodings that are not analytic: a network trained for one BRDF, sparse codes in a learned
- * dictionary, networks written by a learned hypernetwork. Each lives in a file of its own; fit.c picks one by name.
+ * encoders.h - the encodings that are not analytic: a network trained for one BRDF, sparse codes in a learned dictionary,
+ * networks predicted by a learned hypernetwork. fit_models.c lists them.
  */
 #ifndef NQM_SRC_FIT_ENCODERS_H
 #define NQM_SRC_FIT_ENCODERS_H
@@ -9,16 +9,16 @@
 #include "fit/encoder_file.h"
 #include <nqm/fit.h>
 
-/** How much an encoding may keep or read: the last word of its name. */
+/** Number of values that an encoding may store or read: the last word of its name. */
 typedef enum nqm_budget { NQM_BUDGET_LOW = 0, NQM_BUDGET_MID, NQM_BUDGET_HIGH } nqm_budget;
 
 /** Train a network for `ref` (nbrdf_fit.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_report *report,
                                         nqm_brdf **brdf_ret, nqm_error *err);
-/** Code `ref` in the embedded dictionary (sparse.c). */
+/** Compute a sparse code of `ref` in the embedded dictionary (sparse.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
                                          nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
-/** Let the embedded hypernetwork write a network for `ref` (hyper.c). */
+/** Predict a network for `ref` by the embedded hypernetwork (hyper.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
                                         nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
 

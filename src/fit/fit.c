@@ -1,38 +1,46 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits of analytic models: options, the result as a spec, and the fit of one.
+ * The public entries of fitting and learning, the table of fit options, and the fit of an analytic model.
  */
 #include "fit/fit.h"
 #include "math/math.h"
 
 #include <string.h>
 
-static const char *const loss_names[] = {"log", "log-cos", "cube-root", "linear"};
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
-int nqm_fit_loss_parse(const char *text, nqm_fit_loss *loss_ret) {
-    for (size_t i = 0; i < sizeof loss_names / sizeof *loss_names; ++i)
-        if (strcmp(text, loss_names[i]) == 0) {
-            *loss_ret = (nqm_fit_loss)i;
-            return 1;
-        }
-    return 0;
-}
+#define FIELD(name) .key = #name, .offset = offsetof(nqm_fit_options, name)
 
-const char *nqm_fit_loss_name(nqm_fit_loss loss) {
-    return loss_names[loss];
-}
+const char *const nqm_fit_loss_words[] = {"log", "log-cos", "cube-root", "linear", NULL};
+
+/* clang-format off */
+static const nqm_option rows[] = {
+    {FIELD(loss), .kind = NQM_OPTION_ENUM, .metavar = "NAME", .words = nqm_fit_loss_words, .values = {"log"},
+     .help = "loss of analytic models"},
+    {FIELD(n_directions), .name = "samples", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 200, .max = 1000000,
+     .values = {"6000"}, .help = "direction pairs of the fit"},
+    {FIELD(max_polar_rad), .name = "max-polar", .metavar = "DEG", .unit = "degrees", .min = 0.1, .max = 89.9,
+     .scale = NQM_PI / 180, .values = {"80"}, .help = "largest polar angle of the fit"},
+    {FIELD(highlight_fraction), .name = "", .min = 0, .max = 1, .values = {"0.05"}},
+    {FIELD(n_starts), .name = "starts", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 100, .values = {"12"},
+     .help = "lobe widths to start from (analytic models)"},
+    {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the direction pairs"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_fit_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
 nqm_fit_options nqm_fit_options_default(void) {
-    return (nqm_fit_options){.loss = NQM_FIT_LOG,
-                             .n_directions = 6000,
-                             .max_polar_rad = 80 * NQM_PI / 180,
-                             .highlight_fraction = 0.05,
-                             .n_starts = 12,
-                             .seed = 1};
+    nqm_fit_options options = {0};
+    (void)!nqm_options_begin(&nqm_fit_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
-void nqm_fit_round(const nqm_fit_model *model, nqm_fit_values *values) {
-    const int n_digits = 6; /* more than a fit knows */
+/* ---- analytic models --------------------------------------------------------------------------------------------- */
+
+/* Six significant digits: more than the data determine, and the spec stays readable. */
+static void round_values(const nqm_fit_entry *model, nqm_fit_values *values) {
+    const int n_digits = 6;
     for (size_t s = 0; s < model->n_shape; ++s)
         values->shape[s] = model->shape[s].scale == NQM_FIT_SCALE_LOG_REST
                                ? 1 - nqm_round_digits(1 - values->shape[s], n_digits)
@@ -44,8 +52,7 @@ void nqm_fit_round(const nqm_fit_model *model, nqm_fit_values *values) {
 }
 
 static size_t append(char *text, size_t used, const char *key, size_t n, const double *values) {
-    int added = snprintf(text + used, 512 - used, "%s=", key);
-    used += (size_t)added;
+    used += (size_t)snprintf(text + used, 512 - used, "%s=", key);
     for (size_t i = 0; i < n; ++i) {
         char number[32];
         nqm_format_double(number, sizeof number, values[i]);
@@ -54,7 +61,7 @@ static size_t append(char *text, size_t used, const char *key, size_t n, const d
     return used;
 }
 
-void nqm_fit_write_spec(const nqm_fit_model *model, const nqm_fit_values *values, char spec[512]) {
+void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *values, char spec[512]) {
     size_t used = (size_t)snprintf(spec, 512, "%s:", model->name);
     used = append(spec, used, "kd", 3, values->kd);
     used = append(spec, used, ";ks", 3, values->ks);
@@ -65,33 +72,18 @@ void nqm_fit_write_spec(const nqm_fit_model *model, const nqm_fit_values *values
     }
 }
 
-nqm_status nqm_fit_check_options(const nqm_fit_options *o, nqm_error *err) {
-    if (o->n_directions < 200 || o->n_directions > 1000000)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "a fit needs 200 to 1000000 directions, not %zu", o->n_directions);
-    if (!(o->max_polar_rad > 0 && o->max_polar_rad < NQM_PI / 2))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "the largest polar angle of a fit must lie between 0 and 90 degrees");
-    if (!(o->highlight_fraction >= 0 && o->highlight_fraction <= 1))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "the highlight fraction of a fit must lie between 0 and 1");
-    if (o->n_starts < 1 || o->n_starts > 100)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "a fit takes 1 to 100 starts, not %zu", o->n_starts);
-    if ((unsigned)o->loss > NQM_FIT_LINEAR)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "unknown loss %d", (int)o->loss);
-    return NQM_OK;
-}
-
-nqm_status nqm_fit_analytic(const nqm_brdf *ref, const char *model_name, const nqm_fit_options *options,
-                            nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_fit_model model = *nqm_fit_model_find(model_name);
-    nqm_status status = nqm_fit_apply_bounds(options, &model, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_fit_target target;
+static nqm_status fit_analytic(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
+                               nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_fit_entry model = *entry;
+    nqm_fit_target target = {0};
     nqm_fit_values values;
-    status = nqm_fit_target_make(ref, options, &target, err);
+    nqm_status status = nqm_fit_apply_bounds(options, &model, err);
+    if (status == NQM_OK)
+        status = nqm_fit_target_make(ref, options, &target, err);
     if (status == NQM_OK)
         status = nqm_fit_solve(&model, &target, options, &values, &report->best_start, err);
     if (status == NQM_OK) {
-        nqm_fit_round(&model, &values);
+        round_values(&model, &values);
         nqm_fit_write_spec(&model, &values, report->spec);
         report->n_directions = target.n;
         report->n_numbers = 6 + model.n_shape;
@@ -99,6 +91,45 @@ nqm_status nqm_fit_analytic(const nqm_brdf *ref, const char *model_name, const n
     }
     if (status == NQM_OK)
         status = nqm_brdf_open(report->spec, brdf_ret, err);
-    nqm_fit_target_free(&target);
+    nqm_free(target.wi);
     return status;
+}
+
+/* ---- public entries ---------------------------------------------------------------------------------------------- */
+
+nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options_or_null,
+                   nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err) {
+    const nqm_fit_options options = options_or_null ? *options_or_null : nqm_fit_options_default();
+    nqm_fit_report report = {0};
+    nqm_brdf *brdf = NULL;
+    if (brdf_ret)
+        *brdf_ret = NULL;
+    const nqm_fit_entry *entry;
+    nqm_status status = nqm_fit_entry_find(model, &entry, err);
+    if (status == NQM_OK)
+        status = nqm_options_check(&nqm_fit_option_table, &options, err);
+    if (status == NQM_OK)
+        status = entry->encode ? entry->encode(ref, entry->budget, &options, &report, &brdf, err)
+                               : fit_analytic(ref, entry, &options, &report, &brdf, err);
+    if (status != NQM_OK)
+        return status;
+    *report_ret = report;
+    if (brdf_ret)
+        *brdf_ret = brdf;
+    else
+        nqm_brdf_free(brdf);
+    return NQM_OK;
+}
+
+nqm_learn_options nqm_learn_options_default(void) {
+    return (nqm_learn_options){.seed = 1};
+}
+
+nqm_status nqm_learn(nqm_encoder what, size_t n, const nqm_brdf *const *refs, const char *const *names,
+                     const nqm_learn_options *options_or_null, const char *path, nqm_error *err) {
+    nqm_learn_options options = options_or_null ? *options_or_null : nqm_learn_options_default();
+    if (n == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "no BRDF to learn from");
+    return what == NQM_ENCODER_SPARSE ? nqm_learn_sparse(n, refs, names, &options, path, err)
+                                      : nqm_learn_hyper(n, refs, names, &options, path, err);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The analytic models that can be fitted: their nonlinear parameters with the range of the search, and where it starts.
- * Every model starts from the same widths alpha of a lobe exp(-tan^2 theta_h / alpha^2); a model's own parameters follow
- * from the curvature of its lobe at the mirror direction. What has no width starts from a few values each.
+ * The models of nqm_fit(). An analytic model is one row of the table below: its nonlinear parameters with the range of the
+ * search, and its starting points. All start from the same widths alpha of a lobe exp(-tan^2 theta_h / alpha^2), converted
+ * to the model's own parameters by equal curvature at the mirror direction; other parameters start from a few values each.
  */
 #include "fit/fit.h"
 
@@ -10,7 +10,8 @@
 #include <string.h>
 
 static const double START_F0[] = {0.04, 0.5}, START_ETA[] = {1.3, 4}, START_FALL_OFF[] = {0.7, 1.6};
-static const double START_GROWTH[] = {0.3, 3}; /* logarithm of a Lafortune lobe's growth from normal to grazing */
+static const double START_GROWTH[] = {0.3,
+                                      3}; /* log of the ratio of a Lafortune lobe at grazing and at normal incidence */
 
 static void start_width(double alpha, size_t which, double *shape) {
     (void)which;
@@ -32,7 +33,7 @@ static void start_exponent(double alpha, size_t which, double *shape) {
     start_exponent_f0(alpha, which, shape);
 }
 
-/* About the mirrored direction, which turns twice as fast as the half vector. */
+/* The lobe is about the mirrored direction, whose angle is twice that of the half vector. */
 static void start_lafortune(double alpha, size_t which, double *shape) {
     double n = 0.5 / (alpha * alpha);
     shape[0] = 1 - START_GROWTH[which] / (START_GROWTH[which] + n);
@@ -53,8 +54,8 @@ static void start_smooth(double alpha, size_t which, double *shape) {
     shape[0] /= 8;
 }
 
-/* Above 0.98 Schlick's rise toward grazing vanishes and below 0.02 a GGX lobe does at normal incidence: there ks and f0
- * could trade places. */
+/* The range of f0 is narrower than [0, 1]: above 0.98 Schlick's rise towards grazing vanishes, and below 0.02 a GGX lobe
+ * vanishes at normal incidence, so that ks and f0 could not be told apart. */
 #define WIDTH                                                                                                          \
     { "alpha", 5e-4, 1, NQM_FIT_SCALE_LOG }
 #define EXPONENT(high)                                                                                                 \
@@ -62,42 +63,78 @@ static void start_smooth(double alpha, size_t which, double *shape) {
 #define ETA                                                                                                            \
     { "eta", 1.03, 100, NQM_FIT_SCALE_LOG }
 
-static const nqm_fit_model models[] = {
-    {"ward", 1, {WIDTH}, 1, start_width},
-    {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0},
-    {"ward-duer", 1, {WIDTH}, 1, start_width},
-    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent},
-    {"lafortune", 2, {{"cz", 0.02, 1 - 1e-8, NQM_FIT_SCALE_LOG_REST}, EXPONENT(3e6)}, 2, start_lafortune},
-    {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0},
-    {"ashikhmin-shirley", 2, {EXPONENT(1e7), {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_exponent_f0},
-    {"abc", 3, {{"B", 0.5, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA}, 4, start_abc},
-    {"smooth", 3, {{"B", 0.1, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA}, 4, start_smooth},
-};
+static nqm_status encode_nbrdf(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
+                               nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    (void)budget;
+    return nqm_fit_nbrdf(ref, options, report, brdf_ret, err);
+}
 
-const nqm_fit_model *nqm_fit_model_find(const char *name) {
-    for (size_t i = 0; i < sizeof models / sizeof *models; ++i)
-        if (strcmp(models[i].name, name) == 0)
-            return &models[i];
+/* The paper's NQM_FIT_N_ENCODINGS encodings come first, in its order. */
+static const nqm_fit_entry entries[] = {
+    {"ward", 1, {WIDTH}, 1, start_width, NULL, 0},
+    {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, 0},
+    {.name = "nbrdf", .encode = encode_nbrdf},
+    {.name = "sparse-low", .encode = nqm_fit_sparse, .budget = NQM_BUDGET_LOW},
+    {.name = "sparse-mid", .encode = nqm_fit_sparse, .budget = NQM_BUDGET_MID},
+    {.name = "sparse-high", .encode = nqm_fit_sparse, .budget = NQM_BUDGET_HIGH},
+    {.name = "hyper-low", .encode = nqm_fit_hyper, .budget = NQM_BUDGET_LOW},
+    {.name = "hyper-mid", .encode = nqm_fit_hyper, .budget = NQM_BUDGET_MID},
+    {.name = "hyper-high", .encode = nqm_fit_hyper, .budget = NQM_BUDGET_HIGH},
+    {"ward-duer", 1, {WIDTH}, 1, start_width, NULL, 0},
+    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent, NULL, 0},
+    {"lafortune", 2, {{"cz", 0.02, 1 - 1e-8, NQM_FIT_SCALE_LOG_REST}, EXPONENT(3e6)}, 2, start_lafortune, NULL, 0},
+    {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, 0},
+    {"ashikhmin-shirley", 2, {EXPONENT(1e7), {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_exponent_f0, NULL, 0},
+    {"abc", 3, {{"B", 0.5, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA}, 4, start_abc, NULL, 0},
+    {"smooth",
+     3,
+     {{"B", 0.1, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA},
+     4,
+     start_smooth,
+     NULL,
+     0},
+};
+enum { N_ENTRIES = sizeof entries / sizeof *entries };
+
+const char *nqm_fit_model(size_t i) {
+    return i < N_ENTRIES ? entries[i].name : NULL;
+}
+
+nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret, nqm_error *err) {
+    char names[400];
+    size_t used = 0;
+    for (size_t i = 0; i < N_ENTRIES; ++i) {
+        if (strcmp(entries[i].name, name) == 0) {
+            *entry_ret = &entries[i];
+            return NQM_OK;
+        }
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", entries[i].name);
+    }
+    return nqm_fail(err, NQM_ERR_ARG, -1, "cannot fit a model '%.40s'; these can be fitted: %s", name, names);
+}
+
+static nqm_fit_shape *find_shape(nqm_fit_entry *model, const char *key) {
+    for (size_t k = 0; k < model->n_shape; ++k)
+        if (strcmp(model->shape[k].key, key) == 0)
+            return &model->shape[k];
     return NULL;
 }
 
 int nqm_fit_model_has(const char *name, const char *key) {
-    const nqm_fit_model *model = nqm_fit_model_find(name);
-    for (size_t k = 0; model && k < model->n_shape; ++k)
-        if (strcmp(model->shape[k].key, key) == 0)
-            return 1;
+    for (size_t i = 0; i < N_ENTRIES; ++i) {
+        nqm_fit_entry entry = entries[i];
+        if (strcmp(entry.name, name) == 0)
+            return find_shape(&entry, key) != NULL;
+    }
     return 0;
 }
 
-nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_model *model, nqm_error *err) {
+nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_entry *model, nqm_error *err) {
     for (size_t b = 0; b < options->n_bounds; ++b) {
         const nqm_fit_bound *bound = &options->bounds[b];
-        size_t k = 0;
-        while (k < model->n_shape && strcmp(model->shape[k].key, bound->key) != 0)
-            ++k;
-        if (k == model->n_shape)
+        nqm_fit_shape *shape = find_shape(model, bound->key);
+        if (!shape)
             return nqm_fail(err, NQM_ERR_ARG, -1, "the %s fit has no bounds for '%.40s'", model->name, bound->key);
-        nqm_fit_shape *shape = &model->shape[k];
         if (!(bound->low >= shape->low && bound->low < bound->high && bound->high <= shape->high))
             return nqm_fail(err, NQM_ERR_ARG, -1, "the bounds of %s in a %s fit must rise and lie within %g and %g",
                             shape->key, model->name, shape->low, shape->high);
@@ -107,9 +144,9 @@ nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_model *m
     return NQM_OK;
 }
 
-/* ---- between a parameter and its place in [0, 1] ------------------------------------------------------------------ */
+/* ---- a parameter and its position in [0, 1] ----------------------------------------------------------------------- */
 
-double nqm_fit_shape_place(const nqm_fit_shape *shape, double value) {
+double nqm_fit_shape_position(const nqm_fit_shape *shape, double value) {
     double low = shape->low, high = shape->high;
     switch (shape->scale) {
     case NQM_FIT_SCALE_LOG:
@@ -122,15 +159,15 @@ double nqm_fit_shape_place(const nqm_fit_shape *shape, double value) {
     return (value - low) / (high - low);
 }
 
-double nqm_fit_shape_value(const nqm_fit_shape *shape, double place) {
+double nqm_fit_shape_value(const nqm_fit_shape *shape, double position) {
     double low = shape->low, high = shape->high;
     switch (shape->scale) {
     case NQM_FIT_SCALE_LOG:
-        return low * pow(high / low, place);
+        return low * pow(high / low, position);
     case NQM_FIT_SCALE_LOG_REST:
-        return 1 - (1 - low) * pow((1 - high) / (1 - low), place);
+        return 1 - (1 - low) * pow((1 - high) / (1 - low), position);
     case NQM_FIT_SCALE_LINEAR:
         break;
     }
-    return low + (high - low) * place;
+    return low + (high - low) * position;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The search of a fit. For a given lobe shape the albedos kd and ks enter f_r linearly, so each start solves two
- * unknowns a channel by non-negative least squares with weights that make the transformed residual linear. The best
- * starts are then refined over all parameters by Levenberg-Marquardt, in coordinates without bounds (logarithms,
- * logits) and with absolute steps: relative ones vanish where a logarithm crosses 0.
+ * The search of a fit. For a given lobe shape f_r is linear in the albedos kd and ks, so each start solves two unknowns
+ * per channel by non-negative least squares with weights that make the transformed residual linear. The best starts are
+ * then refined over all parameters by Levenberg-Marquardt, in unbounded coordinates (logarithms, logits). Its finite
+ * differences use absolute steps: relative ones vanish where a logarithm crosses 0.
  */
 #include "fit/fit.h"
 #include "math/math.h"
@@ -12,15 +12,16 @@
 #include <string.h>
 
 enum { MAX_REFINED = 4, N_ROUNDS = 3, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
-static const double MIN_ALBEDO = 1e-7, MAX_KD = 10, MAX_KS = 1e6; /* what specs allow, and more than any surface */
+static const double MIN_ALBEDO = 1e-7, MAX_KD = 10,
+                    MAX_KS = 1e6; /* within the ranges of the specs, beyond those of real surfaces */
 
 typedef struct search {
-    const nqm_fit_model *model;
+    const nqm_fit_entry *model;
     const nqm_fit_target *target;
     double *diffuse;                      /* (n) the base with kd = 1 */
     double *lobe;                         /* (n) the lobe with ks = 1 and `lobe_shape` */
-    double lobe_shape[NQM_FIT_MAX_SHAPE]; /* 0: none yet */
-    nqm_status failure;                   /* why the residuals stopped; *err says more */
+    double lobe_shape[NQM_FIT_MAX_SHAPE]; /* zeros: not evaluated yet */
+    nqm_status failure;                   /* of the last evaluation of residuals; *err has the message */
     nqm_error *err;
 } search;
 
@@ -30,7 +31,7 @@ typedef struct candidate {
     size_t start;
 } candidate;
 
-/* Bring the lobe to `shape`; free of charge when only albedos have changed. */
+/* Evaluate the lobe for `shape`, unless it already has that shape (when only the albedos changed). */
 static nqm_status set_shape(search *s, const double *shape) {
     size_t n_bytes = s->model->n_shape * sizeof *shape;
     if (memcmp(s->lobe_shape, shape, n_bytes) == 0)
@@ -44,22 +45,16 @@ static nqm_status set_shape(search *s, const double *shape) {
     return status;
 }
 
-static void residuals_of(const search *s, const nqm_fit_values *v, double *residual) {
-    const nqm_fit_target *t = s->target;
-    for (size_t i = 0; i < t->n; ++i)
-        for (size_t c = 0; c < 3; ++c) {
-            double f = v->kd[c] * s->diffuse[i] + v->ks[c] * s->lobe[i];
-            residual[3 * i + c] = nqm_fit_transform(t->loss, t->weight[i], f) - t->goal[3 * i + c];
-        }
-}
-
-static double loss_of(const search *s, const nqm_fit_values *v) {
+/* Root mean square residual of the values; residual (n, 3) receives the residuals, NULL: not stored. */
+static double loss_of(const search *s, const nqm_fit_values *v, double *residual) {
     const nqm_fit_target *t = s->target;
     double sum = 0;
     for (size_t i = 0; i < t->n; ++i)
         for (size_t c = 0; c < 3; ++c) {
             double f = v->kd[c] * s->diffuse[i] + v->ks[c] * s->lobe[i];
             double r = nqm_fit_transform(t->loss, t->weight[i], f) - t->goal[3 * i + c];
+            if (residual)
+                residual[3 * i + c] = r;
             sum += r * r;
         }
     return sqrt(sum / (3 * (double)t->n));
@@ -81,13 +76,14 @@ static void solve_two(const double sums[5], double *kd, double *ks) {
         *ks = y;
         return;
     }
-    /* One of them is 0: the one whose absence costs less. */
+    /* One of them is 0: the one that reduces the residual less. */
     double gain_a = ay > 0 && aa > 0 ? ay * ay / aa : 0, gain_b = by > 0 && bb > 0 ? by * by / bb : 0;
     *kd = gain_a >= gain_b && gain_a > 0 ? ay / aa : 0;
     *ks = gain_b > gain_a ? by / bb : 0;
 }
 
-/* Slope of the secant of the loss's transform from y to f: weighted by it, a linear residual equals the real one. */
+/* Slope of the secant of the loss's transform between y and f: times this weight, the residual f - y equals the residual
+ * of the loss. */
 static double secant(nqm_fit_loss loss, double weight, double f, double y, double goal) {
     double difference = f - y, tiny = 1e-6 * (y + 1e-3);
     if (fabs(difference) < tiny) {
@@ -104,7 +100,7 @@ static void solve_albedos(const search *s, nqm_fit_values *v) {
             double sums[5] = {0};
             for (size_t i = 0; i < t->n; ++i) {
                 double a = s->diffuse[i], b = s->lobe[i], y = t->rgb[3 * i + c];
-                double f = round ? v->kd[c] * a + v->ks[c] * b : y; /* first the tangent at the reference */
+                double f = round ? v->kd[c] * a + v->ks[c] * b : y; /* round 0: the tangent at the reference */
                 double w = secant(t->loss, t->weight[i], f, y, t->goal[3 * i + c]);
                 double ww = w * w;
                 sums[0] += ww * a * a;
@@ -129,16 +125,16 @@ static double clamp(double x, double low, double high) {
     return x < low ? low : x > high ? high : x;
 }
 
-static void to_free(const nqm_fit_model *model, const nqm_fit_values *v, double *x) {
+static void to_free(const nqm_fit_entry *model, const nqm_fit_values *v, double *x) {
     for (size_t k = 0; k < model->n_shape; ++k)
-        *x++ = logit(clamp(nqm_fit_shape_place(&model->shape[k], v->shape[k]), 1e-3, 1 - 1e-3));
+        *x++ = logit(clamp(nqm_fit_shape_position(&model->shape[k], v->shape[k]), 1e-3, 1 - 1e-3));
     for (size_t c = 0; c < 3; ++c) {
         x[c] = log(fmax(v->kd[c], MIN_ALBEDO));
         x[3 + c] = log(fmax(v->ks[c], MIN_ALBEDO));
     }
 }
 
-static void from_free(const nqm_fit_model *model, const double *x, nqm_fit_values *v) {
+static void from_free(const nqm_fit_entry *model, const double *x, nqm_fit_values *v) {
     for (size_t k = 0; k < model->n_shape; ++k)
         v->shape[k] = nqm_fit_shape_value(&model->shape[k], 1 / (1 + exp(-*x++)));
     for (size_t c = 0; c < 3; ++c) {
@@ -154,11 +150,11 @@ static int lsq_residuals(void *user, const double *x, double *residual) {
     s->failure = set_shape(s, v.shape);
     if (s->failure != NQM_OK)
         return -1;
-    residuals_of(s, &v, residual);
+    (void)loss_of(s, &v, residual);
     return 0;
 }
 
-/* An albedo at its floor is none. */
+/* Set albedos at the lower end of their range to 0. */
 static void drop_traces(nqm_fit_values *v) {
     for (size_t c = 0; c < 3; ++c) {
         v->kd[c] = v->kd[c] < 2 * MIN_ALBEDO ? 0 : v->kd[c];
@@ -166,10 +162,10 @@ static void drop_traces(nqm_fit_values *v) {
     }
 }
 
-/* Take `v` over where it is better than `best`. */
+/* Replace `best` by `v` if v has the smaller loss. */
 static nqm_status keep_better(search *s, const nqm_fit_values *v, candidate *best) {
     nqm_status status = set_shape(s, v->shape);
-    double loss = status == NQM_OK ? loss_of(s, v) : 0;
+    double loss = status == NQM_OK ? loss_of(s, v, NULL) : 0;
     if (status == NQM_OK && loss < best->loss) {
         best->values = *v;
         best->loss = loss;
@@ -177,7 +173,7 @@ static nqm_status keep_better(search *s, const nqm_fit_values *v, candidate *bes
     return status;
 }
 
-/* Improve a candidate in place; one that does not improve stays as it is. */
+/* One run of Levenberg-Marquardt from a candidate, which is replaced if the result is better. */
 static nqm_status refine_once(search *s, candidate *best) {
     double x[MAX_PARAMETERS], rms;
     nqm_lsq_problem problem = {.n_parameters = s->model->n_shape + 6,
@@ -205,7 +201,7 @@ static nqm_status refine_once(search *s, candidate *best) {
     return keep_better(s, &refined, best);
 }
 
-/* An albedo that has sunk to 0 cannot rise again in its logarithm: solved linearly between the rounds, it can. */
+/* In logarithms an albedo near 0 cannot grow again; the linear solution between the rounds lets it. */
 static nqm_status refine(search *s, candidate *best) {
     nqm_status status = NQM_OK;
     double before = INFINITY;
@@ -230,16 +226,16 @@ static nqm_status score_start(search *s, candidate *start) {
     if (status != NQM_OK)
         return status;
     solve_albedos(s, &start->values);
-    start->loss = loss_of(s, &start->values);
+    start->loss = loss_of(s, &start->values, NULL);
     return NQM_OK;
 }
 
-/* How many of the starts are refined: more where they differ in more than the width. */
-static size_t n_refined(const nqm_fit_model *model) {
+/* Number of starts that are refined: more if they differ in more than the width. */
+static size_t n_refined(const nqm_fit_entry *model) {
     return model->n_start > 2 ? MAX_REFINED : 2;
 }
 
-/* Keep the n_max best, best first. */
+/* Insert `c` into the sorted list of at most n_max candidates with the smallest losses. */
 static void insert(candidate *best, size_t *n_best, size_t n_max, const candidate *c) {
     size_t at = *n_best;
     while (at > 0 && best[at - 1].loss > c->loss)
@@ -252,8 +248,8 @@ static void insert(candidate *best, size_t *n_best, size_t n_max, const candidat
     *n_best += *n_best < n_max;
 }
 
-/* Widths are spaced evenly in their logarithm; each comes with all the model's starts. */
-static void make_start(const nqm_fit_model *model, size_t i, size_t n_widths, double *shape) {
+/* Start i: widths are spaced evenly in their logarithm, each with all starting points of the model. */
+static void make_start(const nqm_fit_entry *model, size_t i, size_t n_widths, double *shape) {
     static const double low = 0.001, high = 0.8;
     size_t width = i / model->n_start;
     double u = ((double)width + 0.5) / (double)n_widths;
@@ -278,18 +274,15 @@ static nqm_status scan_starts(search *s, const nqm_fit_options *options, candida
     return NQM_OK;
 }
 
-nqm_status nqm_fit_solve(const nqm_fit_model *model, const nqm_fit_target *target, const nqm_fit_options *options,
+nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *target, const nqm_fit_options *options,
                          nqm_fit_values *values, size_t *start_ret, nqm_error *err) {
     search s = {.model = model, .target = target, .err = err};
     candidate best[MAX_REFINED] = {{.loss = INFINITY}};
     size_t n_best = 0, winner = 0;
-    s.diffuse = nqm_alloc(target->n, sizeof(double));
-    s.lobe = nqm_alloc(target->n, sizeof(double));
-    nqm_status status = NQM_OK;
-    if (!s.diffuse || !s.lobe) {
-        status = nqm_fail_nomem(err, 2 * target->n * sizeof(double));
-        goto done;
-    }
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&s.diffuse, target->n, sizeof(double)}, {&s.lobe, target->n, sizeof(double)}), err);
+    if (status != NQM_OK)
+        return status;
     nqm_fit_values base = {.kd = {1, 1, 1}};
     make_start(model, 0, 1, base.shape);
     char spec[512];
@@ -307,8 +300,6 @@ nqm_status nqm_fit_solve(const nqm_fit_model *model, const nqm_fit_target *targe
         *values = best[winner].values;
         *start_ret = best[winner].start;
     }
-done:
     nqm_free(s.diffuse);
-    nqm_free(s.lobe);
     return status;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reference as a fit sees it: direction pairs, f_r there, and the transform of the loss. The pairs mix two
- * measures: directions uniform over the cap of the hemisphere (what the loss is about) and half vectors dense around
- * the normal (without them no pair would ever meet the lobe of a polished metal: 0.2 degrees fill a millionth of all
- * pairs).
+ * The reference at the directions of a fit, and the transform of the loss. Most direction pairs are uniform over the cap
+ * of the hemisphere; the others have half vectors dense around the normal, because the lobe of a polished metal (0.2
+ * degrees) would otherwise contain a millionth of all pairs.
  */
+#include "brdf/brdf.h"
 #include "fit/fit.h"
 #include "math/math.h"
 
@@ -23,7 +23,7 @@ static void draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo)
     }
 }
 
-/* theta_h = max u^2 as in MERL's tables, theta_d and phi_d uniform; both directions stay within `max_polar`. */
+/* theta_h = max u^2 as in MERL's tables, theta_d and phi_d uniform; both polar angles are at most `max_polar`. */
 static void draw_highlight(nqm_rng *rng, double max_polar, double *wi, double *wo) {
     double cos_max = cos(max_polar);
     do {
@@ -59,11 +59,11 @@ static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
     }
 }
 
-/* Keep the pairs where the reference has a value. */
+/* Remove the pairs for which the reference has no value. */
 static void drop_invalid(nqm_fit_target *target, const uint8_t *flag) {
     size_t kept = 0;
     for (size_t i = 0; i < target->n; ++i) {
-        if (flag[i] != NQM_VALUE_OK && flag[i] != NQM_VALUE_CLAMPED)
+        if (!nqm_has_value(flag[i]))
             continue;
         memmove(target->wi + 3 * kept, target->wi + 3 * i, 3 * sizeof(double));
         memmove(target->wo + 3 * kept, target->wo + 3 * i, 3 * sizeof(double));
@@ -78,39 +78,23 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
                                nqm_error *err) {
     size_t n = options->n_directions;
     *target = (nqm_fit_target){.loss = options->loss, .n = n};
-    target->wi = nqm_alloc(3 * n, sizeof(double));
-    target->wo = nqm_alloc(3 * n, sizeof(double));
-    target->weight = nqm_alloc(n, sizeof(double));
-    target->rgb = nqm_alloc(3 * n, sizeof(double));
-    target->goal = nqm_alloc(3 * n, sizeof(double));
-    uint8_t *flag = nqm_alloc(n, 1);
-    nqm_status status = NQM_OK;
-    if (!target->wi || !target->wo || !target->weight || !target->rgb || !target->goal || !flag) {
-        status = nqm_fail_nomem(err, 14 * n * sizeof(double));
-        goto done;
-    }
+    uint8_t *flag;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&target->wi, 3 * n, sizeof(double)}, {&target->wo, 3 * n, sizeof(double)},
+                                    {&target->weight, n, sizeof(double)}, {&target->rgb, 3 * n, sizeof(double)},
+                                    {&target->goal, 3 * n, sizeof(double)}, {&flag, n, 1}),
+                         err);
+    if (status != NQM_OK)
+        return status;
     draw_pairs(options, target);
     nqm_brdf_eval(ref, n, target->wi, target->wo, target->rgb, flag);
     drop_invalid(target, flag);
-    if (target->n < MIN_VALID) {
-        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; a fit needs %d",
-                          nqm_brdf_get_info(ref).name, target->n, n, MIN_VALID);
-        goto done;
-    }
+    if (target->n < MIN_VALID)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; a fit needs %d",
+                        nqm_brdf_get_info(ref).name, target->n, n, MIN_VALID);
     for (size_t i = 0; i < 3 * target->n; ++i)
         target->goal[i] = nqm_fit_transform(target->loss, target->weight[i / 3], target->rgb[i]);
-done:
-    nqm_free(flag);
-    return status;
-}
-
-void nqm_fit_target_free(nqm_fit_target *target) {
-    nqm_free(target->wi);
-    nqm_free(target->wo);
-    nqm_free(target->weight);
-    nqm_free(target->rgb);
-    nqm_free(target->goal);
-    *target = (nqm_fit_target){0};
+    return NQM_OK;
 }
 
 static nqm_status eval_spec(const nqm_fit_target *target, const char *spec, double *rgb, nqm_error *err) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Networks written by the embedded hypernetwork, from as many samples as the budget allows.
+ * The encodings hyper-*: networks predicted by the embedded hypernetwork from as many samples as the budget allows.
  */
 #include "fit/hyper.h"
 #include "fit/nbrdf_net.h"
@@ -25,27 +25,27 @@ nqm_status nqm_hyper_encode(const nqm_hyper *hyper, size_t n, const double *hd, 
         }
         memcpy(weights, nqm_hyper_forward(hyper, &pass), NQM_NBRDF_WEIGHTS * sizeof *weights);
     }
-    nqm_hyper_pass_free(&pass);
+    nqm_free(pass.input);
     for (size_t i = 0; status == NQM_OK && i < NQM_NBRDF_WEIGHTS; ++i)
         if (!isfinite(weights[i]))
-            status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the hypernetwork wrote a weight that is not finite");
+            status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the hypernetwork predicted a weight that is not finite");
     return status;
 }
 
-/* What nqm_nbrdf_loss() says of the weights at n places of the reference. */
-static nqm_status judge(const float *weights, size_t n, const double *hd, const double *rgb, double *loss_ret,
-                        nqm_error *err) {
-    float *numbers = nqm_alloc(n, 10 * sizeof *numbers); /* input (6, n), weight (n), goal (3, n) */
-    if (!numbers)
-        return nqm_fail_nomem(err, 10 * n * sizeof *numbers);
-    float *weight = numbers + 6 * n, *goal = weight + n;
-    nqm_nbrdf_inputs(n, hd, numbers, weight);
+/* nqm_nbrdf_loss() of the weights at n samples hd, rgb (n, 3) of the reference. */
+static nqm_status measure_loss(const float *weights, size_t n, const double *hd, const double *rgb, double *loss_ret,
+                               nqm_error *err) {
+    float *input = nqm_alloc(n, 10 * sizeof *input); /* input (6, n), weight (n), goal (3, n) */
+    if (!input)
+        return nqm_fail_nomem(err, 10 * n * sizeof *input);
+    float *weight = input + 6 * n, *goal = weight + n;
+    nqm_nbrdf_inputs(n, hd, input, weight);
     for (size_t i = 0; i < n; ++i)
         for (size_t c = 0; c < 3; ++c)
             goal[c * n + i] = log1pf(weight[i] * (float)rgb[3 * i + c]);
     *loss_ret =
-        nqm_nbrdf_loss(weights, &(nqm_nbrdf_batch){.n = n, .input = numbers, .weight = weight, .goal = goal}, NULL);
-    nqm_free(numbers);
+        nqm_nbrdf_loss(weights, &(nqm_nbrdf_batch){.n = n, .input = input, .weight = weight, .goal = goal}, NULL);
+    nqm_free(input);
     return NQM_OK;
 }
 
@@ -62,7 +62,7 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_o
     size_t n_read = samples_of[budget], n = n_read > options->n_directions ? n_read : options->n_directions;
     float weights[NQM_NBRDF_WEIGHTS];
     nqm_hyper hyper = {0};
-    /* The samples read come first, and those of a small budget are among those of a larger one. */
+    /* A smaller budget reads a subset of the samples of a larger one. */
     nqm_rng rng = nqm_rng_make(options->seed, 0), check = nqm_rng_make(options->seed, 1);
     double *hd = nqm_alloc(n, 6 * sizeof *hd), *rgb = hd + 3 * n;
     nqm_status status = hd ? open_embedded(&hyper, err) : nqm_fail_nomem(err, 6 * n * sizeof *hd);
@@ -73,14 +73,14 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_o
     if (status == NQM_OK)
         status = nqm_hyper_sample(ref, options->n_directions, &check, hd, rgb, err);
     if (status == NQM_OK)
-        status = judge(weights, options->n_directions, hd, rgb, &report->loss, err);
+        status = measure_loss(weights, options->n_directions, hd, rgb, &report->loss, err);
     if (status == NQM_OK)
         status = nqm_nbrdf_create(weights, names[budget], brdf_ret, err);
     if (status == NQM_OK) {
         report->n_directions = options->n_directions;
         report->n_numbers = NQM_NBRDF_WEIGHTS;
     }
-    nqm_hyper_free(&hyper);
+    nqm_free(hyper.block);
     nqm_free(hd);
     return status;
 }

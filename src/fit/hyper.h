@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * hyper.h - the hypernetwork (after Gokbudak et al. 2024, arXiv:2311.15783, "Hypernetworks for Generalizable BRDF
- * Representation"): a network on each sample of a BRDF, the mean and the largest over all samples, and a second network
- * that writes the weights of an NBRDF. Its parts: the network with its gradient (hyper_net.c), the samples it
- * reads (hyper_samples.c), training examples (hyper_data.c), its file (hyper_file.c).
+ * Representation"): a network on each sample of a BRDF, mean and maximum over all samples, and a second network that
+ * predicts the weights of an NBRDF. Network and gradient: hyper_net.c; input samples: hyper_samples.c; training examples:
+ * hyper_data.c; file: hyper_file.c.
  */
 #ifndef NQM_SRC_FIT_HYPER_H
 #define NQM_SRC_FIT_HYPER_H
@@ -11,18 +11,18 @@
 #include "fit/encoders.h"
 
 enum {
-    NQM_HYPER_PLACE = 7,                      /* features of where a sample lies */
-    NQM_HYPER_FEATURES = NQM_HYPER_PLACE + 6, /* and of its value */
+    NQM_HYPER_PLACE = 7,                      /* features of a sample's direction pair */
+    NQM_HYPER_FEATURES = NQM_HYPER_PLACE + 6, /* with those of its value */
     NQM_HYPER_N_LAYERS = 6,
-    NQM_HYPER_POOLED = 3 /* the first layer behind the pooling */
+    NQM_HYPER_POOLED = 3 /* index of the first layer after the pooling */
 };
 
 /* ---- the network ------------------------------------------------------------------------------------------------- */
 
-/** Widths of the hidden layers: three on each sample, two behind the pooling. */
+/** Widths of the hidden layers: three for each sample, two after the pooling. */
 typedef struct nqm_hyper_shape {
     size_t sample[3], set[2];
-    size_t n_out; /* numbers that it writes: NQM_NBRDF_WEIGHTS, fewer in tests */
+    size_t n_out; /* predicted weights: NQM_NBRDF_WEIGHTS, fewer in tests */
 } nqm_hyper_shape;
 
 /** y = GELU(x W + b), linear in the last layer. */
@@ -34,57 +34,55 @@ typedef struct nqm_hyper_layer {
 
 typedef struct nqm_hyper {
     nqm_hyper_layer layer[NQM_HYPER_N_LAYERS];
-    size_t n;     /* numbers in the block */
-    float *block; /* all weights and biases, layer by layer */
+    size_t n;     /* number of parameters */
+    float *block; /* (n) weights and biases, layer by layer */
 } nqm_hyper;
 
-/** A network of zeros; free with nqm_hyper_free() whatever the outcome. */
+/** A network of zeros; nqm_free(hyper->block) also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_hyper_create(const nqm_hyper_shape *shape, nqm_hyper *hyper_ret, nqm_error *err);
-void nqm_hyper_free(nqm_hyper *hyper);
-/** Initial values: He et al. 2015; the last layer is small and its bias, the network that is written for any BRDF at
- *  first, is `mean` (n_out). */
+/** Initial values: He et al. 2015. The last layer has small weights and the bias `mean` (n_out): the weights that the
+ *  untrained network predicts for any BRDF. */
 void nqm_hyper_init(nqm_hyper *hyper, const float *mean, uint64_t seed);
 
-/** What one pass through the network keeps: n_sets BRDFs of n_samples each. */
+/** Activations of one pass through the network, n_sets BRDFs of n_samples each; `input` owns the block of all arrays. */
 typedef struct nqm_hyper_pass {
     size_t n_sets, n_samples;         /* at most those of the creation */
     float *y[NQM_HYPER_N_LAYERS];     /* outputs: (n_sets n_samples, n_out) or (n_sets, n_out) */
-    float *slope[NQM_HYPER_N_LAYERS]; /* of GELU there; NULL in the last */
+    float *slope[NQM_HYPER_N_LAYERS]; /* of GELU; NULL in the last layer */
     float *input;                     /* (n_sets n_samples, NQM_HYPER_FEATURES), filled by the caller */
-    float *pooled;                    /* (n_sets, layer[NQM_HYPER_POOLED].n_in) mean, largest, log of the count */
-    size_t *largest;                  /* (n_sets, n_out of the last sample layer) which sample it was */
-    float *spare[2];                  /* gradients on their way back */
+    float *pooled;                    /* (n_sets, layer[NQM_HYPER_POOLED].n_in) mean, maximum, log of the count */
+    size_t *largest; /* (n_sets, n_out of the last sample layer) index of the sample with the maximum */
+    float *spare[2]; /* gradients of the backward pass */
 } nqm_hyper_pass;
 
-/** Room for so many sets and samples, or fewer; free with nqm_hyper_pass_free() whatever the outcome. */
+/** Buffers for at most n_sets sets of n_samples; nqm_free(pass->input) also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n_samples,
                                                 nqm_hyper_pass *pass_ret, nqm_error *err);
-void nqm_hyper_pass_free(nqm_hyper_pass *pass);
 
-/** From pass->input to the weights written: (n_sets, n_out), lent by the pass. */
+/** Forward pass from pass->input; returns the predicted weights (n_sets, n_out), owned by the pass. */
 const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass);
-/** After a forward pass: `slope` is used up. d_out (n_sets, n_out) derivatives of a loss by what was written; `gradient`
- *  has the shape of the network and receives the derivatives by its numbers, not added. */
+/** Backward pass after a forward pass; overwrites pass->slope. d_out (n_sets, n_out): gradient of a loss with respect to the
+ *  predicted weights. `gradient` has the shape of the network and receives the gradient with respect to its parameters. */
 void nqm_hyper_backward(const nqm_hyper *hyper, nqm_hyper_pass *pass, const float *d_out, nqm_hyper *gradient);
 
-/* ---- its samples ------------------------------------------------------------------------------------------------- */
+/* ---- input samples ----------------------------------------------------------------------------------------------- */
 
-/** Half-vector coordinates of a sample: theta_h = 90 degrees u^2, u, theta_d and phi_d uniform, both directions within
- *  80 degrees. hd: (3). */
+/** Draw half-vector coordinates hd (3): theta_h = 90 degrees u^2 with uniform u, theta_d and phi_d uniform; both polar angles
+ *  at most 80 degrees. */
 void nqm_hyper_draw_dense(nqm_rng *rng, double *hd);
-/** The same, both directions uniform by solid angle. */
+/** The same with both directions uniform by solid angle. */
 void nqm_hyper_draw_uniform(nqm_rng *rng, double *hd);
-/** Features of a place (NQM_HYPER_PLACE). */
+/** Features (NQM_HYPER_PLACE) of half-vector coordinates hd (3). */
 void nqm_hyper_place(const double *hd, float *feature);
 /** Features of a value rgb (3): feature (6). */
 void nqm_hyper_value(const float *rgb, float *feature);
-/** n dense places where `ref` has a value, and the values: hd, rgb (n, 3). NQM_ERR_INCOMPATIBLE when most have none. */
+/** Draw n samples of `ref` as nqm_hyper_draw_dense(): hd, rgb (n, 3). NQM_ERR_INCOMPATIBLE if most directions have no value. */
 NQM_MUST_CHECK nqm_status nqm_hyper_sample(const nqm_brdf *ref, size_t n, nqm_rng *rng, double *hd, double *rgb,
                                            nqm_error *err);
 
-/* ---- its training examples --------------------------------------------------------------------------------------- */
+/* ---- training examples ------------------------------------------------------------------------------------------- */
 
-/** References at shared places: the first half dense, the second uniform. */
+/** References sampled at the same places: the first half dense, the second uniform. `place` owns the block of all arrays. */
 typedef struct nqm_hyper_data {
     size_t n_refs, n_places;
     float *place;  /* (n_places, NQM_HYPER_PLACE) */
@@ -93,31 +91,30 @@ typedef struct nqm_hyper_data {
     float *rgb;    /* (n_refs, n_places, 3); NaN: no value */
 } nqm_hyper_data;
 
-/** Sample each reference as it is and once more with another gloss; free with nqm_hyper_data_free() whatever the
- *  outcome. NQM_ERR_INCOMPATIBLE when a reference has values at too few places. */
+/** Sample each reference and a copy with a random change of gloss; nqm_free(data->place) also after a failure.
+ *  NQM_ERR_INCOMPATIBLE if a reference has values at less than three quarters of the places. */
 NQM_MUST_CHECK nqm_status nqm_hyper_data_create(size_t n, const nqm_brdf *const *refs, size_t n_places, uint64_t seed,
                                                 nqm_ticker *ticker, nqm_hyper_data *data_ret, nqm_error *err);
-void nqm_hyper_data_free(nqm_hyper_data *data);
 
-/** One training example: what the hypernetwork reads and where its NBRDF is judged. */
+/** One training example: the samples that the hypernetwork reads, and the directions at which its NBRDF is compared. */
 typedef struct nqm_hyper_example {
     size_t n_samples, n_queries;
     float *samples;               /* (n_samples, NQM_HYPER_FEATURES) */
     float *input, *weight, *goal; /* as in nqm_nbrdf_batch, of n_queries directions */
 } nqm_hyper_example;
 
-/** A reference drawn at random, or a mixture of two, with its colours changed at random. */
+/** Fill an example with a random reference or mixture of two, with random changes of colour. */
 void nqm_hyper_draw_example(const nqm_hyper_data *data, nqm_rng *rng, const nqm_hyper_example *example);
 
-/* ---- its file, and its use --------------------------------------------------------------------------------------- */
+/* ---- file and use ------------------------------------------------------------------------------------------------ */
 
-/** Write the network and what it was learned from. */
+/** Write the network and the names of its references. */
 NQM_MUST_CHECK nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *names,
                                           const nqm_learn_options *options, const char *path, nqm_error *err);
-/** Read it from the bytes of a file; anything but a hypernetwork that writes NBRDFs gives NQM_ERR_MODEL. */
+/** Read the bytes of a file; NQM_ERR_MODEL unless it holds a hypernetwork that predicts NBRDFs. */
 NQM_MUST_CHECK nqm_status nqm_hyper_read(const unsigned char *data, size_t n_bytes, const char *name,
                                          nqm_hyper *hyper_ret, nqm_error *err);
-/** The NBRDF that `hyper` writes for n samples at hd with values rgb (n, 3): weights (NQM_NBRDF_WEIGHTS). */
+/** Predict the NBRDF of n samples hd, rgb (n, 3): weights (NQM_NBRDF_WEIGHTS). */
 NQM_MUST_CHECK nqm_status nqm_hyper_encode(const nqm_hyper *hyper, size_t n, const double *hd, const double *rgb,
                                            float *weights, nqm_error *err);
 

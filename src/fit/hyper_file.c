@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The file of a hypernetwork: tensors layers.N.weight (in, out) and layers.N.bias (out) beside what all encoder files
- * carry.
+ * The file of a hypernetwork: tensors layers.N.weight (in, out) and layers.N.bias (out), and the metadata of all encoder
+ * files.
  */
 #include "brdf/brdf.h"
 #include "fit/hyper.h"
@@ -40,7 +40,7 @@ nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *
     return nqm_encoder_write(path, kind, n, names, options, N_TENSORS, tensor, err);
 }
 
-/* Every tensor in its place; the widths of the hidden layers are those of the file. */
+/* Find all tensors; the file determines the widths of the hidden layers. */
 static nqm_status find_tensors(const nqm_safetensors *st, const char *name, const nqm_tensor **tensor, nqm_error *err) {
     size_t n_in = NQM_HYPER_FEATURES;
     for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {

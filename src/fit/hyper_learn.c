@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The learning of the hypernetwork: at each step it reads a few materials, each through as many samples as a budget might
- * give, and is told how well the NBRDFs it writes agree with the materials elsewhere. Adam (Kingma and Ba 2015,
- * arXiv:1412.6980) under a cosine schedule.
+ * Learning of the hypernetwork: each step reads samples of a few materials, their number varying over the range of the
+ * budgets, and minimises the loss of the predicted NBRDFs at other directions of these materials. Adam (Kingma and Ba
+ * 2015, arXiv:1412.6980) with a cosine schedule.
  */
 #include "fit/hyper.h"
 #include "fit/nbrdf_net.h"
@@ -12,23 +12,23 @@
 #include <math.h>
 #include <string.h>
 
-enum { N_SETS = 16, N_QUERIES = 512, N_PLACES = 4096, MIN_SAMPLES = 8, MAX_SAMPLES = 512, USUAL_STEPS = 16000 };
-static const nqm_hyper_shape usual_shape = {.sample = {128, 128, 192}, .set = {384, 384}, .n_out = NQM_NBRDF_WEIGHTS};
+enum { N_SETS = 16, N_QUERIES = 512, N_PLACES = 4096, MIN_SAMPLES = 8, MAX_SAMPLES = 512, DEFAULT_STEPS = 16000 };
+static const nqm_hyper_shape default_shape = {.sample = {128, 128, 192}, .set = {384, 384}, .n_out = NQM_NBRDF_WEIGHTS};
 
-/* Everything that learning keeps between steps. */
+/* The state of learning. */
 typedef struct learner {
     nqm_hyper_data data;
     nqm_hyper hyper, gradient;
     nqm_hyper_pass pass;
-    float *moments[2];   /* of Adam, as many as the network has numbers */
+    float *moments[2];   /* (hyper.n) of Adam; the first owns the block with d_out and queries */
     float *d_out;        /* (N_SETS, NQM_NBRDF_WEIGHTS) */
     float *queries;      /* (N_SETS, 10, N_QUERIES) input, weight, goal */
-    double loss[N_SETS]; /* of each NBRDF written */
+    double loss[N_SETS]; /* of each predicted NBRDF */
     size_t step, n_steps;
     uint64_t seed;
 } learner;
 
-/* An NBRDF of random weights (He et al. 2015), where the last bias of the hypernetwork starts. */
+/* An NBRDF with random weights (He et al. 2015): initial bias of the last layer of the hypernetwork. */
 static void random_nbrdf(uint64_t seed, float *weights) {
     static const size_t sizes[] = {6, 21, 21, 3};
     nqm_rng rng = nqm_rng_make(seed, NQM_HYPER_N_LAYERS);
@@ -44,19 +44,20 @@ static void random_nbrdf(uint64_t seed, float *weights) {
 static nqm_status create(learner *l, size_t n, const nqm_brdf *const *refs, nqm_ticker *ticker, nqm_error *err) {
     nqm_status status = nqm_hyper_data_create(n, refs, N_PLACES, l->seed, ticker, &l->data, err);
     if (status == NQM_OK)
-        status = nqm_hyper_create(&usual_shape, &l->hyper, err);
+        status = nqm_hyper_create(&default_shape, &l->hyper, err);
     if (status == NQM_OK)
-        status = nqm_hyper_create(&usual_shape, &l->gradient, err);
+        status = nqm_hyper_create(&default_shape, &l->gradient, err);
     if (status == NQM_OK)
         status = nqm_hyper_pass_create(&l->hyper, N_SETS, MAX_SAMPLES, &l->pass, err);
     if (status != NQM_OK)
         return status;
-    l->moments[0] = nqm_alloc(l->hyper.n, sizeof(float));
-    l->moments[1] = nqm_alloc(l->hyper.n, sizeof(float));
-    l->d_out = nqm_alloc(N_SETS, NQM_NBRDF_WEIGHTS * sizeof(float));
-    l->queries = nqm_alloc(N_SETS, 10 * N_QUERIES * sizeof(float));
-    if (!l->moments[0] || !l->moments[1] || !l->d_out || !l->queries)
-        return nqm_fail_nomem(err, 2 * l->hyper.n * sizeof(float));
+    status = nqm_alloc_arrays(NQM_ARRAYS({&l->moments[0], l->hyper.n, sizeof(float)},
+                                         {&l->moments[1], l->hyper.n, sizeof(float)},
+                                         {&l->d_out, N_SETS, NQM_NBRDF_WEIGHTS * sizeof(float)},
+                                         {&l->queries, N_SETS, 10 * N_QUERIES * sizeof(float)}),
+                              err);
+    if (status != NQM_OK)
+        return status;
     float mean[NQM_NBRDF_WEIGHTS];
     random_nbrdf(l->seed, mean);
     nqm_hyper_init(&l->hyper, mean, l->seed);
@@ -64,19 +65,16 @@ static nqm_status create(learner *l, size_t n, const nqm_brdf *const *refs, nqm_
 }
 
 static void destroy(learner *l) {
-    nqm_hyper_data_free(&l->data);
-    nqm_hyper_free(&l->hyper);
-    nqm_hyper_free(&l->gradient);
-    nqm_hyper_pass_free(&l->pass);
+    nqm_free(l->data.place);
+    nqm_free(l->hyper.block);
+    nqm_free(l->gradient.block);
+    nqm_free(l->pass.input);
     nqm_free(l->moments[0]);
-    nqm_free(l->moments[1]);
-    nqm_free(l->d_out);
-    nqm_free(l->queries);
 }
 
 /* ---- one step ---------------------------------------------------------------------------------------------------- */
 
-/* Uniform in the logarithm between the smallest and the largest set. */
+/* Number of samples: uniform in the logarithm. */
 static size_t draw_count(const learner *l) {
     nqm_rng rng = nqm_rng_make(l->seed + 1, l->step);
     return (size_t)(MIN_SAMPLES * pow((double)MAX_SAMPLES / MIN_SAMPLES, nqm_rng_uniform(&rng)));
@@ -99,8 +97,8 @@ static void draw_set(void *user, size_t set) {
     nqm_hyper_draw_example(&l->data, &rng, &example);
 }
 
-/* The loss of one NBRDF and its gradient, relative to how bright the material is: else only mirrors would count. */
-static void judge_set(void *user, size_t set) {
+/* Loss of one NBRDF and its gradient, relative to the brightness of the material: otherwise mirrors would dominate. */
+static void compute_set_loss(void *user, size_t set) {
     const double dark = 0.03;
     learner *l = user;
     nqm_hyper_example example = example_of(l, set);
@@ -109,14 +107,14 @@ static void judge_set(void *user, size_t set) {
     double brightness = 0;
     for (size_t i = 0; i < 3 * N_QUERIES; ++i)
         brightness += (double)example.goal[i];
-    double share = 1 / (N_SETS * (brightness / (3 * N_QUERIES) + dark));
+    double scale = 1 / (N_SETS * (brightness / (3 * N_QUERIES) + dark));
     const float *written = l->pass.y[NQM_HYPER_N_LAYERS - 1] + set * NQM_NBRDF_WEIGHTS;
-    l->loss[set] = share * nqm_nbrdf_loss(written, &batch, gradient);
+    l->loss[set] = scale * nqm_nbrdf_loss(written, &batch, gradient);
     for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
-        gradient[i] *= (float)share;
+        gradient[i] *= (float)scale;
 }
 
-/* A step of Adam. A gradient longer than 1 is shortened: some examples meet kinks of the NBRDFs they write. */
+/* A step of Adam. The norm of the gradient is clipped to 1: the loss of the predicted NBRDFs is not smooth. */
 static void descend(learner *l) {
     const double peak_rate = 3e-3, warm_up = 200;
     double t = (double)l->step + 1, square = 0;
@@ -135,7 +133,7 @@ static double take_step(learner *l) {
     l->pass.n_samples = draw_count(l);
     nqm_parallel_for(N_SETS, draw_set, l);
     nqm_hyper_forward(&l->hyper, &l->pass);
-    nqm_parallel_for(N_SETS, judge_set, l);
+    nqm_parallel_for(N_SETS, compute_set_loss, l);
     nqm_hyper_backward(&l->hyper, &l->pass, l->d_out, &l->gradient);
     descend(l);
     double loss = 0;
@@ -148,7 +146,7 @@ nqm_status nqm_learn_hyper(size_t n, const nqm_brdf *const *refs, const char *co
                            const nqm_learn_options *options, const char *path, nqm_error *err) {
     nqm_learn_options used = *options;
     if (used.n_steps == 0)
-        used.n_steps = USUAL_STEPS;
+        used.n_steps = DEFAULT_STEPS;
     nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
     learner *l = nqm_alloc(1, sizeof *l);
     if (!l)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The hypernetwork forward and backward. The order of a set's samples does not matter (deep sets: Zaheer et al. 2017,
- * arXiv:1703.06114): each passes the same layers, then the mean and the largest of every channel are taken.
+ * Forward and backward pass of the hypernetwork. It is invariant to the order of a set's samples (deep sets: Zaheer et al.
+ * 2017, arXiv:1703.06114): all samples pass the same layers, whose outputs are pooled by mean and maximum.
  */
 #include "fit/hyper.h"
 #include "kernel/kernel.h"
@@ -11,7 +11,7 @@
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-/* Widths from the features to the weights written; the pooling stands before layer NQM_HYPER_POOLED. */
+/* Sizes of the layers; the input of layer NQM_HYPER_POOLED is the pooled vector. */
 static void set_sizes(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
     const size_t out[NQM_HYPER_N_LAYERS] = {shape->sample[0], shape->sample[1], shape->sample[2],
                                             shape->set[0],    shape->set[1],    shape->n_out};
@@ -40,11 +40,6 @@ nqm_status nqm_hyper_create(const nqm_hyper_shape *shape, nqm_hyper *hyper_ret, 
     return NQM_OK;
 }
 
-void nqm_hyper_free(nqm_hyper *hyper) {
-    nqm_free(hyper->block);
-    *hyper = (nqm_hyper){0};
-}
-
 void nqm_hyper_init(nqm_hyper *hyper, const float *mean, uint64_t seed) {
     const double last_layer_scale = 0.05;
     for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
@@ -63,47 +58,30 @@ void nqm_hyper_init(nqm_hyper *hyper, const float *mean, uint64_t seed) {
 
 nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n_samples, nqm_hyper_pass *pass_ret,
                                  nqm_error *err) {
+    enum { N = NQM_HYPER_N_LAYERS };
     const nqm_hyper_layer *layer = hyper->layer;
+    nqm_hyper_pass *p = pass_ret;
     size_t n_rows = n_sets * n_samples, widest = 0;
-    *pass_ret = (nqm_hyper_pass){.n_sets = n_sets, .n_samples = n_samples};
-    bool complete = true;
-    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
-        size_t n = (l < NQM_HYPER_POOLED ? n_rows : n_sets) * layer[l].n_out;
-        size_t n_in = (l < NQM_HYPER_POOLED ? n_rows : n_sets) * layer[l].n_in;
-        widest = n > widest ? n : widest;
-        widest = n_in > widest ? n_in : widest;
-        pass_ret->y[l] = nqm_alloc(n, sizeof(float));
-        if (l + 1 < NQM_HYPER_N_LAYERS)
-            pass_ret->slope[l] = nqm_alloc(n, sizeof(float));
-        complete = complete && pass_ret->y[l] && (pass_ret->slope[l] || l + 1 == NQM_HYPER_N_LAYERS);
+    nqm_array arrays[5 + 2 * N] = {
+        {&p->input, n_rows, NQM_HYPER_FEATURES * sizeof(float)},
+        {&p->pooled, n_sets, layer[NQM_HYPER_POOLED].n_in * sizeof(float)},
+        {&p->largest, n_sets, layer[NQM_HYPER_POOLED - 1].n_out * sizeof(size_t)},
+    };
+    *p = (nqm_hyper_pass){.n_sets = n_sets, .n_samples = n_samples};
+    for (size_t l = 0; l < N; ++l) {
+        size_t rows = l < NQM_HYPER_POOLED ? n_rows : n_sets;
+        widest = nqm_larger(widest, rows * nqm_larger(layer[l].n_in, layer[l].n_out));
+        arrays[5 + l] = (nqm_array){&p->y[l], rows * layer[l].n_out, sizeof(float)};
+        arrays[5 + N + l] = (nqm_array){&p->slope[l], rows * layer[l].n_out, sizeof(float)};
     }
-    pass_ret->input = nqm_alloc(n_rows, NQM_HYPER_FEATURES * sizeof(float));
-    pass_ret->pooled = nqm_alloc(n_sets, layer[NQM_HYPER_POOLED].n_in * sizeof(float));
-    pass_ret->largest = nqm_alloc(n_sets, layer[NQM_HYPER_POOLED - 1].n_out * sizeof(size_t));
     for (size_t i = 0; i < 2; ++i)
-        pass_ret->spare[i] = nqm_alloc(widest, sizeof(float));
-    if (!complete || !pass_ret->input || !pass_ret->pooled || !pass_ret->largest || !pass_ret->spare[0] ||
-        !pass_ret->spare[1])
-        return nqm_fail_nomem(err, widest * sizeof(float));
-    return NQM_OK;
-}
-
-void nqm_hyper_pass_free(nqm_hyper_pass *pass) {
-    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
-        nqm_free(pass->y[l]);
-        nqm_free(pass->slope[l]);
-    }
-    nqm_free(pass->input);
-    nqm_free(pass->pooled);
-    nqm_free(pass->largest);
-    nqm_free(pass->spare[0]);
-    nqm_free(pass->spare[1]);
-    *pass = (nqm_hyper_pass){0};
+        arrays[3 + i] = (nqm_array){&p->spare[i], widest, sizeof(float)};
+    return nqm_alloc_arrays(4 + 2 * N, arrays, err); /* no slope in the last layer */
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
-/* y (rows, n_out) = x (rows, n_in) W + b, through GELU where there is room for its slope. */
+/* y (rows, n_out) = x (rows, n_in) W + b; with GELU and its slope unless slope is NULL. */
 static void layer_forward(const nqm_hyper_layer *layer, size_t rows, const float *x, float *y, float *slope) {
     for (size_t i = 0; i < rows; ++i)
         memcpy(y + i * layer->n_out, layer->b, layer->n_out * sizeof *y);
@@ -123,8 +101,8 @@ static void layer_forward(const nqm_hyper_layer *layer, size_t rows, const float
         nqm_gelu(rows * layer->n_out, y, y, slope);
 }
 
-/* Mean and largest of each channel over the samples of each set; behind them the logarithm of how many there are, so
- * that the network can trust few samples less. */
+/* Mean and maximum of each channel over the samples of each set, then the logarithm of the number of samples, so that the
+ * network can give a small set less weight. */
 static void pool(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
     enum { USUAL_COUNT = 200 };
     size_t n = hyper->layer[NQM_HYPER_POOLED - 1].n_out, n_samples = pass->n_samples;
@@ -164,7 +142,8 @@ const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-/* dz (rows, n_out): derivatives by x W + b. Writes those by W and b, and by x (rows, n_in) unless dx is NULL. */
+/* dz (rows, n_out): gradient with respect to x W + b. Writes the gradients with respect to W, b and, unless dx is NULL,
+ * x (rows, n_in). */
 static void layer_backward(const nqm_hyper_layer *layer, size_t rows, const float *x, const float *dz,
                            const nqm_hyper_layer *gradient, float *dx) {
     size_t n_in = layer->n_in, n_out = layer->n_out;
@@ -200,7 +179,7 @@ static void layer_backward(const nqm_hyper_layer *layer, size_t rows, const floa
     nqm_kernels_get()->gemm(&by_x);
 }
 
-/* From derivatives by the pooled channels to those by the outputs dy (n_sets n_samples, n) of the last sample layer. */
+/* Gradient with respect to the outputs dy (n_sets n_samples, n) of the last sample layer, from that of the pooled vector. */
 static void pool_backward(const nqm_hyper *hyper, const nqm_hyper_pass *pass, const float *d_pooled, float *dy) {
     size_t n = hyper->layer[NQM_HYPER_POOLED - 1].n_out, n_samples = pass->n_samples;
     float share = 1 / (float)n_samples;
@@ -225,7 +204,7 @@ void nqm_hyper_backward(const nqm_hyper *hyper, nqm_hyper_pass *pass, const floa
         if (l == 0)
             break;
         if (l == NQM_HYPER_POOLED) {
-            float *dy = pass->spare[(l + 1) % 2]; /* dz is used up */
+            float *dy = pass->spare[(l + 1) % 2]; /* dz is no longer needed */
             rows *= pass->n_samples;
             pool_backward(hyper, pass, dx, dy);
             dx = dy;

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the hypernetwork reads of a BRDF: places dense about the mirror direction, where narrow lobes would otherwise be
- * missed by a few samples, and values in two logarithmic forms, which tell dark bases apart and bright highlights.
+ * Input samples of the hypernetwork: direction pairs dense around the mirror direction, because few samples would otherwise
+ * miss narrow lobes, and values on two logarithmic scales, one that resolves dark bases and one for bright highlights.
  */
+#include "brdf/brdf.h"
 #include "fit/hyper.h"
 #include "math/math.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double max_polar_rad = 80 * NQM_PI / 180; /* measurements beyond are often extrapolated */
+static const double max_polar_rad = 80 * NQM_PI / 180; /* measurements at larger angles are often extrapolated */
 
 void nqm_hyper_draw_dense(nqm_rng *rng, double *hd) {
     double cos_max = cos(max_polar_rad), wi[3], wo[3];
@@ -63,7 +64,7 @@ nqm_status nqm_hyper_sample(const nqm_brdf *ref, size_t n, nqm_rng *rng, double 
             nqm_hyper_draw_dense(rng, hd + 3 * (from + i));
         nqm_brdf_eval_half_diff(ref, n_new, hd + 3 * from, rgb + 3 * from, flag);
         for (size_t i = 0; i < n_new; ++i) {
-            if (flag[i] != NQM_VALUE_OK && flag[i] != NQM_VALUE_CLAMPED)
+            if (!nqm_has_value(flag[i]))
                 continue;
             memmove(hd + 3 * kept, hd + 3 * (from + i), 3 * sizeof *hd);
             memmove(rgb + 3 * kept, rgb + 3 * (from + i), 3 * sizeof *rgb);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The training of one network for one BRDF, after Sztrajman et al. 2021 (section 3.1 and their code): minibatches and
- * Adam on the cosine-weighted mean absolute log error. Three things differ, for speed and for highlights: the learning
- * rate starts twenty times higher and falls to zero along a cosine, batches are half as large, and half of the
- * directions lie dense about theta_h = 0, as the cells of MERL's tables do.
+ * Training of one network for one BRDF, after Sztrajman et al. 2021 (section 3.1 and their code): minibatches and Adam on
+ * the cosine-weighted mean absolute log error. Three differences, for speed and for highlights: the learning rate starts
+ * twenty times higher and follows half a cosine to zero, batches are half as large, and half of the directions are dense
+ * around theta_h = 0, like the cells of MERL's tables.
  */
 #include "fit/encoders.h"
 #include "fit/nbrdf_net.h"
@@ -15,17 +15,17 @@
 
 enum {
     BATCH = 256,
-    SAMPLES_PER_DIRECTION = 16, /* directions trained on, for each of options.n_directions */
-    PASSES = 128,               /* how often each is seen */
+    SAMPLES_PER_DIRECTION = 16, /* training directions per direction of the options */
+    PASSES = 128,               /* epochs */
     N_STARTS = 3,
-    START_SHARE = 32, /* one part in so many of all steps is spent on each start before the best goes on */
-    N_FRESH = 32,     /* batches that are never trained on */
-    MAX_TRIES = 16,   /* draws for a direction with a value */
+    START_FRACTION = 32, /* each start is trained for 1 / START_FRACTION of all steps before the best one continues */
+    N_FRESH = 32,        /* validation batches, never trained on */
+    MAX_TRIES = 16,      /* attempts to find a direction with a value */
     REPORT_EVERY = 512
 };
 static const double learning_rate = 1e-2;
 
-/** Directions of the reference, batch by batch. */
+/* Samples of the reference by batch; `input` owns the block. */
 typedef struct samples {
     size_t n_batches;
     float *input, *weight, *goal; /* (n_batches, 6, BATCH), (n_batches, BATCH), (n_batches, 3, BATCH) */
@@ -39,20 +39,6 @@ typedef struct learner {
 
 /* ---- the reference ----------------------------------------------------------------------------------------------- */
 
-static void samples_free(samples *s) {
-    nqm_free(s->input);
-    nqm_free(s->weight);
-    nqm_free(s->goal);
-}
-
-static nqm_status samples_alloc(size_t n_batches, samples *s, nqm_error *err) {
-    s->n_batches = n_batches;
-    s->input = nqm_alloc(n_batches * 6 * BATCH, sizeof *s->input);
-    s->weight = nqm_alloc(n_batches * BATCH, sizeof *s->weight);
-    s->goal = nqm_alloc(n_batches * 3 * BATCH, sizeof *s->goal);
-    return s->input && s->weight && s->goal ? NQM_OK : nqm_fail_nomem(err, n_batches * 10 * BATCH * sizeof(float));
-}
-
 static nqm_nbrdf_batch batch_at(const samples *s, size_t i) {
     return (nqm_nbrdf_batch){.n = BATCH,
                              .input = s->input + i * 6 * BATCH,
@@ -60,7 +46,7 @@ static nqm_nbrdf_batch batch_at(const samples *s, size_t i) {
                              .goal = s->goal + i * 3 * BATCH};
 }
 
-/* theta_d and phi_d uniform, theta_h uniform or as the rows of MERL's tables; above the horizon. */
+/* theta_d and phi_d uniform, theta_h uniform or distributed as the rows of MERL's tables; both directions above the horizon. */
 static void draw_direction(nqm_rng *rng, double *hd) {
     double wi[3], wo[3];
     do {
@@ -83,7 +69,7 @@ static bool draw_batch(const nqm_brdf *ref, nqm_rng *rng, double *hd, double *rg
             draw_direction(rng, hd + 3 * i);
         nqm_brdf_eval_half_diff(ref, n_new, hd + 3 * first, rgb + 3 * first, flag);
         for (size_t i = first; i < BATCH; ++i) {
-            if (flag[i - first] >= NQM_VALUE_INVALID)
+            if (!nqm_has_value(flag[i - first]))
                 continue;
             memmove(hd + 3 * n, hd + 3 * i, 3 * sizeof *hd);
             memmove(rgb + 3 * n, rgb + 3 * i, 3 * sizeof *rgb);
@@ -96,7 +82,11 @@ static bool draw_batch(const nqm_brdf *ref, nqm_rng *rng, double *hd, double *rg
 static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t seed, uint64_t stream, samples *s,
                                nqm_error *err) {
     nqm_rng rng = nqm_rng_make(seed, stream);
-    nqm_status status = samples_alloc(n_batches, s, err);
+    s->n_batches = n_batches;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s->input, n_batches * 6 * BATCH, sizeof(float)},
+                                                    {&s->weight, n_batches * BATCH, sizeof(float)},
+                                                    {&s->goal, n_batches * 3 * BATCH, sizeof(float)}),
+                                         err);
     for (size_t b = 0; b < n_batches && status == NQM_OK; ++b) {
         double hd[3 * BATCH], rgb[3 * BATCH];
         float *goal = s->goal + b * 3 * BATCH, *weight = s->weight + b * BATCH;
@@ -113,7 +103,7 @@ static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t s
 
 /* ---- training ---------------------------------------------------------------------------------------------------- */
 
-/* Glorot and Bengio 2010: the start that Keras gives by default. `w` (n_in, n_out), then n_out biases of zero. */
+/* Glorot and Bengio 2010, the default of Keras. `w` (n_in, n_out), then n_out biases of zero. */
 static float *init_layer(nqm_rng *rng, size_t n_in, size_t n_out, float *w) {
     double limit = sqrt(6.0 / (double)(n_in + n_out));
     for (size_t i = 0; i < n_in * n_out; ++i)
@@ -137,7 +127,7 @@ static double mean_loss(const learner *l, const samples *s) {
     return sum / (double)s->n_batches;
 }
 
-/** What all the starts share. */
+/* State shared by all starts. */
 typedef struct course {
     const samples *train, *fresh;
     size_t n_steps, n_done; /* n_done counts all starts, for the progress */
@@ -148,7 +138,7 @@ typedef struct course {
 /* Train up to step `last`. */
 static nqm_status train(course *c, learner *l, size_t last) {
     float gradient[NQM_NBRDF_WEIGHTS];
-    double n_total = (double)c->n_steps * (1 + (N_STARTS - 1.0) / START_SHARE);
+    double n_total = (double)c->n_steps * (1 + (N_STARTS - 1.0) / START_FRACTION);
     for (; l->n_steps < last; ++c->n_done) {
         if (c->n_done % REPORT_EVERY == 0 && c->options->progress &&
             c->options->progress(c->options->progress_user, "training a network", (double)c->n_done, n_total) != 0)
@@ -162,13 +152,13 @@ static nqm_status train(course *c, learner *l, size_t last) {
     return NQM_OK;
 }
 
-/* A few starts for a short while; the best goes on. Starts differ: some lose neurons for good early on. */
+/* Train a few starts briefly and continue the best: in some starts ReLU neurons die early. */
 static nqm_status train_best(course *c, learner *best, size_t *best_start) {
     learner candidate;
     double best_loss = INFINITY;
     for (size_t start = 0; start < N_STARTS; ++start) {
         learner_init(&candidate, c->options->seed, 2 + start);
-        nqm_status status = train(c, &candidate, c->n_steps / START_SHARE);
+        nqm_status status = train(c, &candidate, c->n_steps / START_FRACTION);
         if (status != NQM_OK)
             return status;
         double loss = mean_loss(&candidate, c->fresh);
@@ -205,7 +195,7 @@ nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nq
         status = isfinite(report->loss) ? make_brdf(&best, ref, brdf_ret, err)
                                         : nqm_fail(err, NQM_ERR_NUMERIC, -1, "the training of a network diverged");
     }
-    samples_free(&trained);
-    samples_free(&fresh);
+    nqm_free(trained.input);
+    nqm_free(fresh.input);
     return status;
 }

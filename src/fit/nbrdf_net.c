@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The network of an NBRDF for training: forward and backward over blocks of directions that stay in the first-level
- * cache. Numbers lie (neuron, direction). Products are summed in small tiles whose shape is written out, so that the
- * result does not depend on how wide a processor's vectors are; the block is compiled for three widths.
+ * Forward and backward pass of an NBRDF over blocks of directions that fit into the L1 cache. Arrays are (neuron,
+ * direction). Products are summed in tiles of fixed shape, so that the result does not depend on the vector width of the
+ * processor; the block is compiled for three widths.
  */
 #include "fit/nbrdf_net.h"
 
@@ -14,7 +14,7 @@
 enum { N_IN = 6, N_HIDDEN = 21, N_OUT = 3, BLOCK = 64, LANES = 8 };
 enum { TILE = 3, STRIPS = 2 }; /* every layer's width is a multiple of TILE */
 
-/* Where each layer's numbers begin among the weights. */
+/* Offsets of each layer's weights and biases. */
 enum {
     W1 = 0,
     B1 = W1 + N_IN * N_HIDDEN,
@@ -33,13 +33,13 @@ typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));
 #define FOR_EACH_VECTOR_WIDTH
 #endif
 
-typedef float row[BLOCK]; /* one quantity of the block's directions */
+typedef float row[BLOCK]; /* one value for each direction of the block */
 
-/** The numbers of one block. What lies beyond its n directions is computed and weighs nothing. */
+/* Activations of one block. Lanes after its n directions are computed with weight 0. */
 typedef struct block {
     row input[N_IN], first[N_HIDDEN], second[N_HIDDEN], out[N_OUT];
     row d_out[N_OUT], d_second[N_HIDDEN], d_first[N_HIDDEN]; /* derivatives of the loss */
-    row weight, share, goal[N_OUT];                          /* share: 1 / (3 n of the batch), or 0 */
+    row weight, scale, goal[N_OUT];                          /* scale: 1 / (3 n of the batch), or 0 */
     row error;                                               /* summed over channels */
 } block;
 
@@ -111,8 +111,8 @@ INLINED void relu_gradient(const row *x, row *d) {
             d[j][l] = x[j][l] > 0 ? d[j][l] : 0;
 }
 
-/* The loss of one channel and its derivative by the network's output. exp() beyond 80 would leave the floats: the slope
- * goes on from there, so that descent leads back. */
+/* Loss of one channel and its derivative with respect to the network's output x. x is clamped to 80, above which exp()
+ * overflows; the derivative is that at the clamped value, not 0, so that gradient descent reduces x. */
 INLINED void channel_loss(block *b, size_t c) {
 #pragma omp simd
     for (size_t l = 0; l < BLOCK; ++l) {
@@ -121,8 +121,8 @@ INLINED void channel_loss(block *b, size_t c) {
         x = x > 80.0f ? 80.0f : x;
         float rise = weight * nqm_exp_core(x), inside = (1.0f - weight) + rise; /* 1 + c (exp(x) - 1) */
         float error = nqm_log_core(inside) - b->goal[c][l];
-        float slope = rise / inside * b->share[l];
-        b->error[l] += fabsf(error) * b->share[l];
+        float slope = rise / inside * b->scale[l];
+        b->error[l] += fabsf(error) * b->scale[l];
         b->d_out[c][l] = error > 0 ? slope : error < 0 ? -slope : 0;
     }
 }
@@ -147,7 +147,7 @@ FOR_EACH_VECTOR_WIDTH static void run_block(const float *w, block *b, float *gra
     weight_gradient(N_IN, N_HIDDEN, b->input, b->d_first, gradient + W1, gradient + B1);
 }
 
-/* n numbers and zeros up to the end of the block. */
+/* Copy n floats and fill the rest of the block with zeros. */
 static void fill(const float *from, size_t n, float *to) {
     memcpy(to, from, n * sizeof *to);
     memset(to + n, 0, (BLOCK - n) * sizeof *to);
@@ -156,7 +156,7 @@ static void fill(const float *from, size_t n, float *to) {
 double nqm_nbrdf_loss(const float *weights, const nqm_nbrdf_batch *batch, float *gradient) {
     block b;
     double loss = 0;
-    float share = 1 / (float)(N_OUT * batch->n);
+    float scale = 1 / (float)(N_OUT * batch->n);
     if (gradient)
         memset(gradient, 0, NQM_NBRDF_WEIGHTS * sizeof *gradient);
     for (size_t from = 0; from < batch->n; from += BLOCK) {
@@ -167,7 +167,7 @@ double nqm_nbrdf_loss(const float *weights, const nqm_nbrdf_batch *batch, float 
             fill(batch->goal + c * batch->n + from, n, b.goal[c]);
         fill(batch->weight + from, n, b.weight);
         for (size_t l = 0; l < BLOCK; ++l)
-            b.share[l] = l < n ? share : 0;
+            b.scale[l] = l < n ? scale : 0;
         memset(b.error, 0, sizeof b.error);
         run_block(weights, &b, gradient);
         for (size_t l = 0; l < n; ++l)

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * nbrdf_net.h - the network of an NBRDF (6-21-21-3, src/brdf/nbrdf.c) as something to train: its inputs, its loss and
- * the gradient of that over a batch of directions. Shared by the fit of one network and by the hypernetwork, which
- * writes such networks.
+ * nbrdf_net.h - training of the network of an NBRDF (6-21-21-3, src/brdf/nbrdf.c): inputs, loss and gradient over a batch
+ * of directions. Used by the fit of one network and by the hypernetwork, which predicts such networks.
  */
 #ifndef NQM_SRC_FIT_NBRDF_NET_H
 #define NQM_SRC_FIT_NBRDF_NET_H
 
 #include "brdf/brdf.h"
 
-/** A batch of directions, one array a quantity so that loops run over directions. */
+/** A batch of directions; the innermost dimension of all arrays is the direction. */
 typedef struct nqm_nbrdf_batch {
     size_t n;
     const float *input;  /* (6, n) unit half vector with phi_h = 0, unit difference vector */
@@ -22,11 +21,11 @@ void nqm_nbrdf_inputs(size_t n, const double *hd, float *input, float *weight);
 
 /**
  * Mean over directions and channels of |log(1 + c f_r) - goal| (Sztrajman et al. 2021, section 3.1), f_r = exp(x) - 1 of
- * the network's output x. A negative f_r counts as it is, so that descent leads out of it; evaluation gives 0 there.
+ * the network's output x. A negative f_r is not clamped, so that gradient descent can raise it; evaluation clamps it to 0.
  * Safe to call from several threads; the same bits on every machine.
  *
  * @param weights   (NQM_NBRDF_WEIGHTS)
- * @param gradient  (NQM_NBRDF_WEIGHTS) receives the derivative of the mean by the weights, not added; NULL: loss only
+ * @param gradient  (NQM_NBRDF_WEIGHTS) receives (overwrites) the gradient of the loss; NULL: loss only
  */
 double nqm_nbrdf_loss(const float *weights, const nqm_nbrdf_batch *batch, float *gradient);
 

@@ -11,38 +11,23 @@
 
 enum { CELLS = NQM_SPARSE_CELLS, CORE = NQM_SPARSE_CORE };
 
-/* Atoms kept at each budget; doc/encodings.md shows what they look like. */
+/* Number of atoms at each budget; doc/encodings.md shows their effect. */
 static const size_t budget_atoms[] = {[NQM_BUDGET_LOW] = 4, [NQM_BUDGET_MID] = 8, [NQM_BUDGET_HIGH] = 32};
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
-static nqm_status copy_tensor(const nqm_safetensors *st, const char *name, const char *tensor_name, size_t rows,
-                              size_t cols, float *out, nqm_error *err) {
-    const nqm_tensor *tensor;
-    nqm_status status = nqm_encoder_tensor(st, name, tensor_name, 2, (size_t[]){rows, cols}, &tensor, err);
-    if (status == NQM_OK)
-        memcpy(out, tensor->data, tensor->n_bytes);
+nqm_status nqm_sparse_dictionary_create(size_t n_atoms, nqm_sparse_dictionary **dictionary_ret, nqm_error *err) {
+    float *atoms;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({dictionary_ret, 1, sizeof(nqm_sparse_dictionary)}, {&atoms, n_atoms, CORE * sizeof(float)}), err);
+    if (status == NQM_OK) {
+        (*dictionary_ret)->n_atoms = n_atoms;
+        (*dictionary_ret)->atoms = atoms;
+    }
     return status;
 }
 
-static nqm_status read_atoms(const nqm_safetensors *st, const char *name, nqm_sparse_dictionary *dictionary,
-                             nqm_error *err) {
-    const nqm_tensor *tensor;
-    nqm_status status = nqm_encoder_tensor(st, name, "atoms", 2, (size_t[]){0, CORE}, &tensor, err);
-    if (status != NQM_OK)
-        return status;
-    dictionary->n_atoms = tensor->dims[0];
-    if (dictionary->n_atoms > NQM_OMP_MAX_DICTIONARY)
-        return nqm_fail(err, NQM_ERR_MODEL, tensor->byte_offset, "%s: %zu atoms, more than %d", name,
-                        dictionary->n_atoms, NQM_OMP_MAX_DICTIONARY);
-    dictionary->atoms = nqm_alloc(tensor->n_bytes, 1);
-    if (!dictionary->atoms)
-        return nqm_fail_nomem(err, tensor->n_bytes);
-    memcpy(dictionary->atoms, tensor->data, tensor->n_bytes);
-    return NQM_OK;
-}
-
-/* The mapping takes the logarithm of it; matching pursuit takes the atoms for unit vectors. */
+/* The mapping takes the logarithm of `typical`; matching pursuit needs atoms of unit length. */
 static nqm_status check_values(const nqm_sparse_dictionary *dictionary, const char *name, nqm_error *err) {
     for (size_t i = 0; i < CELLS; ++i)
         if (dictionary->typical[i] < 0)
@@ -53,24 +38,42 @@ static nqm_status check_values(const nqm_sparse_dictionary *dictionary, const ch
         for (size_t i = 0; i < CORE; ++i)
             sum += (double)atom[i] * (double)atom[i];
         if (!(fabs(sum - 1) < 1e-4))
-            return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: tensor 'atoms': atom %zu has not the length 1", name, k);
+            return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: tensor 'atoms': the length of atom %zu is not 1", name, k);
     }
     return NQM_OK;
 }
 
-static nqm_status read_all(const nqm_safetensors *st, const char *name, nqm_sparse_dictionary *dictionary,
+static nqm_status read_all(const nqm_safetensors *st, const char *name, nqm_sparse_dictionary **dictionary_ret,
                            nqm_error *err) {
-    nqm_sparse_bases *b = &dictionary->bases;
-    nqm_status status = copy_tensor(st, name, "typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, dictionary->typical, err);
-    if (status == NQM_OK)
-        status = copy_tensor(st, name, "basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, b->h, err);
-    if (status == NQM_OK)
-        status = copy_tensor(st, name, "basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, b->d, err);
-    if (status == NQM_OK)
-        status = copy_tensor(st, name, "basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, b->p, err);
-    if (status == NQM_OK)
-        status = read_atoms(st, name, dictionary, err);
-    return status == NQM_OK ? check_values(dictionary, name, err) : status;
+    const nqm_tensor *atoms;
+    nqm_status status = nqm_encoder_tensor(st, name, "atoms", 2, (size_t[]){0, CORE}, &atoms, err);
+    if (status != NQM_OK)
+        return status;
+    size_t n_atoms = atoms->dims[0];
+    if (n_atoms > NQM_OMP_MAX_DICTIONARY)
+        return nqm_fail(err, NQM_ERR_MODEL, atoms->byte_offset, "%s: %zu atoms, more than %d", name, n_atoms,
+                        NQM_OMP_MAX_DICTIONARY);
+    status = nqm_sparse_dictionary_create(n_atoms, dictionary_ret, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_sparse_dictionary *d = *dictionary_ret;
+    const struct {
+        const char *name;
+        size_t rows, cols;
+        float *out;
+    } tensors[] = {{"typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical},
+                   {"basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h},
+                   {"basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d},
+                   {"basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p},
+                   {"atoms", n_atoms, CORE, d->atoms}};
+    for (size_t i = 0; status == NQM_OK && i < sizeof tensors / sizeof *tensors; ++i) {
+        const nqm_tensor *tensor;
+        status = nqm_encoder_tensor(st, name, tensors[i].name, 2, (size_t[]){tensors[i].rows, tensors[i].cols}, &tensor,
+                                    err);
+        if (status == NQM_OK)
+            memcpy(tensors[i].out, tensor->data, tensor->n_bytes);
+    }
+    return status == NQM_OK ? check_values(d, name, err) : status;
 }
 
 nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes, const char *name,
@@ -80,21 +83,13 @@ nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes
     nqm_status status = nqm_encoder_parse(data, n_bytes, name, "sparse", &st, err);
     if (status != NQM_OK)
         return status;
-    nqm_sparse_dictionary *dictionary = nqm_alloc(1, sizeof *dictionary);
-    status = dictionary ? read_all(st, name, dictionary, err) : nqm_fail_nomem(err, sizeof *dictionary);
+    status = read_all(st, name, dictionary_ret, err);
     nqm_safetensors_free(st);
-    if (status == NQM_OK)
-        *dictionary_ret = dictionary;
-    else
-        nqm_sparse_dictionary_free(dictionary);
+    if (status != NQM_OK) {
+        nqm_free(*dictionary_ret);
+        *dictionary_ret = NULL;
+    }
     return status;
-}
-
-void nqm_sparse_dictionary_free(nqm_sparse_dictionary *dictionary) {
-    if (!dictionary)
-        return;
-    nqm_free(dictionary->atoms);
-    nqm_free(dictionary);
 }
 
 /* ---- coding ------------------------------------------------------------------------------------------------------ */
@@ -109,35 +104,27 @@ void nqm_sparse_gram(size_t n, const double *vectors, double *gram) {
         }
 }
 
-/* What coding one BRDF needs besides the dictionary. */
+/* Buffers for coding one BRDF; `table` owns the block of all arrays. */
 typedef struct workspace {
     nqm_sparse_grid grid;
     float *table;  /* (3, CELLS) */
     float *sample; /* (3, CELLS) c f_r of the reference */
     double *atoms, *gram, *correlation, *scratch, *core;
+    float *rgb; /* (CELLS, 3) f_r of the result */
 } workspace;
 
 static nqm_status make_workspace(size_t n_atoms, workspace *w, nqm_error *err) {
-    *w = (workspace){.table = nqm_alloc(3 * CELLS, sizeof(float)),
-                     .sample = nqm_alloc(3 * CELLS, sizeof(float)),
-                     .atoms = nqm_alloc(n_atoms, CORE * sizeof(double)),
-                     .gram = nqm_alloc(n_atoms, n_atoms * sizeof(double)),
-                     .correlation = nqm_alloc(n_atoms, 3 * sizeof(double)),
-                     .scratch = nqm_alloc(n_atoms, 3 * sizeof(double)),
-                     .core = nqm_alloc(3 * CORE, sizeof(double))};
-    if (!w->table || !w->sample || !w->atoms || !w->gram || !w->correlation || !w->scratch || !w->core)
-        return nqm_fail_nomem(err, (n_atoms + 3) * CORE * sizeof(double));
-    return nqm_sparse_grid_make(&w->grid, err);
+    *w = (workspace){0};
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&w->table, 3 * CELLS, sizeof(float)}, {&w->sample, 3 * CELLS, sizeof(float)},
+                   {&w->atoms, n_atoms, CORE * sizeof(double)}, {&w->gram, n_atoms, n_atoms * sizeof(double)},
+                   {&w->correlation, n_atoms, 3 * sizeof(double)}, {&w->scratch, n_atoms, 3 * sizeof(double)},
+                   {&w->core, 3 * CORE, sizeof(double)}, {&w->rgb, 3 * CELLS, sizeof(float)}),
+        err);
+    return status == NQM_OK ? nqm_sparse_grid_make(&w->grid, err) : status;
 }
 
-static void free_workspace(workspace *w) {
-    nqm_sparse_grid_free(&w->grid);
-    void *blocks[] = {w->table, w->sample, w->atoms, w->gram, w->correlation, w->scratch, w->core};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
-        nqm_free(blocks[i]);
-}
-
-/* The mapped channels of w->table become the sum of at most max_atoms atoms; returns how many. */
+/* Replace the mapped channels of w->table by a linear combination of at most max_atoms atoms; returns their number. */
 static size_t approximate(const nqm_sparse_dictionary *dictionary, size_t max_atoms, workspace *w) {
     size_t n = dictionary->n_atoms, index[NQM_OMP_MAX_ATOMS];
     double coefficient[NQM_OMP_MAX_ATOMS];
@@ -181,19 +168,15 @@ static double loss_of(const workspace *w) {
     return sum / (double)n;
 }
 
-/* A BRDF of c f_r (3, CELLS) above the horizon. */
+/* The BRDF of w->table, c f_r (3, CELLS) above the horizon. */
 static nqm_status make_brdf(const workspace *w, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    float *rgb = nqm_alloc(3 * CELLS, sizeof *rgb);
-    if (!rgb)
-        return nqm_fail_nomem(err, 3 * CELLS * sizeof *rgb);
     for (size_t i = 0; i < 3 * CELLS; ++i)
-        rgb[i] = NAN;
+        w->rgb[i] = NAN;
     for (size_t i = 0; i < w->grid.n; ++i)
         for (size_t c = 0; c < 3; ++c)
-            rgb[3 * w->grid.cell[i] + c] = (float)((double)w->table[c * CELLS + w->grid.cell[i]] / w->grid.cosine[i]);
-    nqm_status status = nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, rgb, name, brdf_ret, err);
-    nqm_free(rgb);
-    return status;
+            w->rgb[3 * w->grid.cell[i] + c] =
+                (float)((double)w->table[c * CELLS + w->grid.cell[i]] / w->grid.cosine[i]);
+    return nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, w->rgb, name, brdf_ret, err);
 }
 
 nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref, size_t max_atoms,
@@ -211,13 +194,14 @@ nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_
         report->loss = loss_of(&w);
         status = make_brdf(&w, nqm_brdf_get_info(ref).name, brdf_ret, err);
     }
-    free_workspace(&w);
+    nqm_free(w.grid.hd);
+    nqm_free(w.table);
     return status;
 }
 
 nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
                           nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    (void)options; /* the nodes of the table are the directions */
+    (void)options; /* the directions are the nodes of the table */
     size_t n_bytes;
     const unsigned char *bytes = nqm_encoder_bytes("sparse", &n_bytes);
     if (!bytes)
@@ -226,6 +210,6 @@ nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_
     nqm_status status = nqm_sparse_dictionary_parse(bytes, n_bytes, "the built-in dictionary", &dictionary, err);
     if (status == NQM_OK)
         status = nqm_sparse_encode(dictionary, ref, budget_atoms[budget], report, brdf_ret, err);
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
     return status;
 }

@@ -2,10 +2,10 @@
  *
  * sparse.h - the sparse encoding, after Tongbuasirilai et al. (2022, DOI 10.1145/3533427): a BRDF as a table over
  * half-vector coordinates, mapped to logarithms relative to a typical material (Nielsen et al. 2015, DOI
- * 10.1145/2816795.2818085), turned from RGB to one channel of brightness and two of colour, and each channel written as
- * a sum of a few atoms of one learned dictionary. The atoms live in the span of separable (Kronecker) bases, one a
- * coordinate, so that the dictionary is small: a table becomes a core of NQM_SPARSE_CORE coefficients, with the same
- * norm.
+ * 10.1145/2816795.2818085), converted from RGB to one brightness and two colour channels; each channel is a linear
+ * combination of a few atoms of one learned dictionary. The atoms are in the span of separable (Kronecker) bases, one per
+ * coordinate, which keeps the dictionary small: a table is represented by a core of NQM_SPARSE_CORE coefficients with the
+ * same norm.
  */
 #ifndef NQM_SRC_FIT_SPARSE_H
 #define NQM_SRC_FIT_SPARSE_H
@@ -20,36 +20,35 @@ enum { NQM_SPARSE_CORE = NQM_SPARSE_BASIS_H * NQM_SPARSE_BASIS_D * NQM_SPARSE_BA
 
 /* ---- tables (sparse_table.c) ------------------------------------------------------------------------------------- */
 
-/** The nodes at which light and viewer are above the horizon. */
+/** The nodes with both directions above the horizon. */
 typedef struct nqm_sparse_grid {
     size_t n;
-    double *hd;     /* (n, 3) */
+    double *hd;     /* (n, 3); owns the block of all arrays */
     double *cosine; /* (n) c = cos(theta_i) cos(theta_o) */
-    size_t *cell;   /* (n) place in a table */
+    size_t *cell;   /* (n) index in a table */
 } nqm_sparse_grid;
 
-/** Free with nqm_sparse_grid_free(), whatever the outcome. */
+/** nqm_free(grid->hd) also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_sparse_grid_make(nqm_sparse_grid *grid, nqm_error *err);
-void nqm_sparse_grid_free(nqm_sparse_grid *grid);
 
-/** c f_r of `brdf`: table (3, NQM_SPARSE_CELLS), 0 below the horizon, NaN where the BRDF has no value. NQM_ERR_INCOMPATIBLE
- *  when it hardly has any; *n_valid_ret counts nodes. */
+/** c f_r of `brdf`: table (3, NQM_SPARSE_CELLS), 0 below the horizon, NaN where the BRDF has no value. *n_valid_ret: nodes
+ *  with a value; fewer than 100: NQM_ERR_INCOMPATIBLE. */
 NQM_MUST_CHECK nqm_status nqm_sparse_sample(const nqm_sparse_grid *grid, const nqm_brdf *brdf, float *table,
                                             size_t *n_valid_ret, nqm_error *err);
-/** Such a table, in place, to log((c f_r + eps) / (typical + eps)), RGB to brightness and two colours. Cells without a
- *  value take f_r of a neighbour in theta_h or theta_d. typical: (NQM_SPARSE_CELLS) c f_r. */
+/** Map such a table in place to log((c f_r + eps) / (typical + eps)), and RGB to brightness and two colours. Cells without a
+ *  value get f_r of a neighbour in theta_h or theta_d. typical: (NQM_SPARSE_CELLS) c f_r. */
 void nqm_sparse_map(const nqm_sparse_grid *grid, const float *typical, float *table);
-/** The way back, in place: c f_r, never negative. */
+/** The inverse, in place: c f_r, clamped at 0. */
 void nqm_sparse_unmap(const nqm_sparse_grid *grid, const float *typical, float *table);
 
-/** Orthonormal bases of the three coordinates: vectors in rows. */
+/** Orthonormal bases of the three coordinates; each row is a vector. */
 typedef struct nqm_sparse_bases {
     float h[NQM_SPARSE_BASIS_H * NQM_SPARSE_H];
     float d[NQM_SPARSE_BASIS_D * NQM_SPARSE_D];
     float p[NQM_SPARSE_BASIS_P * NQM_SPARSE_P];
 } nqm_sparse_bases;
 
-/** One channel (NQM_SPARSE_CELLS) to its core (NQM_SPARSE_CORE) and back. */
+/** One channel (NQM_SPARSE_CELLS) to its core (NQM_SPARSE_CORE), and the inverse. */
 void nqm_sparse_analyse(const nqm_sparse_bases *bases, const float *channel, double *core);
 void nqm_sparse_synthesise(const nqm_sparse_bases *bases, const double *core, float *channel);
 
@@ -57,23 +56,23 @@ void nqm_sparse_synthesise(const nqm_sparse_bases *bases, const double *core, fl
 
 enum { NQM_OMP_MAX_ATOMS = 128, NQM_OMP_MAX_BLOCKS = 3, NQM_OMP_MAX_DICTIONARY = 1024 };
 
-/** Signals, one a block, to be coded in one dictionary with atoms of unit length. */
+/** Signals (blocks) to be coded in one dictionary with atoms of unit length. */
 typedef struct nqm_omp_problem {
     size_t n_blocks, n_atoms;  /* at most NQM_OMP_MAX_BLOCKS, NQM_OMP_MAX_DICTIONARY */
-    const double *gram;        /* (n_atoms, n_atoms) products of the atoms */
-    const double *correlation; /* (n_blocks, n_atoms) products of atoms and signals */
+    const double *gram;        /* (n_atoms, n_atoms) inner products of the atoms */
+    const double *correlation; /* (n_blocks, n_atoms) inner products of atoms and signals */
 } nqm_omp_problem;
 
 /**
- * Orthogonal matching pursuit for all blocks together: the atom that matches what is left best, of whatever block, joins,
- * and the coefficients of all chosen ones are solved anew (Batch-OMP with a progressive Cholesky factor: Rubinstein et
- * al. 2008, Technion report CS-2008-08).
+ * Orthogonal matching pursuit for all blocks together: each step adds the atom with the largest correlation with the
+ * residual of any block and solves the coefficients of all chosen atoms again (Batch-OMP with a progressive Cholesky
+ * factor: Rubinstein et al. 2008, Technion report CS-2008-08).
  *
  * @param max_atoms    at most NQM_OMP_MAX_ATOMS
  * @param index        (max_atoms) receives block * n_atoms + atom
  * @param coefficient  (max_atoms)
  * @param scratch      (n_blocks, n_atoms)
- * @return the number chosen: fewer than max_atoms when nothing is left, or nothing independent
+ * @return the number of atoms: fewer than max_atoms if the residual is 0 or no other atom is linearly independent
  */
 size_t nqm_omp(const nqm_omp_problem *problem, size_t max_atoms, size_t *index, double *coefficient, double *scratch);
 
@@ -83,13 +82,15 @@ typedef struct nqm_sparse_dictionary {
     float typical[NQM_SPARSE_CELLS]; /* c f_r of a typical material */
     nqm_sparse_bases bases;
     size_t n_atoms;
-    float *atoms; /* (n_atoms, NQM_SPARSE_CORE), unit length; owned */
+    float *atoms; /* (n_atoms, NQM_SPARSE_CORE), unit length; in the same block */
 } nqm_sparse_dictionary;
 
-/** From the bytes of an encoder file: NQM_ERR_MODEL when they are none. Free with nqm_sparse_dictionary_free(). */
+/** A dictionary of zeros; free with nqm_free(). */
+NQM_MUST_CHECK nqm_status nqm_sparse_dictionary_create(size_t n_atoms, nqm_sparse_dictionary **dictionary_ret,
+                                                       nqm_error *err);
+/** Read the bytes of an encoder file; NQM_ERR_MODEL if they are not a dictionary. Free with nqm_free(). */
 NQM_MUST_CHECK nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                       nqm_sparse_dictionary **dictionary_ret, nqm_error *err);
-void nqm_sparse_dictionary_free(nqm_sparse_dictionary *dictionary);
 
 /** Code `ref` with at most `max_atoms` atoms. Fills loss, n_directions and n_numbers of the report. */
 NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref,
@@ -98,7 +99,7 @@ NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *diction
 
 /* ---- learning ---------------------------------------------------------------------------------------------------- */
 
-/** Products of n vectors of NQM_SPARSE_CORE (sparse.c): gram (n, n). */
+/** Inner products of n vectors of NQM_SPARSE_CORE (sparse.c): gram (n, n). */
 void nqm_sparse_gram(size_t n, const double *vectors, double *gram);
 
 /** The leading directions of n_tables channels (n_tables, NQM_SPARSE_CELLS) along each coordinate (sparse_basis.c). */
@@ -109,7 +110,7 @@ NQM_MUST_CHECK nqm_status nqm_sparse_bases_learn(size_t n_tables, const float *t
  * Approximate K-SVD (sparse_ksvd.c; Rubinstein et al. 2008).
  *
  * @param n_signals    signals (n_signals, NQM_SPARSE_CORE)
- * @param n_atoms_ret  wanted; receives how many there are: at most one a signal that is not zero
+ * @param n_atoms_ret  maximum number of atoms; receives the number: at most one per nonzero signal
  * @param atoms        (*n_atoms_ret, NQM_SPARSE_CORE)
  */
 NQM_MUST_CHECK nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_steps, uint64_t seed,

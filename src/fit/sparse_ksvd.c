@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * K-SVD: code all signals by matching pursuit, then improve atom after atom together with its coefficients on what the
- * other atoms leave; again.
+ * Approximate K-SVD: each step codes all signals by matching pursuit, then updates the atoms one by one, together with
+ * their coefficients, on the residual of the other atoms.
  */
 #include "fit/sparse.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Atoms a signal: enough that atoms learn to be added, few enough that they stay typical. */
+/* Atoms per signal during learning: enough for sums, few enough that each atom stays a typical material. */
 enum { CORE = NQM_SPARSE_CORE, N_CODE = 8 };
 
 typedef struct code {
@@ -24,7 +24,7 @@ typedef struct learning {
     double *residual;      /* (n_signals, CORE) */
     double *scratch;       /* (n_signals, 2, n_atoms) */
     code *codes;           /* (n_signals) */
-    bool *taken;           /* (n_signals) became an atom in this step */
+    bool *taken;           /* (n_signals) its residual has become an atom in this step */
 } learning;
 
 static double dot(const double *a, const double *b) {
@@ -39,7 +39,7 @@ static void add(double factor, const double *a, double *sum) {
         sum[i] += factor * a[i];
 }
 
-/* Scale to unit length; false when there is none. */
+/* Scale to unit length; false for a zero vector. */
 static bool normalise(double *a) {
     double length = sqrt(dot(a, a));
     if (!(length > 0))
@@ -72,7 +72,7 @@ static double *coefficient_of(code *c, size_t k) {
     return NULL;
 }
 
-/* An atom that nobody uses becomes what is left of the worst coded signal. */
+/* Replace an unused atom by the largest residual of any signal. */
 static void replace_atom(learning *l, double *atom) {
     size_t worst = l->n_signals;
     double most = 0;
@@ -90,7 +90,7 @@ static void replace_atom(learning *l, double *atom) {
     (void)normalise(atom);
 }
 
-/* One step of the power method on the signals that use atom k, without what the other atoms give them. */
+/* One step of the power method on the signals that use atom k, minus the contributions of the other atoms. */
 static void improve_atom(learning *l, size_t k) {
     double *atom = l->atoms + k * CORE, better[CORE] = {0};
     bool used = false;
@@ -119,18 +119,18 @@ static void improve_atom(learning *l, size_t k) {
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
-/* Signals drawn in proportion to their length, none twice, become the first atoms. */
-static size_t begin(learning *l, size_t n_wanted, uint64_t seed, double *length) {
+/* Initial atoms: signals drawn without replacement, with probability proportional to their length. */
+static size_t begin(learning *l, size_t n_max, uint64_t seed, double *length) {
     nqm_rng rng = nqm_rng_make(seed, 0);
     double longest = 0;
     for (size_t s = 0; s < l->n_signals; ++s) {
         length[s] = sqrt(dot(l->signals + s * CORE, l->signals + s * CORE));
         longest = fmax(longest, length[s]);
     }
-    for (size_t s = 0; s < l->n_signals; ++s) /* a grey material's colours are no atoms */
+    for (size_t s = 0; s < l->n_signals; ++s) /* the colour channels of grey materials are no atoms */
         length[s] = length[s] > 1e-6 * longest ? length[s] : 0;
     size_t n = 0;
-    for (; n < n_wanted; ++n) {
+    for (; n < n_max; ++n) {
         double total = 0;
         for (size_t s = 0; s < l->n_signals; ++s)
             total += length[s];
@@ -165,20 +165,15 @@ static nqm_status run(learning *l, size_t n_steps, nqm_ticker *ticker, nqm_error
 
 nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_steps, uint64_t seed, nqm_ticker *ticker,
                            size_t *n_atoms_ret, double *atoms, nqm_error *err) {
-    size_t n_wanted = *n_atoms_ret;
-    learning l = {.n_signals = n_signals,
-                  .signals = signals,
-                  .atoms = atoms,
-                  .gram = nqm_alloc(n_wanted * n_wanted, sizeof(double)),
-                  .residual = nqm_alloc(n_signals, CORE * sizeof(double)),
-                  .scratch = nqm_alloc(n_signals, 2 * n_wanted * sizeof(double)),
-                  .codes = nqm_alloc(n_signals, sizeof(code)),
-                  .taken = nqm_alloc(n_signals, sizeof(bool))};
-    nqm_status status = NQM_OK;
-    if (!l.gram || !l.residual || !l.scratch || !l.codes || !l.taken)
-        status = nqm_fail_nomem(err, n_signals * (CORE + 2 * n_wanted) * sizeof(double));
+    size_t n_max = *n_atoms_ret;
+    learning l = {.n_signals = n_signals, .signals = signals, .atoms = atoms};
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&l.gram, n_max, n_max * sizeof(double)}, {&l.residual, n_signals, CORE * sizeof(double)},
+                   {&l.scratch, n_signals, 2 * n_max * sizeof(double)}, {&l.codes, n_signals, sizeof(code)},
+                   {&l.taken, n_signals, sizeof(bool)}),
+        err);
     if (status == NQM_OK) {
-        l.n_atoms = begin(&l, n_wanted, seed, l.scratch);
+        l.n_atoms = begin(&l, n_max, seed, l.scratch);
         if (l.n_atoms == 0)
             status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the references are all alike: there is nothing to learn");
     }
@@ -186,9 +181,5 @@ nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_ste
         status = run(&l, n_steps, ticker, err);
     *n_atoms_ret = l.n_atoms;
     nqm_free(l.gram);
-    nqm_free(l.residual);
-    nqm_free(l.scratch);
-    nqm_free(l.codes);
-    nqm_free(l.taken);
     return status;
 }

@@ -15,7 +15,7 @@ typedef struct learning {
     size_t n;
     const nqm_brdf *const *refs; /* (n) */
     nqm_sparse_grid grid;
-    float *tables;       /* (n, 3, CELLS) */
+    float *tables;       /* (n, 3, CELLS); owns the block of the arrays */
     double *cores;       /* (n, 3, CORE) */
     nqm_status *outcome; /* (n) of sampling */
     nqm_error *errors;   /* (n) */
@@ -24,25 +24,20 @@ typedef struct learning {
 } learning;
 
 static nqm_status allocate(learning *l, nqm_error *err) {
-    l->tables = nqm_alloc(l->n, 3 * CELLS * sizeof *l->tables);
-    l->cores = nqm_alloc(l->n, 3 * CORE * sizeof *l->cores);
-    l->outcome = nqm_alloc(l->n, sizeof *l->outcome);
-    l->errors = nqm_alloc(l->n, sizeof *l->errors);
-    l->dictionary = nqm_alloc(1, sizeof *l->dictionary);
-    l->atoms = nqm_alloc(N_ATOMS, CORE * sizeof *l->atoms);
-    if (!l->tables || !l->cores || !l->outcome || !l->errors || !l->dictionary || !l->atoms)
-        return nqm_fail_nomem(err, l->n * 3 * CELLS * sizeof *l->tables);
-    return nqm_sparse_grid_make(&l->grid, err);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&l->tables, l->n, 3 * CELLS * sizeof *l->tables}, {&l->cores, l->n, 3 * CORE * sizeof *l->cores},
+                   {&l->outcome, l->n, sizeof *l->outcome}, {&l->errors, l->n, sizeof *l->errors},
+                   {&l->atoms, N_ATOMS, CORE * sizeof *l->atoms}),
+        err);
+    if (status == NQM_OK)
+        status = nqm_sparse_dictionary_create(N_ATOMS, &l->dictionary, err);
+    return status == NQM_OK ? nqm_sparse_grid_make(&l->grid, err) : status;
 }
 
 static void release(learning *l) {
     nqm_free(l->tables);
-    nqm_free(l->cores);
-    nqm_free(l->outcome);
-    nqm_free(l->errors);
-    nqm_free(l->atoms);
-    nqm_sparse_dictionary_free(l->dictionary);
-    nqm_sparse_grid_free(&l->grid);
+    nqm_free(l->dictionary);
+    nqm_free(l->grid.hd);
 }
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
@@ -140,9 +135,6 @@ static nqm_status learn(learning *l, const nqm_learn_options *options, nqm_ticke
     status = nqm_sparse_ksvd(3 * l->n, l->cores, options->n_steps, options->seed, ticker, &d->n_atoms, l->atoms, err);
     if (status != NQM_OK)
         return status;
-    d->atoms = nqm_alloc(d->n_atoms, CORE * sizeof *d->atoms);
-    if (!d->atoms)
-        return nqm_fail_nomem(err, d->n_atoms * CORE * sizeof *d->atoms);
     for (size_t i = 0; i < d->n_atoms * CORE; ++i)
         d->atoms[i] = (float)l->atoms[i];
     return NQM_OK;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Orthogonal matching pursuit on products only: atoms and signals themselves are not touched.
+ * Orthogonal matching pursuit; needs the inner products of atoms and signals only, not the vectors.
  */
 #include "fit/sparse.h"
 
@@ -17,9 +17,9 @@ static double product(const nqm_omp_problem *p, size_t i, size_t j) {
     return same_block ? p->gram[i % p->n_atoms * p->n_atoms + j % p->n_atoms] : 0;
 }
 
-/* Add atom `next` to the Cholesky factor of the n chosen ones; false when it depends on them. */
+/* Add atom `next` to the Cholesky factor of the n chosen atoms; false if it is linearly dependent on them. */
 static bool extend(const nqm_omp_problem *p, size_t n, const size_t *index, size_t next, double *factor) {
-    const double min_new = 1e-8; /* squared length of what is new in the atom */
+    const double min_new = 1e-8; /* squared length of the part orthogonal to the chosen atoms */
     double *row = row_of(factor, n), rest = product(p, next, next);
     for (size_t k = 0; k < n; ++k) {
         const double *above = row_of(factor, k);
@@ -52,7 +52,7 @@ static void solve(const nqm_omp_problem *p, size_t n, const size_t *index, doubl
     }
 }
 
-/* Correlations with what is left; chosen and dependent atoms stay at 0. */
+/* Correlations of the atoms with the residual; 0 for chosen and linearly dependent atoms. */
 static void update(const nqm_omp_problem *p, size_t n, const size_t *index, const double *coefficient,
                    const bool *closed, double *left) {
     size_t n_all = p->n_blocks * p->n_atoms;
@@ -77,7 +77,7 @@ static size_t largest(size_t n, const double *values) {
 }
 
 size_t nqm_omp(const nqm_omp_problem *p, size_t max_atoms, size_t *index, double *coefficient, double *scratch) {
-    const double nothing = 1e-10; /* of the first correlation */
+    const double tolerance = 1e-10; /* relative to the first correlation */
     double factor[NQM_OMP_MAX_ATOMS * (NQM_OMP_MAX_ATOMS + 1) / 2], first = 0;
     bool closed[NQM_OMP_MAX_BLOCKS * NQM_OMP_MAX_DICTIONARY] = {false};
     size_t n = 0, n_all = p->n_blocks * p->n_atoms;
@@ -86,7 +86,7 @@ size_t nqm_omp(const nqm_omp_problem *p, size_t max_atoms, size_t *index, double
         size_t next = largest(n_all, scratch);
         double match = fabs(scratch[next]);
         first = n == 0 ? match : first;
-        if (!(match > nothing * first))
+        if (!(match > tolerance * first))
             break;
         closed[next] = true;
         if (!extend(p, n, index, next, factor)) {

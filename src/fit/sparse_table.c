@@ -18,12 +18,14 @@ static const double eps = 1e-3; /* as Nielsen et al. 2015 */
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_sparse_grid_make(nqm_sparse_grid *grid, nqm_error *err) {
-    const double min_cosine = 1e-6; /* nodes on the horizon itself have no value */
-    *grid = (nqm_sparse_grid){.hd = nqm_alloc(CELLS, 3 * sizeof(double)),
-                              .cosine = nqm_alloc(CELLS, sizeof(double)),
-                              .cell = nqm_alloc(CELLS, sizeof(size_t))};
-    if (!grid->hd || !grid->cosine || !grid->cell)
-        return nqm_fail_nomem(err, CELLS * 5 * sizeof(double));
+    const double min_cosine = 1e-6; /* nodes on the horizon have no value */
+    *grid = (nqm_sparse_grid){0};
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&grid->hd, CELLS, 3 * sizeof(double)}, {&grid->cosine, CELLS, sizeof(double)},
+                                    {&grid->cell, CELLS, sizeof(size_t)}),
+                         err);
+    if (status != NQM_OK)
+        return status;
     for (size_t cell = 0; cell < CELLS; ++cell) {
         double *hd = grid->hd + 3 * grid->n, wi[3], wo[3];
         nqm_table_node(H, D, P, cell / (D * P), cell / P % D, cell % P, hd);
@@ -36,27 +38,18 @@ nqm_status nqm_sparse_grid_make(nqm_sparse_grid *grid, nqm_error *err) {
     return NQM_OK;
 }
 
-void nqm_sparse_grid_free(nqm_sparse_grid *grid) {
-    nqm_free(grid->hd);
-    nqm_free(grid->cosine);
-    nqm_free(grid->cell);
-    *grid = (nqm_sparse_grid){0};
-}
-
 nqm_status nqm_sparse_sample(const nqm_sparse_grid *grid, const nqm_brdf *brdf, float *table, size_t *n_valid_ret,
                              nqm_error *err) {
-    double *rgb = nqm_alloc(grid->n, 3 * sizeof *rgb);
-    uint8_t *flag = nqm_alloc(grid->n, 1);
+    double *rgb;
+    uint8_t *flag;
     size_t n_valid = 0;
-    nqm_status status = NQM_OK;
-    if (!rgb || !flag) {
-        status = nqm_fail_nomem(err, grid->n * 3 * sizeof *rgb);
-        goto done;
-    }
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&rgb, grid->n, 3 * sizeof(double)}, {&flag, grid->n, 1}), err);
+    if (status != NQM_OK)
+        return status;
     nqm_brdf_eval_half_diff(brdf, grid->n, grid->hd, rgb, flag);
     memset(table, 0, 3 * CELLS * sizeof *table);
     for (size_t i = 0; i < grid->n; ++i) {
-        bool valid = flag[i] == NQM_VALUE_OK || flag[i] == NQM_VALUE_CLAMPED;
+        bool valid = nqm_has_value(flag[i]);
         n_valid += valid;
         for (size_t c = 0; c < 3; ++c)
             table[c * CELLS + grid->cell[i]] = valid ? (float)(grid->cosine[i] * rgb[3 * i + c]) : NAN;
@@ -65,39 +58,37 @@ nqm_status nqm_sparse_sample(const nqm_sparse_grid *grid, const nqm_brdf *brdf, 
         status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; codes need %d",
                           nqm_brdf_get_info(brdf).name, n_valid, grid->n, MIN_VALID);
     *n_valid_ret = n_valid;
-done:
     nqm_free(rgb);
-    nqm_free(flag);
     return status;
 }
 
 /* ---- the mapping ------------------------------------------------------------------------------------------------- */
 
-/* An orthonormal turn of RGB, so that errors count alike on both sides: grey, red - blue, green - magenta. */
-static void turn_colour(double rgb[3], bool back) {
-    static const double turn[3][3] = {{0.57735026918962576, 0.57735026918962576, 0.57735026918962576},
+/* Orthonormal opponent colours (grey, red - blue, green - magenta): an error has the same norm in both spaces. */
+static void rotate_colour(double rgb[3], bool inverse) {
+    static const double axes[3][3] = {{0.57735026918962576, 0.57735026918962576, 0.57735026918962576},
                                       {0.70710678118654752, 0, -0.70710678118654752},
                                       {-0.40824829046386302, 0.81649658092772603, -0.40824829046386302}};
     double in[3] = {rgb[0], rgb[1], rgb[2]};
     for (size_t i = 0; i < 3; ++i)
-        rgb[i] = back ? turn[0][i] * in[0] + turn[1][i] * in[1] + turn[2][i] * in[2] : nqm_dot3(turn[i], in);
+        rgb[i] = inverse ? axes[0][i] * in[0] + axes[1][i] * in[1] + axes[2][i] * in[2] : nqm_dot3(axes[i], in);
 }
 
-/* Along a coordinate of n nodes, `stride` cells apart, cells without a value take f_r of the node before, else behind.
- * cosine: (CELLS) c, 0 below the horizon. */
+/* Fill cells without a value with f_r of the previous node along a coordinate of n nodes (`stride` cells apart), else of the
+ * next node. cosine: (CELLS) c, 0 below the horizon. */
 static void fill_along(size_t n, size_t stride, const double *cosine, float *channel) {
     for (size_t first = 0; first < CELLS; ++first) {
         if (first / stride % n != 0)
             continue;
         for (size_t k = 1; k < n; ++k) {
-            size_t at = first + k * stride, before = at - stride;
-            if (isnan(channel[at]) && cosine[before] > 0)
-                channel[at] = (float)((double)channel[before] * cosine[at] / cosine[before]);
+            size_t at = first + k * stride, previous = at - stride;
+            if (isnan(channel[at]) && cosine[previous] > 0)
+                channel[at] = (float)((double)channel[previous] * cosine[at] / cosine[previous]);
         }
         for (size_t k = n - 1; k-- > 0;) {
-            size_t at = first + k * stride, behind = at + stride;
-            if (isnan(channel[at]) && cosine[behind] > 0)
-                channel[at] = (float)((double)channel[behind] * cosine[at] / cosine[behind]);
+            size_t at = first + k * stride, next = at + stride;
+            if (isnan(channel[at]) && cosine[next] > 0)
+                channel[at] = (float)((double)channel[next] * cosine[at] / cosine[next]);
         }
     }
 }
@@ -117,7 +108,7 @@ void nqm_sparse_map(const nqm_sparse_grid *grid, const float *typical, float *ta
             float value = table[c * CELLS + cell];
             v[c] = isnan(value) ? 0 : log(((double)value + eps) / ((double)typical[cell] + eps));
         }
-        turn_colour(v, false);
+        rotate_colour(v, false);
         for (size_t c = 0; c < 3; ++c)
             table[c * CELLS + cell] = (float)v[c];
     }
@@ -127,7 +118,7 @@ void nqm_sparse_unmap(const nqm_sparse_grid *grid, const float *typical, float *
     for (size_t i = 0; i < grid->n; ++i) {
         size_t cell = grid->cell[i];
         double v[3] = {(double)table[cell], (double)table[CELLS + cell], (double)table[2 * CELLS + cell]};
-        turn_colour(v, true);
+        rotate_colour(v, true);
         for (size_t c = 0; c < 3; ++c)
             table[c * CELLS + cell] = (float)fmax(exp(v[c]) * ((double)typical[cell] + eps) - eps, 0);
     }
@@ -135,15 +126,15 @@ void nqm_sparse_unmap(const nqm_sparse_grid *grid, const float *typical, float *
 
 /* ---- separable bases --------------------------------------------------------------------------------------------- */
 
-/* The first coordinate of in (n_in, n_rest) through a basis, and to the end: out (n_rest, n_out). Three of them in turn
- * bring the coordinates back into their order. basis: (n_out, n_in), or (n_in, n_out) on the way back. */
-static void contract(size_t n_in, size_t n_out, size_t n_rest, const float *basis, bool back, const double *in,
+/* Multiply the first coordinate of in (n_in, n_rest) by a basis and move it to the end: out (n_rest, n_out). Three calls
+ * restore the order of the coordinates. basis: (n_out, n_in), or (n_in, n_out) for the inverse. */
+static void contract(size_t n_in, size_t n_out, size_t n_rest, const float *basis, bool inverse, const double *in,
                      double *out) {
     for (size_t k = 0; k < n_rest; ++k)
         for (size_t o = 0; o < n_out; ++o) {
             double sum = 0;
             for (size_t i = 0; i < n_in; ++i)
-                sum += in[i * n_rest + k] * (double)(back ? basis[i * n_out + o] : basis[o * n_in + i]);
+                sum += in[i * n_rest + k] * (double)(inverse ? basis[i * n_out + o] : basis[o * n_in + i]);
             out[k * n_out + o] = sum;
         }
 }

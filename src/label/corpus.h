@@ -102,7 +102,7 @@ typedef struct nqm_corpus_models {
     const char *name[NQM_CORPUS_MAX_MODELS]; /* static storage */
 } nqm_corpus_models;
 
-/** As nqm_corpus_options.models; each once, in the order of nqm_fit_model_name(). */
+/** As nqm_corpus_options.models; each once, in the order of nqm_fit_model(). */
 NQM_MUST_CHECK nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err);
 
 /** All that is to be done for one material group. */

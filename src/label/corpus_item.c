@@ -56,7 +56,7 @@ static void free_view(view *v) {
 static nqm_status look(const job *j, view *v, nqm_error *err) {
     nqm_status status = nqm_sample(v->brdf, j->context->directions, NQM_INVALID_DROP, v->rgb, v->used, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < j->n; ++i)
-        v->used[i] = v->used[i] == NQM_VALUE_OK || v->used[i] == NQM_VALUE_CLAMPED;
+        v->used[i] = nqm_has_value(v->used[i]);
     return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, err) : status;
 }
 

@@ -3,6 +3,7 @@
  * The manifest of a corpus: everything needed to say what a model was trained on, and to prove what it was not. File
  * names stand without their folders.
  */
+#include "fit/fit.h"
 #include "label/corpus.h"
 #include "math/math.h"
 
@@ -177,7 +178,7 @@ static json_t *fit_json(const nqm_corpus_models *used) {
     json_t *models = json_array();
     for (size_t k = 0; k < used->n; ++k)
         json_array_append_new(models, json_string(used->name[k]));
-    return json_pack("{s:o,s:s,s:o,s:o}", "models", models, "loss_of_analytic_models", nqm_fit_loss_name(fit.loss),
+    return json_pack("{s:o,s:s,s:o,s:o}", "models", models, "loss_of_analytic_models", nqm_fit_loss_words[fit.loss],
                      "directions", count(fit.n_directions), "starts", count(fit.n_starts));
 }
 

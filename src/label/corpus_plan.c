@@ -78,9 +78,9 @@ nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_r
     size_t n_words = 0;
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
         ++n_words;
-    for (size_t k = 0; k < nqm_fit_model_count() && models.n < NQM_CORPUS_MAX_MODELS; ++k)
-        if (!list || listed(list, nqm_fit_model_name(k)))
-            models.name[models.n++] = nqm_fit_model_name(k);
+    for (size_t k = 0; nqm_fit_model(k) && models.n < NQM_CORPUS_MAX_MODELS; ++k)
+        if (!list || listed(list, nqm_fit_model(k)))
+            models.name[models.n++] = nqm_fit_model(k);
     if (list && n_words != models.n)
         return nqm_fail(err, NQM_ERR_ARG, -1, "'%.200s' names a model that cannot be fitted, or one twice", list);
     *models_ret = models;

@@ -33,6 +33,9 @@ bool nqm_all_within(size_t n, const float *value, float least);
 /** The first that is not; n when all are. */
 size_t nqm_first_outside(size_t n, const float *value, float least);
 
+/** The digits of i in `base` mirrored at the point (van der Corput), in [0, 1). */
+double nqm_radical_inverse(size_t i, size_t base);
+
 /* ---- statistics -------------------------------------------------------------------------------------------------- */
 
 /** Ranks from 1, ties get their mean rank; x, rank: (n). `order` is scratch (n). */

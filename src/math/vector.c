@@ -71,3 +71,12 @@ void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
         w[2] = cos_h * d[2] - sin_h * x;
     }
 }
+
+double nqm_radical_inverse(size_t i, size_t base) {
+    double digit = 1, sum = 0;
+    for (; i > 0; i /= base) {
+        digit /= (double)base;
+        sum += digit * (double)(i % base);
+    }
+    return sum;
+}

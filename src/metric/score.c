@@ -2,6 +2,7 @@
  *
  * The score of approximations against one reference: sample, compare, predict, in batches of tests.
  */
+#include "brdf/brdf.h"
 #include "metric/metric.h"
 
 #include <math.h>
@@ -41,10 +42,6 @@ nqm_status nqm_score_options_check(const nqm_score_options *options, nqm_error *
     return NQM_OK;
 }
 
-static bool has_value(uint8_t flag) {
-    return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED;
-}
-
 nqm_score_result nqm_no_score(nqm_status status) {
     nqm_score_result result = {
         .status = status, .jod = NAN, .delta_e = NAN, .jod_low = NAN, .jod_high = NAN, .novelty = NAN};
@@ -76,7 +73,7 @@ void nqm_compare_members(const nqm_model *model, const nqm_score_options *option
     result->n_invalid_test = test->report.n_invalid;
     bool equal = true;
     for (size_t k = 0; k < n; ++k) {
-        bool valid = has_value(ref->flag[k]) && has_value(test->flag[k]);
+        bool valid = nqm_has_value(ref->flag[k]) && nqm_has_value(test->flag[k]);
         result->n_valid += valid;
         /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits are meant */
         equal = equal && (!valid || memcmp(ref->rgb + 3 * k, test->rgb + 3 * k, 3 * sizeof(float)) == 0);

@@ -187,14 +187,6 @@ static void share_out(sampler *s, size_t n) {
         s->n[i] = a_lobe;
 }
 
-/* Van der Corput: the bits of i behind the binary point, reversed. */
-static double radical_inverse(size_t i) {
-    double value = 0;
-    for (double digit = 0.5; i; i >>= 1, digit /= 2)
-        value += (i & 1) ? digit : 0;
-    return value;
-}
-
 static double shifted(double x, uint64_t random) {
     double sum = x + (double)(random >> 11) * 0x1p-53;
     return sum < 1 ? sum : sum - 1;
@@ -226,7 +218,7 @@ static void add_technique(sampler *s, size_t technique, uint64_t seed, nqm_direc
     for (size_t i = 0; i < n; ++i) {
         double *wi = set->wi + 3 * set->n_used, *weight = set->weight + 3 * set->n_used, world[3];
         double u = shifted(((double)i + 0.5) / (double)n, shift_u);
-        sample(s, technique, u, shifted(radical_inverse(i), shift_v), wi);
+        sample(s, technique, u, shifted(nqm_radical_inverse(i, 2), shift_v), wi);
         if (!(wi[2] > 0))
             continue;
         nqm_world_from_local(s->point, wi, world);

@@ -38,16 +38,6 @@ static double fraction(double x) {
     return x - floor(x);
 }
 
-/* The digits of i in the base, mirrored at the point. */
-static double radical_inverse(size_t i, size_t base) {
-    double digit = 1, sum = 0;
-    for (; i > 0; i /= base) {
-        digit /= (double)base;
-        sum += digit * (double)(i % base);
-    }
-    return sum;
-}
-
 static bool is_admissible(const double *hd_deg, double max_polar_rad) {
     double hd[3], wi[3], wo[3];
     for (int k = 0; k < 3; ++k)
@@ -68,7 +58,7 @@ static void make_candidates(const nqm_directions_options *options, size_t n, can
     for (size_t i = 0; made < n; ++i) {
         double u[3];
         for (int k = 0; k < 3; ++k)
-            u[k] = fraction(shift[k] + radical_inverse(i, bases[k]));
+            u[k] = fraction(shift[k] + nqm_radical_inverse(i, bases[k]));
         candidate c = {.hd_deg = {max_deg * pow(u[0], options->theta_h_power), max_deg * u[1], 180 * u[2]}};
         for (int k = 0; k < 3; ++k)
             c.hd_deg[k] = floor(c.hd_deg[k] * 1e6) / 1e6;

@@ -23,10 +23,6 @@ int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret) {
     return 0;
 }
 
-static bool has_value(uint8_t flag) {
-    return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED;
-}
-
 /* Squared chord length between two direction pairs, the smaller of both orders of light and viewer. */
 static double pair_distance(const double *pair_a, const double *pair_b) {
     double direct = 0, swapped = 0;
@@ -47,12 +43,12 @@ static nqm_status fill_from_nearest(const nqm_directions *directions, const uint
     for (size_t i = 0; i < n; ++i)
         nqm_half_diff_to_pair(directions->hd + 3 * i, pairs + 6 * i, pairs + 6 * i + 3);
     for (size_t i = 0; i < n; ++i) {
-        if (has_value(flag[i]))
+        if (nqm_has_value(flag[i]))
             continue;
         size_t nearest = i;
         double least = INFINITY;
         for (size_t j = 0; j < n; ++j) {
-            double distance = has_value(flag[j]) ? pair_distance(pairs + 6 * i, pairs + 6 * j) : INFINITY;
+            double distance = nqm_has_value(flag[j]) ? pair_distance(pairs + 6 * i, pairs + 6 * j) : INFINITY;
             if (distance < least) {
                 least = distance;
                 nearest = j;
@@ -68,7 +64,7 @@ static nqm_sample_report count_flags(size_t n, const uint8_t *flag) {
     nqm_sample_report counts = {.n = n};
     for (size_t i = 0; i < n; ++i) {
         counts.n_clamped += flag[i] == NQM_VALUE_CLAMPED;
-        counts.n_invalid += !has_value(flag[i]);
+        counts.n_invalid += !nqm_has_value(flag[i]);
     }
     return counts;
 }

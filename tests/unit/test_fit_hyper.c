@@ -127,7 +127,7 @@ static double loss_of_file(void) {
         nqm_nbrdf_batch batch = {.n = N_SAMPLES, .input = input, .weight = weight, .goal = goal};
         loss += nqm_nbrdf_loss(weights, &batch, NULL) / N_REFS;
     }
-    nqm_hyper_free(&hyper);
+    nqm_free(hyper.block);
     nqm_map_close(&map);
     return loss;
 }

@@ -40,9 +40,9 @@ static void setup(bench *b) {
 }
 
 static void teardown(bench *b) {
-    nqm_hyper_free(&b->hyper);
-    nqm_hyper_free(&b->gradient);
-    nqm_hyper_pass_free(&b->pass);
+    nqm_free(b->hyper.block);
+    nqm_free(b->gradient.block);
+    nqm_free(b->pass.input);
 }
 
 /* The loss whose derivatives by the output are d_out. */
@@ -136,8 +136,8 @@ static void a_file_is_read_back(void **state) {
     assert_int_equal(read_network(&found, NULL), NQM_OK);
     assert_int_equal(found.n, written.n);
     assert_memory_equal(found.block, written.block, found.n * sizeof *found.block);
-    nqm_hyper_free(&written);
-    nqm_hyper_free(&found);
+    nqm_free(written.block);
+    nqm_free(found.block);
 }
 
 static void other_networks_are_refused(void **state) {
@@ -148,7 +148,7 @@ static void other_networks_are_refused(void **state) {
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.5.weight"));
     assert_null(found.block);
-    nqm_hyper_free(&written);
+    nqm_free(written.block);
 
     const nqm_learn_options options = nqm_learn_options_default();
     const float value = 0;

@@ -48,7 +48,7 @@ static void the_mapping_is_undone(void **state) {
     nqm_sparse_unmap(&grid, typical, table);
     for (size_t i = 0; i < 3 * CELLS; ++i)
         assert_near((double)table[i], (double)before[i], 1e-6 + 1e-5 * (double)before[i]);
-    nqm_sparse_grid_free(&grid);
+    nqm_free(grid.hd);
     nqm_brdf_free(brdf);
 }
 
@@ -70,7 +70,7 @@ static void bases_keep_lengths(void **state) {
     assert_relative(outside, inside, 1e-5);
     for (size_t i = 0; i < CORE; ++i)
         assert_near(again[i], core[i], 1e-5);
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
 }
 
 /* A BRDF whose mapped table is the sum of three atoms, as far as light and viewer are above the horizon. */
@@ -98,7 +98,7 @@ static nqm_brdf *in_span(const nqm_sparse_dictionary *dictionary, double factor)
             rgb[3 * grid.cell[i] + c] = (float)((double)table[c * CELLS + grid.cell[i]] / grid.cosine[i]);
     nqm_brdf *brdf;
     assert_int_equal(nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, rgb, "span", &brdf, NULL), NQM_OK);
-    nqm_sparse_grid_free(&grid);
+    nqm_free(grid.hd);
     return brdf;
 }
 
@@ -122,7 +122,7 @@ static void what_lies_in_the_span_is_coded_exactly(void **state) {
     assert_true(loss_of(dictionary, nothing, 1) < 1e-6); /* the typical material itself */
     nqm_brdf_free(brdf);
     nqm_brdf_free(nothing);
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
 }
 
 static void more_atoms_come_nearer(void **state) {
@@ -190,7 +190,7 @@ static void holes_are_filled(void **state) {
     assert_null(coded);
     nqm_brdf_free(brdf);
     nqm_brdf_free(empty);
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
 }
 
 static void memory_runs_out(void **state) {

@@ -58,7 +58,7 @@ static void what_was_learned_is_coded_well(void **state) {
         assert_true(report.loss < 0.01);
         nqm_brdf_free(brdf);
     }
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
     nqm_map_close(&map);
 }
 
@@ -128,7 +128,7 @@ static nqm_status parse_spoiled(double scale, float typical, size_t left_out, si
     assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
     nqm_status status = nqm_sparse_dictionary_parse(map.data, map.n_bytes, "spoiled", &dictionary, err);
     assert_true((status == NQM_OK) == (dictionary != NULL));
-    nqm_sparse_dictionary_free(dictionary);
+    nqm_free(dictionary);
     nqm_map_close(&map);
     assert_int_equal(unlink(path), 0);
     return status;

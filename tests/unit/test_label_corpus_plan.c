@@ -15,6 +15,13 @@
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
+static size_t count_models(void) {
+    size_t n = 0;
+    while (nqm_fit_model(n))
+        ++n;
+    return n;
+}
+
 static void list_goes_by_group(void **state) {
     (void)state;
     nqm_corpus_list list;
@@ -147,9 +154,9 @@ static void every_kind_gets_its_turn(void **state) {
         n_presets += strcmp(strchr(nqm_brdf_preset_name(i), ':'), ":nickel") == 0;
     assert_true(n_presets >= 2);
     assert_int_equal(plan.n_forms, n_presets); /* the reference is one of them */
-    assert_int_equal(plan.n_tests, nqm_fit_model_count() + n_presets - 1 + 26);
-    for (size_t k = 0; k < nqm_fit_model_count(); ++k)
-        assert_int_equal(count_kind(&plan, nqm_fit_model_name(k), NQM_FAMILY_ENCODING), 1);
+    assert_int_equal(plan.n_tests, count_models() + n_presets - 1 + 26);
+    for (size_t k = 0; nqm_fit_model(k); ++k)
+        assert_int_equal(count_kind(&plan, nqm_fit_model(k), NQM_FAMILY_ENCODING), 1);
     assert_int_equal(count_kind(&plan, "published-ward", NQM_FAMILY_PUBLISHED), 1);
     assert_int_equal(count_kind(&plan, "published-sgd", NQM_FAMILY_PUBLISHED), 0);
     for (size_t i = 0; nqm_corpus_perturbation(i); ++i)
@@ -170,7 +177,7 @@ static void models_are_chosen_by_name(void **state) {
     (void)state;
     nqm_corpus_models models;
     assert_int_equal(nqm_corpus_models_parse(NULL, &models, NULL), NQM_OK);
-    assert_int_equal(models.n, nqm_fit_model_count());
+    assert_int_equal(models.n, count_models());
     assert_int_equal(nqm_corpus_models_parse("", &models, NULL), NQM_OK);
     assert_int_equal(models.n, 0);
     assert_int_equal(nqm_corpus_models_parse("ggx,ward", &models, NULL), NQM_OK);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm learn - learn from a set of BRDFs what the sparse codes or the hypernetwork of `nqm fit` lean on.
+ * nqm learn - learn the dictionary or hypernetwork that the encodings sparse-* and hyper-* of `nqm fit` use.
  */
 #include "nqm/tool.h"
 
@@ -27,29 +27,19 @@ int cmd_learn(int argc, char **argv) {
     bool json = false;
     uint64_t steps = 0;
     const option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .kind = OPTION_TEXT,
-         .target = &path,
-         .metavar = "FILE",
-         .help = "the encoder file to write"},
-        {.name = "seed", .kind = OPTION_COUNT, .target = &learning.seed, .metavar = "N", .help = "another seed"},
-        {.name = "steps",
-         .kind = OPTION_COUNT,
-         .target = &steps,
-         .metavar = "N",
-         .help = "of the optimiser; 0: the encoder's own number",
-         .max = 1e7},
-        {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the result as JSON"},
+        {"output", 'o', OPTION_TEXT, &path, "FILE", "the encoder file to write", 0, 0},
+        {"seed", 0, OPTION_COUNT, &learning.seed, "N", "seed of the optimiser", 0, 0},
+        {"steps", 0, OPTION_COUNT, &steps, "N", "steps of the optimiser (0: 40 for sparse, 16000 for hyper)", 0, 1e7},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
         {0}};
     const command cmd = {
         .name = "learn",
         .usage = "sparse|hyper BRDF... -o FILE [options]",
-        .about =
-            "Learn the dictionary of the encodings sparse-*, or the hypernetwork of hyper-*, from BRDFs. The file "
-            "names\n"
-            "its references. Those of this build are made so by models/make.sh, from training materials only; a build\n"
-            "takes up the files of models/encoders.",
+        .about = "Learn the dictionary that the encodings sparse-* use, or the hypernetwork of hyper-*, from BRDFs. "
+                 "The file\n"
+                 "lists its references. models/make.sh learns those of this build, from training materials only; CMake "
+                 "embeds\n"
+                 "the files of models/encoders.",
         .example = "nqm learn sparse materials/*.bsdf -o models/encoders/sparse.safetensors",
         .options = options,
         .min_arguments = 2,
@@ -60,7 +50,7 @@ int cmd_learn(int argc, char **argv) {
         return exit_code;
     bool sparse = strcmp(argv[0], "sparse") == 0;
     if (!sparse && strcmp(argv[0], "hyper") != 0)
-        return report("learn", EXIT_USAGE, "what can be learned is sparse or hyper; not '%s'", argv[0]);
+        return report("learn", EXIT_USAGE, "the first argument must be sparse or hyper, not '%s'", argv[0]);
     if (!path)
         return report("learn", EXIT_USAGE, "-o FILE is needed");
     learning.n_steps = (size_t)steps;

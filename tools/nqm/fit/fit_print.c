@@ -2,6 +2,7 @@
  *
  * The results of `nqm fit` as a table, as a report and as JSON (doc/cli.md).
  */
+#include "fit/fit.h"
 #include "nqm/fit/fit_tool.h"
 
 #include <string.h>
@@ -12,9 +13,9 @@ const char *fitted_argument(const fitted *f) {
     return f->fit.spec[0] ? f->fit.spec : f->path[0] ? f->path : NULL;
 }
 
-/* What the loss is of: that of analytic models can be chosen, the others have their own. */
+/* The loss of analytic models is an option; the other models have their own. */
 static const char *loss_name(const fitted *f, nqm_fit_loss loss) {
-    return f->fit.spec[0] ? nqm_fit_loss_name(loss) : "own";
+    return f->fit.spec[0] ? nqm_fit_loss_words[loss] : "own";
 }
 
 static json_t *to_json(const fitted *f, nqm_fit_loss loss) {
@@ -29,7 +30,7 @@ static json_t *to_json(const fitted *f, nqm_fit_loss loss) {
                             "numbers", (json_int_t)f->fit.n_numbers, "directions", (json_int_t)f->fit.n_directions,
                             "seconds", json_number(f->seconds), "metrics", metrics);
     if (!argument)
-        json_object_set_new(row, "note", json_string("the result is a file: give -o to keep it"));
+        json_object_set_new(row, "note", json_string("the result is a file: write it with -o FILE"));
     return row;
 }
 
@@ -54,7 +55,7 @@ void print_fits_as_table(size_t n, const fitted *f) {
             printf("%-18s %8s %9s %9s  failed\n", f[i].model, "-", "-", "-");
         else
             printf("%-18s %8zu %9.5f %9.5f  %s\n", f[i].model, f[i].fit.n_numbers, f[i].fit.loss,
-                   f[i].metrics[NQM_METRIC_MA_CRWE], argument ? argument : "(not kept: -o writes it)");
+                   f[i].metrics[NQM_METRIC_MA_CRWE], argument ? argument : "(not written: use -o)");
     }
 }
 
@@ -67,7 +68,7 @@ void print_fit_report(size_t n, const fitted *f, nqm_fit_loss loss) {
             printf("  %-10s %s\n", "failed", one->err.message);
             continue;
         }
-        printf("  %-10s %s\n", "result", argument ? argument : "(not kept: -o writes it)");
+        printf("  %-10s %s\n", "result", argument ? argument : "(not written: use -o)");
         printf("  %-10s %zu\n", "numbers", one->fit.n_numbers);
         printf("  %-10s %.5f (%s), %zu directions, start %zu, %.2f s\n", "loss", one->fit.loss, loss_name(one, loss),
                one->fit.n_directions, one->fit.best_start, one->seconds);

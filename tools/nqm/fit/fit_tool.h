@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * fit_tool.h - what the files of `nqm fit` share: the wishes of the command line and what came of each model.
+ * fit_tool.h - shared by the files of `nqm fit`: the models and bounds of the command line, and the result of each model.
  */
 #ifndef NQM_FIT_TOOL_H
 #define NQM_FIT_TOOL_H
@@ -10,36 +10,36 @@
 enum { FIT_MAX_MODELS = 32, FIT_MAX_BOUNDS = 8, FIT_MAX_PATH = 4096 };
 
 /** The models to fit, in the order of the command line. */
-typedef struct fit_wishes {
+typedef struct fit_request {
     const char *models[FIT_MAX_MODELS]; /* names of the library */
     size_t n_models;
     char bound_keys[FIT_MAX_BOUNDS][16];
     nqm_fit_bound bounds[FIT_MAX_BOUNDS]; /* their keys are the texts above */
     size_t n_bounds;
-} fit_wishes;
+} fit_request;
 
-/** "all", "encodings", or names separated by commas. EXIT_OK, or the fault is reported and its exit code returned. */
-int choose_models(const char *text, fit_wishes *wishes);
+/** "all", "encodings", or names separated by commas. Returns EXIT_OK, or reports the error and returns its exit code. */
+int choose_models(const char *text, fit_request *request);
 /** "KEY=LOW:HIGH,..."; NULL: none. Each key must belong to one of the models. As above. */
-int choose_bounds(const char *text, fit_wishes *wishes);
+int choose_bounds(const char *text, fit_request *request);
 
-/** What came of a model. */
+/** The result of one model. */
 typedef struct fitted {
     const char *model;
-    nqm_error err; /* NQM_OK, or why there is nothing below */
+    nqm_error err; /* status NQM_OK, or why the model failed: then nothing below is set */
     nqm_fit_report fit;
     double metrics[NQM_METRIC_COUNT];
     double seconds;
-    char path[FIT_MAX_PATH]; /* of the file that was written; "" when the result is a spec or was not wanted */
+    char path[FIT_MAX_PATH]; /* of the file written; "" if the result is a spec or was not written */
 } fitted;
 
-/** What `score` takes; NULL when the model failed, or its result is a network or table that was not written. */
+/** The BRDF argument of the result; NULL if the model failed, or its result is a network or table that was not written. */
 const char *fitted_argument(const fitted *f);
 
 int print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss);
-/** A table; a row a model. */
+/** A table with one row per model. */
 void print_fits_as_table(size_t n, const fitted *f);
-/** Everything about each. */
+/** All results of each model. */
 void print_fit_report(size_t n, const fitted *f, nqm_fit_loss loss);
 
 #endif
