@@ -16,19 +16,19 @@
 
 /* Rounding by the processor, which takes denormals for 0, as its products do. */
 #define NQM_NATIVE_ROUNDING
-static void round_row(size_t n, const float *x, uint32_t *units) {
+static void round_row(size_t n, const float *x, uint32_t *words) {
     enum { AT_ONCE = 32 };
     size_t i = 0;
     for (; i + AT_ONCE <= n; i += AT_ONCE) {
         __m512bh both = _mm512_cvtne2ps_pbh(_mm512_loadu_ps(x + i + 16), _mm512_loadu_ps(x + i));
-        _mm512_storeu_si512(units + i / 2, (__m512i)both);
+        _mm512_storeu_si512(words + i / 2, (__m512i)both);
     }
     const size_t left = n - i, n_low = left < 16 ? left : 16;
     const __mmask16 low = (__mmask16)((1u << n_low) - 1), high = (__mmask16)((1u << (left - n_low)) - 1);
     const __mmask16 out = (__mmask16)((1u << (left + 1) / 2) - 1);
     /* Where nothing is left, nothing is read or written. */
     __m512bh both = _mm512_cvtne2ps_pbh(_mm512_maskz_loadu_ps(high, x + i + n_low), _mm512_maskz_loadu_ps(low, x + i));
-    _mm512_mask_storeu_epi32(units + i / 2, out, (__m512i)both);
+    _mm512_mask_storeu_epi32(words + i / 2, out, (__m512i)both);
 }
 
 enum { COLUMNS = 16 };
@@ -38,35 +38,35 @@ static inline __mmask16 first_columns(size_t n) {
 }
 
 /* Some groups of `width` columns of two rows; `width` is a constant where this is inlined. */
-INLINE void round_groups(size_t n, size_t width, const float *even, const float *odd, size_t step, uint32_t *units) {
+INLINE void round_groups(size_t n, size_t width, const float *even, const float *odd, size_t step, uint32_t *words) {
     static const uint16_t pairs[32] = {0, 16, 1, 17, 2,  18, 3,  19, 4,  20, 5,  21, 6,  22, 7,  23,
                                        8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
     const __m512i order = _mm512_loadu_si512(pairs);
-    for (size_t g = 0; g < n; ++g, even += width, odd += width, units += step)
+    for (size_t g = 0; g < n; ++g, even += width, odd += width, words += step)
         for (size_t i = 0; i < width; i += COLUMNS) {
             const __mmask16 there = first_columns(width - i);
             __m512bh both =
                 _mm512_cvtne2ps_pbh(_mm512_maskz_loadu_ps(there, odd + i), _mm512_maskz_loadu_ps(there, even + i));
-            _mm512_mask_storeu_epi32(units + i, there, _mm512_permutexvar_epi16(order, (__m512i)both));
+            _mm512_mask_storeu_epi32(words + i, there, _mm512_permutexvar_epi16(order, (__m512i)both));
         }
 }
 
-static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
+static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *words) {
     const size_t whole = n / width, at = whole * width;
     if (width == NQM_STRIP)
-        round_groups(whole, NQM_STRIP, even, odd, step, units);
+        round_groups(whole, NQM_STRIP, even, odd, step, words);
     else
-        round_groups(whole, NQM_PANEL, even, odd, step, units);
+        round_groups(whole, NQM_PANEL, even, odd, step, words);
     if (at < n) {
-        units += whole * step;
-        memset(units, 0, width * sizeof *units);
-        round_groups(1, n - at, even + at, odd + at, 0, units);
+        words += whole * step;
+        memset(words, 0, width * sizeof *words);
+        round_groups(1, n - at, even + at, odd + at, 0, words);
     }
 }
 
-static void round_tile(const float *x, uint32_t *units) {
+static void round_tile(const float *x, uint32_t *words) {
     for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
-        round_groups(1, NQM_PANEL, x, x + NQM_PANEL, 0, units + i * NQM_PANEL);
+        round_groups(1, NQM_PANEL, x, x + NQM_PANEL, 0, words + i * NQM_PANEL);
 }
 
 #include "kernel/rows.h"

@@ -29,47 +29,43 @@ enum {
     NQM_STRIP = 12  /**< rows of C that a strip holds */
 };
 
-/** Factors lie in units of 32 bits: 1, 2 or 4 neighbours along k. The last unit is filled up with zeros. */
-static inline size_t nqm_units(nqm_precision precision, size_t k) {
+/** Factors lie in words of 32 bits: 1, 2 or 4 neighbours along k. The last unit is filled up with zeros. */
+static inline size_t nqm_words(nqm_precision precision, size_t k) {
     return ((k - 1) >> precision) + 1;
 }
 
 /** C (m, NQM_PANEL) = A B, or C + A B. A unit counts as many products as it holds factors. */
 typedef struct nqm_product {
-    size_t m, units;
+    size_t m, words;
     bool add;      /**< go on from C; false: from 0 */
-    const void *a; /**< (m, units), lda units from row to row */
-    const void *b; /**< (units, NQM_PANEL): a panel, aligned to 64 bytes */
+    const void *a; /**< (m, words), lda words from row to row */
+    const void *b; /**< (words, NQM_PANEL): a panel, aligned to 64 bytes */
     void *c;       /**< (m, NQM_PANEL) float, or int32_t for NQM_PRECISION_INT8; ldc numbers from row to row */
     size_t lda, ldc;
-    /* One row more, one_c = one_a one_b, from 0: another panel, of as many units, comes while this one is multiplied. */
-    const void *one_a; /**< (units); NULL: none */
-    const void *one_b; /**< (units, NQM_PANEL) */
-    void *one_c;       /**< (NQM_PANEL) */
 } nqm_product;
 
 /** The same for one row and neighbouring panels: c (n_panels, NQM_PANEL) = a B, or c + a B. How fast the panels come
  *  bounds it: several of them at once keep enough sums going. */
 typedef struct nqm_row_product {
-    size_t units, n_panels;
-    size_t stride; /**< units of a column from one panel to the next */
+    size_t words, n_panels;
+    size_t stride; /**< words of a column from one panel to the next */
     bool add;
     const void *a, *b;
     void *c;
 } nqm_row_product;
 
 /** Arrays that a step of Adam reads: weights and moments. */
-enum { NQM_WANTED = 3 };
+enum { NQM_PREFETCH = 3 };
 
-/** A tile of a weight gradient: c (NQM_STRIP, NQM_PANEL) = left^T right, summed over `units` rows of both. */
+/** A tile of a weight gradient: c (NQM_STRIP, NQM_PANEL) = left^T right, summed over `words` rows of both. */
 typedef struct nqm_tile_gradient {
-    size_t units;
-    const void *left;  /**< (units, NQM_STRIP), of rows ld_left units apart */
-    const void *right; /**< (units, NQM_PANEL), of rows ld_right units apart */
+    size_t words;
+    const void *left;  /**< (words, NQM_STRIP), of rows ld_left words apart */
+    const void *right; /**< (words, NQM_PANEL), of rows ld_right words apart */
     size_t ld_left, ld_right;
     float *c;
     /** (NQM_STRIP, NQM_PANEL) each: needed soon, to be fetched meanwhile; c where nothing is. */
-    const float *wanted[NQM_WANTED];
+    const float *prefetch[NQM_PREFETCH];
 } nqm_tile_gradient;
 
 /** What a row of unsigned bytes stands for: (byte - zero) scale. */
@@ -99,8 +95,8 @@ typedef struct nqm_hidden_row {
     const float *bias, *gamma, *beta;
     float *x;            /**< in: the product; out: xhat; may be y */
     float *y;            /**< out */
-    float *slope;        /**< out: dy / d(gamma xhat + beta), dropout included; NULL: not wanted, no dropout then */
-    float *rstd;         /**< out (1): 1 / standard deviation of x + bias; NULL: not wanted */
+    float *slope;        /**< out: dy / d(gamma xhat + beta), dropout included; NULL: not prefetch, no dropout then */
+    float *rstd;         /**< out (1): 1 / standard deviation of x + bias; NULL: not prefetch */
     const uint8_t *keep; /**< dropout: 0 drops; NULL: see threshold */
     double p;            /**< probability of 0: what is kept is scaled by 1/(1-p); 0: no dropout */
     uint64_t key,
@@ -159,15 +155,15 @@ typedef struct nqm_kernels {
     void (*whiten)(size_t n, const float *mean, const float *scale, const float *t, float *x);
     /** difference = s (b - a) and magnitude = s |b - a| for n numbers; difference may be b. */
     void (*differ)(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
-    /** x (n) as bfloat16 (nqm_units() units), to nearest, ties to even. */
-    void (*round_row)(size_t n, const float *x, uint32_t *units);
+    /** x (n) as bfloat16 (nqm_words() words), to nearest, ties to even. */
+    void (*round_row)(size_t n, const float *x, uint32_t *words);
     /** Two rows (n) likewise, but a unit holds two neighbours of a column; groups of columns, `width` (NQM_STRIP or NQM_PANEL)
-     *  each, go to places `step` units apart, the last one filled up with zeros. */
-    void (*round_pair)(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units);
+     *  each, go to places `step` words apart, the last one filled up with zeros. */
+    void (*round_pair)(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *words);
     /** x (NQM_STRIP, NQM_PANEL) likewise: (NQM_STRIP / 2, NQM_PANEL). */
-    void (*round_tile)(const float *x, uint32_t *units);
+    void (*round_tile)(const float *x, uint32_t *words);
     /** x (n) as unsigned bytes; returns what they stand for: 0 stands for itself. */
-    nqm_byte_scale (*quantise_row)(size_t n, const float *x, uint32_t *units);
+    nqm_byte_scale (*quantise_row)(size_t n, const float *x, uint32_t *words);
     /** c (m, NQM_PANEL) = what the integer sums (m, NQM_PANEL) of bytes stand for, or c + that; rows: (m). */
     void (*dequantise)(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
                        const int32_t *sums, float *c, size_t ldc);

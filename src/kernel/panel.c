@@ -21,7 +21,7 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
     for (size_t i = 0; i < n_blocks; ++i) {
         const size_t panel = i / n_row_blocks, row = i % n_row_blocks * ROWS_AT_ONCE;
         nqm_product p = {
-            .m = nqm_smaller(m - row, ROWS_AT_ONCE), .units = b->units, .add = add, .lda = lda, .ldc = ldc};
+            .m = nqm_smaller(m - row, ROWS_AT_ONCE), .words = b->words, .add = add, .lda = lda, .ldc = ldc};
         p.a = (const uint32_t *)a + row * lda;
         p.b = nqm_panel_at(b, panel);
         p.c = (uint32_t *)c + row * ldc + panel * NQM_PANEL; /* floats and integers are as large */
@@ -32,7 +32,7 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
 nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n) {
     if (precision == NQM_PRECISION_F32)
         return (nqm_columns){.step = width, .ld = nqm_row_stride(n)};
-    return (nqm_columns){.step = nqm_row_stride(width * nqm_units(precision, m)), .ld = width};
+    return (nqm_columns){.step = nqm_row_stride(width * nqm_words(precision, m)), .ld = width};
 }
 
 size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n) {
@@ -42,7 +42,7 @@ size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t 
 
 void nqm_gradient_run(const nqm_gradient *g) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    const size_t units = nqm_units(g->precision, g->m), n_strips = nqm_ceil_div(g->k, NQM_STRIP);
+    const size_t words = nqm_words(g->precision, g->m), n_strips = nqm_ceil_div(g->k, NQM_STRIP);
     const size_t n_across = nqm_ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * nqm_ceil_div(g->n, NQM_PANEL);
 #pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
@@ -52,15 +52,15 @@ void nqm_gradient_run(const nqm_gradient *g) {
         const size_t n = nqm_smaller(n_strips - first, STRIPS_AT_ONCE);
         for (size_t strip = 0; strip < n; ++strip) {
             float *c = tiles + strip * NQM_STRIP * NQM_PANEL;
-            nqm_tile_gradient tile = {.units = units,
+            nqm_tile_gradient tile = {.words = words,
                                       .left = (const uint32_t *)g->x.data + (first + strip) * g->x.step,
                                       .ld_left = g->x.ld,
                                       .right = (const uint32_t *)g->z.data + panel * g->z.step,
                                       .ld_right = g->z.ld,
                                       .c = c,
-                                      .wanted = {c, c, c}};
-            if (g->wanted)
-                g->wanted(g->user, first + strip, panel, tile.wanted);
+                                      .prefetch = {c, c, c}};
+            if (g->prefetch)
+                g->prefetch(g->user, first + strip, panel, tile.prefetch);
             kernels->gradient[g->precision](&tile);
         }
         g->sink(g->user, first, n, panel, tiles);

@@ -4,7 +4,7 @@
  *
  * Panels: a matrix B (k, n) cut into panels of NQM_PANEL columns, so that a product reads it once, in order. Weights are
  * kept this way. Strips: NQM_STRIP neighbouring columns of activations, the left factor of a tile of a weight gradient. Rows:
- * the left factor of a product, row-major in units (nqm_units()). Whatever stands beyond an edge is 0.
+ * the left factor of a product, row-major in words (nqm_words()). Whatever stands beyond an edge is 0.
  */
 #ifndef NQM_SRC_KERNEL_PANEL_H
 #define NQM_SRC_KERNEL_PANEL_H
@@ -15,10 +15,10 @@
 typedef struct nqm_panels {
     nqm_precision precision;
     size_t k, n;
-    size_t units;    /**< nqm_units(precision, k) */
-    size_t stride;   /**< units from one panel to the next, a row of NQM_PANEL each: `units` rounded up to NQM_STRIP */
+    size_t words;    /**< nqm_words(precision, k) */
+    size_t stride;   /**< words from one panel to the next, a row of NQM_PANEL each: `words` rounded up to NQM_STRIP */
     size_t n_panels; /**< n / NQM_PANEL, rounded up */
-    uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) units */
+    uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) words */
     float *scale; /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) a signed factor stands for factor * scale; else NULL */
     int32_t *sum; /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the sum of each column's signed factors; else NULL */
 } nqm_panels;
@@ -30,10 +30,8 @@ void nqm_panels_free(nqm_panels *panels);
 /** Fill panels of (k, n) from the transpose of w (n, k), row-major, ldw numbers from row to row: weights (out, in).
  *  Works on all threads. */
 void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw);
-/** A product in NQM_PRECISION_F32 with what would be a panel: `width` rows of weights w (width, p->units) as they lie; p->b
- *  is not used. Some of k at a time is packed, so that no memory is written; the bits are those from a packed panel, but
- *  for the plain loops, which round a sum once. */
-void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, size_t width, const float *w, size_t ldw);
+/** One panel (k, NQM_PANEL) of floats from the transpose of w (width, k), ldw floats from row to row; zeros beyond width. */
+void nqm_pack_panel(size_t width, size_t k, const float *w, size_t ldw, float *panel);
 /** The way back, from NQM_PRECISION_F32. */
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) becomes the transpose of from (k, n); from is in NQM_PRECISION_F32, `to` in that or in _BF16. */
@@ -52,19 +50,19 @@ static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_
     return (nqm_byte_columns){panels->scale + p * NQM_PANEL, panels->sum + p * NQM_PANEL};
 }
 
-/** x (n) as a row of bfloat16: nqm_units() units; by the table in use. */
-static inline void nqm_round_row(size_t n, const float *x, uint32_t *units) {
-    nqm_kernels_get()->round_row(n, x, units);
+/** x (n) as a row of bfloat16: nqm_words() words; by the table in use. */
+static inline void nqm_round_row(size_t n, const float *x, uint32_t *words) {
+    nqm_kernels_get()->round_row(n, x, words);
 }
 /** x (n) as a row of unsigned bytes, with the smallest scale that holds all and 0; by the table in use. */
-static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t *units) {
-    return nqm_kernels_get()->quantise_row(n, x, units);
+static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t *words) {
+    return nqm_kernels_get()->quantise_row(n, x, words);
 }
 
 /**
  * C (m, n) = A B, or C + A B, on all threads where that pays.
  *
- * @param a    (m, b->units) units, lda units from row to row; best not a multiple of 1024: see nqm_row_stride()
+ * @param a    (m, b->words) words, lda words from row to row; best not a multiple of 1024: see nqm_row_stride()
  * @param c    (m, b->n_panels NQM_PANEL) numbers, ldc from row to row: float, or int32_t for NQM_PRECISION_INT8
  */
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
@@ -84,14 +82,14 @@ typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t n_strips, size_t 
  *  column (round_pair() of kernel.h), with 0 for one that is missing, best with each group in one piece. */
 typedef struct nqm_columns {
     const void *data;
-    size_t step; /**< units from a group to the next */
-    size_t ld;   /**< units from row to row; best an odd number of cache lines, or a group */
+    size_t step; /**< words from a group to the next */
+    size_t ld;   /**< words from row to row; best an odd number of cache lines, or a group */
 } nqm_columns;
 
 /** How columns (m, n), in groups of `width`, lie best; nqm_row_stride() for rows of floats, each group in one piece for pairs
  *  of bfloat16. data is NULL. */
 nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n);
-/** The units that they take. */
+/** The words that they take. */
 size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n);
 
 /** X^T Z of x (m, k), in strips, and z (m, n), in panels. Some tiles at a time into `sink`, so that a gradient need not be
@@ -102,7 +100,7 @@ typedef struct nqm_gradient {
     nqm_columns x, z;
     nqm_tile_sink sink;
     /** Called before a tile is computed: what the sink will read for it, so that it is there in time. NULL: not. */
-    void (*wanted)(void *user, size_t strip, size_t panel, const float *wanted[NQM_WANTED]);
+    void (*prefetch)(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]);
     void *user;
 } nqm_gradient;
 void nqm_gradient_run(const nqm_gradient *gradient);

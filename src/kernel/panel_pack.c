@@ -11,8 +11,8 @@
 enum { MIN_PARALLEL = 65536 }; /* numbers; below, waking a thread costs more than it saves */
 
 nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels, nqm_error *err) {
-    *panels = (nqm_panels){.precision = precision, .k = k, .n = n, .units = nqm_units(precision, k)};
-    panels->stride = nqm_ceil_div(panels->units, NQM_STRIP) * NQM_STRIP;
+    *panels = (nqm_panels){.precision = precision, .k = k, .n = n, .words = nqm_words(precision, k)};
+    panels->stride = nqm_ceil_div(panels->words, NQM_STRIP) * NQM_STRIP;
     panels->n_panels = nqm_ceil_div(n, NQM_PANEL);
     bool bytes = precision == NQM_PRECISION_INT8;
     panels->data = nqm_alloc_pages(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
@@ -38,7 +38,7 @@ enum {
     ROWS_TOGETHER = 4
 };
 
-/* Four rows of four units, ld units apart, transposed. */
+/* Four rows of four words, ld words apart, transposed. */
 static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
     typedef uint32_t four __attribute__((vector_size(16), aligned(4), may_alias));
     const four a = *(const four *)from, b = *(const four *)(from + ld_from), c = *(const four *)(from + 2 * ld_from),
@@ -51,7 +51,7 @@ static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t 
     *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
-/* Some neighbouring rows of n units, ld units apart, become columns of a panel. */
+/* Some neighbouring rows of n words, ld words apart, become columns of a panel. */
 static inline void place_rows(size_t n_rows, size_t n, const uint32_t *rows, size_t ld, uint32_t *columns) {
     const size_t whole = n_rows == ROWS_TOGETHER ? n / 4 * 4 : 0;
     for (size_t i = 0; i < whole; i += 4)
@@ -71,13 +71,13 @@ static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_
 
 static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    uint32_t units[ROWS_TOGETHER][PACK_AT_ONCE / 2];
+    uint32_t words[ROWS_TOGETHER][PACK_AT_ONCE / 2];
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
         for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
             const size_t n = nqm_smaller(k - first, PACK_AT_ONCE), n_rows = nqm_smaller(width - j, ROWS_TOGETHER);
             for (size_t r = 0; r < n_rows; ++r)
-                kernels->round_row(n, w + (j + r) * ldw + first, units[r]);
-            place_rows(n_rows, nqm_units(NQM_PRECISION_BF16, n), units[0], PACK_AT_ONCE / 2,
+                kernels->round_row(n, w + (j + r) * ldw + first, words[r]);
+            place_rows(n_rows, nqm_words(NQM_PRECISION_BF16, n), words[0], PACK_AT_ONCE / 2,
                        panel + first / 2 * NQM_PANEL + j);
         }
 }
@@ -91,7 +91,7 @@ static float largest_magnitude(size_t n, const float *x) {
 }
 
 /* x (n), at most PACK_AT_ONCE, as signed bytes; adds them to *sum. */
-static void signed_bytes(size_t n, const float *x, float per_unit, uint32_t *units, int32_t *sum) {
+static void signed_bytes(size_t n, const float *x, float per_unit, uint32_t *words, int32_t *sum) {
     signed char bytes[PACK_AT_ONCE] = {0};
     int32_t total = 0;
 #pragma omp simd reduction(+ : total)
@@ -101,7 +101,7 @@ static void signed_bytes(size_t n, const float *x, float per_unit, uint32_t *uni
         bytes[i] = (signed char)q;
     }
     *sum += total;
-    memcpy(units, bytes, sizeof bytes);
+    memcpy(words, bytes, sizeof bytes);
 }
 
 static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel, float *scale, int32_t *sum) {
@@ -114,11 +114,11 @@ static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32
     }
     for (size_t first = 0; first < k; first += PACK_AT_ONCE)
         for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
-            uint32_t units[ROWS_TOGETHER][PACK_AT_ONCE / 4];
+            uint32_t words[ROWS_TOGETHER][PACK_AT_ONCE / 4];
             const size_t n = nqm_smaller(k - first, PACK_AT_ONCE), n_rows = nqm_smaller(width - j, ROWS_TOGETHER);
             for (size_t r = 0; r < n_rows; ++r)
-                signed_bytes(n, w + (j + r) * ldw + first, per_unit[j + r], units[r], &sum[j + r]);
-            place_rows(n_rows, nqm_units(NQM_PRECISION_INT8, n), units[0], PACK_AT_ONCE / 4,
+                signed_bytes(n, w + (j + r) * ldw + first, per_unit[j + r], words[r], &sum[j + r]);
+            place_rows(n_rows, nqm_words(NQM_PRECISION_INT8, n), words[0], PACK_AT_ONCE / 4,
                        panel + first / 4 * NQM_PANEL + j);
         }
 }
@@ -137,20 +137,10 @@ void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw) {
     }
 }
 
-void nqm_product_of_weights(const nqm_kernels *kernels, const nqm_product *p, size_t width, const float *w,
-                            size_t ldw) {
-    _Alignas(64) uint32_t slice[PACK_AT_ONCE * NQM_PANEL];
+void nqm_pack_panel(size_t width, size_t k, const float *w, size_t ldw, float *panel) {
     if (width < NQM_PANEL)
-        memset(slice, 0, sizeof slice);
-    for (size_t first = 0; first < p->units; first += PACK_AT_ONCE) {
-        nqm_product part = *p;
-        part.units = nqm_smaller(p->units - first, PACK_AT_ONCE);
-        part.add = p->add || first > 0;
-        part.a = (const float *)p->a + first;
-        part.b = slice;
-        pack_f32(width, part.units, w + first, ldw, slice);
-        kernels->product[NQM_PRECISION_F32](&part);
-    }
+        memset(panel, 0, k * NQM_PANEL * sizeof *panel);
+    pack_f32(width, k, w, ldw, (uint32_t *)(void *)panel);
 }
 
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
@@ -165,15 +155,15 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
  * that whole blocks can be moved. */
 static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
     const uint32_t *rows = nqm_panel_at(from, j) + first * NQM_PANEL;
-    const size_t n_units = NQM_PANEL >> to->precision, last = nqm_smaller(to->stride - j * n_units, n_units);
-    uint32_t *units = nqm_panel_at(to, first / NQM_PANEL) + j * n_units * NQM_PANEL + first % NQM_PANEL;
+    const size_t n_words = NQM_PANEL >> to->precision, last = nqm_smaller(to->stride - j * n_words, n_words);
+    uint32_t *words = nqm_panel_at(to, first / NQM_PANEL) + j * n_words * NQM_PANEL + first % NQM_PANEL;
     uint32_t rounded[4 * NQM_PANEL / 2];
     if (to->precision == NQM_PRECISION_BF16) {
         nqm_round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
         rows = rounded;
     }
-    for (size_t u = 0; u < last; u += 4) /* n_units, NQM_STRIP are multiples of 4 */
-        transpose_4x4(rows + u, n_units, units + u * NQM_PANEL, NQM_PANEL);
+    for (size_t u = 0; u < last; u += 4) /* n_words, NQM_STRIP are multiples of 4 */
+        transpose_4x4(rows + u, n_words, words + u * NQM_PANEL, NQM_PANEL);
 }
 
 void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel) {

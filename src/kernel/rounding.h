@@ -10,27 +10,27 @@
 #include <string.h>
 
 #ifndef NQM_NATIVE_ROUNDING /* defined where the instruction set rounds by itself, and the file has these two of its own */
-static void round_row(size_t n, const float *x, uint32_t *units) {
+static void round_row(size_t n, const float *x, uint32_t *words) {
 #pragma omp simd
     for (size_t i = 0; i < n / 2; ++i)
-        units[i] = nqm_bf16_bits(x[2 * i]) | nqm_bf16_bits(x[2 * i + 1]) << 16;
+        words[i] = nqm_bf16_bits(x[2 * i]) | nqm_bf16_bits(x[2 * i + 1]) << 16;
     if (n % 2)
-        units[n / 2] = nqm_bf16_bits(x[n - 1]);
+        words[n / 2] = nqm_bf16_bits(x[n - 1]);
 }
 
-static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
-    for (size_t first = 0; first < n; first += width, units += step) {
+static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *words) {
+    for (size_t first = 0; first < n; first += width, words += step) {
         const size_t there = n - first < width ? n - first : width;
 #pragma omp simd
         for (size_t i = 0; i < there; ++i)
-            units[i] = nqm_bf16_bits(even[first + i]) | nqm_bf16_bits(odd[first + i]) << 16;
-        memset(units + there, 0, (width - there) * sizeof *units);
+            words[i] = nqm_bf16_bits(even[first + i]) | nqm_bf16_bits(odd[first + i]) << 16;
+        memset(words + there, 0, (width - there) * sizeof *words);
     }
 }
 
-static void round_tile(const float *x, uint32_t *units) {
+static void round_tile(const float *x, uint32_t *words) {
     for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
-        round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, units + i * NQM_PANEL);
+        round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, words + i * NQM_PANEL);
 }
 #endif
 
@@ -48,7 +48,7 @@ static inline void quantise(size_t n, const float *x, float per_unit, float zero
 }
 
 /* The range of the bytes is that of x and 0, so that 0 stands for itself. */
-static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
+static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
     enum { AT_ONCE = 64 };
     /* Two minima that do not wait for each other, of halves that overlap: none is left to be done one by one. */
     const size_t rounded = (n / 2 + 16) / 16 * 16, half = rounded < n ? rounded : n, other = n - half;
@@ -62,7 +62,7 @@ static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
     }
     const nqm_byte_scale by = nqm_byte_scale_of(low < low2 ? low : low2, high > high2 ? high : high2);
     const float per_unit = 1 / by.scale, zero = (float)by.zero;
-    unsigned char *bytes = (unsigned char *)units;
+    unsigned char *bytes = (unsigned char *)words;
     const size_t left = n % AT_ONCE;
     quantise(n - left, x, per_unit, zero, bytes);
     if (n > AT_ONCE) /* some of them again: one by one they would take as long as hundreds */

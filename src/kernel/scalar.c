@@ -29,87 +29,68 @@ static void gemm(const nqm_gemm *g) {
             g->c[i * g->ldc + j] = element(g, i, j);
 }
 
-/* The product of two units: the sum of the products of the factors that they hold. */
-static double unit_f32(uint32_t a, uint32_t b) {
+/* The product of two words: the sum of the products of the factors that they hold. */
+static double word_f32(uint32_t a, uint32_t b) {
     float x, y;
     memcpy(&x, &a, sizeof x);
     memcpy(&y, &b, sizeof y);
     return (double)x * (double)y;
 }
 
-static double unit_bf16(uint32_t a, uint32_t b) {
-    return unit_f32(a << 16, b << 16) + unit_f32(a & 0xffff0000u, b & 0xffff0000u);
+static double word_bf16(uint32_t a, uint32_t b) {
+    return word_f32(a << 16, b << 16) + word_f32(a & 0xffff0000u, b & 0xffff0000u);
 }
 
-static double unit_int8(uint32_t a, uint32_t b) {
+static double word_int8(uint32_t a, uint32_t b) {
     double sum = 0;
     for (int shift = 0; shift < 32; shift += 8)
         sum += (double)(uint8_t)(a >> shift) * (double)(int8_t)(uint8_t)(b >> shift);
     return sum;
 }
 
-typedef double (*unit_product)(uint32_t a, uint32_t b);
+typedef double (*word_product)(uint32_t a, uint32_t b);
 
-static double sum_units(size_t units, const uint32_t *a, size_t a_step, const uint32_t *b, size_t b_step,
-                        unit_product product) {
+static double sum_words(size_t words, const uint32_t *a, size_t a_step, const uint32_t *b, size_t b_step,
+                        word_product product) {
     double sum = 0;
-    for (size_t u = 0; u < units; ++u)
+    for (size_t u = 0; u < words; ++u)
         sum += product(a[u * a_step], b[u * b_step]);
     return sum;
 }
 
-static void product_float(const nqm_product *p, unit_product product) {
+static void product_float(const nqm_product *p, word_product product) {
     const uint32_t *a = p->a, *b = p->b;
     float *c = p->c;
     for (size_t i = 0; i < p->m; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j) {
             double before = p->add ? (double)c[i * p->ldc + j] : 0;
-            c[i * p->ldc + j] = (float)(before + sum_units(p->units, a + i * p->lda, 1, b + j, NQM_PANEL, product));
+            c[i * p->ldc + j] = (float)(before + sum_words(p->words, a + i * p->lda, 1, b + j, NQM_PANEL, product));
         }
 }
 
-/* The one row more of a product. */
-static nqm_product one_of(const nqm_product *p) {
-    return (nqm_product){.m = 1, .units = p->units, .a = p->one_a, .b = p->one_b, .c = p->one_c};
-}
-
-static void product_and_one(const nqm_product *p, unit_product product) {
-    product_float(p, product);
-    const nqm_product one = one_of(p);
-    if (one.a)
-        product_float(&one, product);
-}
-
 static void product_f32(const nqm_product *p) {
-    product_and_one(p, unit_f32);
+    product_float(p, word_f32);
 }
 
 static void product_bf16(const nqm_product *p) {
-    product_and_one(p, unit_bf16);
+    product_float(p, word_bf16);
 }
 
-static void product_bytes(const nqm_product *p) {
+static void product_int8(const nqm_product *p) {
     const uint32_t *a = p->a, *b = p->b;
     int32_t *c = p->c;
     for (size_t i = 0; i < p->m; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j) {
             double before = p->add ? (double)c[i * p->ldc + j] : 0;
-            c[i * p->ldc + j] = (int32_t)(before + sum_units(p->units, a + i * p->lda, 1, b + j, NQM_PANEL, unit_int8));
+            c[i * p->ldc + j] = (int32_t)(before + sum_words(p->words, a + i * p->lda, 1, b + j, NQM_PANEL, word_int8));
         }
-}
-
-static void product_int8(const nqm_product *p) {
-    product_bytes(p);
-    const nqm_product one = one_of(p);
-    if (one.a)
-        product_bytes(&one);
 }
 
 /* A row product as the products of its panels. */
 static void by_panels(const nqm_row_product *p, void (*product)(const nqm_product *)) {
     for (size_t i = 0; i < p->n_panels; ++i)
         product(&(nqm_product){.m = 1,
-                               .units = p->units,
+                               .words = p->words,
                                .add = p->add,
                                .a = p->a,
                                .b = (const uint32_t *)p->b + i * p->stride * NQM_PANEL,
@@ -128,19 +109,19 @@ static void row_product_int8(const nqm_row_product *p) {
     by_panels(p, product_int8);
 }
 
-static void gradient(const nqm_tile_gradient *g, unit_product product) {
+static void gradient(const nqm_tile_gradient *g, word_product product) {
     const uint32_t *left = g->left, *right = g->right;
     for (size_t i = 0; i < NQM_STRIP; ++i)
         for (size_t j = 0; j < NQM_PANEL; ++j)
-            g->c[i * NQM_PANEL + j] = (float)sum_units(g->units, left + i, g->ld_left, right + j, g->ld_right, product);
+            g->c[i * NQM_PANEL + j] = (float)sum_words(g->words, left + i, g->ld_left, right + j, g->ld_right, product);
 }
 
 static void gradient_f32(const nqm_tile_gradient *g) {
-    gradient(g, unit_f32);
+    gradient(g, word_f32);
 }
 
 static void gradient_bf16(const nqm_tile_gradient *g) {
-    gradient(g, unit_bf16);
+    gradient(g, word_bf16);
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -202,23 +183,23 @@ static void differ(size_t n, float s, const float *a, const float *b, float *dif
     }
 }
 
-static void round_row(size_t n, const float *x, uint32_t *units) {
+static void round_row(size_t n, const float *x, uint32_t *words) {
     for (size_t i = 0; i < n; i += 2)
-        units[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
+        words[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
 }
 
-static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *units) {
+static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *words) {
     for (size_t i = 0; i < (n + width - 1) / width * width; ++i)
-        units[i / width * step + i % width] = i < n ? nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16 : 0;
+        words[i / width * step + i % width] = i < n ? nqm_bf16_bits(even[i]) | nqm_bf16_bits(odd[i]) << 16 : 0;
 }
 
-static void round_tile(const float *x, uint32_t *units) {
+static void round_tile(const float *x, uint32_t *words) {
     for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
-        round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, units + i * NQM_PANEL);
+        round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, words + i * NQM_PANEL);
 }
 
-static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *units) {
-    unsigned char *bytes = (unsigned char *)units;
+static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
+    unsigned char *bytes = (unsigned char *)words;
     float low = 0, high = 0;
     for (size_t i = 0; i < n; ++i) {
         low = fminf(low, x[i]);

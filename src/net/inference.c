@@ -1,41 +1,40 @@
 /* SPDX-License-Identifier: MIT
  *
- * Packing a network for inference, at once or when it begins to pay.
+ * Creation of networks for inference and of their workspaces.
  */
 #include "net/inference.h"
-#include "net/inference_net.h"
+#include "net/inference_state.h"
 
-#include <pthread.h>
+#include <omp.h>
 
-/* ---- layers ------------------------------------------------------------------------------------------------------ */
+/* ---- network ----------------------------------------------------------------------------------------------------- */
 
-/* Some neighbouring inputs of a layer. */
 typedef struct range {
-    size_t from, n;
+    size_t first, n;
 } range;
 
-/* Those inputs become the layer's next segment; w (n_out, n), ldw numbers from row to row, are their weights. Those that
- * stay floats are not packed yet. */
+/* Add a segment for those inputs; w (n_out, n), ldw floats from row to row, are their weights, packed now or later. */
 static nqm_status add_segment(nqm_inference_layer *layer, const float *w, size_t ldw, range inputs,
-                              nqm_precision precision, nqm_error *err) {
+                              nqm_precision precision, bool later, nqm_error *err) {
     nqm_segment *s = &layer->segment[layer->n_segments++];
-    nqm_status status = nqm_panels_create(precision, inputs.n, layer->n_out, &s->panel, err);
+    nqm_status status = nqm_panels_create(precision, inputs.n, layer->n_out, &s->panels, err);
     if (status != NQM_OK)
         return status;
-    s->from = inputs.from;
-    s->at = layer->rounded;
-    if (precision == NQM_PRECISION_F32) {
+    s->first = inputs.first;
+    s->word = layer->n_words;
+    if (precision != NQM_PRECISION_F32)
+        layer->n_words += s->panels.words;
+    if (later) {
         s->w = w;
         s->ldw = ldw;
     } else {
-        layer->rounded += s->panel.units;
-        nqm_panels_pack(&s->panel, w, ldw);
+        nqm_panels_pack(&s->panels, w, ldw);
     }
     return NQM_OK;
 }
 
-/* W_ref ref + W_test test = (W_ref + W_test) ref + W_test (test - ref): a test that hardly differs from its reference is
- * told apart by numbers that are rounded at their own, small, scale. */
+/* W_ref ref + W_test test = (W_ref + W_test) ref + W_test (test - ref). The right side rounds the difference at its own,
+ * small, scale, so that a test which hardly differs from its reference keeps its score. */
 static nqm_status add_sum_of_groups(nqm_inference_layer *layer, const float *w, size_t ldw, size_t n,
                                     nqm_precision precision, nqm_error *err) {
     float *sum = nqm_alloc(layer->n_out, n * sizeof *sum);
@@ -44,29 +43,29 @@ static nqm_status add_sum_of_groups(nqm_inference_layer *layer, const float *w, 
     for (size_t j = 0; j < layer->n_out; ++j)
         for (size_t i = 0; i < n; ++i)
             sum[j * n + i] = w[j * ldw + i] + w[j * ldw + n + i];
-    nqm_status status = add_segment(layer, sum, n, (range){0, n}, precision, err);
+    nqm_status status = add_segment(layer, sum, n, (range){0, n}, precision, false, err);
     layer->differences = true;
     nqm_free(sum);
     return status;
 }
 
-static nqm_status add_first_layer(nqm_inference_layer *layer, const nqm_params *params, const nqm_input_groups *inputs,
-                                  nqm_precision precision, nqm_error *err) {
+static nqm_status add_first_segments(nqm_inference_layer *layer, const nqm_params *params,
+                                     const nqm_input_groups *inputs, nqm_precision precision, nqm_error *err) {
     const size_t n_in = params->shape.sizes[0];
     const float *w = params->layer[0].w;
+    const bool later = precision == NQM_PRECISION_F32;
     range next = {0};
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; ++i) {
+    for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; ++i, next.first += next.n) {
         next.n = inputs->width[i];
-        if (i == 0 && inputs->test_itself && precision != NQM_PRECISION_F32)
+        if (i == 0 && inputs->test_itself && !later)
             status = add_sum_of_groups(layer, w, n_in, next.n, precision, err);
         else
-            status = add_segment(layer, w + next.from, n_in, next, precision, err);
-        next.from += next.n;
+            status = add_segment(layer, w + next.first, n_in, next, precision, later, err);
     }
     next.n = inputs->n_scalars;
     if (status == NQM_OK && next.n)
-        status = add_segment(layer, w + next.from, n_in, next, NQM_PRECISION_F32, err);
+        status = add_segment(layer, w + next.first, n_in, next, NQM_PRECISION_F32, later, err);
     return status;
 }
 
@@ -74,17 +73,18 @@ static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, c
                              nqm_precision precision, nqm_error *err) {
     const nqm_net_shape *shape = &params->shape;
     nqm_status status = NQM_OK;
+    net->is_packed = precision != NQM_PRECISION_F32;
     net->n_layers = shape->n_layers - 1;
     net->output = params->layer[net->n_layers].w;
     net->output_bias = params->layer[net->n_layers].b;
     for (size_t l = 0; status == NQM_OK && l < net->n_layers; ++l) {
         const nqm_layer *from = &params->layer[l];
-        net->layer[l] = (nqm_inference_layer){
+        const size_t n_in = shape->sizes[l];
+        nqm_inference_layer *layer = &net->layer[l];
+        *layer = (nqm_inference_layer){
             .n_out = shape->sizes[l + 1], .bias = from->b, .gamma = from->gamma, .beta = from->beta};
-        if (l == 0)
-            status = add_first_layer(&net->layer[l], params, inputs, precision, err);
-        else
-            status = add_segment(&net->layer[l], from->w, shape->sizes[l], (range){0, shape->sizes[l]}, precision, err);
+        status = l == 0 ? add_first_segments(layer, params, inputs, precision, err)
+                        : add_segment(layer, from->w, n_in, (range){0, n_in}, precision, !net->is_packed, err);
     }
     return status;
 }
@@ -96,12 +96,11 @@ nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_gr
     if (!net)
         return nqm_fail_nomem(err, sizeof *net);
     nqm_status status = add_layers(net, params, inputs, precision, err);
-    if (status != NQM_OK) {
+    if (status == NQM_OK)
+        *net_ret = net;
+    else
         nqm_inference_net_free(net);
-        return status;
-    }
-    *net_ret = net;
-    return NQM_OK;
+    return status;
 }
 
 void nqm_inference_net_free(nqm_inference_net *net) {
@@ -109,35 +108,76 @@ void nqm_inference_net_free(nqm_inference_net *net) {
         return;
     for (size_t l = 0; l < net->n_layers; ++l)
         for (size_t s = 0; s < net->layer[l].n_segments; ++s)
-            nqm_panels_free(&net->layer[l].segment[s].panel);
+            nqm_panels_free(&net->layer[l].segment[s].panels);
     nqm_free(net);
 }
 
-/* ---- when it begins to pay --------------------------------------------------------------------------------------- */
+/* ---- workspace --------------------------------------------------------------------------------------------------- */
 
-static pthread_mutex_t packing = PTHREAD_MUTEX_INITIALIZER; /* held while any network is packed */
-
-static void pack_floats(nqm_inference_net *net) {
-    for (size_t l = 0; l < net->n_layers; ++l)
-        for (size_t s = 0; s < net->layer[l].n_segments; ++s) {
-            nqm_segment *segment = &net->layer[l].segment[s];
-            if (segment->w)
-                nqm_panels_pack(&segment->panel, segment->w, segment->ldw);
+static nqm_inference_work measure(const nqm_inference_net *net, size_t max_batch) {
+    nqm_inference_work w = {.net = net, .max_batch = max_batch, .n_threads = (size_t)omp_get_max_threads()};
+    size_t widest = 0, n_words = 0;
+    for (size_t l = 0; l < net->n_layers; ++l) {
+        const nqm_inference_layer *layer = &net->layer[l];
+        widest = nqm_larger(widest, layer->n_out);
+        n_words = nqm_larger(n_words, layer->n_words);
+        for (size_t s = 0; s < layer->n_segments; ++s) {
+            const nqm_panels *panels = &layer->segment[s].panels;
+            w.n_products += panels->k * layer->n_out;
+            if (layer->segment[s].w)
+                w.panel_size = nqm_larger(w.panel_size, panels->k * NQM_PANEL);
         }
+    }
+    w.stride = nqm_row_stride(widest);
+    w.rounded_stride = n_words ? nqm_row_stride(n_words) : 0;
+    w.ref_stride = nqm_row_stride(net->layer[0].segment[0].panels.words);
+    return w;
 }
 
-bool nqm_inference_net_packed(const nqm_inference_net *net, const nqm_kernels *kernels, size_t n) {
-    nqm_inference_net *own = (nqm_inference_net *)(uintptr_t)net; /* the owner's calls see no difference */
-    if (atomic_load_explicit(&own->packed, memory_order_acquire))
-        return true;
-    const bool few = n <= NQM_ROWS_UNPACKED && kernels != &nqm_kernels_scalar; /* whose sums cannot be cut */
-    if (few && atomic_fetch_add(&own->n_calls, 1) < NQM_CALLS_UNPACKED)
-        return false;
-    pthread_mutex_lock(&packing);
-    if (!own->packed) { /* nobody packed it while we waited */
-        pack_floats(own);
-        atomic_store_explicit(&own->packed, true, memory_order_release);
-    }
-    pthread_mutex_unlock(&packing);
-    return true;
+/* The next n elements of `size` bytes behind the struct, aligned to cache lines; NULL while sizes are added up. */
+static void *next_view(nqm_inference_work *w, unsigned char *block, size_t n, size_t size) {
+    unsigned char *view = block ? block + w->n_bytes : NULL;
+    w->n_bytes += nqm_ceil_div(n * size, 64) * 64;
+    return view;
+}
+
+/* Called twice: without a block to add up n_bytes, then with it. */
+static void set_views(nqm_inference_work *w, unsigned char *block) {
+    const nqm_inference_layer *first = &w->net->layer[0];
+    const size_t n = w->max_batch, n_ref = first->segment[0].panels.k;
+    w->n_bytes = 0;
+    (void)next_view(w, block, 1, sizeof *w);
+    w->y[0] = next_view(w, block, n * w->stride, sizeof *w->y[0]);
+    w->y[1] = next_view(w, block, n * w->stride, sizeof *w->y[1]);
+    w->rounded = next_view(w, block, n * w->rounded_stride, sizeof *w->rounded);
+    w->scale = next_view(w, block, n * NQM_MAX_SEGMENTS, sizeof *w->scale);
+    w->difference = next_view(w, block, first->differences ? n * n_ref : 0, sizeof *w->difference);
+    w->panel = next_view(w, block, w->n_threads * w->panel_size, sizeof *w->panel);
+    w->ref_of = next_view(w, block, n, sizeof *w->ref_of);
+    w->ref_row = next_view(w, block, n, sizeof *w->ref_row);
+    w->ref = next_view(w, block, n * w->ref_stride, sizeof *w->ref);
+    w->ref_scale = next_view(w, block, n, sizeof *w->ref_scale);
+    w->partial = next_view(w, block, (n + 1) * w->stride, sizeof *w->partial);
+    w->kept = next_view(w, block, n_ref, sizeof *w->kept);
+}
+
+nqm_status nqm_inference_work_create(const nqm_inference_net *net, size_t max_batch, nqm_inference_work **work_ret,
+                                     nqm_error *err) {
+    *work_ret = NULL;
+    if (max_batch < 1 || max_batch > (size_t)1 << 24)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "network: batch of %zu is out of range (1..16777216)", max_batch);
+    nqm_inference_work measured = measure(net, max_batch);
+    set_views(&measured, NULL);
+    nqm_inference_work *work = nqm_alloc_pages(1, measured.n_bytes);
+    if (!work)
+        return nqm_fail_nomem(err, measured.n_bytes);
+    *work = measured;
+    set_views(work, (unsigned char *)work);
+    *work_ret = work;
+    return NQM_OK;
+}
+
+void nqm_inference_work_free(nqm_inference_work *work) {
+    if (work)
+        nqm_free_pages(work, 1, work->n_bytes);
 }

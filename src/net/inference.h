@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * inference.h - the network as scoring needs it: weights packed once for the products of kernel/panel.h, in one
- * precision, and rows of inputs through all layers. Weights that stay floats are packed when that begins to pay: the
- * first few calls use them as they lie.
+ * inference.h - the forward pass of a trained network, as scoring needs it: weights packed once for the products of
+ * kernel/panel.h, in one precision, then many batches of rows.
  *
- * The first layer is a sum over groups of its inputs. What the reference contributes is computed once for neighbouring
- * rows with the same reference, and kept for the next call. Every number is summed in the same order however rows are
- * grouped and on however many threads: the same input gives the same bits.
+ * The product of layer 1 is a sum over groups of inputs, x W^T = sum_g x_g W_g^T, and the first group depends on the
+ * reference BRDF only. Its partial product is computed once for consecutive rows with the same reference, and the last one
+ * is kept for the next call. Every sum is taken in the same order for any batch size and any number of threads: equal
+ * inputs give equal bits.
  */
 #ifndef NQM_SRC_NET_INFERENCE_H
 #define NQM_SRC_NET_INFERENCE_H
@@ -15,36 +15,41 @@
 
 enum { NQM_MAX_INPUT_GROUPS = 3 };
 
-/** The inputs of a network in their order: groups of samples of a like range, the first of which belongs to the
- *  reference, then scalar features. */
+/** The inputs of a network in their order: groups of samples, each with a range of values of its own, then scalar features.
+ *  The first group is the reference. */
 typedef struct nqm_input_groups {
-    size_t n_groups, width[NQM_MAX_INPUT_GROUPS];
-    size_t n_scalars; /**< never rounded: few, and of wide range */
-    bool test_itself; /**< the second group holds the test, not how it differs from the reference */
+    size_t n_groups,
+        width[NQM_MAX_INPUT_GROUPS]; /**< at least two groups; the first two are equally wide if test_itself */
+    size_t n_scalars;                /**< stay float in every precision: few, and of wide range */
+    bool test_itself;                /**< group 1 holds the test's samples, not their difference from the reference */
 } nqm_input_groups;
 
-/** A network, packed or soon to be; may be used by several threads at once. */
+/** A network prepared for inference; may be used by several threads at once. */
 typedef struct nqm_inference_net nqm_inference_net;
 
-/** Make room for `params`, which are lent: biases and LayerNorm are used in place, as are weights until they are packed.
- *  What is rounded is packed at once, on all threads. NQM_ERR_NOMEM. */
+/** Pack `params` in a precision, on all threads. `params` is borrowed and must outlive the network: biases, LayerNorm and
+ *  the output layer are used in place, and NQM_PRECISION_F32 packs its weights only at the second call of
+ *  nqm_inference_run(). NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_groups *inputs,
                                                    nqm_precision precision, nqm_inference_net **net_ret,
                                                    nqm_error *err);
 void nqm_inference_net_free(nqm_inference_net *net);
 
-/** Memory for rows on their way through a network, which is lent. Belongs to one thread at a time. */
+/** The activations of a batch. Belongs to one thread at a time; a call works on all of OpenMP's threads. */
 typedef struct nqm_inference_work nqm_inference_work;
 
-/** NQM_ERR_ARG when max_batch is not 1..16777216; NQM_ERR_NOMEM. */
+/** A workspace for at most max_batch rows; the network is borrowed. NQM_ERR_ARG when max_batch is not 1..16777216;
+ *  NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_inference_work_create(const nqm_inference_net *net, size_t max_batch,
                                                     nqm_inference_work **work_ret, nqm_error *err);
 void nqm_inference_work_free(nqm_inference_work *work);
 
 /**
- * z (n), n <= max_batch: the last layer's output before the sigmoid. Allocates nothing.
+ * One forward pass. Allocates nothing.
  *
- * @param x  (n, inputs) ldx numbers from row to row; best nqm_row_stride(inputs)
+ * @param n    rows, 0..max_batch
+ * @param x    (n, inputs) with ldx floats from row to row; nqm_row_stride(inputs) is fastest
+ * @param z    (n) receives the output layer's value before the sigmoid
  */
 void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_t ldx, float *z);
 

@@ -1,315 +1,354 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rows through a packed network, in one of three ways. Together: all threads work on one layer at a time; its blocks of
- * rows and panels are dealt out by the shape only, then its rows. Alone: a thread takes some rows through all layers, so
- * that what lies between layers stays in its caches; who comes first takes the next. One row: the panels are dealt out,
- * but each thread does the rest for itself, so that they wait for each other only once in a layer.
+ * The forward pass. Two ways of using several threads share one code: either all threads work on a layer of all rows,
+ * whose product is cut into blocks of rows and panels, or each thread takes some rows through all layers, so that their
+ * activations stay in its caches.
  */
 #include "net/inference.h"
-#include "net/inference_product.h"
+#include "net/inference_state.h"
 
 #include <omp.h>
+#include <pthread.h>
 #include <string.h>
 
 enum {
-    MIN_PARALLEL = 1 << 18, /* multiplications; below, waking a thread costs more than it saves */
-    MIN_ROWS = 16,          /* the same for rows that are compared and rounded */
+    MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
+    MIN_ROWS = 16,          /* the same for a call that does not read packed weights */
+    BLOCK_ROWS = 16 * NQM_STRIP,
 
-    /* rows that a thread takes: few enough for its second cache, enough to read all weights for */
-    MAX_TAKE = 8 * NQM_STRIP,
-    MIN_SHARE = 2 * NQM_STRIP /* of a call for each thread */
+    /* Rows that a thread takes at a time: few enough for activations to stay in its L2 cache, enough to amortise reading
+     * all weights. */
+    MAX_TASK_ROWS = 8 * NQM_STRIP,
+    MIN_THREAD_ROWS = 2 * NQM_STRIP /* of a call for each thread, else all threads work on all rows */
 };
 
-/* Some rows of a call on their way. */
-typedef struct trip {
+/* Some rows of a call, computed by the threads of one parallel region. */
+typedef struct rows {
     nqm_inference_work *work;
     const nqm_kernels *kernels;
-    bool alone;      /* else all threads of a region make it together: */
-    bool one_row;    /* each with a copy of its own */
-    bool one_ref;    /* the references of all rows are the last one and one that is new */
     size_t first, n; /* rows of the call */
-    size_t at;       /* where their numbers begin in the work */
-    const float *x;  /* (n, ldx) their inputs */
+    size_t slot;     /* row of the workspace's arrays that holds the first of them */
+    const float *x;  /* (n, inputs) ldx floats from row to row */
     size_t ldx;
-    float *z; /* (n) their outputs */
-} trip;
+    float *z; /* (n) */
+} rows;
 
-/* ---- layers ------------------------------------------------------------------------------------------------------ */
+/* ---- products ---------------------------------------------------------------------------------------------------- */
 
-/* Where the products of layer l for row i of a trip are. */
-static float *products_at(const trip *t, size_t l, size_t i) {
-    return t->work->y[l % 2] + (t->one_row ? 0 : t->at + i) * t->work->stride;
+/* The left factor of a product: rows of floats, or of rounded inputs. */
+typedef struct factor {
+    const uint32_t *words;
+    size_t stride;
+    const nqm_byte_scale *scale; /* (rows) NQM_PRECISION_INT8 */
+} factor;
+
+/* Rows [row, row + m) of a product and the columns of n panels. */
+typedef struct block {
+    size_t row, m, panel, n;
+} block;
+
+/* A single row is cut into one block for each thread. */
+static size_t panels_of_block(const rows *r, size_t n_rows, const nqm_panels *p) {
+    if (n_rows > 1 || !r->work->is_packed)
+        return 1;
+    return nqm_smaller(nqm_ceil_div(p->n_panels, (size_t)omp_get_num_threads()), BLOCK_ROWS);
 }
 
-/* Where they become outputs. */
-static float *outputs_at(const trip *t, size_t l, size_t i) {
-    return t->work->y[l % 2] + (t->at + i) * t->work->stride;
+static size_t count_blocks(const rows *r, size_t n_rows, const nqm_panels *p) {
+    return nqm_ceil_div(n_rows, BLOCK_ROWS) * nqm_ceil_div(p->n_panels, panels_of_block(r, n_rows, p));
 }
 
-/* The first layer begins with what the references add. */
-static void copy_parts(const trip *t, nqm_block at, float *c) {
-    const nqm_inference_work *work = t->work;
-    for (size_t r = 0; r < at.m; ++r)
-        memcpy(c + r * work->stride,
-               work->part + work->ref_of[t->first + at.row + r] * work->stride + at.panel * NQM_PANEL,
-               at.n * NQM_PANEL * sizeof *c);
+/* Consecutive blocks have the same rows, which stay in the L2 cache. */
+static block block_at(const rows *r, size_t i, size_t n_rows, const nqm_panels *p) {
+    const size_t step = panels_of_block(r, n_rows, p), n_across = nqm_ceil_div(p->n_panels, step);
+    const size_t row = i / n_across * BLOCK_ROWS, panel = i % n_across * step;
+    return (block){row, nqm_smaller(n_rows - row, BLOCK_ROWS), panel, nqm_smaller(p->n_panels - panel, step)};
 }
 
-/* Where each row has a reference of its own, what the last one adds is taken from its row. */
-static void keep_part(const trip *t, nqm_block at, const float *c) {
-    nqm_inference_work *work = t->work;
-    if (t->first + at.row + at.m == work->n_rows)
-        memcpy(work->part + at.panel * NQM_PANEL, c + (at.m - 1) * work->stride, at.n * NQM_PANEL * sizeof *c);
+/* The packed panels of a block; packs them into the thread's buffer where the network's are empty. */
+static const uint32_t *panels_at(const rows *r, const nqm_segment *s, block at) {
+    const nqm_inference_work *work = r->work;
+    if (!s->w || work->is_packed)
+        return nqm_panel_at(&s->panels, at.panel);
+    const size_t column = at.panel * NQM_PANEL, thread = (size_t)omp_get_thread_num();
+    float *panel = work->panel + thread * work->panel_size;
+    nqm_pack_panel(nqm_smaller(s->panels.n - column, NQM_PANEL), s->panels.k, s->w + column * s->ldw, s->ldw, panel);
+    return (const uint32_t *)(const void *)panel;
 }
 
-static void multiply_layer_block(const trip *t, size_t l, nqm_block at) {
-    const nqm_inference_work *work = t->work;
-    const nqm_inference_layer *layer = &work->net->layer[l];
-    const float *in = l == 0 ? t->x : outputs_at(t, l - 1, 0);
-    const size_t ld = l == 0 ? t->ldx : work->stride, first = l == 0 && !work->own_refs;
-    float *c = products_at(t, l, at.row) + at.panel * NQM_PANEL;
-    if (first > 0)
-        copy_parts(t, at, c);
-    for (size_t s = first; s < layer->n_segments; ++s) {
-        const nqm_segment *segment = &layer->segment[s];
-        nqm_multiply_segment(work, t->kernels, segment, nqm_factors_of(work, segment, s, t->at, in, ld), at, s > 0, c);
-        if (l == 0 && s == 0)
-            keep_part(t, at, c);
-    }
+/* c (m, n NQM_PANEL), the block `at` of A B, ldc floats or integers from row to row; or c + A B. */
+static void multiply_packed(const nqm_kernels *kernels, const nqm_panels *p, const uint32_t *b, factor a, block at,
+                            bool add, void *c, size_t ldc) {
+    const uint32_t *left = a.words + at.row * a.stride;
+    if (at.m == 1)
+        kernels->row_product[p->precision](&(nqm_row_product){
+            .words = p->words, .n_panels = at.n, .stride = p->stride, .add = add, .a = left, .b = b, .c = c});
+    else
+        kernels->product[p->precision](&(nqm_product){
+            .m = at.m, .words = p->words, .add = add, .a = left, .lda = a.stride, .b = b, .c = c, .ldc = ldc});
 }
 
-/* A few rows whose references are the last one and one that is new: what that adds to a panel is computed beside the
- * products of the rows with the panel before. Each thread has its share of the panels. */
-static bool one_new_reference(const trip *all) {
-    const nqm_inference_work *work = all->work;
-    const nqm_segment *segment = work->net->layer[0].segment;
-    return work->n_refs == 1 && all->n > 1 && all->n < NQM_STRIP && (work->packed || !segment->w) &&
-           segment[0].panel.units == segment[1].panel.units && segment[0].panel.precision == segment[1].panel.precision;
-}
-
-static void multiply_first_layer(const trip *t) {
-    const nqm_inference_work *work = t->work;
-    const nqm_inference_layer *layer = &work->net->layer[0];
-    const nqm_segment *ref = &layer->segment[0], *next = &layer->segment[1];
-    const size_t thread = (size_t)omp_get_thread_num(), n_threads = (size_t)omp_get_num_threads();
-    const size_t n = ref->panel.n_panels, end = (thread + 1) * n / n_threads;
-    nqm_block at = {.m = t->n, .panel = thread * n / n_threads, .n = 1};
-    float *part = work->part + work->stride;
-    const nqm_factors a = {work->ref, work->ref_stride, work->ref_scale};
-    if (at.panel < end)
-        nqm_multiply_segment(work, t->kernels, ref, a, (nqm_block){0, 1, at.panel, 1}, false,
-                             part + at.panel * NQM_PANEL);
-    for (; at.panel < end; ++at.panel) {
-        float *c = products_at(t, 0, 0) + at.panel * NQM_PANEL;
-        copy_parts(t, at, c);
-        const nqm_factors rows = nqm_factors_of(work, next, 1, t->at, t->x, t->ldx);
-        if (at.panel + 1 < end)
-            nqm_multiply_beside(work, t->kernels, &next->panel, rows, at, c,
-                                &(nqm_beside){&ref->panel, a, at.panel + 1, part + (at.panel + 1) * NQM_PANEL});
-        else
-            nqm_multiply_segment(work, t->kernels, next, rows, at, true, c);
-        for (size_t s = 2; s < layer->n_segments; ++s)
-            nqm_multiply_segment(work, t->kernels, &layer->segment[s],
-                                 nqm_factors_of(work, &layer->segment[s], s, t->at, t->x, t->ldx), at, true, c);
-    }
-#pragma omp barrier
-}
-
-static void multiply_layer(const trip *t, size_t l) {
-    const nqm_panels *panels = &t->work->net->layer[l].segment[0].panel;
-    const size_t n_blocks = nqm_count_blocks(t->n, panels);
-    if (t->alone) {
-        for (size_t i = 0; i < n_blocks; ++i)
-            multiply_layer_block(t, l, nqm_block_at(i, t->n, panels));
+/* The same in float for any precision; c has the workspace's stride. */
+static void multiply_block(const rows *r, const nqm_segment *s, factor a, block at, bool add, float *c) {
+    const nqm_panels *p = &s->panels;
+    const uint32_t *b = panels_at(r, s, at);
+    const size_t ldc = r->work->stride;
+    if (p->precision != NQM_PRECISION_INT8) {
+        multiply_packed(r->kernels, p, b, a, at, add, c, ldc);
         return;
     }
+    _Alignas(64) int32_t sums[BLOCK_ROWS * NQM_PANEL];
+    multiply_packed(r->kernels, p, b, a, at, false, sums, NQM_PANEL);
+    for (size_t i = 0; i < at.n; ++i) {
+        const nqm_byte_columns columns = nqm_panel_columns(p, at.panel + i);
+        r->kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * NQM_PANEL, c + i * NQM_PANEL, ldc);
+    }
+}
+
+/* ---- inputs of a layer ------------------------------------------------------------------------------------------- */
+
+/* x (inputs of the panels) in their precision. */
+static void round_inputs(const nqm_kernels *kernels, const nqm_panels *p, const float *x, uint32_t *words,
+                         nqm_byte_scale *scale) {
+    if (p->precision == NQM_PRECISION_F32)
+        memcpy(words, x, p->k * sizeof *x);
+    else if (p->precision == NQM_PRECISION_BF16)
+        kernels->round_row(p->k, x, words);
+    else
+        *scale = kernels->quantise_row(p->k, x, words);
+}
+
+static const float *subtract_reference(const rows *r, size_t n, const float *test, const float *ref, size_t i) {
+    float *difference = r->work->difference + (r->slot + i) * n;
+#pragma omp simd
+    for (size_t k = 0; k < n; ++k)
+        difference[k] = test[k] - ref[k];
+    return difference;
+}
+
+/* Round the inputs x of layer l for row i; its segments of floats are read in place, and the references' are done. */
+static void round_segments(const rows *r, size_t l, size_t i, const float *x) {
+    const nqm_inference_work *work = r->work;
+    const nqm_inference_layer *layer = &work->net->layer[l];
+    for (size_t s = l == 0; s < layer->n_segments; ++s) {
+        const nqm_segment *segment = &layer->segment[s];
+        const float *own = x + segment->first;
+        if (segment->panels.precision == NQM_PRECISION_F32)
+            continue;
+        if (layer->differences && s == 1)
+            own = subtract_reference(r, segment->panels.k, own, x, i);
+        round_inputs(r->kernels, &segment->panels, own,
+                     work->rounded + (r->slot + i) * work->rounded_stride + segment->word,
+                     &work->scale[s * work->max_batch + r->slot + i]);
+    }
+}
+
+/* The inputs of a segment of layer l, as round_segments() left them. */
+static factor inputs_of(const rows *r, size_t l, size_t s, const float *x, size_t ldx) {
+    const nqm_inference_work *work = r->work;
+    const nqm_segment *segment = &work->net->layer[l].segment[s];
+    if (segment->panels.precision == NQM_PRECISION_F32)
+        return (factor){.words = (const uint32_t *)(const void *)(x + segment->first), .stride = ldx};
+    return (factor){work->rounded + r->slot * work->rounded_stride + segment->word, work->rounded_stride,
+                    work->scale + s * work->max_batch + r->slot};
+}
+
+/* ---- references -------------------------------------------------------------------------------------------------- */
+
+/* Number the references of a call: a row with the same reference inputs as the row before has the same number. */
+static void find_references(const rows *all) {
+    nqm_inference_work *work = all->work;
+    const size_t n_bytes = work->net->layer[0].segment[0].panels.k * sizeof *all->x;
+    const float *before = work->kept_by == all->kernels ? work->kept : NULL;
+    work->n_refs = 0;
+    for (size_t i = 0; i < all->n; ++i) {
+        const float *x = all->x + i * all->ldx;
+        /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): equal bits are meant */
+        if (!before || memcmp(before, x, n_bytes) != 0)
+            work->ref_row[work->n_refs++] = i;
+        work->ref_of[i] = work->n_refs;
+        before = x;
+    }
+}
+
+/* Whether each row has a reference of its own: its partial product is then computed with the row's other products. */
+static bool has_own_references(const rows *r) {
+    return r->work->n_refs == r->work->n_rows;
+}
+
+static void round_reference(const rows *all, size_t i, const float *x) {
+    const nqm_inference_work *work = all->work;
+    round_inputs(all->kernels, &work->net->layer[0].segment[0].panels, x, work->ref + i * work->ref_stride,
+                 &work->ref_scale[i]);
+}
+
+/* A block of the references' partial products of layer 0. */
+static void multiply_reference_block(const rows *r, block at) {
+    const nqm_inference_work *work = r->work;
+    multiply_block(r, &work->net->layer[0].segment[0], (factor){work->ref, work->ref_stride, work->ref_scale}, at,
+                   false, work->partial + (1 + at.row) * work->stride + at.panel * NQM_PANEL);
+}
+
+/* All of them; by the threads of a parallel region. */
+static void multiply_references(const rows *all) {
+    const nqm_inference_work *work = all->work;
+    const nqm_panels *panels = &work->net->layer[0].segment[0].panels;
+    const size_t n_blocks = count_blocks(all, work->n_refs, panels);
+#pragma omp for schedule(static)
+    for (size_t i = 0; i < work->n_refs; ++i)
+        round_reference(all, i, all->x + work->ref_row[i] * all->ldx);
 #pragma omp for schedule(dynamic, 1)
     for (size_t i = 0; i < n_blocks; ++i)
-        multiply_layer_block(t, l, nqm_block_at(i, t->n, panels));
+        multiply_reference_block(all, block_at(all, i, work->n_refs, panels));
 }
 
-/* From the products of the layer before l, or from the network's inputs, to what layer l multiplies; past the last hidden
- * layer to the network's output. */
-static void row_to_layer(const trip *t, size_t l, size_t i) {
-    const nqm_inference_net *net = t->work->net;
-    if (l == 0) {
-        nqm_round_inputs(t->work, t->kernels, &net->layer[0], !t->work->own_refs, t->at + i, t->x + i * t->ldx);
-        return;
-    }
-    const nqm_inference_layer *before = &net->layer[l - 1];
-    const float *products = products_at(t, l - 1, i);
-    float *row = outputs_at(t, l - 1, i);
-    if (row != products)
-        memcpy(row, products, t->work->stride * sizeof *row);
-    t->kernels->hidden_row(&(nqm_hidden_row){
-        .n = before->n_out, .bias = before->bias, .gamma = before->gamma, .beta = before->beta, .x = row, .y = row});
-    if (l < net->n_layers)
-        nqm_round_inputs(t->work, t->kernels, &net->layer[l], 0, t->at + i, row);
-    else
-        t->z[i] = t->kernels->dot(before->n_out, net->output, row) + net->output_bias[0];
-}
-
-static void rows_to_layer(const trip *t, size_t l) {
-    if (t->alone) {
-        for (size_t i = 0; i < t->n; ++i)
-            row_to_layer(t, l, i);
-        return;
-    }
-#pragma omp for schedule(static)
-    for (size_t i = 0; i < t->n; ++i)
-        row_to_layer(t, l, i);
-}
-
-static void travel_with_one_row(const trip *t) {
-    const size_t n_layers = t->work->net->n_layers;
-    const size_t thread = (size_t)omp_get_thread_num(), n_threads = (size_t)omp_get_num_threads();
-    row_to_layer(t, 0, 0);
-    for (size_t l = 0; l < n_layers; ++l) {
-        const nqm_panels *panels = &t->work->net->layer[l].segment[0].panel;
-        const size_t n_blocks = nqm_count_blocks(1, panels);
-        for (size_t i = thread * n_blocks / n_threads; i < (thread + 1) * n_blocks / n_threads; ++i)
-            multiply_layer_block(t, l, nqm_block_at(i, 1, panels));
-#pragma omp barrier
-        if (l + 1 < n_layers || thread == 0)
-            row_to_layer(t, l + 1, 0);
-    }
-}
-
-static void travel(const trip *t) {
-    const size_t n_layers = t->work->net->n_layers;
-    rows_to_layer(t, 0);
-    for (size_t l = 0; l < n_layers; ++l) {
-        if (l == 0 && t->one_ref)
-            multiply_first_layer(t);
-        else
-            multiply_layer(t, l);
-        rows_to_layer(t, l + 1);
-    }
-}
-
-/* ---- the first layer's references -------------------------------------------------------------------------------- */
-
-static bool same_inputs(size_t n, const float *a, const float *b) {
-    /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits are meant */
-    return memcmp(a, b, n * sizeof *a) == 0;
-}
-
-/* Find the references of this call; dealt out. */
-static void find_references(const trip *all) {
-    nqm_inference_work *work = all->work;
-    const nqm_panels *panel = &work->net->layer[0].segment[0].panel;
-    const float *kept = work->kept_by == all->kernels ? work->kept : NULL;
-#pragma omp for schedule(static)
-    for (size_t i = 0; i < all->n; ++i) {
-        const float *before = i > 0 ? all->x + (i - 1) * all->ldx : kept;
-        work->begins[i] = !before || !same_inputs(panel->k, before, all->x + i * all->ldx);
-    }
-#pragma omp single
-    {
-        work->n_refs = 0;
-        for (size_t i = 0; i < all->n; ++i)
-            work->ref_of[i] = work->n_refs += work->begins[i];
-        work->own_refs = work->n_refs == all->n;
-    }
-}
-
-/* References in the units of the first layer, where rows share them; dealt out. */
-static void round_references(const trip *all) {
-    nqm_inference_work *work = all->work;
-    const nqm_panels *panel = &work->net->layer[0].segment[0].panel;
-#pragma omp for schedule(static)
-    for (size_t i = 0; i < all->n; ++i)
-        if (work->begins[i]) {
-            const size_t at = work->ref_of[i] - 1;
-            nqm_round_units(all->kernels, panel, all->x + i * all->ldx, work->ref + at * work->ref_stride,
-                            &work->ref_scale[at]);
-        }
-}
-
-/* What they add to the first layer; dealt out. */
-static void multiply_references(const trip *all) {
-    nqm_inference_work *work = all->work;
-    const nqm_segment *segment = &work->net->layer[0].segment[0];
-    const nqm_factors a = {work->ref, work->ref_stride, work->ref_scale};
-#pragma omp for schedule(dynamic, 1)
-    for (size_t i = 0; i < nqm_count_blocks(work->n_refs, &segment->panel); ++i) {
-        const nqm_block at = nqm_block_at(i, work->n_refs, &segment->panel);
-        float *part = work->part + (1 + at.row) * work->stride + at.panel * NQM_PANEL;
-        nqm_multiply_segment(work, all->kernels, segment, a, at, false, part);
-    }
-}
-
-/* The last reference becomes reference 0 of the next call. */
-static void keep_reference(const trip *all) {
+/* Keep the last reference as reference 0 of the next call. */
+static void keep_reference(const rows *all) {
     nqm_inference_work *work = all->work;
     if (work->n_refs == 0)
         return;
-    const float *last = all->x + (all->n - 1) * all->ldx;
-    memcpy(work->kept, last, work->net->layer[0].segment[0].panel.k * sizeof *last);
-    if (!work->own_refs)
-        memcpy(work->part, work->part + work->n_refs * work->stride, work->stride * sizeof *work->part);
+    memcpy(work->kept, all->x + (all->n - 1) * all->ldx, work->net->layer[0].segment[0].panels.k * sizeof *all->x);
+    memcpy(work->partial, work->partial + work->n_refs * work->stride, work->stride * sizeof *work->partial);
     work->kept_by = all->kernels;
+}
+
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+/* (n, stride) the product of layer l, then its output. */
+static float *output_of(const rows *r, size_t l) {
+    return r->work->y[l % 2] + r->slot * r->work->stride;
+}
+
+/* A block of the product of layer l. */
+static void multiply_layer_block(const rows *r, size_t l, block at) {
+    const nqm_inference_work *work = r->work;
+    const nqm_inference_layer *layer = &work->net->layer[l];
+    const size_t column = at.panel * NQM_PANEL, stride = work->stride;
+    float *c = output_of(r, l) + at.row * stride + column;
+    if (l == 0 && has_own_references(r))
+        multiply_reference_block(r, (block){r->first + at.row, at.m, at.panel, at.n});
+    for (size_t i = 0; l == 0 && i < at.m; ++i)
+        memcpy(c + i * stride, work->partial + work->ref_of[r->first + at.row + i] * stride + column,
+               at.n * NQM_PANEL * sizeof *c);
+    for (size_t s = l == 0; s < layer->n_segments; ++s)
+        multiply_block(r, &layer->segment[s],
+                       l == 0 ? inputs_of(r, l, s, r->x, r->ldx) : inputs_of(r, l, s, output_of(r, l - 1), stride), at,
+                       l == 0 || s > 0, c);
+}
+
+/* Row i from the product of layer l to the inputs of the next layer, or to z. */
+static void finish_row(const rows *r, size_t l, size_t i) {
+    const nqm_inference_net *net = r->work->net;
+    const nqm_inference_layer *layer = &net->layer[l];
+    float *y = output_of(r, l) + i * r->work->stride;
+    r->kernels->hidden_row(&(nqm_hidden_row){
+        .n = layer->n_out, .bias = layer->bias, .gamma = layer->gamma, .beta = layer->beta, .x = y, .y = y});
+    if (l + 1 < net->n_layers)
+        round_segments(r, l + 1, i, y);
+    else
+        r->z[i] = r->kernels->dot(layer->n_out, net->output, y) + net->output_bias[0];
+}
+
+/* All layers for some rows, by the threads of the parallel region that it is called in. */
+static void run_rows(const rows *r) {
+    const nqm_inference_net *net = r->work->net;
+#pragma omp for schedule(static)
+    for (size_t i = 0; i < r->n; ++i) {
+        if (has_own_references(r))
+            round_reference(r, r->first + i, r->x + i * r->ldx);
+        round_segments(r, 0, i, r->x + i * r->ldx);
+    }
+    for (size_t l = 0; l < net->n_layers; ++l) {
+        const nqm_panels *panels = &net->layer[l].segment[0].panels;
+        const size_t n_blocks = count_blocks(r, r->n, panels);
+#pragma omp for schedule(dynamic, 1)
+        for (size_t i = 0; i < n_blocks; ++i)
+            multiply_layer_block(r, l, block_at(r, i, r->n, panels));
+#pragma omp for schedule(static)
+        for (size_t i = 0; i < r->n; ++i)
+            finish_row(r, l, i);
+    }
 }
 
 /* ---- calls ------------------------------------------------------------------------------------------------------- */
 
-/* How many rows a thread may take at a time; 0: all threads go together. Floats do, for whose weights the third cache is
- * too slow to read them more often. */
-static size_t rows_to_take(const trip *all) {
-    if (all->work->net->layer[0].segment[0].panel.precision == NQM_PRECISION_F32)
-        return 0;
-    const size_t share = all->n / (size_t)omp_get_num_threads() / NQM_STRIP * NQM_STRIP;
-    return share < MIN_SHARE ? 0 : nqm_smaller(share, MAX_TAKE);
+static void pack_floats(nqm_inference_net *net) {
+    for (size_t l = 0; l < net->n_layers; ++l)
+        for (size_t s = 0; s < net->layer[l].n_segments; ++s) {
+            nqm_segment *segment = &net->layer[l].segment[s];
+            if (segment->w)
+                nqm_panels_pack(&segment->panels, segment->w, segment->ldw);
+        }
 }
 
-/* The next rows that nobody has taken: fewer towards the end, so that all threads end at about the same time. */
-static bool take_rows(const trip *all, size_t most, trip *t) {
+/* Whether a call with n rows is to read packed floats; packs them if they are not. Packing writes as much memory as all
+ * weights take, which costs more than a whole call with few rows: the first such call packs a panel at a time into a
+ * buffer that stays in the L2 cache. Most processes make one call only. */
+static bool pack_when_it_pays(const nqm_inference_net *net, size_t n) {
+    static pthread_mutex_t packing = PTHREAD_MUTEX_INITIALIZER;   /* held while any network is packed */
+    nqm_inference_net *own = (nqm_inference_net *)(uintptr_t)net; /* logically constant */
+    if (atomic_load_explicit(&own->is_packed, memory_order_acquire))
+        return true;
+    if (n <= BLOCK_ROWS && !atomic_exchange(&own->has_run, true))
+        return false;
+    pthread_mutex_lock(&packing);
+    if (!own->is_packed) {
+        pack_floats(own);
+        atomic_store_explicit(&own->is_packed, true, memory_order_release);
+    }
+    pthread_mutex_unlock(&packing);
+    return true;
+}
+
+/* How many rows a thread takes through all layers at a time; 0: all threads work on all rows. Floats do that always:
+ * their weights are too large to be read once for each task. */
+static size_t rows_of_task(const rows *all) {
+    if (all->work->net->layer[0].segment[0].panels.precision == NQM_PRECISION_F32)
+        return 0;
+    const size_t n = all->n / (size_t)omp_get_num_threads() / NQM_STRIP * NQM_STRIP;
+    return n < MIN_THREAD_ROWS ? 0 : nqm_smaller(n, MAX_TASK_ROWS);
+}
+
+/* Take the next rows: fewer towards the end, so that all threads end at about the same time. */
+static bool take_rows(const rows *all, size_t most, rows *part) {
     nqm_inference_work *work = all->work;
     const size_t n_threads = (size_t)omp_get_num_threads();
-    size_t first = atomic_load(&work->taken), n;
-    do {
-        const size_t left = all->n - first, share = left / (2 * n_threads * NQM_STRIP) * NQM_STRIP;
-        n = nqm_smaller(left, share < NQM_STRIP ? NQM_STRIP : nqm_smaller(share, most));
-    } while (!atomic_compare_exchange_weak(&work->taken, &first, first + n));
-    *t = *all;
-    t->alone = true;
-    t->first = first;
-    t->n = n;
-    t->at = (size_t)omp_get_thread_num() * most;
-    t->x += t->first * t->ldx;
-    t->z += t->first;
-    return t->n > 0;
+    *part = *all;
+#pragma omp critical(nqm_inference_take_rows)
+    {
+        const size_t left = all->n - work->n_taken, n = left / (2 * n_threads * NQM_STRIP) * NQM_STRIP;
+        part->first = work->n_taken;
+        part->n = nqm_smaller(left, n < NQM_STRIP ? NQM_STRIP : nqm_smaller(n, most));
+        work->n_taken += part->n;
+    }
+    part->slot = (size_t)omp_get_thread_num() * most;
+    part->x += part->first * part->ldx;
+    part->z += part->first;
+    return part->n > 0;
 }
 
 void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_t ldx, float *z) {
-    const nqm_kernels *kernels = nqm_kernels_get();
-    const trip all = {.work = work, .kernels = kernels, .n = n, .x = x, .ldx = ldx, .z = z};
+    const rows all = {.work = work, .kernels = nqm_kernels_get(), .n = n, .x = x, .ldx = ldx, .z = z};
     if (n == 0)
         return;
-    work->packed = nqm_inference_net_packed(work->net, kernels, n);
+    work->is_packed = pack_when_it_pays(work->net, n);
     work->n_rows = n;
-    atomic_store(&work->taken, 0);
-#pragma omp parallel if (n >= MIN_ROWS && n * work->n_multiplications >= MIN_PARALLEL)
+    work->n_taken = 0;
     find_references(&all);
-    /* A call or two of a short process would only wait for a thread to start. */
-#pragma omp parallel if (n * work->n_multiplications >= MIN_PARALLEL && (work->packed || n >= MIN_ROWS))
+    const bool parallel = n * work->n_products >= MIN_PARALLEL && (work->is_packed || n >= MIN_ROWS);
+    const size_t n_threads = nqm_smaller((size_t)omp_get_max_threads(), work->n_threads);
+#pragma omp parallel num_threads((int)n_threads) if (parallel)
     {
-        const size_t most = rows_to_take(&all);
-        trip t = all;
-        t.one_ref = one_new_reference(&all);
-        if (!work->own_refs && work->n_refs > 0)
-            round_references(&all);
-        if (!work->own_refs && work->n_refs > 0 && !t.one_ref)
+        const size_t most = rows_of_task(&all);
+        rows part;
+        if (!has_own_references(&all))
             multiply_references(&all);
-        if (most > 0)
-            while (take_rows(&all, most, &t))
-                travel(&t);
-        else if (n == 1 && (size_t)omp_get_num_threads() < work->n_slots) {
-            t.one_row = true;
-            t.at = 1 + (size_t)omp_get_thread_num();
-            travel_with_one_row(&t);
-        } else
-            travel(&t);
+        if (most == 0)
+            run_rows(&all);
+        while (most > 0 && take_rows(&all, most, &part)) {
+#pragma omp parallel num_threads(1) /* the loops of run_rows() are this thread's alone */
+            run_rows(&part);
+        }
     }
     keep_reference(&all);
 }

@@ -29,7 +29,7 @@ static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
 static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
     f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n);
-    f.ld_rows = nqm_row_stride(nqm_units(t->options.precision, n));
+    f.ld_rows = nqm_row_stride(nqm_words(t->options.precision, n));
     f.rows = t->rows;
     return f;
 }

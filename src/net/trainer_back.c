@@ -25,11 +25,11 @@ static size_t tile_at(const nqm_panels *w, size_t strip, size_t panel) {
     return (panel * w->stride + strip * NQM_STRIP) * NQM_PANEL;
 }
 
-static void wanted_for_step(void *user, size_t strip, size_t panel, const float *wanted[NQM_WANTED]) {
+static void wanted_for_step(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]) {
     const sink *s = user;
-    const nqm_panels *const values[NQM_WANTED] = {&s->layer->value.w, &s->layer->m.w, &s->layer->v.w};
-    for (size_t i = 0; i < NQM_WANTED; ++i)
-        wanted[i] = (const float *)values[i]->data + tile_at(values[i], strip, panel);
+    const nqm_panels *const values[NQM_PREFETCH] = {&s->layer->value.w, &s->layer->m.w, &s->layer->v.w};
+    for (size_t i = 0; i < NQM_PREFETCH; ++i)
+        prefetch[i] = (const float *)values[i]->data + tile_at(values[i], strip, panel);
 }
 
 static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
@@ -42,9 +42,9 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
         nqm_panels_transpose_rows(w, &s->layer->backward, strip * NQM_STRIP, n_strips * NQM_STRIP, panel);
     if (!s->layer->rounded.data)
         return;
-    uint32_t *units = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
+    uint32_t *words = nqm_panel_at(&s->layer->rounded, panel) + strip * TILE / 2;
     for (size_t i = 0; i < n_strips; ++i)
-        nqm_kernels_get()->round_tile(value + i * TILE, units + i * TILE / 2);
+        nqm_kernels_get()->round_tile(value + i * TILE, words + i * TILE / 2);
 }
 
 static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
@@ -65,7 +65,7 @@ static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const n
                                      .x = x->columns,
                                      .z = dz->columns,
                                      .sink = s->out ? store_tiles : step_tiles,
-                                     .wanted = s->out ? NULL : wanted_for_step,
+                                     .prefetch = s->out ? NULL : wanted_for_step,
                                      .user = s});
 }
 
@@ -135,7 +135,7 @@ typedef struct way_back {
     const float *dz;
     const nqm_step_rates *rates; /* NULL: store */
     nqm_params *grads;
-    float *dx; /* NULL: not wanted */
+    float *dx; /* NULL: not prefetch */
 } way_back;
 
 static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {

@@ -22,7 +22,7 @@ typedef struct nqm_factor {
     size_t n, ld; /* rows of x go on with zeros up to ld */
     float *x;     /* (max_batch, ld), or two rows a thread where that is enough: */
     bool two_rows;
-    uint32_t *rows; /* (max_batch, ld_rows) units of neighbours in a row, or x itself: the left factor of a product */
+    uint32_t *rows; /* (max_batch, ld_rows) words of neighbours in a row, or x itself: the left factor of a product */
     size_t ld_rows;
     size_t width; /* of a group of columns: NQM_STRIP for a layer's input, NQM_PANEL for its product's gradient */
     nqm_columns columns; /* the same as a factor of a weight gradient; x itself, or in `pairs` */
@@ -43,7 +43,7 @@ typedef struct nqm_trainer_layer {
     float *rstd;   /* (max_batch) */
 } nqm_trainer_layer;
 
-/** A block of memory, in numbers or units. */
+/** A block of memory, in numbers or words. */
 typedef struct nqm_trainer_block {
     void *data;
     size_t n;

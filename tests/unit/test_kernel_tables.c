@@ -23,7 +23,7 @@ static float *random_block(nqm_rng *rng, size_t n) {
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */
 
-/* A product with rows and panels in the units of a precision; C begins as `before`. */
+/* A product with rows and panels in the words of a precision; C begins as `before`. */
 typedef struct problem {
     nqm_precision precision;
     size_t m, k, n, lda, ldc;
@@ -72,19 +72,6 @@ static void *solve(const problem *p, const nqm_kernels *kernels, size_t first, s
     nqm_kernels_use(kernels);
     nqm_multiply(&p->b, m, p->a + first * p->lda, p->lda, add, c, p->ldc);
     nqm_kernels_use(NULL);
-    return c;
-}
-
-/* The same without panels. */
-static float *solve_by_weights(const problem *p, const nqm_kernels *kernels, bool add) {
-    float *c = nqm_alloc(p->m * p->ldc, sizeof *c);
-    memcpy(c, p->before, p->m * p->ldc * sizeof *c);
-    for (size_t first = 0; first < p->n; first += NQM_PANEL) {
-        const nqm_product product = {
-            .m = p->m, .units = p->k, .add = add, .a = p->a, .lda = p->lda, .c = c + first, .ldc = p->ldc};
-        const size_t width = p->n - first < NQM_PANEL ? p->n - first : NQM_PANEL;
-        nqm_product_of_weights(kernels, &product, width, p->w + first * p->k, p->k);
-    }
     return c;
 }
 
@@ -199,59 +186,22 @@ static void the_same_bits(void **state) {
     omp_set_num_threads(threads);
 }
 
-/* Also where k is longer than what is packed at a time, and rows are no multiples of what is moved at a time. */
-static void the_same_bits_by_weights(void **state) {
+/* One panel at a time, also where rows are no multiples of the sizes that are transposed together. */
+static void panels_packed_one_by_one(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 6);
     static const size_t sizes[][3] = {{1, 1, 1}, {1, 192, 32}, {2, 193, 33}, {5, 391, 70}, {13, 1027, 67}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
         problem p = make_problem(&rng, NQM_PRECISION_F32, sizes[s][0], sizes[s][1], sizes[s][2]);
-        for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t)
-            for (int add = 0; add < 2; ++add) {
-                float *by_panels = solve(&p, nqm_kernels_at(t), 0, p.m, add);
-                float *by_weights = solve_by_weights(&p, nqm_kernels_at(t), add);
-                assert_memory_equal(by_weights, by_panels, p.m * p.ldc * sizeof *by_weights);
-                nqm_free(by_panels);
-                nqm_free(by_weights);
-            }
+        float *panel = random_block(&rng, p.k * NQM_PANEL);
+        for (size_t i = 0; i < p.b.n_panels; ++i) {
+            const size_t first = i * NQM_PANEL, width = p.n - first < NQM_PANEL ? p.n - first : NQM_PANEL;
+            nqm_pack_panel(width, p.k, p.w + first * p.k, p.k, panel);
+            assert_memory_equal(panel, nqm_panel_at(&p.b, i), p.k * NQM_PANEL * sizeof *panel);
+        }
+        nqm_free(panel);
         free_problem(&p);
     }
-}
-
-/* One row beside others, with a panel of its own: the same bits as alone, for both. */
-static void one_row_beside(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 6);
-    static const size_t rows[] = {1, 5, 9, 11, 12, 26};
-    for (size_t t = 0; nqm_kernels_at(t); ++t)
-        for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
-            problem p = make_problem(&rng, (nqm_precision)precision, 27, 75, 64);
-            for (size_t r = 0; r < sizeof rows / sizeof *rows; ++r) {
-                uint32_t together[27 * NQM_PANEL], apart[27 * NQM_PANEL], one[NQM_PANEL], one_apart[NQM_PANEL];
-                nqm_product product = {.m = rows[r],
-                                       .units = p.b.units,
-                                       .a = p.a,
-                                       .lda = p.lda,
-                                       .b = nqm_panel_at(&p.b, 0),
-                                       .c = apart,
-                                       .ldc = NQM_PANEL};
-                nqm_product alone = product;
-                alone.m = 1;
-                alone.a = p.a + 26 * p.lda;
-                alone.b = nqm_panel_at(&p.b, 1);
-                alone.c = one_apart;
-                nqm_kernels_at(t)->product[precision](&product);
-                nqm_kernels_at(t)->product[precision](&alone);
-                product.c = together;
-                product.one_a = alone.a;
-                product.one_b = alone.b;
-                product.one_c = one;
-                nqm_kernels_at(t)->product[precision](&product);
-                assert_memory_equal(together, apart, rows[r] * NQM_PANEL * sizeof *apart);
-                assert_memory_equal(one, one_apart, sizeof one);
-            }
-            free_problem(&p);
-        }
 }
 
 static void panels_and_back(void **state) {
@@ -285,10 +235,10 @@ static void rounding_to_bfloat16(void **state) {
     (void)state;
     const float x[] = {1, 0x1.01p0f, 0x1.03p0f, 0x1.0101p0f, -0x1.01p0f, 0x1.ffp127f, INFINITY, -0.0f, 3.14159f, NAN};
     const float expected[] = {1, 1, 0x1.04p0f, 0x1.02p0f, -1, INFINITY, INFINITY, -0.0f, 0x1.92p1f};
-    uint32_t units[5];
-    nqm_round_row(10, x, units);
+    uint32_t words[5];
+    nqm_round_row(10, x, words);
     for (size_t i = 0; i < 10; ++i) {
-        uint32_t bits = i % 2 ? units[i / 2] & 0xffff0000u : units[i / 2] << 16;
+        uint32_t bits = i % 2 ? words[i / 2] & 0xffff0000u : words[i / 2] << 16;
         float value;
         memcpy(&value, &bits, sizeof value);
         if (i == 9)
@@ -318,20 +268,20 @@ static void collect(void *user, size_t strip, size_t n_strips, size_t panel, con
 
 /* x (m, n) as a factor of a gradient, in a block as large as must be there and no larger. */
 static nqm_columns factor_of(nqm_precision precision, size_t m, size_t n, size_t width, const float *x) {
-    const size_t units = nqm_units(precision, m), n_groups = (n + width - 1) / width;
+    const size_t words = nqm_words(precision, m), n_groups = (n + width - 1) / width;
     const bool rounded = precision == NQM_PRECISION_BF16;
-    uint32_t *data = nqm_alloc(n_groups * units, width * sizeof *data);
+    uint32_t *data = nqm_alloc(n_groups * words, width * sizeof *data);
     float *zeros = nqm_alloc(n, sizeof *zeros);
-    for (size_t u = 0; u < units; ++u) {
+    for (size_t u = 0; u < words; ++u) {
         const float *row = x + (u << precision) * n;
         if (rounded)
-            nqm_kernels_get()->round_pair(n, row, 2 * u + 1 < m ? row + n : zeros, width, units * width,
+            nqm_kernels_get()->round_pair(n, row, 2 * u + 1 < m ? row + n : zeros, width, words * width,
                                           data + u * width);
         else
             memcpy(data + u * n_groups * width, row, n * sizeof *row);
     }
     nqm_free(zeros);
-    return rounded ? (nqm_columns){data, units * width, width} : (nqm_columns){data, width, n_groups * width};
+    return rounded ? (nqm_columns){data, words * width, width} : (nqm_columns){data, width, n_groups * width};
 }
 
 static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, const size_t size[3], const float *x,
@@ -558,13 +508,19 @@ static void choice_by_name(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_definition_by_hand),   cmocka_unit_test(products_of_every_table),
-        cmocka_unit_test(one_row_beside),           cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(the_same_bits_by_weights), cmocka_unit_test(panels_and_back),
-        cmocka_unit_test(rounding_to_bfloat16),     cmocka_unit_test(gradients_of_every_table),
-        cmocka_unit_test(rows_of_every_table),      cmocka_unit_test(adam_of_every_table),
-        cmocka_unit_test(choice_by_name),           cmocka_unit_test(scaled_logs_of_every_table),
-        cmocka_unit_test(dots_of_every_table),      cmocka_unit_test(whitening_of_every_table),
+        cmocka_unit_test(the_definition_by_hand),
+        cmocka_unit_test(products_of_every_table),
+        cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(panels_packed_one_by_one),
+        cmocka_unit_test(panels_and_back),
+        cmocka_unit_test(rounding_to_bfloat16),
+        cmocka_unit_test(gradients_of_every_table),
+        cmocka_unit_test(rows_of_every_table),
+        cmocka_unit_test(adam_of_every_table),
+        cmocka_unit_test(choice_by_name),
+        cmocka_unit_test(scaled_logs_of_every_table),
+        cmocka_unit_test(dots_of_every_table),
+        cmocka_unit_test(whitening_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -88,15 +88,15 @@ static void rows_of_bytes(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 2);
     static float x[N];
-    static uint32_t units[N / 4 + 1], first[N / 4 + 1];
+    static uint32_t words[N / 4 + 1], first[N / 4 + 1];
     for (int round = 0; round < 40; ++round) {
         const double low = round % 4 == 1 ? 0 : -nqm_rng_uniform(&rng);
         for (size_t i = 0; i < N; ++i)
             x[i] = i % 9 == 0 ? 0 : (float)(low + (round % 4 == 2 ? -low : 1) * nqm_rng_uniform(&rng));
         for (size_t k = 0; nqm_kernels_at(k); ++k) {
-            memset(units, 255, sizeof units);
-            nqm_byte_scale by = nqm_kernels_at(k)->quantise_row(N, x, units);
-            const unsigned char *bytes = (const unsigned char *)units;
+            memset(words, 255, sizeof words);
+            nqm_byte_scale by = nqm_kernels_at(k)->quantise_row(N, x, words);
+            const unsigned char *bytes = (const unsigned char *)words;
             unsigned char least = 255, most = 0;
             for (size_t i = 0; i < N; ++i) {
                 double back = (double)by.scale * ((double)bytes[i] - (double)by.zero);
@@ -107,13 +107,13 @@ static void rows_of_bytes(void **state) {
             }
             assert_true(least <= 1 && most >= 254);
             if (k == 0)
-                memcpy(first, units, sizeof first);
-            assert_memory_equal(units, first, sizeof first);
+                memcpy(first, words, sizeof first);
+            assert_memory_equal(words, first, sizeof first);
         }
     }
     const float zeros[7] = {0};
-    nqm_byte_scale by = nqm_kernels_get()->quantise_row(7, zeros, units);
-    assert_true(by.scale > 0 && ((unsigned char *)units)[3] == by.zero);
+    nqm_byte_scale by = nqm_kernels_get()->quantise_row(7, zeros, words);
+    assert_true(by.scale > 0 && ((unsigned char *)words)[3] == by.zero);
 }
 
 static void one_row_like_many(void **state) {
@@ -143,7 +143,7 @@ static void one_row_like_many(void **state) {
                 nqm_kernels_use(kernels);
                 nqm_multiply(&b, 1, a, K, add, expected, WIDTH + NQM_PANEL);
                 nqm_kernels_use(NULL);
-                kernels->row_product[precision](&(nqm_row_product){.units = b.units,
+                kernels->row_product[precision](&(nqm_row_product){.words = b.words,
                                                                    .n_panels = b.n_panels,
                                                                    .stride = b.stride,
                                                                    .add = add,

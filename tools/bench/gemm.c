@@ -36,7 +36,7 @@ typedef struct job {
 
 static void run_product(void *user) {
     job *j = user;
-    nqm_multiply(&j->panels, j->m, j->rows, nqm_row_stride(j->panels.units), false, j->c, nqm_row_stride(j->n));
+    nqm_multiply(&j->panels, j->m, j->rows, nqm_row_stride(j->panels.words), false, j->c, nqm_row_stride(j->n));
 }
 
 static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
@@ -94,7 +94,7 @@ static void fill_random(size_t n, float *x, uint64_t seed) {
 }
 
 static void fill_rows(job *j) {
-    const size_t stride = nqm_row_stride(j->panels.units);
+    const size_t stride = nqm_row_stride(j->panels.words);
     for (size_t i = 0; i < j->m; ++i) {
         uint32_t *row = j->rows + i * stride;
         if (j->precision == NQM_PRECISION_F32)
@@ -139,7 +139,7 @@ static nqm_status make_job(job *j, nqm_error *err) {
     j->w = nqm_alloc(j->n * j->k, sizeof *j->w);
     j->c = nqm_alloc(j->m * nqm_row_stride(j->n), sizeof *j->c);
     j->rows = gradient ? nqm_alloc(nqm_columns_size(j->precision, NQM_STRIP, j->k, j->m), sizeof *j->rows)
-                       : nqm_alloc(j->m, nqm_row_stride(j->panels.units) * sizeof *j->rows);
+                       : nqm_alloc(j->m, nqm_row_stride(j->panels.words) * sizeof *j->rows);
     if (gradient)
         j->rows_right = nqm_alloc(nqm_columns_size(j->precision, NQM_PANEL, j->k, j->n), sizeof *j->rows_right);
     if (!j->x || !j->w || !j->c || !j->rows || (gradient && !j->rows_right))

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * products.h - the matrix products of one precision, for tiles.h, which includes this file once for each:
+ *
+ * PRECISION      suffix of the functions' names
+ * WORD, RIGHT    an element of A and a vector of elements of B
+ * NUMBER, SUM    an element of C and a vector of them
+ * MADD           sum + a b
+ * GRADIENT_NEXT  the weight gradient prefetches A this many words ahead; 0: it does not. Undefined: there is no gradient
+ *
+ * A tile of C stays in registers while A and B are read once; each word of A is broadcast to a vector.
+ */
+
+/* C (rows, TILE_COLUMNS) = A B, or C + A B. Where it is inlined, all but the pointers and strides are constants. */
+typedef struct NAME(tile) {
+    size_t rows, words;
+    const WORD *a; /* word u of row i is a[i * row_step + u * word_step] */
+    size_t row_step, word_step;
+    const WORD *b; /* (words, TILE_COLUMNS), ldb words from row to row */
+    size_t ldb;
+    NUMBER *c; /* (rows, TILE_COLUMNS) */
+    size_t ldc;
+    bool add;
+    size_t next; /* prefetch A this many words ahead: hardware does not predict large strides; 0: do not */
+    const float *const
+        *prefetch; /* NQM_PREFETCH arrays of a tile's size, prefetched a cache line at a time; NULL: none */
+} NAME(tile);
+
+INLINE void NAME(multiply_tile)(NAME(tile) t) {
+    const WORD *restrict a = t.a, *restrict b = t.b;
+    NUMBER *restrict c = t.c;
+    const size_t slice = t.prefetch ? (t.words + PREFETCH_LINES - 1) / PREFETCH_LINES : t.words;
+    SUM sum[TILE_ROWS][TILE_VECTORS];
+    UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =
+        t.add ? *(const SUM *)(c + i * t.ldc + j * LANES) : (SUM){0};
+    for (size_t u = 0, line = 0; u < t.words; ++line) {
+        for (size_t i = 0; t.prefetch && i < NQM_PREFETCH; ++i)
+            __builtin_prefetch(t.prefetch[i] + line * LINE, 0, 2);
+        for (size_t end = t.words - u < slice ? t.words : u + slice; u < end; ++u) {
+            RIGHT right[TILE_VECTORS];
+            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] = *(const RIGHT *)(b + j * LANES);
+            if (t.next)
+                __builtin_prefetch(a + t.next, 0, 2);
+            UNROLL for (size_t i = 0; i < t.rows; ++i) {
+                const WORD left = a[i * t.row_step];
+                UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);
+            }
+            a += t.word_step;
+            b += t.ldb;
+        }
+    }
+    UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) *
+        (SUM *)(c + i * t.ldc + j * LANES) = sum[i][j];
+}
+
+/* Rows [row, row + n) and TILE_COLUMNS columns of a product. */
+INLINE void NAME(multiply_rows)(const nqm_product *p, size_t row, size_t n, size_t column) {
+    NAME(multiply_tile)
+    ((NAME(tile)){.rows = n,
+                  .words = p->words,
+                  .a = (const WORD *)p->a + row * p->lda,
+                  .row_step = p->lda,
+                  .word_step = 1,
+                  .b = (const WORD *)p->b + column,
+                  .ldb = NQM_PANEL,
+                  .c = (NUMBER *)p->c + row * p->ldc + column,
+                  .ldc = p->ldc,
+                  .add = p->add});
+}
+
+static void NAME(product)(const nqm_product *p) {
+    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {
+        size_t i = 0;
+        for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)
+            NAME(multiply_rows)(p, i, TILE_ROWS, column);
+#define REST(n)                                                                                                        \
+    case n:                                                                                                            \
+        NAME(multiply_rows)(p, i, (n) < TILE_ROWS ? (n) : 1, column);                                                  \
+        break;
+        switch (p->m - i) {
+            REST(1)
+            REST(2)
+            REST(3)
+            REST(4)
+            REST(5)
+            REST(6)
+            REST(7)
+            REST(8)
+            REST(9)
+            REST(10)
+            REST(11)
+        default: /* TILE_ROWS is at most 12 */
+            break;
+        }
+#undef REST
+    }
+}
+
+/* One row times n neighbouring panels from b on. */
+INLINE void NAME(multiply_row)(size_t n, const nqm_row_product *p, const WORD *restrict b, NUMBER *restrict c) {
+    const WORD *restrict a = p->a;
+    SUM sum[ROW_PANELS * PANEL_VECTORS];
+    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) sum[i] = p->add ? *(const SUM *)(c + i * LANES) : (SUM){0};
+    for (size_t u = 0; u < p->words; ++u)
+        UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) {
+            const WORD *right = b + (i / PANEL_VECTORS * p->stride + u) * NQM_PANEL + i % PANEL_VECTORS * LANES;
+            sum[i] = MADD(sum[i], a[u], *(const RIGHT *)right);
+        }
+    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) * (SUM *)(c + i * LANES) = sum[i];
+}
+
+static void NAME(row_product)(const nqm_row_product *p) {
+    const WORD *b = p->b;
+    NUMBER *c = p->c;
+    size_t panel = 0;
+    for (; panel + ROW_PANELS <= p->n_panels; panel += ROW_PANELS)
+        NAME(multiply_row)(ROW_PANELS, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);
+    for (; panel < p->n_panels; ++panel)
+        NAME(multiply_row)(1, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);
+}
+
+#ifdef GRADIENT_NEXT
+static void NAME(gradient)(const nqm_tile_gradient *g) {
+    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
+        for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)
+            NAME(multiply_tile)
+    ((NAME(tile)){.rows = TILE_ROWS,
+                  .words = g->words,
+                  .a = (const WORD *)g->left + i,
+                  .row_step = 1,
+                  .word_step = g->ld_left,
+                  .b = (const WORD *)g->right + column,
+                  .ldb = g->ld_right,
+                  .c = g->c + i * NQM_PANEL + column,
+                  .ldc = NQM_PANEL,
+                  .next = GRADIENT_NEXT,
+                  .prefetch = g->prefetch});
+}
+#undef GRADIENT_NEXT
+#endif
+
+#undef PRECISION
+#undef WORD
+#undef RIGHT
+#undef NUMBER
+#undef SUM
+#undef MADD
