@@ -313,18 +313,18 @@ static size_t rows_of_task(const rows *all) {
 static bool take_rows(const rows *all, size_t most, rows *part) {
     nqm_inference_work *work = all->work;
     const size_t n_threads = (size_t)omp_get_num_threads();
+    size_t first = atomic_load(&work->n_taken), n;
+    do {
+        const size_t left = all->n - first, fair = left / (2 * n_threads * NQM_STRIP) * NQM_STRIP;
+        n = nqm_smaller(left, fair < NQM_STRIP ? NQM_STRIP : nqm_smaller(fair, most));
+    } while (!atomic_compare_exchange_weak(&work->n_taken, &first, first + n));
     *part = *all;
-#pragma omp critical(nqm_inference_take_rows)
-    {
-        const size_t left = all->n - work->n_taken, n = left / (2 * n_threads * NQM_STRIP) * NQM_STRIP;
-        part->first = work->n_taken;
-        part->n = nqm_smaller(left, n < NQM_STRIP ? NQM_STRIP : nqm_smaller(n, most));
-        work->n_taken += part->n;
-    }
+    part->first = first;
+    part->n = n;
     part->slot = (size_t)omp_get_thread_num() * most;
-    part->x += part->first * part->ldx;
-    part->z += part->first;
-    return part->n > 0;
+    part->x += first * part->ldx;
+    part->z += first;
+    return n > 0;
 }
 
 void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_t ldx, float *z) {

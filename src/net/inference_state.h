@@ -52,7 +52,8 @@ struct nqm_inference_work {
     float *panel;          /**< (threads, panel_size) a panel packed for immediate use */
     size_t panel_size;
     bool is_packed;         /**< this call reads the network's panels of floats, not `panel` */
-    size_t n_rows, n_taken; /**< of this call; those that threads have taken */
+    size_t n_rows;          /**< of this call */
+    size_t _Atomic n_taken; /**< of them, by threads that take rows through all layers */
     /* References of this call, 1..n_refs; 0 is the last one of the call before. */
     size_t n_refs;
     size_t *ref_of;             /**< (max_batch) a row's reference */
