@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options from tables: parsing, ranges, defaults and help text come from one place. Options may stand anywhere; `--`
- * ends them.
+ * Options from tables, which drive parsing, ranges, defaults and help. Options may be anywhere among the arguments; `--` ends
+ * them.
  */
 #include "nqm/tool.h"
 
@@ -67,7 +67,7 @@ static void print_help(const command *cmd) {
     }
     for (size_t i = 0; cmd->table && i < cmd->table->n; ++i)
         print_table_option(&cmd->table->rows[i], cmd->table_target);
-    print_option(0, "help", NULL, "this text");
+    print_option(0, "help", NULL, "print this text");
     printf("\n\nexample:\n");
     for (const char *line = cmd->example; *line;) {
         size_t n = strcspn(line, "\n");
@@ -78,7 +78,7 @@ static void print_help(const command *cmd) {
 
 static bool usage_error(const command *cmd, int *exit_code, const char *what, const char *which) {
     fprintf(stderr, "nqm %s: %s%s%s\n", cmd->name, what, *which ? ": " : "", which);
-    fprintf(stderr, "usage: nqm %s %s\n('nqm %s --help' says more)\n", cmd->name, cmd->usage, cmd->name);
+    fprintf(stderr, "usage: nqm %s %s\n(see 'nqm %s --help')\n", cmd->name, cmd->usage, cmd->name);
     *exit_code = EXIT_USAGE;
     return false;
 }
@@ -91,11 +91,12 @@ static bool store_value(const command *cmd, const option *o, const char *value, 
     }
     char *end;
     errno = 0;
-    double number = strtod(value, &end); /* the tool never calls setlocale: this is the "C" locale */
-    bool any_range = o->min == 0 && o->max == 0;
-    bool whole = o->kind != OPTION_COUNT || (number >= 0 && number == floor(number) && number <= 9007199254740992.0);
-    if (end == value || *end || !isfinite(number) || !whole || (!any_range && (number < o->min || number > o->max))) {
-        if (any_range)
+    double number = strtod(value, &end); /* in the "C" locale: the tool never calls setlocale() */
+    bool has_any_range = o->min == 0 && o->max == 0;
+    bool is_whole = o->kind != OPTION_COUNT || (number >= 0 && number == floor(number) && number <= 9007199254740992.0);
+    if (end == value || *end || !isfinite(number) || !is_whole ||
+        (!has_any_range && (number < o->min || number > o->max))) {
+        if (has_any_range)
             snprintf(message, sizeof message, "--%s needs a %s, not '%.80s'", o->name,
                      o->kind == OPTION_COUNT ? "whole number" : "number", value);
         else
@@ -110,7 +111,7 @@ static bool store_value(const command *cmd, const option *o, const char *value, 
     return true;
 }
 
-/* The option that `word` names ("--name", "--name=value", "-x"); *value points at what follows '=', or is NULL. A flag of the
+/* The option with the name in `word` ("--name", "--name=value", "-x"); *value is the text after '=', or NULL. A flag of the
  * table (*from_table_ret) whose name sets it to 0 has *is_off_ret. */
 static const option *find_option(const command *cmd, const char *word, const char **value,
                                  const nqm_option **from_table_ret, bool *is_off_ret) {
@@ -177,7 +178,7 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
         }
         if (!value) {
             if (i + 1 >= argc)
-                return usage_error(cmd, exit_code, "a value is missing behind", word);
+                return usage_error(cmd, exit_code, "a value is missing after", word);
             value = argv[++i];
         }
         if (!(from_table ? store_table_value(cmd, from_table, value, exit_code)
@@ -185,9 +186,9 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
             return false;
     }
     if (n < cmd->min_arguments)
-        return usage_error(cmd, exit_code, n ? "too few arguments" : "arguments are missing", "");
+        return usage_error(cmd, exit_code, n ? "too few arguments" : "the arguments are missing", "");
     if (cmd->max_arguments >= 0 && n > cmd->max_arguments)
-        return usage_error(cmd, exit_code, "too many arguments, from", argv[cmd->max_arguments]);
+        return usage_error(cmd, exit_code, "too many arguments, beginning with", argv[cmd->max_arguments]);
     *n_arguments = n;
     return true;
 }

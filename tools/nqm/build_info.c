@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The libraries of this build beyond those of nqm_build_info(), in one line.
+ * One line about the libraries of this build that nqm_build_info() does not list.
  */
 #include "figures/picture.h"
 #include "io/io.h"

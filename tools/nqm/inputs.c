@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What arguments name: models and directions (built in, or a file), lists of BRDFs, and short text files.
+ * Inputs from arguments: models and directions (built in or from a file), BRDFs, short text files.
  */
 #include "nqm/tool.h"
 
@@ -20,29 +20,28 @@ static bool is_builtin(const char *name) {
     return false;
 }
 
-/* No such built-in model and no such file. */
 static int report_unknown_model(const char *verb, const char *name) {
     if (nqm_model_builtin_count() == 0)
         return report(
             verb, EXIT_MODEL,
-            "there is no model '%s': none is built into this nqm, give the file of one (`nqm train` makes them)", name);
+            "there is no model '%s': this build has no built-in model; give a model file (`nqm train` makes one)",
+            name);
     char known[256] = "";
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
         size_t n = strlen(known);
         snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", nqm_model_builtin_name(i));
     }
-    return report(verb, EXIT_MODEL, "there is no model '%s': built in are %s; or give the path of a model file", name,
-                  known);
+    return report(verb, EXIT_MODEL, "there is no model '%s': built in are %s; or give a model file", name, known);
 }
 
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret) {
     *model_ret = NULL;
     const char *name = name_or_path ? name_or_path : "default";
     nqm_error err = {0};
-    bool builtin = is_builtin(name);
-    if (!builtin && !strpbrk(name, "/.") && access(name, F_OK) != 0)
+    bool is_built_in = is_builtin(name);
+    if (!is_built_in && !strpbrk(name, "/.") && access(name, F_OK) != 0)
         return report_unknown_model(verb, name);
-    nqm_status status = builtin ? nqm_model_builtin(name, model_ret, &err) : nqm_model_load(name, model_ret, &err);
+    nqm_status status = is_built_in ? nqm_model_builtin(name, model_ret, &err) : nqm_model_load(name, model_ret, &err);
     return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
 }
 
@@ -73,21 +72,21 @@ int read_text(const char *verb, const char *path, char **text_ret) {
     FILE *file = fopen(path, "rb");
     char *text = file ? calloc(MAX_TEXT_BYTES + 1, 1) : NULL;
     size_t n = text ? fread(text, 1, MAX_TEXT_BYTES, file) : 0;
-    bool unread = !text || ferror(file);
+    bool is_unread = !text || ferror(file);
     int reason = errno;
-    bool no_text = !unread && (memchr(text, '\0', n) || fgetc(file) != EOF);
+    bool is_binary = !is_unread && (memchr(text, '\0', n) || fgetc(file) != EOF);
     if (file)
         fclose(file);
-    if (unread || no_text) {
+    if (is_unread || is_binary) {
         free(text);
-        return report(verb, unread ? EXIT_OPEN : EXIT_MALFORMED, "%s: cannot read a text: %s", path,
-                      unread ? strerror(reason) : "it holds NUL bytes, or more than 1 MiB");
+        return report(verb, is_unread ? EXIT_OPEN : EXIT_MALFORMED, "%s: cannot be read as text: %s", path,
+                      is_unread ? strerror(reason) : "it has NUL bytes, or is larger than 1 MiB");
     }
     *text_ret = text;
     return EXIT_OK;
 }
 
-/* A model file is safetensors: eight bytes of length, then a JSON object. No CSV of directions has a '{' there. */
+/* A model file is in safetensors format: eight bytes of length, then a JSON object. A CSV has no '{' there. */
 static bool looks_like_model(const char *path) {
     FILE *file = fopen(path, "rb");
     if (!file)
@@ -108,9 +107,9 @@ int open_directions(const char *verb, const char *name_or_path, nqm_directions *
         int exit_code = open_model(verb, name, &model);
         if (exit_code != EXIT_OK)
             return exit_code;
-        const nqm_directions *lent = nqm_model_get_info(model).directions;
-        status =
-            nqm_directions_from_degrees(nqm_directions_count(lent), nqm_directions_degrees(lent), directions_ret, &err);
+        const nqm_directions *borrowed = nqm_model_get_info(model).directions;
+        status = nqm_directions_from_degrees(nqm_directions_count(borrowed), nqm_directions_degrees(borrowed),
+                                             directions_ret, &err);
         nqm_model_free(model);
     } else if (name_or_path) {
         status = nqm_directions_load_csv(name, directions_ret, &err);

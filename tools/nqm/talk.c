@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the tool talks: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
+ * Output of the tool: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
  */
 #include "nqm/tool.h"
 
@@ -47,7 +47,7 @@ int report_error(const char *verb, const nqm_error *err) {
     return exit_code_of(err->status);
 }
 
-#undef report /* what tool.h makes of it for clang-tidy */
+#undef report /* the macro of tool.h for clang-tidy */
 int report(const char *verb, int exit_code, const char *format, ...) {
     end_progress();
     fprintf(stderr, "nqm %s: ", verb);
@@ -60,13 +60,13 @@ int report(const char *verb, int exit_code, const char *format, ...) {
 }
 
 static void on_interrupt(int signal_number) {
-    if (++interrupt_count > 2) /* the user insists: leave at once; unfinished files carry names of their own */
+    if (++interrupt_count > 2) /* the third time: exit at once; unfinished files have temporary names */
         _exit(128 + signal_number);
 }
 
 void catch_interrupt(void) {
-    /* The handler needs a stack of its own: oneDNN's generated code lets the stack pointer point into its heap blocks,
-     * and a signal frame written there corrupts them. */
+    /* The handler needs its own stack: generated code of oneDNN points the stack register into its heap blocks, which a
+     * signal frame would corrupt. */
     static char handler_stack[1 << 16];
     const stack_t stack = {.ss_sp = handler_stack, .ss_size = sizeof handler_stack};
     sigaltstack(&stack, NULL);
@@ -121,7 +121,7 @@ void end_progress(void) {
 int print_json(json_t *value) {
     end_progress();
     if (!value) {
-        fputs("nqm: no JSON can be made: a name is not UTF-8, or memory is short\n", stderr);
+        fputs("nqm: cannot write JSON: a name is not UTF-8, or out of memory\n", stderr);
         return EXIT_LIMIT;
     }
     int bad = json_dumpf(value, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
@@ -153,7 +153,7 @@ json_t *json_tool(void) {
     return json_pack("{s:s,s:s}", "name", "nqm", "version", nqm_version());
 }
 
-/* Readers drop blanks around plain fields, and lines that begin with '#'. */
+/* Readers strip blanks around unquoted fields, and skip lines that begin with '#'. */
 static bool is_plain(const char *text) {
     size_t n = strlen(text);
     return !strpbrk(text, ",\"\r\n") && (n == 0 || !strchr("# \t", text[0])) && (n == 0 || !strchr(" \t", text[n - 1]));

@@ -14,14 +14,14 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/** Exit codes: a stable contract (README). */
+/** Exit codes; a stable interface (README). */
 enum {
     EXIT_OK = 0,
-    EXIT_GATE = 1,         /* --fail-under not reached, a check failed */
+    EXIT_GATE = 1,         /* a score below --fail-under, a failed check */
     EXIT_USAGE = 2,        /* bad option, spec or argument */
     EXIT_OPEN = 3,         /* cannot open, read or write */
     EXIT_MALFORMED = 4,    /* malformed input */
-    EXIT_INCOMPATIBLE = 5, /* inputs do not fit together, too few valid samples */
+    EXIT_INCOMPATIBLE = 5, /* inputs that do not match, too few valid samples */
     EXIT_MODEL = 6,        /* model missing or damaged */
     EXIT_LIMIT = 7,        /* memory or size limit */
     EXIT_NUMERIC = 8,      /* numeric failure */
@@ -42,64 +42,61 @@ typedef struct option {
     const char *name; /* without "--"; NULL ends the table */
     char letter;      /* short form, 0 for none */
     option_kind kind;
-    void *target; /* holds the default when parsing begins; help prints it */
+    void *target; /* has the default before parsing, which help prints */
     const char *metavar;
     const char *help;
     double min, max; /* for numbers; both 0: any finite value */
 } option;
 
-/* Rows that several verbs share. */
+/* Rows of several verbs. */
 #define OPTION_ROW_INVALID(target)                                                                                     \
-    { "invalid", 0, OPTION_TEXT, (target), "POLICY", "where a BRDF has no value: drop, zero, nearest, error", 0, 0 }
-#define OPTION_ROW_MIN_VALID(target)                                                                                   \
     {                                                                                                                  \
-        "min-valid", 0, OPTION_NUMBER, (target), "F", "refuse pairs with fewer valid directions than this fraction",   \
-            0, 1                                                                                                       \
+        "invalid", 0, OPTION_TEXT, (target), "POLICY", "for directions without a value: drop, zero, nearest, error",   \
+            0, 0                                                                                                       \
     }
+#define OPTION_ROW_MIN_VALID(target)                                                                                   \
+    { "min-valid", 0, OPTION_NUMBER, (target), "F", "smallest fraction of valid directions of a pair", 0, 1 }
 #define OPTION_ROW_PRECISION(target)                                                                                   \
-    { "precision", 0, OPTION_TEXT, (target), "WORD", "of the network's products: f32, bf16 or int8", 0, 0 }
+    { "precision", 0, OPTION_TEXT, (target), "WORD", "arithmetic of the network: f32, bf16 or int8", 0, 0 }
 
 typedef struct command {
     const char *name;
-    const char *usage;   /* behind the name: "REF TEST... [options]" */
+    const char *usage;   /* after the name: "REF TEST... [options]" */
     const char *about;   /* a paragraph; ends without newline */
-    const char *example; /* full command lines, one a line */
+    const char *example; /* full commands, one per line */
     const option *options;
     const nqm_option_table *table; /* further options, set in the struct `table_target`; NULL: none */
     void *table_target;
     int min_arguments, max_arguments; /* positional; max < 0: any number */
 } command;
 
-/**
- * Parse argv (argv[0] is the verb). Positional arguments are moved to argv[0..n). Prints help or a usage error itself.
- * Returns true to go on with *n_arguments; false: return *exit_code.
- */
+/** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns true with *n_arguments, or
+ *  false with *exit_code after printing help or a usage error. */
 bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code);
 
 /* ---- inputs ------------------------------------------------------------------------------------------------------ */
 
 /** A file argument as a path: "-" is standard input. */
 const char *input_path(const char *argument);
-/** Open a model by the name of a built-in one or as a file; NULL is "default". EXIT_OK, or the fault is reported and
- *  its exit code returned. */
+/** Open a built-in model by name, or a model file; NULL: "default". EXIT_OK, or reports the error and returns its exit code. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. On failure none is open. As open_model(). */
 int open_brdfs(const char *verb, int n, char **arguments, nqm_brdf ***brdfs_ret);
 void close_brdfs(int n, nqm_brdf **brdfs);
 /** A text file of at most 1 MiB; free() it. As open_model(). */
 int read_text(const char *verb, const char *path, char **text_ret);
-/** Open directions from a CSV, from a model file or from a built-in model's name; NULL: those of the built-in model
- *  "default", or freshly made default ones when no model is built in. As open_model(). */
+/** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
+ *  default ones if there is no such model. As open_model(). */
 int open_directions(const char *verb, const char *name_or_path, nqm_directions **directions_ret);
 
-/** Open a dataset: nqm's own file, or the folder of the authors' layout with its labels CSV (`labels`, else NULL),
- *  whose rows all get `split`. As open_model(). */
+/** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
+ *  `split`. As open_model(). */
 int open_dataset(const char *verb, const char *path, const char *labels, nqm_split split, nqm_dataset **dataset_ret);
 
 /** Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). As open_model(). */
 int regress_csv(const char *verb, const char *path, nqm_regress_report *report_ret);
 
-/** A word of an option and the value that it stands for; a NULL name ends the list. */
+/** A word of an option and its value; a NULL name ends the list. */
 typedef struct choice {
     const char *name;
     int value;
@@ -109,72 +106,70 @@ int choose(const char *verb, const char *option_name, const choice *choices, con
 /** The name of a value. */
 const char *choice_name(const choice *choices, int value);
 
-/** The form of results: a verb's --json, --csv and --quiet, or none of them. */
+/** The format of results: --json, --csv, --quiet, or none of them. */
 typedef enum result_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_QUIET } result_format;
-/** EXIT_OK, or a usage error when there is more than one. */
+/** EXIT_OK, or a usage error for more than one. */
 int choose_result_format(const char *verb, bool json, bool csv, bool quiet, result_format *format_ret);
 
 /* ---- several processes ------------------------------------------------------------------------------------------- */
 
-/** This process among those that one launcher (mpirun, srun) started; 0 of 1 when started alone. */
+/** Rank and number of the processes of a launcher (mpirun, srun); 0 of 1 without a launcher. */
 typedef struct ranks {
     size_t rank, count;
 } ranks;
 ranks my_ranks(void);
 
-/* ---- talking ----------------------------------------------------------------------------------------------------- */
+/* ---- messages ----------------------------------------------------------------------------------------------------- */
 
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
 int report_error(const char *verb, const nqm_error *err);
-/** The same for a fault found by the tool itself. */
+/** The same for an error that the tool found; returns exit_code. */
 __attribute__((format(printf, 3, 4))) int report(const char *verb, int exit_code, const char *format, ...);
 int exit_code_of(nqm_status status);
 
-/** A progress callback: one line rewritten on standard error when that is a terminal; nonzero once Ctrl-C was
- *  pressed. */
+/** A progress callback: a line on standard error, if that is a terminal. Returns nonzero after Ctrl-C. */
 int show_progress(void *user, const char *stage, double done, double total);
-/** A few words that the progress line shows from now on. */
+/** Set a note that the progress line shows from now on. */
 __attribute__((format(printf, 1, 2))) void note_progress(const char *format, ...);
-/** End the progress line, if there is one. */
+/** Clear the progress line, if there is one. */
 void end_progress(void);
 /** Install the Ctrl-C handler (main does). */
 void catch_interrupt(void);
-/** true once Ctrl-C was pressed. */
+/** Whether Ctrl-C was pressed. */
 bool interrupted(void);
 
-/** Print a JSON value with a final newline and release it. NaN must have been stored through json_number(). */
+/** Print a JSON value with a final newline, and release it. Store numbers that may be NaN with json_number(). */
 int print_json(json_t *value);
-/** A JSON string of a file's name or a message. Where it is not UTF-8, bytes that are not ASCII become '?'. */
+/** A JSON string of a file name or a message. In texts that are not UTF-8, bytes that are not ASCII become '?'. */
 json_t *json_name(const char *text);
 /** A JSON real, or null when not finite. */
 json_t *json_number(double value);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
 json_t *json_tool(void);
-/** The libraries of this build that draw, trace rays and read pictures, with their versions or "off"; nothing is loaded to
- *  say so. Static storage. */
+/** Versions of the libraries for drawing, ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
-/** What a JOD below 10 means, in words; doc/cli.md has the table. */
+/** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *jod_words(double jod);
-/** Two lines on the intervals of a model, as made now and as its file has them; JSON of the same, null when there are
- *  none. */
+/** Print two lines about the intervals of a model, from a new calibration or from its file; the same as JSON, null without
+ *  intervals. */
 void print_calibration(const nqm_calibration *calibration);
 void print_stored_calibration(const nqm_model_info *info);
 json_t *calibration_json(const nqm_calibration *calibration);
 json_t *stored_calibration_json(const nqm_model_info *info);
 enum { INTERVAL_TEXT = 32, INTERVAL_WIDTH = 14 };
-/** "[3.62, 4.47]", at most INTERVAL_WIDTH characters, for a result that has an interval. */
+/** "[3.62, 4.47]", at most INTERVAL_WIDTH characters, for a result with an interval. */
 const char *interval_text(const nqm_score_result *result, char text[INTERVAL_TEXT]);
-/** One CSV field on standard output, quoted when needed. */
+/** A CSV field, quoted if necessary. */
 void print_csv_text(FILE *out, const char *text);
-/** A number with 9 digits, or nothing when it is not finite. */
+/** A number with 9 digits, or nothing if it is not finite. */
 void print_csv_number(FILE *out, double value);
-/** n of them, with a comma before each. */
+/** n numbers, each after a comma. */
 void print_csv_numbers(FILE *out, size_t n, const double *values);
-/** Begin a row on a predictor with the columns of agreement_columns. */
+/** Begin a row about a predictor, with the columns of agreement_columns. */
 void print_csv_agreement(FILE *out, const char *by, const char *selection, const char *type, const nqm_agreement *a);
 extern const char agreement_columns[];
 
-/* ---- files that a verb writes itself ----------------------------------------------------------------------------- */
+/* ---- output files ----------------------------------------------------------------------------- */
 
 /** A file that gets its final name when it is complete; zeroed: none. */
 typedef struct output_file {
@@ -182,9 +177,9 @@ typedef struct output_file {
     nqm_outfile file; /* zeroed: standard output */
 } output_file;
 
-/** Open ("-": standard output); EXIT_OK, or the fault is reported and its exit code returned. */
+/** Open; "-" is standard output. As open_model(). */
 int open_output(const char *verb, const char *path, output_file *out);
-/** Close, and rename to the final name or, without `keep`, remove what was written. A zeroed file is allowed. */
+/** Close, and rename to the final name or, without `keep`, remove. A zeroed file is allowed. */
 int close_output(const char *verb, output_file *out, bool keep);
 
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench.h - what the parts of `nqm bench` share: printing rows as JSON or as tables.
+ * bench_print.h - the rows of `nqm bench` as JSON or as tables.
  */
 #ifndef NQM_TOOL_BENCH_H
 #define NQM_TOOL_BENCH_H
@@ -8,9 +8,9 @@
 #include "bench/bench.h"
 #include "nqm/tool.h"
 
-/** Rows as {"machine", "rows"}: fields that do not apply are left out. */
+/** Rows as {"machine", "rows"}: fields that do not apply are omitted. */
 json_t *bench_json(const nqm_bench *bench);
-/** A table for each benchmark, the peaks first. */
+/** Print a table for each benchmark, the peaks first. */
 void print_bench_tables(const nqm_bench *bench);
 
 #endif

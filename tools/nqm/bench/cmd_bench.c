@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm bench - how fast this build is on this machine, beside what the machine can do.
+ * nqm bench - measures the speed of this build and the limits of the machine.
  */
 #include "nqm/bench/bench_print.h"
 
@@ -20,7 +20,7 @@ typedef struct bench_arguments {
 static const choice precisions[] = {
     {"f32", NQM_PRECISION_F32}, {"bf16", NQM_PRECISION_BF16}, {"int8", NQM_PRECISION_INT8}, {0}};
 
-/* One benchmark with the kernels that are selected. */
+/* A benchmark with the selected kernels. */
 typedef nqm_status run_fn(nqm_bench *bench, const bench_arguments *a, nqm_error *err);
 
 static nqm_status run_gemm(nqm_bench *bench, const bench_arguments *a, nqm_error *err) {
@@ -32,11 +32,11 @@ static nqm_status run_train(nqm_bench *bench, const bench_arguments *a, nqm_erro
     return nqm_bench_train(bench, a->recipe, (size_t)a->epochs, (size_t)a->seeds, err);
 }
 
-/* Whole commands: starting the program, and a first score. */
+/* Whole commands: start of the program, and a first score. */
 static nqm_status run_commands(nqm_bench *bench, nqm_error *err) {
     char self[4096];
     ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (n < 0) /* no such path here: nothing to start */
+    if (n < 0) /* a system without this path */
         return NQM_OK;
     self[n] = '\0';
     const char *version[] = {self, "--version", NULL};
@@ -77,7 +77,7 @@ static const struct {
 } benches[] = {{"gemm", run_gemm}, {"train", run_train}, {"score", run_score}, {"load", run_load}};
 enum { N_BENCHES = sizeof benches / sizeof *benches };
 
-/* With the best kernels, those of that name, or "all" but the plain loops, which take minutes. */
+/* With the best kernels, those of a name, or "all" but the scalar ones, which take minutes. */
 static nqm_status run_with_kernels(nqm_bench *bench, const bench_arguments *a, run_fn *run, nqm_error *err) {
     nqm_status status = NQM_OK;
     if (!a->kernels || strcmp(a->kernels, "all") != 0) {
@@ -94,7 +94,7 @@ static nqm_status run_with_kernels(nqm_bench *bench, const bench_arguments *a, r
     return status == NQM_OK ? nqm_kernels_select(NULL, err) : status;
 }
 
-static int settle_options(const bench_arguments *a, nqm_bench_options *options) {
+static int set_options(const bench_arguments *a, nqm_bench_options *options) {
     *options = nqm_bench_options_default();
     options->progress = show_progress;
     options->rounds = (size_t)a->rounds;
@@ -113,7 +113,7 @@ static int settle_options(const bench_arguments *a, nqm_bench_options *options) 
     return EXIT_OK;
 }
 
-/* JSON or tables on standard output, and JSON into `output` if there is one. */
+/* JSON or tables on standard output, and JSON to `output` if it is open. */
 static int print_rows(const nqm_bench *bench, const bench_arguments *a, output_file *output) {
     if (output->stream) {
         json_t *json = bench_json(bench);
@@ -129,13 +129,13 @@ static int print_rows(const nqm_bench *bench, const bench_arguments *a, output_f
     return EXIT_OK;
 }
 
-/* `which`: the benchmark's name, NULL: all. */
+/* which: name of the benchmark; NULL: all. */
 static int run_benches(const bench_arguments *a, const char *which) {
     nqm_bench_options options;
     nqm_bench *bench = NULL;
     nqm_error err = {0};
     output_file output = {0};
-    int exit_code = settle_options(a, &options);
+    int exit_code = set_options(a, &options);
     if (exit_code == EXIT_OK && a->output)
         exit_code = open_output("bench", a->output, &output);
     if (exit_code != EXIT_OK)
@@ -161,31 +161,30 @@ int cmd_bench(int argc, char **argv) {
     bench_arguments a = {.recipe = "paper", .rounds = 7, .seeds = 1};
     const option options[] = {
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
-        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "write the JSON there, too", 0, 0},
-        {"precision", 0, OPTION_TEXT, &a.precision, "P", "f32, bf16 or int8 only", 0, 0},
+        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "also write the JSON to a file", 0, 0},
+        {"precision", 0, OPTION_TEXT, &a.precision, "P", "f32, bf16 or int8 [default: all]", 0, 0},
         {"kernels", 0, OPTION_TEXT, &a.kernels, "NAME",
-         "the way to compute: a name, or `all` but the slow `scalar` [default: the best]", 0, 0},
-        {"rounds", 0, OPTION_COUNT, &a.rounds, "N", "timings of each figure", 1, 1000},
+         "kernels by name, or `all` except `scalar`, which is slow [default: the best]", 0, 0},
+        {"rounds", 0, OPTION_COUNT, &a.rounds, "N", "timings of each result", 1, 1000},
         {"recipe", 0, OPTION_TEXT, &a.recipe, "NAME", "train: paper, notebook or nqm", 0, 0},
-        {"epochs", 0, OPTION_COUNT, &a.epochs, "N", "train: how many, instead of the recipe's", 1, 10000},
-        {"seeds", 0, OPTION_COUNT, &a.seeds, "N", "train: repeat with the seeds 1 to N", 1, 100},
+        {"epochs", 0, OPTION_COUNT, &a.epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
+        {"seeds", 0, OPTION_COUNT, &a.seeds, "N", "train: repeat with seeds 1 to N", 1, 100},
         {"model", 0, OPTION_TEXT, &a.model, "MODEL", "score: a built-in model or a file [default: all built-in ones]",
          0, 0},
-        {"quick", 0, OPTION_FLAG, &a.quick, NULL, "fewer, smaller, hardly repeated: to see that it works, not how fast",
+        {"quick", 0, OPTION_FLAG, &a.quick, NULL, "fewer and smaller problems: tests the benchmarks, does not measure",
          0, 0},
         {0}};
     const command cmd = {
         .name = "bench",
         .usage = "[gemm | train | score | load [FILE...]] [options]",
-        .about = "Measure this build on this machine, beside the machine's own peaks of arithmetic and memory, which "
-                 "are measured\n"
-                 "between the timings. Without a name, everything. `gemm`: the matrix products of the networks, and "
-                 "oneDNN's.\n"
-                 "`train`: a training of the paper's size, on pairs made on the spot.\n"
-                 "`score`: the network and the whole chain for 1 to 512 pairs, in each precision.\n"
-                 "`load`: from files to samples, a MERL table among them, and the start of this program.\n"
-                 "Each figure is the best of several rounds; other programs on the machine make them worse and are "
-                 "seen in the medians.",
+        .about =
+            "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled\n"
+            "between the timings. Without a name, run all benchmarks.\n"
+            "  gemm     the matrix products of the networks, and oneDNN's\n"
+            "  train    a training of the paper's size, on generated pairs\n"
+            "  score    the network, and samples to JOD, for 1 to 512 pairs in each precision\n"
+            "  load     files to samples, with a MERL table, and the start of this program\n"
+            "Each result is the best of several rounds. Other programs make rounds longer, which the medians show.",
         .example = "nqm bench gemm\nnqm bench gemm --kernels all --json\nnqm bench train --precision bf16\n"
                    "nqm bench train --recipe nqm --epochs 5\n"
                    "nqm bench score --model default --json\nnqm bench load measured.bsdf network.h5",
@@ -197,11 +196,11 @@ int cmd_bench(int argc, char **argv) {
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
     if (n_arguments > 1 && strcmp(argv[0], "load") != 0)
-        return report("bench", EXIT_USAGE, "%s: only `load` takes files", argv[1]);
+        return report("bench", EXIT_USAGE, "%s: only `load` has file arguments", argv[1]);
     a.n_files = n_arguments > 1 ? (size_t)n_arguments - 1 : 0;
     a.files = (const char *const *)argv + 1;
     for (size_t i = 0; i < N_BENCHES; ++i)
         if (n_arguments == 0 || strcmp(argv[0], benches[i].name) == 0)
             return run_benches(&a, n_arguments ? argv[0] : NULL);
-    return report("bench", EXIT_USAGE, "there is no benchmark '%s': gemm, train, score, load", argv[0]);
+    return report("bench", EXIT_USAGE, "there is no benchmark '%s'; choose gemm, train, score or load", argv[0]);
 }
