@@ -17,8 +17,10 @@ Comments <!-- test: WORD... --> before a block change what is done with it:
   slow                  run only when NQM_DOCS=full (./dev test full)
   tolerance X           relative tolerance of numbers (default 0.01; one unit in the last printed place is always allowed)
   exit N                the last command ends with exit code N instead of 0
-Relative links and their anchors must exist, and every --option in inline code must be in the help of some verb.
+Relative links and their anchors must exist. In inline code every --option must be in the help of some verb, every function nqm_...() in a
+public header, and every path that begins with a folder of the repository must exist.
 """
+import glob
 import os
 import re
 import subprocess
@@ -178,6 +180,21 @@ def check_options(lines, environment):
                     fail(number, "no verb has the option %s" % option)
 
 
+def check_names(lines):
+    headers = ""
+    for name in os.listdir(SOURCE + "/include/nqm"):
+        with open(SOURCE + "/include/nqm/" + name) as text:
+            headers += text.read()
+    for number, line in enumerate(lines, 1):
+        for code in re.findall(r"`([^`]*)`", line):
+            for name in re.findall(r"\b(nqm_\w+)\(\)", code):
+                if not re.search(r"\b%s\(" % name, headers):
+                    fail(number, "no public header declares %s()" % name)
+            for path in re.findall(r"^(?:src|include|tests|models|doc|tools|examples|fuzz|presets|bench|nqm)/[\w./*-]*$", code):
+                if not glob.glob(os.path.join(SOURCE, "include" if path.startswith("nqm/") else "", path)):
+                    fail(number, "%s does not exist" % path)
+
+
 def main():
     page = os.path.abspath(sys.argv[1])
     with open(page) as text:
@@ -187,6 +204,7 @@ def main():
     counts = {"run": 0, "skipped": 0, "slow": 0, "no data": 0}
     check_links(page, lines)
     check_options(lines, environment)
+    check_names(lines)
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cp", "-r", BUILD + "/docs-files/.", folder], check=True)
         for name in ("examples", "models", "doc"):

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# src/LAYERS is true. Rooms of the list and folders of src/ and tools/ are the same; a room names only rooms of lower layers; every
-# #include, of an inner header or of a public one, leads to a room that the list allows; so does every function or variable
-# that an object file takes from another room, however it was declared.
+# The sources obey src/LAYERS: its rooms are the folders of src/ and tools/; a room lists only rooms of lower layers; every
+# #include of an internal or public header, and every symbol that an object file takes from another room, belongs to a room that the
+# list allows. The table of doc/design.md has the same rooms.
 set -eu
 build=${NQM_BUILD:?}
 cd "${NQM_SOURCE:-$(dirname "$0")/../..}"
@@ -37,12 +37,12 @@ awk '
         for (i = 1; i <= n; ++i) {
             m = split(uses[listed[i]], u, " ")
             for (j = 1; j <= m; ++j) if (!(u[j] in layer) || layer[u[j]] >= layer[listed[i]]) {
-                printf "src/LAYERS: %s (layer %d) names %s, which is not below it\n", listed[i], layer[listed[i]], u[j]; bad = 1
+                printf "src/LAYERS: %s (layer %d) names %s, which is not on a lower layer\n", listed[i], layer[listed[i]], u[j]; bad = 1
             }
             if (!(listed[i] in seen)) { printf "src/LAYERS: there is no room %s\n", listed[i]; bad = 1 }
         }
         for (s in seen) if (!(s in layer)) { printf "room %s is not in src/LAYERS\n", s; bad = 1 }
-        if (count < 400) { printf "only %d includes were read: the test looks at nothing\n", count; bad = 1 }
+        if (count < 400) { printf "only %d includes were found: the test is broken\n", count; bad = 1 }
         exit bad
     }' src/LAYERS $files
 
@@ -53,7 +53,7 @@ sed -n 's/^| \([0-9]*\) | \([a-z]*\) |.*/\1 \2/p' doc/design.md | diff "$build/l
     exit 1
 }
 
-# Object files lie in the build folder under the path of their source.
+# Object files are in the build folder, under the path of their source.
 objects=$(cd "$build/CMakeFiles" && find . -path '*.dir/src/*.o' -o -path '*.dir/tools/*.o')
 # shellcheck disable=SC2086
 (cd "$build/CMakeFiles" && nm -A $objects) | awk '
@@ -76,6 +76,6 @@ objects=$(cd "$build/CMakeFiles" && find . -path '*.dir/src/*.o' -o -path '*.dir
                 printf "%s uses %s of room %s, which %s may not\n", file[i], needed[i], home[needed[i]], by[i]; bad = 1
             }
         }
-        if (count < 1000) { printf "only %d uses were found: the test looks at nothing\n", count; bad = 1 }
+        if (count < 1000) { printf "only %d uses were found: the test is broken\n", count; bad = 1 }
         exit bad
     }' src/LAYERS -

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Names: every symbol that the objects define starts with nqm_; the shared libraries export exactly the functions that the
-# public headers declare with NQM_API; and the core library holds nothing of the rooms that only the full one has,
-# nor needs their libraries: scoring never depends on rendering. Large libraries that a score does not need
-# are not linked at all.
+# Symbols of the libraries: every external symbol starts with nqm_; the shared libraries export exactly the functions that the
+# public headers declare with NQM_API; libnqm.so contains no symbol of the rooms of libnqm-full.so and needs none of their
+# libraries, because scoring must not depend on rendering; libraries that are loaded on demand are not linked; no library
+# prints, exits, starts programs, or uses the environment.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
 bad=0
@@ -21,7 +21,7 @@ exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort
 core_headers="base brdf samples percept model metric"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
 for h in $core_headers fit render data train judge label; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
-[ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test looks at nothing"
+[ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test is broken"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
@@ -30,15 +30,14 @@ for room in fit render data train judge label; do
         nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
     done
 done | sort -u >"$build/full-symbols.txt"
-[ -s "$build/full-symbols.txt" ] || fail "no symbol of the full library was found: the test looks at nothing"
+[ -s "$build/full-symbols.txt" ] || fail "no symbol of the full library was found: the test is broken"
 nm "$build/libnqm.so" | awk '{print $NF}' | sort -u | comm -12 - "$build/full-symbols.txt" >"$build/leaked.txt"
-[ ! -s "$build/leaked.txt" ] || fail "libnqm.so holds symbols of the full library: $(cat "$build/leaked.txt")"
+[ ! -s "$build/leaked.txt" ] || fail "libnqm.so contains symbols of the full library: $(cat "$build/leaked.txt")"
 if readelf -d "$build/libnqm.so" | grep -E 'NEEDED.*(OpenEXR|png|cairo|embree)'; then fail "libnqm.so needs a library of the labelling chain"; fi
 for binary in libnqm.so libnqm-full.so nqm; do
-    if readelf -d "$build/$binary" | grep -E 'NEEDED.*(matio|dnnl|embree)'; then fail "$binary is linked with a library that is to be loaded when needed"; fi
+    if readelf -d "$build/$binary" | grep -E 'NEEDED.*(matio|dnnl|embree)'; then fail "$binary is linked with a library that must be loaded on demand"; fi
 done
 
-# The libraries never print, exit, start programs, or use the environment or the umask.
 for library in libnqm.so libnqm-full.so; do
     forbidden=$(nm --dynamic --undefined-only "$build/$library" | awk '{ sub(/@.*/, "", $NF); print $NF }' |
         grep -xE 'printf|__printf_chk|vprintf|__vprintf_chk|puts|putchar|perror|stderr|getenv|secure_getenv|setenv|putenv|system|popen|posix_spawnp?|v?fork|exec[lv][pe]*|_?exit|_Exit|quick_exit|abort|setlocale' || true)
