@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
             abort();
         if (model)
             score(model);
-        nqm_model_destroy(model);
+        nqm_model_free(model);
     }
     return 0;
 }
@@ -69,7 +69,7 @@ blob fuzz_seed(void) {
         NQM_OK)
         abort();
     nqm_params_init(&model.params, 1);
-    if (nqm_model_write(&model, path, NULL) != NQM_OK)
+    if (nqm_model_save(&model, path, NULL) != NQM_OK)
         abort();
     nqm_params_free(&model.params);
     blob b = blob_load(path);

@@ -80,6 +80,13 @@ typedef struct nqm_model_info {
 /** Load a model file (safetensors; doc/files.md). Checks names, shapes, finiteness and the SHA-256.
  *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
+/** A model from the n_bytes of a model file in memory, which are copied: they may be freed afterwards. The checks and errors of
+ *  nqm_model_load() but NQM_ERR_IO; `name` is for messages. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name,
+                                                        nqm_model **model_ret, nqm_error *err);
+/** Write a model file, which appears under its name only when it is complete; a file of that name is replaced.
+ *  NQM_ERR_IO, NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
 /** A built-in model by name ("default", "paper"); NQM_ERR_MODEL when there is none of that name. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
 /** Built-in models: how many, and the name of the i-th. */

@@ -156,9 +156,7 @@ typedef struct nqm_train_report {
 NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *options,
                                             nqm_model **model_ret, nqm_train_report *report, nqm_error *err);
 
-/** Write a model file; it appears under its name only when complete. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
-/** The same with `markdown` behind the model's card: what was found out after training, such as results on a test
+/** nqm_model_save() with `markdown` behind the model's card: what was found out after training, such as results on a test
  *  set. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *model, const char *markdown,
                                                            const char *path, nqm_error *err);

@@ -27,8 +27,8 @@ struct nqm_safetensors {
 static const struct {
     const char *name;
     size_t n_bytes;
-} dtypes[] = {[NQM_F32] = {"F32", 4}, [NQM_F64] = {"F64", 8}, [NQM_I32] = {"I32", 4},
-              [NQM_I64] = {"I64", 8}, [NQM_U8] = {"U8", 1},   [NQM_U32] = {"U32", 4}};
+} dtypes[] = {[NQM_F32] = {"F32", 4}, [NQM_F64] = {"F64", 8}, [NQM_I32] = {"I32", 4}, [NQM_I64] = {"I64", 8},
+              [NQM_U8] = {"U8", 1},   [NQM_U32] = {"U32", 4}, [NQM_F16] = {"F16", 2}};
 
 static const char sha_key[] = "\"sha256\":\"";
 
@@ -71,7 +71,7 @@ static nqm_status read_dtype(const place *at, const json_t *entry, nqm_tensor *t
             tensor->dtype = (nqm_dtype)i;
             return NQM_OK;
         }
-    return bad_tensor(at, HEADER_AT, "has a dtype other than F32, F64, I32, I64, U8, U32");
+    return bad_tensor(at, HEADER_AT, "has a dtype other than F16, F32, F64, I32, I64, U8, U32");
 }
 
 static nqm_status read_shape(const place *at, const json_t *entry, nqm_tensor *tensor) {

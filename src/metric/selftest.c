@@ -198,7 +198,7 @@ static void check_model(session *s, const nqm_embedded_file *embedded) {
         snprintf(name, sizeof name, "model %s: golden scores", embedded->name);
         settle(s, name, nqm_golden_check(model, &err), &err);
     }
-    nqm_model_destroy(model);
+    nqm_model_free(model);
 }
 
 nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed), void *user, nqm_error *err) {

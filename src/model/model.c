@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Models for users of the library: from files, from those that are built in, and what they say about themselves.
+ * Models for users of the library: from files, from memory and built in, what they say about themselves, and their end.
  */
 #include "model/model.h"
 #include "model/models_table.h"
@@ -36,13 +36,13 @@ static nqm_status make_model(const unsigned char *data, size_t n_bytes, const ch
         return status;
     status = check_scalars(model, name, err);
     if (status != NQM_OK) {
-        nqm_model_destroy(model);
+        nqm_model_free(model);
         return status;
     }
     nqm_error inner = {0};
     status = nqm_model_attach_directions(model, &inner);
     if (status != NQM_OK) {
-        nqm_model_destroy(model);
+        nqm_model_free(model);
         status = status == NQM_ERR_ARG ? NQM_ERR_MODEL : status; /* the file's fault, not the caller's */
         return nqm_fail(err, status, -1, "%s: %s", name, inner.message);
     }
@@ -58,13 +58,29 @@ nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *er
     nqm_status status = nqm_map_open(path, map, err);
     if (status == NQM_OK)
         status = make_model(map->data, map->n_bytes, path, true, model_ret, err);
-    if (status != NQM_OK) {
-        nqm_map_close(map);
-        nqm_free(map);
-        return status;
+    if (status == NQM_OK && !(*model_ret)->weights) {
+        (*model_ret)->file = map;
+        return NQM_OK;
     }
-    (*model_ret)->file = map;
-    return NQM_OK;
+    nqm_map_close(map);
+    nqm_free(map);
+    return status;
+}
+
+nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name, nqm_model **model_ret,
+                                 nqm_error *err) {
+    *model_ret = NULL;
+    unsigned char *copy = nqm_alloc(n_bytes, 1);
+    if (!copy)
+        return nqm_fail_nomem(err, n_bytes);
+    if (n_bytes)
+        memcpy(copy, data, n_bytes);
+    nqm_status status = make_model(copy, n_bytes, name, true, model_ret, err);
+    if (status == NQM_OK && !(*model_ret)->weights)
+        (*model_ret)->memory = copy;
+    else
+        nqm_free(copy);
+    return status;
 }
 
 nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err) {
@@ -90,8 +106,27 @@ const char *nqm_model_builtin_name(size_t i) {
     return nqm_embedded_models[i].name;
 }
 
-void nqm_model_free(nqm_model *model) {
-    nqm_model_destroy(model);
+void nqm_model_free(struct nqm_model *model) {
+    if (!model)
+        return;
+    nqm_directions_free(model->directions);
+    nqm_params_free(&model->params);
+    nqm_free_pages(model->weights, model->n_weights, sizeof *model->weights);
+    char *texts[] = {model->id,      model->recipe,       model->card,
+                     model->licence, model->training,     model->manifest_sha256,
+                     model->golden,  model->scalar_names, model->calibration};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
+        nqm_free(texts[i]);
+    for (size_t i = 0; i < NQM_PRECISION_COUNT; ++i)
+        nqm_inference_net_free(model->inference[i]);
+    nqm_free(model->directions_deg);
+    nqm_free(model->interval);
+    nqm_free(model->novelty_points);
+    if (model->file)
+        nqm_map_close(model->file);
+    nqm_free(model->file);
+    nqm_free(model->memory);
+    nqm_free(model);
 }
 
 nqm_model_info nqm_model_get_info(const nqm_model *model) {

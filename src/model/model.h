@@ -14,39 +14,46 @@
 
 enum { NQM_NOVELTY_BLOCK = 16, NQM_NOVELTY_MAX_GROWTH = 10 };
 
-/** What a model is, in plain data. Strings are owned by the model (nqm_alloc). */
+/** A trained metric. Immutable once it is made; blocks and strings are owned (nqm_alloc). */
 struct nqm_model {
-    nqm_params params;
+    /* Values: copied as bytes by nqm_model_copy(), hence first. */
     size_t n_directions;
-    double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
-    float mean[3], std[3];  /* whitening of log(cbrt(rho)+1), per channel (all equal for scalar whitening) */
+    float mean[3], std[3]; /* whitening of log(cbrt(f_r) + 1) of each channel */
     nqm_layout layout;
     double difference_scale;
-    /* Scalar features behind the samples, each (value - mean) / std, cut off, times scale; scalar_names NULL: none. */
-    char *scalar_names; /* with commas, as this library must name them too; model.c checks it */
+    /* Scalar features follow the samples in the input: (value - mean) / std, clamped, times scale. */
     float scalar_mean[NQM_SCALAR_COUNT], scalar_std[NQM_SCALAR_COUNT];
     double scalar_scale;
     nqm_target target;
     double target_mean, target_std; /* z-score of the training targets */
-    double out_lo, out_hi;          /* range of the sigmoid, in normalised targets */
+    double out_lo, out_hi;          /* range of the output's sigmoid, in normalised targets */
     nqm_curve curve;                /* for NQM_TARGET_LOG_DELTA_E */
-    char *id, *recipe, *card, *licence, *manifest_sha256;
-    char *training; /* JSON: options and report of the training */
-    char *golden;   /* JSON: pairs of specs and the JOD each had when the model was saved; NULL: none */
     size_t n_interval;
-    double *interval;  /* (n_interval, 3) predicted JOD, ends of its 95 % interval; all rise; NULL: not calibrated */
-    char *calibration; /* JSON: what `interval` was made from and covers; NULL together with it */
-    /* Training pairs to tell how novel a pair is (novelty.c); only together with scalar features and `interval`. */
-    size_t n_novelty;      /* blocks of points; 0: none */
-    float *novelty_points; /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
-    float novelty_map[NQM_SCALAR_COUNT *
-                      NQM_SCALAR_COUNT]; /* from whitened scalar features (rows) to uncorrelated ones */
-    double novelty_unit;                 /* the distance that counts as 1, > 0 */
-    double novelty_growth; /* a novelty of v widens intervals exp(novelty_growth v) times; 0..NQM_NOVELTY_MAX_GROWTH */
-    char sha256[65];       /* checksum of the file it came from or was saved to */
+    size_t n_novelty; /* blocks of training pairs for novelty.c; 0: none */
+    /* From whitened scalar features (rows) to uncorrelated ones (columns). */
+    float novelty_map[NQM_SCALAR_COUNT * NQM_SCALAR_COUNT];
+    double novelty_unit;   /* the distance that is novelty 1; > 0 */
+    double novelty_growth; /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
+    bool stores_half;      /* nqm_model_save() writes the hidden layers' weights in 16 bits; they are rounded to it */
+    char sha256[65];       /* checksum of the file that it was read from; "" when it was not */
+    /* Owned blocks. */
+    nqm_params params;
+    float *
+        weights; /* (n_weights) of nqm_alloc_pages(): what `params` point into when the file could not be used in place */
+    size_t n_weights;       /* floats */
+    double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
+    double *interval;       /* (n_interval, 3) predicted JOD, ends of its 95 % interval; all rise; NULL: none */
+    float *novelty_points;  /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
+    char *scalar_names;     /* of the scalar features it takes, separated by commas; NULL: it takes none */
+    char *id, *recipe, *card, *licence, *manifest_sha256;
+    char *training;             /* JSON: options and report of the training */
+    char *golden;               /* JSON: pairs of specs and the JOD that each had when the model was made; NULL: none */
+    char *calibration;          /* JSON: what `interval` was made from and covers; NULL together with it */
     nqm_directions *directions; /* made of directions_deg */
-    nqm_map *file; /* of nqm_alloc(): the mapping that `params` point into, closed by nqm_model_destroy(); or NULL */
-    struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT]; /* packed at first use; NULL: not yet */
+    nqm_map *file;              /* of nqm_alloc(): the mapped file that `params` point into; NULL: none */
+    unsigned char *memory;      /* the bytes that they point into instead; NULL: none */
+    /* Packed networks, made at their first use; NULL: not yet. */
+    struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT];
 };
 
 /**
@@ -74,13 +81,15 @@ double nqm_interval_y(double jod);
 double nqm_interval_jod(double y);
 /** Move both ends away from `jod`, `times` (>= 1) as far on that scale. */
 void nqm_interval_widen(double times, double jod, double *low, double *high);
-/** Write a model file; sets model->sha256. */
-NQM_MUST_CHECK nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err);
-void nqm_model_destroy(struct nqm_model *model);
+/** A copy that owns everything it points to and has no packed networks yet. Its maker may change it. */
+NQM_MUST_CHECK nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_error *err);
+/** Round the hidden layers' weights of a model that owns its parameters (a copy) to 16 bits and have nqm_model_save() store
+ *  them so. Its golden scores are then outdated. NQM_ERR_NUMERIC when a weight is too large for 16 bits. */
+NQM_MUST_CHECK nqm_status nqm_model_round_to_half(nqm_model *model, nqm_error *err);
 /** JOD for the network's raw output z; *delta_e_ret (NULL allowed) gets the Delta-E it stands for (NaN: none). */
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
 
-/** Give a model whose directions_deg are set its direction set; nqm_model_destroy() frees it with the model. */
+/** Give a model whose directions_deg are set its direction set; nqm_model_free() frees it. */
 NQM_MUST_CHECK nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err);
 
 /** The names of all scalar features with commas, as a model file holds them; NULL when out of memory. nqm_free(). */

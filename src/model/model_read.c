@@ -10,12 +10,17 @@
 #include <math.h>
 #include <string.h>
 
+enum {
+    FLOATS_PER_LINE = 16,   /* of a cache line */
+    CONVERT_AT_ONCE = 65536 /* values */
+};
+
 /* A file being read. */
 typedef struct reader {
     const nqm_safetensors *st;
     const char *name;
     bool verify;
-    bool *used; /* (tensors of the file) which were asked for */
+    bool *used; /* (tensors of the file) which belong in a model */
     nqm_error *err;
 } reader;
 
@@ -24,7 +29,7 @@ static nqm_status refuse(const reader *r, const nqm_tensor *tensor, const char *
                     tensor->name, what, (long long)tensor->byte_offset);
 }
 
-/* ---- finite numbers, whatever the alignment ---------------------------------------------------------------------- */
+/* ---- finite values, whatever the alignment ----------------------------------------------------------------------- */
 
 static bool all_finite(const nqm_tensor *tensor) {
     const unsigned char *p = tensor->data;
@@ -34,7 +39,13 @@ static bool all_finite(const nqm_tensor *tensor) {
                 return false;
         return true;
     }
-    uint32_t largest = 0; /* of the bits without the sign: infinities and NaN are above all numbers */
+    uint32_t largest = 0; /* magnitude as bits: infinities and NaN have the largest exponent */
+    if (tensor->dtype == NQM_F16) {
+        for (size_t i = 0; i < tensor->n_bytes; i += 2)
+            largest = (p[i + 1] & 0x7fu) > largest ? p[i + 1] & 0x7fu
+                                                   : largest; /* little-endian: the byte with the exponent */
+        return largest < 0x7c;
+    }
     for (size_t i = 0; i < tensor->n_bytes; i += 4) {
         uint32_t bits;
         memcpy(&bits, p + i, sizeof bits);
@@ -46,23 +57,25 @@ static bool all_finite(const nqm_tensor *tensor) {
 
 /* ---- tensors ----------------------------------------------------------------------------------------------------- */
 
-/* What a tensor must be. `rows` 0: a vector of `cols`. */
-typedef struct wanted {
+/* What a tensor must be. */
+typedef struct expectation {
     const char *name;
     nqm_dtype dtype;
-    size_t rows, cols;
-    bool is_large; /* searched for non-finite numbers only when verifying */
-} wanted;
+    size_t rows, cols; /* rows 0: a vector of `cols` */
+    bool may_be_half;  /* F16 is accepted in place of dtype */
+    bool is_large;     /* searched for values that are not finite only when verifying */
+} expectation;
 
-static nqm_status get(reader *r, const wanted *w, const nqm_tensor **tensor_ret) {
-    const nqm_tensor *tensor = nqm_safetensors_find(r->st, w->name);
+static nqm_status get(reader *r, const expectation *e, const nqm_tensor **tensor_ret) {
+    const nqm_tensor *tensor = nqm_safetensors_find(r->st, e->name);
     if (!tensor)
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor '%s' is missing", r->name, w->name);
-    bool fits = w->rows ? tensor->n_dims == 2 && tensor->dims[0] == w->rows && tensor->dims[1] == w->cols
-                        : tensor->n_dims == 1 && tensor->dims[0] == w->cols;
-    if (tensor->dtype != w->dtype || !fits)
+        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor '%s' is missing", r->name, e->name);
+    bool fits = e->rows ? tensor->n_dims == 2 && tensor->dims[0] == e->rows && tensor->dims[1] == e->cols
+                        : tensor->n_dims == 1 && tensor->dims[0] == e->cols;
+    bool has_type = tensor->dtype == e->dtype || (e->may_be_half && tensor->dtype == NQM_F16);
+    if (!has_type || !fits)
         return refuse(r, tensor, "has the wrong type or shape");
-    if ((r->verify || !w->is_large) && !all_finite(tensor))
+    if ((r->verify || !e->is_large) && !all_finite(tensor))
         return refuse(r, tensor, "holds a value that is not finite");
     r->used[tensor - nqm_safetensors_at(r->st, 0)] = true;
     *tensor_ret = tensor;
@@ -71,7 +84,7 @@ static nqm_status get(reader *r, const wanted *w, const nqm_tensor **tensor_ret)
 
 static nqm_status get_doubles(reader *r, const char *name, size_t n, double *out) {
     const nqm_tensor *tensor;
-    nqm_status status = get(r, &(wanted){name, NQM_F64, 0, n, false}, &tensor);
+    nqm_status status = get(r, &(expectation){.name = name, .dtype = NQM_F64, .cols = n}, &tensor);
     if (status == NQM_OK)
         memcpy(out, tensor->data, tensor->n_bytes);
     return status;
@@ -79,7 +92,7 @@ static nqm_status get_doubles(reader *r, const char *name, size_t n, double *out
 
 static nqm_status get_floats(reader *r, const char *name, size_t n, float *out) {
     const nqm_tensor *tensor;
-    nqm_status status = get(r, &(wanted){name, NQM_F32, 0, n, false}, &tensor);
+    nqm_status status = get(r, &(expectation){.name = name, .dtype = NQM_F32, .cols = n}, &tensor);
     if (status == NQM_OK)
         memcpy(out, tensor->data, tensor->n_bytes);
     return status;
@@ -109,61 +122,100 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
     return NQM_OK;
 }
 
-/* The tensors of layer l as views into the file. */
-static nqm_status read_layer(reader *r, const nqm_net_shape *shape, size_t l, nqm_layer *layer) {
-    size_t in = shape->sizes[l], out = shape->sizes[l + 1];
-    size_t n_parts = l + 1 < shape->n_layers ? NQM_LAYER_TENSORS : 2;
-    float **const views[NQM_LAYER_TENSORS] = {&layer->w, &layer->b, &layer->gamma, &layer->beta};
-    for (size_t i = 0; i < n_parts; ++i) {
+/* The tensors of a network, layer by layer; NULL where a layer has none. */
+typedef struct network {
+    const nqm_tensor *part[NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS];
+    float *converted[NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS]; /* where convert() writes them */
+    size_t n_floats;                                          /* of all tensors, each rounded up to whole cache lines */
+    bool in_place;                                            /* all are floats at multiples of their size */
+    bool has_half;
+} network;
+
+static nqm_status find_layer(reader *r, const nqm_net_shape *shape, size_t l, network *net) {
+    const size_t in = shape->sizes[l], out = shape->sizes[l + 1];
+    const bool hidden = l + 1 < shape->n_layers;
+    for (size_t i = 0; i < (hidden ? NQM_LAYER_TENSORS : 2); ++i) {
         char name[NQM_TENSOR_NAME_MAX];
         snprintf(name, sizeof name, "layers.%zu.%s", l, nqm_layer_suffixes[i]);
-        wanted w = {name, NQM_F32, i == 0 ? out : 0, i == 0 ? in : out, true};
-        const nqm_tensor *tensor;
-        nqm_status status = get(r, &w, &tensor);
+        const expectation e = {.name = name,
+                               .dtype = NQM_F32,
+                               .rows = i == 0 ? out : 0,
+                               .cols = i == 0 ? in : out,
+                               .may_be_half = hidden && i == 0,
+                               .is_large = true};
+        const nqm_tensor **part = &net->part[l * NQM_LAYER_TENSORS + i];
+        nqm_status status = get(r, &e, part);
         if (status != NQM_OK)
             return status;
-        *views[i] = (float *)(uintptr_t)tensor->data; /* models are immutable: nobody writes through it */
+        const bool half = (*part)->dtype == NQM_F16;
+        net->has_half |= half;
+        net->in_place &= !half && (uintptr_t)(*part)->data % sizeof(float) == 0;
+        net->n_floats += nqm_ceil_div((i == 0 ? in : 1) * out, FLOATS_PER_LINE) * FLOATS_PER_LINE;
     }
     return NQM_OK;
 }
 
-static bool is_aligned(const nqm_params *params) {
-    uintptr_t bits = 0;
-    for (size_t l = 0; l < params->shape.n_layers; ++l) {
-        const nqm_layer *layer = &params->layer[l];
-        bits |= (uintptr_t)layer->w | (uintptr_t)layer->b | (uintptr_t)layer->gamma | (uintptr_t)layer->beta;
+/* One piece of the conversion: CONVERT_AT_ONCE values of every tensor, where it has so many. */
+static void convert(void *user, size_t piece) {
+    const network *net = user;
+    for (size_t i = 0; i < NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS; ++i) {
+        const nqm_tensor *part = net->part[i];
+        const size_t size = part && part->dtype == NQM_F16 ? sizeof(uint16_t) : sizeof(float);
+        const size_t first = piece * CONVERT_AT_ONCE, n_all = part ? part->n_bytes / size : 0;
+        if (first >= n_all)
+            continue;
+        const size_t n = nqm_smaller(n_all - first, CONVERT_AT_ONCE);
+        const unsigned char *from = (const unsigned char *)part->data + first * size;
+        if (part->dtype == NQM_F16)
+            nqm_half_to_float(n, from, net->converted[i] + first);
+        else
+            memcpy(net->converted[i] + first, from, n * size);
     }
-    return bits % sizeof(float) == 0;
 }
 
-/* Replace views that are not aligned for floats (files of other writers) by a block of our own. */
-static nqm_status copy_params(nqm_params *params, nqm_error *err) {
-    nqm_params own;
-    nqm_status status = nqm_params_create(&params->shape, &own, err);
-    if (status != NQM_OK)
-        return status;
-    for (size_t l = 0; l < own.shape.n_layers; ++l) {
-        const nqm_layer *from = &params->layer[l], *to = &own.layer[l];
-        size_t in = own.shape.sizes[l], out = own.shape.sizes[l + 1];
-        memcpy(to->w, (const void *)from->w, out * in * sizeof(float));
-        memcpy(to->b, (const void *)from->b, out * sizeof(float));
-        if (to->gamma) {
-            memcpy(to->gamma, (const void *)from->gamma, out * sizeof(float));
-            memcpy(to->beta, (const void *)from->beta, out * sizeof(float));
-        }
+/* Floats of our own, from 16 bits or from an address that is not a multiple of four (files of other writers). */
+static nqm_status convert_all(network *net, struct nqm_model *model, nqm_error *err) {
+    model->weights = nqm_alloc_pages(net->n_floats, sizeof *model->weights);
+    if (!model->weights)
+        return nqm_fail_nomem(err, net->n_floats * sizeof *model->weights);
+    model->n_weights = net->n_floats;
+    size_t largest = 0;
+    float *next = model->weights;
+    for (size_t i = 0; i < NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS; ++i) {
+        const nqm_tensor *part = net->part[i];
+        if (!part)
+            continue;
+        const size_t n = part->n_bytes / (part->dtype == NQM_F16 ? sizeof(uint16_t) : sizeof(float));
+        largest = nqm_larger(largest, n);
+        net->converted[i] = next;
+        next += nqm_ceil_div(n, FLOATS_PER_LINE) * FLOATS_PER_LINE;
     }
-    *params = own;
+    nqm_parallel_for(nqm_ceil_div(largest, CONVERT_AT_ONCE), convert, net);
     return NQM_OK;
 }
 
-static nqm_status read_network(reader *r, nqm_params *params) {
+static nqm_status read_network(reader *r, struct nqm_model *model) {
+    nqm_params *params = &model->params;
+    network net = {.in_place = true};
     nqm_status status = read_shape(r, &params->shape);
     for (size_t l = 0; status == NQM_OK && l < params->shape.n_layers; ++l)
-        status = read_layer(r, &params->shape, l, &params->layer[l]);
+        status = find_layer(r, &params->shape, l, &net);
+    if (status == NQM_OK && !net.in_place)
+        status = convert_all(&net, model, r->err);
     if (status != NQM_OK)
         return status;
+    for (size_t l = 0; l < params->shape.n_layers; ++l) {
+        nqm_layer *layer = &params->layer[l];
+        float **const views[NQM_LAYER_TENSORS] = {&layer->w, &layer->b, &layer->gamma, &layer->beta};
+        for (size_t i = 0; i < NQM_LAYER_TENSORS; ++i) {
+            const size_t k = l * NQM_LAYER_TENSORS + i;
+            if (net.part[k]) /* models are immutable: nothing is written through a view of the file */
+                *views[i] = net.in_place ? (float *)(uintptr_t)net.part[k]->data : net.converted[k];
+        }
+    }
     params->n = nqm_params_count(&params->shape);
-    return is_aligned(params) ? NQM_OK : copy_params(params, r->err);
+    model->stores_half = net.has_half;
+    return NQM_OK;
 }
 
 /* ---- everything else --------------------------------------------------------------------------------------------- */
@@ -235,7 +287,8 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.0.weight': input of %zu does not fit the layout",
                         r->name, width);
     const nqm_tensor *tensor;
-    nqm_status status = get(r, &(wanted){"directions_deg", NQM_F64, n, 3, false}, &tensor);
+    nqm_status status =
+        get(r, &(expectation){.name = "directions_deg", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
     if (status != NQM_OK)
         return status;
     model->n_directions = n;
@@ -267,7 +320,7 @@ static nqm_status read_interval(reader *r, struct nqm_model *model) {
     if (!model->calibration)
         return refuse(r, tensor, "needs the metadata 'calibration'");
     size_t n = tensor && tensor->n_dims == 2 ? tensor->dims[0] : 1;
-    nqm_status status = get(r, &(wanted){"interval", NQM_F64, n, 3, false}, &tensor);
+    nqm_status status = get(r, &(expectation){.name = "interval", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
     if (status != NQM_OK)
         return status;
     model->n_interval = n;
@@ -288,9 +341,13 @@ static nqm_status read_novelty(reader *r, struct nqm_model *model) {
         return NQM_OK;
     if (!model->interval || !model->scalar_names)
         return refuse(r, points, "needs an interval and scalar features");
-    nqm_status status = get(r, &(wanted){"novelty.points", NQM_F32, n, width, false}, &points);
+    nqm_status status =
+        get(r, &(expectation){.name = "novelty.points", .dtype = NQM_F32, .rows = n, .cols = width}, &points);
     if (status == NQM_OK)
-        status = get(r, &(wanted){"novelty.map", NQM_F32, NQM_SCALAR_COUNT, NQM_SCALAR_COUNT, false}, &map);
+        status = get(
+            r,
+            &(expectation){.name = "novelty.map", .dtype = NQM_F32, .rows = NQM_SCALAR_COUNT, .cols = NQM_SCALAR_COUNT},
+            &map);
     if (status == NQM_OK)
         status = get_doubles(r, "novelty.scale", 2, scale);
     if (status != NQM_OK)
@@ -347,7 +404,7 @@ static nqm_status read_model(reader *r, struct nqm_model *model) {
     model->layout = (nqm_layout)layout;
     model->target = (nqm_target)target;
     if (status == NQM_OK)
-        status = read_network(r, &model->params);
+        status = read_network(r, model);
     if (status == NQM_OK)
         status = read_directions(r, model);
     if (status == NQM_OK)
@@ -379,7 +436,7 @@ nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char
         *model_ret = model;
         model = NULL;
     }
-    nqm_model_destroy(model);
+    nqm_model_free(model);
     nqm_free(r.used);
     nqm_safetensors_free(st);
     return status;

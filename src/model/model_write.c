@@ -8,19 +8,25 @@
 
 #include <string.h>
 
+const char *const nqm_layer_suffixes[] = {"weight", "bias", "norm.weight", "norm.bias"};
+const char *const nqm_layout_names[] = {
+    [NQM_LAYOUT_REF_TEST] = "ref_test", [NQM_LAYOUT_REF_DIFF_ABSDIFF] = "ref_diff_absdiff"};
+const char *const nqm_target_names[] = {[NQM_TARGET_JOD] = "jod", [NQM_TARGET_LOG_DELTA_E] = "log_delta_e"};
+
 enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 13 };
 
-/* The tensors of a file in the making, with room for their names and for the small ones' numbers. */
+/* The tensors of a file that is written, with room for their names and for values that the model holds elsewhere. */
 typedef struct contents {
     size_t n;
     nqm_tensor tensor[MAX_TENSORS];
     char name[MAX_TENSORS][NQM_TENSOR_NAME_MAX];
     double target[4], curve[3], novelty[2];
+    uint16_t *half; /* the hidden layers' weights, when they are stored in 16 bits; else NULL */
 } contents;
 
 static nqm_tensor *add(contents *c, const char *name, nqm_dtype dtype, size_t n, const void *data) {
     nqm_tensor *tensor = &c->tensor[c->n++];
-    size_t item = dtype == NQM_F64 ? sizeof(double) : sizeof(float);
+    size_t item = dtype == NQM_F64 ? sizeof(double) : dtype == NQM_F32 ? sizeof(float) : sizeof(uint16_t);
     *tensor = (nqm_tensor){.name = name, .dtype = dtype, .n_dims = 1, .dims = {n}, .n_bytes = n * item, .data = data};
     return tensor;
 }
@@ -32,6 +38,7 @@ static void set_matrix(nqm_tensor *tensor, size_t rows, size_t cols) {
 }
 
 static void add_layers(contents *c, const nqm_params *params) {
+    uint16_t *half = c->half;
     for (size_t l = 0; l < params->shape.n_layers; ++l) {
         size_t in = params->shape.sizes[l], out = params->shape.sizes[l + 1];
         const nqm_layer *layer = &params->layer[l];
@@ -39,9 +46,15 @@ static void add_layers(contents *c, const nqm_params *params) {
         for (size_t i = 0; i < NQM_LAYER_TENSORS && parts[i]; ++i) {
             char *name = c->name[c->n];
             snprintf(name, NQM_TENSOR_NAME_MAX, "layers.%zu.%s", l, nqm_layer_suffixes[i]);
-            nqm_tensor *tensor = add(c, name, NQM_F32, i == 0 ? out * in : out, parts[i]);
+            const bool in_half = half && i == 0 && l + 1 < params->shape.n_layers;
+            if (in_half)
+                nqm_half_from_float(out * in, layer->w, half);
+            nqm_tensor *tensor = add(c, name, in_half ? NQM_F16 : NQM_F32, i == 0 ? out * in : out,
+                                     in_half ? (const void *)half : parts[i]);
             if (i == 0)
                 set_matrix(tensor, out, in);
+            if (in_half)
+                half += out * in;
         }
     }
 }
@@ -81,10 +94,14 @@ static const char *text_or_empty(const char *text) {
     return text ? text : "";
 }
 
-nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error *err) {
+nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err) {
     contents *c = nqm_alloc(1, sizeof *c);
-    if (!c)
+    uint16_t *half = model->stores_half ? nqm_alloc(nqm_params_count(&model->params.shape), sizeof *half) : NULL;
+    if (!c || (model->stores_half && !half)) {
+        nqm_free(c);
         return nqm_fail_nomem(err, sizeof *c);
+    }
+    c->half = half;
     collect(c, model);
     enum { N_ALWAYS = 11, N_OPTIONAL = 2 };
     nqm_meta meta[N_ALWAYS + N_OPTIONAL] = {{"format", NQM_MODEL_FORMAT},
@@ -103,7 +120,8 @@ nqm_status nqm_model_write(struct nqm_model *model, const char *path, nqm_error 
         meta[n_meta++] = (nqm_meta){"scalars", model->scalar_names};
     if (model->interval)
         meta[n_meta++] = (nqm_meta){"calibration", text_or_empty(model->calibration)};
-    nqm_status status = nqm_safetensors_write(path, c->n, c->tensor, n_meta, meta, model->sha256, err);
+    nqm_status status = nqm_safetensors_write(path, c->n, c->tensor, n_meta, meta, NULL, err);
+    nqm_free(half);
     nqm_free(c);
     return status;
 }

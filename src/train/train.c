@@ -329,11 +329,13 @@ static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret
     }
     if (status == NQM_OK)
         status = name_model(r, m, report, err);
+    if (status == NQM_OK)
+        status = nqm_golden_make(m, &m->golden, err);
     nqm_free(z);
     if (status == NQM_OK)
         *model_ret = m;
     else if (m)
-        nqm_model_destroy(m);
+        nqm_model_free(m);
     return status;
 }
 

@@ -63,6 +63,32 @@ static void test_file_round_trip(void **state) {
     nqm_model_free(model);
 }
 
+/* A model from memory is that of the file, whatever becomes of the bytes. */
+static void test_from_memory(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    nqm_model *loaded;
+    nqm_map map;
+    nqm_error err = {0};
+    assert_int_equal(nqm_golden_make(model, &model->golden, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    unsigned char *bytes = nqm_alloc(map.n_bytes, 1);
+    memcpy(bytes, map.data, map.n_bytes);
+    assert_int_equal(nqm_model_from_memory(bytes, map.n_bytes, "here", &loaded, NULL), NQM_OK);
+    memset(bytes, 0, map.n_bytes);
+    assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
+    nqm_model_free(loaded);
+    assert_int_equal(nqm_model_from_memory(bytes, map.n_bytes, "here", &loaded, &err), NQM_ERR_FORMAT);
+    assert_non_null(strstr(err.message, "here"));
+    assert_null(loaded);
+    assert_int_equal(nqm_model_from_memory(map.data, map.n_bytes - 1, "here", &loaded, NULL), NQM_ERR_FORMAT);
+    assert_int_equal(nqm_model_from_memory(NULL, 0, "here", &loaded, NULL), NQM_ERR_FORMAT);
+    nqm_free(bytes);
+    nqm_map_close(&map);
+    nqm_model_free(model);
+}
+
 static void test_golden_scores(void **state) {
     (void)state;
     struct nqm_model *model = make_model();
@@ -70,6 +96,7 @@ static void test_golden_scores(void **state) {
     nqm_error err = {0};
     assert_int_equal(nqm_golden_check(model, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "no golden scores"));
+    assert_int_equal(nqm_golden_make(model, &model->golden, NULL), NQM_OK);
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
@@ -95,7 +122,7 @@ static void test_refusals_name_the_file(void **state) {
     assert_null(model);
     struct nqm_model *bad = make_model();
     bad->directions_deg[4] = 95;
-    assert_int_equal(nqm_model_write(bad, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(bad, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &model, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, temp_file));
     assert_non_null(strstr(err.message, "direction 2"));
@@ -116,11 +143,11 @@ static void test_other_scalars(void **state) {
     model->scalar_names = nqm_scalar_names();
     nqm_model *loaded;
     nqm_error err = {0};
-    assert_int_equal(nqm_model_write(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     nqm_model_free(loaded);
     model->scalar_names[0] = 'm';
-    assert_int_equal(nqm_model_write(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
     assert_null(loaded);
     assert_non_null(strstr(err.message, "scalar features"));
@@ -174,9 +201,10 @@ static void test_selftest(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_file_round_trip),        cmocka_unit_test(test_golden_scores),
-        cmocka_unit_test(test_refusals_name_the_file), cmocka_unit_test(test_other_scalars),
-        cmocka_unit_test(test_builtin_models),         cmocka_unit_test(test_selftest),
+        cmocka_unit_test(test_file_round_trip), cmocka_unit_test(test_from_memory),
+        cmocka_unit_test(test_golden_scores),   cmocka_unit_test(test_refusals_name_the_file),
+        cmocka_unit_test(test_other_scalars),   cmocka_unit_test(test_builtin_models),
+        cmocka_unit_test(test_selftest),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

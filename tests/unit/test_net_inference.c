@@ -284,7 +284,7 @@ static void packed_once(void **state) {
         assert_int_equal(pthread_join(thread[i], &net[i]), 0);
     for (size_t i = 0; i < N_THREADS; ++i)
         assert_true(net[i] && net[i] == net[0]);
-    nqm_model_destroy(model);
+    nqm_model_free(model);
 }
 
 static void out_of_memory(void **state) {
