@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/metric.h - the score of a pair: JOD from the network, and the scalar BRDF-space metrics beside it; scores of many
- * pairs that are named by files, specs and presets.
+ * nqm/metric.h - scores of pairs of BRDFs: JOD from a model, with its interval and warnings, and scalar metrics.
  *
- * JOD (just-objectionable differences) here run from 0 (nothing alike) to 10 (no visible difference); one JOD less
+ * JOD (just-objectionable differences) here run from 0 (nothing in common) to 10 (no visible difference); one JOD less
  * means that 75 % of people would notice that the quality is worse.
  */
 #ifndef NQM_METRIC_H
@@ -15,170 +14,188 @@
 extern "C" {
 #endif
 
-/** The scalar metrics, on the samples of both BRDFs: means over directions and channels;
- *  c = cos(theta_i) cos(theta_o). */
+/* ---- scalar metrics ---------------------------------------------------------------------------------------------- */
+
+/** The scalar metrics: distances between the samples of two BRDFs, 0 for equal ones. Means run over directions and
+ *  channels; c = cos(theta_i) cos(theta_o). The first eight are the paper's baselines (section 4). */
 typedef enum nqm_metric {
-    NQM_METRIC_RMSE = 0,  /**< root mean square difference of f_r */
-    NQM_METRIC_MAE,       /**< mean absolute difference of f_r */
-    NQM_METRIC_RMS_CRWE,  /**< RMS difference of cbrt(c f_r) */
-    NQM_METRIC_MA_CRWE,   /**< mean absolute difference of the same */
-    NQM_METRIC_RMS_LOGE,  /**< RMS difference of log(1 + f_r) */
-    NQM_METRIC_MA_LOGE,   /**< mean absolute difference of the same */
-    NQM_METRIC_RMS_LOGWE, /**< RMS difference of log(1 + c f_r) */
-    NQM_METRIC_MA_LOGWE,  /**< mean absolute difference of the same */
-    NQM_METRIC_LOG_DIFF,  /**< mean absolute difference of log(f_r + 0.003): not of the paper; the best simple one */
+    NQM_METRIC_RMSE = 0,  /**< root mean square difference of f_r, 1/sr */
+    NQM_METRIC_MAE,       /**< mean absolute difference of f_r, 1/sr */
+    NQM_METRIC_RMS_CRWE,  /**< root mean square difference of cbrt(c f_r) */
+    NQM_METRIC_MA_CRWE,   /**< mean absolute difference of cbrt(c f_r) */
+    NQM_METRIC_RMS_LOGE,  /**< root mean square difference of log(1 + f_r) */
+    NQM_METRIC_MA_LOGE,   /**< mean absolute difference of log(1 + f_r) */
+    NQM_METRIC_RMS_LOGWE, /**< root mean square difference of log(1 + c f_r) */
+    NQM_METRIC_MA_LOGWE,  /**< mean absolute difference of log(1 + c f_r) */
+    NQM_METRIC_LOG_DIFF,  /**< mean absolute difference of log(f_r + 0.003): not from the paper */
     NQM_METRIC_COUNT
 } nqm_metric;
-enum { NQM_METRIC_BASELINE_COUNT = 8 }; /**< the first eight are the paper's baselines */
 
-/** "rmse", "mae", "rms_crwe", "ma_crwe", "rms_loge", "ma_loge", "rms_logwe", "ma_logwe", "log_diff"; static storage. */
+/** Facts about a scalar metric; strings have static storage. */
+typedef struct nqm_metric_info {
+    const char *name;        /**< "rmse", "mae", "rms_crwe", ..., "log_diff" */
+    const char *description; /**< "root mean square difference of f", UTF-8; f: f_r in 1/sr, c: as above */
+    const char *family;      /**< what is compared: equal for the RMS and mean absolute difference of one quantity */
+    int is_baseline;         /**< 1: one of the paper's baselines */
+} nqm_metric_info;
+
+/** Facts about `metric`, 0 <= metric < NQM_METRIC_COUNT. Any thread. */
+NQM_API nqm_metric_info nqm_metric_get_info(nqm_metric metric);
+/** Its name. */
 NQM_API const char *nqm_metric_name(nqm_metric metric);
 
-/** Options of nqm_score(). */
-typedef struct nqm_score_options {
-    nqm_invalid_policy invalid; /**< default NQM_INVALID_DROP */
-    double min_valid_fraction;  /**< a pair with fewer directions at which both hold a value is refused, under every
-                                     policy: NQM_ERR_INCOMPATIBLE in its result; 0..1; default 0.9 */
-    nqm_precision precision; /**< default NQM_PRECISION_F32; doc/performance.md says what the others cost in accuracy */
-} nqm_score_options;
-
-/** The defaults above. */
-NQM_API nqm_score_options nqm_score_options_default(void);
-
-/** The score of one test. */
-typedef struct nqm_score_result {
-    nqm_status status;        /**< NQM_OK, or why this test has no score (all numbers are NaN then) */
-    double jod;               /**< predicted quality, jod_min..jod_max of the model */
-    double delta_e;           /**< the Delta-E ITP that the JOD stands for; NaN if the model does not predict one */
-    double jod_low, jod_high; /**< the interval in which the JOD of rendered images lies for 95 % of pairs of materials
-                                   that the model has not seen, with kinds of distortion that it has (doc/evaluation.md
-                                   has the measured shares); NaN if the model file holds no calibration; 10 and 10 when
-                                   `identical` */
-    double novelty;           /**< how unlike the training pairs this one is: distance of the scalar features from the
-                                   nearest; 1: as far as the farthest 5 % of pairs of new materials with kinds of distortion
-                                   that occur in training; the interval widens with it; NaN if the model cannot tell */
-    int identical;            /**< 1 when both are equal at every valid direction */
-    double metrics[NQM_METRIC_COUNT];
-    size_t n_valid;                       /**< directions at which both BRDFs hold a value */
-    size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, taken as 0 */
-    size_t n_invalid_ref, n_invalid_test; /**< directions without a value, filled as the policy says */
-    size_t n_unusual_ref, n_unusual_test; /**< directions at which it is brighter than the training references by more
-                                               than 6 standard deviations of the transformed values: extrapolation */
-} nqm_score_result;
-
 /**
- * Score n_tests approximations against one reference. The reference is sampled once. A result does not depend on the tests
- * beside it.
+ * The scalar metrics of one sampled pair. Any thread.
  *
- * @param tests    (n_tests)
- * @param options  NULL: the defaults
- * @param results  (n_tests) receives a result each
- * @return the first failure that concerns the reference or the model; faults of single tests stand in their result
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests,
-                                            const nqm_brdf *const *tests, const nqm_score_options *options,
-                                            nqm_score_result *results, nqm_error *err);
-
-/** The memory of nqm_score() for many calls, which then allocate nothing themselves (only the policy NQM_INVALID_NEAREST
- *  does, for BRDFs with holes). What the last reference adds to the network's first layer is kept: the next tests of the
- *  same one are quicker. Belongs to one thread at a time; works on all of them. */
-typedef struct nqm_scorer nqm_scorer;
-
-/**
- * @param model      lent; must outlive the scorer
- * @param options    NULL: the defaults
- * @param max_batch  tests that are scored together, >= 1; more than 512 are scored by 512
- * @return NQM_ERR_ARG, NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options,
-                                                    size_t max_batch, nqm_scorer **scorer_ret, nqm_error *err);
-/** Free it; NULL is allowed. */
-NQM_API void nqm_scorer_free(nqm_scorer *scorer);
-/** As nqm_score(), with any number of tests. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_tests,
-                                                 const nqm_brdf *const *tests, nqm_score_result *results,
-                                                 nqm_error *err);
-
-/**
- * JOD of n_pairs of pairs that are sampled already, at the model's own directions.
- *
- * @param ref, test  (n_pairs, n_directions, 3) f_r in 1/sr, >= 0
- * @param jod        (n_pairs) receives the prediction
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_predict(const nqm_model *model, size_t n_pairs, const float *ref,
-                                                    const float *test, double *jod, nqm_error *err);
-
-/**
- * The scalar metrics of one sampled pair.
- *
- * @param ref, test  (n, 3) f_r at `directions`
+ * @param ref, test  (n, 3) f_r in 1/sr at `directions`; finite and >= 0
  * @param used       (n) nonzero where the direction counts; NULL: all
  * @param metrics    (NQM_METRIC_COUNT) receives them; NaN when no direction counts
  */
 NQM_API void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
                                  const uint8_t *used, double *metrics);
 
-/**
- * The scalar features of one sampled pair; arguments as in nqm_metrics_compute(). Finite for finite f_r >= 0.
- *
- * @param scalars  (NQM_SCALAR_COUNT) receives them; NaN when no direction counts
- */
-NQM_API void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test,
-                                 const uint8_t *used, double *scalars);
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
 
-/** Two BRDFs, as nqm_brdf_open() takes them. */
+/** Options of nqm_score() and nqm_scorer_create(). Take the defaults from nqm_score_options_default(). */
+typedef struct nqm_score_options {
+    nqm_invalid_policy invalid; /**< what happens where a BRDF holds no value; default NQM_INVALID_DROP */
+    double
+        min_valid_fraction;  /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs hold a value at
+                                     a smaller fraction of the directions; 0..1; default 0.9 */
+    nqm_precision precision; /**< of the network's products; default NQM_PRECISION_F32; doc/performance.md has the
+                                     accuracy of the others */
+    int metrics;             /**< 0: leave out the scalar metrics (they are NaN), which is faster; default 1 */
+    size_t cache_bytes; /**< nqm_scorer_run_named() keeps the last used sampled BRDFs up to this size, and always those
+                             of the current block of pairs; bytes; default 64 MiB (about 10,000 BRDFs) */
+} nqm_score_options;
+
+/** The defaults above. */
+NQM_API nqm_score_options nqm_score_options_default(void);
+
+/** The score of one pair. */
+typedef struct nqm_score_result {
+    nqm_status status;        /**< NQM_OK, or why the pair has no score: all floating-point members are NaN then */
+    double jod;               /**< predicted quality, jod_min..jod_max of the model */
+    double delta_e;           /**< the Delta-E ITP that has this JOD; NaN if the model does not predict one */
+    double jod_low, jod_high; /**< 95 % interval: contains the JOD of rendered images for 95 % of the pairs of materials
+                                   that the model has not seen, with kinds of distortion that it has seen
+                                   (doc/evaluation.md has measured coverage); NaN if the model has no calibration; 10 and
+                                   10 when `identical` and the model has one */
+    double novelty; /**< distance of the pair's scalar features from the nearest training pair, >= 0; 1: that of
+                                   the farthest 5 % of pairs of new materials with kinds of distortion that occur in
+                                   training; the interval widens with it; NaN if the model has no such measure */
+    int identical;  /**< 1: both members are equal at every valid direction */
+    double metrics[NQM_METRIC_COUNT];     /**< by nqm_metric; NaN when the options leave them out */
+    size_t n_valid;                       /**< directions at which both BRDFs hold a value */
+    size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, which counts as 0 */
+    size_t n_invalid_ref, n_invalid_test; /**< directions without a value, before the policy */
+    size_t n_unusual_ref,
+        n_unusual_test; /**< directions at which a channel exceeds the training references' mean by more
+                                               than 6 standard deviations, on the network's scale: extrapolation */
+} nqm_score_result;
+
+/**
+ * Score n_tests approximations of one reference: nqm_scorer_create(), nqm_scorer_run() and nqm_scorer_free() in one call.
+ *
+ * @param tests    (n_tests)
+ * @param options  NULL: the defaults
+ * @param results  (n_tests) receives one result per test
+ * @return as nqm_scorer_create() and nqm_scorer_run()
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests,
+                                            const nqm_brdf *const *tests, const nqm_score_options *options,
+                                            nqm_score_result *results, nqm_error *err);
+
+/**
+ * The workspace of many scores with one model, in three ways: nqm_scorer_run() takes opened BRDFs, nqm_scorer_run_named()
+ * paths and specs, nqm_scorer_run_samples() values that the caller sampled. The same pair gets the same result, to the bit,
+ * whatever is scored with it or before it, on any number of threads.
+ *
+ * A scorer is used by one thread at a time; its calls work on all threads of OpenMP. The first call, and a call with more
+ * pairs than any before, allocate memory for at most NQM_SCORE_BLOCK pairs. The contribution of the last reference to the
+ * network's first layer is kept: further tests of it are faster.
+ */
+typedef struct nqm_scorer nqm_scorer;
+
+enum { NQM_SCORE_BLOCK = 256 }; /**< pairs that are computed together; longer lists are cut into blocks of this size */
+
+/**
+ * Make a scorer.
+ *
+ * @param model    lent; must outlive the scorer
+ * @param options  NULL: the defaults
+ * @return NQM_ERR_ARG (an option is out of range), NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options,
+                                                    nqm_scorer **scorer_ret, nqm_error *err);
+/** Free a scorer; NULL is allowed. */
+NQM_API void nqm_scorer_free(nqm_scorer *scorer);
+
+/**
+ * Score tests of one reference, which is sampled once.
+ *
+ * @param tests    (n_tests) any number
+ * @param results  (n_tests) receives one result per test; a test that cannot be sampled or compared is a failure of its
+ *                 own result
+ * @return NQM_ERR_INCOMPATIBLE: the reference cannot be sampled; NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_tests,
+                                                 const nqm_brdf *const *tests, nqm_score_result *results,
+                                                 nqm_error *err);
+
+/** Two BRDFs by path or spec, as nqm_brdf_open() takes them; the strings are lent to the call. */
 typedef struct nqm_named_pair {
     const char *ref, *test;
 } nqm_named_pair;
 
-/* ---- scores ------------------------------------------------------------------------------------------------------ */
-
-/** Options of nqm_batch_create(). */
-typedef struct nqm_batch_options {
-    nqm_score_options score; /**< default nqm_score_options_default() */
-    int metrics;             /**< 0: leave the scalar metrics out (NaN), which is quicker; default 1 */
-    size_t cache_bytes;      /**< sampled BRDFs are kept up to this much memory, those used last longest; the BRDFs of
-                                  one block of pairs are kept whatever this says; default 64 MiB (10,000 BRDFs) */
-} nqm_batch_options;
-
-/** The defaults above. */
-NQM_API nqm_batch_options nqm_batch_options_default(void);
-
-/** A model with the BRDFs that were sampled last. Belongs to one thread at a time; works on all of them. */
-typedef struct nqm_batch nqm_batch;
-
-enum { NQM_BATCH_BLOCK = 256 }; /**< pairs that are scored together */
-
-/** `model` is lent and must outlive the batch. options NULL: the defaults. NQM_ERR_ARG, NQM_ERR_NOMEM. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_batch_create(const nqm_model *model, const nqm_batch_options *options,
-                                                   nqm_batch **batch_ret, nqm_error *err);
-/** Free it; NULL is allowed. */
-NQM_API void nqm_batch_free(nqm_batch *batch);
-
 /**
- * Score pairs, in blocks of NQM_BATCH_BLOCK. A result depends on its pair and on nothing else. Pairs of one reference in
- * a block are quicker.
+ * Score pairs of BRDFs that are opened and sampled when they are first needed, and kept in a cache (nqm_score_options
+ * cache_bytes) for later pairs and calls.
  *
- * @param pairs    (n_pairs)
- * @param results  (n_pairs) receives a result each; status is not NQM_OK where the pair has no score
- * @param errors   (n_pairs) receives why; NULL allowed
- * @return faults that concern all pairs: NQM_ERR_NOMEM. A BRDF that cannot be opened or sampled is a fault of its pairs.
+ * @param pairs    (n_pairs) any number; pairs of the same reference in a block are faster
+ * @param results  (n_pairs) receives one result per pair; a BRDF that cannot be opened or sampled is a failure of its
+ *                 pairs
+ * @param errors   (n_pairs) receives the reason of each result's status; NULL allowed
+ * @return NQM_ERR_NOMEM: results of the blocks before it are complete
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_batch_score(nqm_batch *batch, size_t n_pairs, const nqm_named_pair *pairs,
-                                                  nqm_score_result *results, nqm_error *errors, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_named_pair *pairs,
+                                                       nqm_score_result *results, nqm_error *errors, nqm_error *err);
 
-/** How many BRDFs were opened so far, with those that failed; each counts again when it had been dropped meanwhile. */
-NQM_API size_t nqm_batch_n_opened(const nqm_batch *batch);
+/** Two BRDFs that the caller sampled at the model's directions (nqm_model_get_info(), nqm_directions_degrees()); lent to
+ *  the call. Pairs with the same `ref` pointer share its computations. */
+typedef struct nqm_sample_pair {
+    const float *ref, *test; /**< (n_directions, 3) f_r in 1/sr, finite and >= 0; 0 will do where `used` is 0 */
+    const uint8_t *used;     /**< (n_directions) 0: leave the direction out of everything; NULL: all are used */
+} nqm_sample_pair;
 
 /**
- * The share of people who prefer the better of two to the worse, as the JOD scale is made (Thurstone's model, case V,
- * with one JOD at 75 %: Perez-Ortiz and Mantiuk 2017, arXiv:1712.03686, section 2): Phi(0.6745 (jod - other_jod)), with
- * Phi the normal distribution function. 0.5 for equal scores; below it when `other_jod` is larger.
+ * Score pairs that the caller sampled. Counts of clamped and invalid directions are 0: they are not known here.
+ *
+ * @param pairs    (n_pairs) any number
+ * @param results  (n_pairs) receives one result per pair; NQM_ERR_INCOMPATIBLE when too few directions are used
+ * @return NQM_ERR_ARG: a value is NaN, infinite or negative; the message names pair, member and direction, and no result is
+ *         written; NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run_samples(nqm_scorer *scorer, size_t n_pairs,
+                                                         const nqm_sample_pair *pairs, nqm_score_result *results,
+                                                         nqm_error *err);
+
+/* ---- preference and self-test ------------------------------------------------------------------------------------ */
+
+/**
+ * The fraction of people who prefer a picture of quality `jod` to one of quality `other_jod` in a direct comparison:
+ * Phi(0.6745 (jod - other_jod)) with the standard normal distribution function Phi, 0.5 for equal qualities. This is the
+ * definition of the JOD scale (Thurstone's model, case V, with one JOD at 75 %: Perez-Ortiz and Mantiuk 2017,
+ * arXiv:1712.03686, section 2). Any thread.
  */
 NQM_API double nqm_jod_preference(double jod, double other_jod);
 
-/** Check kernels, coordinates, curve and the built-in models against stored golden values (about a second).
- *  `report` (NULL allowed) gets one line for each check. Returns NQM_ERR_NUMERIC when one fails. */
+/**
+ * Check kernels, coordinates, the JOD curve and the built-in models against stored values; takes about a second.
+ *
+ * @param report  called after each check with its name and 1 or 0; NULL allowed
+ * @return NQM_ERR_NUMERIC: a check failed; the message names the first
+ */
 NQM_API NQM_MUST_CHECK nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed), void *user,
                                                nqm_error *err);
 

@@ -96,15 +96,6 @@ NQM_API const char *nqm_model_builtin_name(size_t i);
 NQM_API void nqm_model_free(nqm_model *model);
 /** Facts about `model`. */
 NQM_API nqm_model_info nqm_model_get_info(const nqm_model *model);
-/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model file holds no calibration. It
- *  widens with `novelty`, of nqm_model_novelty(); NaN counts as 1, and models without that measure do not look at it. */
-NQM_API void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret);
-/**
- * How unlike the training pairs a pair is, as nqm_score_result has it; NaN if the model file has no such measure.
- *
- * @param scalars  (NQM_SCALAR_COUNT) of nqm_scalars_compute()
- */
-NQM_API double nqm_model_novelty(const nqm_model *model, const double *scalars);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #include "math/math.h"
 
 #include <math.h>
+#include <string.h>
 
 /* One judgement at work. */
 typedef struct judging {
@@ -197,25 +198,22 @@ nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint6
 
 /* ---- the best of several metrics --------------------------------------------------------------------------------- */
 
-/* The first of the largest Spearman among metrics [begin, end), or end where none has one. */
-static size_t find_best(const nqm_agreement *metrics, size_t begin, size_t end) {
-    size_t best = end;
-    for (size_t m = begin; m < end; ++m)
-        if (!isnan(metrics[m].spearman) && (best == end || metrics[m].spearman > metrics[best].spearman))
+/* The first of the largest Spearman among the baselines of one family (NULL: of all), or NQM_METRIC_COUNT. */
+static size_t find_best(const nqm_agreement *metrics, const char *family) {
+    size_t best = NQM_METRIC_COUNT;
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+        const nqm_metric_info info = nqm_metric_get_info((nqm_metric)m);
+        const bool counts = info.is_baseline && (!family || strcmp(family, info.family) == 0);
+        if (counts && !isnan(metrics[m].spearman) &&
+            (best == NQM_METRIC_COUNT || metrics[m].spearman > metrics[best].spearman))
             best = m;
+    }
     return best;
 }
 
 void nqm_mark_best(nqm_agreement *metrics) {
-    enum { VARIANTS = 2 }; /* root mean square and mean absolute, side by side in nqm_metric */
-    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
-        metrics[m].best_of_family = metrics[m].best_baseline = 0;
-    for (size_t m = 0; m < NQM_METRIC_BASELINE_COUNT; m += VARIANTS) {
-        size_t best = find_best(metrics, m, m + VARIANTS);
-        if (best < m + VARIANTS)
-            metrics[best].best_of_family = 1;
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+        metrics[m].best_of_family = find_best(metrics, nqm_metric_get_info((nqm_metric)m).family) == m;
+        metrics[m].best_baseline = find_best(metrics, NULL) == m;
     }
-    size_t best = find_best(metrics, 0, NQM_METRIC_BASELINE_COUNT);
-    if (best < NQM_METRIC_BASELINE_COUNT)
-        metrics[best].best_baseline = 1;
 }

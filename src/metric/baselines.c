@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar metrics in BRDF space: the paper's eight baselines (section 4: cube root after Fores et al. 2012, DOI
- * 10.2352/CIC.2012.20.1.art00025; logarithm after Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean absolute
- * log difference. Means run over directions and channels, in double.
+ * The scalar metrics in BRDF space, one row of a table each: the paper's eight baselines (section 4: cube root after Fores et
+ * al. 2012, DOI 10.2352/CIC.2012.20.1.art00025; logarithm after Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean
+ * absolute log difference. Sums run over directions and channels, in double.
  */
 #include "kernel/kernel.h"
 #include "math/math.h"
@@ -11,11 +11,80 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const names[NQM_METRIC_COUNT] = {"rmse",    "mae",       "rms_crwe", "ma_crwe", "rms_loge",
-                                                    "ma_loge", "rms_logwe", "ma_logwe", "log_diff"};
+/* ---- the table --------------------------------------------------------------------------------------------------- */
+
+/* Sums over a stretch, of values a of the reference and b of the test (3 NQM_STRETCH); weight: 1 where a value counts, else 0. */
+static double sum_of_squares(const double *a, const double *b, const double *weight) {
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < 3 * NQM_STRETCH; ++i) {
+        const double d = weight[i] * (b[i] - a[i]);
+        sum += d * d;
+    }
+    return sum;
+}
+
+static double sum_of_magnitudes(const double *a, const double *b, const double *weight) {
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < 3 * NQM_STRETCH; ++i)
+        sum += fabs(weight[i] * (b[i] - a[i]));
+    return sum;
+}
+
+static double mean(double sum, double n) {
+    return sum / n; /* 0/0 is the NaN that is documented */
+}
+
+static double root_mean(double sum, double n) {
+    return sqrt(sum / n);
+}
+
+/* A metric is finish(sum over all stretches of add(), number of values). To add one, add its enumerator and its row; its JSON
+ * key, column, option value and row in reports follow. */
+typedef struct metric_row {
+    nqm_metric_info info;
+    int scale; /* NQM_SCALE_* that is compared */
+    double (*add)(const double *a, const double *b, const double *weight);
+    double (*finish)(double sum, double n);
+} metric_row;
+
+#define RMS(scale_, name_, of)                                                                                         \
+    { {name_, "root mean square difference of " of, of, 1}, scale_, sum_of_squares, root_mean }
+#define MEAN(scale_, name_, of, is_baseline_)                                                                          \
+    { {name_, "mean absolute difference of " of, of, is_baseline_}, scale_, sum_of_magnitudes, mean }
+#define CUBE_ROOT "\xe2\x88\x9b(c f)"
+
+static const metric_row rows[NQM_METRIC_COUNT] = {
+    [NQM_METRIC_RMSE] = RMS(NQM_SCALE_F, "rmse", "f"),
+    [NQM_METRIC_MAE] = MEAN(NQM_SCALE_F, "mae", "f", 1),
+    [NQM_METRIC_RMS_CRWE] = RMS(NQM_SCALE_CBRT_CF, "rms_crwe", CUBE_ROOT),
+    [NQM_METRIC_MA_CRWE] = MEAN(NQM_SCALE_CBRT_CF, "ma_crwe", CUBE_ROOT, 1),
+    [NQM_METRIC_RMS_LOGE] = RMS(NQM_SCALE_LOG1P_F, "rms_loge", "log(1 + f)"),
+    [NQM_METRIC_MA_LOGE] = MEAN(NQM_SCALE_LOG1P_F, "ma_loge", "log(1 + f)", 1),
+    [NQM_METRIC_RMS_LOGWE] = RMS(NQM_SCALE_LOG1P_CF, "rms_logwe", "log(1 + c f)"),
+    [NQM_METRIC_MA_LOGWE] = MEAN(NQM_SCALE_LOG1P_CF, "ma_logwe", "log(1 + c f)", 1),
+    [NQM_METRIC_LOG_DIFF] = MEAN(NQM_SCALE_LOG_F, "log_diff", "log(f + 0.003)", 0),
+};
+
+nqm_metric_info nqm_metric_get_info(nqm_metric metric) {
+    return rows[metric].info;
+}
 
 const char *nqm_metric_name(nqm_metric metric) {
-    return names[metric];
+    return rows[metric].info.name;
+}
+
+void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm_scaled *test, const double *weight) {
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        sums->sum[m] += rows[m].add(ref->scale[rows[m].scale], test->scale[rows[m].scale], weight);
+    for (size_t i = 0; i < 3 * NQM_STRETCH; ++i)
+        sums->n += weight[i];
+}
+
+void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics) {
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        metrics[m] = rows[m].finish(sums->sum[m], sums->n);
 }
 
 /* ---- scales ------------------------------------------------------------------------------------------------------ */
@@ -46,31 +115,4 @@ void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const f
     kernels->log_1p(3 * n, weighted, scaled->scale[NQM_SCALE_LOG1P_CF]);
     log_of(3 * n, f, scaled->scale[NQM_SCALE_LOG_F]);
     log_of(n, scaled->luminance, scaled->log_luminance);
-}
-
-/* ---- sums -------------------------------------------------------------------------------------------------------- */
-
-void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm_scaled *test, const double *weight) {
-    for (size_t k = 0; k < NQM_SCALES; ++k) {
-        const double *a = ref->scale[k], *b = test->scale[k];
-        double squares = 0, absolutes = 0;
-#pragma omp simd reduction(+ : squares, absolutes)
-        for (size_t i = 0; i < 3 * NQM_STRETCH; ++i) {
-            double d = weight[i] * (b[i] - a[i]);
-            squares += d * d;
-            absolutes += fabs(d);
-        }
-        sums->squares[k] += squares;
-        sums->absolutes[k] += absolutes;
-    }
-    for (size_t i = 0; i < 3 * NQM_STRETCH; ++i)
-        sums->n += weight[i];
-}
-
-void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics) {
-    for (int k = 0; k < NQM_SCALES_PAPER; ++k) { /* 0/0 is the NaN that is promised */
-        metrics[NQM_METRIC_RMSE + 2 * k] = sqrt(sums->squares[k] / sums->n);
-        metrics[NQM_METRIC_MAE + 2 * k] = sums->absolutes[k] / sums->n;
-    }
-    metrics[NQM_METRIC_LOG_DIFF] = sums->absolutes[NQM_SCALE_LOG_F] / sums->n;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * metric.h - inside the metric room: prediction for sampled pairs in batches.
+ * metric.h - inside the metric room: features and predictions of sampled pairs, golden scores.
  */
 #ifndef NQM_SRC_METRIC_H
 #define NQM_SRC_METRIC_H
@@ -8,6 +8,11 @@
 #include "model/model.h"
 #include "sample/sample.h"
 #include <nqm/metric.h>
+
+/** The scalar features of one sampled pair; arguments as in nqm_metrics_compute(). scalars (NQM_SCALAR_COUNT) are finite for
+ *  finite f_r >= 0, and NaN when no direction counts. */
+void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
+                         double *scalars);
 
 /** Tests of one reference at the same directions. */
 typedef struct nqm_comparison {
@@ -23,19 +28,19 @@ enum { NQM_COMPARE_MAX = 16 };
 /** metrics: (n, NQM_METRIC_COUNT), scalars: (n, NQM_SCALAR_COUNT), in one pass; either may be NULL. */
 void nqm_compare_samples(const nqm_comparison *comparison, double *metrics, double *scalars);
 
-/** Pairs that are sampled at the model's directions. Neighbours with the same reference, by its pointer, share the work
- *  that it makes. */
+/** Pairs that are sampled at the model's directions. What depends on the reference alone is computed once for neighbouring
+ *  pairs with the same `ref` pointer. */
 typedef struct nqm_sampled_pairs {
     size_t n;
     const float *const *ref, *const *test; /* (n) each of (n_directions, 3) f_r >= 0 */
     const uint8_t *used;                   /* (n, n_directions) 0: the direction is dropped; NULL: none is */
-    double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: they are not wanted */
-    double *novelty;                       /* (n) receives nqm_model_novelty(); NULL: it is not wanted */
+    double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: do not compute them */
+    double *novelty;                       /* (n) receives nqm_model_novelty(); NULL: do not compute it */
 } nqm_sampled_pairs;
 
 enum { NQM_PREDICT_BATCH = 512 };
 
-/** Memory for predictions; belongs to one thread at a time, the model is lent. */
+/** Workspace of predictions, for one thread at a time; the model is lent. */
 typedef struct nqm_predictor nqm_predictor;
 
 /** max_batch: 1..NQM_PREDICT_BATCH */
@@ -50,39 +55,25 @@ void nqm_predictor_free(nqm_predictor *predictor);
  */
 void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
 
-/** NQM_ERR_ARG when an option is out of its range. */
-NQM_MUST_CHECK nqm_status nqm_score_options_check(const nqm_score_options *options, nqm_error *err);
-
 /** One BRDF of a pair at the model's directions. */
 typedef struct nqm_member {
     nqm_status status;   /* of its sampling */
     const float *rgb;    /* (n_directions, 3) f_r */
-    const uint8_t *flag; /* (n_directions) nqm_value_flag */
+    const uint8_t *flag; /* (n_directions) nqm_value_flag; NULL: all hold a value, or status says that there is none */
+    const uint8_t *mask; /* of tests: (n_directions) 0 where the caller leaves the direction out; NULL: nowhere */
     nqm_sample_report report;
     size_t n_unusual; /* nqm_count_unusual() */
 } nqm_member;
 
-/** Directions at which f_r, rgb (n_directions, 3), lies far outside what the model was trained on. */
+/** Directions at which f_r, rgb (n_directions, 3), is far above what the model was trained on. */
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb);
-/**
- * Everything about a pair but JOD and metrics: counts, whether both are equal, whether enough directions hold a value.
- *
- * @param ref     its status is NQM_OK
- * @param used    (n_directions) receives which directions count; may be test->flag
- * @param result  receives the rest; jod and delta_e are NaN
- */
-void nqm_compare_members(const nqm_model *model, const nqm_score_options *options, const nqm_member *ref,
-                         const nqm_member *test, uint8_t *used, nqm_score_result *result);
-/** A result with a status and NaN for all numbers. */
-nqm_score_result nqm_no_score(nqm_status status);
-/** Complete a result that has no fault with what nqm_predictor_run() gave; metrics (NQM_METRIC_COUNT) NULL: none. */
-void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e, double novelty,
-                      const double *metrics);
+/** BRDFs that nqm_scorer_run_named() has opened so far, with those that failed and those that the cache had dropped. */
+size_t nqm_scorer_n_opened(const nqm_scorer *scorer);
 
 /**
- * Golden scores: the JOD that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They
- * cover the whole chain (evaluation, sampling, features, network, curve), so that a later build or another machine can
- * tell whether it still computes what the maker of the model saw.
+ * Golden scores: the JODs that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They
+ * depend on the whole chain (evaluation, sampling, features, network, curve): another build or machine compares them to find
+ * out whether it computes what the maker of the model saw.
  *
  * @param json_ret  receives the text; free with nqm_free()
  */

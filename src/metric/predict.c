@@ -135,26 +135,3 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
     for (size_t i = 0; i < pairs->n; ++i)
         jod[i] = nqm_model_jod(p->model, (double)p->z[i], delta_e ? &delta_e[i] : NULL);
 }
-
-nqm_status nqm_model_predict(const nqm_model *model, size_t n_pairs, const float *ref, const float *test, double *jod,
-                             nqm_error *err) {
-    if (n_pairs == 0)
-        return NQM_OK;
-    nqm_predictor *predictor;
-    nqm_status status = nqm_predictor_create(
-        model, NQM_PRECISION_F32, n_pairs < NQM_PREDICT_BATCH ? n_pairs : NQM_PREDICT_BATCH, &predictor, err);
-    if (status != NQM_OK)
-        return status;
-    size_t n = 3 * model->n_directions;
-    for (size_t begin = 0; begin < n_pairs; begin += NQM_PREDICT_BATCH) {
-        const float *refs[NQM_PREDICT_BATCH], *tests[NQM_PREDICT_BATCH];
-        nqm_sampled_pairs pairs = {.ref = refs, .test = tests};
-        for (size_t i = begin; i < n_pairs && pairs.n < NQM_PREDICT_BATCH; ++i) {
-            refs[pairs.n] = ref + n * i;
-            tests[pairs.n++] = test + n * i;
-        }
-        nqm_predictor_run(predictor, &pairs, jod + begin, NULL);
-    }
-    nqm_predictor_free(predictor);
-    return NQM_OK;
-}

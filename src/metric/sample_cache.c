@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A hash table of sampled BRDFs, and a list of the same entries in the order of their last use. An opened BRDF is closed
- * once it is sampled: 500 directions take 7 KB, a measured table 35 MB.
+ * A hash table of sampled BRDFs, and a list of the same entries in the order of their last use. A BRDF is closed as soon as
+ * it is sampled: the samples of 500 directions take 7 KB, a measured table 35 MB.
  */
 #include "metric/sample_cache.h"
 
@@ -56,27 +56,18 @@ static void link_newest(nqm_sample_cache *cache, nqm_cached *entry) {
 
 /* ---- entries ----------------------------------------------------------------------------------------------------- */
 
-static void free_entry(nqm_cached *entry) {
-    if (!entry)
-        return;
-    nqm_free(entry->name);
-    nqm_free(entry->rgb);
-    nqm_free(entry->flag);
-    nqm_free(entry);
-}
-
+/* One block: the entry, its samples, flags and name. */
 static nqm_cached *make_entry(const char *name, size_t n_directions) {
-    nqm_cached *entry = nqm_alloc(1, sizeof *entry);
+    const size_t n_name = strlen(name) + 1;
+    const size_t n_bytes = sizeof(nqm_cached) + n_directions * (3 * sizeof(float) + sizeof(uint8_t)) + n_name;
+    nqm_cached *entry = nqm_alloc(n_bytes, 1);
     if (!entry)
         return NULL;
-    entry->name = nqm_strdup(name);
-    entry->rgb = nqm_alloc(n_directions, 3 * sizeof *entry->rgb);
-    entry->flag = nqm_alloc(n_directions, sizeof *entry->flag);
-    if (!entry->name || !entry->rgb || !entry->flag) {
-        free_entry(entry);
-        return NULL;
-    }
-    entry->n_bytes = sizeof *entry + strlen(name) + 1 + n_directions * (3 * sizeof *entry->rgb + sizeof *entry->flag);
+    entry->rgb = (float *)(entry + 1);
+    entry->flag = (uint8_t *)(entry->rgb + 3 * n_directions);
+    entry->name = (char *)entry->flag + n_directions;
+    memcpy(entry->name, name, n_name);
+    entry->n_bytes = n_bytes;
     return entry;
 }
 
@@ -87,7 +78,7 @@ static void drop(nqm_sample_cache *cache, nqm_cached *entry) {
     *place = entry->next_in_bucket;
     unlink_use(cache, entry);
     cache->n_bytes -= entry->n_bytes;
-    free_entry(entry);
+    nqm_free(entry);
 }
 
 nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name) {
@@ -144,10 +135,12 @@ static void fill_entry(void *user, size_t i) {
         status = nqm_sample(brdf, model->directions, job->cache->policy, entry->rgb, entry->flag, &report, &entry->err);
     nqm_brdf_free(brdf);
     entry->err.status = status;
-    entry->member = (nqm_member){.status = status, .rgb = entry->rgb, .flag = entry->flag, .report = report};
-    if (status == NQM_OK)
+    entry->member = (nqm_member){.status = status, .rgb = entry->rgb, .report = report};
+    if (status == NQM_OK) {
+        entry->member.flag = entry->flag;
         entry->member.n_unusual = nqm_count_unusual(model, entry->rgb);
-    entry->filled = status != NQM_ERR_NOMEM; /* there may be memory next time */
+    }
+    entry->filled = status != NQM_ERR_NOMEM; /* memory may suffice at the next call */
 }
 
 nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries, nqm_error *err) {
@@ -157,7 +150,7 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
     size_t n_fresh = 0;
     for (size_t i = 0; i < n; ++i)
         if (!entries[i]->filled && !entries[i]->waiting) {
-            entries[i]->waiting = true; /* the same name may come again */
+            entries[i]->waiting = true; /* the same entry may occur twice */
             fresh[n_fresh++] = entries[i];
         }
     fill_job job = {cache, fresh};

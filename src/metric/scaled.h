@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
  * scaled.h - the samples of a BRDF on the scales on which metrics and scalar features compare them. Roots and logarithms
- * are most of the work of a comparison: those of a reference are made once for all its tests.
+ * are most of the work of a comparison: those of a reference are computed once for all its tests.
  */
 #ifndef NQM_SRC_METRIC_SCALED_H
 #define NQM_SRC_METRIC_SCALED_H
 
 #include "metric/metric.h"
 
-enum { NQM_STRETCH = 64 }; /**< directions that are looked at together */
+enum { NQM_STRETCH = 64 }; /**< directions that are processed together */
 
-/** Scales of reflectance f; c = cos(theta_i) cos(theta_o). The first NQM_SCALES_PAPER make two baselines each. */
+/** Scales of reflectance f; c = cos(theta_i) cos(theta_o). */
 enum { NQM_SCALE_F, NQM_SCALE_CBRT_CF, NQM_SCALE_LOG1P_F, NQM_SCALE_LOG1P_CF, NQM_SCALE_LOG_F, NQM_SCALES };
-enum { NQM_SCALES_PAPER = NQM_SCALE_LOG_F };
 
 #define NQM_DARK 0.003 /**< 1/sr, added to f in NQM_SCALE_LOG_F */
 
-/** A stretch of directions of one BRDF; what stands beyond the last direction is 0. */
+/** A stretch of directions of one BRDF; 0 after the last direction. */
 typedef struct nqm_scaled {
     double scale[NQM_SCALES][3 * NQM_STRETCH];
     double luminance[NQM_STRETCH], log_luminance[NQM_STRETCH]; /**< of f; of luminance + NQM_DARK */
@@ -30,9 +29,9 @@ static inline size_t nqm_stretch_size(size_t n_directions, size_t stretch) {
 /** rgb: (n_directions, 3), of which this stretch is scaled. */
 void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const float *rgb, nqm_scaled *scaled);
 
-/** What the metrics are made of: sums over directions and channels. */
+/** Sums over directions and channels: the number of values, and what each metric adds up. */
 typedef struct nqm_metric_sums {
-    double n, squares[NQM_SCALES], absolutes[NQM_SCALES];
+    double n, sum[NQM_METRIC_COUNT];
 } nqm_metric_sums;
 
 /** Add a stretch. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */

@@ -1,48 +1,134 @@
 /* SPDX-License-Identifier: MIT
  *
- * The score of approximations against one reference: sample, compare, predict, in batches of tests.
+ * Scores of pairs. Opened BRDFs, paths and the caller's samples all become pairs of members (samples at the model's
+ * directions). A block of pairs is compared on all threads, then predicted in one forward pass.
  */
 #include "brdf/brdf.h"
 #include "metric/metric.h"
+#include "metric/sample_cache.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
-/* Beyond this many standard deviations of the training references a value counts as unusual. */
+_Static_assert((int)NQM_SCORE_BLOCK <= (int)NQM_PREDICT_BATCH, "a block is one forward pass");
+
+/* Values above the training references' mean by more than this many standard deviations count as unusual. */
 static const float unusual_sigma = 6;
 
-/* Arrays of tests hold one batch. */
 struct nqm_scorer {
     const nqm_model *model;
-    const nqm_directions *directions;
     nqm_score_options options;
-    size_t max_batch;
-    float *ref, *test;               /* (n_directions, 3), (max_batch, n_directions, 3) */
-    const float **refs, **tests;     /* (max_batch) of each pair */
-    uint8_t *ref_flag;               /* (n_directions) nqm_value_flag */
-    uint8_t *used;                   /* (max_batch, n_directions) directions that count */
-    double *jod, *delta_e, *novelty; /* (max_batch) */
-    double *metrics;                 /* (max_batch, NQM_METRIC_COUNT) */
-    nqm_member ref_member;
-    nqm_predictor *predictor;
-    const nqm_brdf *const *brdfs; /* of this batch */
-    nqm_score_result *results;    /* of this batch */
+    nqm_sample_cache *cache;         /* of nqm_scorer_run_named(), made by its first call */
+    nqm_predictor *predictor;        /* of batches of `room` pairs */
+    size_t room;                     /* pairs that the arrays have room for */
+    unsigned char *memory;           /* one block, which holds all arrays */
+    nqm_member *member;              /* (room, 2) reference and test of each pair of the block */
+    size_t *place;                   /* (room) of each pair in the following arrays, which are grouped by reference */
+    const float **ref, **test;       /* (room) samples for the network */
+    uint8_t *used;                   /* (room, n_directions) */
+    double *jod, *delta_e, *novelty; /* (room) */
+    double *metrics;                 /* (room, NQM_METRIC_COUNT) */
+    /* Of nqm_scorer_run() only; NULL before its first call: */
+    float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
+    uint8_t *flag;                /* (1 + room, n_directions) */
+    const nqm_brdf *const *brdfs; /* the block's tests; NULL: the members are sampled */
 };
 
 nqm_score_options nqm_score_options_default(void) {
-    return (nqm_score_options){.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.9};
+    return (nqm_score_options){
+        .invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.9, .metrics = 1, .cache_bytes = (size_t)64 << 20};
 }
 
-nqm_status nqm_score_options_check(const nqm_score_options *options, nqm_error *err) {
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+/* An array of n items of `size` bytes at byte *at of the block; advances *at. */
+static void *place_array(unsigned char *block, size_t *at, size_t n, size_t size) {
+    enum { CACHE_LINE = 64 };
+    unsigned char *array = block ? block + *at : NULL;
+    *at += nqm_ceil_div(n * size, CACHE_LINE) * CACHE_LINE;
+    return array;
+}
+
+/* Let the arrays for n pairs point into a block; returns its size. block NULL: only measure. */
+static size_t lay_out(nqm_scorer *s, size_t n, bool with_samples, unsigned char *block) {
+    const size_t n_directions = s->model->n_directions;
+    size_t at = 0;
+    s->member = place_array(block, &at, n, 2 * sizeof *s->member);
+    s->place = place_array(block, &at, n, sizeof *s->place);
+    s->ref = place_array(block, &at, n, sizeof *s->ref);
+    s->test = place_array(block, &at, n, sizeof *s->test);
+    s->used = place_array(block, &at, n, n_directions);
+    s->jod = place_array(block, &at, n, sizeof *s->jod);
+    s->delta_e = place_array(block, &at, n, sizeof *s->delta_e);
+    s->novelty = place_array(block, &at, n, sizeof *s->novelty);
+    s->metrics = place_array(block, &at, n, NQM_METRIC_COUNT * sizeof *s->metrics);
+    s->rgb = NULL;
+    if (with_samples) {
+        s->rgb = place_array(block, &at, 1 + n, 3 * n_directions * sizeof *s->rgb);
+        s->flag = place_array(block, &at, 1 + n, n_directions);
+    }
+    return at;
+}
+
+/* Room for calls with n_pairs pairs. */
+static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_error *err) {
+    const size_t n = nqm_larger(nqm_smaller(n_pairs, NQM_SCORE_BLOCK), s->room);
+    if (n == s->room && (s->rgb || !with_samples))
+        return NQM_OK;
+    with_samples = with_samples || s->rgb;
+    nqm_predictor_free(s->predictor);
+    nqm_free(s->memory);
+    s->predictor = NULL;
+    s->room = 0;
+    const size_t n_bytes = lay_out(s, n, with_samples, NULL);
+    s->memory = nqm_alloc(n_bytes, 1);
+    if (!s->memory)
+        return nqm_fail_nomem(err, n_bytes);
+    lay_out(s, n, with_samples, s->memory);
+    nqm_status status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
+    if (status == NQM_OK)
+        s->room = n;
+    return status;
+}
+
+static nqm_status check_options(const nqm_score_options *options, nqm_error *err) {
     if (!(options->min_valid_fraction >= 0 && options->min_valid_fraction <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
                         options->min_valid_fraction);
     if (!nqm_precision_name(options->precision))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "precision: %d is none", (int)options->precision);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "precision: %d is not one of nqm_precision", (int)options->precision);
     return NQM_OK;
 }
 
-nqm_score_result nqm_no_score(nqm_status status) {
+nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options, nqm_scorer **scorer_ret,
+                             nqm_error *err) {
+    *scorer_ret = NULL;
+    const nqm_score_options o = options ? *options : nqm_score_options_default();
+    nqm_status status = check_options(&o, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_scorer *s = nqm_alloc(1, sizeof *s);
+    if (!s)
+        return nqm_fail_nomem(err, sizeof *s);
+    s->model = model;
+    s->options = o;
+    *scorer_ret = s;
+    return NQM_OK;
+}
+
+void nqm_scorer_free(nqm_scorer *scorer) {
+    if (!scorer)
+        return;
+    nqm_sample_cache_free(scorer->cache);
+    nqm_predictor_free(scorer->predictor);
+    nqm_free(scorer->memory);
+    nqm_free(scorer);
+}
+
+/* ---- comparison -------------------------------------------------------------------------------------------------- */
+
+static nqm_score_result no_score(nqm_status status) {
     nqm_score_result result = {
         .status = status, .jod = NAN, .delta_e = NAN, .jod_low = NAN, .jod_high = NAN, .novelty = NAN};
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
@@ -51,7 +137,7 @@ nqm_score_result nqm_no_score(nqm_status status) {
 }
 
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
-    float limit[3]; /* in reflectance: the transform is monotone, so nothing has to be transformed */
+    float limit[3]; /* in reflectance: the network's scale is monotone, so that no sample has to be transformed */
     for (size_t k = 0; k < 3; ++k) {
         float root = expm1f(model->mean[k] + unusual_sigma * model->std[k]);
         limit[k] = root * root * root;
@@ -62,158 +148,252 @@ size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
     return n_unusual;
 }
 
-void nqm_compare_members(const nqm_model *model, const nqm_score_options *options, const nqm_member *ref,
-                         const nqm_member *test, uint8_t *used, nqm_score_result *result) {
-    size_t n = model->n_directions;
-    *result = nqm_no_score(test->status);
-    result->n_clamped_ref = ref->report.n_clamped;
-    result->n_invalid_ref = ref->report.n_invalid;
-    result->n_unusual_ref = ref->n_unusual;
-    result->n_clamped_test = test->report.n_clamped;
-    result->n_invalid_test = test->report.n_invalid;
-    bool equal = true;
-    for (size_t k = 0; k < n; ++k) {
-        bool valid = nqm_has_value(ref->flag[k]) && nqm_has_value(test->flag[k]);
-        result->n_valid += valid;
-        /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits are meant */
-        equal = equal && (!valid || memcmp(ref->rgb + 3 * k, test->rgb + 3 * k, 3 * sizeof(float)) == 0);
-        used[k] = valid || options->invalid != NQM_INVALID_DROP;
-    }
-    if (result->status == NQM_OK &&
-        (result->n_valid == 0 || (double)result->n_valid < options->min_valid_fraction * (double)n))
-        result->status = NQM_ERR_INCOMPATIBLE;
-    if (result->status != NQM_OK)
-        return;
-    result->identical = equal;
-    result->n_unusual_test = test->n_unusual;
+static bool holds_value(const nqm_member *member, size_t direction) {
+    return !member->flag || nqm_has_value(member->flag[direction]);
 }
 
-void nqm_score_settle(const nqm_model *model, nqm_score_result *result, double jod, double delta_e, double novelty,
-                      const double *metrics) {
+/* The directions that count, and everything of the result that needs no network: counts, equality, enough values. */
+static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *ref, const nqm_member *test,
+                                        uint8_t *used) {
+    const size_t n = s->model->n_directions;
+    if (ref->status != NQM_OK)
+        return no_score(ref->status);
+    nqm_score_result result = no_score(test->status);
+    result.n_clamped_ref = ref->report.n_clamped;
+    result.n_invalid_ref = ref->report.n_invalid;
+    result.n_unusual_ref = ref->n_unusual;
+    result.n_clamped_test = test->report.n_clamped;
+    result.n_invalid_test = test->report.n_invalid;
+    if (test->status != NQM_OK && !test->flag)
+        return result;
+    bool equal = true;
+    for (size_t k = 0; k < n; ++k) {
+        const bool included = !test->mask || test->mask[k];
+        const bool valid = included && holds_value(ref, k) && holds_value(test, k);
+        result.n_valid += valid;
+        /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): equality of bits is intended */
+        equal = equal && (!valid || memcmp(ref->rgb + 3 * k, test->rgb + 3 * k, 3 * sizeof(float)) == 0);
+        used[k] = valid || (included && s->options.invalid != NQM_INVALID_DROP);
+    }
+    if (result.status != NQM_OK)
+        return result;
+    if (result.n_valid == 0 || (double)result.n_valid < s->options.min_valid_fraction * (double)n) {
+        result.status = NQM_ERR_INCOMPATIBLE;
+        return result;
+    }
+    result.identical = equal;
+    result.n_unusual_test = test->n_unusual;
+    return result;
+}
+
+static void sample_test(const nqm_scorer *s, size_t i) {
+    const size_t n = s->model->n_directions;
+    float *rgb = s->rgb + 3 * n * (1 + i);
+    uint8_t *flag = s->flag + n * (1 + i);
+    nqm_member *test = &s->member[2 * i + 1];
+    *test = (nqm_member){.rgb = rgb, .flag = flag};
+    test->status = nqm_sample(s->brdfs[i], s->model->directions, s->options.invalid, rgb, flag, &test->report, NULL);
+    test->n_unusual = nqm_count_unusual(s->model, rgb);
+}
+
+/* A block and where its results go. */
+typedef struct score_job {
+    nqm_scorer *scorer;
+    nqm_score_result *results; /* (n) */
+} score_job;
+
+/* Compare pair i of the block. The network gets a failed pair as one without used directions; its answer is ignored. */
+static void compare(void *user, size_t i) {
+    const score_job *job = user;
+    nqm_scorer *s = job->scorer;
+    const nqm_member *ref = &s->member[2 * i], *test = &s->member[2 * i + 1];
+    const size_t n = s->model->n_directions, place = s->place[i];
+    uint8_t *used = s->used + n * place;
+    if (s->brdfs)
+        sample_test(s, i);
+    job->results[i] = compare_members(s, ref, test, used);
+    const bool failed = job->results[i].status != NQM_OK;
+    if (failed)
+        memset(used, 0, n);
+    s->ref[place] = ref->rgb;
+    s->test[place] = failed ? ref->rgb : test->rgb;
+}
+
+/* ---- blocks ------------------------------------------------------------------------------------------------------ */
+
+/* Pairs of one reference become neighbours, whose common work the predictor does once. */
+static void group_by_reference(nqm_scorer *s, size_t n) {
+    bool is_placed[NQM_SCORE_BLOCK] = {false};
+    size_t n_placed = 0;
+    for (size_t first = 0; first < n; ++first) {
+        if (is_placed[first])
+            continue;
+        for (size_t i = first; i < n; ++i)
+            if (s->member[2 * i].rgb == s->member[2 * first].rgb) {
+                is_placed[i] = true;
+                s->place[i] = n_placed++;
+            }
+    }
+}
+
+static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) {
+    const double jod = s->jod[place], novelty = s->novelty[place];
     if (result->status != NQM_OK)
         return;
     if (!isfinite(jod)) {
-        *result = nqm_no_score(NQM_ERR_NUMERIC);
+        *result = no_score(NQM_ERR_NUMERIC);
         return;
     }
     result->jod = jod;
-    result->delta_e = delta_e;
-    if (metrics)
-        memcpy(result->metrics, metrics, sizeof result->metrics);
+    result->delta_e = s->delta_e[place];
     result->novelty = novelty;
-    nqm_model_interval(model, jod, novelty, &result->jod_low, &result->jod_high);
-    if (result->identical && model->interval) /* equal BRDFs make equal pictures */
+    if (s->options.metrics)
+        memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
+    nqm_model_interval(s->model, jod, novelty, &result->jod_low, &result->jod_high);
+    if (result->identical && s->model->interval) /* equal BRDFs give equal images */
         result->jod_low = result->jod_high = 10;
 }
 
-/* Sample test i of the batch and compare it with the reference, all but what the predictor says. */
-static void compare(void *user, size_t i) {
-    nqm_scorer *s = user;
-    size_t n = s->directions->n;
-    float *rgb = s->test + 3 * n * i;
-    uint8_t *used = s->used + n * i; /* holds the test's flags first */
-    nqm_member test = {.rgb = rgb, .flag = used};
-    test.status = nqm_sample(s->brdfs[i], s->directions, s->options.invalid, rgb, used, &test.report, NULL);
-    test.n_unusual = nqm_count_unusual(s->model, rgb);
-    nqm_compare_members(s->model, &s->options, &s->ref_member, &test, used, &s->results[i]);
-    s->refs[i] = s->ref;
-    s->tests[i] = rgb;
-    if (s->results[i].status != NQM_OK) { /* the network sees a pair without values; its answer is not used */
-        memset(used, 0, n);
-        s->tests[i] = s->ref;
-    }
-}
-
-static void score_batch(nqm_scorer *s, size_t n) {
+/* Score the n pairs that `member` holds. */
+static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
+    score_job job = {s, results};
+    group_by_reference(s, n);
     if (n == 1)
-        compare(s, 0);
+        compare(&job, 0);
     else
-        nqm_parallel_for(n, compare, s);
-    const nqm_sampled_pairs pairs = {
-        .n = n, .ref = s->refs, .test = s->tests, .used = s->used, .metrics = s->metrics, .novelty = s->novelty};
+        nqm_parallel_for(n, compare, &job);
+    const nqm_sampled_pairs pairs = {.n = n,
+                                     .ref = s->ref,
+                                     .test = s->test,
+                                     .used = s->used,
+                                     .metrics = s->options.metrics ? s->metrics : NULL,
+                                     .novelty = s->novelty};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
     for (size_t i = 0; i < n; ++i)
-        nqm_score_settle(s->model, &s->results[i], s->jod[i], s->delta_e[i], s->novelty[i],
-                         s->metrics + i * NQM_METRIC_COUNT);
+        settle(s, s->place[i], &results[i]);
 }
 
-static nqm_status make_room(nqm_scorer *s, nqm_error *err) {
-    size_t n = s->directions->n;
-    s->ref = nqm_alloc(n, 3 * sizeof *s->ref);
-    s->ref_flag = nqm_alloc(n, sizeof *s->ref_flag);
-    s->test = nqm_alloc(s->max_batch, 3 * n * sizeof *s->test);
-    s->refs = nqm_alloc(s->max_batch, sizeof *s->refs);
-    s->tests = nqm_alloc(s->max_batch, sizeof *s->tests);
-    s->used = nqm_alloc(s->max_batch, n * sizeof *s->used);
-    s->jod = nqm_alloc(s->max_batch, sizeof *s->jod);
-    s->delta_e = nqm_alloc(s->max_batch, sizeof *s->delta_e);
-    s->novelty = nqm_alloc(s->max_batch, sizeof *s->novelty);
-    s->metrics = nqm_alloc(s->max_batch, NQM_METRIC_COUNT * sizeof *s->metrics);
-    if (!s->ref || !s->ref_flag || !s->test || !s->refs || !s->tests || !s->used || !s->jod || !s->delta_e ||
-        !s->novelty || !s->metrics)
-        return nqm_fail_nomem(err, (s->max_batch + 1) * n * (3 * sizeof(float) + 1));
-    return nqm_predictor_create(s->model, s->options.precision, s->max_batch, &s->predictor, err);
-}
-
-nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options, size_t max_batch,
-                             nqm_scorer **scorer_ret, nqm_error *err) {
-    *scorer_ret = NULL;
-    const nqm_score_options o = options ? *options : nqm_score_options_default();
-    nqm_status status = nqm_score_options_check(&o, err);
-    if (status != NQM_OK)
-        return status;
-    if (max_batch < 1)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "a scorer of batches of 0 tests");
-    nqm_scorer *s = nqm_alloc(1, sizeof *s);
-    if (!s)
-        return nqm_fail_nomem(err, sizeof *s);
-    *s = (nqm_scorer){.model = model,
-                      .directions = model->directions,
-                      .options = o,
-                      .max_batch = max_batch < NQM_PREDICT_BATCH ? max_batch : NQM_PREDICT_BATCH};
-    status = make_room(s, err);
-    if (status == NQM_OK)
-        *scorer_ret = s;
-    else
-        nqm_scorer_free(s);
-    return status;
-}
-
-void nqm_scorer_free(nqm_scorer *scorer) {
-    if (!scorer)
-        return;
-    void *blocks[] = {scorer->ref,  scorer->ref_flag, scorer->test,    scorer->refs,    scorer->tests,
-                      scorer->used, scorer->jod,      scorer->delta_e, scorer->novelty, scorer->metrics};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
-        nqm_free(blocks[i]);
-    nqm_predictor_free(scorer->predictor);
-    nqm_free(scorer);
-}
+/* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */
 
 nqm_status nqm_scorer_run(nqm_scorer *s, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
                           nqm_score_result *results, nqm_error *err) {
     if (n_tests == 0)
         return NQM_OK;
-    s->ref_member = (nqm_member){.rgb = s->ref, .flag = s->ref_flag};
-    nqm_status status =
-        nqm_sample(ref, s->directions, s->options.invalid, s->ref, s->ref_flag, &s->ref_member.report, err);
+    nqm_status status = reserve(s, n_tests, true, err);
     if (status != NQM_OK)
         return status;
-    s->ref_member.n_unusual = nqm_count_unusual(s->model, s->ref);
-    for (size_t begin = 0; begin < n_tests; begin += s->max_batch) {
+    nqm_member member = {.rgb = s->rgb, .flag = s->flag};
+    status = nqm_sample(ref, s->model->directions, s->options.invalid, s->rgb, s->flag, &member.report, err);
+    if (status != NQM_OK)
+        return status;
+    member.n_unusual = nqm_count_unusual(s->model, s->rgb);
+    for (size_t begin = 0, n; begin < n_tests; begin += n) {
+        n = nqm_smaller(n_tests - begin, NQM_SCORE_BLOCK);
+        for (size_t i = 0; i < n; ++i)
+            s->member[2 * i] = member;
         s->brdfs = tests + begin;
-        s->results = results + begin;
-        score_batch(s, n_tests - begin < s->max_batch ? n_tests - begin : s->max_batch);
+        score_block(s, n, results + begin);
     }
+    s->brdfs = NULL;
     return NQM_OK;
 }
 
 nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
                      const nqm_score_options *options, nqm_score_result *results, nqm_error *err) {
     nqm_scorer *scorer;
-    nqm_status status = nqm_scorer_create(model, options, n_tests ? n_tests : 1, &scorer, err);
+    nqm_status status = nqm_scorer_create(model, options, &scorer, err);
     if (status == NQM_OK)
         status = nqm_scorer_run(scorer, ref, n_tests, tests, results, err);
     nqm_scorer_free(scorer);
+    return status;
+}
+
+/* ---- named BRDFs ------------------------------------------------------------------------------------------------- */
+
+size_t nqm_scorer_n_opened(const nqm_scorer *scorer) {
+    return scorer->cache ? nqm_sample_cache_n_opened(scorer->cache) : 0;
+}
+
+/* Why a pair has no score; entry: (2) its reference and test. */
+static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const char *test,
+                         const nqm_score_result *result) {
+    nqm_error why = {.status = result->status, .byte_offset = -1};
+    if (entry[0]->member.status != NQM_OK)
+        return entry[0]->err;
+    if (entry[1]->member.status != NQM_OK)
+        return entry[1]->err;
+    if (result->status == NQM_ERR_INCOMPATIBLE)
+        (void)nqm_fail(
+            &why, result->status, -1,
+            "%s: it and its reference both hold a value at only %zu of %zu directions (at least %.0f are needed)", test,
+            result->n_valid, s->model->n_directions,
+            ceil(s->options.min_valid_fraction * (double)s->model->n_directions));
+    else if (result->status != NQM_OK)
+        (void)nqm_fail(&why, result->status, -1, "%s: %s", test, nqm_status_text(result->status));
+    return why;
+}
+
+/* Find or sample the BRDFs of n pairs, entry (n, 2), and make them the block's members. */
+static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_named_pair *pairs, nqm_cached **entry, nqm_error *err) {
+    for (size_t i = 0; i < 2 * n; ++i) {
+        entry[i] = nqm_sample_cache_get(s->cache, i % 2 ? pairs[i / 2].test : pairs[i / 2].ref);
+        if (!entry[i])
+            return nqm_fail_nomem(err, 3 * s->model->n_directions * sizeof(float));
+    }
+    nqm_status status = nqm_sample_cache_fill(s->cache, 2 * n, entry, err);
+    for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
+        s->member[i] = entry[i]->member;
+    return status;
+}
+
+nqm_status nqm_scorer_run_named(nqm_scorer *s, size_t n_pairs, const nqm_named_pair *pairs, nqm_score_result *results,
+                                nqm_error *errors, nqm_error *err) {
+    nqm_cached *entry[2 * NQM_SCORE_BLOCK];
+    nqm_status status = n_pairs ? reserve(s, n_pairs, false, err) : NQM_OK;
+    if (status == NQM_OK && !s->cache)
+        status = nqm_sample_cache_create(s->model, s->options.invalid, &s->cache, err);
+    for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
+        n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
+        status = look_up(s, n, pairs + begin, entry, err);
+        if (status == NQM_OK)
+            score_block(s, n, results + begin);
+        for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
+            errors[begin + i] = explain(s, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
+        nqm_sample_cache_trim(s->cache, s->options.cache_bytes);
+    }
+    return status;
+}
+
+/* ---- samples of the caller --------------------------------------------------------------------------------------- */
+
+static nqm_status check_samples(const nqm_model *model, size_t pair, const char *member, const float *rgb,
+                                nqm_error *err) {
+    for (size_t i = 0; i < 3 * model->n_directions; ++i)
+        if (!(rgb[i] >= 0 && rgb[i] <= FLT_MAX))
+            return nqm_fail(err, NQM_ERR_ARG, -1,
+                            "pair %zu: the %s is %g at direction %zu (from 0): samples must be finite and not negative",
+                            pair, member, (double)rgb[i], i / 3);
+    return NQM_OK;
+}
+
+nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sample_pair *pairs,
+                                  nqm_score_result *results, nqm_error *err) {
+    nqm_status status = n_pairs ? reserve(s, n_pairs, false, err) : NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < n_pairs; ++i) {
+        if (i == 0 || pairs[i].ref != pairs[i - 1].ref)
+            status = check_samples(s->model, i, "reference", pairs[i].ref, err);
+        if (status == NQM_OK)
+            status = check_samples(s->model, i, "test", pairs[i].test, err);
+    }
+    for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
+        n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
+        for (size_t i = 0; i < n; ++i) {
+            const nqm_sample_pair *p = &pairs[begin + i];
+            s->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = nqm_count_unusual(s->model, p->ref)};
+            s->member[2 * i + 1] =
+                (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = nqm_count_unusual(s->model, p->test)};
+        }
+        score_block(s, n, results + begin);
+    }
     return status;
 }

@@ -104,6 +104,12 @@ typedef struct nqm_scalar_whitening {
 /** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
 void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
 
+/** The 95 % interval around a predicted JOD, as nqm_score_result has it; NaN if the model has no calibration. It widens with
+ *  `novelty`, of nqm_model_novelty(): NaN counts as 1, and models without that measure ignore it. */
+void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret);
+/** The novelty of a pair, as nqm_score_result has it; NaN if the model has no such measure. scalars: (NQM_SCALAR_COUNT) of
+ *  nqm_scalars_compute(). */
+double nqm_model_novelty(const nqm_model *model, const double *scalars);
 /** What novelty is measured on: scalar features, whitened and mapped; y (NQM_SCALAR_COUNT). */
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y);
 

@@ -4,14 +4,14 @@
  * them, how often BRDFs are opened, faults of single pairs, running out of memory; and JOD as preferences.
  */
 #include "base/memory_test.h"
+#include "metric/metric.h"
 #include "support/check.h"
 #include "support/tiny_model.h"
 
 #include <math.h>
-#include <nqm/metric.h>
 #include <string.h>
 
-enum { N_DIRECTIONS = 20, MANY = 2 * NQM_BATCH_BLOCK + 37 };
+enum { N_DIRECTIONS = 20, MANY = 2 * NQM_SCORE_BLOCK + 37 };
 
 static nqm_model *model;
 
@@ -35,19 +35,19 @@ static nqm_named_pair pair_at(size_t i) {
     return (nqm_named_pair){names[i / 7 % N_NAMES], names[i % N_NAMES]};
 }
 
-static nqm_batch *make_batch(size_t cache_bytes) {
-    nqm_batch_options options = nqm_batch_options_default();
+static nqm_scorer *make_scorer(size_t cache_bytes) {
+    nqm_score_options options = nqm_score_options_default();
     options.cache_bytes = cache_bytes;
-    nqm_batch *batch;
-    assert_int_equal(nqm_batch_create(model, &options, &batch, NULL), NQM_OK);
-    return batch;
+    nqm_scorer *scorer;
+    assert_int_equal(nqm_scorer_create(model, &options, &scorer, NULL), NQM_OK);
+    return scorer;
 }
 
 /* (MANY) results of the list; free with nqm_free(). */
-static nqm_score_result *score_many(nqm_batch *batch, const nqm_named_pair *pairs) {
+static nqm_score_result *score_many(nqm_scorer *scorer, const nqm_named_pair *pairs) {
     nqm_score_result *results = nqm_alloc(MANY, sizeof *results);
     assert_non_null(results);
-    assert_int_equal(nqm_batch_score(batch, MANY, pairs, results, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_run_named(scorer, MANY, pairs, results, NULL, NULL), NQM_OK);
     return results;
 }
 
@@ -56,9 +56,9 @@ static void test_like_nqm_score(void **state) {
     nqm_named_pair pairs[MANY];
     for (size_t i = 0; i < MANY; ++i)
         pairs[i] = pair_at(i);
-    nqm_batch *batch = make_batch(1 << 20);
-    nqm_score_result *results = score_many(batch, pairs);
-    assert_int_equal(nqm_batch_n_opened(batch), N_NAMES);
+    nqm_scorer *scorer = make_scorer(1 << 20);
+    nqm_score_result *results = score_many(scorer, pairs);
+    assert_int_equal(nqm_scorer_n_opened(scorer), N_NAMES);
     for (size_t i = 0; i < N_NAMES * 7; ++i) {
         nqm_brdf *ref = open_brdf(pairs[i].ref), *test = open_brdf(pairs[i].test);
         const nqm_brdf *tests[] = {test};
@@ -74,7 +74,7 @@ static void test_like_nqm_score(void **state) {
         nqm_brdf_free(test);
     }
     nqm_free(results);
-    nqm_batch_free(batch);
+    nqm_scorer_free(scorer);
 }
 
 static bool same_bits(const nqm_score_result *a, const nqm_score_result *b) {
@@ -88,18 +88,18 @@ static void test_same_bits(void **state) {
     nqm_named_pair pairs[MANY];
     for (size_t i = 0; i < MANY; ++i)
         pairs[i] = pair_at(i);
-    nqm_batch *kept = make_batch(1 << 20), *forgetful = make_batch(0);
+    nqm_scorer *kept = make_scorer(1 << 20), *forgetful = make_scorer(0);
     nqm_score_result *whole = score_many(kept, pairs), *again = score_many(kept, pairs);
     nqm_score_result *fresh = score_many(forgetful, pairs);
-    assert_int_equal(nqm_batch_n_opened(kept), N_NAMES);
-    assert_int_equal(nqm_batch_n_opened(forgetful), 3 * N_NAMES); /* once a block */
-    pairs[NQM_BATCH_BLOCK + 3].test = "lambert:nonsense=1";
-    pairs[NQM_BATCH_BLOCK + 9].ref = "nowhere.binary";
+    assert_int_equal(nqm_scorer_n_opened(kept), N_NAMES);
+    assert_int_equal(nqm_scorer_n_opened(forgetful), 3 * N_NAMES); /* once a block */
+    pairs[NQM_SCORE_BLOCK + 3].test = "lambert:nonsense=1";
+    pairs[NQM_SCORE_BLOCK + 9].ref = "nowhere.binary";
     nqm_score_result *beside = score_many(kept, pairs);
     nqm_score_result last[37];
-    assert_int_equal(nqm_batch_score(kept, 37, pairs + MANY - 37, last, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_run_named(kept, 37, pairs + MANY - 37, last, NULL, NULL), NQM_OK);
     for (size_t i = 0; i < MANY; ++i) {
-        bool faulty = i == NQM_BATCH_BLOCK + 3 || i == NQM_BATCH_BLOCK + 9;
+        bool faulty = i == NQM_SCORE_BLOCK + 3 || i == NQM_SCORE_BLOCK + 9;
         assert_true(same_bits(&whole[i], &again[i]));
         assert_true(same_bits(&whole[i], &fresh[i]));
         assert_int_equal(same_bits(&whole[i], &beside[i]), !faulty);
@@ -108,8 +108,8 @@ static void test_same_bits(void **state) {
     nqm_score_result *all[] = {whole, again, fresh, beside};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         nqm_free(all[i]);
-    nqm_batch_free(kept);
-    nqm_batch_free(forgetful);
+    nqm_scorer_free(kept);
+    nqm_scorer_free(forgetful);
 }
 
 static void test_faults(void **state) {
@@ -120,8 +120,8 @@ static void test_faults(void **state) {
                                     {"nowhere.binary", "lambert:nonsense=1"}};
     nqm_score_result results[4];
     nqm_error errors[4], err = {0};
-    nqm_batch *batch = make_batch(1 << 20);
-    assert_int_equal(nqm_batch_score(batch, 4, pairs, results, errors, NULL), NQM_OK);
+    nqm_scorer *scorer = make_scorer(1 << 20);
+    assert_int_equal(nqm_scorer_run_named(scorer, 4, pairs, results, errors, NULL), NQM_OK);
     const nqm_status expected[] = {NQM_OK, NQM_ERR_IO, NQM_ERR_ARG, NQM_ERR_IO};
     for (size_t i = 0; i < 4; ++i) {
         assert_int_equal(results[i].status, expected[i]);
@@ -130,28 +130,28 @@ static void test_faults(void **state) {
     }
     assert_non_null(strstr(errors[1].message, "nowhere.binary"));
     assert_non_null(strstr(errors[2].message, "nonsense"));
-    assert_int_equal(nqm_batch_n_opened(batch), 4);
-    assert_int_equal(nqm_batch_score(batch, 0, NULL, NULL, NULL, NULL), NQM_OK);
-    nqm_batch_free(batch);
-    nqm_batch_options options = nqm_batch_options_default();
-    options.score.min_valid_fraction = -1;
-    assert_int_equal(nqm_batch_create(model, &options, &batch, &err), NQM_ERR_ARG);
-    assert_null(batch);
+    assert_int_equal(nqm_scorer_n_opened(scorer), 4);
+    assert_int_equal(nqm_scorer_run_named(scorer, 0, NULL, NULL, NULL, NULL), NQM_OK);
+    nqm_scorer_free(scorer);
+    nqm_score_options options = nqm_score_options_default();
+    options.min_valid_fraction = -1;
+    assert_int_equal(nqm_scorer_create(model, &options, &scorer, &err), NQM_ERR_ARG);
+    assert_null(scorer);
 }
 
 static void test_without_metrics(void **state) {
     (void)state;
-    nqm_batch_options options = nqm_batch_options_default();
+    nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
-    nqm_batch *batch;
-    assert_int_equal(nqm_batch_create(model, &options, &batch, NULL), NQM_OK);
+    nqm_scorer *scorer;
+    assert_int_equal(nqm_scorer_create(model, &options, &scorer, NULL), NQM_OK);
     const nqm_named_pair pair = {names[0], names[1]};
     nqm_score_result result;
-    assert_int_equal(nqm_batch_score(batch, 1, &pair, &result, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_run_named(scorer, 1, &pair, &result, NULL, NULL), NQM_OK);
     assert_int_equal(result.status, NQM_OK);
     assert_true(isfinite(result.jod));
     assert_true(isnan(result.metrics[NQM_METRIC_RMSE]));
-    nqm_batch_free(batch);
+    nqm_scorer_free(scorer);
 }
 
 static void test_out_of_memory(void **state) {
@@ -159,21 +159,21 @@ static void test_out_of_memory(void **state) {
     const nqm_named_pair pairs[] = {{names[0], names[1]}, {names[2], names[1]}};
     bool scored = false;
     for (long n = 0; !scored; ++n) {
-        nqm_batch *batch = NULL;
+        nqm_scorer *scorer = NULL;
         nqm_score_result results[2];
         nqm_alloc_fail_after(n);
-        nqm_status status = nqm_batch_create(model, NULL, &batch, NULL);
+        nqm_status status = nqm_scorer_create(model, NULL, &scorer, NULL);
         if (status == NQM_OK)
-            status = nqm_batch_score(batch, 2, pairs, results, NULL, NULL);
+            status = nqm_scorer_run_named(scorer, 2, pairs, results, NULL, NULL);
         nqm_alloc_fail_after(-1);
         scored = status == NQM_OK && results[0].status == NQM_OK && results[1].status == NQM_OK;
         assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
-        if (batch) { /* what failed for want of memory is tried again */
-            assert_int_equal(nqm_batch_score(batch, 2, pairs, results, NULL, NULL), NQM_OK);
+        if (scorer) { /* what failed for want of memory is tried again */
+            assert_int_equal(nqm_scorer_run_named(scorer, 2, pairs, results, NULL, NULL), NQM_OK);
             assert_int_equal(results[0].status, NQM_OK);
             assert_int_equal(results[1].status, NQM_OK);
         }
-        nqm_batch_free(batch);
+        nqm_scorer_free(scorer);
         assert_true(n < 100);
     }
 }

@@ -10,6 +10,7 @@
 #include "metric/metric.h"
 #include "percept/percept.h"
 #include "support/check.h"
+#include "support/predict.h"
 
 #include <math.h>
 #include <nqm/train.h>
@@ -151,7 +152,7 @@ static void test_chain(void **state) {
             assert_int_equal(nqm_score(model, b_plain, 1, tests, NULL, &result, NULL), NQM_OK);
             assert_int_equal(result.status, NQM_OK);
             assert_near(result.jod, expected, 2e-5);
-            assert_int_equal(nqm_model_predict(model, 1, ref, test, &predicted, NULL), NQM_OK);
+            predict_jod(model, 1, ref, test, &predicted);
             assert_near(predicted, expected, 2e-5);
             if (target == NQM_TARGET_JOD)
                 assert_true(isnan(result.delta_e));
@@ -171,7 +172,7 @@ static void test_policies(void **state) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_DIFF_ABSDIFF, NQM_TARGET_JOD);
     const nqm_brdf *tests[] = {b_holed};
     for (int policy = NQM_INVALID_DROP; policy <= NQM_INVALID_NEAREST; ++policy) {
-        nqm_score_options options = {.invalid = (nqm_invalid_policy)policy, .min_valid_fraction = 0.5};
+        nqm_score_options options = {.invalid = (nqm_invalid_policy)policy, .min_valid_fraction = 0.5, .metrics = 1};
         nqm_score_result result;
         assert_int_equal(nqm_score(model, b_plain, 1, tests, &options, &result, NULL), NQM_OK);
         assert_int_equal(result.status, NQM_OK);
@@ -196,7 +197,7 @@ static void test_reference_with_holes(void **state) {
     (void)state;
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_JOD);
     const nqm_brdf *tests[] = {b_brighter, b_dipped};
-    nqm_score_options options = {.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.5};
+    nqm_score_options options = {.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.5, .metrics = 1};
     nqm_score_result results[2];
     assert_int_equal(nqm_score(model, b_holed, 2, tests, &options, results, NULL), NQM_OK);
     assert_int_equal(results[0].identical, 1); /* equal wherever both have a value */
@@ -223,7 +224,7 @@ static void test_faults_stay_with_their_test(void **state) {
     assert_int_equal(nqm_score(model, b_plain, 5, tests, NULL, results, NULL), NQM_OK);
     assert_int_equal(results[0].status, NQM_OK);
     assert_int_equal(results[1].status, NQM_ERR_INCOMPATIBLE);
-    assert_int_equal(results[2].status, NQM_ERR_INCOMPATIBLE); /* 8 of 12 valid, 0.9 asked for */
+    assert_int_equal(results[2].status, NQM_ERR_INCOMPATIBLE); /* 8 of 12 valid, 0.9 needed */
     assert_int_equal(results[2].n_valid, 8);
     for (size_t i = 1; i < 3; ++i) {
         assert_true(isnan(results[i].jod));
@@ -250,12 +251,12 @@ static void test_batches_and_threads(void **state) {
         ref[i] = (float)nqm_rng_uniform(&rng);
         test[i] = (float)nqm_rng_uniform(&rng);
     }
-    assert_int_equal(nqm_model_predict(model, MANY, ref, test, jod, NULL), NQM_OK);
+    predict_jod(model, MANY, ref, test, jod);
     for (size_t i = 0; i < MANY; ++i)
         assert_near(jod[i], expected_jod(model, ref + 3 * N * i, test + 3 * N * i, NULL), 5e-5);
     int threads = omp_get_max_threads();
     omp_set_num_threads(1);
-    assert_int_equal(nqm_model_predict(model, MANY, ref, test, single_thread, NULL), NQM_OK);
+    predict_jod(model, MANY, ref, test, single_thread);
     omp_set_num_threads(threads);
     assert_memory_equal(jod, single_thread, sizeof jod);
     nqm_free(ref);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * A scorer that is used again and again: the bits of nqm_score() whatever is scored together, with however many threads and
- * kernels; no allocation after the first run; each precision near f32; a fresh model in several threads at once.
+ * kernels; no allocation after the first run; samples of the caller; each precision near f32; a fresh model in several threads at once.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -56,9 +56,9 @@ static int teardown(void **state) {
     return 0;
 }
 
-static nqm_scorer *make_scorer(size_t max_batch) {
+static nqm_scorer *make_scorer(void) {
     nqm_scorer *scorer;
-    assert_int_equal(nqm_scorer_create(model, NULL, max_batch, &scorer, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_create(model, NULL, &scorer, NULL), NQM_OK);
     return scorer;
 }
 
@@ -86,7 +86,7 @@ static bool same_bits(const nqm_kernels *kernels) {
 
 static void the_same_bits(void **state) {
     (void)state;
-    static const size_t batches[] = {1, 2, 13, N_TESTS, 1000};
+    static const size_t batches[] = {1, 2, 13, N_TESTS};
     const int threads = omp_get_max_threads();
     nqm_score_result results[N_TESTS];
     for (size_t t = 0; nqm_kernels_at(t); ++t) {
@@ -95,9 +95,10 @@ static void the_same_bits(void **state) {
         nqm_kernels_use(nqm_kernels_at(t));
         for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
             omp_set_num_threads((int)(b + t) % 3 + 1);
-            nqm_scorer *scorer = make_scorer(batches[b]);
+            nqm_scorer *scorer = make_scorer();
             for (size_t r = 0; r < 4; ++r) { /* the references by turns, and the last again */
-                run(scorer, r % 2, 0, N_TESTS, results);
+                for (size_t first = 0; first < N_TESTS; first += batches[b])
+                    run(scorer, r % 2, first, nqm_smaller(batches[b], N_TESTS - first), results + first);
                 check_same(results, expected[r % 2], N_TESTS);
             }
             run(scorer, 1, 3, 5, results);
@@ -112,13 +113,80 @@ static void the_same_bits(void **state) {
 static void nothing_is_allocated(void **state) {
     (void)state;
     nqm_score_result results[N_TESTS];
-    nqm_scorer *scorer = make_scorer(16);
+    nqm_scorer *scorer = make_scorer();
+    run(scorer, 1, 0, N_TESTS, results);
     const long before = nqm_alloc_count();
     run(scorer, 0, 0, N_TESTS, results);
     run(scorer, 1, 0, 1, results);
     assert_int_equal(nqm_alloc_count() - before, 0);
     nqm_scorer_free(scorer);
     assert_true(before > 0);
+}
+
+static void sample(const nqm_brdf *brdf, float rgb[3 * N_DIRECTIONS]) {
+    assert_int_equal(nqm_sample(brdf, nqm_model_get_info(model).directions, NQM_INVALID_ERROR, rgb, NULL, NULL, NULL),
+                     NQM_OK);
+}
+
+/* What a caller samples gets the same full result as the BRDF, for either reference, in any order. */
+static void samples_of_the_caller(void **state) {
+    (void)state;
+    static float ref[2][3 * N_DIRECTIONS], test[N_TESTS][3 * N_DIRECTIONS];
+    nqm_sample_pair pairs[2 * N_TESTS];
+    nqm_score_result results[2 * N_TESTS];
+    nqm_scorer *scorer = make_scorer();
+    sample(refs[0], ref[0]);
+    sample(refs[1], ref[1]);
+    for (size_t i = 0; i < 2 * N_TESTS; ++i) {
+        sample(tests[i / 2], test[i / 2]);
+        pairs[i] = (nqm_sample_pair){.ref = ref[i % 2], .test = test[i / 2]};
+    }
+    assert_int_equal(nqm_scorer_run_samples(scorer, 2 * N_TESTS, pairs, results, NULL), NQM_OK);
+    for (size_t i = 0; i < 2 * N_TESTS; ++i) {
+        const nqm_score_result *wanted = &expected[i % 2][i / 2];
+        check_same(&results[i], wanted, 1);
+        assert_int_equal(results[i].n_valid, N_DIRECTIONS);
+        assert_int_equal(results[i].n_unusual_test, wanted->n_unusual_test);
+        assert_int_equal(results[i].identical, 0);
+    }
+    uint8_t used[N_DIRECTIONS];
+    memset(used, 1, sizeof used);
+    used[7] = 0;
+    memcpy(test[0], ref[0], sizeof ref[0]);
+    test[0][3 * 7] += 1; /* where it is not used */
+    pairs[0].used = used;
+    assert_int_equal(nqm_scorer_run_samples(scorer, 1, pairs, results, NULL), NQM_OK);
+    assert_int_equal(results[0].identical, 1);
+    assert_int_equal(results[0].n_valid, N_DIRECTIONS - 1);
+    memset(used, 0, N_DIRECTIONS / 2);
+    assert_int_equal(nqm_scorer_run_samples(scorer, 1, pairs, results, NULL), NQM_OK);
+    assert_int_equal(results[0].status, NQM_ERR_INCOMPATIBLE);
+    assert_true(isnan(results[0].jod));
+    nqm_scorer_free(scorer);
+}
+
+static void impossible_samples(void **state) {
+    (void)state;
+    static const float bad[] = {NAN, INFINITY, -1e-6f};
+    float ref[3 * N_DIRECTIONS], test[3 * N_DIRECTIONS];
+    nqm_scorer *scorer = make_scorer();
+    sample(refs[0], ref);
+    sample(tests[0], test);
+    const nqm_sample_pair pairs[] = {{ref, ref, NULL}, {ref, test, NULL}};
+    for (size_t k = 0; k < 2; ++k)
+        for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+            float *place = k ? &test[3 * 4 + 1] : &ref[3 * 4 + 1];
+            const float before = *place;
+            nqm_error err = {0};
+            nqm_score_result results[2] = {{.jod = 3}, {.jod = 3}};
+            *place = bad[i];
+            assert_int_equal(nqm_scorer_run_samples(scorer, 2, pairs, results, &err), NQM_ERR_ARG);
+            assert_non_null(strstr(err.message, k ? "pair 1: the test" : "pair 0: the reference"));
+            assert_non_null(strstr(err.message, "direction 4"));
+            assert_true(results[0].jod == 3);
+            *place = before;
+        }
+    nqm_scorer_free(scorer);
 }
 
 static void precisions(void **state) {
@@ -138,9 +206,8 @@ static void precisions(void **state) {
     nqm_score_options options = nqm_score_options_default();
     options.precision = NQM_PRECISION_COUNT;
     nqm_scorer *scorer;
-    assert_int_equal(nqm_scorer_create(model, &options, 1, &scorer, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_scorer_create(model, &options, &scorer, NULL), NQM_ERR_ARG);
     assert_null(scorer);
-    assert_int_equal(nqm_scorer_create(model, NULL, 0, &scorer, NULL), NQM_ERR_ARG);
 }
 
 typedef struct beginner {
@@ -178,6 +245,8 @@ int main(void) {
     const struct CMUnitTest all[] = {
         cmocka_unit_test(the_same_bits),
         cmocka_unit_test(nothing_is_allocated),
+        cmocka_unit_test(samples_of_the_caller),
+        cmocka_unit_test(impossible_samples),
         cmocka_unit_test(precisions),
         cmocka_unit_test(a_fresh_model_in_many_threads),
     };

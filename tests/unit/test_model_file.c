@@ -218,7 +218,7 @@ static void weights_in_half(void **state) {
     unsigned char *whole = model_file(&n_whole);
     assert_int_equal(nqm_model_save(copy, path_of_output(), NULL), NQM_OK);
     unsigned char *file = read_file(path_of_output(), &n), *shifted = nqm_alloc(n + 1, 1);
-    assert_near(n_whole - n, 2 * (n_first + 16 * 5), 64); /* the header's length may differ */
+    assert_near((double)(n_whole - n), (double)(2 * (n_first + 16 * 5)), 64); /* the header's length may differ */
     memcpy(shifted + 1, file, n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(nqm_model_parse(shifted + 1, n, "f", true, &odd, NULL), NQM_OK);

@@ -5,6 +5,7 @@
  */
 #include "base/memory_test.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/toy_dataset.h"
 
 #include <math.h>
@@ -117,8 +118,8 @@ static void saved_and_loaded(void **state) {
     memcpy(pairs[0][1], toy->ref_rgb + 48, sizeof pairs[0][1]);
     memcpy(pairs[1][0], toy->test_rgb, sizeof pairs[1][0]);
     memcpy(pairs[1][1], toy->ref_rgb + 48, sizeof pairs[1][1]);
-    assert_int_equal(nqm_model_predict(model, 2, pairs[0][0], pairs[1][0], a, NULL), NQM_OK);
-    assert_int_equal(nqm_model_predict(loaded, 2, pairs[0][0], pairs[1][0], b, NULL), NQM_OK);
+    predict_jod(model, 2, pairs[0][0], pairs[1][0], a);
+    predict_jod(loaded, 2, pairs[0][0], pairs[1][0], b);
     assert_memory_equal(a, b, sizeof a);
     assert_true(a[1] > 9.9);
     nqm_model_free(model);

@@ -158,22 +158,33 @@ static int compare_times(const void *a, const void *b) {
  * and network, as behind the paper's figure. What the samples are does not matter. */
 static int time_scoring(const study *s, study_training *t) {
     enum { N_RUNS = 7 };
-    size_t n = nqm_dataset_get_info(s->test).n_pairs, n_values = n * 3 * nqm_dataset_get_info(s->test).n_directions;
-    float *rgb = malloc(n_values * sizeof *rgb);
-    double *jod = malloc(n * sizeof *jod), times[N_RUNS] = {0};
+    size_t n = nqm_dataset_get_info(s->test).n_pairs, width = 3 * nqm_dataset_get_info(s->test).n_directions;
+    float *rgb = malloc(n * width * sizeof *rgb);
+    nqm_sample_pair *pairs = calloc(n, sizeof *pairs);
+    nqm_score_result *results = malloc(n * sizeof *results);
+    double times[N_RUNS] = {0};
+    nqm_score_options options = nqm_score_options_default();
+    options.metrics = 0;
+    nqm_scorer *scorer = NULL;
     nqm_error err = {.status = NQM_ERR_NOMEM};
-    nqm_status status = rgb && jod ? NQM_OK : NQM_ERR_NOMEM;
-    for (size_t i = 0; status == NQM_OK && i < n_values; ++i)
+    nqm_status status = rgb && pairs && results ? NQM_OK : NQM_ERR_NOMEM;
+    for (size_t i = 0; status == NQM_OK && i < n * width; ++i)
         rgb[i] = 0.01f * (float)(i % 97);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        pairs[i].ref = pairs[i].test = rgb + i * width;
+    if (status == NQM_OK)
+        status = nqm_scorer_create(t->model, &options, &scorer, &err);
     for (size_t run = 0; status == NQM_OK && run < N_RUNS; ++run) {
         double begin = now_s();
-        status = nqm_model_predict(t->model, n, rgb, rgb, jod, &err);
+        status = nqm_scorer_run_samples(scorer, n, pairs, results, &err);
         times[run] = now_s() - begin;
     }
+    nqm_scorer_free(scorer);
     qsort(times, N_RUNS, sizeof times[0], compare_times);
     t->ms_per_pair = 1000 * times[N_RUNS / 2] / (double)n;
     free(rgb);
-    free(jod);
+    free(pairs);
+    free(results);
     return status == NQM_OK ? EXIT_OK : report_error("reproduce", &err);
 }
 

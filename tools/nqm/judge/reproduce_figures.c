@@ -121,8 +121,9 @@ study_mean study_figure_value(const study *s, size_t i) {
     if (i > FIGURE_B3) { /* the lead over the baselines */
         study_mean m = study_mean_of(s, figures[i].figure.recipe, study_spearman_by_material);
         double best = -1;
-        for (size_t k = 0; k < NQM_METRIC_BASELINE_COUNT; ++k)
-            best = fmax(best, s->metrics[k].spearman_mean_by_material);
+        for (size_t k = 0; k < NQM_METRIC_COUNT; ++k)
+            if (nqm_metric_get_info((nqm_metric)k).is_baseline)
+                best = fmax(best, s->metrics[k].spearman_mean_by_material);
         m.mean -= best;
         return m;
     }

@@ -15,17 +15,17 @@ typedef struct batch_run {
     const char *list_path, *output, *model_name, *metrics, *invalid, *precision, *root;
     bool keep_going, resume, json, json_lines;
     uint64_t cache_mb;
-    nqm_batch_options options;
+    nqm_score_options options;
     batch_form form;
     nqm_model *model;
     nqm_pair_list *list;
-    nqm_batch *batch;
+    nqm_scorer *scorer;
     batch_output *out;
     batch_progress done;
     size_t n_before; /* rows that an earlier run left */
     double begin_s;
-    nqm_score_result results[NQM_BATCH_BLOCK];
-    nqm_error errors[NQM_BATCH_BLOCK];
+    nqm_score_result results[NQM_SCORE_BLOCK];
+    nqm_error errors[NQM_SCORE_BLOCK];
 } batch_run;
 
 static double now_s(void) {
@@ -53,7 +53,7 @@ static json_t *make_terms(const batch_run *run) {
     nqm_model_info info = nqm_model_get_info(run->model);
     return json_pack("{s:s,s:s,s:s,s:s,s:s,s:f,s:s,s:o}", "version of nqm", nqm_version(), "list",
                      nqm_pair_list_sha256(run->list), "model", info.sha256, "format", formats[run->form.format],
-                     "--invalid", run->invalid, "--min-valid", run->options.score.min_valid_fraction, "--precision",
+                     "--invalid", run->invalid, "--min-valid", run->options.min_valid_fraction, "--precision",
                      run->precision, "--metrics", json_name(run->metrics));
 }
 
@@ -94,14 +94,14 @@ static int write_block(batch_run *run, size_t begin, size_t n) {
 /* Blocks begin at the same rows in every run, as the last bits of a score depend on its place in the block. */
 static int score_rows(batch_run *run) {
     size_t n_rows = nqm_pair_list_count(run->list);
-    size_t begin = run->done.n_rows - run->done.n_rows % NQM_BATCH_BLOCK;
-    for (; begin < n_rows; begin += NQM_BATCH_BLOCK) {
+    size_t begin = run->done.n_rows - run->done.n_rows % NQM_SCORE_BLOCK;
+    for (; begin < n_rows; begin += NQM_SCORE_BLOCK) {
         if (show_speed(run) || interrupted())
             return EXIT_INTERRUPTED;
-        size_t n = n_rows - begin < NQM_BATCH_BLOCK ? n_rows - begin : NQM_BATCH_BLOCK;
+        size_t n = n_rows - begin < NQM_SCORE_BLOCK ? n_rows - begin : NQM_SCORE_BLOCK;
         nqm_error err = {0};
-        if (nqm_batch_score(run->batch, n, nqm_pair_list_pairs(run->list) + begin, run->results, run->errors, &err) !=
-            NQM_OK)
+        if (nqm_scorer_run_named(run->scorer, n, nqm_pair_list_pairs(run->list) + begin, run->results, run->errors,
+                                 &err) != NQM_OK)
             return report_error("batch", &err);
         int exit_code = write_block(run, begin, n);
         if (exit_code != EXIT_OK)
@@ -165,13 +165,13 @@ static int open_all(batch_run *run) {
     if (exit_code != EXIT_OK)
         return exit_code;
     if (nqm_pair_list_load(run->list_path, &run->list, &err) != NQM_OK ||
-        nqm_batch_create(run->model, &run->options, &run->batch, &err) != NQM_OK)
+        nqm_scorer_create(run->model, &run->options, &run->scorer, &err) != NQM_OK)
         return report_error("batch", &err);
     run->form.list = run->list;
     run->form.model = run->model;
-    run->form.precision = run->options.score.precision;
+    run->form.precision = run->options.precision;
     run->form.terms =
-        (remark_terms){nqm_directions_count(nqm_model_get_info(run->model).directions), run->options.score.invalid};
+        (remark_terms){nqm_directions_count(nqm_model_get_info(run->model).directions), run->options.invalid};
     exit_code = check_batch_columns(&run->form);
     if (exit_code != EXIT_OK)
         return exit_code;
@@ -198,7 +198,7 @@ static int run_batch(batch_run *run) {
         exit_code = settle(run, exit_code);
     }
     close_batch_output(run->out, false, NULL, 0);
-    nqm_batch_free(run->batch);
+    nqm_scorer_free(run->scorer);
     nqm_pair_list_free(run->list);
     nqm_model_free(run->model);
     return exit_code;
@@ -209,9 +209,9 @@ static int check_options(batch_run *run) {
         return report("batch", EXIT_USAGE, "--json and --jsonl exclude each other");
     run->form.format = choose_format(run);
     run->options.cache_bytes = (size_t)run->cache_mb << 20;
-    int exit_code = choose_invalid("batch", run->invalid, &run->options.score.invalid);
+    int exit_code = choose_invalid("batch", run->invalid, &run->options.invalid);
     if (exit_code == EXIT_OK)
-        exit_code = choose_precision("batch", run->precision, &run->options.score.precision);
+        exit_code = choose_precision("batch", run->precision, &run->options.precision);
     if (exit_code == EXIT_OK)
         exit_code = choose_metrics("batch", run->metrics, run->form.metrics);
     run->options.metrics = *run->metrics != 0;
@@ -224,8 +224,8 @@ int cmd_batch(int argc, char **argv) {
                       .metrics = "",
                       .invalid = "drop",
                       .precision = "f32",
-                      .options = nqm_batch_options_default(),
-                      .cache_mb = nqm_batch_options_default().cache_bytes >> 20};
+                      .options = nqm_score_options_default(),
+                      .cache_mb = nqm_score_options_default().cache_bytes >> 20};
     const option options[] = {
         {"output", 'o', OPTION_TEXT, &run.output, "FILE", "write .csv, .jsonl or .json instead of standard output", 0,
          0},
@@ -235,7 +235,7 @@ int cmd_batch(int argc, char **argv) {
         {"metrics", 0, OPTION_TEXT, &run.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
         {"root", 0, OPTION_TEXT, &run.root, "DIR", "folder at which relative paths of the list start", 0, 0},
         OPTION_ROW_INVALID(&run.invalid),
-        OPTION_ROW_MIN_VALID(&run.options.score.min_valid_fraction),
+        OPTION_ROW_MIN_VALID(&run.options.min_valid_fraction),
         OPTION_ROW_PRECISION(&run.precision),
         {"cache", 0, OPTION_COUNT, &run.cache_mb, "MB", "memory for BRDFs that may come again", 0, 1 << 20},
         {"json", 0, OPTION_FLAG, &run.json, NULL, "write one JSON document", 0, 0},

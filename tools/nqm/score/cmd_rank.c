@@ -9,11 +9,11 @@
 
 typedef struct rank_run {
     const char *model_name, *list_path, *root;
-    nqm_batch_options options;
+    nqm_score_options options;
     ranking ranking;
     nqm_model *model;
     nqm_pair_list *list;
-    nqm_batch *batch;
+    nqm_scorer *scorer;
     nqm_named_pair *pairs; /* (n) in the order of the arguments, as the next two */
     nqm_score_result *results;
     nqm_error *errors;
@@ -22,12 +22,12 @@ typedef struct rank_run {
 /* In portions, so that Ctrl-C is heard. */
 static int score_pairs(rank_run *run, size_t n) {
     nqm_error err = {0};
-    for (size_t begin = 0; begin < n; begin += NQM_BATCH_BLOCK) {
+    for (size_t begin = 0; begin < n; begin += NQM_SCORE_BLOCK) {
         if (show_progress(NULL, "rank", (double)begin, (double)n))
             return EXIT_INTERRUPTED;
-        size_t n_now = n - begin < NQM_BATCH_BLOCK ? n - begin : NQM_BATCH_BLOCK;
-        if (nqm_batch_score(run->batch, n_now, run->pairs + begin, run->results + begin, run->errors + begin, &err) !=
-            NQM_OK)
+        size_t n_now = n - begin < NQM_SCORE_BLOCK ? n - begin : NQM_SCORE_BLOCK;
+        if (nqm_scorer_run_named(run->scorer, n_now, run->pairs + begin, run->results + begin, run->errors + begin,
+                                 &err) != NQM_OK)
             return report_error("rank", &err);
     }
     end_progress();
@@ -50,7 +50,7 @@ static int report_faults(const rank_run *run, size_t n) {
 static int rank_pairs(rank_run *run, size_t n) {
     ranking *r = &run->ranking;
     r->model = run->model;
-    r->precision = run->options.score.precision;
+    r->precision = run->options.precision;
     r->n_rows = n;
     r->rows = calloc(n + 1, sizeof *r->rows);
     run->results = calloc(n + 1, sizeof *run->results);
@@ -87,7 +87,7 @@ static int run_rank(rank_run *run, int n_arguments, char **arguments) {
     nqm_error err = {0};
     size_t n = 0;
     int exit_code = open_model("rank", run->model_name, &run->model);
-    if (exit_code == EXIT_OK && nqm_batch_create(run->model, &run->options, &run->batch, &err) != NQM_OK)
+    if (exit_code == EXIT_OK && nqm_scorer_create(run->model, &run->options, &run->scorer, &err) != NQM_OK)
         exit_code = report_error("rank", &err);
     if (exit_code == EXIT_OK)
         exit_code = gather_pairs(run, n_arguments, arguments, &n);
@@ -99,7 +99,7 @@ static int run_rank(rank_run *run, int n_arguments, char **arguments) {
     free(run->pairs);
     free(run->results);
     free(run->errors);
-    nqm_batch_free(run->batch);
+    nqm_scorer_free(run->scorer);
     nqm_pair_list_free(run->list);
     nqm_model_free(run->model);
     return exit_code;
@@ -108,7 +108,7 @@ static int run_rank(rank_run *run, int n_arguments, char **arguments) {
 int cmd_rank(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
     const char *invalid = "drop", *precision = "f32";
-    rank_run run = {.model_name = "default", .options = nqm_batch_options_default()};
+    rank_run run = {.model_name = "default", .options = nqm_score_options_default()};
     run.options.metrics = 0;
     const option options[] = {
         {"list", 'l', OPTION_TEXT, &run.list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0,
@@ -116,7 +116,7 @@ int cmd_rank(int argc, char **argv) {
         {"model", 'm', OPTION_TEXT, &run.model_name, "MODEL", "a built-in model's name or a model file", 0, 0},
         {"root", 0, OPTION_TEXT, &run.root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
         OPTION_ROW_INVALID(&invalid),
-        OPTION_ROW_MIN_VALID(&run.options.score.min_valid_fraction),
+        OPTION_ROW_MIN_VALID(&run.options.min_valid_fraction),
         OPTION_ROW_PRECISION(&precision),
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
@@ -142,8 +142,8 @@ int cmd_rank(int argc, char **argv) {
         return exit_code;
     if (run.list_path ? n_arguments > 0 : n_arguments < 2)
         return report("rank", EXIT_USAGE, "give a reference and its tests, or --list LIST");
-    exit_code = choose_invalid("rank", invalid, &run.options.score.invalid);
+    exit_code = choose_invalid("rank", invalid, &run.options.invalid);
     if (exit_code == EXIT_OK)
-        exit_code = choose_precision("rank", precision, &run.options.score.precision);
+        exit_code = choose_precision("rank", precision, &run.options.precision);
     return exit_code == EXIT_OK ? run_rank(&run, n_arguments, argv) : exit_code;
 }

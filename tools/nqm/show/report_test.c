@@ -6,17 +6,6 @@
 
 #include <string.h>
 
-/* By nqm_metric. */
-static const char *const metric_words[NQM_METRIC_COUNT] = {"root mean square difference of f",
-                                                           "mean absolute difference of f",
-                                                           "RMS difference of \xe2\x88\x9b(c f)",
-                                                           "mean absolute difference of \xe2\x88\x9b(c f)",
-                                                           "RMS difference of log(1 + f)",
-                                                           "mean absolute difference of log(1 + f)",
-                                                           "RMS difference of log(1 + c f)",
-                                                           "mean absolute difference of log(1 + c f)",
-                                                           "mean absolute difference of log(f + 0.003)"};
-
 static const label_item *item_of(const report_page *page, size_t test) {
     return &page->run->labels.items[test + 1];
 }
@@ -73,9 +62,11 @@ static void put_metrics(FILE *out, const nqm_score_result *r) {
     html(out, "<table class='metrics'><caption>Scalar metrics of the BRDFs; 0 means equal</caption>\n<thead><tr>"
               "<th scope='col'>Metric</th><th scope='col' class='n'>Value</th>"
               "<th scope='col'>Over directions and channels</th></tr></thead>\n<tbody>\n");
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        html(out, "<tr><th scope='row'><code>%s</code></th><td class='n'>%#.4g</td><td>%s</td></tr>\n",
-             nqm_metric_name((nqm_metric)m), r->metrics[m], metric_words[m]);
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+        const nqm_metric_info info = nqm_metric_get_info((nqm_metric)m);
+        html(out, "<tr><th scope='row'><code>%s</code></th><td class='n'>%#.4g</td><td>%s</td></tr>\n", info.name,
+             r->metrics[m], info.description);
+    }
     html(out,
          "</tbody></table>\n<p class='note'>f: BRDF in 1/sr; c: product of the cosines of light and viewer.</p>\n");
 }

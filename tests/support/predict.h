@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * JODs of pairs that a test sampled itself.
+ */
+#ifndef NQM_TEST_PREDICT_H
+#define NQM_TEST_PREDICT_H
+
+#include "support/check.h"
+
+#include <nqm/metric.h>
+#include <stdlib.h>
+
+/** ref, test: (n, n_directions, 3); jod: (n). */
+static inline void predict_jod(const nqm_model *model, size_t n, const float *ref, const float *test, double *jod) {
+    const size_t width = 3 * nqm_directions_count(nqm_model_get_info(model).directions);
+    nqm_sample_pair *pairs = calloc(n, sizeof *pairs);
+    nqm_score_result *results = calloc(n, sizeof *results);
+    nqm_scorer *scorer;
+    for (size_t i = 0; i < n; ++i)
+        pairs[i] = (nqm_sample_pair){.ref = ref + width * i, .test = test + width * i};
+    assert_int_equal(nqm_scorer_create(model, NULL, &scorer, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_run_samples(scorer, n, pairs, results, NULL), NQM_OK);
+    for (size_t i = 0; i < n; ++i) {
+        assert_int_equal(results[i].status, NQM_OK);
+        jod[i] = results[i].jod;
+    }
+    nqm_scorer_free(scorer);
+    free(pairs);
+    free(results);
+}
+
+#endif
