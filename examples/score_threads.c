@@ -25,7 +25,7 @@ static void *score(void *argument) {
     nqm_brdf *test = NULL;
     nqm_scorer *scorer = NULL;
     j->status = nqm_brdf_open(j->test, &test, &j->err);
-    if (j->status == NQM_OK) j->status = nqm_scorer_create(j->model, NULL, 1, &scorer, &j->err);
+    if (j->status == NQM_OK) j->status = nqm_scorer_create(j->model, NULL, &scorer, &j->err);
     if (j->status == NQM_OK)
         j->status = nqm_scorer_run(scorer, j->ref, 1, (const nqm_brdf *const *)&test, &j->result, &j->err);
     if (j->status == NQM_OK) j->status = j->result.status;
