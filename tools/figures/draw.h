@@ -48,6 +48,8 @@ size_t nqm_ticks_down(double height);
 
 void nqm_chart_draw(cairo_t *cr, nqm_box box, const nqm_chart *chart);
 void nqm_heat_draw(cairo_t *cr, nqm_box box, const nqm_heat *heat);
+/** The colours of an axis from bottom to top. */
+void nqm_colour_bar_draw(cairo_t *cr, nqm_box bar, const nqm_axis *axis);
 void nqm_bars_draw(cairo_t *cr, nqm_box box, const nqm_bars *bars);
 /** The style of a group of bars: light colours, on which intervals are visible. */
 size_t nqm_bar_style(size_t group);

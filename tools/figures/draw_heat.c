@@ -50,12 +50,16 @@ static void draw_cells(cairo_t *cr, nqm_box box, const nqm_heat *heat) {
     cairo_surface_destroy(picture);
 }
 
-static void draw_scale(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
-    enum { N_STEPS = 64 };
+void nqm_colour_bar_draw(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
+    enum { N_STEPS = 128 };
     double ramp[N_STEPS];
     for (int i = 0; i < N_STEPS; ++i)
         ramp[i] = axis->min + (axis->max - axis->min) * (i + 0.5) / N_STEPS;
     draw_cells(cr, bar, &(nqm_heat){.value = *axis, .n_columns = 1, .n_rows = N_STEPS, .values = ramp});
+}
+
+static void draw_scale(cairo_t *cr, nqm_box bar, const nqm_axis *axis) {
+    nqm_colour_bar_draw(cr, bar, axis);
     nqm_tick_mark ticks[NQM_MAX_TICKS];
     size_t n = nqm_axis_ticks(axis, nqm_ticks_down(bar.height), ticks);
     double widest = 0;

@@ -130,17 +130,11 @@ static void draw_texts(cairo_t *cr, const nqm_figure *f, const layout *l) {
 }
 
 static void draw_scale(cairo_t *cr, const layout *l) {
-    double top = l->top + ceil(l->line / 2); /* the uppermost number stands free of the title */
+    double top = l->top + ceil(l->line / 2); /* room between the highest number and the title */
     size_t n = (size_t)fmin(l->height - top - l->line, 320);
     double bottom = top + (double)n;
-    for (size_t i = 0; i < n; ++i) {
-        double rgb[3];
-        nqm_viridis(((double)i + 0.5) / (double)n, rgb);
-        cairo_set_source_rgb(cr, nqm_srgb_byte(rgb[0]) / 255.0, nqm_srgb_byte(rgb[1]) / 255.0,
-                             nqm_srgb_byte(rgb[2]) / 255.0);
-        cairo_rectangle(cr, l->bar_x, bottom - (double)i - 1, l->bar_width, 1);
-        cairo_fill(cr);
-    }
+    const nqm_axis axis = {.max = l->delta_e_max};
+    nqm_colour_bar_draw(cr, (nqm_box){l->bar_x, top, l->bar_width, (double)n}, &axis);
     cairo_set_source_rgb(cr, 0, 0, 0);
     cairo_set_line_width(cr, 1);
     double step = nqm_tick_step(l->delta_e_max, BAR_STEPS), right = l->bar_x + l->bar_width;
@@ -149,9 +143,7 @@ static void draw_scale(cairo_t *cr, const layout *l) {
         char text[32], number[32];
         double tick = step * (double)i;
         double y = floor(bottom - tick / l->delta_e_max * (double)n) + 0.5;
-        cairo_move_to(cr, right, y);
-        cairo_line_to(cr, right + 4, y);
-        cairo_stroke(cr);
+        nqm_line_draw(cr, right, y, right + 4, y);
         bool last = tick > l->delta_e_max * (1 - 1e-9); /* larger values have this colour too */
         snprintf(text, sizeof text, "%s%s", last ? "\xe2\x89\xa5 " : "",
                  nqm_format_double(number, sizeof number, nqm_round_digits(tick, 6)));

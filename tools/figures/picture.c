@@ -50,98 +50,81 @@ void nqm_viridis(double t, double *rgb) {
 
 /* ---- averaging --------------------------------------------------------------------------------------------------- */
 
-/* The linear colour of pixel `at` of a picture or map. */
-typedef void (*pixel_fn)(const void *source, size_t at, double *rgb);
-
-static void average_block(pixel_fn pixel, const void *source, size_t width, size_t first, size_t supersample,
-                          double *rgb) {
-    rgb[0] = rgb[1] = rgb[2] = 0;
-    for (size_t i = 0; i < supersample * supersample; ++i) {
-        double one[3];
-        pixel(source, first + (i / supersample) * width + i % supersample, one);
-        for (size_t k = 0; k < 3; ++k)
-            rgb[k] += one[k] / (double)(supersample * supersample);
-    }
-}
-
-typedef struct toned {
-    const double *rgb_cdm2;
+/* A picture, tone-mapped unless `tone` is NULL, or a map in viridis. */
+typedef struct source {
+    size_t width, height, supersample;
+    const double *rgb_cdm2; /* (height, width, 3); NULL: a map */
     const nqm_tone *tone;
-} toned;
+    const double *delta_e; /* (height, width) */
+    double delta_e_max;
+} source;
 
-static void toned_pixel(const void *source, size_t at, double *rgb) {
-    const toned *t = source;
+static void add_pixel(const source *s, size_t at, double n_pixels, double *rgb) {
+    double one[3] = {1, 1, 1};
+    if (s->rgb_cdm2)
+        for (size_t k = 0; k < 3; ++k)
+            one[k] = s->tone ? nqm_tone_apply(s->tone, s->rgb_cdm2[3 * at + k]) : s->rgb_cdm2[3 * at + k];
+    else if (!isnan(s->delta_e[at]))
+        nqm_viridis(s->delta_e[at] / s->delta_e_max, one);
     for (size_t k = 0; k < 3; ++k)
-        rgb[k] = nqm_tone_apply(t->tone, t->rgb_cdm2[3 * at + k]);
+        rgb[k] += one[k] / n_pixels;
 }
 
-typedef struct mapped {
-    const double *delta_e;
-    double max;
-} mapped;
-
-static void mapped_pixel(const void *source, size_t at, double *rgb) {
-    const mapped *m = source;
-    rgb[0] = rgb[1] = rgb[2] = 1;
-    if (!isnan(m->delta_e[at]))
-        nqm_viridis(m->delta_e[at] / m->max, rgb);
+static size_t count_pixels(const source *s) {
+    return s->width / s->supersample * (s->height / s->supersample);
 }
 
-static void linear_pixel(const void *source, size_t at, double *rgb) {
-    memcpy(rgb, (const double *)source + 3 * at, 3 * sizeof *rgb);
+/* The mean of the block of pixel i of the result. */
+static void average_block(const source *s, size_t i, double *rgb) {
+    const size_t n = s->supersample, n_columns = s->width / n;
+    const size_t first = n * (i / n_columns * s->width + i % n_columns);
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (size_t k = 0; k < n * n; ++k)
+        add_pixel(s, first + k / n * s->width + k % n, (double)(n * n), rgb);
 }
 
-static void bytes_of(pixel_fn pixel, const void *source, size_t width, size_t height, size_t supersample,
-                     unsigned char *rgb) {
-    size_t columns = width / supersample, n = columns * (height / supersample);
-    for (size_t i = 0; i < n; ++i) {
+static void average_bytes(const source *s, unsigned char *rgb) {
+    for (size_t i = 0; i < count_pixels(s); ++i) {
         double linear[3];
-        size_t first = supersample * (i / columns * width + i % columns);
-        average_block(pixel, source, width, first, supersample, linear);
+        average_block(s, i, linear);
         for (size_t k = 0; k < 3; ++k)
             rgb[3 * i + k] = nqm_srgb_byte(linear[k]);
     }
 }
 
 void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb) {
-    const toned source = {.rgb_cdm2 = picture->rgb_cdm2, .tone = tone};
-    bytes_of(toned_pixel, &source, picture->width, picture->height, supersample, rgb);
+    average_bytes(&(source){picture->width, picture->height, supersample, picture->rgb_cdm2, tone, NULL, 0}, rgb);
 }
 
 void nqm_map_bytes(size_t width, size_t height, const double *delta_e, size_t supersample, double delta_e_max,
                    unsigned char *rgb) {
-    const mapped source = {.delta_e = delta_e, .max = delta_e_max};
-    bytes_of(mapped_pixel, &source, width, height, supersample, rgb);
+    average_bytes(&(source){width, height, supersample, NULL, NULL, delta_e, delta_e_max}, rgb);
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-static nqm_status write_png(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
-                            nqm_error *err) {
-    size_t width = picture->width / supersample, height = picture->height / supersample;
-    unsigned char *rgb = nqm_alloc(width * height, 3);
+static nqm_status write_png(const char *path, const source *s, nqm_error *err) {
+    unsigned char *rgb = nqm_alloc(count_pixels(s), 3);
     if (!rgb)
-        return nqm_fail_nomem(err, 3 * width * height);
-    nqm_picture_bytes(picture, supersample, tone, rgb);
-    nqm_status status = nqm_image_write_png(path, width, height, rgb, err);
+        return nqm_fail_nomem(err, 3 * count_pixels(s));
+    average_bytes(s, rgb);
+    nqm_status status = nqm_image_write_png(path, s->width / s->supersample, s->height / s->supersample, rgb, err);
     nqm_free(rgb);
     return status;
 }
 
-static nqm_status write_linear(const char *path, bool exr, const nqm_picture *picture, size_t supersample,
-                               nqm_error *err) {
-    nqm_image image = {.width = picture->width / supersample, .height = picture->height / supersample};
-    image.rgb = nqm_alloc(image.width * image.height, 3 * sizeof *image.rgb);
+static nqm_status write_linear(const char *path, const source *s, nqm_error *err) {
+    nqm_image image = {.width = s->width / s->supersample, .height = s->height / s->supersample};
+    image.rgb = nqm_alloc(count_pixels(s), 3 * sizeof *image.rgb);
     if (!image.rgb)
-        return nqm_fail_nomem(err, image.width * image.height * 3 * sizeof *image.rgb);
-    for (size_t i = 0; i < image.width * image.height; ++i) {
+        return nqm_fail_nomem(err, count_pixels(s) * 3 * sizeof *image.rgb);
+    for (size_t i = 0; i < count_pixels(s); ++i) {
         double linear[3];
-        size_t first = supersample * (i / image.width * picture->width + i % image.width);
-        average_block(linear_pixel, picture->rgb_cdm2, picture->width, first, supersample, linear);
+        average_block(s, i, linear);
         for (size_t k = 0; k < 3; ++k)
             image.rgb[3 * i + k] = (float)linear[k];
     }
-    nqm_status status = (exr ? nqm_image_write_exr : nqm_image_write_hdr)(path, &image, err);
+    nqm_status status = (nqm_name_ends_in(path, ".exr") ? nqm_image_write_exr : nqm_image_write_hdr)(path, &image, err);
     nqm_free(image.rgb);
     return status;
 }
@@ -183,14 +166,7 @@ nqm_status nqm_map_write(const char *path, size_t width, size_t height, const do
         return status;
     if (!(delta_e_max > 0) || !nqm_name_ends_in(path, ".png"))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0, and a name that ends in .png", path);
-    size_t n = width / supersample * (height / supersample);
-    unsigned char *rgb = nqm_alloc(n, 3);
-    if (!rgb)
-        return nqm_fail_nomem(err, 3 * n);
-    nqm_map_bytes(width, height, delta_e, supersample, delta_e_max, rgb);
-    status = nqm_image_write_png(path, width / supersample, height / supersample, rgb, err);
-    nqm_free(rgb);
-    return status;
+    return write_png(path, &(source){width, height, supersample, NULL, NULL, delta_e, delta_e_max}, err);
 }
 
 nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
@@ -203,9 +179,11 @@ nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_
     if (!(tone->white_cdm2 > 0 && tone->shoulder > 0 && tone->shoulder <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the tone curve needs a white above 0 and a shoulder in (0, 1]",
                         path);
-    if (nqm_name_ends_in(path, ".png"))
-        return write_png(path, picture, supersample, tone, err);
+    const bool is_png = nqm_name_ends_in(path, ".png");
+    const source s = {picture->width, picture->height, supersample, picture->rgb_cdm2, is_png ? tone : NULL, NULL, 0};
+    if (is_png)
+        return write_png(path, &s, err);
     if (nqm_name_ends_in(path, ".exr") || nqm_name_ends_in(path, ".hdr"))
-        return write_linear(path, nqm_name_ends_in(path, ".exr"), picture, supersample, err);
+        return write_linear(path, &s, err);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of a picture must end in .png, .exr or .hdr", path);
 }

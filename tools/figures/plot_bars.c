@@ -102,14 +102,9 @@ static void describe(const json_t *root, char *note, size_t n_note) {
 
 static nqm_status load(const char *path, json_t **root_ret, nqm_error *err) {
     json_error_t fault;
-    FILE *in = fopen(path, "rb");
-    if (!in)
+    *root_ret = json_load_file(path, 0, &fault);
+    if (!*root_ret && json_error_code(&fault) == json_error_cannot_open_file)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot open: %s", path, strerror(errno));
-    *root_ret = json_loadf(in, 0, &fault);
-    bool has_failed = ferror(in) != 0;
-    fclose(in);
-    if (has_failed)
-        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot read", path);
     if (!*root_ret)
         return nqm_fail(err, NQM_ERR_FORMAT, fault.position, "%s: line %d is not JSON: %s", path, fault.line,
                         fault.text);

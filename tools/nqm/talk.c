@@ -17,28 +17,17 @@ static bool progress_shown;
 static char progress_note[100];
 
 int exit_code_of(nqm_status status) {
-    switch (status) {
-    case NQM_OK:
-        return EXIT_OK;
-    case NQM_ERR_ARG:
-        return EXIT_USAGE;
-    case NQM_ERR_IO:
-        return EXIT_OPEN;
-    case NQM_ERR_FORMAT:
-        return EXIT_MALFORMED;
-    case NQM_ERR_INCOMPATIBLE:
-        return EXIT_INCOMPATIBLE;
-    case NQM_ERR_MODEL:
-        return EXIT_MODEL;
-    case NQM_ERR_NOMEM:
-    case NQM_ERR_LIMIT:
-        return EXIT_LIMIT;
-    case NQM_ERR_NUMERIC:
-        return EXIT_NUMERIC;
-    case NQM_ERR_CANCELLED:
-        return EXIT_INTERRUPTED;
-    }
-    return EXIT_NUMERIC;
+    static const int codes[] = {[-NQM_OK] = EXIT_OK,
+                                [-NQM_ERR_ARG] = EXIT_USAGE,
+                                [-NQM_ERR_IO] = EXIT_OPEN,
+                                [-NQM_ERR_FORMAT] = EXIT_MALFORMED,
+                                [-NQM_ERR_INCOMPATIBLE] = EXIT_INCOMPATIBLE,
+                                [-NQM_ERR_MODEL] = EXIT_MODEL,
+                                [-NQM_ERR_NOMEM] = EXIT_LIMIT,
+                                [-NQM_ERR_LIMIT] = EXIT_LIMIT,
+                                [-NQM_ERR_NUMERIC] = EXIT_NUMERIC,
+                                [-NQM_ERR_CANCELLED] = EXIT_INTERRUPTED};
+    return codes[-status];
 }
 
 int report_error(const char *verb, const nqm_error *err) {

@@ -13,93 +13,59 @@ typedef struct plot_arguments {
     nqm_plot_options look;
     double theta_d_deg, phi_d_deg;
     int n;
-    char **inputs;            /* (n) */
-    const char *const *paths; /* (n) the inputs as files */
+    char **inputs; /* (n) */
 } plot_arguments;
-
-static int finish(nqm_status status, const nqm_error *err) {
-    return status == NQM_OK ? EXIT_OK : report_error("plot", err);
-}
-
-static int plot_curve(const plot_arguments *a) {
-    nqm_error err = {0};
-    nqm_regress_report fit;
-    int exit_code = regress_csv("plot", a->paths[0], &fit);
-    return exit_code == EXIT_OK ? finish(nqm_plot_curve(a->output, a->paths[0], &fit, &a->look, &err), &err)
-                                : exit_code;
-}
-
-static int plot_bars(const plot_arguments *a) {
-    nqm_error err = {0};
-    return finish(nqm_plot_bars(a->output, a->paths[0], &a->look, &err), &err);
-}
-
-static int plot_scatter(const plot_arguments *a) {
-    nqm_error err = {0};
-    return finish(nqm_plot_predictions(a->output, a->paths[0], a->predictor, &a->look, &err), &err);
-}
-
-static int plot_loss(const plot_arguments *a) {
-    nqm_error err = {0};
-    return finish(nqm_plot_losses(a->output, (size_t)a->n, a->paths, &a->look, &err), &err);
-}
-
-static int plot_directions(const plot_arguments *a) {
-    nqm_error err = {0};
-    nqm_directions *directions;
-    int exit_code = open_directions("plot", a->n ? a->inputs[0] : NULL, &directions);
-    if (exit_code == EXIT_OK)
-        exit_code = finish(nqm_plot_directions(a->output, directions, &a->look, &err), &err);
-    nqm_directions_free(directions);
-    return exit_code;
-}
-
-static int plot_slice(const plot_arguments *a) {
-    nqm_error err = {0};
-    nqm_brdf **brdfs;
-    const double degree = 0.017453292519943295;
-    int exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
-    if (exit_code == EXIT_OK)
-        exit_code = finish(nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
-                                           a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, &err),
-                           &err);
-    close_brdfs(brdfs ? a->n : 0, brdfs);
-    return exit_code;
-}
-
-static int plot_attribution(const plot_arguments *a) {
-    nqm_error err = {0};
-    nqm_brdf **brdfs;
-    int exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
-    if (exit_code == EXIT_OK)
-        exit_code = finish(nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err), &err);
-    close_brdfs(brdfs ? a->n : 0, brdfs);
-    return exit_code;
-}
-
-static int plot_network(const plot_arguments *a) {
-    nqm_error err = {0};
-    nqm_model *model;
-    int exit_code = open_model("plot", a->n ? a->inputs[0] : NULL, &model);
-    if (exit_code == EXIT_OK)
-        exit_code = finish(nqm_plot_network(a->output, model, &a->look, &err), &err);
-    nqm_model_free(model);
-    return exit_code;
-}
 
 static const struct drawing {
     const char *name, *inputs;
     int min, max; /* number of inputs */
-    int (*draw)(const plot_arguments *a);
-} drawings[] = {{"curve", "LABELS.csv", 1, 1, plot_curve},
-                {"bars", "EVAL.json", 1, 1, plot_bars},
-                {"scatter", "PAIRS.csv", 1, 1, plot_scatter},
-                {"loss", "LOG.csv...", 1, 8, plot_loss},
-                {"directions", "[MODEL|FILE.csv]", 0, 1, plot_directions},
-                {"slice", "BRDF...", 1, 8, plot_slice},
-                {"attribution", "REF TEST", 2, 2, plot_attribution},
-                {"network", "[MODEL]", 0, 1, plot_network},
+    enum { CURVE, BARS, SCATTER, LOSS, DIRECTIONS, SLICE, ATTRIBUTION, NETWORK } kind;
+} drawings[] = {{"curve", "LABELS.csv", 1, 1, CURVE},
+                {"bars", "EVAL.json", 1, 1, BARS},
+                {"scatter", "PAIRS.csv", 1, 1, SCATTER},
+                {"loss", "LOG.csv...", 1, 8, LOSS},
+                {"directions", "[MODEL|FILE.csv]", 0, 1, DIRECTIONS},
+                {"slice", "BRDF...", 1, 8, SLICE},
+                {"attribution", "REF TEST", 2, 2, ATTRIBUTION},
+                {"network", "[MODEL]", 0, 1, NETWORK},
                 {0}};
+
+/* Open what a drawing of this kind needs, and draw. */
+static int draw_kind(const plot_arguments *a, int kind, const char *const *paths) {
+    const double degree = 0.017453292519943295;
+    const char *name = a->n ? a->inputs[0] : NULL;
+    const bool has_brdfs = kind == SLICE || kind == ATTRIBUTION;
+    nqm_brdf **brdfs = NULL;
+    nqm_directions *directions = NULL;
+    nqm_model *model = NULL;
+    nqm_regress_report fit;
+    int exit_code = EXIT_OK;
+    if (kind == CURVE)
+        exit_code = regress_csv("plot", paths[0], &fit);
+    else if (kind == DIRECTIONS)
+        exit_code = open_directions("plot", name, &directions);
+    else if (kind == NETWORK)
+        exit_code = open_model("plot", name, &model);
+    else if (has_brdfs)
+        exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    nqm_error err = {0};
+    nqm_status status = kind == CURVE        ? nqm_plot_curve(a->output, paths[0], &fit, &a->look, &err)
+                        : kind == BARS       ? nqm_plot_bars(a->output, paths[0], &a->look, &err)
+                        : kind == SCATTER    ? nqm_plot_predictions(a->output, paths[0], a->predictor, &a->look, &err)
+                        : kind == LOSS       ? nqm_plot_losses(a->output, (size_t)a->n, paths, &a->look, &err)
+                        : kind == DIRECTIONS ? nqm_plot_directions(a->output, directions, &a->look, &err)
+                        : kind == NETWORK    ? nqm_plot_network(a->output, model, &a->look, &err)
+                        : kind == SLICE
+                            ? nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
+                                              a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, &err)
+                            : nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err);
+    close_brdfs(has_brdfs ? a->n : 0, brdfs);
+    nqm_directions_free(directions);
+    nqm_model_free(model);
+    return status == NQM_OK ? EXIT_OK : report_error("plot", &err);
+}
 
 /* "640x480" */
 static int read_size(const char *text, nqm_plot_options *look) {
@@ -131,8 +97,7 @@ static int draw(plot_arguments *a, const char *what, bool json) {
         return report("plot", EXIT_LIMIT, "out of memory");
     for (int i = 0; i < a->n; ++i)
         paths[i] = input_path(a->inputs[i]);
-    a->paths = paths;
-    exit_code = d->draw(a);
+    exit_code = draw_kind(a, d->kind, paths);
     free(paths);
     if (exit_code == EXIT_OK && json)
         return print_json(json_pack("{s:i,s:o,s:s,s:o}", "schema", 1, "tool", json_tool(), "drawing", d->name, "file",
