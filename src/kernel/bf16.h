@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/** To nearest, ties to even; a NaN stays one. */
+/** The bits of x as bfloat16, to nearest, ties to even; a NaN stays a NaN. */
 static inline uint32_t nqm_bf16_bits(float x) {
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);

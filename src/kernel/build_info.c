@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What this build holds, in one line: the libraries that compute or read files, OpenMP, and the kernels that this
- * processor can run.
+ * One line about this build: versions of its libraries and of OpenMP, and the best kernels that this processor can run.
  */
 #include "kernel/kernel.h"
 

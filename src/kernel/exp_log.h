@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * exp_log.h - exp and log in float, written so that a compiler vectorises the loops they are inlined into.
+ * exp_log.h - exp and log in float, written so that compilers vectorise the loops that they are inlined into.
  */
 #ifndef NQM_SRC_KERNEL_EXP_LOG_H
 #define NQM_SRC_KERNEL_EXP_LOG_H
@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/** exp(x) within 3e-7 relative for -87 <= x <= 87; beyond, no number to be used. */
+/** exp(x) within 3e-7 relative for -87 <= x <= 87; undefined beyond. */
 static inline float nqm_exp_core(float x) {
     const float log2_e = 1.44269504f, ln2_high = 0.693359375f, ln2_low = -2.12194440e-4f; /* Cody and Waite 1980 */
     const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */
@@ -35,7 +35,7 @@ static inline float nqm_exp_core(float x) {
 static inline float nqm_log_core(float x) {
     static const float tail[] = {-1.1514610310e-1f, 1.1676998740e-1f, -1.2420140846e-1f, 1.4249322787e-1f,
                                  -1.6668057665e-1f, 2.0000714765e-1f, -2.4999993993e-1f, 3.3333331174e-1f};
-    const uint32_t sqrt_half = 0x3f3504f3; /* so that the mantissa m lies in [sqrt(1/2), sqrt(2)) */
+    const uint32_t sqrt_half = 0x3f3504f3; /* for a mantissa m in [sqrt(1/2), sqrt(2)) */
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);
     int32_t exponent = (int32_t)(bits - sqrt_half) >> 23;

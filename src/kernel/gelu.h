@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * gelu.h - GELU (Hendrycks and Gimpel 2016, arXiv:1606.08415) for one instruction set, written so that a compiler
- * vectorises the loops it is inlined into; included by rows.h.
+ * gelu.h - GELU (Hendrycks and Gimpel 2016, arXiv:1606.08415) for one instruction set, written so that compilers
+ * vectorise the loops that it is inlined into; included by rows.h.
  *
  * With the tail t(a) = 1 - Phi(a) of the normal distribution at a = |x|, GELU is max(x, 0) - a t and its slope is
  * 1/2 +- (1/2 - t w), w(a) = 1 - a phi(a) / t(a). log2(t) and w are smooth: polynomials of degree 8 give t within 1e-8 and
- * t w within 6e-8, one of degree 5 a power of two within 1e-7 relative (gelu_fit.py). No division, nothing to choose but
- * the larger of two integers, and little rounding of numbers that matter.
+ * t w within 6e-8, one of degree 5 a power of two within 1e-7 relative (gelu_fit.py). There is no division, no
+ * branch but the minimum of two integers, and little loss by rounding.
  */
 #include "kernel/multiply_add.h"
 
@@ -15,7 +15,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Coefficients c (n), the constant first. Even and odd powers apart are half as long to wait for. */
+/* A polynomial with coefficients c (n), the constant first. Even and odd powers are two chains: half the latency of one. */
 #define POLYNOMIAL(x, c) polynomial(x, c, sizeof(c) / sizeof *(c))
 static inline __attribute__((always_inline)) float polynomial(float x, const float *c, size_t n) {
     const float square = x * x;
@@ -65,20 +65,20 @@ static inline float power_of_two(float x) {
     return float_of(bits > 0 ? bits : 0);
 }
 
-/* Integers are compared, because positive floats and their bits have one order. From 10.5 on the power of two is 0. */
+/* The bits of positive floats have the same order as the floats, and integers compare faster. Beyond 10.5 the tail is 0. */
 static inline float gelu_of(float x, float *slope) {
     const float a = fabsf(x);
     const int32_t end = 0x41280000;
     const float inside = float_of(bits_of(a) < end ? bits_of(a) : end);
     const float t = power_of_two(POLYNOMIAL(inside, log2_tail));
     if (slope) {
-        const float centre = nqm_multiply_add(x, 0.0f, 0.5f); /* a NaN stays one */
+        const float centre = nqm_multiply_add(x, 0.0f, 0.5f); /* keeps a NaN */
         *slope = centre + copysignf(0.5f - t * POLYNOMIAL(inside, slope_of_tail), x);
     }
     return nqm_multiply_add(-a, t, float_of(bits_of(x) > 0 ? bits_of(x) : 0));
 }
 
-/* n values: at best a multiple of a register. */
+/* n values, fastest for a multiple of the vector width. */
 static inline void gelu_stretch(size_t n, const float *x, float *y, float *slope) {
     if (!slope) {
 #pragma omp simd
@@ -96,7 +96,7 @@ static inline void gelu_stretch(size_t n, const float *x, float *y, float *slope
 
 enum { STRETCH = 16 };
 
-/* The last few are filled up to whole registers: one by one they would take as long as hundreds. */
+/* The last values are filled up to whole vectors, since a scalar loop over 15 of them takes as long as hundreds. */
 static void gelu(size_t n, const float *x, float *y, float *slope) {
     const size_t whole = n / STRETCH * STRETCH, left = n - whole;
     gelu_stretch(whole, x, y, slope);

@@ -5,11 +5,11 @@
 #define VECTOR_BYTES 16
 #ifdef __ARM_NEON
 #include <arm_neon.h>
-#define TILE_ROWS           4 /* of 32 registers, 16 hold sums: with more, compilers begin to spill */
+#define TILE_ROWS           4 /* 16 of 32 registers hold sums: with more, compilers spill */
 #define TILE_VECTORS        4
 #define MADD_F32(sum, a, b) ((vector_f)vfmaq_n_f32((float32x4_t)(sum), (float32x4_t)(b), a))
 #else
-#define TILE_ROWS           4 /* of 16 registers, 8 hold sums: SSE's instructions destroy one operand */
+#define TILE_ROWS           4 /* 8 of 16 registers hold sums: SSE instructions overwrite an operand */
 #define TILE_VECTORS        2
 #define MADD_F32(sum, a, b) ((sum) + (a) * (b))
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which table of kernels is in use: the best that the processor can run, found out once.
+ * The choice of kernels: the best table that the processor can run, determined once, unless the caller chose another.
  */
 #include "kernel/kernel.h"
 
@@ -11,7 +11,7 @@
 
 enum { MAX_TABLES = 5 };
 
-static const nqm_kernels *tables[MAX_TABLES]; /* that can run here, best first */
+static const nqm_kernels *tables[MAX_TABLES]; /* those that this processor can run, best first */
 static size_t n_tables;
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const nqm_kernels *_Atomic chosen; /* NULL: the best */
@@ -67,7 +67,7 @@ nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
     for (size_t i = 0; name && (kernels = nqm_kernels_at(i)) && strcmp(kernels->name, name) != 0;)
         ++i;
     if (name && !kernels)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "kernels '%.40s': this processor does not know them", name);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "kernels '%.40s': this build or processor does not have them", name);
     nqm_kernels_use(kernels);
     return NQM_OK;
 }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * The loops over panels, strips and rows. Blocks depend on the shape only, and no sum is shared, so that threads may take
- * the next block as they come by: on a busy machine the other one does not wait.
+ * The loops over panels, strips and rows. A product is cut into blocks that depend on its shape only, and each element is
+ * summed within one block, so that blocks may be scheduled dynamically: on a busy machine no thread waits for another.
  */
 #include "kernel/panel.h"
 
 #include <omp.h>
 
 enum {
-    MIN_PARALLEL = 1 << 18, /* multiplications; below, waking a thread costs more than it saves */
+    MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
     ROWS_AT_ONCE = 11 * NQM_STRIP,
     STRIPS_AT_ONCE = 25
 };
@@ -16,7 +16,7 @@ enum {
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const size_t n_row_blocks = nqm_ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
-    /* Neighbouring blocks share a panel, which stays in the second cache meanwhile. */
+    /* Consecutive blocks read the same panel, which stays in the L2 cache. */
 #pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
         const size_t panel = i / n_row_blocks, row = i % n_row_blocks * ROWS_AT_ONCE;
@@ -24,7 +24,7 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
             .m = nqm_smaller(m - row, ROWS_AT_ONCE), .words = b->words, .add = add, .lda = lda, .ldc = ldc};
         p.a = (const uint32_t *)a + row * lda;
         p.b = nqm_panel_at(b, panel);
-        p.c = (uint32_t *)c + row * ldc + panel * NQM_PANEL; /* floats and integers are as large */
+        p.c = (uint32_t *)c + row * ldc + panel * NQM_PANEL; /* float and int32_t have one size */
         kernels->product[b->precision](&p);
     }
 }
@@ -46,7 +46,7 @@ void nqm_gradient_run(const nqm_gradient *g) {
     const size_t n_across = nqm_ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * nqm_ceil_div(g->n, NQM_PANEL);
 #pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
-        /* Enough tiles for the sink to read its own memory in long runs, few enough to stay in the second cache. */
+        /* Enough tiles for the sink to read its own arrays in long runs, few enough to stay in the L2 cache. */
         _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
         const size_t n = nqm_smaller(n_strips - first, STRIPS_AT_ONCE);

@@ -1,105 +1,109 @@
 /* SPDX-License-Identifier: MIT
  *
- * panel.h - matrices as the products of kernel/kernel.h read them, and the loops over them on several threads.
+ * panel.h - how matrices are stored for the products of kernel/kernel.h, and the loops over them on several threads.
  *
- * Panels: a matrix B (k, n) cut into panels of NQM_PANEL columns, so that a product reads it once, in order. Weights are
- * kept this way. Strips: NQM_STRIP neighbouring columns of activations, the left factor of a tile of a weight gradient. Rows:
- * the left factor of a product, row-major in words (nqm_words()). Whatever stands beyond an edge is 0.
+ *   rows     the left factor of a product: row-major, nqm_words() words a row
+ *   panels   the right factor B (k, n), cut into panels of NQM_PANEL columns that a product reads once and in order; weights
+ *            W (out, in) are stored as panels of W^T
+ *   columns  both factors of a weight gradient: a group of NQM_STRIP or NQM_PANEL columns is read row by row; in
+ *            NQM_PRECISION_BF16 a word holds two rows of a column
+ *
+ * Elements beyond the edge of a matrix are 0.
  */
 #ifndef NQM_SRC_KERNEL_PANEL_H
 #define NQM_SRC_KERNEL_PANEL_H
 
 #include "kernel/kernel.h"
 
-/** A matrix (k, n) in panels. */
+/** A matrix (k, n) in panels: one block, free with nqm_panels_free(). */
 typedef struct nqm_panels {
     nqm_precision precision;
     size_t k, n;
-    size_t words;    /**< nqm_words(precision, k) */
-    size_t stride;   /**< words from one panel to the next, a row of NQM_PANEL each: `words` rounded up to NQM_STRIP */
+    size_t words;    /**< nqm_words(precision, k): rows of a panel */
+    size_t stride;   /**< rows from one panel to the next: `words` rounded up to NQM_STRIP */
     size_t n_panels; /**< n / NQM_PANEL, rounded up */
-    uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) words */
-    float *scale; /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) a signed factor stands for factor * scale; else NULL */
-    int32_t *sum; /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the sum of each column's signed factors; else NULL */
+    uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) */
+    float *scale;    /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the value of a byte is byte * scale; else NULL */
+    int32_t *sum;    /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) sum of each column's bytes; else NULL */
 } nqm_panels;
 
-/** Room for a matrix, all 0. NQM_ERR_NOMEM. */
+/** Panels of zeros. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels_ret,
                                             nqm_error *err);
 void nqm_panels_free(nqm_panels *panels);
-/** Fill panels of (k, n) from the transpose of w (n, k), row-major, ldw numbers from row to row: weights (out, in).
- *  Works on all threads. */
+/** Fill panels of (k, n) from the transpose of w (n, k), row-major, ldw floats from row to row, on all threads. */
 void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw);
 /** One panel (k, NQM_PANEL) of floats from the transpose of w (width, k), ldw floats from row to row; zeros beyond width. */
 void nqm_pack_panel(size_t width, size_t k, const float *w, size_t ldw, float *panel);
-/** The way back, from NQM_PRECISION_F32. */
+/** The inverse of nqm_panels_pack() for NQM_PRECISION_F32. */
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
-/** to (n, k) becomes the transpose of from (k, n); from is in NQM_PRECISION_F32, `to` in that or in _BF16. */
+/** to (n, k) = the transpose of from (k, n); from is NQM_PRECISION_F32, to is _F32 or _BF16. */
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to);
-/** Of that the rows [first, first + n), multiples of 4, of a panel of `from`. */
+/** The same for rows [first, first + n) of one panel of `from`; first and n are multiples of 4. */
 void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel);
-/** `to` (NQM_PRECISION_BF16) becomes `from` (NQM_PRECISION_F32) rounded. */
+/** to (NQM_PRECISION_BF16) = from (NQM_PRECISION_F32) rounded. */
 void nqm_panels_round(const nqm_panels *from, nqm_panels *to);
 /** Panel p. */
 static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
     return panels->data + p * panels->stride * NQM_PANEL;
 }
 
-/** What the bytes of panel p stand for. */
+/** The columns of panel p of bytes. */
 static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_t p) {
     return (nqm_byte_columns){panels->scale + p * NQM_PANEL, panels->sum + p * NQM_PANEL};
 }
 
-/** x (n) as a row of bfloat16: nqm_words() words; by the table in use. */
+/** x (n) as a row of bfloat16 in nqm_words() words; by the table in use. */
 static inline void nqm_round_row(size_t n, const float *x, uint32_t *words) {
     nqm_kernels_get()->round_row(n, x, words);
 }
-/** x (n) as a row of unsigned bytes, with the smallest scale that holds all and 0; by the table in use. */
+/** x (n) as a row of unsigned bytes in nqm_words() words; by the table in use. */
 static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t *words) {
     return nqm_kernels_get()->quantise_row(n, x, words);
 }
 
 /**
- * C (m, n) = A B, or C + A B, on all threads where that pays.
+ * C (m, n) = A B, or C + A B, on all threads unless the product is small.
  *
- * @param a    (m, b->words) words, lda words from row to row; best not a multiple of 1024: see nqm_row_stride()
- * @param c    (m, b->n_panels NQM_PANEL) numbers, ldc from row to row: float, or int32_t for NQM_PRECISION_INT8
+ * @param a    (m, b->words) rows, lda words from row to row; nqm_row_stride() is fastest, multiples of 1024 are slow
+ * @param c    (m, b->n_panels NQM_PANEL) float, or int32_t for NQM_PRECISION_INT8; ldc elements from row to row
  */
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
 
-/** Numbers from row to row for rows of n: whole panels, and an odd number of cache lines, so that rows one below the
- *  other do not fall upon the same few places of a cache. */
+/** Floats or words from row to row for rows of n: whole panels, and an odd number of cache lines, so that the rows of a tile
+ *  are not stored in the same few sets of a cache. */
 static inline size_t nqm_row_stride(size_t n) {
     return (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL + 16;
 }
 
-/** Takes finished tiles (n_strips, NQM_STRIP, NQM_PANEL) of a gradient, one below the other: rows from NQM_STRIP strip on,
- *  columns from NQM_PANEL panel on. Called on several threads, for each tile once. */
+/** Receives finished tiles (n_strips, NQM_STRIP, NQM_PANEL) of a gradient: rows from NQM_STRIP strip on, columns from
+ *  NQM_PANEL panel on. Called on several threads, once for each tile. */
 typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles);
 
-/** Columns of activations as a factor of a weight gradient, in groups of NQM_STRIP or NQM_PANEL; the last group goes on with
- *  zeros. Floats may lie in rows as they are (step: the columns of a group); of bfloat16 a unit holds two neighbours of a
- *  column (round_pair() of kernel.h), with 0 for one that is missing, best with each group in one piece. */
+/** A factor of a weight gradient: columns of activations in groups of NQM_STRIP or NQM_PANEL, the last group filled up with
+ *  zeros. Floats may be plain rows (step = columns of a group). In NQM_PRECISION_BF16 a word holds two rows of a column
+ *  (round_pair() of kernel.h), with 0 for a missing last row. */
 typedef struct nqm_columns {
     const void *data;
-    size_t step; /**< words from a group to the next */
-    size_t ld;   /**< words from row to row; best an odd number of cache lines, or a group */
+    size_t step; /**< words from one group to the next */
+    size_t ld;   /**< words from row to row: an odd number of cache lines or the width of a group is fastest */
 } nqm_columns;
 
-/** How columns (m, n), in groups of `width`, lie best; nqm_row_stride() for rows of floats, each group in one piece for pairs
- *  of bfloat16. data is NULL. */
+/** The fastest layout for columns (m, n) in groups of `width`: rows of nqm_row_stride() floats; each group contiguous in
+ *  NQM_PRECISION_BF16. data is NULL. */
 nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n);
-/** The words that they take. */
+/** Its size in words. */
 size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n);
 
-/** X^T Z of x (m, k), in strips, and z (m, n), in panels. Some tiles at a time into `sink`, so that a gradient need not be
- *  stored before it is used. */
+/** X^T Z of x (m, k) and z (m, n): the gradient of weights (k, n) for a batch of m rows. Tiles are passed to `sink` as they
+ *  are finished, so that the gradient need not be stored. */
 typedef struct nqm_gradient {
     nqm_precision precision; /**< NQM_PRECISION_F32 or _BF16 */
     size_t m, k, n;
-    nqm_columns x, z;
+    nqm_columns x; /**< in groups of NQM_STRIP */
+    nqm_columns z; /**< in groups of NQM_PANEL */
     nqm_tile_sink sink;
-    /** Called before a tile is computed: what the sink will read for it, so that it is there in time. NULL: not. */
+    /** Called before a tile is computed: sets the arrays that the sink will read for it, to be prefetched. NULL: none. */
     void (*prefetch)(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]);
     void *user;
 } nqm_gradient;

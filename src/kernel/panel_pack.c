@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Into panels and back: rounding to bfloat16, to signed bytes with a scale for each column.
+ * Conversion of matrices to panels and back, with rounding to bfloat16 or to signed bytes with a scale for each column.
  */
 #include "kernel/bf16.h"
 #include "kernel/panel.h"
@@ -8,37 +8,42 @@
 #include <math.h>
 #include <string.h>
 
-enum { MIN_PARALLEL = 65536 }; /* numbers; below, waking a thread costs more than it saves */
+enum { MIN_PARALLEL = 65536 }; /* elements; below, waking a thread costs more than it saves */
+
+/* Rows of NQM_PANEL words of the whole block; for each panel of bytes, scale and sum are one more row each. */
+static size_t n_rows(const nqm_panels *panels) {
+    return panels->n_panels * (panels->stride + (panels->precision == NQM_PRECISION_INT8 ? 2 : 0));
+}
 
 nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels, nqm_error *err) {
     *panels = (nqm_panels){.precision = precision, .k = k, .n = n, .words = nqm_words(precision, k)};
     panels->stride = nqm_ceil_div(panels->words, NQM_STRIP) * NQM_STRIP;
     panels->n_panels = nqm_ceil_div(n, NQM_PANEL);
-    bool bytes = precision == NQM_PRECISION_INT8;
-    panels->data = nqm_alloc_pages(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
-    panels->scale = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->scale) : NULL;
-    panels->sum = bytes ? nqm_alloc(panels->n_panels, NQM_PANEL * sizeof *panels->sum) : NULL;
-    if (panels->data && (!bytes || (panels->scale && panels->sum)))
-        return NQM_OK;
-    nqm_panels_free(panels);
-    return nqm_fail_nomem(err, k * n * sizeof(float));
+    panels->data = nqm_alloc_pages(n_rows(panels), NQM_PANEL * sizeof *panels->data);
+    if (!panels->data) {
+        *panels = (nqm_panels){0};
+        return nqm_fail_nomem(err, k * n * sizeof(float));
+    }
+    if (precision == NQM_PRECISION_INT8) {
+        panels->scale = (float *)(void *)nqm_panel_at(panels, panels->n_panels);
+        panels->sum = (int32_t *)(void *)(panels->scale + panels->n_panels * NQM_PANEL);
+    }
+    return NQM_OK;
 }
 
 void nqm_panels_free(nqm_panels *panels) {
-    nqm_free_pages(panels->data, panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
-    nqm_free(panels->scale);
-    nqm_free(panels->sum);
+    nqm_free_pages(panels->data, n_rows(panels), NQM_PANEL * sizeof *panels->data);
     *panels = (nqm_panels){0};
 }
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
 enum {
-    PACK_AT_ONCE = 192, /* numbers of a row: the lines that are written stay in the first cache for all rows */
-    ROWS_TOGETHER = 4
+    PACK_COLUMNS = 192, /* of W at a time: the lines that are written stay in the L1 cache for all rows of a panel */
+    PACK_ROWS = 4
 };
 
-/* Four rows of four words, ld words apart, transposed. */
+/* to (4, 4) = the transpose of from (4, 4); ld words from row to row. */
 static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
     typedef uint32_t four __attribute__((vector_size(16), aligned(4), may_alias));
     const four a = *(const four *)from, b = *(const four *)(from + ld_from), c = *(const four *)(from + 2 * ld_from),
@@ -51,9 +56,9 @@ static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t 
     *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
-/* Some neighbouring rows of n words, ld words apart, become columns of a panel. */
-static inline void place_rows(size_t n_rows, size_t n, const uint32_t *rows, size_t ld, uint32_t *columns) {
-    const size_t whole = n_rows == ROWS_TOGETHER ? n / 4 * 4 : 0;
+/* Copy consecutive rows of n words, ld words apart, to columns of a panel. */
+static inline void rows_to_columns(size_t n_rows, size_t n, const uint32_t *rows, size_t ld, uint32_t *columns) {
+    const size_t whole = n_rows == PACK_ROWS ? n / 4 * 4 : 0;
     for (size_t i = 0; i < whole; i += 4)
         transpose_4x4(rows + i, ld, columns + i * NQM_PANEL, NQM_PANEL);
     for (size_t i = whole; i < n; ++i)
@@ -61,24 +66,24 @@ static inline void place_rows(size_t n_rows, size_t n, const uint32_t *rows, siz
             columns[i * NQM_PANEL + j] = rows[j * ld + i];
 }
 
-/* Panels are packed from `width` rows of w (width, k), some numbers of each row at a time. */
+/* pack_*: one panel from w (width, k), width <= NQM_PANEL, PACK_COLUMNS columns of w at a time. */
 static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
-    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
-        for (size_t j = 0; j < width; j += ROWS_TOGETHER)
-            place_rows(nqm_smaller(width - j, ROWS_TOGETHER), nqm_smaller(k - first, PACK_AT_ONCE),
-                       (const uint32_t *)(const void *)(w + j * ldw + first), ldw, panel + first * NQM_PANEL + j);
+    for (size_t first = 0; first < k; first += PACK_COLUMNS)
+        for (size_t j = 0; j < width; j += PACK_ROWS)
+            rows_to_columns(nqm_smaller(width - j, PACK_ROWS), nqm_smaller(k - first, PACK_COLUMNS),
+                            (const uint32_t *)(const void *)(w + j * ldw + first), ldw, panel + first * NQM_PANEL + j);
 }
 
 static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    uint32_t words[ROWS_TOGETHER][PACK_AT_ONCE / 2];
-    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
-        for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
-            const size_t n = nqm_smaller(k - first, PACK_AT_ONCE), n_rows = nqm_smaller(width - j, ROWS_TOGETHER);
+    uint32_t words[PACK_ROWS][PACK_COLUMNS / 2];
+    for (size_t first = 0; first < k; first += PACK_COLUMNS)
+        for (size_t j = 0; j < width; j += PACK_ROWS) {
+            const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
             for (size_t r = 0; r < n_rows; ++r)
                 kernels->round_row(n, w + (j + r) * ldw + first, words[r]);
-            place_rows(n_rows, nqm_words(NQM_PRECISION_BF16, n), words[0], PACK_AT_ONCE / 2,
-                       panel + first / 2 * NQM_PANEL + j);
+            rows_to_columns(n_rows, nqm_words(NQM_PRECISION_BF16, n), words[0], PACK_COLUMNS / 2,
+                            panel + first / 2 * NQM_PANEL + j);
         }
 }
 
@@ -90,13 +95,13 @@ static float largest_magnitude(size_t n, const float *x) {
     return largest;
 }
 
-/* x (n), at most PACK_AT_ONCE, as signed bytes; adds them to *sum. */
-static void signed_bytes(size_t n, const float *x, float per_unit, uint32_t *words, int32_t *sum) {
-    signed char bytes[PACK_AT_ONCE] = {0};
+/* x (n), n <= PACK_COLUMNS, as signed bytes to nearest; adds them to *sum. */
+static void signed_bytes(size_t n, const float *x, float per_scale, uint32_t *words, int32_t *sum) {
+    signed char bytes[PACK_COLUMNS] = {0};
     int32_t total = 0;
 #pragma omp simd reduction(+ : total)
     for (size_t i = 0; i < n; ++i) {
-        int32_t q = (int32_t)(x[i] * per_unit + copysignf(0.5f, x[i])); /* to nearest */
+        int32_t q = (int32_t)(x[i] * per_scale + copysignf(0.5f, x[i]));
         total += q;
         bytes[i] = (signed char)q;
     }
@@ -105,21 +110,21 @@ static void signed_bytes(size_t n, const float *x, float per_unit, uint32_t *wor
 }
 
 static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel, float *scale, int32_t *sum) {
-    float per_unit[NQM_PANEL];
+    float per_scale[NQM_PANEL];
     for (size_t j = 0; j < width; ++j) {
         const float largest = largest_magnitude(k, w + j * ldw);
         scale[j] = largest > 0 ? largest / 127 : 1;
-        per_unit[j] = 1 / scale[j];
+        per_scale[j] = 1 / scale[j];
         sum[j] = 0;
     }
-    for (size_t first = 0; first < k; first += PACK_AT_ONCE)
-        for (size_t j = 0; j < width; j += ROWS_TOGETHER) {
-            uint32_t words[ROWS_TOGETHER][PACK_AT_ONCE / 4];
-            const size_t n = nqm_smaller(k - first, PACK_AT_ONCE), n_rows = nqm_smaller(width - j, ROWS_TOGETHER);
+    for (size_t first = 0; first < k; first += PACK_COLUMNS)
+        for (size_t j = 0; j < width; j += PACK_ROWS) {
+            uint32_t words[PACK_ROWS][PACK_COLUMNS / 4];
+            const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
             for (size_t r = 0; r < n_rows; ++r)
-                signed_bytes(n, w + (j + r) * ldw + first, per_unit[j + r], words[r], &sum[j + r]);
-            place_rows(n_rows, nqm_words(NQM_PRECISION_INT8, n), words[0], PACK_AT_ONCE / 4,
-                       panel + first / 4 * NQM_PANEL + j);
+                signed_bytes(n, w + (j + r) * ldw + first, per_scale[j + r], words[r], &sum[j + r]);
+            rows_to_columns(n_rows, nqm_words(NQM_PRECISION_INT8, n), words[0], PACK_COLUMNS / 4,
+                            panel + first / 4 * NQM_PANEL + j);
         }
 }
 
@@ -151,8 +156,8 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
     }
 }
 
-/* Four rows of panel j of `from`, from `first` on, become four columns of a panel of `to`. Both are filled up with zeros, so
- * that whole blocks can be moved. */
+/* Transpose rows [first, first + 4) of panel j of `from`. Panels are filled up with zeros, so that whole 4 x 4 blocks can be
+ * moved. */
 static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
     const uint32_t *rows = nqm_panel_at(from, j) + first * NQM_PANEL;
     const size_t n_words = NQM_PANEL >> to->precision, last = nqm_smaller(to->stride - j * n_words, n_words);
@@ -162,12 +167,12 @@ static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first,
         nqm_round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
         rows = rounded;
     }
-    for (size_t u = 0; u < last; u += 4) /* n_words, NQM_STRIP are multiples of 4 */
+    for (size_t u = 0; u < last; u += 4) /* n_words and NQM_STRIP are multiples of 4 */
         transpose_4x4(rows + u, n_words, words + u * NQM_PANEL, NQM_PANEL);
 }
 
 void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel) {
-    const size_t end = nqm_smaller(first + n, to->n_panels * NQM_PANEL); /* beyond are zeros */
+    const size_t end = nqm_smaller(first + n, to->n_panels * NQM_PANEL); /* rows beyond are 0 */
     for (size_t row = first; row < end; row += 4)
         transpose_four(from, to, row, panel);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * rounding.h - rows of factors as bfloat16 and as bytes, and sums of bytes back to float, for one instruction set: loops
- * that a compiler vectorises, included by rows.h. Every instruction set gives the same bits.
+ * rounding.h - rows of floats to bfloat16 and to bytes, and sums of products of bytes back to float, for one instruction set:
+ * loops that compilers vectorise, included by rows.h. Every instruction set gives the same bits.
  */
 #include "kernel/bf16.h"
 #include "kernel/kernel.h"
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#ifndef NQM_NATIVE_ROUNDING /* defined where the instruction set rounds by itself, and the file has these two of its own */
+#ifndef NQM_NATIVE_ROUNDING /* defined by a file isa_*.c that has its own versions of these three functions */
 static void round_row(size_t n, const float *x, uint32_t *words) {
 #pragma omp simd
     for (size_t i = 0; i < n / 2; ++i)
@@ -20,11 +20,11 @@ static void round_row(size_t n, const float *x, uint32_t *words) {
 
 static void round_pair(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *words) {
     for (size_t first = 0; first < n; first += width, words += step) {
-        const size_t there = n - first < width ? n - first : width;
+        const size_t n_here = n - first < width ? n - first : width;
 #pragma omp simd
-        for (size_t i = 0; i < there; ++i)
+        for (size_t i = 0; i < n_here; ++i)
             words[i] = nqm_bf16_bits(even[first + i]) | nqm_bf16_bits(odd[first + i]) << 16;
-        memset(words + there, 0, (width - there) * sizeof *words);
+        memset(words + n_here, 0, (width - n_here) * sizeof *words);
     }
 }
 
@@ -34,23 +34,23 @@ static void round_tile(const float *x, uint32_t *words) {
 }
 #endif
 
-/* x (n) as bytes. */
-static inline void quantise(size_t n, const float *x, float per_unit, float zero, unsigned char *bytes) {
+/* bytes (n) = x per_scale + zero, to nearest, at most 255. */
+static inline void quantise(size_t n, const float *x, float per_scale, float zero, unsigned char *bytes) {
     const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */
     const int32_t most = 0x4b400000 + 255;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
-        float shifted = x[i] * per_unit + zero + round_magic;
+        float shifted = x[i] * per_scale + zero + round_magic;
         int32_t bits;
         memcpy(&bits, &shifted, sizeof bits);
         bytes[i] = (unsigned char)(bits < most ? bits : most);
     }
 }
 
-/* The range of the bytes is that of x and 0, so that 0 stands for itself. */
+/* The range of the bytes includes 0, which is exact. */
 static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
     enum { AT_ONCE = 64 };
-    /* Two minima that do not wait for each other, of halves that overlap: none is left to be done one by one. */
+    /* Two independent chains of minima and maxima over halves that overlap, so that no scalar loop is left over. */
     const size_t rounded = (n / 2 + 16) / 16 * 16, half = rounded < n ? rounded : n, other = n - half;
     float low = 0, high = 0, low2 = 0, high2 = 0;
 #pragma omp simd reduction(min : low, low2) reduction(max : high, high2)
@@ -61,15 +61,15 @@ static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
         high2 = x[other + i] > high2 ? x[other + i] : high2;
     }
     const nqm_byte_scale by = nqm_byte_scale_of(low < low2 ? low : low2, high > high2 ? high : high2);
-    const float per_unit = 1 / by.scale, zero = (float)by.zero;
+    const float per_scale = 1 / by.scale, zero = (float)by.zero;
     unsigned char *bytes = (unsigned char *)words;
     const size_t left = n % AT_ONCE;
-    quantise(n - left, x, per_unit, zero, bytes);
-    if (n > AT_ONCE) /* some of them again: one by one they would take as long as hundreds */
-        quantise(AT_ONCE, x + n - AT_ONCE, per_unit, zero, bytes + n - AT_ONCE);
+    quantise(n - left, x, per_scale, zero, bytes);
+    if (n > AT_ONCE) /* the last 64, some of them again: faster than a scalar loop over the rest */
+        quantise(AT_ONCE, x + n - AT_ONCE, per_scale, zero, bytes + n - AT_ONCE);
     else
-        quantise(left, x + n - left, per_unit, zero, bytes + n - left);
-    memset(bytes + n, 0, -n & 3); /* the panels hold zeros there */
+        quantise(left, x + n - left, per_scale, zero, bytes + n - left);
+    memset(bytes + n, 0, -n & 3); /* fill the last word */
     return by;
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * rows.h - GELU, Adam and the rows of hidden layers for one instruction set: loops that a compiler vectorises, included
- * by each file isa_*.c after tiles.h. Nothing is contracted but by name (nqm_multiply_add()) or reordered, partial sums of a
- * row are GROUP whatever the width of a register: every instruction set gives the same bits.
+ * rows.h - Adam and the rows of hidden layers for one instruction set: loops that compilers vectorise, included by each file
+ * isa_*.c after tiles.h. Every instruction set gives the same bits: multiply-adds are fused by name only
+ * (nqm_multiply_add()), nothing is reordered, and a row always has GROUP partial sums, whatever the vector width.
  */
 #include "kernel/exp_log.h"
 #include "kernel/gelu.h"
@@ -15,14 +15,14 @@
 
 /* ---- scaled copies of samples ------------------------------------------------------------------------------------ */
 
-/* exp(x) for x <= 0; below -80 it is 0: products with smaller numbers are denormal, which takes three times as long. */
+/* exp(x) for x <= 0; 0 below -80, since products with denormal results take three times as long. */
 static inline float exp_negative(float x) {
     float e = nqm_exp_core(x < -80.0f ? -80.0f : x);
     return x < -80.0f ? 0.0f : e;
 }
 
-/* With c = cbrt(f_r) and k = 1 + k1: log(k c + 1) = t + log(1 + k1 c / (c + 1)) and c / (c + 1) = 1 - exp(-t). The
- * argument's magnitude is below 0.018, so that four terms of the logarithm's series leave less than 4e-10. */
+/* With c = cbrt(f_r) and k = 1 + k1: log(k c + 1) = t + log(1 + k1 c / (c + 1)), where c / (c + 1) = 1 - exp(-t). Since
+ * |k1| <= 0.018, four terms of the series of log(1 + a) have an error below 4e-10. */
 static void scale_log(size_t n, float k1, const float *t, float *scaled) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
@@ -33,8 +33,8 @@ static void scale_log(size_t n, float k1, const float *t, float *scaled) {
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
 
-/* Kingma and Ba 2015, arXiv:1412.6980, as torch.optim.Adam does it: L2 weight decay is added to the gradient, and both
- * moments are corrected for their start at zero. */
+/* Kingma and Ba 2015, arXiv:1412.6980, as in torch.optim.Adam: L2 weight decay is added to the gradient, and both moments
+ * are corrected for their start at zero. */
 static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param) {
     const float keep1 = (float)NQM_ADAM_BETA1, add1 = (float)(1 - NQM_ADAM_BETA1);
     const float keep2 = (float)NQM_ADAM_BETA2, add2 = (float)(1 - NQM_ADAM_BETA2);
@@ -51,10 +51,10 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
 
 /* ---- rows in groups ---------------------------------------------------------------------------------------------- */
 
-/* Partial sums of a row: number i counts for sum i % GROUP. */
+/* A row has GROUP partial sums: element i is added to sum i % GROUP. */
 enum { GROUP = 32, GROUP_VECTORS = GROUP / LANES };
 
-/* The last GROUP numbers of a row; of a shorter one all of them, behind zeros in `filled`. */
+/* The last GROUP elements of a row; a shorter row is copied to the end of `filled` after zeros. */
 static inline const float *last_group(size_t n, const float *x, float *filled) {
     if (n >= GROUP)
         return x + n - GROUP;
@@ -70,11 +70,11 @@ static inline void store_last_group(size_t n, const float *group, float *x) {
         memcpy(x, group + GROUP - n, n * sizeof *x);
 }
 
-/* Group + GROUP - left: which of the last group are left. */
+/* Mask for the last, partial group of n % GROUP elements: in_last_group + n % GROUP is 1 for these and 0 before. */
 static const float in_last_group[2 * GROUP] = {[GROUP] = 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
                                                1,           1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
-/* By halves. */
+/* The sum of all partial sums, by halves. */
 static inline float add_sums(vector_f *sum) {
     UNROLL for (size_t n = GROUP_VECTORS / 2; n > 0; n /= 2) UNROLL for (size_t v = 0; v < n; ++v) sum[v] += sum[v + n];
     float half[LANES];
@@ -83,33 +83,37 @@ static inline float add_sums(vector_f *sum) {
     return half[0];
 }
 
-/* The sum over a row of TERM, in which a, b = x[i], y[i]. */
-#define DEFINE_ROW_SUM(NAME, TERM)                                                                                     \
-    INLINE void NAME##_group(const float *x, const float *y, float c, vector_f *sum) {                                 \
-        UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {                                                            \
-            const vector_f a = *(const vector_f *)(x + v * LANES), b = *(const vector_f *)(y + v * LANES);             \
-            sum[v] += (TERM);                                                                                          \
-            (void)b, (void)c;                                                                                          \
-        }                                                                                                              \
-    }                                                                                                                  \
-    static float NAME(size_t n, const float *x, const float *y, float c) {                                             \
-        vector_f sum[GROUP_VECTORS] = {{0}}, last[GROUP_VECTORS] = {{0}};                                              \
-        float filled_x[GROUP], filled_y[GROUP];                                                                        \
-        for (size_t i = 0; i + GROUP <= n; i += GROUP)                                                                 \
-            NAME##_group(x + i, y + i, c, sum);                                                                        \
-        NAME##_group(last_group(n, x, filled_x), last_group(n, y, filled_y), c, last);                                 \
-        UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) sum[v] +=                                                    \
-            last[v] * *(const vector_f *)(in_last_group + n % GROUP + v * LANES);                                      \
-        return add_sums(sum);                                                                                          \
-    }
+/* What a sum over rows x and y adds for a = x[i], b = y[i]. */
+typedef enum row_term { TERM_SUM, TERM_SQUARE, TERM_FIRST, TERM_PRODUCT } row_term;
 
-DEFINE_ROW_SUM(sum_of_both, a + b)
-DEFINE_ROW_SUM(sum_of_squares, (a + b - c) * (a + b - c))
-DEFINE_ROW_SUM(sum_of_first, a)
-DEFINE_ROW_SUM(sum_of_products, a *b)
+/* sum += TERM for the GROUP elements from x and y on; `term` is a constant where this is inlined. */
+INLINE void add_group(row_term term, const float *x, const float *y, float c, vector_f *sum) {
+    UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {
+        const vector_f a = *(const vector_f *)(x + v * LANES), b = *(const vector_f *)(y + v * LANES);
+        if (term == TERM_SUM)
+            sum[v] += a + b;
+        else if (term == TERM_SQUARE)
+            sum[v] += (a + b - c) * (a + b - c);
+        else if (term == TERM_FIRST)
+            sum[v] += a;
+        else
+            sum[v] += a * b;
+    }
+}
+
+INLINE float row_sum(row_term term, size_t n, const float *x, const float *y, float c) {
+    vector_f sum[GROUP_VECTORS] = {{0}}, last[GROUP_VECTORS] = {{0}};
+    float filled_x[GROUP], filled_y[GROUP];
+    for (size_t i = 0; i + GROUP <= n; i += GROUP)
+        add_group(term, x + i, y + i, c, sum);
+    add_group(term, last_group(n, x, filled_x), last_group(n, y, filled_y), c, last);
+    UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) sum[v] +=
+        last[v] * *(const vector_f *)(in_last_group + n % GROUP + v * LANES);
+    return add_sums(sum);
+}
 
 static float dot(size_t n, const float *x, const float *y) {
-    return sum_of_products(n, x, y, 0);
+    return row_sum(TERM_PRODUCT, n, x, y, 0);
 }
 
 /* ---- dropout ----------------------------------------------------------------------------------------------------- */
@@ -128,7 +132,7 @@ static void drop_by_hash(const nqm_hidden_row *r) {
     enum { HASHES = 16, ELEMENTS = 4 * HASHES };
     const long threshold = lrint(r->p * 65536.0);
     const float scale = (float)(1.0 / (1.0 - r->p));
-    /* nqm_hash_keyed() of neighbouring counters */
+    /* nqm_hash_keyed() of consecutive counters */
     uint64_t unmixed = nqm_hash_key(r->key) + (r->counter + 1) * NQM_GOLDEN;
     for (size_t first = 0; first < r->n; first += ELEMENTS, unmixed += HASHES * NQM_GOLDEN) {
         uint64_t hashes[HASHES];
@@ -150,7 +154,7 @@ static void drop_by_hash(const nqm_hidden_row *r) {
 
 /* ---- hidden layers: LayerNorm (Ba, Kiros and Hinton 2016, arXiv:1607.06450; eps 1e-5), GELU, inverted dropout ------ */
 
-/* n values, a multiple of a register. Two loops: of one long chain a processor does not see far enough ahead. */
+/* n values, a multiple of the vector width. Two loops, since the chain of one would exceed the processor's reorder window. */
 INLINE void activate(size_t n, const nqm_hidden_row *r, float mean, float rstd) {
     const float *bias = r->bias, *gamma = r->gamma, *beta = r->beta;
     float *x = r->x, *y = r->y;
@@ -162,8 +166,8 @@ INLINE void activate(size_t n, const nqm_hidden_row *r, float mean, float rstd) 
     gelu_stretch(n, y, y, r->slope);
 }
 
-/* A last group that is not full is done before and beside the others: its first numbers twice, to the same bits. One by
- * one they would take as long as hundreds. */
+/* A partial last group is computed as the last GROUP elements, before x is overwritten; elements that are computed twice get
+ * the same bits. A scalar loop over up to 31 elements would take as long as hundreds. */
 static void activate_row(const nqm_hidden_row *r, float mean, float rstd) {
     const size_t n = r->n;
     float filled[3][GROUP], x[GROUP], y[GROUP], slope[GROUP];
@@ -183,8 +187,8 @@ static void activate_row(const nqm_hidden_row *r, float mean, float rstd) {
 }
 
 static void hidden_row(const nqm_hidden_row *r) {
-    const float mean = sum_of_both(r->n, r->x, r->bias, 0) / (float)r->n;
-    const float variance = sum_of_squares(r->n, r->x, r->bias, mean) / (float)r->n;
+    const float mean = row_sum(TERM_SUM, r->n, r->x, r->bias, 0) / (float)r->n;
+    const float variance = row_sum(TERM_SQUARE, r->n, r->x, r->bias, mean) / (float)r->n;
     const float rstd = (float)(1.0 / sqrt((double)variance + (double)NQM_LAYERNORM_EPS));
     activate_row(r, mean, rstd);
     if (r->rstd)
@@ -208,7 +212,8 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         dgamma[i] += da * xhat[i];
         g[i] = gamma[i] * da;
     }
-    const float mean = sum_of_first(n, g, g, 0) / (float)r->n, along = sum_of_products(n, g, xhat, 0) / (float)r->n;
+    const float mean = row_sum(TERM_FIRST, n, g, g, 0) / (float)r->n;
+    const float along = row_sum(TERM_PRODUCT, n, g, xhat, 0) / (float)r->n;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         g[i] = rstd * (g[i] - mean - xhat[i] * along);

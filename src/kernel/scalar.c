@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The kernels by their definition: plain loops in double, each result rounded once. Slow on purpose; every other table
- * is judged by this one.
+ * The kernels as plain loops in double, each result rounded once. They define the results: every other table is tested
+ * against this one.
  */
 #include "kernel/bf16.h"
 #include "kernel/kernel.h"
@@ -29,7 +29,7 @@ static void gemm(const nqm_gemm *g) {
             g->c[i * g->ldc + j] = element(g, i, j);
 }
 
-/* The product of two words: the sum of the products of the factors that they hold. */
+/* word_*: the sum of the products of the factors in two words. */
 static double word_f32(uint32_t a, uint32_t b) {
     float x, y;
     memcpy(&x, &a, sizeof x);
@@ -86,8 +86,8 @@ static void product_int8(const nqm_product *p) {
         }
 }
 
-/* A row product as the products of its panels. */
-static void by_panels(const nqm_row_product *p, void (*product)(const nqm_product *)) {
+/* A row product as one product for each panel. */
+static void multiply_panels(const nqm_row_product *p, void (*product)(const nqm_product *)) {
     for (size_t i = 0; i < p->n_panels; ++i)
         product(&(nqm_product){.m = 1,
                                .words = p->words,
@@ -98,15 +98,15 @@ static void by_panels(const nqm_row_product *p, void (*product)(const nqm_produc
 }
 
 static void row_product_f32(const nqm_row_product *p) {
-    by_panels(p, product_f32);
+    multiply_panels(p, product_f32);
 }
 
 static void row_product_bf16(const nqm_row_product *p) {
-    by_panels(p, product_bf16);
+    multiply_panels(p, product_bf16);
 }
 
 static void row_product_int8(const nqm_row_product *p) {
-    by_panels(p, product_int8);
+    multiply_panels(p, product_int8);
 }
 
 static void gradient(const nqm_tile_gradient *g, word_product product) {
@@ -222,7 +222,7 @@ static void dequantise(size_t m, const nqm_byte_scale *rows, const nqm_byte_colu
         }
 }
 
-/* What is kept of element i, scaled; 0: dropped. */
+/* The factor of element i: 1 / (1 - p), or 0 if it is dropped. */
 static double dropout_factor(const nqm_hidden_row *r, size_t i) {
     if (!(r->p > 0))
         return 1;

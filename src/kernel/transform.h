@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * transform.h - roots, logarithms and whitening of samples for one instruction set: loops that a compiler vectorises,
+ * transform.h - roots, logarithms and whitening of samples for one instruction set: loops that compilers vectorise,
  * included by rows.h. Every instruction set gives the same bits.
  */
 #include "kernel/exp_log.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A root of x >= 1e-30, within 6 %: a third of the exponent, by way of the bits (Kahan 1991). */
+/* The cube root of x >= 1e-30 within 6 %: divides the exponent by 3 in the bits of x (Kahan 1991). */
 static inline float rough_cube_root(float x) {
     uint32_t bits;
     float root;
@@ -33,7 +33,7 @@ static void sample_log(size_t n, const float *rho, float *t) {
         root = CUBE_ROOT_STEP(root, x);
         root = CUBE_ROOT_STEP(root, x);
         root = rho[i] < least ? 0.0f : root;
-        float u = 1.0f + root, lost = root - (u - 1.0f); /* in rounding; matters where t is small; a NaN stays one */
+        float u = 1.0f + root, lost = root - (u - 1.0f); /* the rounding error of u, which matters for small t */
         t[i] = nqm_log_core(u) + (u >= 1.5f ? 0.0f : lost);
     }
 }
@@ -50,7 +50,7 @@ static void cube_root(size_t n, const double *x, double *root) {
     }
 }
 
-/* `n` at most NQM_WHITEN_PERIOD, and a constant where it is that. */
+/* n <= NQM_WHITEN_PERIOD; inlined with the constant NQM_WHITEN_PERIOD, it needs no loop. */
 static inline void whiten_stretch(size_t n, const float *mean, const float *scale, const float *t, float *x) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i)
@@ -73,10 +73,11 @@ static void differ(size_t n, float s, const float *a, const float *b, float *dif
     }
 }
 
-/* With u = 2^k m, m in [sqrt(1/2), sqrt(2)): k log(2) + 2 artanh((m - 1) / (m + 1)). */
+/* For u = 1 + x = 2^k m, m in [sqrt(1/2), sqrt(2)): log(u) = k log(2) + 2 artanh((m - 1) / (m + 1)). `lost` is the rounding
+ * error of u. */
 static void log_1p(size_t n, const double *x, double *y) {
     const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000, exponent = 0xfff0000000000000;
-    const uint64_t magic = 0x4330000000000000; /* 2^52: an integer in its low bits is what it is above 2^52 */
+    const uint64_t magic = 0x4330000000000000; /* 2^52 + i has the integer i in its low bits */
     const double ln2_high = 0x1.62e42fefa3800p-1, ln2_low = 0x1.ef35793c76730p-45;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The state of Adam as a checkpoint keeps it.
+ * Adam's moments in the layout of the parameters, as a checkpoint stores them.
  */
 #include "net/net.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The log-cosh loss of the sigmoid-bounded prediction (paper, section 3.2), in a form that neither overflows for large
- * differences nor loses small ones.
+ * differences nor rounds small ones to 0.
  */
 #include "net/net.h"
 

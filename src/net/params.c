@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The parameters of the MLP: one block of numbers, views into it, and their initial values (He et al. 2015,
+ * The parameters of the MLP: one block of floats, views into it, and their initial values (He et al. 2015,
  * DOI 10.1109/ICCV.2015.123; the uniform form that the paper's notebook uses).
  */
 #include "net/net.h"
@@ -18,7 +18,6 @@ size_t nqm_params_count(const nqm_net_shape *shape) {
     return n;
 }
 
-/* Layers and widths within what indexes and the file format can hold: at most 2^24 wide. */
 static bool shape_is_sane(const nqm_net_shape *shape) {
     if (shape->n_layers < 2 || shape->n_layers > NQM_NET_MAX_LAYERS || shape->sizes[shape->n_layers] != 1)
         return false;
@@ -47,7 +46,9 @@ static void set_views(nqm_params *params) {
 nqm_status nqm_net_shape_check(const nqm_net_shape *shape, nqm_error *err) {
     if (shape_is_sane(shape))
         return NQM_OK;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "network: a layer count or width is out of range, or the last is not 1");
+    return nqm_fail(
+        err, NQM_ERR_ARG, -1,
+        "network: the number of layers (2..8) or a width (1..16777216) is out of range, or the last width is not 1");
 }
 
 nqm_status nqm_params_create(const nqm_net_shape *shape, nqm_params *params_ret, nqm_error *err) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A training's memory, its weights to and from the form of net.h, and the forward pass.
+ * Creation of a trainer, parameters to and from the layout of net.h, and the forward pass.
  */
 #include "net/trainer_state.h"
 
@@ -13,19 +13,23 @@ static bool is_rounded(const nqm_trainer *t) {
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-/* Large pages: the products walk down a dozen rows at once. */
-static float *numbers(nqm_trainer *t, size_t n, bool *complete) {
-    float *block = nqm_alloc_pages(n, sizeof *block);
-    *complete = *complete && block;
-    t->blocks[t->n_blocks++] = (nqm_trainer_block){block, n};
-    return block;
+/* The arrays of a trainer are views into one block (of large pages: products read a dozen rows at once). They are set twice:
+ * without a block to add up n_block, then with it. */
+static float *next_floats(nqm_trainer *t, size_t n) {
+    float *view = t->block ? t->block + t->n_block : NULL;
+    t->n_block += nqm_ceil_div(n, 16) * 16; /* whole cache lines */
+    return view;
 }
 
-static uint32_t *units_of(nqm_trainer *t, size_t n, bool *complete) {
-    return (uint32_t *)numbers(t, n, complete);
+static uint32_t *next_words(nqm_trainer *t, size_t n) {
+    return (uint32_t *)next_floats(t, n);
 }
 
-/* What is not memory of its own. */
+static uint32_t *next_pairs(nqm_trainer *t, size_t n, size_t width) {
+    return next_words(t, nqm_columns_size(t->options.precision, width, t->options.max_batch, n));
+}
+
+/* A factor without memory of its own. */
 static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
     f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n);
@@ -34,85 +38,93 @@ static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     return f;
 }
 
-static uint32_t *create_pairs(nqm_trainer *t, size_t n, size_t width, bool *complete) {
-    return units_of(t, nqm_columns_size(t->options.precision, width, t->options.max_batch, n), complete);
-}
-
-/* A layer's input; all_rows: numbers of all rows also where they are rounded. */
-static void create_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f, bool *complete) {
-    const size_t two_a_thread = 2 * (size_t)omp_get_max_threads();
+/* The input of a layer; all_rows: keep the floats of all rows even if products read rounded rows. */
+static void set_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f) {
     *f = factor_of(t, n, NQM_STRIP);
     f->two_rows = is_rounded(t) && !all_rows;
-    f->x = numbers(t, (f->two_rows ? two_a_thread : t->options.max_batch) * f->ld, complete);
+    f->x = next_floats(t, (f->two_rows ? 2 * t->n_threads : t->options.max_batch) * f->ld);
     if (is_rounded(t))
-        f->columns.data = f->pairs = create_pairs(t, n, NQM_STRIP, complete);
+        f->columns.data = f->pairs = next_pairs(t, n, NQM_STRIP);
     else
         f->columns.data = f->rows = (uint32_t *)f->x;
 }
 
 /* The gradient of a layer's product. */
-static void create_gradient(nqm_trainer *t, size_t n, nqm_factor *f, bool *complete) {
+static void set_gradient(nqm_trainer *t, size_t n, nqm_factor *f) {
     *f = factor_of(t, n, NQM_PANEL);
     if (is_rounded(t)) {
         f->x = t->dz;
         f->columns.data = f->pairs = t->dz_pairs;
     } else {
-        f->x = numbers(t, t->options.max_batch * f->ld, complete);
+        f->x = next_floats(t, t->options.max_batch * f->ld);
         f->columns.data = f->rows = (uint32_t *)f->x;
     }
 }
 
-static void create_values(nqm_trainer *t, nqm_layer_values *values, size_t l, bool *complete) {
-    const size_t in = t->shape.sizes[l], out = t->shape.sizes[l + 1];
-    *complete = *complete && nqm_panels_create(NQM_PRECISION_F32, in, out, &values->w, NULL) == NQM_OK;
-    for (size_t i = 0; i < NQM_VECTORS; ++i)
-        values->vector[i] = numbers(t, out, complete);
-}
-
-static void create_layer(nqm_trainer *t, size_t l, bool *complete) {
+static void set_layer(nqm_trainer *t, size_t l) {
     nqm_trainer_layer *layer = &t->layer[l];
-    const size_t in = t->shape.sizes[l], out = t->shape.sizes[l + 1], batch = t->options.max_batch;
-    layer->in = in, layer->out = out, layer->ld = nqm_row_stride(out);
-    create_values(t, &layer->value, l, complete);
-    create_values(t, &layer->m, l, complete);
-    create_values(t, &layer->v, l, complete);
-    if (is_rounded(t))
-        *complete = *complete && nqm_panels_create(t->options.precision, in, out, &layer->rounded, NULL) == NQM_OK;
-    if (l > 0 || t->options.input_gradient)
-        *complete = *complete && nqm_panels_create(t->options.precision, out, in, &layer->backward, NULL) == NQM_OK;
-    layer->xhat = numbers(t, batch * layer->ld, complete);
-    create_gradient(t, out, &layer->dz, complete);
+    const size_t out = t->shape.sizes[l + 1], batch = t->options.max_batch;
+    nqm_layer_values *const values[] = {&layer->value, &layer->m, &layer->v};
+    layer->in = t->shape.sizes[l], layer->out = out, layer->ld = nqm_row_stride(out);
+    for (size_t i = 0; i < 3 * NQM_VECTORS; ++i)
+        values[i / NQM_VECTORS]->vector[i % NQM_VECTORS] = next_floats(t, out);
+    layer->xhat = next_floats(t, batch * layer->ld);
+    set_gradient(t, out, &layer->dz);
     if (l + 1 < t->n_hidden)
-        create_input(t, out, false, &layer->y, complete);
+        set_input(t, out, false, &layer->y);
     else
-        layer->y = (nqm_factor){.n = out, .ld = layer->ld, .x = numbers(t, batch * layer->ld, complete)};
-    layer->slope = numbers(t, batch * layer->ld, complete);
-    layer->rstd = numbers(t, batch, complete);
+        layer->y = (nqm_factor){.n = out, .ld = layer->ld, .x = next_floats(t, batch * layer->ld)};
+    layer->slope = next_floats(t, batch * layer->ld);
+    layer->rstd = next_floats(t, batch);
 }
 
-static void create_output(nqm_trainer *t, bool *complete) {
+static void set_output(nqm_trainer *t) {
     nqm_trainer_output *output = &t->output;
     output->n = t->shape.sizes[t->n_hidden];
-    output->value = numbers(t, output->n + 1, complete);
-    output->m = numbers(t, output->n + 1, complete);
-    output->v = numbers(t, output->n + 1, complete);
-    output->sums = numbers(t, nqm_row_blocks(t->options.max_batch) * output->n, complete);
+    output->value = next_floats(t, output->n + 1);
+    output->m = next_floats(t, output->n + 1);
+    output->v = next_floats(t, output->n + 1);
+    output->sums = next_floats(t, nqm_row_blocks(t->options.max_batch) * output->n);
 }
 
-/* Memory that layers take turns with. */
-static void create_shared(nqm_trainer *t, bool *complete) {
+/* Arrays that the layers use in turn. */
+static void set_shared(nqm_trainer *t) {
     const size_t batch = t->options.max_batch, *sizes = t->shape.sizes;
     size_t widest_out = 0;
     for (size_t l = 0; l < t->n_hidden; ++l)
         widest_out = nqm_larger(sizes[l + 1], widest_out);
-    t->sums = numbers(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out), complete);
+    t->sums = next_floats(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out));
     if (!is_rounded(t))
         return;
     const nqm_factor widest = factor_of(t, widest_out, NQM_PANEL);
-    t->rows = units_of(t, batch * widest.ld_rows, complete);
-    t->dz = numbers(t, batch * widest.ld, complete);
-    t->dz_pairs = create_pairs(t, widest_out, NQM_PANEL, complete);
-    t->zeros = numbers(t, nqm_larger(sizes[0], widest_out), complete);
+    t->rows = next_words(t, batch * widest.ld_rows);
+    t->dz = next_floats(t, batch * widest.ld);
+    t->dz_pairs = next_pairs(t, widest_out, NQM_PANEL);
+    t->zeros = next_floats(t, nqm_larger(sizes[0], widest_out));
+}
+
+static void set_views(nqm_trainer *t) {
+    t->n_block = 0;
+    set_shared(t);
+    set_input(t, t->shape.sizes[0], t->options.input_gradient, &t->input);
+    if (is_rounded(t)) /* rows of its own: they are used again in the backward pass */
+        t->input.rows = next_words(t, t->options.max_batch * t->input.ld_rows);
+    for (size_t l = 0; l < t->n_hidden; ++l)
+        set_layer(t, l);
+    set_output(t);
+}
+
+static nqm_status create_panels(nqm_trainer *t, size_t l, nqm_error *err) {
+    nqm_trainer_layer *layer = &t->layer[l];
+    nqm_panels *const values[] = {&layer->value.w, &layer->m.w, &layer->v.w};
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; i < 3 && status == NQM_OK; ++i)
+        status = nqm_panels_create(NQM_PRECISION_F32, layer->in, layer->out, values[i], err);
+    if (status == NQM_OK && is_rounded(t))
+        status = nqm_panels_create(t->options.precision, layer->in, layer->out, &layer->rounded, err);
+    if (status == NQM_OK && (l > 0 || t->options.input_gradient))
+        status = nqm_panels_create(t->options.precision, layer->out, layer->in, &layer->backward, err);
+    return status;
 }
 
 nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_options *options, nqm_trainer **trainer_ret,
@@ -132,20 +144,20 @@ nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_opti
     t->shape = *shape;
     t->options = *options;
     t->n_hidden = shape->n_layers - 1;
-    bool complete = true;
-    create_shared(t, &complete);
-    create_input(t, shape->sizes[0], options->input_gradient, &t->input, &complete);
-    if (is_rounded(t)) /* these stay as they are until others are filled in */
-        t->input.rows = units_of(t, options->max_batch * t->input.ld_rows, &complete);
-    for (size_t l = 0; l < t->n_hidden; ++l)
-        create_layer(t, l, &complete);
-    create_output(t, &complete);
-    if (!complete) {
+    t->n_threads = (size_t)omp_get_max_threads();
+    set_views(t);
+    t->block = nqm_alloc_pages(t->n_block, sizeof *t->block);
+    if (t->block)
+        set_views(t);
+    else
+        status = nqm_fail_nomem(err, t->n_block * sizeof *t->block);
+    for (size_t l = 0; l < t->n_hidden && status == NQM_OK; ++l)
+        status = create_panels(t, l, err);
+    if (status == NQM_OK)
+        *trainer_ret = t;
+    else
         nqm_trainer_free(t);
-        return nqm_fail_nomem(err, 3 * nqm_params_count(shape) * sizeof(float));
-    }
-    *trainer_ret = t;
-    return NQM_OK;
+    return status;
 }
 
 void nqm_trainer_free(nqm_trainer *t) {
@@ -157,8 +169,7 @@ void nqm_trainer_free(nqm_trainer *t) {
         for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i)
             nqm_panels_free(panels[i]);
     }
-    for (size_t i = 0; i < t->n_blocks; ++i)
-        nqm_free_pages(t->blocks[i].data, t->blocks[i].n, sizeof(float));
+    nqm_free_pages(t->block, t->n_block, sizeof *t->block);
     nqm_free(t);
 }
 
@@ -252,8 +263,8 @@ void nqm_trainer_refresh(nqm_trainer *t) {
 
 /* ---- factors ----------------------------------------------------------------------------------------------------- */
 
-/* The numbers of row i on their way in. Where they are rounded, a thread keeps those of two rows only: in its first cache. */
-static float *numbers_at(const nqm_factor *f, size_t i) {
+/* The floats of row i. With two_rows they stay in the thread's L1 cache until they are rounded. */
+static float *row_at(const nqm_factor *f, size_t i) {
     const size_t at = f->two_rows ? 2 * (size_t)omp_get_thread_num() + i % 2 : i;
     return f->x + at * f->ld;
 }
@@ -271,7 +282,7 @@ void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t firs
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
 float *nqm_trainer_input(nqm_trainer *t, size_t i) {
-    return numbers_at(&t->input, i);
+    return row_at(&t->input, i);
 }
 
 void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {
@@ -288,7 +299,7 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
                         .gamma = layer->value.vector[NQM_GAMMA],
                         .beta = layer->value.vector[NQM_BETA],
                         .x = layer->xhat + row * layer->ld,
-                        .y = numbers_at(&layer->y, row),
+                        .y = row_at(&layer->y, row),
                         .slope = layer->slope + row * layer->ld,
                         .rstd = layer->rstd + row};
     if (dropout && dropout->p > 0)
@@ -296,7 +307,8 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
     return r;
 }
 
-/* z (batch) receives what the output makes of the last hidden layer. */
+/* LayerNorm, GELU and dropout of layer l, after the product. For the last hidden layer, z (batch) receives the output layer's
+ * pre-activation. */
 static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dropout *dropout, float *z) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_trainer_output *output = &t->output;
@@ -311,12 +323,12 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
                 z[i] = kernels->dot(output->n, output->value, r.y) + output->value[output->n];
         }
         if (l + 1 < t->n_hidden)
-            nqm_factor_rows_done(t, &layer->y, first, n, numbers_at(&layer->y, first));
+            nqm_factor_rows_done(t, &layer->y, first, n, row_at(&layer->y, first));
     }
 }
 
 void nqm_trainer_inputs_done(nqm_trainer *t, size_t first, size_t n) {
-    nqm_factor_rows_done(t, &t->input, first, n, numbers_at(&t->input, first));
+    nqm_factor_rows_done(t, &t->input, first, n, row_at(&t->input, first));
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {

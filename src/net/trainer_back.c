@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The way back through the network in training. Layer by layer from the output: the gradient with respect to a layer's
- * input comes first, by the weights before their step; tiles of the gradient of the weights go into a sink, which steps them
- * or stores the gradient.
+ * The backward pass, layer by layer from the output. The gradient of a layer's input is computed first, from the weights
+ * before their step; then tiles of the weight gradient are passed to a sink, which updates the weights or stores the gradient.
  */
 #include "net/trainer_state.h"
 
@@ -10,13 +9,13 @@
 
 enum { TILE = NQM_STRIP * NQM_PANEL };
 
-/* What becomes of gradients. */
+/* Receives the gradients of a layer. */
 typedef struct sink {
     nqm_trainer_layer *layer;
     nqm_adam_rate rate;   /* of the layer's weights and bias */
     nqm_adam_rate norm;   /* of its LayerNorm */
-    bool frozen_norm;     /* which takes no step */
-    const nqm_layer *out; /* store here instead of stepping; NULL: step */
+    bool frozen_norm;     /* LayerNorm is not updated */
+    const nqm_layer *out; /* store gradients here; NULL: update the parameters */
 } sink;
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
@@ -25,7 +24,7 @@ static size_t tile_at(const nqm_panels *w, size_t strip, size_t panel) {
     return (panel * w->stride + strip * NQM_STRIP) * NQM_PANEL;
 }
 
-static void wanted_for_step(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]) {
+static void prefetch_for_step(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]) {
     const sink *s = user;
     const nqm_panels *const values[NQM_PREFETCH] = {&s->layer->value.w, &s->layer->m.w, &s->layer->v.w};
     for (size_t i = 0; i < NQM_PREFETCH; ++i)
@@ -38,7 +37,7 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
     const size_t at = tile_at(w, strip, panel);
     float *value = (float *)w->data + at, *m = (float *)s->layer->m.w.data + at, *v = (float *)s->layer->v.w.data + at;
     nqm_adam_update(n_strips * TILE, &s->rate, tiles, m, v, value);
-    if (s->layer->backward.data) /* its product has been taken */
+    if (s->layer->backward.data) /* the product with the old weights is done */
         nqm_panels_transpose_rows(w, &s->layer->backward, strip * NQM_STRIP, n_strips * NQM_STRIP, panel);
     if (!s->layer->rounded.data)
         return;
@@ -55,7 +54,7 @@ static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel,
             s->out->w[(panel * NQM_PANEL + j) * in + first + i] = tiles[i * NQM_PANEL + j];
 }
 
-/* The gradient of the weights of a layer with input x, into the sink. */
+/* Pass the gradient of the weights of a layer with input x to the sink. */
 static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const nqm_factor *x) {
     const nqm_factor *dz = &s->layer->dz;
     nqm_gradient_run(&(nqm_gradient){.precision = t->options.precision,
@@ -65,13 +64,13 @@ static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const n
                                      .x = x->columns,
                                      .z = dz->columns,
                                      .sink = s->out ? store_tiles : step_tiles,
-                                     .prefetch = s->out ? NULL : wanted_for_step,
+                                     .prefetch = s->out ? NULL : prefetch_for_step,
                                      .user = s});
 }
 
 /* ---- bias and LayerNorm ------------------------------------------------------------------------------------------ */
 
-static void take_vector(const sink *s, size_t which, const float *gradient) {
+static void vector_gradient(const sink *s, size_t which, const float *gradient) {
     const size_t n = s->layer->out;
     float *const stored[] = {s->out ? s->out->b : NULL, s->out ? s->out->gamma : NULL, s->out ? s->out->beta : NULL};
     if (s->out)
@@ -81,14 +80,14 @@ static void take_vector(const sink *s, size_t which, const float *gradient) {
                         s->layer->v.vector[which], s->layer->value.vector[which]);
 }
 
-/* Rows are rounded two at a time, the last one of all alone. */
+/* Round rows in pairs; the last row of an odd number by itself. */
 static void dz_row_done(const nqm_trainer *t, const nqm_trainer_layer *layer, size_t row, size_t end) {
     const size_t first = row / 2 * 2;
     if (row > first || row + 1 == end)
         nqm_factor_rows_done(t, &layer->dz, first, row - first + 1, layer->dz.x + first * layer->dz.ld);
 }
 
-/* The sums (n) of blocks, one behind the other, into the first. */
+/* Add the sums (n_blocks, n) of all blocks to those of the first. */
 static void add_blocks(size_t n_blocks, size_t n, float *sums) {
     for (size_t block = 1; block < n_blocks; ++block)
         for (size_t i = 0; i < n; ++i)
@@ -115,7 +114,7 @@ static void block_back(nqm_trainer *t, size_t l, size_t block, size_t batch) {
     }
 }
 
-/* Its dz holds d loss / d y, and afterwards d loss / d (its product). */
+/* Replace d loss / d y in the layer's dz by d loss / d(product), and update bias and LayerNorm. */
 static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
     const nqm_trainer_layer *layer = &t->layer[l];
     const size_t n_blocks = nqm_row_blocks(batch), n = NQM_VECTORS * layer->ld;
@@ -125,24 +124,24 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
     add_blocks(n_blocks, n, t->sums);
     for (size_t which = 0; which < NQM_VECTORS; ++which)
         if (which == NQM_BIAS || !s->frozen_norm)
-            take_vector(s, which, t->sums + which * layer->ld);
+            vector_gradient(s, which, t->sums + which * layer->ld);
 }
 
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
+/* ---- backward pass ----------------------------------------------------------------------------------------------- */
 
-typedef struct way_back {
+typedef struct backward {
     size_t batch;
-    const float *dz;
-    const nqm_step_rates *rates; /* NULL: store */
+    const float *dz;             /* (batch) d loss / d z */
+    const nqm_step_rates *rates; /* of a step; NULL: store gradients in grads */
     nqm_params *grads;
-    float *dx; /* NULL: not prefetch */
-} way_back;
+    float *dx; /* (batch, inputs) NULL: not computed */
+} backward;
 
-static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
+static sink sink_of(nqm_trainer *t, const backward *pass, size_t l) {
     sink s = {.layer = &t->layer[l]};
-    const nqm_step_rates *rates = way->rates;
+    const nqm_step_rates *rates = pass->rates;
     if (!rates) {
-        s.out = &way->grads->layer[l];
+        s.out = &pass->grads->layer[l];
         return s;
     }
     s.rate = nqm_adam_rate_at(l == 0 ? rates->lr_first : rates->lr_deeper, rates->weight_decay, t->n_steps);
@@ -151,10 +150,10 @@ static sink sink_of(nqm_trainer *t, const way_back *way, size_t l) {
     return s;
 }
 
-/* Layer l, whose dz holds the gradient of what it gives; afterwards that of the layer below does. */
-static void layer_back(nqm_trainer *t, const way_back *way, size_t l) {
-    const size_t batch = way->batch;
-    sink s = sink_of(t, way, l);
+/* On entry dz of layer l holds the gradient of its output; on return dz of layer l - 1 does. */
+static void layer_back(nqm_trainer *t, const backward *pass, size_t l) {
+    const size_t batch = pass->batch;
+    sink s = sink_of(t, pass, l);
     nqm_trainer_layer *layer = s.layer, *below = l > 0 ? &t->layer[l - 1] : NULL;
     hidden_back(t, &s, l, batch);
     if (below)
@@ -162,15 +161,15 @@ static void layer_back(nqm_trainer *t, const way_back *way, size_t l) {
     weight_gradient(t, &s, batch, below ? &below->y : &t->input);
 }
 
-/* Some rows of the output: the gradient of what the last hidden layer gives, and the sum of the weights'. */
-static void output_block_back(nqm_trainer *t, const way_back *way, size_t block) {
+/* A block of rows of the output layer: the gradient of its input, and the sum of the gradients of its weights. */
+static void output_block_back(nqm_trainer *t, const backward *pass, size_t block) {
     const nqm_trainer_layer *layer = &t->layer[t->n_hidden - 1];
     const size_t n = t->output.n, first = block * NQM_ROW_BLOCK;
-    const size_t end = nqm_smaller(first + NQM_ROW_BLOCK, way->batch);
+    const size_t end = nqm_smaller(first + NQM_ROW_BLOCK, pass->batch);
     const float *w = t->output.value;
     float *sums = memset(t->output.sums + block * n, 0, n * sizeof *sums);
     for (size_t row = first; row < end; ++row) {
-        const float dz = way->dz[row], *y = layer->y.x + row * layer->ld;
+        const float dz = pass->dz[row], *y = layer->y.x + row * layer->ld;
         float *dy = layer->dz.x + row * layer->ld;
 #pragma omp simd
         for (size_t i = 0; i < n; ++i) {
@@ -180,50 +179,50 @@ static void output_block_back(nqm_trainer *t, const way_back *way, size_t block)
     }
 }
 
-static void output_back(nqm_trainer *t, const way_back *way) {
+static void output_back(nqm_trainer *t, const backward *pass) {
     const nqm_trainer_output *output = &t->output;
-    const size_t n_blocks = nqm_row_blocks(way->batch), n = output->n;
+    const size_t n_blocks = nqm_row_blocks(pass->batch), n = output->n;
     float *sums = output->sums;
-#pragma omp parallel for schedule(static) if (way->batch * n >= NQM_MIN_PARALLEL)
+#pragma omp parallel for schedule(static) if (pass->batch * n >= NQM_MIN_PARALLEL)
     for (size_t block = 0; block < n_blocks; ++block)
-        output_block_back(t, way, block);
+        output_block_back(t, pass, block);
     add_blocks(n_blocks, n, sums);
     double sum = 0;
-    for (size_t i = 0; i < way->batch; ++i)
-        sum += (double)way->dz[i];
+    for (size_t i = 0; i < pass->batch; ++i)
+        sum += (double)pass->dz[i];
     const float bias = (float)sum;
-    if (!way->rates) {
-        const nqm_layer *grads = &way->grads->layer[t->n_hidden];
+    if (!pass->rates) {
+        const nqm_layer *grads = &pass->grads->layer[t->n_hidden];
         memcpy(grads->w, sums, n * sizeof *sums);
         grads->b[0] = bias;
         return;
     }
-    const nqm_adam_rate rate = nqm_adam_rate_at(way->rates->lr_deeper, way->rates->weight_decay, t->n_steps);
+    const nqm_adam_rate rate = nqm_adam_rate_at(pass->rates->lr_deeper, pass->rates->weight_decay, t->n_steps);
     nqm_adam_update(n, &rate, sums, output->m, output->v, output->value);
     nqm_adam_update(1, &rate, &bias, output->m + n, output->v + n, output->value + n);
 }
 
-/* The gradient of the inputs takes their place. */
-static void input_back(nqm_trainer *t, const way_back *way) {
+/* Overwrites the inputs with their gradient. */
+static void input_back(nqm_trainer *t, const backward *pass) {
     const nqm_trainer_layer *first = &t->layer[0];
-    nqm_multiply(&first->backward, way->batch, first->dz.rows, first->dz.ld_rows, false, t->input.x, t->input.ld);
-    for (size_t i = 0; i < way->batch; ++i)
-        memcpy(way->dx + i * t->input.n, t->input.x + i * t->input.ld, t->input.n * sizeof *way->dx);
+    nqm_multiply(&first->backward, pass->batch, first->dz.rows, first->dz.ld_rows, false, t->input.x, t->input.ld);
+    for (size_t i = 0; i < pass->batch; ++i)
+        memcpy(pass->dx + i * t->input.n, t->input.x + i * t->input.ld, t->input.n * sizeof *pass->dx);
 }
 
-static void go_back(nqm_trainer *t, const way_back *way) {
-    output_back(t, way);
+static void run_backward(nqm_trainer *t, const backward *pass) {
+    output_back(t, pass);
     for (size_t l = t->n_hidden; l-- > 0;)
-        layer_back(t, way, l);
-    if (way->dx)
-        input_back(t, way);
+        layer_back(t, pass, l);
+    if (pass->dx)
+        input_back(t, pass);
 }
 
 void nqm_trainer_step(nqm_trainer *t, size_t batch, const float *dz, const nqm_step_rates *rates) {
     t->n_steps++;
-    go_back(t, &(way_back){.batch = batch, .dz = dz, .rates = rates});
+    run_backward(t, &(backward){.batch = batch, .dz = dz, .rates = rates});
 }
 
 void nqm_trainer_gradients(nqm_trainer *t, size_t batch, const float *dz, nqm_params *grads, float *dx) {
-    go_back(t, &(way_back){.batch = batch, .dz = dz, .grads = grads, .dx = dx});
+    run_backward(t, &(backward){.batch = batch, .dz = dz, .grads = grads, .dx = dx});
 }
