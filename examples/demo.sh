@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What nqm is for, in a few commands that need no files: published SGD parameters of MERL materials (Bagher et al. 2012)
-# stand in for measurements, published Ward fits (Ngan et al. 2005) and perturbed copies for approximations.
+# Score a few BRDFs without any files. Published SGD parameters of MERL materials (Bagher et al. 2012) serve as references,
+# published Ward fits (Ngan et al. 2005) and perturbed copies as approximations.
 # usage: demo.sh PATH-TO-NQM
 set -eu
 nqm=${1:-nqm}
@@ -11,7 +11,7 @@ run() {
     "$nqm" "$@"
 }
 
-echo "nqm: how good does a BRDF approximation look beside its reference?"
+echo "nqm: how good does a BRDF approximation look next to its reference?"
 run score sgd:nickel ward:nickel "perturb:gloss=0.9;of=sgd:nickel" sgd:nickel
 run score sgd:blue-rubber ward:blue-rubber "perturb:tint=1.2,1,1;of=sgd:blue-rubber"
 run score sgd:gold-metallic-paint "perturb:noise=0.02;of=sgd:gold-metallic-paint" \

@@ -23,12 +23,15 @@ int main(int argc, char **argv) {
 
     /* Every function that can fail returns a status, NQM_OK = 0, and explains a failure in err. */
     nqm_status status = nqm_model_builtin("default", &model, &err);
-    if (status == NQM_OK) status = nqm_brdf_open(argv[1], &ref, &err);
+    if (status == NQM_OK)
+        status = nqm_brdf_open(argv[1], &ref, &err);
     for (size_t i = 0; i < n && status == NQM_OK; ++i)
         status = nqm_brdf_open(argv[2 + i], &tests[i], &err);
-    if (status == NQM_OK) status = nqm_score(model, ref, n, (const nqm_brdf *const *)tests, NULL, results, &err);
+    if (status == NQM_OK)
+        status = nqm_score(model, ref, n, (const nqm_brdf *const *)tests, NULL, results, &err);
 
-    if (status != NQM_OK) fprintf(stderr, "score_files: %s\n", err.message);
+    if (status != NQM_OK)
+        fprintf(stderr, "score_files: %s\n", err.message);
     for (size_t i = 0; i < n && status == NQM_OK; ++i) {
         const nqm_score_result *r = &results[i];
         if (r->status != NQM_OK) /* this test alone failed, for example because too few directions hold a value */

@@ -25,10 +25,12 @@ static void *score(void *argument) {
     nqm_brdf *test = NULL;
     nqm_scorer *scorer = NULL;
     j->status = nqm_brdf_open(j->test, &test, &j->err);
-    if (j->status == NQM_OK) j->status = nqm_scorer_create(j->model, NULL, &scorer, &j->err);
+    if (j->status == NQM_OK)
+        j->status = nqm_scorer_create(j->model, NULL, &scorer, &j->err);
     if (j->status == NQM_OK)
         j->status = nqm_scorer_run(scorer, j->ref, 1, (const nqm_brdf *const *)&test, &j->result, &j->err);
-    if (j->status == NQM_OK) j->status = j->result.status;
+    if (j->status == NQM_OK)
+        j->status = j->result.status;
     nqm_scorer_free(scorer);
     nqm_brdf_free(test);
     return NULL;
@@ -51,7 +53,8 @@ int main(void) {
     int n_started = 0;
     for (; n_started < N_THREADS; ++n_started) {
         jobs[n_started] = (job){.model = model, .ref = ref, .test = tests[n_started]};
-        if (pthread_create(&threads[n_started], NULL, score, &jobs[n_started]) != 0) break;
+        if (pthread_create(&threads[n_started], NULL, score, &jobs[n_started]) != 0)
+            break;
     }
     for (int i = 0; i < n_started; ++i) {
         pthread_join(threads[i], NULL);

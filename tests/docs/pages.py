@@ -5,7 +5,7 @@
 usage: pages.py PAGE.md        (environment: NQM_SOURCE, NQM_BUILD; NQM_DATA and NQM_DOCS=full are optional)
 
 A code block is indented by four spaces or fenced by ```. It is one of
-  - a session: lines "$ COMMAND", each followed by the lines that it prints ("..." stands for any text, alone for any lines);
+  - a session: lines "$ COMMAND", each followed by the lines that it prints ("..." matches any text; alone, any lines);
   - a list of commands: every line begins with a command word (nqm, ./dev, sh, cc, ...); a trailing backslash continues it;
   - C code, fenced as ```c: compiled as C11 against the headers; linked and run when it has a main function;
   - anything else: text, which must not hold a line that begins with a command word.
@@ -63,7 +63,7 @@ def blocks(lines):
             directives, i = [], end
         else:
             if line.strip() and directives:
-                fail(i + 1, "a test comment must stand directly before a code block")
+                fail(i + 1, "a test comment must be directly before a code block")
                 directives = []
             i += 1
 
@@ -107,7 +107,7 @@ def same_line(shown, printed, tolerance):
 
 
 def same_output(shown, printed, tolerance):
-    """Compare lists of lines; a shown line "..." stands for any number of lines. Return the first line that differs."""
+    """Compare lists of lines; a shown line "..." matches any number of lines. Return the first line that differs."""
     if not shown:
         return None if not printed else "(nothing more)"
     if shown[0].strip() == "...":

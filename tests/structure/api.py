@@ -26,7 +26,7 @@ def text_of(path):
 
 
 def statements(text):
-    """Yield (head, body) of what stands outside all braces; body is None for a statement without braces."""
+    """Yield (head, body) of the text outside all braces; body is None for a statement without braces."""
     depth, head, body = 0, "", ""
     for c in text:
         if c == "{":
