@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""nqm's model files for other programs: weights with NumPy, the features of a pair, and the same network as an ONNX file in
-float and with dynamically quantised bytes. ONNX files are protocol buffers, of which these few messages are written by hand."""
+"""nqm's model files for other programs: weights as NumPy arrays, the features of a pair, and the network as an ONNX file in
+float and dynamically quantised to int8. ONNX files are protocol buffers; their messages are written here without a library."""
 import json
 import struct
 
@@ -33,7 +33,7 @@ class Model:
         return self.tensors[f"layers.{layer}.norm.weight"], self.tensors[f"layers.{layer}.norm.bias"]
 
     def input(self, ref, test):
-        """Sampled f_r (n, 3) of both members to the network's input; layout ref_test only."""
+        """The input of the network for samples of f_r (n, 3) of both BRDFs; layout ref_test only."""
         mean, std = self.tensors["whitening.mean"], self.tensors["whitening.std"]
         halves = [(np.log(np.cbrt(f) + 1) - mean) / std for f in (ref, test)]
         return np.concatenate([h.reshape(-1) for h in halves]).astype(np.float32)
@@ -103,7 +103,7 @@ class Graph:
     def linear(self, x, weight, bias, as_bytes):
         if not as_bytes:
             return self.add("Gemm", [x, self.constant(weight), self.constant(bias)], [integer("transB", 1)])
-        scale = np.abs(weight).max(axis=1) / 127  # one for each output, as ours
+        scale = np.abs(weight).max(axis=1) / 127  # per output, as in nqm
         q = np.rint(weight / scale[:, None]).astype(np.int8)
         xq, xs, xz = self.add("DynamicQuantizeLinear", [x], n_outputs=3)
         zero = self.constant(np.zeros(len(scale), np.int8))
@@ -113,7 +113,7 @@ class Graph:
         return self.add("Add", [product, self.constant(bias)])
 
     def gelu(self, x):
-        """In the form that ONNX Runtime recognises and makes one operation of."""
+        """In the form that ONNX Runtime recognises and fuses into one operation."""
         erf = self.add("Erf", [self.add("Div", [x, self.constant(np.float32(np.sqrt(2)))])])
         half = self.add("Mul", [x, self.add("Add", [erf, self.constant(np.float32(1))])])
         return self.add("Mul", [half, self.constant(np.float32(0.5))])

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// ONNX Runtime as one of the programs that bench/peers.py times by turns. Arguments: the folder of the package, threads,
-// inputs (float32), their width, then NAME=FILE.onnx. For each line on standard input: "check N" prints the outputs of the
-// first N inputs, "time BATCH ROUNDS SECONDS" the seconds a call of each model in each round.
+// ONNX Runtime for bench/peers.py. Arguments: the folder of the package, threads, inputs (float32), their width, then
+// NAME=FILE.onnx. For each line on standard input: "check N" prints the outputs of the
+// first N inputs, "time BATCH ROUNDS SECONDS" the seconds per call of each model in each round.
 import { createRequire } from 'node:module';
 import { readFileSync } from 'node:fs';
 import { createInterface } from 'node:readline';

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""nqm beside PyTorch and ONNX Runtime on the same weights and inputs, one after the other by turns, so that what else the
-machine does meets all of them. ./dev bench peers runs it. Prints tables in Markdown; --json FILE keeps all figures.
+"""Compares nqm with PyTorch and ONNX Runtime on the same weights and inputs. They are timed in turns, so that other programs
+on the machine disturb all of them alike. ./dev bench peers runs it. Prints Markdown tables; --json FILE stores all values.
 
 The programs must agree before they are timed: the JOD of a few pairs by PyTorch and ONNX Runtime in float is within 1e-4
 of `nqm score`."""
@@ -24,7 +24,7 @@ SPECS = ["sgd:nickel", "ward:nickel", "sgd:brass", "ward:brass", "ggx:kd=.2,.1,.
 
 
 class Worker:
-    """A program that answers each line with a line of JSON, until it is closed."""
+    """A program that answers each line of its input with a line of JSON."""
 
     def __init__(self, name, command):
         self.name = name
@@ -73,7 +73,7 @@ def our_scores(tool, model_file):
 
 
 def check_agreement(model, ours, workers):
-    """Print by how much each way differs; end when one in float differs by more than 1e-4."""
+    """Print the difference of each implementation; exit if one in float differs by more than 1e-4."""
     say("largest difference of JOD from ours:")
     for worker in workers:
         for way, z in worker.ask(f"check {len(ours)}").items():

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# PyTorch (Debian's python3-torch, with OpenBLAS) and ONNX Runtime (the npm package onnxruntime-node, fetched into FOLDER)
-# beside nqm; bench/peers.py does the work. ./dev bench peers runs it.
+# Compares nqm with PyTorch (Debian's python3-torch, with OpenBLAS) and ONNX Runtime (the npm package onnxruntime-node, fetched
+# into FOLDER) by bench/peers.py. ./dev bench peers runs it.
 # usage: peers.sh TOOL FOLDER [options of peers.py]
 set -eu
 tool=$1 folder=$2 here=$(dirname "$0")
@@ -13,11 +13,11 @@ python=${PYTHON:-/usr/bin/python3}
     exit 1
 }
 command -v npm >/dev/null 2>&1 || {
-    echo "peers: there is no npm: install nodejs and npm" >&2
+    echo "peers: npm is missing: install nodejs and npm" >&2
     exit 1
 }
 mkdir -p "$folder"
-# Its install script would fetch libraries for graphics cards.
+# Without its install script, which would fetch libraries for graphics cards.
 [ -d "$folder/node_modules/onnxruntime-node" ] ||
     npm install --prefix "$folder" --ignore-scripts --no-audit --no-fund --save-exact "onnxruntime-node@$onnx_version" >&2
 exec "$python" "$here/peers.py" --tool "$tool" --model "$here/../models/paper.safetensors" --packages "$folder" \

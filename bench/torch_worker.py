@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""PyTorch as one of the programs that bench/peers.py times by turns; a line on standard input asks, a line of JSON answers.
+"""PyTorch for bench/peers.py: answers each line of standard input with a line of JSON.
 
-score MODEL THREADS INPUTS: "check N", "time BATCH ROUNDS SECONDS" as bench/onnx_worker.mjs, for each way to run the network
+score MODEL THREADS INPUTS: "check N", "time BATCH ROUNDS SECONDS" as in bench/onnx_worker.mjs, for each implementation of the network
 train THREADS WAY: "epoch" trains one epoch of the paper's run and answers with its seconds; "memory" with the peak in MB
 """
 import json
@@ -19,7 +19,7 @@ warnings.filterwarnings("ignore")
 
 
 def version():
-    """Of PyTorch and of the BLAS that does its products in float: the reference one is fifty times slower than OpenBLAS."""
+    """Versions of PyTorch and of its BLAS: the reference BLAS is fifty times slower than OpenBLAS."""
     torch.ones(2, 2) @ torch.ones(2, 2)
     with open("/proc/self/maps", encoding="utf-8") as maps:
         libraries = {os.path.basename(line.split()[-1]) for line in maps if "blas" in line}
@@ -27,7 +27,7 @@ def version():
 
 
 class Norm(nn.LayerNorm):
-    """In float, also under autocast, where this version of PyTorch cannot mix bfloat16 with its float parameters."""
+    """In float, also under autocast: this version of PyTorch cannot mix bfloat16 with float parameters."""
 
     def forward(self, x):
         return super().forward(x.to(self.weight.dtype))
@@ -55,7 +55,7 @@ def with_weights(model):
 
 
 def scoring_ways(model, example):
-    """Name to function of x (n, inputs); those that this build of PyTorch cannot run are left out."""
+    """Name to function of x (n, inputs); those that this build of PyTorch cannot run are skipped."""
     from torch.utils import mkldnn
 
     def frozen(net, x):
@@ -126,7 +126,7 @@ N_TRAIN, N_VALIDATION, BATCH = 5344, 668, 512
 
 
 class Training:
-    """The paper's run (section 3.2) on random numbers of the paper's sizes. Ways: "authors", plainly written with data
+    """The paper's run (section 3.2) on random numbers of the paper's sizes. Ways: "authors", simple code with data
     loaders; "tuned", batches by index from one tensor and the foreach form of Adam; "bf16", the same under autocast."""
 
     def __init__(self, way):
@@ -179,7 +179,7 @@ class Training:
 
 def serve_training(way):
     training = Training(way)
-    training.epoch()  # what is made at the first call is not counted
+    training.epoch()  # the first call allocates, and is not timed
     print(json.dumps({"version": version()}), flush=True)
     for line in sys.stdin:
         if line.strip() == "memory":

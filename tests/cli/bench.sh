@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm bench at tiny sizes: the figures are there, finite and positive, ratios follow from their parts, wrong arguments are
-# refused, Ctrl-C leaves nothing behind. How fast anything is, no test may say.
+# nqm bench at tiny sizes: values exist, are finite and positive, ratios follow from their parts, wrong arguments are refused, Ctrl-C
+# leaves no file. No test requires a speed.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 TMPDIR=$dir
@@ -75,7 +75,7 @@ mkdir "$dir/empty"
 interrupt() {
     TMPDIR=$dir/empty "$tool" "$@" >"$dir/out" 2>"$dir/err" &
     pid=$!
-    # Until its handler is there, a background command of a shell without job control ignores the signal.
+    # A background command of a shell without job control ignores the signal until nqm has installed its handler.
     while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
     sleep 0.3
     kill -INT $pid
@@ -83,7 +83,7 @@ interrupt() {
     wait $pid || got=$?
     [ "$got" = 130 ] || fail "exit code $got after Ctrl-C: $*"
     [ ! -s "$dir/out" ] || fail "results of an interrupted benchmark"
-    [ -z "$(ls -A "$dir/empty")" ] || fail "files lie about: $(ls -A "$dir/empty")"
+    [ -z "$(ls -A "$dir/empty")" ] || fail "files are left: $(ls -A "$dir/empty")"
 }
 interrupt bench load --rounds 1000
 interrupt bench train --quick --epochs 10000

@@ -20,7 +20,7 @@ png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4 "x" $7 * 
     exit 77
 }
 
-# Inputs: labels about a curve, an evaluation, its pairs, two logs.
+# Inputs: labels near a curve, an evaluation, its pairs, two logs.
 awk 'BEGIN {print "material,model,level,DeltaE,JOD,class"
     for (i = 1; i <= 60; ++i) printf "m,%s,0,%g,%g,1\n", i % 2 ? "ward" : "ggx", i, 10 / (1 + (i / 25) ^ 1.5) + (i % 3 - 1) / 5}' \
     >"$dir/labels.csv"
@@ -37,17 +37,17 @@ awk 'BEGIN {print "epoch,train_loss,validation_loss,lr_first"
     for (i = 1; i <= 20; ++i) printf "%d,%g,%g,%g\n", i, 1 / i, 1.2 / i, i < 11 ? 1e-4 : 1e-5}' >"$dir/log.csv"
 cp "$dir/log.csv" "$dir/second.csv"
 
-# well_formed FILE: every element that opens closes, in turn.
+# well_formed FILE: every element is closed, in the right order.
 well_formed() {
     head -n 2 "$1" | grep -q '<svg xmlns=' || fail "$1 is no SVG"
     tr '\n' ' ' <"$1" | sed 's/<?[^>]*?>//; s/</\n</g' | awk '
         /^<\// {sub(/^<\//, ""); sub(/>.*/, ""); if (n < 1 || open[n] != $0) exit bad = 1; --n; next}
         /^</ {if (!/>/) exit bad = 1; if (/\/>/) next; sub(/^</, ""); sub(/[ >].*/, ""); open[++n] = $0}
         END {exit bad || n != 0}' || fail "$1: elements do not match"
-    if grep -qi 'nan\|inf"' "$1"; then fail "$1 holds numbers that are none"; fi
+    if grep -qi 'nan\|inf"' "$1"; then fail "$1 has numbers that are not finite"; fi
 }
 
-# draw NAME ARGUMENTS...: in all formats, each twice.
+# draw NAME ARGUMENTS...: in all formats, twice each.
 draw() {
     name=$1
     shift
@@ -73,7 +73,7 @@ draw slice slice sgd:nickel ward:nickel lambert:kd=0,0,0
 draw attribution attribution sgd:nickel ward:nickel
 draw network network "$dir/model.safetensors"
 
-# What is drawn depends on the input; equal BRDFs differ nowhere, and are drawn all the same.
+# The drawing depends on the input; equal BRDFs can be drawn, too.
 { [ "$(grep -c '<symbol' "$dir/slice.svg")" -gt 10 ] && [ "$(grep -c '<symbol' "$dir/slice.svg")" -lt 150 ]; } ||
     fail "an SVG does not hold each glyph once: $(grep -c '<symbol' "$dir/slice.svg")"
 plot 0 attribution sgd:nickel sgd:nickel -o "$dir/same.svg"
@@ -93,7 +93,7 @@ cmp "$dir/piped.svg" "$dir/bars.svg" || fail "standard input"
 plot 0 curve "$dir/labels.csv" --title "" -o "$dir/untitled.svg"
 cmp -s "$dir/untitled.svg" "$dir/curve.svg" && fail "--title '' leaves a title"
 
-# Refusals: no file appears, and the message names what is wrong.
+# Refusals: there is no file, and the message names the fault.
 plot 2 curve "$dir/labels.csv"
 plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
 says "no drawing 'pie'"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm report: the page is well-formed, leans on nothing outside itself, holds the numbers of nqm score and nqm label, escapes names,
-# and is the same twice; faults and Ctrl-C leave no file.
+# nqm report: the page is well-formed and self-contained, has the numbers of nqm score and nqm label, escapes names, and is the same
+# twice; errors and Ctrl-C leave no file.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 command -v xmllint >/dev/null || {
@@ -20,9 +20,9 @@ report() {
     shift
     run "$code" report --model "$dir/model.safetensors" --size 24 "$@"
 }
-# query XPATH: what the page holds there.
+# query XPATH: evaluate it on the page.
 query() { xmllint --xpath "$1" "$page"; }
-# empty: no page and no unfinished file lies about.
+# empty: there is no page and no unfinished file.
 empty() { [ -z "$(ls "$dir/pages")" ] || fail "left: $(ls "$dir/pages")"; }
 
 "$tool" plot network "$dir/model.safetensors" -o "$dir/probe.png" 2>"$dir/err" || {
@@ -30,7 +30,7 @@ empty() { [ -z "$(ls "$dir/pages")" ] || fail "left: $(ls "$dir/pages")"; }
     exit 77
 }
 
-# ---- the page: a name that would be markup, tests in another order than that of their scores
+# ---- the page: a name with markup characters, tests that are not in the order of their scores
 awkward="$dir/files/a<script>&amp;\"'b.bsdf"
 cp "$dir/files/valid.bsdf" "$awkward"
 set -- sgd:nickel ward:nickel "$awkward" sgd:nickel
@@ -46,7 +46,7 @@ xmllint --noout "$page" || fail "not well-formed"
 [ "$(query 'count(//table[@class="metrics"][1]/tbody/tr)')" = 27 ] || fail "nine metrics a test"
 [ "$(query 'count(//img)') $(query 'count(//img[string-length(@alt) > 10])')" = "18 18" ] || fail "6 pictures a test, with words"
 
-# ---- nothing from outside: what is named is inside, and the policy forbids the rest
+# ---- self-contained: no addresses, and the policy forbids loading
 query 'string(//meta[@http-equiv="Content-Security-Policy"]/@content)' | grep -q "^default-src 'none'; img-src data:;" || fail "policy"
 [ "$(query 'count(//@src) - count(//img/@src[starts-with(., "data:image/png;base64,iVBORw0KGgo")])')" = 0 ] || fail "foreign src"
 [ "$(query 'count(//@href[not(starts-with(., "#"))])')" = 0 ] || fail "foreign links"
@@ -54,8 +54,8 @@ query 'string(//meta[@http-equiv="Content-Security-Policy"]/@content)' | grep -q
     fail "elements that load or run something"
 ! grep -qiE 'https?:|url\(|@import|<script>' "$page" || fail "an address in the page"
 
-# ---- the numbers: nqm score and nqm label of the same arguments
-# same ID FILE: the block of data is the document in the file, but for blanks.
+# ---- the numbers are those of nqm score and nqm label for the same arguments
+# same ID FILE: the data block equals the JSON in the file, except for white space.
 same() {
     query "string(//script[@id='$1'])" | sed 's/\\u003c/</g; s/\\u003e/>/g; s/\\u0026/\&/g' | tr -d ' \n' >"$dir/block"
     tr -d ' \n' <"$2" | cmp - "$dir/block" || fail "$1 differs"
@@ -79,7 +79,7 @@ query 'string(//p[@class="quote"])' | grep -q '; 1970-01-02\.$' || fail "SOURCE_
 [ "$(query 'count(//table[@class="matrix"])')" = 0 ] || fail "a comparison with nothing"
 [ "$(query 'string(//img[1]/@width)')" = 12 ] || fail "--shrink"
 
-# ---- the interval, where the model has one
+# ---- the interval of a model that has one
 [ "$(query 'count(//*[@class="interval"])')" = 0 ] || fail "an interval of a model that has none"
 "$NQM_BUILD/tests/tiny_dataset" "$dir/toy.safetensors" 1 48
 run 0 train "$dir/toy.safetensors" -o "$dir/calibrated.safetensors" --hidden 16 --batch 64 --epochs 1
@@ -88,12 +88,12 @@ run 0 report sgd:nickel ward:nickel -m "$dir/calibrated.safetensors" --size 24 -
     fail "interval: $(query 'string(//table[@class="summary"]/tbody/tr/td[2])')"
 [ "$(query 'count(//p[@class="verdict"]/span[@class="interval"])')" = 1 ] || fail "an interval in words"
 
-# ---- the same bytes again, with one thread
+# ---- the same bytes with one thread
 cp "$page" "$dir/first.html"
 OMP_NUM_THREADS=1 run 0 report sgd:nickel ward:nickel -m "$dir/calibrated.safetensors" --size 24 -o "$page"
 cmp "$page" "$dir/first.html" || fail "another page the second time"
 
-# ---- faults: the exit code, the old page as it was, nothing new
+# ---- errors: the exit code; the old page is unchanged, and there is no new file
 cp "$page" "$dir/first.html"
 report 3 sgd:nickel ward:nickel "$dir/nowhere.binary" -o "$page"
 cmp "$page" "$dir/first.html" || fail "a fault touched the old page"

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm report in a real browser, headless and with every address unreachable: it shows the JOD, text and pictures reach the screen at
-# desktop and phone width without running over the edge, and it prints on as many sheets as it should.
-# Skipped without Chromium or xmllint, and under sanitizers: the browser gets the same bytes there.
+# nqm report in a headless browser without network: it shows the JOD, text and pictures are visible and fit the width of a desktop and
+# of a phone, and it prints on the expected number of sheets.
+# Skipped without Chromium or xmllint, and under sanitizers, where the page has the same bytes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
@@ -16,7 +16,7 @@ page=$dir/page.html
 }
 jod=$(xmllint --xpath 'string(//table[@class="summary"]/tbody/tr[1]/td[2]/strong)' "$page")
 
-# browse OPTION...: open the page with a profile of its own.
+# browse OPTION...: open the page with a new profile.
 browse() {
     rm -rf "$dir/profile"
     timeout 100 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
@@ -24,12 +24,12 @@ browse() {
         --proxy-server=127.0.0.1:9 --hide-scrollbars --user-data-dir="$dir/profile" "$@" "file://$page" 2>"$dir/err"
 }
 
-# ---- the document as the browser understands it; a policy that is broken would be told
+# ---- the document as parsed by the browser, which reports a violated policy
 browse --enable-logging=stderr --dump-dom >"$dir/dom.html" || fail "the browser does not open the page"
 grep -q "<strong>$jod</strong>" "$dir/dom.html" || fail "no JOD $jod in the browser's document"
 ! grep -qi 'Content.Security.Policy' "$dir/err" || fail "the page breaks its own policy"
 
-# ---- the screen: as large as asked for, dark text on white, the colours of pictures and maps
+# ---- the screen: the requested size, dark text on white, the colours of pictures and maps
 # colours FILE: number of distinct colours, share of white pixels in percent, white columns at the right.
 colours() { "${NQM_BUILD:?}/tests/png_colours" "$1"; }
 for width in 1280 400; do
@@ -41,7 +41,7 @@ for width in 1280 400; do
     [ "$3" -ge 12 ] || fail "$width wide: only $3 pixels are free at the right"
 done
 
-# The browser obeys the policy: with one that forbids pictures they are gone, and few colours are left.
+# The browser enforces the policy: with one that forbids pictures, few colours are left.
 cp "$page" "$dir/whole.html"
 sed "s/img-src data:/img-src 'none'/" "$dir/whole.html" >"$page"
 browse --enable-logging=stderr --window-size=400,3000 --screenshot="$dir/shot.png" >/dev/null || fail "no picture of the screen"
@@ -51,7 +51,7 @@ set -- $(colours "$dir/shot.png")
 [ "$1" -lt 500 ] || fail "$1 colours without pictures"
 mv "$dir/whole.html" "$page"
 
-# ---- paper: a sheet for the summary, one or two a test, one or two to explain
+# ---- paper: a sheet for the summary, one or two per test, one or two for the guide
 browse --no-pdf-header-footer --print-to-pdf="$dir/page.pdf" >/dev/null || fail "no print"
 sheets=$(grep -ac '/Type */Page\>' "$dir/page.pdf")
 { [ "$sheets" -ge 4 ] && [ "$sheets" -le 7 ]; } || fail "$sheets sheets of paper"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * png_colours FILE.png - print how many colours a picture has, to 5 bits a channel, how many percent of it are white,
- * and how many columns at its right are all white: what tells a drawn page from a blank one, and one that fits its
- * window from one that does not.
+ * png_colours FILE.png - print the number of colours of a picture, to 5 bits per channel, the percentage of white pixels, and
+ * the number of white columns at its right edge, to detect blank pages and pages that do not fit the window.
  */
 #include <png.h>
 #include <stdbool.h>
