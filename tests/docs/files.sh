@@ -3,7 +3,7 @@
 # Make the files that the commands in README.md and doc/ name, in the folder BUILD/docs-files; pages.py copies them to the scratch
 # folder of each page. They are small: the models and corpora have the right form, but their numbers mean nothing.
 set -eu
-folder=${NQM_BUILD:?}/docs-files source=${NQM_SOURCE:?} nqm=${NQM_TOOL:?}
+folder=${NQM_BUILD:?}/docs-files nqm=${NQM_TOOL:?}
 rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"

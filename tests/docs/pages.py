@@ -13,7 +13,7 @@ All blocks of a page run in order in one scratch folder, a copy of the files tha
 Comments <!-- test: WORD... --> before a block change what is done with it:
   skip because REASON   not run
   text                  not commands, although it looks like them
-  data                  needs measured data: $DATA is the folder NQM_DATA; without it the page ends as skipped (77)
+  data                  needs measured data in $DATA (NQM_DATA, or ../shared/data); without it the page ends as skipped (77)
   slow                  run only when NQM_DOCS=full (./dev test full)
   tolerance X           relative tolerance of numbers (default 0.01; one unit in the last printed place is always allowed)
   exit N                the last command ends with exit code N instead of 0
@@ -199,7 +199,8 @@ def main():
     page = os.path.abspath(sys.argv[1])
     with open(page) as text:
         lines = text.read().split("\n")
-    environment = dict(os.environ, PATH=BUILD + ":" + os.environ["PATH"], LC_ALL="C", DATA=os.environ.get("NQM_DATA", ""),
+    data = os.environ.get("NQM_DATA") or os.path.abspath(SOURCE + "/../shared/data")
+    environment = dict(os.environ, PATH=BUILD + ":" + os.environ["PATH"], LC_ALL="C", DATA=data if os.path.isdir(data) else "",
                        OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     counts = {"run": 0, "skipped": 0, "slow": 0, "no data": 0}
     check_links(page, lines)
