@@ -104,6 +104,12 @@ nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err);
  *  also when this fails. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
 
+/** `brdf` as a table of 90 x 46 x 24 nodes; see fold.c. */
+NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
+/** `brdf` evaluated in half-vector coordinates at phi_d in [0, pi) only, which makes it reciprocal. The result owns `brdf` if
+ *  `owned` (it is freed also on failure), otherwise it borrows it. */
+NQM_MUST_CHECK nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
+
 /** Whether a direction pair with this nqm_value_flag has a value. */
 static inline bool nqm_has_value(uint8_t flag) {
     return flag <= NQM_VALUE_CLAMPED;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Making a corpus: plan every material group, work on the groups (corpus_run.c), and write one dataset file with its
- * manifest (corpus_dataset.c). What is in a corpus and why: doc/corpus.md.
+ * Making a corpus: plan every material group, make the groups (corpus_run.c), and write one dataset file with its manifest
+ * (corpus_dataset.c). doc/corpus.md explains the content of a corpus.
  */
 #include "label/corpus.h"
 #include "fit/encoder_file.h"
@@ -11,9 +11,34 @@
 
 const char *const nqm_corpus_encoders[2] = {"sparse", "hyper"};
 
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+#define FIELD(name) .key = #name, .offset = offsetof(nqm_corpus_options, name)
+
+static const char *const part_words[] = {"train,validation", "test", NULL};
+
+/* clang-format off */
+static const nqm_option rows[] = {
+    {FIELD(part), .name = "only", .kind = NQM_OPTION_ENUM, .metavar = "SPLITS", .words = part_words,
+     .values = {"train,validation"}, .help = "splits in the dataset"},
+    {FIELD(root), .kind = NQM_OPTION_TEXT, .metavar = "DIR", .help = "folder of relative paths (default: the list's folder)"},
+    {FIELD(checkpoint), .name = "work", .kind = NQM_OPTION_TEXT, .metavar = "DIR",
+     .help = "folder for finished material groups: a later run continues from them, and processes share the work"},
+    {FIELD(work_only), .name = "", .kind = NQM_OPTION_BOOL},
+    {FIELD(models), .kind = NQM_OPTION_TEXT, .metavar = "NAMES",
+     .help = "models of `nqm fit` that encode the references, separated by commas (default: all)"},
+    {FIELD(n_perturbations), .name = "perturbations", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
+     .values = {"26"}, .help = "perturbed copies per reference"},
+    {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of perturbations and fits"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_corpus_option_table = {rows, sizeof rows / sizeof *rows, NULL};
+
 nqm_corpus_options nqm_corpus_options_default(void) {
-    return (nqm_corpus_options){
-        .part = NQM_CORPUS_TRAINING, .scene = nqm_scene_options_default(), .n_perturbations = 26, .seed = 1};
+    nqm_corpus_options options = {.scene = nqm_scene_options_default()};
+    (void)!nqm_options_begin(&nqm_corpus_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
 /* ---- preparation ------------------------------------------------------------------------------------------------- */
@@ -74,17 +99,14 @@ static nqm_status make_plans(nqm_corpus *c, const char *materials_csv, nqm_error
 
 static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
     size_t n = c->n_directions, n_refs = c->n_refs, n_tests = c->n_tests;
-    c->ref_rgb = nqm_alloc(n_refs * n, 3 * sizeof(float));
-    c->ref_used = nqm_alloc(n_refs * n, 1);
-    c->test_rgb = nqm_alloc(n_tests * n, 3 * sizeof(float));
-    c->test_used = nqm_alloc(n_tests * n, 1);
-    c->delta_e = nqm_alloc(n_tests, sizeof(double));
-    c->fit_loss = nqm_alloc(n_tests, sizeof(double));
-    c->names = nqm_alloc(n_tests, sizeof *c->names);
-    c->failures = nqm_alloc(n_tests, sizeof *c->failures);
-    if (!c->ref_rgb || !c->ref_used || !c->test_rgb || !c->test_used || !c->delta_e || !c->fit_loss || !c->names ||
-        !c->failures)
-        return nqm_fail_nomem(err, 13 * (n_refs + n_tests) * n);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&c->ref_rgb, n_refs * n, 3 * sizeof(float)}, {&c->ref_used, n_refs * n, 1},
+                   {&c->test_rgb, n_tests * n, 3 * sizeof(float)}, {&c->test_used, n_tests * n, 1},
+                   {&c->delta_e, n_tests, sizeof(double)}, {&c->fit_loss, n_tests, sizeof(double)},
+                   {&c->names, n_tests, sizeof *c->names}, {&c->failures, n_tests, sizeof *c->failures}),
+        err);
+    if (status != NQM_OK)
+        return status;
     size_t ref = 0, test = 0;
     for (size_t i = 0; i < c->n_items; ++i) {
         nqm_corpus_item *item = &c->items[i];
@@ -118,15 +140,8 @@ static void free_corpus(nqm_corpus *c) {
         nqm_corpus_plan_free(&c->items[i].plan);
         nqm_free(c->items[i].path);
     }
-    nqm_free(c->names);
-    nqm_free(c->failures);
     nqm_free(c->items);
     nqm_free(c->ref_rgb);
-    nqm_free(c->ref_used);
-    nqm_free(c->test_rgb);
-    nqm_free(c->test_used);
-    nqm_free(c->delta_e);
-    nqm_free(c->fit_loss);
     nqm_scene_free(c->scene);
     nqm_corpus_list_free(&c->list);
 }
@@ -137,17 +152,18 @@ static nqm_status make_folder(const char *folder, nqm_error *err) {
     struct stat st;
     if (!folder || mkdir(folder, 0777) == 0 || (stat(folder, &st) == 0 && S_ISDIR(st.st_mode)))
         return NQM_OK;
-    return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be made a folder for finished work", folder);
+    return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot create this folder for finished groups", folder);
 }
 
-/* Faults that would else show after all the work. */
+/* Detect an output that cannot be written before the work, not after it. */
 static nqm_status check_output(const nqm_corpus_options *options, const char *path, nqm_error *err) {
     if (options->work_only)
         return options->checkpoint ? NQM_OK
-                                   : nqm_fail(err, NQM_ERR_ARG, -1, "corpus: working for others needs a shared folder");
+                                   : nqm_fail(err, NQM_ERR_ARG, -1, "corpus: work_only needs a checkpoint folder");
     if (strcmp(path, "-") == 0)
-        return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "a dataset cannot go to standard output: its manifest is written beside it; name a file");
+        return nqm_fail(
+            err, NQM_ERR_ARG, -1,
+            "a dataset cannot be written to standard output, because its manifest is a second file; give a file name");
     nqm_outfile probe = {0};
     nqm_status status = nqm_outfile_open(path, &probe, err);
     nqm_outfile_abort(&probe);
@@ -161,7 +177,9 @@ nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *dir
     c.context.options = &options;
     c.context.directions = directions;
     c.context.list = &c.list;
-    nqm_status status = check_output(&options, path, err);
+    nqm_status status = nqm_options_check(&nqm_corpus_option_table, &options, err);
+    if (status == NQM_OK)
+        status = check_output(&options, path, err);
     if (status == NQM_OK)
         status = nqm_corpus_models_parse(options.models, &c.context.models, err);
     if (status == NQM_OK)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A finished corpus as a dataset file, and its manifest beside it.
+ * Writes a finished corpus as a dataset file, and its manifest to a second file.
  */
 #include "data/data.h"
 #include "label/corpus.h"
@@ -27,7 +27,7 @@ static nqm_status add_kinds(const nqm_corpus *c, nqm_dataset_builder *b, nqm_err
     return status;
 }
 
-/* Test `from` of all becomes pair `to` <= from. */
+/* Move the samples of test `from` to pair `to` <= from. */
 static void move_test(nqm_corpus *c, size_t from, size_t to) {
     size_t n = c->n_directions;
     if (from == to)
@@ -62,7 +62,7 @@ static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_bu
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* The manifest with the checksum of the dataset, which the one inside it cannot hold. */
+/* The manifest with the checksum of the dataset, which the manifest inside the dataset cannot have. */
 static char *sealed_manifest(const char *manifest, const char *sha256) {
     json_t *root = json_loads(manifest, 0, NULL);
     char *text = NULL;
@@ -102,7 +102,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     nqm_dataset *dataset = NULL;
     char sha256[65], *manifest = nqm_corpus_manifest(&c->context, c->n_items, c->items);
     if (!manifest)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory is short");
+        return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory ran out");
     nqm_status status = nqm_dataset_begin(&limits, &b, err);
     if (status == NQM_OK) {
         size_t test = 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The work on one material group: open its forms, encode each reference by every model, sample and render everything
- * once, and label every test by the Delta-E ITP between its picture and that of its reference. A model that cannot
- * encode a reference costs this test only.
+ * Makes one material group: open its forms, encode each reference by every model, sample and render each BRDF once, and
+ * label every test by the Delta-E ITP between its picture and that of its reference. A model that cannot encode a
+ * reference fails this test only.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A BRDF with its samples and its picture. */
+/* A BRDF with its samples and its picture; rgb owns the block of the arrays. */
 typedef struct view {
     nqm_brdf *brdf;
     float *rgb;      /* (n, 3) */
@@ -18,18 +18,18 @@ typedef struct view {
     double *picture; /* (n_points, 3) cd/m2 */
 } view;
 
-/* An encoding of the reference in hand. */
+/* An encoding of the current reference. */
 typedef struct encoding {
     view view;
     nqm_fit_report report;
-    nqm_error fault; /* status NQM_OK: it is there */
+    nqm_error fault; /* status NQM_OK: the encoding succeeded */
 } encoding;
 
-/* A group while it is worked on. */
+/* State of making a group. */
 typedef struct job {
     const nqm_corpus_context *context;
     nqm_corpus_item *item;
-    size_t n, n_points; /* directions, pixels */
+    size_t n, n_points; /* directions, surface points */
     size_t n_fits;
     view *forms;    /* (n_forms) */
     encoding *fits; /* (n_fits) */
@@ -38,42 +38,38 @@ typedef struct job {
 } job;
 
 static nqm_status alloc_view(const job *j, view *v) {
-    v->rgb = nqm_alloc(3 * j->n, sizeof *v->rgb);
-    v->used = nqm_alloc(j->n, 1);
-    v->picture = nqm_alloc(3 * j->n_points, sizeof *v->picture);
-    return v->rgb && v->used && v->picture ? NQM_OK : nqm_fail_nomem(j->err, 13 * j->n + 24 * j->n_points);
+    return nqm_alloc_arrays(NQM_ARRAYS({&v->rgb, j->n, 3 * sizeof *v->rgb}, {&v->used, j->n, 1},
+                                       {&v->picture, j->n_points, 3 * sizeof *v->picture}),
+                            j->err);
 }
 
 static void free_view(view *v) {
     nqm_brdf_free(v->brdf);
     nqm_free(v->rgb);
-    nqm_free(v->used);
-    nqm_free(v->picture);
-    *v = (view){0};
 }
 
 /* Sample and render v->brdf. */
-static nqm_status look(const job *j, view *v, nqm_error *err) {
+static nqm_status sample_and_render(const job *j, view *v, nqm_error *err) {
     nqm_status status = nqm_sample(v->brdf, j->context->directions, NQM_INVALID_DROP, v->rgb, v->used, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < j->n; ++i)
         v->used[i] = nqm_has_value(v->used[i]);
     return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, err) : status;
 }
 
-/* The form as the corpus reads it, as reference, as test and below every perturbation alike: decoders of neural
- * processes as tables, because dozens of copies are rendered; forms that are not reciprocal in one half of their pairs,
- * as the sampling directions and perturbations read them. */
+/* Open a form as the corpus uses it, as reference, test and base of perturbations: decoders of neural processes as tables,
+ * because dozens of copies are rendered; other forms folded, because sampling directions and perturbations use one half
+ * of the pairs. */
 static nqm_status open_form(const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_brdf *form;
     nqm_status status = nqm_brdf_open(path, &form, err);
     if (status != NQM_OK)
         return status;
     if (strcmp(nqm_brdf_get_info(form).format, "nps") == 0) {
-        status = nqm_corpus_tabulate(form, brdf_ret, err);
+        status = nqm_brdf_tabulate(form, brdf_ret, err);
         nqm_brdf_free(form);
         return status;
     }
-    return nqm_corpus_fold(form, true, brdf_ret, err);
+    return nqm_brdf_fold(form, true, brdf_ret, err);
 }
 
 static nqm_status open_forms(job *j) {
@@ -84,7 +80,7 @@ static nqm_status open_forms(job *j) {
         if (status == NQM_OK)
             status = open_form(plan->forms[f].path, &v->brdf, j->err);
         if (status == NQM_OK)
-            status = look(j, v, j->err);
+            status = sample_and_render(j, v, j->err);
         if (status != NQM_OK)
             return status;
         if (f < plan->n_refs) {
@@ -95,7 +91,7 @@ static nqm_status open_forms(job *j) {
     return NQM_OK;
 }
 
-/* Faults that are the program's or the user's, not the test's: they end the work. */
+/* Errors that are not errors of a test. */
 static bool is_fatal(nqm_status status) {
     return status == NQM_ERR_CANCELLED || status == NQM_ERR_NOMEM;
 }
@@ -117,7 +113,7 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
     fit->fault = (nqm_error){0};
     nqm_status status = nqm_fit(ref, j->context->models.name[k], &options, &fit->report, &fit->view.brdf, &fit->fault);
     if (status == NQM_OK)
-        status = look(j, &fit->view, &fit->fault);
+        status = sample_and_render(j, &fit->view, &fit->fault);
     fit->fault.status = status;
     if (!is_fatal(status))
         return NQM_OK;
@@ -135,7 +131,7 @@ static nqm_status make_fits(const job *j, size_t ref) {
 
 /* ---- one test ---------------------------------------------------------------------------------------------------- */
 
-/* The encoding that a test is or starts from: a perturbed one takes the next that there is. */
+/* The encoding of a test; a perturbed test uses the next encoding that succeeded. */
 static const encoding *fit_of(const job *j, const nqm_corpus_test *test) {
     const encoding *fit = &j->fits[test->which];
     for (size_t k = 1; *test->perturbation[0] && fit->fault.status != NQM_OK && k < j->n_fits; ++k)
@@ -155,7 +151,7 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
     return &j->forms[test->ref];
 }
 
-/* "perturb:OUTER;of=perturb:INNER;of=BASE"; encodings that no spec can hold are "nbrdf of BASE". */
+/* "perturb:OUTER;of=perturb:INNER;of=BASE"; encodings without a spec are "nbrdf of BASE". */
 static char *test_name(const job *j, const nqm_corpus_test *test) {
     const nqm_corpus_form *forms = j->item->plan.forms;
     const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
@@ -177,11 +173,11 @@ static char *test_name(const job *j, const nqm_corpus_test *test) {
     return name;
 }
 
-/* Put the test's perturbations over its base, which is lent. */
+/* Apply the test's perturbations to its base, which is borrowed. */
 static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_brdf *brdf;
     *brdf_ret = NULL;
-    nqm_status status = nqm_corpus_fold(base, false, &brdf, err);
+    nqm_status status = nqm_brdf_fold(base, false, &brdf, err);
     for (int k = 0; status == NQM_OK && k < 2 && *test->perturbation[k]; ++k)
         status = nqm_perturb_wrap(test->perturbation[k], brdf, &brdf, err);
     if (status == NQM_OK)
@@ -189,7 +185,7 @@ static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf 
     return status;
 }
 
-/* The view of a test: its base's own, or the perturbed one. */
+/* The view of a test: that of its base, or the perturbed one. */
 static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret, nqm_error *err) {
     const view *base = base_view(j, test);
     const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
@@ -204,7 +200,7 @@ static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **vi
     nqm_brdf_free(j->perturbed.brdf);
     j->perturbed.brdf = NULL;
     nqm_status status = perturb(test, base->brdf, &j->perturbed.brdf, err);
-    return status == NQM_OK ? look(j, &j->perturbed, err) : status;
+    return status == NQM_OK ? sample_and_render(j, &j->perturbed, err) : status;
 }
 
 static nqm_status label_test(job *j, size_t t, nqm_error *err) {
@@ -268,15 +264,16 @@ nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_it
              .n_points = nqm_scene_count(context->scene),
              .n_fits = context->models.n,
              .err = err};
-    j.forms = nqm_alloc(item->plan.n_forms, sizeof *j.forms);
-    j.fits = nqm_alloc(j.n_fits, sizeof *j.fits);
-    nqm_status status = j.forms && j.fits ? run(&j) : nqm_fail_nomem(err, j.n_fits * sizeof *j.fits);
-    for (size_t f = 0; j.forms && f < item->plan.n_forms; ++f)
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&j.forms, item->plan.n_forms, sizeof *j.forms}, {&j.fits, j.n_fits, sizeof *j.fits}), err);
+    if (status != NQM_OK)
+        return status;
+    status = run(&j);
+    for (size_t f = 0; f < item->plan.n_forms; ++f)
         free_view(&j.forms[f]);
-    for (size_t k = 0; j.fits && k < j.n_fits; ++k)
+    for (size_t k = 0; k < j.n_fits; ++k)
         free_view(&j.fits[k].view);
     free_view(&j.perturbed);
     nqm_free(j.forms);
-    nqm_free(j.fits);
     return status;
 }

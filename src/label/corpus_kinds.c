@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The kinds of test with their families, and the drawing of perturbed copies. Strengths are log-uniform, so that faint
- * differences, where metrics fail, are as common as strong ones.
+ * The kinds of test with their families, and random perturbed copies. Strengths are log-uniform, so that faint differences,
+ * where metrics fail, are as common as strong ones.
  */
 #include "label/corpus.h"
 
@@ -17,21 +17,21 @@ const char *nqm_corpus_family_name(nqm_corpus_family family) {
     return names[family];
 }
 
-/* A perturbation and how strong it gets: a size log-uniform in [faint, strong]. */
+/* A perturbation with the range of its strength, log-uniform in [faint, strong]. */
 typedef struct perturbation {
     const char *kind;
-    const char *key; /* in the spec; NULL: the same */
+    const char *key; /* in the spec; NULL: `kind` */
     double faint, strong;
     enum {
-        PLAIN,  /* the value is the size */
-        SIGNED, /* ... with a random sign */
-        FACTOR, /* exp(+-size) */
-        PEAK,   /* the same, or a highlight that is weak or missing */
-        TINT    /* a factor for each channel */
+        PLAIN,  /* the value is the strength */
+        SIGNED, /* the strength with a random sign */
+        FACTOR, /* exp(+-strength) */
+        PEAK,   /* FACTOR, or a weak or missing highlight */
+        TINT    /* one factor per channel */
     } form;
-    bool slow;        /* reads its base many times: kept out of compositions */
+    bool slow;        /* evaluates its base many times: not used in compositions */
     bool unseen;      /* in the test part only */
-    const char *more; /* further keys with whole numbers: "%u" from [more_from, more_to); NULL: none */
+    const char *more; /* a further key with a whole number in [more_from, more_to); NULL: none */
     unsigned more_from, more_to;
 } perturbation;
 
@@ -45,7 +45,7 @@ static const perturbation perturbations[] = {
     {.kind = "noise", .faint = 0.02, .strong = 1.2, .form = PLAIN, .more = "cells", .more_from = 6, .more_to = 25},
     {.kind = "peak", .faint = 0.03, .strong = 2, .form = PEAK},
     {.kind = "desaturate", .faint = 0.03, .strong = 1, .form = SIGNED},
-    {.kind = "quantise", .faint = 1, .strong = 40, .form = PLAIN}, /* steps a decade: fewer are worse */
+    {.kind = "quantise", .faint = 1, .strong = 40, .form = PLAIN}, /* steps per decade: fewer are stronger */
     {.kind = "shift", .faint = 0.2, .strong = 12, .form = SIGNED}, /* degrees */
     {.kind = "clamp", .faint = 0.01, .strong = 0.9, .form = PLAIN, .unseen = true},
     {.kind = "ripple",
@@ -79,7 +79,7 @@ static size_t put_number(char *text, size_t n_text, double value) {
     return (size_t)snprintf(text, n_text, "%s", number);
 }
 
-/* Three factors about 1 that change the colour and leave their geometric mean. */
+/* Three factors with geometric mean 1. */
 static void put_tint(nqm_rng *rng, double size, char *text, size_t n_text) {
     double d[3], mean = 0, largest = 0;
     for (int c = 0; c < 3; ++c) {
@@ -96,7 +96,7 @@ static void put_tint(nqm_rng *rng, double size, char *text, size_t n_text) {
     }
 }
 
-/* Fits that miss a sharp highlight altogether are common: one in six has none, one in six almost none. */
+/* Fits often miss a sharp highlight: one copy in six has no highlight, one in six a very weak one. */
 static double draw_peak(nqm_rng *rng, double factor) {
     double u = nqm_rng_uniform(rng);
     if (u < 1.0 / 6)
@@ -120,7 +120,7 @@ static double draw_value(nqm_rng *rng, const perturbation *p, double size) {
     return size;
 }
 
-/* The settings of a perturbation spec. */
+/* Draw the settings of a perturbation spec. */
 static void draw_perturbation(nqm_rng *rng, const perturbation *p, char text[80]) {
     double size = p->faint * pow(p->strong / p->faint, nqm_rng_uniform(rng));
     size_t used = (size_t)snprintf(text, 80, "%s=", p->key ? p->key : p->kind);
@@ -138,7 +138,7 @@ static void draw_perturbation(nqm_rng *rng, const perturbation *p, char text[80]
 
 /* ---- the perturbed copies of a reference ------------------------------------------------------------------------- */
 
-/* Any two perturbations that training may see and that are quick. */
+/* Two different perturbations that are fast and not unseen. */
 static void draw_two(nqm_rng *rng, const perturbation *two[2]) {
     const perturbation *quick[N_PERTURBATIONS];
     size_t n = 0;
@@ -150,7 +150,7 @@ static void draw_two(nqm_rng *rng, const perturbation *two[2]) {
     two[1] = quick[(first + 1 + (size_t)nqm_rng_below(rng, n - 1)) % n];
 }
 
-enum { COMPOSED = N_PERTURBATIONS, REFIT, N_CHOICES }; /* what else a copy can be */
+enum { COMPOSED = N_PERTURBATIONS, REFIT, N_CHOICES }; /* further choices of a copy */
 
 static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t n_fits, size_t choice) {
     nqm_corpus_test test = {.ref = ref, .kind.family = NQM_FAMILY_COMPOSED, .base = NQM_BASE_REF};
@@ -173,7 +173,7 @@ static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t n_fits, size_t
     return test;
 }
 
-/* A round of choices, each once; the slow one every other round; twice the two that mix all kinds. */
+/* One round of choices: each perturbation once, slow ones every other round, COMPOSED and REFIT twice. */
 static size_t make_round(nqm_corpus_part part, size_t round, bool with_fits, size_t *choices) {
     size_t n = 0;
     for (size_t i = 0; i < N_PERTURBATIONS; ++i)

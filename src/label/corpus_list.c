@@ -20,7 +20,7 @@ bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part) {
 
 /* ---- checksums of the files -------------------------------------------------------------------------------------- */
 
-/* The length of the file's part of a BRDF argument: all of it, or up to the colon before a member's name; specs: 0. */
+/* Length of the file path in a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs. */
 static size_t file_length(const char *path) {
     struct stat st;
     if (nqm_spec_probe(path))
@@ -47,7 +47,7 @@ nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char he
     return status;
 }
 
-/* The latents beside the decoder of neural processes, which decide as much as the decoder does; NULL for other files. */
+/* The latents file in the folder of a decoder of neural processes; NULL for other files. */
 static nqm_status find_latents(const char *file, char **path_ret, nqm_error *err) {
     static const char latents[] = "nps_latents.csv";
     nqm_map map;
@@ -68,16 +68,16 @@ static nqm_status find_latents(const char *file, char **path_ret, nqm_error *err
     return NQM_OK;
 }
 
-/* Members of one archive follow each other in a list: the file of the reference before is looked at first. */
+/* Consecutive references are often members of one archive: reuse the hash of the previous file. */
 static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     nqm_corpus_ref *ref = &list->refs[i];
     size_t n = file_length(ref->path);
     if (n == 0)
         return NQM_OK;
     if (i > 0) {
-        const nqm_corpus_ref *before = ref - 1;
-        if (file_length(before->path) == n && strncmp(before->path, ref->path, n) == 0) {
-            memcpy(ref->file_sha256, before->file_sha256, sizeof ref->file_sha256);
+        const nqm_corpus_ref *previous = ref - 1;
+        if (file_length(previous->path) == n && strncmp(previous->path, ref->path, n) == 0) {
+            memcpy(ref->file_sha256, previous->file_sha256, sizeof ref->file_sha256);
             return NQM_OK;
         }
     }
@@ -104,12 +104,12 @@ static nqm_status find_columns(const nqm_csv *csv, const char *path, columns *c,
     const struct {
         const char *name;
         int *column;
-    } wanted[] = {
+    } required[] = {
         {"name", &c->name}, {"group", &c->group}, {"brdf", &c->brdf}, {"source", &c->source}, {"split", &c->split}};
-    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; ++i) {
-        *wanted[i].column = nqm_csv_column(csv, wanted[i].name);
-        if (*wanted[i].column < 0)
-            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a material list needs a column '%s'", path, wanted[i].name);
+    for (size_t i = 0; i < sizeof required / sizeof *required; ++i) {
+        *required[i].column = nqm_csv_column(csv, required[i].name);
+        if (*required[i].column < 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a material list needs a column '%s'", path, required[i].name);
     }
     return NQM_OK;
 }
@@ -150,10 +150,10 @@ static nqm_status read_row(nqm_corpus_list *list, size_t i, const columns *c, co
     ref->source = nqm_csv_text(list->csv, i, c->source);
     const char *group = nqm_csv_text(list->csv, i, c->group);
     if (!*ref->name || !*ref->brdf || !*group)
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: row %zu lacks a name, a group or a BRDF", path, i + 1);
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: row %zu has no name, group or BRDF", path, i + 1);
     for (size_t k = 0; k < i; ++k)
         if (strcmp(list->refs[k].name, ref->name) == 0)
-            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the name '%s' is given twice", path, ref->name);
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the name '%s' is not unique", path, ref->name);
     nqm_split split = NQM_SPLIT_TRAIN;
     nqm_status status = parse_split(nqm_csv_text(list->csv, i, c->split), path, ref->name, &split, err);
     return status == NQM_OK ? place_in_group(list, i, group, split, path, err) : status;
@@ -174,59 +174,48 @@ static nqm_status sort_by_group(nqm_corpus_list *list, nqm_error *err) {
         nqm_corpus_group *group = &list->groups[list->refs[i].group];
         sorted[group->first_ref + group->n_refs++] = list->refs[i];
     }
-    nqm_free(list->refs);
-    list->refs = sorted;
+    memcpy(list->refs, sorted, list->n_refs * sizeof *sorted);
+    nqm_free(sorted);
     return NQM_OK;
+}
+
+static nqm_status read_rows(nqm_corpus_list *list, const char *path, const char *root, nqm_error *err) {
+    columns c;
+    size_t n = nqm_csv_rows(list->csv);
+    nqm_status status = find_columns(list->csv, path, &c, err);
+    if (status == NQM_OK && n == 0)
+        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: lists no material", path);
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&list->groups, n, sizeof *list->groups}, {&list->refs, n, sizeof *list->refs}), err);
+    const char *slash = strrchr(path, '/');
+    size_t n_root = root ? strlen(root) : slash ? (size_t)(slash - path) : 0;
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        status = read_row(list, i, &c, path, err);
+        if (status != NQM_OK)
+            return status;
+        list->refs[i].path = nqm_brdf_path_below(list->refs[i].brdf, root ? root : path, n_root);
+        list->n_refs = i + 1;
+        status = list->refs[i].path ? hash_ref(list, i, err) : nqm_fail_nomem(err, strlen(list->refs[i].brdf));
+    }
+    return status == NQM_OK ? sort_by_group(list, err) : status;
 }
 
 nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm_corpus_list *list_ret,
                                 nqm_error *err) {
-    nqm_corpus_list list = {0};
-    *list_ret = list;
-    columns c;
-    nqm_status status = nqm_csv_load(materials_csv, &list.csv, err);
+    *list_ret = (nqm_corpus_list){0};
+    nqm_status status = nqm_csv_load(materials_csv, &list_ret->csv, err);
     if (status != NQM_OK)
         return status;
-    status = find_columns(list.csv, materials_csv, &c, err);
+    status = read_rows(list_ret, materials_csv, root, err);
     if (status != NQM_OK)
-        goto fail;
-    size_t n = nqm_csv_rows(list.csv);
-    if (n == 0) {
-        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: lists no material", materials_csv);
-        goto fail;
-    }
-    list.refs = nqm_alloc(n, sizeof *list.refs);
-    list.groups = nqm_alloc(n, sizeof *list.groups);
-    if (!list.refs || !list.groups) {
-        status = nqm_fail_nomem(err, n * (sizeof *list.refs + sizeof *list.groups));
-        goto fail;
-    }
-    const char *slash = strrchr(materials_csv, '/');
-    size_t n_root = root ? strlen(root) : slash ? (size_t)(slash - materials_csv) : 0;
-    for (size_t i = 0; i < n; ++i) {
-        status = read_row(&list, i, &c, materials_csv, err);
-        if (status != NQM_OK)
-            goto fail;
-        list.refs[i].path = nqm_brdf_path_below(list.refs[i].brdf, root ? root : materials_csv, n_root);
-        list.n_refs = i + 1;
-        status = list.refs[i].path ? hash_ref(&list, i, err) : nqm_fail_nomem(err, strlen(list.refs[i].brdf));
-        if (status != NQM_OK)
-            goto fail;
-    }
-    status = sort_by_group(&list, err);
-    if (status != NQM_OK)
-        goto fail;
-    *list_ret = list;
-    return NQM_OK;
-fail:
-    nqm_corpus_list_free(&list);
+        nqm_corpus_list_free(list_ret);
     return status;
 }
 
 void nqm_corpus_list_free(nqm_corpus_list *list) {
     for (size_t i = 0; i < list->n_refs; ++i)
         nqm_free(list->refs[i].path);
-    nqm_free(list->refs);
     nqm_free(list->groups);
     nqm_csv_free(list->csv);
     *list = (nqm_corpus_list){0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The manifest of a corpus: everything needed to say what a model was trained on, and to prove what it was not. File
- * names stand without their folders.
+ * The manifest of a corpus: the record of what a model was trained on, and the proof of what it was not trained on. File
+ * names are given without folders.
  */
 #include "fit/fit.h"
 #include "label/corpus.h"
@@ -20,7 +20,7 @@ static json_t *count(size_t n) {
     return json_integer((json_int_t)n);
 }
 
-/* A built-in by its name, or a file with its checksum. */
+/* The name of a built-in, or a file name with its checksum. */
 static json_t *file_json(const char *name, const char *sha256) {
     return *sha256 ? json_pack("{s:s,s:s}", "file", base_name(name), "sha256", sha256)
                    : json_pack("{s:s}", "built_in", name);
@@ -35,7 +35,7 @@ static json_t *scene_json(const nqm_corpus_context *context) {
                      count(scene->light_width), "shape", shape, "width", count(scene->width), "height",
                      count(scene->height), "points", count(scene->width ? 0 : scene->n_points), "frames",
                      count(scene->n_frames), "turn_deg", scene->turn_rad * degrees, "elevation_deg",
-                     scene->elevation_rad * degrees, "lights", count(nqm_scene_options_lights(scene)), "shadows",
+                     scene->elevation_rad * degrees, "lights", count(nqm_scene_n_lights(scene)), "shadows",
                      scene->shadows, "interreflection", scene->interreflection, "exposure_cdm2", scene->exposure_cdm2,
                      "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));
 }
@@ -50,7 +50,7 @@ static json_t *encoders_json(const nqm_corpus_context *context) {
 
 /* ---- counts ------------------------------------------------------------------------------------------------------ */
 
-/* The member of an object that counts something; made with zeros where it is new. */
+/* The object `name` in an object, created if missing. */
 static json_t *member(json_t *object, const char *name) {
     json_t *found = json_object_get(object, name);
     if (!found && json_object_set_new(object, name, json_object()) == 0)
@@ -63,7 +63,7 @@ static void add(json_t *object, const char *key, size_t n) {
     json_object_set_new(object, key, json_integer(before + (json_int_t)n));
 }
 
-/* Pairs per kind of test and per family, with the mean loss of own fits. */
+/* Pairs per kind of test and per family, with the mean loss of encodings. */
 static void count_kinds(size_t n_items, const nqm_corpus_item *items, json_t *kinds, json_t *families) {
     for (size_t i = 0; i < n_items; ++i)
         for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
@@ -97,7 +97,7 @@ static json_t *unseen_json(void) {
     return unseen;
 }
 
-/* Tests that could not be made, by kind, with the first message of each. */
+/* Failed tests by kind, with the first message of each kind. */
 static json_t *failures_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
     json_t *failures = json_object();
     for (size_t i = 0; i < n_items; ++i)
@@ -136,7 +136,7 @@ static json_t *references_json(const nqm_corpus_list *list, size_t n_items, cons
                 json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group", group->name, "split",
                           nqm_corpus_split_name(group->split), "source", ref->source, "brdf", base_name(ref->brdf),
                           "file_sha256", ref->file_sha256, "pairs", count(count_pairs(&items[i], r)));
-            if (json_array_append_new(references, row) != 0) { /* a manifest that leaves one out proves nothing */
+            if (json_array_append_new(references, row) != 0) { /* an incomplete manifest proves nothing */
                 json_decref(references);
                 return NULL;
             }
@@ -182,7 +182,7 @@ static json_t *fit_json(const nqm_corpus_models *used) {
                      "directions", count(fit.n_directions), "starts", count(fit.n_starts));
 }
 
-/* json_pack() refuses NULL: one part that fails fails all. */
+/* json_pack() fails if any part is NULL. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items) {
     const nqm_corpus_options *options = context->options;
     json_t *kinds = json_object(), *families = json_object(), *splits = json_object(), *sources = json_object();

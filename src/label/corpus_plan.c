@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is compared with what: the tests of each reference of a material group. Encodings, published fits and other forms
- * of the same material are the differences that a metric meets in practice; perturbations fill the range from invisible
- * to gross and take the kinds of fault apart.
+ * The tests of each reference of a material group. Encodings, published fits and other forms of the same material are the
+ * differences that occur in practice; perturbations cover the range from invisible to strong, one kind of difference at a
+ * time.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -30,7 +30,7 @@ static nqm_corpus_kind kind_of_form(const char *brdf, const char *source) {
     return kind;
 }
 
-/* A preset of the group's name ("sgd:nickel" for nickel) that the list itself does not hold. */
+/* Whether a preset has the group's name ("sgd:nickel" for nickel) and is not in the list. */
 static bool adds_to(const nqm_corpus_plan *plan, const char *preset, const char *group) {
     const char *colon = strchr(preset, ':');
     if (!colon || strcmp(colon + 1, group) != 0)
@@ -82,14 +82,14 @@ nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_r
         if (!list || listed(list, nqm_fit_model(k)))
             models.name[models.n++] = nqm_fit_model(k);
     if (list && n_words != models.n)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "'%.200s' names a model that cannot be fitted, or one twice", list);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "'%.200s' has an unknown or repeated model", list);
     *models_ret = models;
     return NQM_OK;
 }
 
 /* ---- the plan ---------------------------------------------------------------------------------------------------- */
 
-/* A stream of random numbers for each reference's name: other materials in the list change nothing. */
+/* The random stream of a reference is a function of its name, independent of the other materials in the list. */
 static uint64_t stream_of(const char *name) {
     uint64_t h = 0;
     for (; *name; ++name)

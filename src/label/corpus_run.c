@@ -1,30 +1,29 @@
 /* SPDX-License-Identifier: MIT
  *
- * The work on all groups of a corpus: by the threads of this process, each on a group of its own, and together with
- * other processes that share the folder of work files. Groups with most tests come first, so that none is left running
- * alone at the end. What is made does not depend on who makes it.
+ * Makes all groups of a corpus: one group per thread, together with other processes that share the checkpoint folder. Groups
+ * with the most tests come first, so that no large group is left at the end. The result does not depend on which thread
+ * or process makes a group.
  */
 #include "label/corpus.h"
 
 #include <pthread.h>
-#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
 typedef struct run {
     nqm_corpus *corpus;
-    size_t *order;        /* (n_items) in which they are begun */
-    atomic_size_t n_done; /* tests, in finished items and in hand */
+    size_t *order;        /* (n_items) order of processing */
+    atomic_size_t n_done; /* finished tests */
     atomic_size_t n_items_done;
     atomic_bool stopped;
     pthread_mutex_t mutex; /* guards status and *err */
     nqm_status status;
     nqm_error *err;
-    pthread_t caller; /* the only thread that may report progress */
+    pthread_t caller; /* the only thread that reports progress */
     nqm_ticker ticker;
 } run;
 
-/* Count finished tests; from the caller's thread, report them. true: stop. */
+/* Count finished tests and, on the caller's thread, report progress. true: stop. */
 static bool advance(void *user, size_t n_tests) {
     run *r = user;
     size_t done = atomic_fetch_add(&r->n_done, n_tests) + n_tests;
@@ -34,7 +33,7 @@ static bool advance(void *user, size_t n_tests) {
     return atomic_load(&r->stopped);
 }
 
-/* The first failure counts, and stops the others. */
+/* Keep the first failure and stop the other threads. */
 static void keep_failure(run *r, nqm_status status, const nqm_error *err) {
     pthread_mutex_lock(&r->mutex);
     if (r->status == NQM_OK) {
@@ -53,8 +52,8 @@ static bool load(run *r, nqm_corpus_item *item) {
     return true;
 }
 
-/* Make the item unless another process is at it. Between looking for its file and the claim it may have been
- * finished: looked for again. */
+/* Make the item unless another process has claimed it. Look for its file again after the claim: another process may have
+ * finished it meanwhile. */
 static nqm_status make(run *r, nqm_corpus_item *item, bool *made_ret, nqm_error *err) {
     int claim = -1;
     *made_ret = false;
@@ -74,15 +73,15 @@ static nqm_status make(run *r, nqm_corpus_item *item, bool *made_ret, nqm_error 
 }
 
 static bool take(nqm_corpus_item *item, int state) {
-    return atomic_compare_exchange_strong(&item->state, &state, NQM_ITEM_IN_HAND);
+    return atomic_compare_exchange_strong(&item->state, &state, NQM_ITEM_ACTIVE);
 }
 
-/* Load an item, or, if it `may_make`, make it. */
+/* Load an item, or make it if `may_make`. */
 static void visit(run *r, nqm_corpus_item *item, bool may_make) {
     nqm_error err = {0};
     if (atomic_load(&r->stopped))
         return;
-    if (!take(item, NQM_ITEM_PASSED_BY) && !(may_make && take(item, NQM_ITEM_OPEN)))
+    if (!take(item, NQM_ITEM_SKIPPED) && !(may_make && take(item, NQM_ITEM_OPEN)))
         return;
     bool done = load(r, item);
     nqm_status status = done || !may_make ? NQM_OK : make(r, item, &done, &err);
@@ -90,10 +89,10 @@ static void visit(run *r, nqm_corpus_item *item, bool may_make) {
         keep_failure(r, status, &err);
     if (done)
         atomic_fetch_add(&r->n_items_done, 1);
-    atomic_store(&item->state, done ? NQM_ITEM_DONE : NQM_ITEM_PASSED_BY);
+    atomic_store(&item->state, done ? NQM_ITEM_DONE : NQM_ITEM_SKIPPED);
 }
 
-/* First see what others have finished of what was passed by, so that progress counts it. */
+/* First load the skipped items that other processes have finished, so that progress counts them. */
 static void work_on(void *user, size_t i) {
     run *r = user;
     for (size_t k = 0; k < i; ++k)
@@ -101,28 +100,15 @@ static void work_on(void *user, size_t i) {
     visit(r, &r->corpus->items[r->order[i]], true);
 }
 
-static int compare_sizes(const void *a, const void *b) {
-    const size_t *x = a, *y = b; /* size, index */
-    if (x[0] != y[0])
-        return x[0] < y[0] ? 1 : -1;
-    return x[1] < y[1] ? -1 : 1;
-}
-
-/* Largest first. */
-static bool make_order(run *r) {
-    const nqm_corpus *c = r->corpus;
-    size_t *sizes = nqm_alloc(c->n_items, 2 * sizeof *sizes);
-    r->order = nqm_alloc(c->n_items, sizeof *r->order);
-    for (size_t i = 0; sizes && i < c->n_items; ++i) {
-        sizes[2 * i] = c->items[i].plan.n_tests;
-        sizes[2 * i + 1] = i;
+/* Indices of the items, those with the most tests first, ties in order (insertion sort: some hundred items). */
+static void make_order(run *r) {
+    const nqm_corpus_item *items = r->corpus->items;
+    for (size_t i = 0; i < r->corpus->n_items; ++i) {
+        size_t at = i;
+        for (; at > 0 && items[r->order[at - 1]].plan.n_tests < items[i].plan.n_tests; --at)
+            r->order[at] = r->order[at - 1];
+        r->order[at] = i;
     }
-    if (sizes)
-        qsort(sizes, c->n_items, 2 * sizeof *sizes, compare_sizes);
-    for (size_t i = 0; sizes && r->order && i < c->n_items; ++i)
-        r->order[i] = sizes[2 * i + 1];
-    nqm_free(sizes);
-    return sizes && r->order;
 }
 
 nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
@@ -130,11 +116,11 @@ nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
     run r = {.corpus = corpus,
              .err = err,
              .caller = pthread_self(),
+             .order = nqm_alloc(corpus->n_items, sizeof *r.order),
              .ticker = {.fn = options->progress, .user = options->progress_user}};
-    if (!make_order(&r)) {
-        nqm_free(r.order);
-        return nqm_fail_nomem(err, 3 * corpus->n_items * sizeof *r.order);
-    }
+    if (!r.order)
+        return nqm_fail_nomem(err, corpus->n_items * sizeof *r.order);
+    make_order(&r);
     corpus->context.step = advance;
     corpus->context.step_user = &r;
     pthread_mutex_init(&r.mutex, NULL);
@@ -142,7 +128,7 @@ nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
         nqm_parallel_for(corpus->n_items, work_on, &r);
         if (atomic_load(&r.n_items_done) == corpus->n_items || advance(&r, 0))
             break;
-        /* The rest is in the hands of other processes. */
+        /* wait for the other processes */
         nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL);
     }
     pthread_mutex_destroy(&r.mutex);

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * Work files: one finished group each, so that an interrupted corpus goes on where it stopped. The name of a file is a
- * hash of all that its content depends on (versions, options, light, directions, sources, planned tests); with other
- * options other files are made, and none is ever mistaken for another.
+ * Work files: one finished group each, from which an interrupted corpus continues, and claims on them. The name of a file is
+ * a hash of everything that determines its content (version, options, light, directions, sources, planned tests), so that
+ * runs with different options never share a file.
  */
 #include "label/corpus.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
@@ -40,7 +43,7 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
                                scene->height,
                                scene->n_points,
                                scene->n_frames,
-                               nqm_scene_options_lights(scene),
+                               nqm_scene_n_lights(scene),
                                scene->light_width,
                                scene->seed,
                                scene->shadows != 0,
@@ -58,7 +61,7 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
         hash_text(sha, context->encoder_sha256[k]);
 }
 
-/* What is behind a form: presets and other specs with all their parameters, files by their checksum. */
+/* Hash the content of a form: all parameters of presets and other specs, the checksum of files. */
 static nqm_status hash_form(nqm_sha256 *sha, const nqm_corpus_form *form, const char *file_sha256, nqm_error *err) {
     hash_text(sha, form->brdf);
     hash_text(sha, form->kind.name);
@@ -123,22 +126,19 @@ enum { N_TENSORS = 6 };
 static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N_TENSORS]) {
     size_t n_refs = item->plan.n_refs, n_tests = item->plan.n_tests;
     const nqm_tensor all[N_TENSORS] = {
-        {.name = "ref_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_refs, n, 3}, .n_bytes = 12 * n_refs * n},
-        {.name = "ref_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_refs, n}, .n_bytes = n_refs * n},
-        {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_tests, n, 3}, .n_bytes = 12 * n_tests * n},
-        {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_tests, n}, .n_bytes = n_tests * n},
-        {.name = "delta_e", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .n_bytes = 8 * n_tests},
-        {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .n_bytes = 8 * n_tests}};
+        {.name = "ref_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_refs, n, 3}, .data = item->ref_rgb},
+        {.name = "ref_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_refs, n}, .data = item->ref_used},
+        {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_tests, n, 3}, .data = item->test_rgb},
+        {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_tests, n}, .data = item->test_used},
+        {.name = "delta_e", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->delta_e},
+        {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->fit_loss}};
+    static const size_t n_bytes[N_TENSORS] = {12, 1, 12, 1, 8, 8}; /* per direction or test */
     memcpy(tensors, all, sizeof all);
-    tensors[0].data = item->ref_rgb;
-    tensors[1].data = item->ref_used;
-    tensors[2].data = item->test_rgb;
-    tensors[3].data = item->test_used;
-    tensors[4].data = item->delta_e;
-    tensors[5].data = item->fit_loss;
+    for (size_t t = 0; t < N_TENSORS; ++t)
+        tensors[t].n_bytes = n_bytes[t] * tensors[t].dims[0] * (tensors[t].n_dims > 1 ? n : 1);
 }
 
-/* (n) strings as a JSON array, NULL as null; free(). NULL when out of memory or not UTF-8. */
+/* (n) strings as a JSON array, NULL as null; free() it. NULL: out of memory, or not UTF-8. */
 static char *strings_to_json(size_t n, char *const *strings) {
     json_t *array = json_array();
     for (size_t i = 0; i < n; ++i)
@@ -156,7 +156,7 @@ nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item
     const nqm_meta meta[] = {{"names", names}, {"failures", failures}};
     nqm_status status =
         names && failures ? nqm_safetensors_write(item->path, N_TENSORS, tensors, 2, meta, NULL, err)
-                          : nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: a name is not UTF-8, or memory is short", item->path);
+                          : nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: a name is not UTF-8, or memory ran out", item->path);
     free(names);
     free(failures);
     return status;
@@ -185,7 +185,7 @@ static bool load_strings(const nqm_safetensors *st, const char *key, size_t n, c
     return good;
 }
 
-/* Same shapes as the item's, and an intact checksum. */
+/* Whether the file has the shapes of the item and a correct checksum. */
 static bool matches(const nqm_safetensors *st, const nqm_tensor tensors[N_TENSORS]) {
     char hex[65];
     bool intact = false;
@@ -200,20 +200,17 @@ static bool matches(const nqm_safetensors *st, const nqm_tensor tensors[N_TENSOR
     return true;
 }
 
-/* Every test has a name. */
+/* Every test must have a name. */
 static bool load_names(const nqm_safetensors *st, nqm_corpus_item *item) {
     size_t n = item->plan.n_tests;
-    if (!load_strings(st, "names", n, item->names) || !load_strings(st, "failures", n, item->failures)) {
-        forget(n, item->names);
-        return false;
-    }
+    bool good = load_strings(st, "names", n, item->names) && load_strings(st, "failures", n, item->failures);
     for (size_t i = 0; i < n; ++i)
-        if (!item->names[i]) {
-            forget(n, item->names);
-            forget(n, item->failures);
-            return false;
-        }
-    return true;
+        good = good && item->names[i];
+    if (!good) {
+        forget(n, item->names);
+        forget(n, item->failures);
+    }
+    return good;
 }
 
 bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
@@ -236,4 +233,45 @@ bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
     nqm_safetensors_free(st);
     nqm_map_close(&map);
     return loaded;
+}
+
+/* ---- claims ------------------------------------------------------------------------------------------------------ */
+
+/* A claim is a lock on a file next to the work file. The system releases the locks of a process that ends in any way, so no
+ * clock or heartbeat is needed. flock() also works over NFS, as a lock of the server. */
+static char *claim_path(const char *path) {
+    size_t n = strlen(path) + sizeof ".claim";
+    char *name = nqm_alloc(n, 1);
+    if (name)
+        snprintf(name, n, "%s.claim", path);
+    return name;
+}
+
+nqm_status nqm_corpus_claim(const char *path, int *claim_ret, nqm_error *err) {
+    *claim_ret = -1;
+    char *name = claim_path(path);
+    if (!name)
+        return nqm_fail_nomem(err, strlen(path));
+    int fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    nqm_status status = NQM_OK;
+    if (fd < 0) {
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be written: %s", name, strerror(errno));
+    } else if (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
+        /* on file systems without locks a group may be made twice, with the same result */
+        *claim_ret = fd;
+    } else {
+        close(fd);
+    }
+    nqm_free(name);
+    return status;
+}
+
+/* Unlink before unlocking: a process that has opened the file meanwhile gets a lock on the deleted file and finds the group
+ * finished. */
+void nqm_corpus_release(const char *path, int claim) {
+    char *name = claim_path(path);
+    if (name)
+        unlink(name);
+    nqm_free(name);
+    close(claim);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * From two pictures of a scene to one number, or to one at every point.
+ * Delta-E ITP between two pictures of a scene: the mean, and at every point.
  */
 #include "percept/percept.h"
 #include "render/render.h"
@@ -11,12 +11,12 @@ static double delta_e_at(const nqm_scene *scene, const double *ref_cdm2, const d
 }
 
 double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2) {
-    const double *share = scene->seen.share;
-    if (!share)
+    const double *weight = scene->seen.weight;
+    if (!weight)
         return nqm_picture_delta_e(scene->seen.n, ref_cdm2, test_cdm2, scene->options.peak_cdm2);
     double sum = 0;
     for (size_t i = 0; i < scene->seen.n; ++i)
-        sum += share[i] * delta_e_at(scene, ref_cdm2, test_cdm2, i);
+        sum += weight[i] * delta_e_at(scene, ref_cdm2, test_cdm2, i);
     return sum;
 }
 

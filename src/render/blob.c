@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The built-in blob: a closed smooth shape with ears that throw shadows and hollows that lie in their own, so that
- * shadows and interreflections occur with no mesh file at all. Its radius is a function of the direction,
- * r(w) = r0 + sum of a exp(k (w . d - 1)); the normals are exact, along w - grad r / r.
+ * The built-in blob: a closed smooth shape with ears that cast shadows and with hollows, so that shadows and
+ * interreflection occur without a mesh file. Its radius is a function of the direction, r(w) = r0 + sum of
+ * a exp(k (w . d - 1)); the normals are exact, along w - grad r / r.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -12,13 +12,13 @@
 
 enum { STEPS = 64, SIDE = STEPS + 1, N_FACES = 6 };
 
-/* A swelling (a > 0) or hollow (a < 0) about a direction. */
-typedef struct swelling {
+/* A bump (a > 0) or hollow (a < 0) around a direction. */
+typedef struct bump {
     double direction[3], amplitude, sharpness;
-} swelling;
+} bump;
 
 static const double base_radius = 0.62;
-static const swelling swellings[] = {
+static const bump bumps[] = {
     {{0.45, 0.88, 0.10}, 0.55, 14},  {{-0.35, 0.90, -0.25}, 0.50, 12}, {{0.20, -0.10, 0.97}, 0.33, 6},
     {{-0.62, 0.15, 0.77}, -0.30, 9}, {{0.30, 0.20, -0.93}, -0.34, 7},  {{0.98, -0.10, 0.15}, -0.28, 8},
     {{-0.60, -0.77, 0.20}, 0.40, 7}, {{-0.91, 0.10, -0.40}, 0.30, 5},  {{0.30, -0.93, -0.20}, 0.25, 4},
@@ -27,8 +27,8 @@ static const swelling swellings[] = {
 /* Position and normal in unit direction w. */
 static void place_vertex(const double *w, float *position, float *normal) {
     double r = base_radius, slope[3] = {0};
-    for (size_t i = 0; i < sizeof swellings / sizeof *swellings; ++i) {
-        const swelling *s = &swellings[i];
+    for (size_t i = 0; i < sizeof bumps / sizeof *bumps; ++i) {
+        const bump *s = &bumps[i];
         double d[3] = {s->direction[0], s->direction[1], s->direction[2]};
         nqm_normalize3(d);
         double value = s->amplitude * exp(s->sharpness * (nqm_dot3(w, d) - 1));
@@ -46,8 +46,8 @@ static void place_vertex(const double *w, float *position, float *normal) {
     }
 }
 
-/* A grid on one face of the cube, warped so that cells are alike on the sphere. The coordinate is odd in the step to the
- * last bit, so that the faces meet exactly. */
+/* Coordinate of a grid line on one face of the cube, warped so that cells have similar size on the sphere. It is exactly odd in
+ * the step, so that the faces join without gaps. */
 static double warp(size_t step) {
     int from_middle = 2 * (int)step - STEPS;
     double value = tan(NQM_PI / 4 * abs(from_middle) / STEPS);
@@ -59,7 +59,8 @@ static void cube_direction(size_t face, size_t row, size_t column, double *w) {
     size_t axis = face / 2;
     double sign = face % 2 ? -1 : 1;
     w[axis] = sign;
-    w[(axis + 1) % 3] = sign * warp(column); /* mirrored with the face: all are wound alike */
+    w[(axis + 1) % 3] =
+        sign * warp(column); /* mirrored with the face, so that all triangles have the same orientation */
     w[(axis + 2) % 3] = warp(row);
     double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     for (int k = 0; k < 3; ++k)

@@ -2,9 +2,9 @@
  *
  * The light directions of one surface point: multiple importance sampling with the balance heuristic (Veach and Guibas
  * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, five lobes of microfacets about the mirror
- * direction (GGX, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206) and the plain cosine. The lobes' widths are
- * spaced so that a highlight of any width from 0.2 degrees up is met by one of them; which BRDF will be rendered need
- * not be known. Each technique takes a Hammersley set, shifted by a random amount at each point.
+ * direction (GGX, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206) and the cosine. The widths of the lobes are spaced so
+ * that one of them matches a highlight of any width from 0.2 degrees up, without knowledge of the BRDF. Each technique uses
+ * a Hammersley set with a random shift per point.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -15,36 +15,26 @@
 static const double lobe_alpha[] = {0.002, 0.008, 0.03, 0.1, 0.3};
 enum { N_LOBES = sizeof lobe_alpha / sizeof *lobe_alpha, LIGHT = N_LOBES, COSINE, N_TECHNIQUES };
 
-/* One point's sampling state. The light map is a table of rows, and of the cells of one row at a time. */
+/* Sampling state of one point: cumulative importance of the rows of the light map, and of the cells of one row. */
 typedef struct sampler {
     const nqm_light *light;
     const nqm_surface_point *point;
-    bool flat;              /* draw from the map without the cosine */
-    double reach;           /* sine of the half diagonal of a cell, and a little more */
-    float *across;          /* (width) across() of every column */
-    double *rows;           /* (height + 1) importance of the rows above, from 0 */
-    double *cells;          /* (width + 1) the same along `row` */
-    size_t row;             /* SIZE_MAX: none yet */
-    size_t n[N_TECHNIQUES]; /* directions by each technique */
+    bool flat;              /* importance without the cosine */
+    double reach;           /* a little more than the sine of half the diagonal of a cell */
+    float *across;          /* (width) across() of all columns */
+    double *rows;           /* (height + 1) cumulative importance of the rows, from 0; owns the block of the arrays */
+    double *cells;          /* (width + 1) cumulative importance of the cells of `row` */
+    size_t row;             /* SIZE_MAX: none */
+    size_t n[N_TECHNIQUES]; /* number of directions of each technique */
 } sampler;
 
 static bool open_sampler(const nqm_light *light, const nqm_surface_point *point, bool flat, sampler *s) {
     *s = (sampler){.light = light, .point = point, .flat = flat, .row = SIZE_MAX};
     s->reach = 0.02 * NQM_LIGHT_WIDTH / (double)light->width;
-    s->rows = nqm_alloc(light->height + 1 + light->width + 1, sizeof *s->rows);
-    s->across = nqm_alloc(light->width, sizeof *s->across);
-    if (!s->rows || !s->across) {
-        nqm_free(s->rows);
-        nqm_free(s->across);
-        return false;
-    }
-    s->cells = s->rows + light->height + 1;
-    return true;
-}
-
-static void close_sampler(sampler *s) {
-    nqm_free(s->rows);
-    nqm_free(s->across);
+    return nqm_alloc_arrays(NQM_ARRAYS({&s->rows, light->height + 1, sizeof(double)},
+                                       {&s->cells, light->width + 1, sizeof(double)},
+                                       {&s->across, light->width, sizeof(float)}),
+                            NULL) == NQM_OK;
 }
 
 /* Cosine between the point's normal and the centre of a cell: base + slope * across, across by column. */
@@ -53,22 +43,21 @@ static double across(const sampler *s, size_t x) {
     return normal[0] * azimuth[0] - normal[2] * azimuth[1];
 }
 
-/* A cell whose centre is at or below the horizon may still have a part above, and the sun may stand there. Such cells
- * get a small share; without it the other techniques would meet them by chance, with weights as bright as fireflies. */
+/* A cell whose centre is at or below the horizon may be partly above it and contain the sun. Such cells get a small
+ * importance; otherwise the other techniques would sample them by chance with very large weights (fireflies). */
 static double cell_importance(const sampler *s, size_t y, size_t x) {
     double power = s->light->power[y * s->light->width + x];
     if (s->flat)
         return power;
     const double *polar = s->light->polar + 2 * y;
     double cosine = polar[0] * across(s, x) + polar[1] * s->point->frame[7];
-    double share = cosine > s->reach ? cosine : s->reach;
-    return cosine > -s->reach ? share * power : 0;
+    return cosine > -s->reach ? fmax(cosine, s->reach) * power : 0;
 }
 
 enum { LANES = 8 };
 
-/* Sums over one row: sum[0] importance as above, sum[1..3] irradiance. In single precision and side by side, because
- * this is done for every cell of the map at every point. */
+/* Sums over one row: sum[0] importance as above, sum[1..3] irradiance. In single precision and vectorised, because it runs
+ * for every cell of the map at every point. */
 static void sum_row(const sampler *s, size_t y, double *sum) {
     const nqm_light *light = s->light;
     size_t n = light->width * light->height;
@@ -79,8 +68,8 @@ static void sum_row(const sampler *s, size_t y, double *sum) {
     for (size_t x = 0; x < light->width; x += LANES)
         for (size_t l = 0; l < LANES; ++l) {
             float cosine = base + slope * s->across[x + l];
-            float positive = cosine > 0 ? cosine : 0, share = cosine > reach ? cosine : reach;
-            lane[0][l] += (cosine > -reach ? share : 0) * plane[x + l];
+            float positive = cosine > 0 ? cosine : 0, raised = cosine > reach ? cosine : reach;
+            lane[0][l] += (cosine > -reach ? raised : 0) * plane[x + l];
             lane[1][l] += positive * plane[n + x + l];
             lane[2][l] += positive * plane[2 * n + x + l];
             lane[3][l] += positive * plane[3 * n + x + l];
@@ -92,7 +81,7 @@ static void sum_row(const sampler *s, size_t y, double *sum) {
     }
 }
 
-/* Sum the map over the hemisphere: the table to draw rows from, and the irradiance. */
+/* Sum the map over the hemisphere: cumulative importance of the rows, and the irradiance. */
 static void gather_light(sampler *s, double *irradiance) {
     const nqm_light *light = s->light;
     const double *normal = s->point->frame + 6;
@@ -102,7 +91,8 @@ static void gather_light(sampler *s, double *irradiance) {
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     for (size_t y = 0; y < light->height; ++y) {
         double sum[4] = {0};
-        if (light->polar[2 * y] * most + light->polar[2 * y + 1] * normal[1] > -2 * s->reach) /* else all below */
+        if (light->polar[2 * y] * most + light->polar[2 * y + 1] * normal[1] >
+            -2 * s->reach) /* otherwise the row is below the horizon */
             sum_row(s, y, sum);
         s->rows[y + 1] = s->rows[y] + sum[0];
         for (size_t k = 0; k < 3; ++k)
@@ -110,7 +100,7 @@ static void gather_light(sampler *s, double *irradiance) {
     }
 }
 
-/* The step of a cumulative table of n steps in which u falls, and where in it. */
+/* The interval of a cumulative table (n + 1) that contains u times the total, and the position in it. */
 static size_t find_step(const double *cumulative, size_t n, double u, double *within) {
     double target = u * cumulative[n];
     size_t low = 0, high = n; /* cumulative[low] <= target < cumulative[high], but for rounding */
@@ -126,7 +116,7 @@ static size_t find_step(const double *cumulative, size_t n, double u, double *wi
     return low;
 }
 
-/* A row, then a cell of it: two coordinates, so that an even set in (u, v) stays even over the map. */
+/* Sample a row by u, then a cell by v, which preserves the stratification of (u, v). */
 static void sample_light(sampler *s, double u, double v, double *wi) {
     const nqm_light *light = s->light;
     double world[3], in_row, in_cell;
@@ -146,7 +136,7 @@ static void sample_cosine(double u, double v, double *wi) {
     wi[2] = sqrt(1 - u);
 }
 
-/* A half vector with density D(h) cos(theta_h), and the mirror of wo at it. */
+/* Sample a half vector with density D(h) cos(theta_h) and reflect wo at it. */
 static void sample_lobe(double alpha, const double *wo, double u, double v, double *wi) {
     double h[3];
     nqm_spherical(atan(alpha * sqrt(u / (1 - u))), 2 * NQM_PI * v, h);
@@ -155,8 +145,8 @@ static void sample_lobe(double alpha, const double *wo, double u, double v, doub
         wi[k] = 2 * d * h[k] - wo[k];
 }
 
-/* Expected number of directions a steradian about wi by all lobes: D(h) cos(theta_h) / (4 wo.h), by lobe. The sine of
- * theta_h comes from x and y, as 1 - cos^2 would cancel. */
+/* Expected number of directions per steradian at wi over all lobes: D(h) cos(theta_h) / (4 wo.h) for each. The sine of
+ * theta_h is computed from x and y because 1 - cos^2 would cancel. */
 static double lobes_density(const sampler *s, const double *wi) {
     const double *wo = s->point->wo;
     double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]}, sum = 0;
@@ -169,22 +159,22 @@ static double lobes_density(const sampler *s, const double *wi) {
     return sum * h[2] / (2 * NQM_PI * square);
 }
 
-/* Expected number of directions a steradian about wi, which falls into `cell` of the map, over all techniques. */
+/* Expected number of directions per steradian at wi over all techniques; `cell` of the map contains wi. */
 static double density(const sampler *s, const double *wi, size_t cell) {
     size_t y = cell / s->light->width, x = cell % s->light->width;
-    double share = cell_importance(s, y, x) / s->rows[s->light->height];
-    double sum = (double)s->n[LIGHT] * share / s->light->solid_angle[y];
+    double probability = cell_importance(s, y, x) / s->rows[s->light->height];
+    double sum = (double)s->n[LIGHT] * probability / s->light->solid_angle[y];
     sum += (double)s->n[COSINE] * wi[2] / NQM_PI;
     return sum + lobes_density(s, wi);
 }
 
-/* An eighth, but at least one, to each lobe: a highlight that only the other techniques could meet would be a firefly. */
-static void share_out(sampler *s, size_t n) {
-    size_t a_lobe = n / 8 > 1 ? n / 8 : 1;
+/* One eighth for each lobe, at least one direction: highlights sampled by the other techniques only would be fireflies. */
+static void divide_directions(sampler *s, size_t n) {
+    size_t per_lobe = n / 8 > 1 ? n / 8 : 1;
     s->n[LIGHT] = n / 4;
-    s->n[COSINE] = n - n / 4 - N_LOBES * a_lobe;
+    s->n[COSINE] = n - n / 4 - N_LOBES * per_lobe;
     for (size_t i = 0; i < N_LOBES; ++i)
-        s->n[i] = a_lobe;
+        s->n[i] = per_lobe;
 }
 
 static double shifted(double x, uint64_t random) {
@@ -201,8 +191,8 @@ static void sample(sampler *s, size_t technique, double u, double v, double *wi)
         sample_lobe(lobe_alpha[technique], s->point->wo, u, v, wi);
 }
 
-/* Scale each channel so that a Lambert surface receives its exact irradiance: that removes the noise (1 % at 384
- * directions) which all surfaces share. */
+/* Scale each channel so that the weights sum to the exact irradiance: this removes the noise common to all surfaces (1 % at
+ * 384 directions). */
 static void calibrate(nqm_direction_set *set) {
     double sum[3] = {0};
     for (size_t i = 0; i < 3 * set->n_used; ++i)
@@ -233,9 +223,9 @@ static void add_technique(sampler *s, size_t technique, uint64_t seed, nqm_direc
 }
 
 static void add_techniques(sampler *s, uint64_t seed, nqm_direction_set *set) {
-    share_out(s, set->n_max);
+    divide_directions(s, set->n_max);
     set->n_used = 0;
-    if (s->rows[s->light->height] > 0) /* else no light reaches the point */
+    if (s->rows[s->light->height] > 0) /* otherwise the point receives no light */
         for (size_t t = 0; t < N_TECHNIQUES; ++t)
             add_technique(s, t, seed, set);
 }
@@ -247,7 +237,7 @@ bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *poin
         return false;
     gather_light(&s, set->irradiance);
     add_techniques(&s, seed, set);
-    close_sampler(&s);
+    nqm_free(s.rows);
     calibrate(set);
     return true;
 }
@@ -259,7 +249,7 @@ bool nqm_choose_few_directions(const nqm_light *light, const nqm_surface_point *
         return false;
     memcpy(s.rows, light->row_power, (light->height + 1) * sizeof *s.rows);
     add_techniques(&s, seed, set);
-    close_sampler(&s);
+    nqm_free(s.rows);
     return true;
 }
 
@@ -268,6 +258,6 @@ bool nqm_irradiance(const nqm_light *light, const nqm_surface_point *point, doub
     if (!open_sampler(light, point, false, &s))
         return false;
     gather_light(&s, rgb);
-    close_sampler(&s);
+    nqm_free(s.rows);
     return true;
 }

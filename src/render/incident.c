@@ -1,39 +1,29 @@
 /* SPDX-License-Identifier: MIT
  *
- * The light that reaches one point: the chosen directions, without those that the shape blocks; where interreflection is
- * wanted, in their place the light that falls on what blocks them, so that any BRDF can reflect it twice.
+ * Incident light of one point: the sampled directions that the shape does not block. With interreflection, blocked
+ * directions hold the light that falls on the blocking surface, so that any BRDF can reflect it twice.
  */
 #include "math/math.h"
 #include "render/render.h"
 
 #include <string.h>
 
-/* What becomes of a direction. */
+/* The outcome of a direction. */
 enum { DARK = 0, LIT, BOUNCED };
 
-/* Room for one point's directions. */
-typedef struct bench {
+/* Workspace of one point; set.wi owns the block of all arrays. */
+typedef struct workspace {
     nqm_direction_set set;
     unsigned char *fate; /* (n_max) */
-    nqm_bounce *bounce;  /* (n_max), or NULL without interreflection */
-} bench;
+    nqm_bounce *bounce;  /* (n_max) with interreflection, else empty */
+} workspace;
 
-static bool open_bench(size_t n, bool bounces, bench *b) {
-    *b = (bench){.set = {.n_max = n}};
-    b->set.wi = nqm_alloc(n, 7 * sizeof(double));
-    b->fate = nqm_alloc(n, 1);
-    b->bounce = bounces ? nqm_alloc(n, sizeof *b->bounce) : NULL;
-    if (!b->set.wi || !b->fate || (bounces && !b->bounce))
-        return false;
-    b->set.weight = b->set.wi + 3 * n;
-    b->set.extent = b->set.wi + 6 * n;
-    return true;
-}
-
-static void close_bench(bench *b) {
-    nqm_free(b->set.wi);
-    nqm_free(b->fate);
-    nqm_free(b->bounce);
+static bool open_workspace(size_t n, bool bounces, workspace *b) {
+    *b = (workspace){.set = {.n_max = n}};
+    return nqm_alloc_arrays(NQM_ARRAYS({&b->set.wi, n, 3 * sizeof(double)}, {&b->set.weight, n, 3 * sizeof(double)},
+                                       {&b->set.extent, n, sizeof(double)}, {&b->fate, n, 1},
+                                       {&b->bounce, bounces ? n : 0, sizeof *b->bounce}),
+                            NULL) == NQM_OK;
 }
 
 static void to_float(const double *v, float *f) {
@@ -52,7 +42,7 @@ static bool blocked(const nqm_scene *scene, const nqm_surface_point *point, cons
     return nqm_shape_blocked(&scene->shape, point->origin, direction);
 }
 
-/* Gather light at a part of the shape, met from `point` in direction wi. */
+/* Gather light at the part of the shape that is hit from `point` in direction `world`. */
 static bool fill_bounce(const nqm_scene *scene, const nqm_surface_point *point, const nqm_hit *hit, const double *world,
                         uint64_t seed, nqm_bounce *bounce) {
     double wi[3 * NQM_BOUNCE_LIGHTS], weight[3 * NQM_BOUNCE_LIGHTS];
@@ -74,8 +64,8 @@ static bool fill_bounce(const nqm_scene *scene, const nqm_surface_point *point, 
     return true;
 }
 
-/* Follow direction j until it meets the shape. */
-static bool follow(const nqm_scene *scene, const nqm_surface_point *point, uint64_t seed, size_t j, bench *b) {
+/* Trace direction j; where it hits the shape, gather the light there. */
+static bool follow(const nqm_scene *scene, const nqm_surface_point *point, uint64_t seed, size_t j, workspace *b) {
     double world[3], direction[3];
     nqm_hit hit;
     nqm_bounce *bounce = &b->bounce[j];
@@ -92,7 +82,7 @@ static bool follow(const nqm_scene *scene, const nqm_surface_point *point, uint6
     return true;
 }
 
-static bool decide(const nqm_scene *scene, const nqm_surface_point *point, uint64_t seed, bench *b) {
+static bool decide(const nqm_scene *scene, const nqm_surface_point *point, uint64_t seed, workspace *b) {
     for (size_t j = 0; j < b->set.n_used; ++j) {
         if (scene->options.interreflection && scene->shape.tracer) {
             if (!follow(scene, point, seed, j, b))
@@ -105,14 +95,14 @@ static bool decide(const nqm_scene *scene, const nqm_surface_point *point, uint6
     return true;
 }
 
-/* Copy what is not dark. */
-static bool pack(const bench *b, nqm_incident *incident) {
+/* Copy the directions with light. */
+static bool pack(const workspace *b, nqm_incident *incident) {
     size_t count[3] = {0};
     for (size_t j = 0; j < b->set.n_used; ++j)
         ++count[b->fate[j]];
-    incident->ray = nqm_alloc(count[LIT], sizeof *incident->ray);
-    incident->bounce = count[BOUNCED] ? nqm_alloc(count[BOUNCED], sizeof *incident->bounce) : NULL;
-    if (!incident->ray || (count[BOUNCED] && !incident->bounce))
+    if (nqm_alloc_arrays(NQM_ARRAYS({&incident->ray, count[LIT], sizeof *incident->ray},
+                                    {&incident->bounce, count[BOUNCED], sizeof *incident->bounce}),
+                         NULL) != NQM_OK)
         return false;
     for (size_t j = 0; j < b->set.n_used; ++j) {
         if (b->fate[j] == LIT) {
@@ -128,21 +118,13 @@ static bool pack(const bench *b, nqm_incident *incident) {
 bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident, double *irradiance) {
     uint64_t seed = nqm_hash_u64(scene->options.seed, i);
     const nqm_surface_point *point = &scene->seen.point[i];
-    bench b;
+    workspace b;
     *incident = (nqm_incident){0};
-    bool ok = open_bench(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&
+    bool ok = open_workspace(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&
               nqm_choose_directions(&scene->light, point, seed, &b.set) && decide(scene, point, seed, &b) &&
               pack(&b, incident);
     if (ok && irradiance)
         memcpy(irradiance, b.set.irradiance, sizeof b.set.irradiance);
-    if (!ok)
-        nqm_incident_clear(incident);
-    close_bench(&b);
+    nqm_free(b.set.wi);
     return ok;
-}
-
-void nqm_incident_clear(nqm_incident *incident) {
-    nqm_free(incident->ray);
-    nqm_free(incident->bounce);
-    *incident = (nqm_incident){0};
 }

@@ -37,7 +37,7 @@ size_t nqm_light_eval(const nqm_light *light, const double *w, double *rgb) {
     return (cell_y < height ? cell_y : height - 1) * width + (cell_x < width ? cell_x : 0);
 }
 
-/* Mean over the part of the picture that a cell covers; rows count by their solid angle. */
+/* Mean over the pixels covered by a cell, weighted by solid angle. */
 static void filter_cell(const nqm_image *image, const nqm_light *light, size_t y, size_t x, double *rgb) {
     double w = (double)image->width, h = (double)image->height;
     double x_begin = (double)x / (double)light->width * w, x_end = (double)(x + 1) / (double)light->width * w;
@@ -58,7 +58,7 @@ static void filter_cell(const nqm_image *image, const nqm_light *light, size_t y
         rgb[k] = total > 0 ? sum[k] / total : 0;
 }
 
-/* Integrating the bilinear map over a cell spreads each cell by (1, 6, 1)/8 along both axes. */
+/* The integral of the bilinear map over a cell has the filter kernel (1, 6, 1)/8 along both axes. */
 static double cell_luminance(const nqm_light *light, size_t y, size_t x) {
     static const double spread[3] = {0.125, 0.75, 0.125};
     double sum = 0;
@@ -75,18 +75,12 @@ static double cell_luminance(const nqm_light *light, size_t y, size_t x) {
 static nqm_status alloc_light(size_t width, nqm_light *light, nqm_error *err) {
     size_t height = width / 2, n = width * height;
     *light = (nqm_light){.width = width, .height = height};
-    light->rgb = nqm_alloc(n, 3 * sizeof(double));
-    light->power = nqm_alloc(n, sizeof(double));
-    light->row_power = nqm_alloc(height + 1, sizeof(double));
-    light->solid_angle = nqm_alloc(height, sizeof(double));
-    light->polar = nqm_alloc(height, 2 * sizeof(double));
-    light->azimuth = nqm_alloc(width, 2 * sizeof(double));
-    light->plane = nqm_alloc(n, 4 * sizeof(float));
-    if (light->rgb && light->power && light->row_power && light->solid_angle && light->polar && light->azimuth &&
-        light->plane)
-        return NQM_OK;
-    nqm_light_clear(light);
-    return nqm_fail_nomem(err, n * (4 * sizeof(double) + 4 * sizeof(float)));
+    return nqm_alloc_arrays(
+        NQM_ARRAYS({&light->rgb, n, 3 * sizeof(double)}, {&light->power, n, sizeof(double)},
+                   {&light->row_power, height + 1, sizeof(double)}, {&light->solid_angle, height, sizeof(double)},
+                   {&light->polar, height, 2 * sizeof(double)}, {&light->azimuth, width, 2 * sizeof(double)},
+                   {&light->plane, n, 4 * sizeof(float)}),
+        err);
 }
 
 static void place_cells(nqm_light *light) {
@@ -133,15 +127,4 @@ nqm_status nqm_light_create(const nqm_image *image, size_t width, nqm_light *lig
     weigh_cells(&light);
     *light_ret = light;
     return NQM_OK;
-}
-
-void nqm_light_clear(nqm_light *light) {
-    nqm_free(light->rgb);
-    nqm_free(light->power);
-    nqm_free(light->row_power);
-    nqm_free(light->solid_angle);
-    nqm_free(light->polar);
-    nqm_free(light->azimuth);
-    nqm_free(light->plane);
-    *light = (nqm_light){0};
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of a scene: every point's light through a BRDF, and the light map behind.
+ * Pictures of a scene: the light reflected by a BRDF at every point, and the background.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -18,7 +18,7 @@ typedef struct rendering {
     atomic_bool out_of_memory;
 } rendering;
 
-/* A unit vector again, to double precision: one Newton step suffices after single precision. */
+/* Convert to double and normalise; after single precision one Newton step suffices. */
 static void from_float(const float *f, double *v) {
     for (int k = 0; k < 3; ++k)
         v[k] = (double)f[k];
@@ -27,7 +27,7 @@ static void from_float(const float *f, double *v) {
         v[k] *= scale;
 }
 
-/* Add what the BRDF sends to wo of the light along n rays. */
+/* Add the light of n rays that the BRDF reflects to wo. */
 static void reflect(const nqm_brdf *brdf, size_t n_rays, const nqm_ray *ray, const double *wo_one, double *sum) {
     double wi[3 * BLOCK], wo[3 * BLOCK], f[3 * BLOCK];
     for (size_t j = 0; j < BLOCK && j < n_rays; ++j)
@@ -67,7 +67,7 @@ static void render_point(void *user, size_t i) {
         reflect_bounce(r->brdf, &incident->bounce[j], wo, sum);
     for (size_t k = 0; k < 3; ++k)
         r->rgb_cdm2[3 * i + k] = sum[k] * scene->exposure;
-    nqm_incident_clear(&made);
+    nqm_free(made.ray);
 }
 
 nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {

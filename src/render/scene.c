@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A shape under a light map, seen from far away. The visible points, the light directions of every point, their weights
- * and what the shape blocks of them are found once, so that a rendering is one pass of BRDF evaluations; all BRDFs
- * share them, so equal BRDFs give equal pictures to the last bit, and differences are not drowned in noise.
+ * A shape under a light map, seen by an orthographic viewer. The visible points, the light directions of every point, their
+ * weights and their visibility are computed once, so that a rendering is one pass of BRDF evaluations. All BRDFs use the
+ * same directions: equal BRDFs give bit-identical pictures, and sampling noise cancels in differences.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -10,63 +10,81 @@
 #include <math.h>
 #include <stdatomic.h>
 
-enum { MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16, MAX_POINTS = 1 << 24, MAX_SIDE = 8192, MAX_FRAMES = 4096 };
+enum { MIN_LIGHTS = 16, MAX_POINTS = 1 << 24, MAX_SIDE = 8192 };
 
-static const double max_directions = 4294967296; /* some ten minutes */
+static const double max_directions = 4294967296; /* of all points: about ten minutes */
 
-/* Directions are kept while they fit; a quarter of them blocked is a common share. */
+/* Incident light is stored between renderings up to this size, assuming that a quarter of the directions are blocked. */
 static const double max_kept_bytes = 512.0 * 1024 * 1024;
 
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+#define FIELD(name) .key = #name, .offset = offsetof(nqm_scene_options, name)
+
+/* clang-format off */
+static const nqm_option rows[] = {
+    {FIELD(shape), .kind = NQM_OPTION_TEXT, .metavar = "SHAPE", .help = "'sphere' (default), 'blob', or a mesh: PLY or OBJ"},
+    {FIELD(light), .kind = NQM_OPTION_TEXT, .metavar = "FILE",
+     .help = "latitude-longitude map: OpenEXR, Radiance HDR or RGBE in a PNG (default: a built-in sky)"},
+    {FIELD(width), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = MAX_SIDE},
+    {FIELD(height), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = MAX_SIDE},
+    {FIELD(n_points), .name = "points", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = MAX_POINTS,
+     .values = {"3072"}, .help = "quick mode: surface points instead of a picture (0: the picture)"},
+    {FIELD(n_frames), .name = "frames", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 4096, .values = {"1"},
+     .help = "views of the turntable, evenly over 360 degrees"},
+    {FIELD(turn_rad), .name = "turn", .metavar = "DEG", .unit = "degrees", .scale = NQM_PI / 180,
+     .help = "angle of the turntable in the first frame"},
+    {FIELD(elevation_rad), .name = "elevation", .metavar = "DEG", .unit = "degrees", .scale = NQM_PI / 180, .min = -90,
+     .max = 90, .help = "elevation of the viewer above the horizon"},
+    {FIELD(n_lights), .name = "lights", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1 << 16,
+     .help = "light directions per point (0: 128, or 96 in a picture)"},
+    {FIELD(light_width), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = NQM_LIGHT_STEP, .max = NQM_LIGHT_MAX_WIDTH,
+     .values = {"256"}, .help = "width of the filtered light map in cells, a multiple of 16"},
+    {FIELD(shadows), .kind = NQM_OPTION_BOOL, .values = {"1"}, .help = "shadows of the shape on itself"},
+    {FIELD(interreflection), .kind = NQM_OPTION_BOOL, .help = "light that the shape reflects once onto itself"},
+    {FIELD(exposure_cdm2), .name = "exposure", .metavar = "CD/M2", .unit = "cd/m2", .min = 0.01, .max = 10000,
+     .values = {"200"}, .help = "mean luminance of a white Lambert surface"},
+    {FIELD(peak_cdm2), .name = "peak", .metavar = "CD/M2", .unit = "cd/m2", .min = 0.01, .max = 10000, .values = {"1000"},
+     .help = "peak luminance of the display, where pictures are clipped"},
+    {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of points and light directions"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_scene_option_table = {rows, sizeof rows / sizeof *rows, NULL};
+
 nqm_scene_options nqm_scene_options_default(void) {
-    return (nqm_scene_options){.n_points = 3072,
-                               .n_frames = 1,
-                               .light_width = NQM_LIGHT_WIDTH,
-                               .shadows = 1,
-                               .exposure_cdm2 = 200,
-                               .peak_cdm2 = 1000,
-                               .seed = 1};
+    nqm_scene_options options = {0};
+    (void)!nqm_options_begin(&nqm_scene_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
-size_t nqm_scene_options_lights(const nqm_scene_options *options) {
+size_t nqm_scene_n_lights(const nqm_scene_options *options) {
     if (options->n_lights)
         return options->n_lights;
     return options->width ? 96 : 128;
 }
 
-/* ---- options ----------------------------------------------------------------------------------------------------- */
-
-static nqm_status check_size(const nqm_scene_options *o, nqm_error *err) {
-    if (o->n_lights && (o->n_lights < MIN_LIGHTS || o->n_lights > MAX_LIGHTS))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions a point; %d to %d are possible", o->n_lights,
-                        (int)MIN_LIGHTS, (int)MAX_LIGHTS);
-    if (o->n_frames < 1 || o->n_frames > MAX_FRAMES)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu frames; 1 to %d are possible", o->n_frames, (int)MAX_FRAMES);
-    if (!o->width && (o->n_points < 1 || o->n_points > MAX_POINTS))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points; 1 to %d are possible", o->n_points, (int)MAX_POINTS);
-    if (o->width > MAX_SIDE || o->height > MAX_SIDE || !o->width != !o->height)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a picture of %zu x %zu pixels; 1 x 1 to %d x %d are possible",
-                        o->width, o->height, (int)MAX_SIDE, (int)MAX_SIDE);
-    size_t n = o->width ? o->width * o->height : o->n_points, frames = o->width ? o->n_frames : 1;
-    if (n > MAX_POINTS / frames || (double)n * (double)frames * (double)nqm_scene_options_lights(o) > max_directions)
-        return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "scene: %zu points of %zu light directions; at most %d and %.0f in all are possible",
-                        n * frames, nqm_scene_options_lights(o), (int)MAX_POINTS, max_directions);
-    return NQM_OK;
-}
-
 static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
-    nqm_status status = check_size(o, err);
+    nqm_status status = nqm_options_check(&nqm_scene_option_table, o, err);
     if (status != NQM_OK)
         return status;
-    if (o->light_width < NQM_LIGHT_STEP || o->light_width > NQM_LIGHT_MAX_WIDTH || o->light_width % NQM_LIGHT_STEP)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a light map %zu wide; multiples of %d up to %d are possible",
-                        o->light_width, (int)NQM_LIGHT_STEP, (int)NQM_LIGHT_MAX_WIDTH);
-    if (!isfinite(o->turn_rad) || !(fabs(o->elevation_rad) <= NQM_PI / 2 + 1e-9))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: the elevation must lie within 90 degrees, the turn be finite");
+    if (o->n_lights && o->n_lights < MIN_LIGHTS)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions per point; at least %d are needed",
+                        o->n_lights, (int)MIN_LIGHTS);
+    if (!o->width != !o->height || !(o->width || o->n_points))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a picture of %zu x %zu pixels and %zu points", o->width,
+                        o->height, o->n_points);
+    size_t n = o->width ? o->width * o->height : o->n_points, frames = o->width ? o->n_frames : 1;
+    if (n > MAX_POINTS / frames || (double)n * (double)frames * (double)nqm_scene_n_lights(o) > max_directions)
+        return nqm_fail(
+            err, NQM_ERR_ARG, -1,
+            "scene: %zu points with %zu light directions each; the limits are %d points and %.0f directions",
+            n * frames, nqm_scene_n_lights(o), (int)MAX_POINTS, max_directions);
+    if (o->light_width % NQM_LIGHT_STEP)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: the width %zu of the light map is not a multiple of %d",
+                        o->light_width, (int)NQM_LIGHT_STEP);
     if (o->interreflection && !o->shadows)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: interreflection needs shadows");
-    if (!(o->exposure_cdm2 > 0 && o->exposure_cdm2 <= 10000) || !(o->peak_cdm2 > 0 && o->peak_cdm2 <= 10000))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: exposure and peak must lie in (0, 10000] cd/m2");
     return NQM_OK;
 }
 
@@ -107,39 +125,37 @@ static void create_point(void *user, size_t i) {
         atomic_store(&c->out_of_memory, true);
 }
 
-/* A white Lambert surface (f_r = 1/pi) without shadows is to show at exposure_cdm2 on average. */
+/* Set the exposure so that a white Lambert surface (f_r = 1/pi) without shadows has the mean luminance exposure_cdm2. */
 static nqm_status expose(nqm_scene *scene, const double *irradiance, const nqm_scene_options *o, nqm_error *err) {
     double mean = 0;
     for (size_t i = 0; i < scene->seen.n; ++i) {
-        double share = scene->seen.share ? scene->seen.share[i] : 1 / (double)scene->seen.n;
-        mean += share * nqm_luminance(irradiance + 3 * i) / NQM_PI;
+        double weight = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
+        mean += weight * nqm_luminance(irradiance + 3 * i) / NQM_PI;
     }
     if (!(mean > 0) || !isfinite(mean))
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the light is black where the shape could see it",
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the light is black in all directions that light the shape",
                         o->light ? o->light : "scene");
     scene->exposure = o->exposure_cdm2 / mean;
     return NQM_OK;
 }
 
 static bool can_keep(const nqm_scene *scene) {
-    double a_direction = sizeof(nqm_ray) + (scene->options.interreflection ? sizeof(nqm_bounce) / 4.0 : 0);
-    return (double)scene->seen.n * (double)scene->options.n_lights * a_direction <= max_kept_bytes;
+    double bytes_per_direction = sizeof(nqm_ray) + (scene->options.interreflection ? sizeof(nqm_bounce) / 4.0 : 0);
+    return (double)scene->seen.n * (double)scene->options.n_lights * bytes_per_direction <= max_kept_bytes;
 }
 
 static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
-    creation c = {.scene = scene, .irradiance = nqm_alloc(scene->seen.n, 3 * sizeof(double))};
-    if (can_keep(scene)) {
-        scene->kept = nqm_alloc(scene->seen.n, sizeof *scene->kept);
-        if (!scene->kept)
-            atomic_store(&c.out_of_memory, true);
-    }
-    if (!c.irradiance || atomic_load(&c.out_of_memory)) {
+    size_t n = scene->seen.n;
+    creation c = {.scene = scene, .irradiance = nqm_alloc(n, 3 * sizeof(double))};
+    if (can_keep(scene))
+        scene->kept = nqm_alloc(n, sizeof *scene->kept);
+    if (!c.irradiance || (can_keep(scene) && !scene->kept)) {
         nqm_free(c.irradiance);
-        return nqm_fail_nomem(err, scene->seen.n * (3 * sizeof(double) + sizeof *scene->kept));
+        return nqm_fail_nomem(err, n * (3 * sizeof(double) + sizeof *scene->kept));
     }
-    nqm_parallel_for(scene->seen.n, create_point, &c);
+    nqm_parallel_for(n, create_point, &c);
     nqm_status status = atomic_load(&c.out_of_memory)
-                            ? nqm_fail_nomem(err, scene->seen.n * scene->options.n_lights * sizeof(nqm_ray))
+                            ? nqm_fail_nomem(err, n * scene->options.n_lights * sizeof(nqm_ray))
                             : expose(scene, c.irradiance, o, err);
     nqm_free(c.irradiance);
     return status;
@@ -148,7 +164,7 @@ static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm
 static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
     scene->options = *o;
     scene->options.light = scene->options.shape = NULL;
-    scene->options.n_lights = nqm_scene_options_lights(o);
+    scene->options.n_lights = nqm_scene_n_lights(o);
     nqm_light glow = {0};
     nqm_status status = load_lights(o, &scene->light, &glow, err);
     if (status == NQM_OK)
@@ -157,7 +173,7 @@ static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_e
         status = nqm_view_points(&scene->shape, &glow, o, &scene->seen, err);
     if (status == NQM_OK && !scene->seen.n)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: no pixel of %zu x %zu shows the shape", o->width, o->height);
-    nqm_light_clear(&glow);
+    nqm_free(glow.rgb);
     return status == NQM_OK ? light_points(scene, o, err) : status;
 }
 
@@ -183,11 +199,11 @@ void nqm_scene_free(nqm_scene *scene) {
     if (!scene)
         return;
     for (size_t i = 0; scene->kept && i < scene->seen.n; ++i)
-        nqm_incident_clear(&scene->kept[i]);
+        nqm_free(scene->kept[i].ray);
     nqm_free(scene->kept);
-    nqm_seen_clear(&scene->seen);
+    nqm_free(scene->seen.point);
     nqm_shape_clear(&scene->shape);
-    nqm_light_clear(&scene->light);
+    nqm_free(scene->light.rgb);
     nqm_free(scene);
 }
 
@@ -199,6 +215,6 @@ const size_t *nqm_scene_pixels(const nqm_scene *scene) {
     return scene->seen.pixel;
 }
 
-const double *nqm_scene_shares(const nqm_scene *scene) {
-    return scene->seen.share;
+const double *nqm_scene_weights(const nqm_scene *scene) {
+    return scene->seen.weight;
 }

@@ -10,12 +10,12 @@
 #include <string.h>
 
 static const double filled = 0.9; /* of the picture */
-static const double above = 1e-4; /* rays start this far above the surface, in halves of the picture */
+static const double above = 1e-4; /* offset of ray origins from the surface, in units of half the picture */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
-/* A mesh's place on the turntable: about the axis through the middle of its plan, as far as it reaches from the axis and
- * up and down in the picture. */
+/* Extent of a mesh on the turntable, whose axis passes through the centre of the mesh: largest distance from the axis, and half
+ * the height in the picture. */
 typedef struct extent {
     double centre[3], radius, half_height;
 } extent;
@@ -31,7 +31,7 @@ static void find_centre(const nqm_mesh *mesh, double *centre) {
     }
 }
 
-/* A vertex at height y and distance r from the axis shows at y cos(elevation) -+ r sin(elevation) during a turn. */
+/* During a turn a vertex at height y and distance r from the axis appears at y cos(elevation) -+ r sin(elevation). */
 static extent find_extent(const nqm_mesh *mesh, double elevation_rad) {
     extent e = {.radius = 0};
     double sine = fabs(sin(elevation_rad)), cosine = cos(elevation_rad), low = INFINITY, high = -INFINITY;
@@ -149,8 +149,8 @@ static void negate(double *v) {
         v[k] = -v[k];
 }
 
-/* Rays from the flat triangle would be kept by its neighbours from light that the smooth surface receives: the shadow's
- * edge would show the triangles. So they start from that surface (Hanika 2021, DOI 10.1007/978-1-4842-7185-8_4). */
+/* Neighbouring triangles would shadow rays that start on a flat triangle, and the edge of the shadow would show the triangles.
+ * So rays start on the smooth surface (Hanika 2021, DOI 10.1007/978-1-4842-7185-8_4). */
 static void lift(const corners *c, const double *weight, double side, double *origin) {
     double moved[3][3];
     for (int i = 0; i < 3; ++i) {
@@ -174,7 +174,7 @@ static void hit_triangle(const nqm_mesh *mesh, size_t triangle, const double *we
     nqm_normalize3(hit->normal);
     if (nqm_dot3(face, direction) > 0)
         negate(face);
-    double side = 1; /* of the surface, against the normals of the file */
+    double side = 1; /* -1: the ray hits the back side with respect to the normals of the file */
     if (nqm_dot3(face, hit->normal) < 0) {
         negate(hit->normal);
         side = -1;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The built-in light: a low sun in a clear evening sky over reddish ground, with two soft boxes, so that labels can be
- * made with no file at all. Its contrasts follow those of a real outdoor probe with a low sun (Pixar Campus): the sun's
- * disc is about a thousand times the mean radiance and brings two fifths of all light, the rest spans three decades.
+ * The built-in light, which makes labels possible without a file: a low sun in a clear evening sky over reddish ground, and
+ * two soft boxes. Its contrast follows a measured outdoor probe with a low sun (Pixar Campus): the sun's disc has about a
+ * thousand times the mean radiance and two fifths of the power; the rest spans three decades.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -11,10 +11,10 @@
 
 enum { WIDTH = 512, HEIGHT = 256 };
 
-/* A round source: azimuth to the viewer's right from what lies behind the viewer, elevation, widths in degrees. */
+/* A round source: azimuth from the direction behind the viewer to the viewer's right, elevation, widths in degrees. */
 typedef struct source {
     double azimuth_deg, elevation_deg;
-    double radius_deg, edge_deg; /* full radiance to `radius`, none beyond `radius + edge`, smooth between */
+    double radius_deg, edge_deg; /* full radiance up to `radius`, smooth fall to 0 at `radius + edge` */
     double rgb[3];
 } source;
 

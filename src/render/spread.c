@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Points spread evenly over what the viewer sees: a sunflower on the sphere; on meshes a choice among many visible points
- * such that few stand well for the whole picture.
+ * Points distributed evenly over the visible surface: a sunflower pattern on the sphere; on meshes a stratified subset of
+ * many visible points.
  */
 #include "math/math.h"
 #include "render/view.h"
@@ -28,12 +28,12 @@ void nqm_spread_sphere(const nqm_scene_options *o, nqm_surface_point *point) {
     }
 }
 
-/* A visible point among many, and its place on a curve through all normals. */
+/* A visible point, and the position of its normal on a space-filling curve. */
 typedef struct candidate {
     nqm_surface_point point;
     double importance;
     uint32_t place;
-    uint32_t order; /* of finding, so that equal places are sorted alike everywhere */
+    uint32_t order; /* index, which makes the sort unique */
 } candidate;
 
 enum { CURVE_BITS = 12 };
@@ -71,15 +71,15 @@ static int by_place(const void *a, const void *b) {
     return (x->order > y->order) - (x->order < y->order);
 }
 
-/* Places in all pictures by turns, each picture with its own shift of the R2 sequence (multiples of the inverse powers of
- * the plastic number, Roberts 2018), until n of them show the shape. */
+/* Sample the pictures of all frames in turn, each with its own shift of the R2 sequence (multiples of the inverse powers of
+ * the plastic number, Roberts 2018), until n samples hit the shape. */
 static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_options *o, size_t n, candidate *found,
                                   nqm_error *err) {
     const double plastic = 1.3247179572447460260;
     size_t k = 0, most = 1000 * (n + o->n_frames);
     for (size_t i = 0; k < n; ++i) {
         if (i == most)
-            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: hardly anything of the shape can be seen", o->shape);
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the shape is hardly visible", o->shape);
         size_t frame = i % o->n_frames;
         /* NOLINTNEXTLINE(bugprone-integer-division): whole rounds of the frames */
         double step = (double)(i / o->n_frames + 1);
@@ -95,9 +95,9 @@ static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_option
     return NQM_OK;
 }
 
-/* A highlight fills little of the picture and much of the difference between two BRDFs. So where a mirror would show
- * bright parts of the light (blurred to five degrees), points are taken more densely: half of them by the picture's area,
- * half by the root of that luminance. */
+/* Highlights cover a small part of the picture but contribute much to the difference between two BRDFs. So points are denser
+ * where a mirror would reflect bright parts of the light (blurred to five degrees): half of the density is uniform over
+ * the picture, half is proportional to the square root of that luminance. */
 static void weigh(const nqm_light *glow, const double *towards, size_t n, candidate *found) {
     double sum = 0;
     for (size_t i = 0; i < n; ++i) {
@@ -114,9 +114,9 @@ static void weigh(const nqm_light *glow, const double *towards, size_t n, candid
         found[i].importance = 1 + scale * found[i].importance;
 }
 
-/* Walk along the candidates and take one whenever the importance passed by reaches the next of n equal steps. */
+/* Stratified selection: one candidate for each of n equal intervals of the cumulative importance. */
 static void choose(const candidate *found, size_t n_found, double start, size_t n, nqm_surface_point *point,
-                   double *share) {
+                   double *weight) {
     double total = 0, passed = 0, sum = 0;
     size_t k = 0;
     for (size_t i = 0; i < n_found; ++i)
@@ -125,18 +125,17 @@ static void choose(const candidate *found, size_t n_found, double start, size_t 
         while (k + 1 < n_found && passed + found[k].importance <= ((double)i + start) / (double)n * total)
             passed += found[k++].importance;
         point[i] = found[k].point;
-        share[i] = 1 / found[k].importance;
-        sum += share[i];
+        weight[i] = 1 / found[k].importance;
+        sum += weight[i];
     }
     for (size_t i = 0; i < n; ++i)
-        share[i] /= sum;
+        weight[i] /= sum;
 }
 
-/* What a far light does at a point depends on its normal, but for shadows. So many more points than needed are found,
- * sorted along a curve through all normals, and taken at even steps: the normals of the few are spread as those of the
- * whole picture. */
+/* Apart from shadows, distant light on a point depends on its normal only. So many candidates are sorted by normal along a
+ * space-filling curve and selected at even steps: the normals of the selection are distributed as those of the picture. */
 nqm_status nqm_spread_mesh(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o,
-                           nqm_surface_point *point, double *share, nqm_error *err) {
+                           nqm_surface_point *point, double *weight, nqm_error *err) {
     enum { MANY = 1 << 15 };
     size_t n = o->n_points > MANY ? o->n_points : MANY;
     double axes[9];
@@ -148,7 +147,7 @@ nqm_status nqm_spread_mesh(const nqm_shape *shape, const nqm_light *glow, const 
     if (status == NQM_OK) {
         qsort(found, n, sizeof *found, by_place);
         weigh(glow, axes + 6, n, found);
-        choose(found, n, random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, share);
+        choose(found, n, random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, weight);
     }
     nqm_free(found);
     return status;

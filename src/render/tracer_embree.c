@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rays against a mesh by Embree 3 (Wald et al. 2014, DOI 10.1145/2601097.2601199). Its threads are not used: rays come
- * from the threads that call. The SSE2 kernels are asked for, which use no fused operations, so that a scene is the
- * same on every processor; they cost a scene's making a few percent.
+ * Ray intersection with a mesh by Embree 3 (Wald et al. 2014, DOI 10.1145/2601097.2601199), single-threaded: the caller's
+ * threads trace the rays. The SSE2 kernels are selected because they use no fused operations, so that a scene is identical
+ * on every processor; creating a scene becomes a few percent slower.
  */
 #include "base/library.h"
 #include "render/render.h"
@@ -27,7 +27,7 @@
     X(rtcIntersect1)                                                                                                   \
     X(rtcOccluded1)
 
-/* Embree and the threads it stands on are loaded with the first mesh. */
+/* Embree and its threading library are loaded with the first mesh. */
 static struct { EMBREE_FUNCTIONS(NQM_LIBRARY_MEMBER) } embree;
 static const char *const names[] = {EMBREE_FUNCTIONS(NQM_LIBRARY_NAME)};
 static nqm_library library = NQM_LIBRARY(NQM_EMBREE_SONAME, names, embree);
@@ -76,7 +76,7 @@ nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_
     t->scene = t->device ? embree.rtcNewScene(t->device) : NULL;
     bool ok = t->scene != NULL;
     if (ok) {
-        embree.rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips between two triangles */
+        embree.rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST); /* no gaps between adjacent triangles */
         ok = add_triangles(t, mesh);
         embree.rtcCommitScene(t->scene);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * In place of tracer_embree.c in builds without Embree (NQM_EMBREE off): there are no meshes.
+ * Replaces tracer_embree.c in builds without Embree (NQM_EMBREE off), which have no meshes.
  */
 #include "render/render.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the viewer sees: the visible points of all frames of the turntable, either at the centres of pixels or spread
- * over the pictures (spread.c), with their local frames.
+ * The visible points of all frames of the turntable with their local frames, either at the centres of pixels or distributed
+ * over the pictures (spread.c).
  */
 #include "render/view.h"
 #include "math/math.h"
@@ -41,9 +41,9 @@ static void world_from_shape(const double *turn, const double *in_shape, double 
 
 /* ---- one point --------------------------------------------------------------------------------------------------- */
 
-/* The part of v across the unit vector n, scaled to unit length; its length is returned. Any direction across when there
- * is none. */
-static double part_across(const double *v, const double *n, double *across) {
+/* The component of v orthogonal to the unit vector n, normalised; returns its length. Any orthogonal direction if the length
+ * is 0. */
+static double orthogonal_part(const double *v, const double *n, double *across) {
     double along = nqm_dot3(v, n);
     for (int k = 0; k < 3; ++k)
         across[k] = v[k] - along * n[k];
@@ -57,12 +57,12 @@ static double part_across(const double *v, const double *n, double *across) {
     return length;
 }
 
-static void bend(const double *towards, double *normal) {
+static void limit_angle(const double *towards, double *normal) {
     const double limit = NQM_VIEW_MAX_DEG * NQM_PI / 180;
     if (nqm_dot3(normal, towards) >= cos(limit))
         return;
     double across[3];
-    part_across(normal, towards, across);
+    orthogonal_part(normal, towards, across);
     for (int k = 0; k < 3; ++k)
         normal[k] = cos(limit) * towards[k] + sin(limit) * across[k];
 }
@@ -70,8 +70,8 @@ static void bend(const double *towards, double *normal) {
 void nqm_surface_point_make(const nqm_hit *hit, const double *turn, const double *towards, nqm_surface_point *point) {
     double *tangent = point->frame, *bitangent = point->frame + 3, *normal = point->frame + 6;
     world_from_shape(turn, hit->normal, normal);
-    bend(towards, normal);
-    point->wo[0] = part_across(towards, normal, tangent);
+    limit_angle(towards, normal);
+    point->wo[0] = orthogonal_part(towards, normal, tangent);
     point->wo[1] = 0;
     point->wo[2] = nqm_dot3(towards, normal);
     nqm_cross3(normal, tangent, bitangent);
@@ -111,7 +111,7 @@ bool nqm_view_look(const nqm_view *v, double x, double y, nqm_surface_point *poi
 
 /* ---- pixels ------------------------------------------------------------------------------------------------------ */
 
-/* Rows of all frames, looked at in parallel: once to count, once to keep. */
+/* Rows of all frames are traced twice in parallel: first to count the visible points, then to store them. */
 typedef struct raster {
     const nqm_shape *shape;
     const nqm_scene_options *options;
@@ -154,43 +154,35 @@ static nqm_status see_pixels(const nqm_shape *shape, const nqm_scene_options *o,
     for (size_t row = 0; row < n_rows; ++row)
         r.first[row + 1] += r.first[row];
     seen->n = r.first[n_rows];
-    seen->point = nqm_alloc(seen->n, sizeof *seen->point);
-    seen->pixel = nqm_alloc(seen->n, sizeof *seen->pixel);
-    bool ok = seen->point && seen->pixel;
-    if (ok)
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->pixel, seen->n, sizeof *seen->pixel}), err);
+    if (status == NQM_OK)
         nqm_parallel_for(n_rows, keep_row, &r);
     nqm_free(r.first);
-    return ok ? NQM_OK : nqm_fail_nomem(err, seen->n * (sizeof *seen->point + sizeof *seen->pixel));
+    return status;
 }
 
-/* ---- all of it ---------------------------------------------------------------------------------------------------- */
+/* ---- entry -------------------------------------------------------------------------------------------------------- */
 
 static nqm_status see_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o, nqm_seen *seen,
                              nqm_error *err) {
+    nqm_status status = NQM_OK;
     seen->n = o->n_points;
-    seen->point = nqm_alloc(seen->n, sizeof *seen->point);
-    seen->share = shape->tracer ? nqm_alloc(seen->n, sizeof *seen->share) : NULL;
-    if (!seen->point || (shape->tracer && !seen->share))
-        return nqm_fail_nomem(err, seen->n * (sizeof *seen->point + sizeof *seen->share));
     if (shape->tracer)
-        return nqm_spread_mesh(shape, glow, o, seen->point, seen->share, err);
-    nqm_spread_sphere(o, seen->point);
-    return NQM_OK;
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->weight, seen->n, sizeof *seen->weight}),
+            err);
+    else if (!(seen->point = nqm_alloc(seen->n, sizeof *seen->point)))
+        status = nqm_fail_nomem(err, seen->n * sizeof *seen->point);
+    if (status == NQM_OK && shape->tracer)
+        status = nqm_spread_mesh(shape, glow, o, seen->point, seen->weight, err);
+    else if (status == NQM_OK)
+        nqm_spread_sphere(o, seen->point);
+    return status;
 }
 
 nqm_status nqm_view_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *options,
                            nqm_seen *seen_ret, nqm_error *err) {
     *seen_ret = (nqm_seen){0};
-    nqm_status status =
-        options->width ? see_pixels(shape, options, seen_ret, err) : see_points(shape, glow, options, seen_ret, err);
-    if (status != NQM_OK)
-        nqm_seen_clear(seen_ret);
-    return status;
-}
-
-void nqm_seen_clear(nqm_seen *seen) {
-    nqm_free(seen->point);
-    nqm_free(seen->pixel);
-    nqm_free(seen->share);
-    *seen = (nqm_seen){0};
+    return options->width ? see_pixels(shape, options, seen_ret, err) : see_points(shape, glow, options, seen_ret, err);
 }

@@ -90,10 +90,10 @@ static void bad_lists_are_refused(void **state) {
     } cases[] = {
         {"name,group,brdf,source,split\n", "no material"},
         {"name,group,brdf,split\na,a,sgd:nickel,train\n", "'source'"},
-        {"name,group,brdf,source,split\na,a,sgd:nickel,sgd,train\na,b,sgd:brass,sgd,train\n", "twice"},
+        {"name,group,brdf,source,split\na,a,sgd:nickel,sgd,train\na,b,sgd:brass,sgd,train\n", "not unique"},
         {"name,group,brdf,source,split\na,m,sgd:nickel,sgd,train\nb,m,ward:nickel,ward,test\n", "one split"},
         {"name,group,brdf,source,split\na,m,sgd:nickel,sgd,training\n", "'training'"},
-        {"name,group,brdf,source,split\na,,sgd:nickel,sgd,train\n", "lacks"},
+        {"name,group,brdf,source,split\na,,sgd:nickel,sgd,train\n", "has no name"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         nqm_corpus_list list;
@@ -236,7 +236,7 @@ static void a_seed_is_a_plan(void **state) {
 static void a_table_reads_like_its_source(void **state) {
     (void)state;
     nqm_brdf *source = open_brdf("ggx:kd=0.3,0.1,0;ks=1;alpha=0.1;f0=0.04"), *table;
-    assert_int_equal(nqm_corpus_tabulate(source, &table, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_tabulate(source, &table, NULL), NQM_OK);
     nqm_rng rng = nqm_rng_make(7, 0);
     double sum = 0;
     size_t n = 0;
@@ -270,7 +270,7 @@ static void folding_makes_reciprocal(void **state) {
     static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = free_nothing};
     nqm_brdf *brdf, *folded;
     assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, "lopsided", NULL, NULL, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_corpus_fold(brdf, true, &folded, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_fold(brdf, true, &folded, NULL), NQM_OK);
     nqm_rng rng = nqm_rng_make(3, 0);
     for (int i = 0; i < 200; ++i) {
         const double hd[3] = {0.7 * nqm_rng_uniform(&rng), 0.7 * nqm_rng_uniform(&rng), 3.1 * nqm_rng_uniform(&rng)};

@@ -128,7 +128,7 @@ static void bowl_of_white(void **state) {
         double *rgb = render(scene, "lambert:kd=1,1,1"), mean = 0, expected = bounce ? 75 : 50;
         for (size_t i = 0; i < scene->seen.n; ++i) {
             assert_relative(rgb[3 * i], expected, 0.12);
-            mean += rgb[3 * i] * scene->seen.share[i];
+            mean += rgb[3 * i] * scene->seen.weight[i];
         }
         assert_relative(mean, expected, 0.01);
         nqm_free(rgb);
@@ -204,7 +204,7 @@ static void equal_brdfs_give_exactly_zero(void **state) {
         assert_true(nqm_scene_delta_e(scene, a, b) == 0);
         nqm_scene_delta_e_map(scene, a, c, map);
         for (size_t k = 0; k < scene->seen.n; ++k)
-            sum += map[k] * (scene->seen.share ? scene->seen.share[k] : 1 / (double)scene->seen.n);
+            sum += map[k] * (scene->seen.weight ? scene->seen.weight[k] : 1 / (double)scene->seen.n);
         assert_true(sum > 0);
         assert_relative(nqm_scene_delta_e(scene, a, c), sum, 1e-12);
         nqm_free(a);
@@ -318,7 +318,7 @@ static void kept_or_not_is_the_same(void **state) {
     nqm_scene *scene = make_scene(&o);
     double *kept = render(scene, "sgd:nickel");
     for (size_t i = 0; i < scene->seen.n; ++i)
-        nqm_incident_clear(&scene->kept[i]);
+        nqm_free(scene->kept[i].ray);
     nqm_free(scene->kept);
     scene->kept = NULL;
     double *made = render(scene, "sgd:nickel");

@@ -132,7 +132,7 @@ static void cells_and_directions(void **state) {
     }
     assert_near(sphere, 4 * NQM_PI, 1e-10);
     assert_near(power, 8 * NQM_PI, 1e-10);
-    nqm_light_clear(&light);
+    nqm_free(light.rgb);
     /* The axes as the header states them: middle of the map is -z, up is +y, the right edge of the middle row's centre
      * +x. */
     double w[3];
@@ -165,7 +165,7 @@ static void filtering_keeps_the_power(void **state) {
         for (size_t cell = 0; cell < CELLS; ++cell)
             power += nqm_luminance(light.rgb + 3 * cell) * light.solid_angle[cell / WIDTH];
         assert_near(power, expected, 1e-9 * expected + 1e-12);
-        nqm_light_clear(&light);
+        nqm_free(light.rgb);
         nqm_free(image.rgb);
     }
 }
@@ -227,7 +227,7 @@ static void sphere_under_a_small_lamp(void **state) {
                     0.01 * expected + 0.005 * flux); /* the lamp is 3 degrees wide: the terminator is soft */
         assert_near(set.irradiance[1], sum, 1e-9 * flux);
     }
-    nqm_light_clear(&lamp);
+    nqm_free(lamp.rgb);
     nqm_scene_free(scene);
 }
 
@@ -272,7 +272,7 @@ static void microfacets_under_constant_light(void **state) {
         assert_relative(sum / 8, row[2], 0.01);
         nqm_brdf_free(brdf);
     }
-    nqm_light_clear(&white);
+    nqm_free(white.rgb);
 }
 
 /* Light reflected by the BRDF, as a plain sum over the map with every cell split. */
@@ -314,7 +314,7 @@ static void microfacets_under_the_sky(void **state) {
         }
         nqm_brdf_free(brdf);
     }
-    nqm_light_clear(&sky);
+    nqm_free(sky.rgb);
     nqm_scene_free(scene);
 }
 
@@ -342,7 +342,7 @@ static void no_fireflies(void **state) {
     for (uint64_t seed = 0; seed < 500; ++seed)
         max = fmax(max, largest_share(&light, &point, seed));
     assert_true(max < 0.1);
-    nqm_light_clear(&light);
+    nqm_free(light.rgb);
 }
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
@@ -364,7 +364,7 @@ static void labels_repeat(void **state) {
     nqm_scene_options standard = nqm_scene_options_default();
     nqm_scene *first = make_scene(NULL, standard.n_points, 0, 1);
     nqm_scene *second = make_scene(NULL, standard.n_points, 0, 2);
-    nqm_scene *finer = make_scene(NULL, 2 * standard.n_points, 2 * nqm_scene_options_lights(&standard), 3);
+    nqm_scene *finer = make_scene(NULL, 2 * standard.n_points, 2 * nqm_scene_n_lights(&standard), 3);
     for (size_t i = 0; i < sizeof pair / sizeof *pair; ++i) {
         const double *p = pair[i];
         nqm_brdf *ref = make_gloss(p[0], p[1], p[2]), *test = make_gloss(p[3], p[4], p[5]);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm dataset - make a training corpus from a list of materials. Started by mpirun or
- * srun, all ranks work and the first writes the dataset.
+ * srun, all processes share the work and the first writes the dataset.
  */
+#include "label/corpus.h"
 #include "nqm/label/scene_args.h"
 
 #include <string.h>
@@ -10,12 +11,12 @@
 #include <unistd.h>
 
 typedef struct arguments {
-    const char *output, *directions, *only;
+    const char *output, *directions;
     bool json;
     size_t count; /* of processes */
 } arguments;
 
-/* Name what could not be made: a corpus without it is still one, but its maker must know. */
+/* Report the tests that failed; the dataset is valid without them. */
 static void print_failures(const json_t *manifest) {
     const char *kind;
     json_t *row;
@@ -48,11 +49,6 @@ static int print_summary(const char *path, const arguments *a) {
     return EXIT_OK;
 }
 
-static int parse_part(const char *text, nqm_corpus_part *part) {
-    *part = strcmp(text, "test") == 0 ? NQM_CORPUS_TEST : NQM_CORPUS_TRAINING;
-    return strcmp(text, "test") == 0 || strcmp(text, "train,validation") == 0;
-}
-
 static int build(const char *materials, const arguments *a, const nqm_corpus_options *corpus) {
     nqm_error err = {0};
     nqm_directions *directions;
@@ -61,7 +57,7 @@ static int build(const char *materials, const arguments *a, const nqm_corpus_opt
     nqm_status status = nqm_corpus_build(materials, directions, corpus, a->output, &err);
     nqm_directions_free(directions);
     if (status == NQM_ERR_CANCELLED && corpus->checkpoint)
-        return report("dataset", EXIT_INTERRUPTED, "stopped; the same command goes on from %s", corpus->checkpoint);
+        return report("dataset", EXIT_INTERRUPTED, "stopped; the same command continues from %s", corpus->checkpoint);
     if (status != NQM_OK)
         return report_error("dataset", &err);
     if (corpus->work_only)
@@ -71,11 +67,12 @@ static int build(const char *materials, const arguments *a, const nqm_corpus_opt
 
 static int run(const char *argument, const arguments *a, const nqm_corpus_options *corpus) {
     if (!a->output)
-        return report("dataset", EXIT_USAGE, "say where the corpus goes: -o FILE");
+        return report("dataset", EXIT_USAGE, "give the file of the dataset: -o FILE");
     if (!a->directions)
-        return report("dataset", EXIT_USAGE, "say where to sample: --directions FILE (`nqm directions` makes one)");
+        return report("dataset", EXIT_USAGE,
+                      "give the sampling directions: --directions FILE (`nqm directions` makes one)");
     if (a->count > 1 && !corpus->checkpoint)
-        return report("dataset", EXIT_USAGE, "%zu processes need a folder to share: --work DIR", a->count);
+        return report("dataset", EXIT_USAGE, "%zu processes need a shared folder: --work DIR", a->count);
     return build(argument, a, corpus);
 }
 
@@ -84,11 +81,11 @@ static int run(const char *argument, const arguments *a, const nqm_corpus_option
 typedef struct log_state {
     bool begun;
     time_t begin;
-    double first; /* done before this run */
+    double first; /* tests done before this run */
     int percent;
 } log_state;
 
-/* For a log file: a line every percent, with the time left at the pace of this run. */
+/* For log files: one line per percent, with the estimated remaining time. */
 static int log_progress(void *user, const char *stage, double done, double total) {
     log_state *log = user;
     int now = total > 0 ? (int)(100 * done / total) : 0;
@@ -104,7 +101,7 @@ static int log_progress(void *user, const char *stage, double done, double total
     return interrupted();
 }
 
-/* For all processes but the first. */
+/* For all processes except the first. */
 static int quiet_progress(void *user, const char *stage, double done, double total) {
     (void)user, (void)stage, (void)done, (void)total;
     return interrupted();
@@ -112,65 +109,38 @@ static int quiet_progress(void *user, const char *stage, double done, double tot
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
+enum { MAX_ROWS = 32 };
+
+/* The rows of the corpus and those of its scene; --seed is the seed of the corpus. */
+static nqm_option_table corpus_and_scene(nqm_option rows[MAX_ROWS]) {
+    nqm_option_table table = {.rows = rows};
+    for (; table.n < nqm_corpus_option_table.n; ++table.n)
+        rows[table.n] = nqm_corpus_option_table.rows[table.n];
+    for (size_t i = 0; i < nqm_scene_option_table.n && table.n < MAX_ROWS; ++i, ++table.n) {
+        rows[table.n] = nqm_scene_option_table.rows[i];
+        rows[table.n].offset += offsetof(nqm_corpus_options, scene);
+        if (strcmp(rows[table.n].key, "seed") == 0)
+            rows[table.n].name = "scene-seed";
+    }
+    return table;
+}
+
 int cmd_dataset(int argc, char **argv) {
     nqm_corpus_options corpus = nqm_corpus_options_default();
-    arguments a = {.only = "train,validation"};
+    arguments a = {0};
     ranks r = my_ranks();
-    scene_args scene = scene_args_begin();
-    const char *default_size = scene.size;
-    uint64_t n_perturbations = corpus.n_perturbations;
+    scene_args scene = {0};
     log_state state = {0};
     bool log = false;
-    scene.n_points = scene.scene.n_points;
-    option options[11 + N_SCENE_OPTIONS] = {
-        {.name = "output",
-         .letter = 'o',
-         .kind = OPTION_TEXT,
-         .target = &a.output,
-         .metavar = "FILE",
-         .help = "the dataset to write; FILE.json gets its manifest"},
-        {.name = "directions",
-         .kind = OPTION_TEXT,
-         .target = &a.directions,
-         .metavar = "CSV",
-         .help = "where to sample, from `nqm directions`"},
-        {.name = "only",
-         .kind = OPTION_TEXT,
-         .target = &a.only,
-         .metavar = "SPLITS",
-         .help = "'train,validation' or 'test'"},
-        {.name = "root",
-         .kind = OPTION_TEXT,
-         .target = &corpus.root,
-         .metavar = "DIR",
-         .help = "where relative paths start (default: the list's folder)"},
-        {.name = "work",
-         .kind = OPTION_TEXT,
-         .target = &corpus.checkpoint,
-         .metavar = "DIR",
-         .help = "keep finished material groups here, and go on from them; processes that share it share the work"},
-        {.name = "models",
-         .kind = OPTION_TEXT,
-         .target = &corpus.models,
-         .metavar = "NAMES",
-         .help = "encode references by these models of `nqm fit` only, with commas (default: all)"},
-        {.name = "perturbations",
-         .kind = OPTION_COUNT,
-         .target = &n_perturbations,
-         .metavar = "N",
-         .help = "perturbed copies a reference",
-         .min = 0,
-         .max = 1000},
-        {.name = "seed",
-         .kind = OPTION_COUNT,
-         .target = &corpus.seed,
-         .metavar = "N",
-         .help = "of the perturbations and of the fits"},
-        {.name = "log",
-         .kind = OPTION_FLAG,
-         .target = &log,
-         .help = "progress as lines on standard error, for log files"},
-        {.name = "json", .kind = OPTION_FLAG, .target = &a.json, .help = "print the manifest as JSON"},
+    nqm_option rows[MAX_ROWS];
+    const nqm_option_table table = corpus_and_scene(rows);
+    const option options[] = {
+        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "the dataset to write; its manifest is written to FILE.json", 0,
+         0},
+        {"directions", 0, OPTION_TEXT, &a.directions, "CSV", "sampling directions, from `nqm directions`", 0, 0},
+        {"log", 0, OPTION_FLAG, &log, NULL, "progress as lines on standard error, for log files", 0, 0},
+        {"json", 0, OPTION_FLAG, &a.json, NULL, "print the manifest as JSON", 0, 0},
+        OPTION_ROW_SIZE(&scene),
         {0}};
     const command cmd = {
         .name = "dataset",
@@ -179,33 +149,29 @@ int cmd_dataset(int argc, char **argv) {
             "Make a dataset for `nqm train`: encodings, published fits, other forms of the same material and\n"
             "perturbations of every reference, labelled by rendering. MATERIALS.csv has the columns name, group, "
             "brdf,\n"
-            "source and split. Test materials go to a file of their own (--only test). Started by mpirun, all ranks\n"
-            "work on it; they must see the same --work folder.",
+            "source and split. Test materials are written to a separate file (--only test). Started by mpirun, all\n"
+            "processes share the work; all of them need access to the --work folder.",
         .example =
             "models/scan.py data > materials.csv\n"
             "nqm dataset materials.csv --root data --directions directions.csv -o corpus.safetensors --work work\n"
             "nqm dataset materials.csv --root data --directions directions.csv --only test -o test.safetensors\n"
             "mpirun -n 8 nqm dataset materials.csv --directions directions.csv -o corpus.safetensors --work work",
         .options = options,
+        .table = &table,
+        .table_target = &corpus,
         .min_arguments = 1,
         .max_arguments = 1,
     };
     int n_arguments, exit_code;
-    scene_args_table(&scene, options);
-    for (option *o = options; o->name; ++o) /* --seed is that of the corpus */
-        if (o->target == &scene.scene.seed)
-            o->name = "scene-seed";
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
-    if (!parse_part(a.only, &corpus.part))
-        return report("dataset", EXIT_USAGE, "--only takes 'train,validation' or 'test', not '%s'", a.only);
-    if (scene.size != default_size) /* a picture instead of points */
-        scene.n_points = 0;
+    scene.scene = corpus.scene;
+    if (scene.size) /* a picture instead of points */
+        scene.scene.n_points = 0;
     exit_code = scene_args_end("dataset", &scene);
     if (exit_code != EXIT_OK)
         return exit_code;
     corpus.scene = scene.scene;
-    corpus.n_perturbations = (size_t)n_perturbations;
     corpus.work_only = r.rank > 0;
     corpus.progress = r.rank > 0 ? quiet_progress : log ? log_progress : show_progress;
     corpus.progress_user = &state;

@@ -10,7 +10,7 @@
 
 static const char group_mark[] = "+";
 
-/* The items of the arguments; groups are parted by '+'. */
+/* Read the arguments: groups of a reference and its tests, separated by '+'. */
 static int read_items(label_run *run, int n_arguments, char **argv) {
     run->items = calloc((size_t)n_arguments, sizeof *run->items);
     if (!run->items)
@@ -19,7 +19,7 @@ static int read_items(label_run *run, int n_arguments, char **argv) {
     for (int i = 0; i < n_arguments; ++i) {
         if (strcmp(argv[i], group_mark) == 0) {
             if (reference == run->n_items || i + 1 == n_arguments)
-                return report("label", EXIT_USAGE, "a '+' stands between a test and another reference");
+                return report("label", EXIT_USAGE, "a '+' must be between a test and another reference");
             reference = run->n_items;
             continue;
         }
@@ -29,7 +29,7 @@ static int read_items(label_run *run, int n_arguments, char **argv) {
     }
     for (size_t i = 0; i < run->n_items; ++i)
         if (run->items[i].reference == i && (i + 1 == run->n_items || run->items[i + 1].reference != i))
-            return report("label", EXIT_USAGE, "%s: a reference without a test", run->items[i].name);
+            return report("label", EXIT_USAGE, "%s: this reference has no test", run->items[i].name);
     return EXIT_OK;
 }
 
@@ -43,18 +43,18 @@ static int run_label(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i)
         if (run->items[i].err.status != NQM_OK) {
             int code = report_error("label", &run->items[i].err);
-            exit_code = exit_code == EXIT_OK ? code : exit_code; /* the first fault decides */
+            exit_code = exit_code == EXIT_OK ? code : exit_code; /* of the first error */
         }
     return exit_code;
 }
 
-/* What the options must have in common. */
+/* Check options that depend on each other. */
 static int check_label(label_run *run, uint64_t shrink) {
     bool pictures = run->map || run->grid || run->keep;
     run->shrink = (size_t)shrink;
     run->keep_rgb = pictures;
     if (pictures && !run->scene_options.width)
-        return report("label", EXIT_USAGE, "--points makes no pictures for --map, --grid and --keep-renders");
+        return report("label", EXIT_USAGE, "--map, --grid and --keep-renders need pictures: leave out --points");
     if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
         return report("label", EXIT_USAGE, "--shrink must divide the size of the picture");
     return EXIT_OK;
@@ -65,30 +65,33 @@ int cmd_label(int argc, char **argv) {
     uint64_t shrink = 1;
     label_run run = {0};
     scene_args scene = scene_args_begin();
-    option options[10 + N_SCENE_OPTIONS] = {
-        {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, a row a test", 0, 0},
+    const option options[] = {
+        {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, one row per test", 0,
+         0},
         {"grid", 0, OPTION_TEXT, &run.grid, "FILE.png", "draw each reference and its tests in a row", 0, 0},
         {"rows", 0, OPTION_TEXT, &run.rows, "A,B,...", "titles of the rows of a figure", 0, 0},
         {"columns", 0, OPTION_TEXT, &run.columns, "A,B,...", "titles of its columns", 0, 0},
-        {"shrink", 0, OPTION_COUNT, &shrink, "N", "N x N rendered pixels become one of a figure", 1, 16},
-        {"keep-renders", 0, OPTION_TEXT, &run.keep, "DIR", "write every picture (.exr, .png) and difference there", 0,
-         0},
+        {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one of a figure", 1, 16},
+        {"keep-renders", 0, OPTION_TEXT, &run.keep, "DIR",
+         "write every picture (.exr, .png) and difference to this folder", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
-        {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
-    };
-    scene_args_table(&scene, options);
+        {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one per line", 0, 0},
+        OPTION_ROW_SIZE(&scene),
+        {0}};
     const command cmd = {
         .name = "label",
         .usage = "REF TEST... [+ REF TEST...]... [options]",
         .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP\n"
-                 "(ITU-R BT.2124), and the JOD that the published curve gives for it. This is how training labels are\n"
-                 "made; `nqm score` predicts them without rendering. A '+' begins another reference. doc/labels.md.",
+                 "(ITU-R BT.2124), and the JOD of the published curve. These are the labels of training corpora;\n"
+                 "`nqm score` predicts them without rendering. A '+' starts another reference. doc/labels.md.",
         .example = "nqm label sgd:nickel ward:nickel\n"
                    "nqm label measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr --json\n"
                    "nqm label sgd:nickel ward:nickel --map difference.png --keep-renders renders\n"
                    "nqm label sgd:nickel ward:nickel + sgd:gold-paint ward:gold-paint --grid grid.png",
         .options = options,
+        .table = &nqm_scene_option_table,
+        .table_target = &scene.scene,
         .min_arguments = 2,
         .max_arguments = -1,
     };

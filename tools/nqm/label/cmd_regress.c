@@ -72,7 +72,8 @@ int cmd_regress(int argc, char **argv) {
         .usage = "LABELS.csv [options]",
         .about =
             "Fit the curve from Delta-E ITP to JOD to human scores by least squares (Levenberg-Marquardt, several\n"
-            "starts). LABELS.csv needs a header with the columns DeltaE and JOD, in any order; others are ignored.",
+            "starts). LABELS.csv needs a header with the columns DeltaE and JOD, in any order; other columns are "
+            "ignored.",
         .example = "nqm regress labels_real.csv --json",
         .options = options,
         .min_arguments = 1,

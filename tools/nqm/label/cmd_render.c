@@ -24,8 +24,8 @@ static const char *ending_of(const char *path) {
     return dot && dot > (slash ? slash : path) ? dot : path + strlen(path);
 }
 
-/* The file of a frame, from 1: "%d" or "%04d" in the name stands for its number; without it "-0001" stands before the
- * ending where there are several. */
+/* The file of a frame, counted from 1: its number replaces "%d" or "%04d" in the name; without them "-0001" is inserted before
+ * the ending if there are several frames. */
 static void frame_path(const render_run *run, size_t frame, char *path, size_t n_path) {
     const char *mark = strchr(run->output, '%'), *ending = ending_of(run->output);
     size_t n_digits = mark ? strspn(mark + 1, "0123456789") : 0;
@@ -44,7 +44,7 @@ static void frame_path(const render_run *run, size_t frame, char *path, size_t n
              digits > 9 ? 9 : digits, frame, rest);
 }
 
-/* Mean and maximum of luminance where the shape shows. */
+/* Mean and maximum of luminance over the pixels of the shape. */
 static json_t *json_light(const render_run *run) {
     double sum = 0, most = 0;
     size_t n = nqm_scene_count(run->made);
@@ -95,7 +95,7 @@ static int run_render(render_run *run) {
                                 (json_int_t)run->supersample, "luminance_cdm2", json_light(run), "files", files));
 }
 
-/* White behind pictures to look at, black behind pictures to compute with. */
+/* Default background: white in PNGs, black in pictures of cd/m2. */
 static int choose_backdrop(const char *word, const char *output, backdrop *kind) {
     static const choice choices[] = {
         {"white", BACKDROP_WHITE}, {"black", BACKDROP_BLACK}, {"light", BACKDROP_LIGHT}, {NULL, 0}};
@@ -110,25 +110,26 @@ int cmd_render(int argc, char **argv) {
     scene_args scene = scene_args_begin();
     const char *background = NULL;
     uint64_t supersample = 2;
-    option options[5 + N_SCENE_OPTIONS] = {
+    const option options[] = {
         {"output", 'o', OPTION_TEXT, &run.output, "FILE",
          ".png (tone-mapped), .exr or .hdr (cd/m2); several frames: %d or -0001", 0, 0},
         {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
-        {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points a pixel", 1, 16},
+        {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points per pixel", 1, 16},
         {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
-    };
-    scene_args_table(&scene, options);
+        OPTION_ROW_SIZE(&scene),
+        {0}};
     const command cmd = {
         .name = "render",
         .usage = "BRDF -o FILE [options]",
         .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows\n"
-                 "twice the exposure as its white, with highlights bent smoothly towards it. doc/labels.md says what\n"
-                 "the scene is made of.",
+                 "twice the exposure as white and compresses highlights smoothly. doc/labels.md describes the scene.",
         .example = "nqm render sgd:nickel -o nickel.png\n"
                    "nqm render measured.bsdf -o turn-%03d.png --shape bunny.ply --light probe.exr --frames 36 "
                    "--elevation 15\n"
                    "nqm render ggx:kd=.1,.1,.1;alpha=.2 -o blob.exr --shape blob --interreflection --size 640x480",
         .options = options,
+        .table = &nqm_scene_option_table,
+        .table_target = &scene.scene,
         .min_arguments = 1,
         .max_arguments = 1,
     };
@@ -136,14 +137,14 @@ int cmd_render(int argc, char **argv) {
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
     if (!run.output)
-        return report("render", EXIT_USAGE, "say where the picture goes: -o FILE");
+        return report("render", EXIT_USAGE, "give the file of the picture: -o FILE");
     exit_code = choose_backdrop(background, run.output, &run.backdrop);
     if (exit_code == EXIT_OK)
         exit_code = scene_args_end("render", &scene);
     if (exit_code != EXIT_OK)
         return exit_code;
     if (!scene.scene.width)
-        return report("render", EXIT_USAGE, "--points makes no picture");
+        return report("render", EXIT_USAGE, "--points renders no picture");
     run.brdf = argv[0];
     run.scene = scene.scene;
     run.supersample = (size_t)supersample;

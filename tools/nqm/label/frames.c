@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * From the points of a scene to pictures, and short names for captions and files.
+ * Pictures of the points of a scene, and short names for captions and files.
  */
 #include "nqm/label/frames.h"
+#include "render/render.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * frames.h - the points of a scene as pictures of its frames, for the verbs that render; names of what was rendered.
+ * frames.h - pictures of the frames of a scene from its points, and short names of BRDFs, for the verbs that render.
  */
 #ifndef NQM_TOOL_FRAMES_H
 #define NQM_TOOL_FRAMES_H
@@ -10,23 +10,22 @@
 
 typedef enum backdrop { BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_LIGHT } backdrop;
 
-/** A blank picture of one frame: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve shows
- *  as white. NULL when out of memory. */
+/** A background of one frame: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to white.
+ *  NULL: out of memory. */
 double *make_backdrop(const nqm_scene *scene, const nqm_scene_options *o, backdrop kind);
-/** Copy the backdrop and put the points of a frame on it. rgb_cdm2: (points, 3) as rendered; picture (height, width,
- *  3). */
+/** Copy the background and write the points of a frame over it. rgb_cdm2: (points, 3); picture (height, width, 3). */
 void frame_picture(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *blank,
                    const double *rgb_cdm2, double *picture);
-/** The same for a number a point: map (height, width), NaN beside the shape. */
+/** The same for one value per point: map (height, width), NaN outside the shape. */
 void frame_map(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *values, double *map);
 
 /** Open a BRDF and render it: rgb_cdm2 (points, 3). */
 nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, nqm_error *err);
-/** A tone curve whose white is twice the exposure, as the library's is for the default exposure. */
+/** A tone curve whose white is twice the exposure. */
 nqm_tone tone_of(const nqm_scene_options *o);
 
-/** A few words for a BRDF argument: a file's name without folders and ending, a material of an archive, a preset, the
- *  model of a spec. */
+/** A short name of a BRDF argument: a file's name without folders and ending, the material in an archive, a preset, or the model
+ *  of a spec. */
 void short_name(const char *argument, char *name, size_t n_name);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * label.h - a run of nqm label: groups of a reference and its tests, what was rendered, and its forms of output.
+ * label.h - a run of nqm label: groups of a reference and its tests, their renderings, and the output.
  */
 #ifndef NQM_TOOL_LABEL_H
 #define NQM_TOOL_LABEL_H
@@ -8,13 +8,13 @@
 #include "nqm/label/frames.h"
 #include "nqm/label/scene_args.h"
 
-/** A BRDF of the command line. Items stand in its order; a group begins with its reference. */
+/** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {
     const char *name;
-    size_t reference;    /* index of the group's reference; its own for a reference */
-    double delta_e, jod; /* NaN where the test could not be rendered, and for references */
+    size_t reference;    /* index of the group's reference (of itself for a reference) */
+    double delta_e, jod; /* NaN for references and for tests that could not be rendered */
     nqm_error err;
-    double *rgb_cdm2; /* (points, 3); NULL once it is of no further use */
+    double *rgb_cdm2; /* (points, 3); NULL after it has been compared, unless keep_rgb */
 } label_item;
 
 typedef struct label_run {
@@ -23,15 +23,15 @@ typedef struct label_run {
     size_t n_items, n_groups;
     label_item *items;
     result_format format;
-    bool keep_rgb; /* for pictures; else what was rendered is freed at once */
-    /* figures; NULL: not wanted */
+    bool keep_rgb; /* for pictures: renderings of tests are not freed after the comparison */
+    /* figures; NULL: none */
     const char *map, *grid, *keep;
     const char *rows, *columns; /* titles, separated by commas */
     size_t shrink;
 } label_run;
 
-/** Make the scene of run->scene_options, render the items and compare each test with its reference; faults of tests stand
- *  in their items. EXIT_OK, or the fault is reported and its exit code returned. free_labels() in any case. */
+/** Make the scene of run->scene_options, render the items and compare each test with its reference; errors of tests are
+ *  stored in their items. Returns EXIT_OK, or reports the error and returns its exit code. Call free_labels() in any case. */
 int make_labels(const char *verb, label_run *run);
 /** Free the items and the scene. */
 void free_labels(label_run *run);
@@ -40,7 +40,7 @@ void free_labels(label_run *run);
 json_t *json_labels(const label_run *run);
 /** Results on standard output. */
 int print_labels(const label_run *run);
-/** Draw the figures and keep the renders that were asked for. */
+/** Draw the requested figures and write the requested renderings. */
 int draw_labels(const label_run *run);
 
 #endif

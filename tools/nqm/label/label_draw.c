@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The figures of nqm label, of the first frame: a row a test (reference, test, map of Delta-E), or a row a reference
- * (reference and its tests); and every frame as a file of its own.
+ * The figures of nqm label, of the first frame: one row per test (reference, test, map of Delta-E), or one row per reference
+ * (reference and its tests); and every frame as a file.
  */
 #include "nqm/label/label.h"
 
@@ -13,11 +13,11 @@
 
 enum { MAX_CELLS = 64, MAX_TITLES = 2048 };
 
-/* What the figures show of an item. */
+/* Picture, map and texts of an item. */
 typedef struct view {
     char name[128], caption[64];
-    double *picture; /* (height, width, 3); NULL where the item failed */
-    double *map;     /* (height, width); NULL for references too */
+    double *picture; /* (height, width, 3); NULL: the item failed */
+    double *map;     /* (height, width); NULL also for references */
 } view;
 
 typedef struct drawing {
@@ -65,7 +65,7 @@ static bool make_views(drawing *d) {
     return true;
 }
 
-/* Cut a copy of a list at its commas: titles (n). Those that the list lacks stay as they are. */
+/* Split a copy of a list at its commas into titles (n). Titles missing in the list are unchanged. */
 static void cut_titles(const char *list, char copy[MAX_TITLES], size_t n, const char **titles) {
     snprintf(copy, MAX_TITLES, "%s", list ? list : "");
     char *p = list ? copy : NULL;
@@ -89,7 +89,7 @@ static nqm_figure figure_of(const drawing *d, size_t n_rows, size_t n_columns, c
                         .tone = tone_of(o)};
 }
 
-/* A row a test: reference, test, map. */
+/* One row per test: reference, test, map. */
 static nqm_status draw_map(const drawing *d, nqm_error *err) {
     const label_run *run = d->run;
     nqm_panel panels[3 * MAX_CELLS] = {0};
@@ -122,7 +122,7 @@ static size_t count_columns(const label_run *run) {
     return most;
 }
 
-/* A row a group: the reference and its tests. Columns are named by --columns, else after the first group's tests. */
+/* One row per group: the reference and its tests. Column titles come from --columns, else from the tests of the first group. */
 static nqm_status draw_grid(const drawing *d, nqm_error *err) {
     const label_run *run = d->run;
     size_t n_columns = count_columns(run), row = 0;
@@ -150,7 +150,7 @@ static nqm_status draw_grid(const drawing *d, nqm_error *err) {
     return status;
 }
 
-/* DIR/NN-name[-frame]SUFFIX: the number keeps names apart that are shortened alike. */
+/* DIR/NN-name[-frame]SUFFIX: the number distinguishes equal short names. */
 static void keep_path(const drawing *d, size_t i, size_t frame, const char *suffix, char *path, size_t n_path) {
     char name[sizeof d->views->name], number[32] = "";
     snprintf(name, sizeof name, "%s", d->views[i].name);
@@ -190,7 +190,7 @@ static nqm_status keep_renders(const drawing *d, nqm_error *err) {
     nqm_status status = NQM_OK;
     if (mkdir(d->run->keep, 0777) != 0 && errno != EEXIST) {
         *err = (nqm_error){.status = NQM_ERR_IO, .byte_offset = -1};
-        snprintf(err->message, sizeof err->message, "%s: cannot make the folder: %s", d->run->keep, strerror(errno));
+        snprintf(err->message, sizeof err->message, "%s: cannot create the folder: %s", d->run->keep, strerror(errno));
         return NQM_ERR_IO;
     }
     for (size_t i = 0; i < d->run->n_items; ++i)
@@ -208,7 +208,7 @@ static nqm_status draw_all(drawing *d, nqm_error *err) {
     nqm_status status = run->map ? draw_map(d, err) : NQM_OK;
     if (status == NQM_OK && run->grid)
         status = draw_grid(d, err);
-    if (status == NQM_OK && run->keep) /* last: it uses the views for other frames */
+    if (status == NQM_OK && run->keep) /* last, because it overwrites the views with other frames */
         status = keep_renders(d, err);
     return status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What nqm label prints: a table, JSON, CSV, or bare numbers.
+ * Output of nqm label: a table, JSON, CSV, or JODs only.
  */
 #include "nqm/label/label.h"
 
@@ -15,7 +15,7 @@ static const char *reference_of(const label_run *run, size_t i) {
 /* Mean luminance of the picture of a reference, cd/m2 (weights of BT.709). */
 static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
     size_t n = nqm_scene_count(run->scene);
-    const double *weight = nqm_scene_shares(run->scene);
+    const double *weight = nqm_scene_weights(run->scene);
     double sum = 0;
     for (size_t i = 0; i < n; ++i)
         sum += (weight ? weight[i] : 1 / (double)n) *
@@ -75,7 +75,7 @@ int print_labels(const label_run *run) {
         if (is_test(run, i))
             print_test(run, &run->items[i]);
         else if (run->format == FORMAT_TEXT)
-            printf("%9s  %6s  %-20s  test, rendered beside %s\n", "Delta-E", "JOD", "", run->items[i].name);
+            printf("%9s  %6s  %-20s  test, compared with %s\n", "Delta-E", "JOD", "", run->items[i].name);
     }
     return fflush(stdout) == 0 ? EXIT_OK : EXIT_OPEN;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * From names of BRDFs to labels: the scene, each picture, and its Delta-E ITP from that of its reference.
+ * Labels of BRDFs: create the scene, render each BRDF, and compute its Delta-E ITP to its reference.
  */
 #include "nqm/label/label.h"
 
@@ -16,7 +16,7 @@ static nqm_status render_item(const label_run *run, label_item *item) {
     return NQM_ERR_NOMEM;
 }
 
-/* Render item i and compare it with its reference. Faults of tests stay in the item. */
+/* Render item i and compare it with its reference. Errors of tests are stored in the item. */
 static nqm_status label_item_at(label_run *run, size_t i) {
     label_item *item = &run->items[i], *reference = &run->items[item->reference];
     nqm_status status = render_item(run, item);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which of several processes this one is, as launchers tell the processes that they start: Open MPI's mpirun, those of
- * MPICH's kind (PMI), Slurm's srun. nqm needs no MPI library: its processes meet in a folder of finished work.
+ * Rank and number of processes from the environment variables of launchers: Open MPI's mpirun, MPICH and compatible ones
+ * (PMI), Slurm's srun. nqm needs no MPI library: its processes share a folder.
  */
 #include "nqm/tool.h"
 

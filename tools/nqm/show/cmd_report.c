@@ -154,7 +154,7 @@ int cmd_report(int argc, char **argv) {
     report_run run = {.scores = {.options = nqm_score_options_default()}};
     scene_args scene = scene_args_begin();
     scene.size = "400"; /* sharp on paper */
-    option options[9 + N_SCENE_OPTIONS] = {
+    const option options[] = {
         {"output", 'o', OPTION_TEXT, &output, "FILE.html", "the page", 0, 0},
         {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
         {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]",
@@ -164,8 +164,8 @@ int cmd_report(int argc, char **argv) {
         OPTION_ROW_MIN_VALID(&run.scores.options.min_valid_fraction),
         {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
-    };
-    scene_args_table(&scene, options);
+        OPTION_ROW_SIZE(&scene),
+        {0}};
     const command cmd = {
         .name = "report",
         .usage = "REF TEST... -o FILE.html [options]",
@@ -178,6 +178,8 @@ int cmd_report(int argc, char **argv) {
                    "nqm report measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr -o fits.html\n"
                    "nqm report sgd:nickel ward:nickel abc:nickel --title 'Three models of nickel' -o nickel.html",
         .options = options,
+        .table = &nqm_scene_option_table,
+        .table_target = &scene.scene,
         .min_arguments = 2,
         .max_arguments = -1,
     };

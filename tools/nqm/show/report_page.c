@@ -191,7 +191,7 @@ static void put_scene(const report_page *page) {
          "%s under %s, %zu \xc3\x97 %zu pixels, %zu light directions per point, a white surface at %.6g cd/m\xc2\xb2, "
          "peak %.6g cd/m\xc2\xb2, seed %zu",
          json_string_value(json_object_get(scene, "shape")), json_string_value(json_object_get(scene, "light")),
-         o->width, o->height, nqm_scene_options_lights(o), o->exposure_cdm2, o->peak_cdm2, o->seed);
+         o->width, o->height, nqm_scene_n_lights(o), o->exposure_cdm2, o->peak_cdm2, o->seed);
     if (o->turn_rad != 0 || o->elevation_rad != 0)
         html(page->out, ", turned by %.6g\xc2\xb0, seen from %.6g\xc2\xb0",
              json_real_value(json_object_get(scene, "turn")), json_real_value(json_object_get(scene, "elevation")));

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * How a corpus reads the forms of a material. Folded: in half-vector coordinates with phi_d in [0, pi), the half of all
- * pairs that sampling directions and perturbations see, so that a measurement that is not reciprocal (up to 39 % in the
- * RGL data) does not differ from its own perturbed copy in the other half. Tabulated, besides, where the form's own
- * evaluation is too slow to render dozens of perturbed copies (the decoder of a neural process: 806,000 multiplications
- * a pair): theta_h spaced as in MERL's tables, linear between nodes; nodes without a value are left out of the mean.
+ * Two derived BRDFs. Folded: evaluated at phi_d in [0, pi) only, the half that sampling directions and perturbations use, so
+ * that a measurement that is not reciprocal (up to 39 % in the RGL data) does not differ from its own perturbed copy in
+ * the other half. Tabulated: interpolated linearly in a table with theta_h spaced as in MERL's tables, for BRDFs whose
+ * evaluation is too slow to render many times (the decoder of a neural process: 806,000 multiplications per pair). Table
+ * nodes without a value are left out of the interpolation.
  */
 #include "brdf/brdf.h"
-#include "label/corpus.h"
 
 #include <math.h>
 
 enum { N_THETA_H = 90, N_THETA_D = 46, N_PHI_D = 24, N_SLICE = N_THETA_D * N_PHI_D };
 
-/* One theta_h at a time: all its nodes. rgb: (N_THETA_D, N_PHI_D, 3); channel 0 is NaN where there is no value. */
+/* All nodes of one theta_h: slice (N_THETA_D, N_PHI_D, 3), NaN where there is no value. */
 static void fill_slice(const nqm_brdf *brdf, size_t h, float *slice) {
     double hd[3 * N_SLICE], rgb[3 * N_SLICE];
     uint8_t flag[N_SLICE];
@@ -21,10 +20,10 @@ static void fill_slice(const nqm_brdf *brdf, size_t h, float *slice) {
         nqm_table_node(N_THETA_H, N_THETA_D, N_PHI_D, h, i / N_PHI_D, i % N_PHI_D, hd + 3 * i);
     nqm_brdf_eval_half_diff(brdf, N_SLICE, hd, rgb, flag);
     for (size_t i = 0; i < 3 * N_SLICE; ++i)
-        slice[i] = flag[i / 3] == NQM_VALUE_OK || flag[i / 3] == NQM_VALUE_CLAMPED ? (float)rgb[i] : NAN;
+        slice[i] = nqm_has_value(flag[i / 3]) ? (float)rgb[i] : NAN;
 }
 
-nqm_status nqm_corpus_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err) {
+nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err) {
     *table_ret = NULL;
     float *rgb = nqm_alloc(3 * N_THETA_H * N_SLICE, sizeof *rgb);
     if (!rgb)
@@ -48,7 +47,7 @@ static void fold_eval_half_diff(const void *self, size_t n, const double *hd, do
     enum { BLOCK = 128 };
     const nqm_brdf *brdf = ((const fold *)self)->brdf;
     uint8_t flag[BLOCK];
-    if (brdf->class_->eval_half_diff) { /* the caller has sorted out the horizon already */
+    if (brdf->class_->eval_half_diff) { /* the caller has excluded pairs below the horizon */
         brdf->class_->eval_half_diff(brdf->self, n, hd, rgb);
         return;
     }
@@ -56,7 +55,7 @@ static void fold_eval_half_diff(const void *self, size_t n, const double *hd, do
         size_t m = n - first < BLOCK ? n - first : BLOCK;
         nqm_brdf_eval_half_diff(brdf, m, hd + 3 * first, rgb + 3 * first, flag);
         for (size_t i = 0; i < m; ++i)
-            if (flag[i] >= NQM_VALUE_INVALID)
+            if (!nqm_has_value(flag[i]))
                 rgb[3 * (first + i)] = NAN;
     }
 }
@@ -71,7 +70,7 @@ static void fold_free(void *self) {
 static const nqm_brdf_class fold_class = {
     .format = "folded", .reciprocal = 1, .eval_half_diff = fold_eval_half_diff, .free = fold_free};
 
-nqm_status nqm_corpus_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err) {
+nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err) {
     *folded_ret = NULL;
     fold *f = nqm_alloc(1, sizeof *f);
     if (!f) {
