@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the reader of dictionaries, behind a checksum made right, so that the reader itself is met. A dictionary
- * that it accepts must code a BRDF without a fault.
+ * Fuzz target: the reader of dictionaries. The checksum is corrected first, because the reader checks it before the content.
+ * An accepted dictionary must code a BRDF without an error.
  */
 #include "fit/sparse.h"
 #include "fuzz.h"
@@ -28,7 +28,7 @@ static void mend_checksum(uint8_t *bytes, size_t n_bytes) {
     nqm_safetensors_free(st);
 }
 
-/* Coding takes much longer than reading: only one of ten is tried. */
+/* Coding takes much longer than reading: only one in ten is coded. */
 static void code(const nqm_sparse_dictionary *dictionary) {
     static size_t n_calls;
     nqm_brdf *ref, *coded;

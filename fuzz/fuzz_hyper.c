@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the reader of hypernetworks. The checksum is put right first, else nothing behind it would be reached. A
- * network that is accepted must read samples without a fault.
+ * Fuzz target: the reader of hypernetworks. The checksum is corrected first, because the reader checks it before the content.
+ * An accepted network must predict weights without an error.
  */
 #include "brdf/brdf.h"
 #include "fit/hyper.h"

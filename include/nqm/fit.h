@@ -57,7 +57,7 @@ typedef struct nqm_fit_report {
 } nqm_fit_report;
 
 /**
- * Name of model i, NULL behind the last; static storage. The NQM_FIT_N_ENCODINGS encodings of the paper come first: "ward",
+ * Name of model i, NULL after the last; static storage. The NQM_FIT_N_ENCODINGS encodings of the paper come first: "ward",
  * "ggx", "nbrdf" (a network of 6-21-21-3: Sztrajman et al. 2021), "sparse-low", "sparse-mid", "sparse-high" (sparse codes
  * in a learned dictionary, after Tongbuasirilai et al. 2022), "hyper-low", "hyper-mid", "hyper-high" (a hypernetwork that
  * reads 12, 64 or 400 samples, after Gokbudak et al. 2024). Further analytic models follow: "ward-duer", "blinn-phong",

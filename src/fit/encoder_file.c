@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Files of learned encoders: the metadata that all of them carry, written and checked in one place.
+ * Writing and checking the common format of learned encoders.
  */
 #include "fit/encoder_file.h"
 

@@ -136,8 +136,9 @@ nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_entry *m
         if (!shape)
             return nqm_fail(err, NQM_ERR_ARG, -1, "the %s fit has no bounds for '%.40s'", model->name, bound->key);
         if (!(bound->low >= shape->low && bound->low < bound->high && bound->high <= shape->high))
-            return nqm_fail(err, NQM_ERR_ARG, -1, "the bounds of %s in a %s fit must rise and lie within %g and %g",
-                            shape->key, model->name, shape->low, shape->high);
+            return nqm_fail(err, NQM_ERR_ARG, -1,
+                            "the bounds of %s in a %s fit must be increasing and between %g and %g", shape->key,
+                            model->name, shape->low, shape->high);
         shape->low = bound->low;
         shape->high = bound->high;
     }

@@ -146,7 +146,7 @@ static size_t approximate(const nqm_sparse_dictionary *dictionary, size_t max_at
     memset(w->core, 0, 3 * CORE * sizeof *w->core);
     for (size_t a = 0; a < n_chosen; ++a)
         for (size_t i = 0; i < CORE; ++i)
-            /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): nothing is chosen from no atoms */
+            /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): n_chosen is 0 if n is 0 */
             w->core[index[a] / n * CORE + i] += coefficient[a] * w->atoms[index[a] % n * CORE + i];
     for (size_t c = 0; c < 3; ++c)
         nqm_sparse_synthesise(&dictionary->bases, w->core + c * CORE, w->table + c * CELLS);

@@ -175,7 +175,7 @@ nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_ste
     if (status == NQM_OK) {
         l.n_atoms = begin(&l, n_max, seed, l.scratch);
         if (l.n_atoms == 0)
-            status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the references are all alike: there is nothing to learn");
+            status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the references are all equal: no atoms can be learned");
     }
     if (status == NQM_OK)
         status = run(&l, n_steps, ticker, err);

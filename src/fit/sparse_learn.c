@@ -42,7 +42,7 @@ static void release(learning *l) {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* References first .. first + CHUNK, so that progress is told in between. */
+/* References first .. first + CHUNK; progress is reported after each chunk. */
 enum { CHUNK = 4 };
 typedef struct chunk {
     learning *l;

@@ -56,7 +56,7 @@ const char *nqm_corpus_split_name(nqm_split split);
 
 /** Families of kinds of test; nqm_dataset_kind_family() gives them for a dataset. */
 typedef enum nqm_corpus_family {
-    NQM_FAMILY_ENCODING = 0, /* the reference fitted or encoded by this program; a kind is a model of nqm_fit() */
+    NQM_FAMILY_ENCODING = 0, /* an encoding of the reference by this program; a kind is a model of nqm_fit() */
     NQM_FAMILY_PUBLISHED,    /* published parameters of the same material: "published-ward" */
     NQM_FAMILY_FORM,         /* another form of the same material: "form-rgl", "form-nbrdf" */
     NQM_FAMILY_PERTURBATION, /* one perturbation of the reference: "gloss" */
@@ -80,7 +80,7 @@ bool nqm_corpus_kind_unseen(const char *name);
 
 enum { NQM_CORPUS_MAX_MODELS = 64 };
 
-/** A form of a material: a reference of the list, or a preset that is a test only. */
+/** A form of a material: a reference of the list, or a preset, which is used as a test only. */
 typedef struct nqm_corpus_form {
     const char *brdf;     /* as in the list */
     const char *path;     /* argument of nqm_brdf_open() */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shape on the turntable: a sphere in closed form, or a mesh with normals interpolated between its corners, centred
- * and scaled so that it fills nine tenths of the picture over a whole turn.
+ * The shape on the turntable: an analytic sphere, or a mesh with interpolated normals, centred and scaled so that it fills
+ * nine tenths of the picture during a whole turn.
  */
 #include "math/math.h"
 #include "render/render.h"

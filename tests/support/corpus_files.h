@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * corpus_files.h - a scratch folder that goes away with the test program, and a small material list, for tests of
+ * corpus_files.h - a temporary folder, removed at the end of the test program, and a small material list, for tests of
  * corpora.
  */
 #ifndef NQM_TESTS_SUPPORT_CORPUS_FILES_H

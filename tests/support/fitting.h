@@ -9,7 +9,7 @@
 
 /** Fit `model` to the BRDF `spec`; fails the test when that fails. */
 nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_options *options);
-/** The values behind "key=" in a spec, up to three; a single one three times. */
+/** The values behind "key=" in a spec, up to three; a single value three times. */
 void spec_values(const char *spec, const char *key, double v[3]);
 /** Every value of `key` in both specs is equal but for `tolerance` times the truth and 1e-4. */
 void check_spec_values(const char *fitted, const char *truth, const char *key, double tolerance);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Files of learned encoders: what is written is read back, with the references; a file of another kind, a changed byte, a
- * number that is not finite and a tensor of another shape are refused.
+ * Files of learned encoders: a written file is read back with its references; a file of another kind, a changed byte, a
+ * value that is not finite and a tensor of another shape are errors.
  */
 #include "fit/encoder_file.h"
 #include "support/check.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The 20 materials of the human study (Kavoosighafi et al. 2025) taught no embedded encoder: each file names its
+ * No embedded encoder was learned from the 20 materials of the human study (Kavoosighafi et al. 2025): each file lists its
  * references, and none of them is one of those materials in any form.
  */
 #include "fit/encoders.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The encodings hyper-*: more samples give a better network, the same bits whatever the number of threads; and their
- * learning: it lowers the loss, keeps to its seed, can be stopped, refuses a BRDF without values.
+ * The encodings hyper-*: more samples give a better network, and the number of threads does not change the bits. Their
+ * learning reduces the loss, is determined by its seed, can be stopped, and fails for a BRDF without values.
  */
 #include "brdf/brdf.h"
 #include "fit/hyper.h"
@@ -25,7 +25,7 @@ static double loss_of(const nqm_brdf *ref, const char *model) {
     return report.loss;
 }
 
-/* Geometric means, so that the brightest material does not decide alone. */
+/* Geometric means, so that the brightest material does not dominate. */
 static void more_samples_are_better(void **state) {
     (void)state;
     static const char *const refs[] = {"sgd:pink-fabric",
@@ -108,7 +108,7 @@ static nqm_status learn(size_t n_steps, nqm_progress_fn progress, nqm_error *err
     return nqm_learn(NQM_ENCODER_HYPER, N_REFS, (const nqm_brdf *const *)refs, names, &options, temp_file, err);
 }
 
-/* Mean loss of the networks that the temporary file writes for the references. */
+/* Mean loss of the networks that the hypernetwork in the temporary file predicts for the references. */
 static double loss_of_file(void) {
     nqm_map map;
     nqm_hyper hyper;

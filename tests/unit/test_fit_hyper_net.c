@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The hypernetwork as a function: its gradient is that of differences, the order of the samples does not matter, a set
- * does not see its neighbours in the batch; and its file: read back, or refused.
+ * The hypernetwork as a function: its gradient equals finite differences, the order of the samples does not matter, the sets
+ * of a batch are independent; and its file is read back, or refused.
  */
 #include "brdf/brdf.h"
 #include "fit/hyper.h"
@@ -144,7 +144,7 @@ static void other_networks_are_refused(void **state) {
     (void)state;
     nqm_hyper written, found;
     nqm_error err = {0};
-    write_network(&small, &written); /* does not write NBRDFs */
+    write_network(&small, &written); /* does not predict NBRDFs */
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.5.weight"));
     assert_null(found.block);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits of the sharpest measured materials of the RGL database (lobes of 0.2 to 0.5 degrees half-width): the highlight
- * stays, and the base is not brightened to make up for the lobe's skirt. Needs the shared data.
+ * Fits of the sharpest measured materials of the RGL database (lobes of 0.2 to 0.5 degrees half-width): the fit has the
+ * highlight, and its base is not brighter to compensate for the tail of the lobe. Needs the shared data.
  */
 #include "support/check.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits of the published models: each gives known parameters back, stays within bounds, and refuses bounds that make no sense.
+ * Fits of the published models: each recovers known parameters, stays within bounds, and refuses invalid bounds.
  */
 #include "support/check.h"
 #include "support/fitting.h"
@@ -54,7 +54,7 @@ static void every_model_gives_itself_back(void **state) {
     }
 }
 
-/* The narrower range holds; outside it the optimum lies on the border. */
+/* The fit stays in the narrower range; an optimum outside it is moved to its border. */
 static void bounds_hold(void **state) {
     (void)state;
     const nqm_fit_bound bounds[] = {{"alpha", 0.2, 0.5}, {"f0", 0.3, 0.31}};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The training of a network for one BRDF: what it reaches on known materials, that a seed is a result, which directions
- * it reads, and how it stops. Against measured materials and the published networks where the shared data are present.
+ * Training of a network for one BRDF: its loss on known materials, that the seed determines the result, its directions, and
+ * cancellation. Compared with measured materials and the published networks if the shared data are present.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -146,7 +146,7 @@ static void progress_is_told_and_stops(void **state) {
 
 /* ---- measured materials ------------------------------------------------------------------------------------------ */
 
-/* A tenth of the default's cost comes nearer to the measurement than the published network. */
+/* With a tenth of the default number of steps the loss is lower than that of the published network. */
 static void as_near_as_the_published(void **state) {
     (void)state;
     static const char *const materials[] = {"cardboard_rgb", "satin_purple_rgb"};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits give known parameters back, whatever the width of the lobe and the loss; a model fitted to another keeps
- * highlight and base; the same seed gives the same spec; bad arguments are refused.
+ * Fits recover known parameters for every lobe width and loss; a model fitted to another model has its highlight and base;
+ * the same seed gives the same spec; bad arguments are refused.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sparse encoding: mapping and bases are undone exactly, a table in the span of the atoms is coded exactly, more atoms
- * come nearer, cells without a value are filled, and what cannot be coded is refused.
+ * The sparse encoding: mapping and bases have exact inverses, a table in the span of the atoms is coded exactly, more atoms
+ * reduce the loss, cells without a value are filled, and a BRDF without values is refused.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"

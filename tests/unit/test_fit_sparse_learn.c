@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Learning a dictionary from four materials: it codes them well, the bytes are the same for one and two threads, another
- * seed is another file, a stopped run leaves nothing; and dictionaries that are none are refused.
+ * seed is another file, a stopped run leaves no file; and invalid dictionaries are refused.
  */
 #include "brdf/brdf.h"
 #include "fit/sparse.h"

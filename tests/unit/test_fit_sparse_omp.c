@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Matching pursuit against an independent one step by step (tests/vectors/omp.py), and against the closed form for an
- * orthonormal dictionary; a signal made of atoms is found exactly; dependent atoms are passed over.
+ * Matching pursuit against an independent implementation step by step (tests/vectors/omp.py), and against the closed form for
+ * an orthonormal dictionary; a sum of atoms is recovered exactly; linearly dependent atoms are skipped.
  */
 #include "fit/sparse.h"
 #include "support/check.h"
@@ -21,7 +21,7 @@ static double dot(const double *a, const double *b) {
 typedef struct coded {
     size_t n, index[NQM_OMP_MAX_ATOMS];
     double coefficient[NQM_OMP_MAX_ATOMS];
-    double residual; /* norm of what is left */
+    double residual; /* its norm */
 } coded;
 
 static coded code(size_t n_atoms, const double *atoms, const double *signals, size_t max_atoms) {
@@ -85,7 +85,7 @@ static void what_is_made_of_atoms_is_found(void **state) {
     coded c = code(ATOMS, omp_atoms, signals, ATOMS);
     assert_true(c.residual < 1e-9 && c.n <= LENGTH);
     for (size_t k = 0; k < c.n; ++k)
-        assert_true(c.index[k] < ATOMS); /* the second signal is nothing: no atom for it */
+        assert_true(c.index[k] < ATOMS); /* the second signal is zero: no atom for it */
 }
 
 static void dependent_atoms_are_passed_over(void **state) {
@@ -96,7 +96,7 @@ static void dependent_atoms_are_passed_over(void **state) {
         atoms[2 * LENGTH + i] = omp_atoms[LENGTH + i];
     }
     coded c = code(3, atoms, omp_signals, 6);
-    assert_int_equal(c.n, 4); /* two independent atoms a signal */
+    assert_int_equal(c.n, 4); /* two independent atoms per signal */
     for (size_t k = 0; k < c.n; ++k)
         assert_true(isfinite(c.coefficient[k]) && c.index[k] % 3 != 1);
 }

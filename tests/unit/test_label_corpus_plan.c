@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Corpora before they are made: lists that must be refused; plans that keep unseen kinds out of training and depend on
- * the seed and the names only; forms as they are read.
+ * Lists and plans of corpora: invalid lists are refused; plans have no unseen kinds in training and depend on the seed and the
+ * names only; folded and tabulated forms.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"

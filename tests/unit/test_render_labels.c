@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How far a label depends on what should not matter: the seed, the light's resolution, the exposure, the shape. The
+ * Sensitivity of a label to the seed, the resolution of the light, the exposure and the shape. The
  * comparison with the Stanford bunny under the paper's light needs the shared data.
  */
 #include "math/math.h"

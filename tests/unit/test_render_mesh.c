@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Scenes with meshes: shadows and interreflection in a bowl against the closed form, the edge of a shadow, normals that
- * disagree with the triangles, what a picture covers, and the same promises as for the sphere: equal BRDFs give exactly
- * 0, one thread and two the same bits.
+ * disagree with the triangles, the pixels of a picture, and the same invariants as for the sphere: equal BRDFs give
+ * exactly 0, one and two threads give the same bits.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -179,7 +179,7 @@ static void shadow_of_a_roof(void **state) {
     nqm_scene_free(scene);
 }
 
-/* ---- promises ---------------------------------------------------------------------------------------------------- */
+/* ---- invariants -------------------------------------------------------------------------------------------------- */
 
 static nqm_scene_options mode(int i) {
     nqm_scene_options o = small_scene("blob");
@@ -311,7 +311,7 @@ static void frames_are_sound(void **state) {
     nqm_scene_free(scene);
 }
 
-/* What cannot be kept is made anew for every picture. */
+/* Incident light that is not stored is computed again for every picture. */
 static void kept_or_not_is_the_same(void **state) {
     (void)state;
     nqm_scene_options o = mode(2);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The scene against closed forms and independent quadratures: white furnace, one small lamp, microfacets under a
- * constant light (vectors/render.py) and under the built-in sky, and what a label maker must promise: equal BRDFs give
- * exactly 0, other seeds and more samples the same label, one thread and two the same bits.
+ * constant light (vectors/render.py) and under the built-in sky, and the invariants of labels: equal BRDFs give exactly
+ * 0, other seeds and more samples give the same label, one and two threads give the same bits.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -318,7 +318,7 @@ static void microfacets_under_the_sky(void **state) {
     nqm_scene_free(scene);
 }
 
-/* The largest share of a point's light that one of 384 directions carries. */
+/* The largest fraction of a point's light in one of 384 directions. */
 static double largest_share(const nqm_light *light, const nqm_surface_point *point, uint64_t seed) {
     double wi[3 * 384], weight[3 * 384], sum = 0, max = 0;
     nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};

@@ -26,7 +26,7 @@ int choose_bounds(const char *text, fit_request *request);
 /** The result of one model. */
 typedef struct fitted {
     const char *model;
-    nqm_error err; /* status NQM_OK, or why the model failed: then nothing below is set */
+    nqm_error err; /* status NQM_OK, or the error of the model: then the fields below are not set */
     nqm_fit_report fit;
     double metrics[NQM_METRIC_COUNT];
     double seconds;
