@@ -90,7 +90,7 @@ static void grey_alone_is_nothing_to_learn(void **state) {
     nqm_brdf *grey = open_brdf("lambert:kd=0.4");
     assert_int_equal(nqm_learn(NQM_ENCODER_SPARSE, 1, (const nqm_brdf *const *)&grey, names, NULL, path, &err),
                      NQM_ERR_INCOMPATIBLE);
-    assert_non_null(strstr(err.message, "alike"));
+    assert_non_null(strstr(err.message, "all equal"));
     assert_int_equal(nqm_learn(NQM_ENCODER_SPARSE, 0, NULL, NULL, NULL, path, &err), NQM_ERR_ARG);
     nqm_brdf_free(grey);
 }
