@@ -10,8 +10,8 @@ enum { MAX_LOGS = 8, TRAIN = 0, VALIDATION, RATE, EPOCH, N_COLUMNS };
 
 typedef struct training {
     size_t n;
-    double *values[N_COLUMNS]; /* (n) each */
-    char names[2][128];        /* of the two losses, in the legend */
+    double *block, *values[N_COLUMNS]; /* (n) each, in the block */
+    char names[2][128];                /* of the two losses, in the legend */
 } training;
 
 static nqm_status read_log(const char *path, training *t, nqm_error *err) {
@@ -21,11 +21,13 @@ static nqm_status read_log(const char *path, training *t, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     t->n = nqm_csv_rows(csv);
+    t->block = nqm_alloc(t->n, N_COLUMNS * sizeof *t->block);
+    if (!t->block)
+        status = nqm_fail_nomem(err, t->n * N_COLUMNS * sizeof *t->block);
     for (size_t k = 0; status == NQM_OK && k < N_COLUMNS; ++k) {
         int column;
-        t->values[k] = nqm_alloc(t->n, sizeof(double));
-        status = t->values[k] ? nqm_points_column(csv, path, columns[k], &column, err)
-                              : nqm_fail_nomem(err, t->n * sizeof(double));
+        t->values[k] = t->block + k * t->n;
+        status = nqm_points_column(csv, path, columns[k], &column, err);
         if (status == NQM_OK)
             status = nqm_points_values(csv, column, t->values[k], err);
     }
@@ -97,7 +99,6 @@ nqm_status nqm_plot_losses(const char *path, size_t n, const char *const *log_cs
     if (status == NQM_OK)
         status = draw(path, n, trainings, options, err);
     for (size_t i = 0; i < n; ++i)
-        for (size_t k = 0; k < N_COLUMNS; ++k)
-            nqm_free(trainings[i].values[k]);
+        nqm_free(trainings[i].block);
     return status;
 }
