@@ -16,23 +16,23 @@ enum { N_REFS = 64, TESTS_PER_REF = 9, TURNS = 3 /* sets of references, used in 
 /* Pairs to score, as samples and as inputs of the network. */
 typedef struct material_pairs {
     size_t n, n_values, stride;
-    float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours have different ones */
-    float *x;          /* (n, stride), inputs */
+    float *x;          /* (n, stride), inputs; one block holds all four */
     float *x_shared;   /* (n, stride), inputs where TESTS_PER_REF neighbours have the same reference */
+    float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours have different ones */
 } material_pairs;
 
-/* A batch and its buffers. */
+enum { MAX_BATCH = NQM_PREDICT_BATCH };
+
+/* A batch and its results. */
 typedef struct job {
     const material_pairs *pairs;
     nqm_inference_work *work;
     nqm_predictor *predictor;
     size_t batch, turn;
     bool is_shared; /* references are shared */
-    float *z;       /* (batch) */
-    double *jod;    /* (batch) */
+    float z[MAX_BATCH];
+    double jod[MAX_BATCH];
 } job;
-
-enum { MAX_BATCH = NQM_PREDICT_BATCH };
 
 static void run_network(void *user) {
     job *j = user;
@@ -56,13 +56,6 @@ static void run_all(void *user) {
 
 /* ---- pairs ------------------------------------------------------------------------------------------------------- */
 
-static void free_pairs(material_pairs *p) {
-    nqm_free(p->ref);
-    nqm_free(p->test);
-    nqm_free(p->x);
-    nqm_free(p->x_shared);
-}
-
 /* Random inputs: the time of the network does not depend on their values. */
 static void fill_inputs(material_pairs *p, size_t n_in, size_t n_ref) {
     nqm_rng rng = nqm_rng_make(2, 0);
@@ -84,13 +77,13 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
     const size_t n_in = model->params.shape.sizes[0];
     *p = (material_pairs){
         .n = MAX_BATCH + TURNS * TESTS_PER_REF, .n_values = 3 * model->n_directions, .stride = nqm_row_stride(n_in)};
-    p->ref = nqm_alloc(p->n, p->n_values * sizeof *p->ref);
-    p->test = nqm_alloc(p->n, p->n_values * sizeof *p->test);
-    p->x = nqm_alloc(p->n, p->stride * sizeof *p->x);
-    p->x_shared = nqm_alloc(p->n, p->stride * sizeof *p->x_shared);
-    if (!p->ref || !p->test || !p->x || !p->x_shared) {
-        status = nqm_fail_nomem(err, p->n * (p->stride + 2 * p->n_values) * sizeof *p->x);
+    p->x = nqm_alloc(2 * p->n, (p->stride + p->n_values) * sizeof *p->x);
+    if (!p->x) {
+        status = nqm_fail_nomem(err, 2 * p->n * (p->stride + p->n_values) * sizeof *p->x);
     } else {
+        p->x_shared = p->x + p->n * p->stride;
+        p->ref = p->x_shared + p->n * p->stride;
+        p->test = p->ref + p->n * p->n_values;
         const size_t tests_per_ref = d->n_pairs / d->n_refs;
         for (size_t i = 0; i < p->n; ++i) {
             const size_t ref = i % N_REFS, test = ref * tests_per_ref + i / N_REFS;
@@ -105,13 +98,6 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
 
 /* ---- timing ------------------------------------------------------------------------------------------------------ */
 
-static void free_job(job *j) {
-    nqm_inference_work_free(j->work);
-    nqm_predictor_free(j->predictor);
-    nqm_free(j->z);
-    nqm_free(j->jod);
-}
-
 static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precision, nqm_error *err) {
     const nqm_inference_net *net;
     nqm_status status = nqm_model_inference(model, precision, &net, err);
@@ -119,11 +105,7 @@ static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precisi
         status = nqm_inference_work_create(net, j->batch, &j->work, err);
     if (status == NQM_OK)
         status = nqm_predictor_create(model, precision, j->batch, &j->predictor, err);
-    if (status != NQM_OK)
-        return status;
-    j->z = nqm_alloc(j->batch, sizeof *j->z);
-    j->jod = nqm_alloc(j->batch, sizeof *j->jod);
-    return j->z && j->jod ? NQM_OK : nqm_fail_nomem(err, j->batch * sizeof *j->jod);
+    return status;
 }
 
 /* The work of a batch: multiply-adds, without those that shared references save, and the bytes of the weights. */
@@ -164,8 +146,10 @@ static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const ma
         entries[2].alternative = entries[3].alternative = 2;
         status = nqm_bench_race(bench, batch == TESTS_PER_REF || batch == MAX_BATCH ? 4 : 2, contenders, entries, err);
     }
-    free_job(&own);
-    free_job(&shared);
+    nqm_inference_work_free(own.work);
+    nqm_predictor_free(own.predictor);
+    nqm_inference_work_free(shared.work);
+    nqm_predictor_free(shared.predictor);
     return status;
 }
 
@@ -184,6 +168,6 @@ nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *
         for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p)
             if (nqm_bench_has_precision(bench, p))
                 status = bench_batch(bench, model, &pairs, batches[b], p, err);
-    free_pairs(&pairs);
+    nqm_free(pairs.x);
     return status;
 }
