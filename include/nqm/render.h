@@ -23,7 +23,7 @@ typedef struct nqm_scene_options {
                                (PLY, OBJ), which is centred and scaled to the picture; default NULL: "sphere" */
     size_t width, height; /**< picture in pixels, up to 8192; every pixel that shows the shape is a point. Default 0:
                                n_points points, distributed evenly over the pictures of all frames (faster) */
-    size_t n_points;      /**< surface points in total if width is 0; 1 to 2^24; default 3072 */
+    size_t n_points;      /**< surface points in total if width is 0; 1 to 10^7; default 3072 */
     size_t n_frames;      /**< views of the turntable, evenly over 360 degrees, 1 to 4096; default 1 */
     double turn_rad;      /**< angle of the turntable in the first frame, its front to the right; default 0 */
     double elevation_rad; /**< of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */

@@ -19,7 +19,7 @@ static const nqm_option rows[] = {
      .help = "loss of analytic models"},
     {FIELD(n_directions), .name = "samples", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 200, .max = 1000000,
      .values = {"6000"}, .help = "direction pairs of the fit"},
-    {FIELD(max_polar_rad), .name = "max-polar", .metavar = "DEG", .unit = "degrees", .min = 0.1, .max = 89.9,
+    {FIELD(max_polar_rad), .name = "max-polar", .metavar = "DEG", .min = 0.1, .max = 89.9,
      .scale = NQM_PI / 180, .values = {"80"}, .help = "largest polar angle of the fit"},
     {FIELD(highlight_fraction), .name = "", .min = 0, .max = 1, .values = {"0.05"}},
     {FIELD(n_starts), .name = "starts", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 100, .values = {"12"},
