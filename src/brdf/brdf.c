@@ -238,7 +238,8 @@ void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const doubl
             memcpy(out + 3 * m, wo + 3 * i, 3 * sizeof *out);
             place[m++] = i;
         }
-        eval_block(brdf, m, in, out, raw);
+        if (m)
+            eval_block(brdf, m, in, out, raw);
         scatter(m, place, raw, rgb, flag);
     }
 }

@@ -87,6 +87,9 @@ void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights);
  *  at any alignment, copied. NQM_ERR_LIMIT: fewer than 2 x 2 x 1 nodes, or more than 2^24. */
 nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err);
+/** Index of the first of the 3 n_nodes floats that is not finite at a node that has a value; 3 n_nodes when there is none.
+ *  `rgb` at any alignment. */
+size_t nqm_table_first_bad(size_t n_nodes, const void *rgb);
 /** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
 /** The values of a BRDF whose format is "table"; lent. dims: (3) receives n_h, n_d, n_p. */

@@ -105,21 +105,6 @@ static nqm_status copy(const char *name, const nqm_tensor *tensor, float *values
     return NQM_OK;
 }
 
-/* A table's values must be finite where the first channel does not say that there is none. */
-static nqm_status check_nodes(const char *name, const nqm_tensor *tensor, nqm_error *err) {
-    const unsigned char *p = tensor->data;
-    for (size_t i = 0; i < count(tensor); i += 3) {
-        float rgb[3];
-        memcpy(rgb, p + i * sizeof *rgb, sizeof rgb);
-        if (isnan(rgb[0]))
-            continue;
-        for (size_t c = 0; c < 3; ++c)
-            if (!isfinite(rgb[c]))
-                return refuse_value(name, tensor, i + c, err);
-    }
-    return NQM_OK;
-}
-
 static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     float weights[NQM_NBRDF_WEIGHTS], *next = weights;
     nqm_status status = NQM_OK;
@@ -140,10 +125,10 @@ static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_br
         return status;
     if (tensor->dims[0] < 2 || tensor->dims[1] < 2)
         return refuse(name, tensor, 0, "has fewer than two nodes along theta_h or theta_d", err);
-    status = check_nodes(name, tensor, err);
-    return status == NQM_OK
-               ? nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err)
-               : status;
+    size_t bad = nqm_table_first_bad(count(tensor) / 3, tensor->data);
+    if (bad < count(tensor))
+        return refuse_value(name, tensor, bad, err);
+    return nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err);
 }
 
 /* Kind, schema, number of tensors and checksum. */
