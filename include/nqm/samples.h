@@ -109,7 +109,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_dir
  * theta_h, theta_d, phi_d in degrees). Equal samples make equal files.
  *
  * @param rgb   (n, 3) f_r in 1/sr, finite
- * @param path  a regular file; it appears under its name only when complete
+ * @param path  the file appears under its name only when complete
  * @return NQM_ERR_ARG (a value is not finite), NQM_ERR_IO, NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_samples_save_mat(const nqm_directions *directions, const float *rgb,

@@ -119,16 +119,16 @@ NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *pa
                                             float *out, nqm_error *err);
 void nqm_hdf5_close(nqm_hdf5 *file);
 
-/* ---- MAT v5 (matio) ---------------------------------------------------------------------------------------------- */
+/* ---- MAT v5 ------------------------------------------------------------------------------------------------------ */
 
 typedef struct nqm_mat nqm_mat;
-/** Open a MAT v5 file (MATLAB's -v6 and -v7; scipy.io.savemat). `path` must outlive it. */
+/** Open a MAT v5 file (MATLAB's -v6 and -v7; scipy.io.savemat) and check its structure. `path` must outlive it. */
 NQM_MUST_CHECK nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err);
-/** Size of a real matrix of doubles or singles. */
-NQM_MUST_CHECK nqm_status nqm_mat_shape(nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret,
+/** Size of a real numeric matrix. */
+NQM_MUST_CHECK nqm_status nqm_mat_shape(const nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret,
                                         nqm_error *err);
-/** Read such a matrix of exactly rows x cols (vectors: either way round) into out, row-major; values must be finite. */
-NQM_MUST_CHECK nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
+/** Read such a matrix of exactly rows x cols (a vector may be transposed) into out, row-major; values must be finite. */
+NQM_MUST_CHECK nqm_status nqm_mat_read(const nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
                                        nqm_error *err);
 void nqm_mat_close(nqm_mat *mat);
 
@@ -138,11 +138,9 @@ typedef struct nqm_mat_variable {
     size_t rows, cols;
     const double *data; /* (rows, cols), finite */
 } nqm_mat_variable;
-/** Write them as a MAT v5 file, uncompressed: equal matrices make equal files. `path` must not be "-" or a device.
- *  NQM_ERR_ARG: a bad name, or a value that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
+/** Write n matrices as a MAT v5 file, uncompressed: equal matrices make equal files. NQM_ERR_ARG: a bad name, or a value
+ *  that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
 NQM_MUST_CHECK nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err);
-/** The library that the first MAT file loads, "libmatio.so.11". */
-const char *nqm_matio_name(void);
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
