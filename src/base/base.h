@@ -94,11 +94,11 @@ void nqm_map_close_file(nqm_map *map);
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);
 
-/** An output file that is written beside its final name and renamed when complete; "-" is standard output. Devices and
- *  pipes are written in place. */
+/** An output file that is written under a temporary name in the same folder and renamed when complete. Devices, pipes and
+ *  everything below /dev are written in place. */
 typedef struct nqm_outfile {
     FILE *stream;
-    char *path;      /* NULL: standard output */
+    char *path;      /* owned, with `temporary` in the same block */
     char *temporary; /* NULL: written in place */
 } nqm_outfile;
 

@@ -59,25 +59,11 @@ void nqm_tensor_file_free(nqm_tensor_file *file);
 /** By name, or NULL; fields of a type that nqm_dtype lacks are not found. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
-/* ---- files or standard input ------------------------------------------------------------------------------------- */
-
-/** All bytes of a file, or of standard input. */
-typedef struct nqm_input {
-    const char *text; /**< without a NUL behind it; may be NULL when empty */
-    size_t n_bytes;
-    const char *name; /**< for messages: lent, or "standard input" */
-    nqm_map map;
-    char *owned;
-} nqm_input;
-/** "-" is standard input, of which at most 1 GiB is taken. On failure there is nothing to close. */
-NQM_MUST_CHECK nqm_status nqm_input_open(const char *path, nqm_input *input_ret, nqm_error *err);
-void nqm_input_close(nqm_input *input);
-
 /* ---- CSV with a header line -------------------------------------------------------------------------------------- */
 
 typedef struct nqm_csv nqm_csv;
 /** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped, blanks around
- *  unquoted fields dropped). Every row must have as many fields as the header. "-" is standard input. */
+ *  unquoted fields dropped). Every row must have as many fields as the header. */
 NQM_MUST_CHECK nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err);
 /** The same from memory; `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret,

@@ -112,7 +112,7 @@ int open_directions(const char *verb, const char *name_or_path, nqm_directions *
                                              directions_ret, &err);
         nqm_model_free(model);
     } else if (name_or_path) {
-        status = nqm_directions_load_csv(name, directions_ret, &err);
+        status = nqm_directions_load_csv(input_path(name), directions_ret, &err);
     } else {
         status = nqm_directions_create(NULL, 0, NULL, directions_ret, &err);
     }

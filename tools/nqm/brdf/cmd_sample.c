@@ -61,7 +61,7 @@ static int write_samples(const sample_set *s) {
             "sample", EXIT_INCOMPATIBLE,
             "%s: no value at %zu of %zu directions, but a MAT file needs one at each: --invalid zero or nearest",
             s->brdf, s->report.n_invalid, s->report.n);
-    nqm_status status = nqm_samples_save_mat(s->directions, s->rgb, s->output, &err);
+    nqm_status status = nqm_samples_save_mat(s->directions, s->rgb, output_path(s->output), &err);
     return status == NQM_OK ? EXIT_OK : report_error("sample", &err);
 }
 

@@ -70,7 +70,7 @@ static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *
         *err = (nqm_error){.status = NQM_ERR_LIMIT, .message = "the path of the output is too long"};
         return err->status;
     }
-    return nqm_brdf_save(brdf, f->path, err);
+    return nqm_brdf_save(brdf, output_path(f->path), err);
 }
 
 /* ---- fits -------------------------------------------------------------------------------------------------------- */
