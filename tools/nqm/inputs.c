@@ -9,10 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-const char *input_path(const char *argument) {
-    return strcmp(argument, "-") == 0 ? "/dev/stdin" : argument;
-}
-
 static bool is_builtin(const char *name) {
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
         if (strcmp(nqm_model_builtin_name(i), name) == 0)

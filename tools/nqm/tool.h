@@ -76,8 +76,6 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
 
 /* ---- inputs ------------------------------------------------------------------------------------------------------ */
 
-/** A file argument as a path: "-" is standard input. */
-const char *input_path(const char *argument);
 /** Open a built-in model by name, or a model file; NULL: "default". EXIT_OK, or reports the error and returns its exit code. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. On failure none is open. As open_model(). */
