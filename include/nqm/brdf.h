@@ -26,6 +26,10 @@ typedef enum nqm_value_flag {
     NQM_VALUE_INVALID = 2, /**< no value: empty table cell, or a channel is NaN or infinite; rgb is 0,0,0 */
     NQM_VALUE_HORIZON = 3  /**< light or viewer at or below the horizon; rgb is 0,0,0 */
 } nqm_value_flag;
+/** 1 for NQM_VALUE_OK and NQM_VALUE_CLAMPED, 0 for flags without a value. */
+static inline uint8_t nqm_has_value(uint8_t flag) {
+    return flag < NQM_VALUE_INVALID;
+}
 
 /** Facts about a BRDF. The strings belong to the BRDF and are valid until it is freed. */
 typedef struct nqm_brdf_info {

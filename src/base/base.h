@@ -10,6 +10,7 @@
 #include <nqm/base.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
@@ -111,15 +112,22 @@ void nqm_outfile_abort(nqm_outfile *out);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 
-uint16_t nqm_load_u16(const unsigned char *p);
-uint32_t nqm_load_u32(const unsigned char *p);
-uint64_t nqm_load_u64(const unsigned char *p);
-float nqm_load_f32(const unsigned char *p);
-double nqm_load_f64(const unsigned char *p);
-void nqm_store_u32(unsigned char *p, uint32_t v);
-void nqm_store_u64(unsigned char *p, uint64_t v);
-void nqm_store_f32(unsigned char *p, float v);
-void nqm_store_f64(unsigned char *p, double v);
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are read and written in the byte order of the host");
+
+#define NQM_LITTLE_ENDIAN(NAME, TYPE)                                                                                  \
+    static inline TYPE nqm_load_##NAME(const unsigned char *p) {                                                       \
+        TYPE v;                                                                                                        \
+        memcpy(&v, p, sizeof v);                                                                                       \
+        return v;                                                                                                      \
+    }                                                                                                                  \
+    static inline void nqm_store_##NAME(unsigned char *p, TYPE v) {                                                    \
+        memcpy(p, &v, sizeof v);                                                                                       \
+    }
+NQM_LITTLE_ENDIAN(u16, uint16_t)
+NQM_LITTLE_ENDIAN(u32, uint32_t)
+NQM_LITTLE_ENDIAN(u64, uint64_t)
+NQM_LITTLE_ENDIAN(f32, float)
+NQM_LITTLE_ENDIAN(f64, double)
 
 /* ---- numbers as text, whatever the locale ------------------------------------------------------------------------ */
 

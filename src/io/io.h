@@ -35,6 +35,8 @@ const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);
 const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *tensor_name);
 /** A value of __metadata__, or NULL. */
 const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key);
+/** false when a value of a tensor of floats (F16, F32, F64) is not finite. */
+bool nqm_tensor_all_finite(const nqm_tensor *tensor);
 /** Recompute the checksum that nqm_safetensors_write() stores under metadata "sha256": SHA-256 of the whole file with
  *  those 64 digits replaced by '0'. false when the file has none. `matches` tells whether it is the stored one. */
 bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);

@@ -9,20 +9,20 @@
 #include "io/io.h"
 
 /** A growing list of rows of three 4-byte numbers. */
-typedef struct nqm_rows {
+typedef struct nqm_mesh_rows {
     size_t n, room;
     void *data; /* (n, 3) float or uint32_t; nqm_free */
-} nqm_rows;
+} nqm_mesh_rows;
 
 /** Append a row; false when out of memory. */
-bool nqm_rows_add(nqm_rows *rows, const void *row);
+bool nqm_mesh_rows_add(nqm_mesh_rows *rows, const void *row);
 
 /** A file being read; positions are bytes from its start. */
 typedef struct nqm_mesh_reader {
     const nqm_map *map;
     size_t position, line; /* line: from 1; 0 in the binary part of a PLY */
     const char *format;    /* for messages */
-    nqm_rows vertices, normals, triangles;
+    nqm_mesh_rows vertices, normals, triangles;
     nqm_error *err;
 } nqm_mesh_reader;
 
@@ -37,7 +37,8 @@ bool nqm_mesh_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]);
 bool nqm_mesh_next_line(nqm_mesh_reader *r);
 
 /** Three numbers as a row of finite floats. `what` names them in the message. */
-NQM_MUST_CHECK nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_rows *rows, const double *xyz, const char *what);
+NQM_MUST_CHECK nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_mesh_rows *rows, const double *xyz,
+                                              const char *what);
 
 /** A polygon under way. A corner is an index of a vertex and one of a normal. */
 typedef struct nqm_fan {
@@ -46,7 +47,7 @@ typedef struct nqm_fan {
 } nqm_fan;
 /** Add a corner and, from the third on, a triangle: vertices to r->triangles, normals to `normals` unless NULL. */
 NQM_MUST_CHECK nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32_t normal,
-                                      nqm_rows *normals);
+                                      nqm_mesh_rows *normals);
 
 /** The readers: fill vertices, triangles and, when the file gives one for each vertex, normals. */
 NQM_MUST_CHECK nqm_status nqm_mesh_read_ply(nqm_mesh_reader *r);

@@ -8,10 +8,9 @@
 #include "io/io.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "tensors are lent as they lie in the file: little-endian");
 
 enum { HEADER_AT = 8, MAX_HEADER = 100 * 1000 * 1000, SHA_DIGITS = 64, ALIGNMENT = 64 };
 
@@ -239,6 +238,27 @@ const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *te
 
 const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key) {
     return json_string_value(json_object_get(st->meta, key));
+}
+
+bool nqm_tensor_all_finite(const nqm_tensor *tensor) {
+    const unsigned char *p = tensor->data;
+    if (tensor->dtype == NQM_F64) {
+        for (size_t i = 0; i < tensor->n_bytes; i += 8)
+            if (!isfinite(nqm_load_f64(p + i)))
+                return false;
+        return true;
+    }
+    uint32_t largest = 0; /* magnitude as bits: infinities and NaN have the largest exponent */
+    if (tensor->dtype == NQM_F16) {
+        for (size_t i = 1; i < tensor->n_bytes; i += 2) /* the byte with the exponent */
+            largest = (p[i] & 0x7fu) > largest ? p[i] & 0x7fu : largest;
+        return largest < 0x7c;
+    }
+    for (size_t i = 0; tensor->dtype == NQM_F32 && i < tensor->n_bytes; i += 4) {
+        uint32_t bits = nqm_load_u32(p + i) & 0x7fffffff;
+        largest = bits > largest ? bits : largest;
+    }
+    return largest < 0x7f800000;
 }
 
 /* ---- checksum ---------------------------------------------------------------------------------------------------- */

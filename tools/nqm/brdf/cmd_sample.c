@@ -21,7 +21,7 @@ typedef struct sample_set {
 
 /* NaN where the BRDF has no value and none was asked for in its place. */
 static double value_of(const sample_set *s, size_t i, size_t channel) {
-    bool hole = s->flag[i] == NQM_VALUE_INVALID || s->flag[i] == NQM_VALUE_HORIZON;
+    bool hole = !nqm_has_value(s->flag[i]);
     return hole && s->policy == NQM_INVALID_DROP ? (double)NAN : (double)s->rgb[3 * i + channel];
 }
 

@@ -30,7 +30,7 @@ static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_d
     if (status == NQM_OK)
         status = nqm_sample(test, directions, NQM_INVALID_DROP, rgb + 3 * n, NULL, NULL, err);
     for (size_t i = 0; i < n; ++i)
-        used[i] = used[i] <= NQM_VALUE_CLAMPED;
+        used[i] = nqm_has_value(used[i]);
     if (status == NQM_OK)
         nqm_metrics_compute(directions, rgb, rgb + 3 * n, used, metrics);
     nqm_free(rgb);
