@@ -113,9 +113,4 @@ NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **tab
  *  `owned` (it is freed also on failure), otherwise it borrows it. */
 NQM_MUST_CHECK nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
-/** Whether a direction pair with this nqm_value_flag has a value. */
-static inline bool nqm_has_value(uint8_t flag) {
-    return flag <= NQM_VALUE_CLAMPED;
-}
-
 #endif

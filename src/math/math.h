@@ -21,9 +21,6 @@ void nqm_spherical(double theta, double phi, double *v);
 /** Luminance of linear BT.709 rgb (3). */
 double nqm_luminance(const double *rgb);
 
-/** Van der Corput's sequence: the digits of i in `base`, mirrored at the radix point; in [0, 1). */
-double nqm_radical_inverse(size_t i, size_t base);
-
 /* ---- Rusinkiewicz coordinates (DOI 10.1007/978-3-7091-6453-2_2); hd (3) = theta_h, theta_d, phi_d ---------------- */
 
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);

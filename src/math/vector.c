@@ -40,15 +40,6 @@ double nqm_luminance(const double *rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-double nqm_radical_inverse(size_t i, size_t base) {
-    double digit = 1, sum = 0;
-    for (; i > 0; i /= base) {
-        digit /= (double)base;
-        sum += digit * (double)(i % base);
-    }
-    return sum;
-}
-
 /* Angles come from atan2 of both legs: acos loses half the digits near 0, where highlights of 0.2 degrees live. */
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd) {
     double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
