@@ -22,7 +22,7 @@ const char *nqm_status_text(nqm_status status) {
     return status <= NQM_OK && status >= NQM_ERR_CANCELLED ? texts[-status] : "unknown status";
 }
 
-/* What base.h makes of them for clang-tidy. */
+/* base.h defines macros of these names for clang-tidy. */
 #undef nqm_fail
 #undef nqm_fail_nomem
 
@@ -39,5 +39,5 @@ nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset, cons
 }
 
 nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes) {
-    return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory: %zu bytes were asked for", n_bytes);
+    return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory: cannot allocate %zu bytes", n_bytes);
 }

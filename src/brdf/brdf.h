@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * brdf.h - the one vtable behind every BRDF, and the list of formats and models that can make one.
+ * brdf.h - the vtable that every BRDF implements, and the constructors of all formats.
  *
- * A format lives in its own file and offers one constructor. brdf.c owns everything that is common: opening by bytes or
- * by spec, clamping and flagging of values, conversion of coordinates, information.
+ * Each format has its own file with one constructor. brdf.c contains what is common to all: opening by content or by
+ * spec, clamping and flagging of values, conversion of coordinates, information.
  */
 #ifndef NQM_SRC_BRDF_H
 #define NQM_SRC_BRDF_H
@@ -69,7 +69,7 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
 nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-/** One material inside an archive or beside a decoder. */
+/** One material of an archive or of a decoder. */
 nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
                               nqm_error *err);
 nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
@@ -92,7 +92,7 @@ nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb,
 size_t nqm_table_first_bad(size_t n_nodes, const void *rgb);
 /** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
-/** The values of a BRDF whose format is "table"; lent. dims: (3) receives n_h, n_d, n_p. */
+/** The values of a BRDF whose format is "table"; valid until it is freed. dims: (3) receives n_h, n_d, n_p. */
 const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
 
 /** true when the file has the size of the neural processes' decoder. */

@@ -4,8 +4,8 @@
  * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
  * defines each setting.
  *
- * Everything is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the
- * base is. First the place is changed where the base is read (shift, gloss, smooth), then the value (the other
+ * All work is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the base
+ * is. First the coordinates at which the base is evaluated change (shift, gloss, smooth), then the value (the other
  * settings, in the order of the keys below).
  */
 #include "brdf/spec.h"
@@ -79,7 +79,7 @@ typedef struct perturbation {
 
 enum { MAX_ROWS = 9 * (SMOOTH_TAPS + 1) /* evaluations of the base in one call */ };
 
-/* ---- where the base is read -------------------------------------------------------------------------------------- */
+/* ---- coordinates ------------------------------------------------------------------------------------------------- */
 
 /* The theta_h at which light or viewer sinks to the horizon, for given theta_d and phi_d. */
 static double largest_theta_h(const double *hd) {
@@ -119,7 +119,7 @@ static double scaled_bessel_i0(double x) {
 
 /* The places and weights over which `smooth` averages: a Gaussian over the plane of half vectors, whose integral over
  * the azimuth is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the distance r from the
- * normal. The taps lie denser toward r = 0, where a sharp lobe is. */
+ * normal. The taps are denser toward r = 0, where a sharp lobe is. */
 static void smooth_taps(double centre, double sigma, double largest, double *theta_h, double *weight) {
     double from = fmax(0, centre - 4 * sigma), to = fmin(centre + 4 * sigma, largest), sum = 0;
     for (int k = 0; k < SMOOTH_TAPS; ++k) {
@@ -171,7 +171,7 @@ static bool average_taps(size_t n, const double *weight, const double *rgb, cons
     return sum > 0;
 }
 
-/* ---- what is done to the value ----------------------------------------------------------------------------------- */
+/* ---- value ------------------------------------------------------------------------------------------------------- */
 
 /* Value noise of unit variance at hd, one field a channel. The third coordinate vanishes where phi_d has no meaning (at
  * theta_h = 0 and theta_d = 0), so that the field is continuous over pairs. */

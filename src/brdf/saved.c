@@ -76,15 +76,15 @@ static nqm_status refuse_file(const char *name, const char *what, nqm_error *err
     return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: %s (header at byte 8)", name, what);
 }
 
-/* Find a float tensor with these dimensions; a wanted dimension of 0 may be any but 0. */
-static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_tensor *wanted,
+/* Find a float tensor with these dimensions; an expected dimension of 0 stands for any size >= 1. */
+static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_tensor *expected,
                        const nqm_tensor **tensor_ret, nqm_error *err) {
-    const nqm_tensor *tensor = nqm_safetensors_find(st, wanted->name);
+    const nqm_tensor *tensor = nqm_safetensors_find(st, expected->name);
     if (!tensor)
-        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: tensor '%s' is missing (header at byte 8)", name, wanted->name);
-    bool fits = tensor->dtype == NQM_F32 && tensor->n_dims == wanted->n_dims;
-    for (size_t i = 0; fits && i < wanted->n_dims; ++i)
-        fits = wanted->dims[i] ? tensor->dims[i] == wanted->dims[i] : tensor->dims[i] > 0;
+        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: tensor '%s' is missing (header at byte 8)", name, expected->name);
+    bool fits = tensor->dtype == NQM_F32 && tensor->n_dims == expected->n_dims;
+    for (size_t i = 0; fits && i < expected->n_dims; ++i)
+        fits = expected->dims[i] ? tensor->dims[i] == expected->dims[i] : tensor->dims[i] > 0;
     if (!fits)
         return refuse(name, tensor, 0, "has the wrong type or shape", err);
     *tensor_ret = tensor;
@@ -95,7 +95,7 @@ static nqm_status refuse_value(const char *name, const nqm_tensor *tensor, size_
     return refuse(name, tensor, i * sizeof(float), "holds a value that is not finite", err);
 }
 
-/* Copy a network's floats, which foreign writers need not align. */
+/* Copy a network's floats, which may be misaligned in files of other writers. */
 static nqm_status copy(const char *name, const nqm_tensor *tensor, float *values, nqm_error *err) {
     size_t n = count(tensor);
     memcpy(values, tensor->data, n * sizeof *values);
@@ -119,8 +119,8 @@ static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_
 }
 
 static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    const nqm_tensor wanted = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}}, *tensor;
-    nqm_status status = find(st, name, &wanted, &tensor, err);
+    const nqm_tensor expected = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}}, *tensor;
+    nqm_status status = find(st, name, &expected, &tensor, err);
     if (status != NQM_OK)
         return status;
     if (tensor->dims[0] < 2 || tensor->dims[1] < 2)

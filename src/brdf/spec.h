@@ -15,7 +15,7 @@ enum { NQM_SPEC_MAX_KEYS = 20 };
 /** One key of a spec. */
 typedef struct nqm_spec_key {
     const char *name;
-    size_t n;         /**< values: 1, or 3 for RGB, where a single value stands for all three */
+    size_t n;         /**< values: 1, or 3 for RGB, where a single value means all three */
     double low, high; /**< closed range of each value */
     bool required;
     bool whole;      /**< no fractions */

@@ -55,7 +55,7 @@ static nqm_status read_header(hdr_file *file) {
     return status;
 }
 
-/* A decimal number of at most 9 digits behind `prefix`. */
+/* Parse `prefix` and a decimal number of at most 10 digits; returns the rest of the text, or NULL. */
 static const char *parse_size(const char *text, const char *prefix, uint64_t *value) {
     size_t n = strlen(prefix), n_digits = 0;
     if (strncmp(text, prefix, n) != 0)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * io.h - files to named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude
+ * io.h - reads and writes files of named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude
  * images, PLY and OBJ. Knows nothing of BRDFs. Every reader checks sizes against the bytes that are present before it allocates.
  */
 #ifndef NQM_SRC_IO_H
@@ -54,7 +54,7 @@ NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tenso
 
 /** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_tensor_file nqm_tensor_file;
-/** Parse and check: offsets and shapes lie inside the bytes. `name` is for messages. */
+/** Parse and check that all offsets and shapes are inside the bytes. `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                 nqm_tensor_file **file_ret, nqm_error *err);
 void nqm_tensor_file_free(nqm_tensor_file *file);
@@ -145,7 +145,7 @@ enum { NQM_IMAGE_MAX_WIDTH = 8192, NQM_IMAGE_MAX_HEIGHT = 4096 };
  *  is refused. */
 NQM_MUST_CHECK nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err);
 
-/** The decoders behind it, for a file whose format is known. */
+/** The decoders of nqm_image_load(), for a file whose format is known. */
 NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);

@@ -68,7 +68,7 @@ static uint64_t load(const unsigned char *p, size_t n_bytes, bool big_endian) {
     return bits;
 }
 
-/* Read the element at the cursor and move behind its padding; false when it is cut off. Up to four bytes of data may be
+/* Read the element at the cursor and move past its padding; false when it is cut off. Up to four bytes of data may be
  * stored inside the tag. */
 static bool take(cursor *c, element *e) {
     if (c->n < TAG_BYTES)

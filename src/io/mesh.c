@@ -52,8 +52,8 @@ bool nqm_mesh_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
         if (n < NQM_MESH_TOKEN - 1)
             word[n++] = (char)data[at];
         else
-            word[n - 1] = '~'; /* too long for a number: none shall be made of its beginning */
-    if (n == 0)                /* some other control character: a word that nobody knows */
+            word[n - 1] = '~'; /* too long for a number: the prefix must not parse as one */
+    if (n == 0)                /* some other control character: an unknown word */
         word[n++] = (char)data[at++];
     word[n] = 0;
     r->position = at;

@@ -17,7 +17,7 @@ typedef struct obj_file {
     bool lacks_normals;             /* some corner names none */
 } obj_file;
 
-/* The next word of the statement, beyond a continued line. */
+/* The next word of the statement, which continues on the next line after a backslash. */
 static bool next_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
     while (nqm_mesh_word(r, word)) {
         if (strcmp(word, "\\") != 0)
@@ -41,7 +41,7 @@ static nqm_status read_vector(nqm_mesh_reader *r, nqm_mesh_rows *rows, const cha
     return nqm_mesh_add_vector(r, rows, xyz, what);
 }
 
-/* A whole number, not 0, at *text; moves *text behind it. */
+/* Parse a nonzero integer at *text and move *text past it. */
 static bool parse_index(const char **text, int64_t *index) {
     const char *p = *text;
     bool negative = *p == '-';

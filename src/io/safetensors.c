@@ -42,7 +42,7 @@ static bool tensor_size(nqm_dtype dtype, size_t n_dims, const size_t *dims, size
 
 /* ---- one tensor of the header ------------------------------------------------------------------------------------ */
 
-/* What a message about a tensor needs. */
+/* For messages about a tensor. */
 typedef struct place {
     const char *file;
     const char *tensor;
@@ -141,7 +141,7 @@ static nqm_status check_contiguous(const nqm_safetensors *st, const char *name, 
     }
     if (status == NQM_OK && next != (int64_t)st->n_bytes)
         status =
-            nqm_fail(err, NQM_ERR_FORMAT, next, "%s: bytes behind the last tensor (byte %lld)", name, (long long)next);
+            nqm_fail(err, NQM_ERR_FORMAT, next, "%s: bytes after the last tensor (byte %lld)", name, (long long)next);
     nqm_free(order);
     return status;
 }
@@ -284,13 +284,13 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
     size_t at = find_digits(st->data + HEADER_AT, st->n_header, stored);
     if (at == st->n_header)
         return false;
-    size_t before = HEADER_AT + at, behind = before + SHA_DIGITS;
+    size_t before = HEADER_AT + at, after = before + SHA_DIGITS;
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
         return true; /* out of memory: it has one, which was not confirmed */
     nqm_sha256_add(&sha, st->data, before);
     nqm_sha256_add(&sha, zeros, sizeof zeros);
-    nqm_sha256_add(&sha, st->data + behind, st->n_bytes - behind);
+    nqm_sha256_add(&sha, st->data + after, st->n_bytes - after);
     nqm_sha256_end(&sha, hex);
     *matches = strcmp(hex, stored) == 0;
     return true;
@@ -298,7 +298,7 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* A tensor on its way to the file. */
+/* A tensor to write. */
 typedef struct outgoing {
     const nqm_tensor *tensor;
     size_t index; /* as given */

@@ -110,7 +110,7 @@ static int compare_points(const void *a, const void *b) {
     return by_x ? by_x : (p->y > q->y) - (p->y < q->y);
 }
 
-/* Pairs within runs of equal points; `same` says what equal means. The points lie sorted. */
+/* Number of pairs within runs of points that are equal by `same`. The points are sorted. */
 static double tied_pairs(size_t n, const point *p, bool (*same)(const point *, const point *)) {
     double pairs = 0;
     for (size_t begin = 0, end; begin < n; begin = end) {
