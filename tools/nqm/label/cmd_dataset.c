@@ -69,8 +69,9 @@ static int run(const char *argument, const arguments *a, const nqm_corpus_option
     if (!a->output)
         return report("dataset", EXIT_USAGE, "give the file of the dataset: -o FILE");
     if (strcmp(a->output, "-") == 0)
-        return report("dataset", EXIT_USAGE, "a dataset cannot be written to standard output, because its manifest is a "
-                                             "second file; give a file name");
+        return report("dataset", EXIT_USAGE,
+                      "a dataset cannot be written to standard output, because its manifest is a "
+                      "second file; give a file name");
     if (!a->directions)
         return report("dataset", EXIT_USAGE,
                       "give the sampling directions: --directions FILE (`nqm directions` makes one)");
