@@ -7,12 +7,12 @@
  *  - Directions are unit vectors that point away from the surface; z is the surface normal.
  *  - `wi` points to the light, `wo` to the viewer. BRDF values are f_r in 1/sr, WITHOUT the cosine.
  *  - RGB is linear, with BT.709 primaries. Angles are radians; degrees occur only in files and on the command line.
- *  - Arrays are row-major, the last index fastest; the shape stands beside every array as (rows, columns).
+ *  - Arrays are row-major, the last index fastest; every array is documented with its shape (rows, columns).
  *  - Every fallible function returns an nqm_status and fills an optional nqm_error (NULL is allowed). When it fails,
  *    the pointers it would have returned are NULL and other outputs are untouched unless its documentation says
  *    otherwise.
  *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
- *    there). Pointers that getters lend are valid until the object is freed.
+ *    there). Pointers that getters return belong to the object and are valid until it is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other
  *    objects belong to one thread at a time.
  *  - The library never prints, never exits, never reads the environment and does not depend on the locale.
@@ -55,7 +55,7 @@ typedef enum nqm_status {
     NQM_ERR_CANCELLED = -9     /**< the progress callback asked to stop [130] */
 } nqm_status;
 
-/** What went wrong, in words. Zero-initialise it; only failing calls write to it. */
+/** Why a call failed. Zero-initialise it; only failing calls write to it. */
 typedef struct nqm_error {
     nqm_status status;   /**< the status that the call returned */
     int64_t byte_offset; /**< position in the file at fault, bytes from its start; -1 where that means nothing */
@@ -75,7 +75,7 @@ NQM_API const char *nqm_build_info(void);
 /**
  * Progress of long work. Called from the thread that made the call, at most a few times a second.
  *
- * @param user   the pointer given beside the callback
+ * @param user   the pointer given together with the callback
  * @param stage  what is being done ("train", "label"); valid during the call only
  * @param done   work done so far, in the unit of `total`
  * @param total  all the work; 0 when unknown
@@ -93,7 +93,7 @@ typedef enum nqm_precision {
 } nqm_precision;
 /** "f32", "bf16", "int8"; static storage; NULL beyond. */
 NQM_API const char *nqm_precision_name(nqm_precision precision);
-/** The i-th way to compute ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor knows, best first;
+/** The i-th kernel set ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports, fastest first;
  *  static storage; NULL beyond. "scalar" is plain loops, slow, and the definition of the results. */
 NQM_API const char *nqm_kernels_name(size_t i);
 /** Choose one of them for the whole process, for tests and benchmarks; NULL: back to the best. NQM_ERR_ARG when this

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/brdf.h - open any isotropic BRDF (measured, neural or analytic) and evaluate it for direction pairs.
+ * nqm/brdf.h - isotropic BRDFs: open one from a file or a parameter string, or create one from a callback or a table in
+ * memory; evaluate, check and save it.
  *
- * The half-vector coordinates are those of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2): theta_h, the angle
- * between normal and half vector; theta_d, between half vector and light; phi_d, the azimuth of the light about the
- * half vector. phi_h is 0 (isotropy); phi_d lies in [0, pi) (reciprocity).
+ * The half-vector coordinates are those of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2): theta_h is the angle
+ * between normal and half vector, theta_d the angle between half vector and light, phi_d the azimuth of the light about the
+ * half vector. phi_h is 0 (isotropy); phi_d is in [0, pi) (reciprocity).
  */
 #ifndef NQM_BRDF_H
 #define NQM_BRDF_H
@@ -15,48 +16,116 @@
 extern "C" {
 #endif
 
-/** An isotropic RGB BRDF. Immutable; may be evaluated by several threads at once. */
+/** An isotropic RGB BRDF. Immutable; any number of threads may evaluate it at the same time. */
 typedef struct nqm_brdf nqm_brdf;
 
-/** What an evaluation found, per direction pair. */
+/** Result of the evaluation of one direction pair. */
 typedef enum nqm_value_flag {
     NQM_VALUE_OK = 0,      /**< finite and not negative */
-    NQM_VALUE_CLAMPED = 1, /**< some channel was negative in the data (out of gamut) and is given as 0; usable */
-    NQM_VALUE_INVALID = 2, /**< the data hold no value here (empty cell, not finite); rgb is 0,0,0 */
+    NQM_VALUE_CLAMPED = 1, /**< a channel was negative (out of gamut) and was replaced by 0; usable */
+    NQM_VALUE_INVALID = 2, /**< no value: empty table cell, or a channel is NaN or infinite; rgb is 0,0,0 */
     NQM_VALUE_HORIZON = 3  /**< light or viewer at or below the horizon; rgb is 0,0,0 */
 } nqm_value_flag;
+/** 1 for NQM_VALUE_OK and NQM_VALUE_CLAMPED, 0 for flags without a value. */
+static inline uint8_t nqm_has_value(uint8_t flag) {
+    return flag < NQM_VALUE_INVALID;
+}
 
-/** Facts about an opened BRDF. Strings are lent by the BRDF and live as long as it. */
+/** Facts about a BRDF. The strings belong to the BRDF and are valid until it is freed. */
 typedef struct nqm_brdf_info {
-    const char *format; /**< "merl", "rgl", "nbrdf", "table", "nps", "lambert", "ggx", "ward", "sgd", "perturb", ... */
-    const char *name;   /**< the argument it was opened with */
-    const char *spec;   /**< analytic models: the full canonical spec that opens the same BRDF; else NULL */
-    const char *source_doi; /**< the publication of the format or parameters, "10...."; NULL if none */
-    const char *layout;     /**< one line: resolution or parameters ("90x90x180 cells") */
-    size_t n_values;        /**< stored numbers (cells, weights or parameters) */
-    size_t n_bytes;         /**< size of the file; 0 for specs */
+    const char *format;     /**< "merl", "rgl", "nbrdf", "nps", "table", "callback", "lambert", "ggx", "perturb", ... */
+    const char *name;       /**< the path or spec that was opened, or the name given to nqm_brdf_create*() */
+    const char *spec;       /**< analytic models: the canonical spec, which opens the same BRDF; otherwise NULL */
+    const char *source_doi; /**< publication of the format or of the parameters, "10...."; NULL if there is none */
+    const char *layout;     /**< one line: resolution or parameters ("90 x 90 x 180 cells"); NULL if there is none */
+    size_t n_values;        /**< number of stored values: cells times channels, weights, or parameters */
+    size_t n_bytes;         /**< size of the file; 0 if the BRDF has no file */
     int reciprocal;         /**< 1 when f_r(wi,wo) = f_r(wo,wi) by construction */
 } nqm_brdf_info;
 
 /**
  * Open a BRDF from a path or a spec.
  *
- * A path's format is found by its bytes, never by its name: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic),
- * NBRDF `.h5`, networks and tables of nqm_brdf_save(); `ARCHIVE.zip:MATERIAL` names an NBRDF inside a zip;
- * `DIR/nps_decoder_f32le.bin:MATERIAL` a neural-process reconstruction (its latents lie beside the decoder in
- * nps_latents.csv). A spec is
- * `MODEL:key=value;key=value` (`ggx:`, `cook-torrance:`, ... with parameters) or a preset `TABLE:NAME` (`sgd:nickel`,
- * `abc:nickel`), or a perturbation `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`. doc/brdf.md lists every key with
- * unit, range and default. RGL data are not quite reciprocal: their parametrised direction (theta_i) is taken as the
- * viewer (doc/files.md). A relative path that begins like a spec is opened as a path when written with `./`.
+ * The format of a file is recognised by its first bytes or its size, not by its name:
+ *  - `PATH`: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
+ *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;
+ *  - `DIR/nps_decoder_f32le.bin:MATERIAL`: a neural-process BRDF; nps_latents.csv must be in the same folder.
+ *
+ * A spec is one of
+ *  - `MODEL:key=value;key=value`: an analytic model (`ggx:`, `cook-torrance:`, ...) with its parameters;
+ *  - `TABLE:NAME`: a preset (`sgd:nickel`, `abc:nickel`);
+ *  - `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`: a distorted copy of another BRDF.
+ *
+ * doc/brdf.md lists every key with unit, range and default. A path that begins like a spec must be written with `./`. RGL
+ * measurements are not exactly reciprocal: their parametrised direction (theta_i) is taken as the viewer (doc/files.md).
  *
  * @param path_or_spec  see above
  * @param brdf_ret      receives the BRDF; free with nqm_brdf_free()
  * @param err           optional
- * @return NQM_ERR_IO (missing, a directory, unreadable), NQM_ERR_FORMAT (malformed; byte_offset says where),
+ * @return NQM_ERR_IO (missing, a directory, unreadable), NQM_ERR_FORMAT (malformed; byte_offset is the position),
  *         NQM_ERR_ARG (bad spec), NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err);
+
+/**
+ * Evaluates a BRDF of the caller.
+ *
+ * Negative channels and values that are not finite are treated as in files: nqm_brdf_eval() replaces a negative channel by
+ * 0 and flags the value NQM_VALUE_CLAMPED; a NaN or infinite channel means "no value here" and is flagged
+ * NQM_VALUE_INVALID.
+ *
+ * @param user  nqm_brdf_callbacks.user
+ * @param n     number of pairs, 1 to 512
+ * @param wi    (n, 3) unit vectors to the light, wi.z > 0
+ * @param wo    (n, 3) unit vectors to the viewer, wo.z > 0
+ * @param rgb   (n, 3) receives f_r in 1/sr, without the cosine; linear RGB with BT.709 primaries
+ */
+typedef void (*nqm_brdf_eval_fn)(void *user, size_t n, const double *wi, const double *wo, double *rgb);
+
+/** A BRDF of the caller, for nqm_brdf_create(). Zero-initialise it; only `eval` is required. */
+typedef struct nqm_brdf_callbacks {
+    nqm_brdf_eval_fn eval;    /**< must return the same values whenever it gets the same directions */
+    void (*free)(void *user); /**< called once by nqm_brdf_free(); NULL: nothing to free */
+    void *user;               /**< passed to both functions */
+    const char *name;         /**< for messages and nqm_brdf_info.name; copied; NULL: "callback" */
+    int reciprocal;           /**< 1: f_r(wi,wo) = f_r(wo,wi) always; reported by nqm_brdf_get_info(), not checked */
+    int serialize; /**< 0: threads of the library call `eval` concurrently; 1: never two calls at the same time
+                                   (a mutex of this BRDF is held during the call, so `eval` must not evaluate this BRDF) */
+} nqm_brdf_callbacks;
+
+/**
+ * Create a BRDF that the caller evaluates, for example the one of a renderer.
+ *
+ * The library assumes isotropy: it evaluates at phi_h = 0 only.
+ *
+ * @param callbacks  copied
+ * @param brdf_ret   receives the BRDF; free with nqm_brdf_free(). On failure `callbacks->free` is not called.
+ * @return NQM_ERR_ARG (`callbacks` or `eval` is NULL), NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_create(const nqm_brdf_callbacks *callbacks, nqm_brdf **brdf_ret,
+                                                  nqm_error *err);
+
+/**
+ * Create a BRDF from a table over half-vector coordinates, with linear interpolation between nodes:
+ *
+ *     theta_h of node i = (i / (n_theta_h - 1))^2 pi/2    (dense at the mirror direction, like the cells of MERL files)
+ *     theta_d of node j = j / (n_theta_d - 1) pi/2
+ *     phi_d   of node k = k / n_phi_d pi                  (periodic)
+ *
+ * nqm_brdf_save() writes it, nqm_brdf_open() reads it back to the same values. Linear interpolation is done in
+ * sqrt(theta_h), theta_d and phi_d. Negative channels are allowed and flagged NQM_VALUE_CLAMPED at evaluation.
+ *
+ * @param n_theta_h, n_theta_d  nodes, >= 2
+ * @param n_phi_d               nodes, >= 1; at most 2^24 nodes in total
+ * @param rgb   (n_theta_h, n_theta_d, n_phi_d, 3) f_r in 1/sr, copied. NaN in channel 0 marks a node without a value; it is
+ *              left out of the interpolation, and a point whose neighbours all have none is NQM_VALUE_INVALID
+ * @param name  for messages and nqm_brdf_info.name; copied; NULL: "table"
+ * @return NQM_ERR_ARG (`rgb` is NULL, or a channel is infinite, or NaN where channel 0 is not), NQM_ERR_LIMIT (number of
+ *         nodes), NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_create_table(size_t n_theta_h, size_t n_theta_d, size_t n_phi_d,
+                                                        const float *rgb, const char *name, nqm_brdf **brdf_ret,
+                                                        nqm_error *err);
 
 /** Free a BRDF; NULL is allowed. */
 NQM_API void nqm_brdf_free(nqm_brdf *brdf);
@@ -67,7 +136,7 @@ NQM_API nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf);
 /**
  * Evaluate f_r (1/sr, without the cosine) for n direction pairs.
  *
- * Values are never negative and always finite. Pairs outside the upper hemisphere give 0 and NQM_VALUE_HORIZON.
+ * The results are finite and >= 0. Pairs outside the upper hemisphere give 0 and NQM_VALUE_HORIZON.
  *
  * @param n     number of pairs
  * @param wi    (n, 3) unit vectors to the light
@@ -79,8 +148,8 @@ NQM_API void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, con
                            uint8_t *flag);
 
 /**
- * As nqm_brdf_eval(), for half-vector coordinates. Tables and networks stored in these coordinates are read without a
- * round trip through vectors.
+ * As nqm_brdf_eval(), for half-vector coordinates. Tables and networks over these coordinates are evaluated without
+ * converting to vectors and back.
  *
  * @param hd  (n, 3) theta_h in [0, pi/2], theta_d in [0, pi/2], phi_d (any; period 2 pi), radians
  */
@@ -93,50 +162,56 @@ NQM_API void nqm_half_diff_to_directions(const double *hd, double *wi, double *w
 NQM_API void nqm_directions_to_half_diff(const double *wi, const double *wo, double *hd);
 
 /**
- * Write `brdf` as a MERL `.binary` table (90 x 90 x 180 cells, evaluated at cell centres; cells below the horizon or
- * invalid are -1). The file appears under its name only when complete.
+ * Write `brdf` as a MERL `.binary` table: 90 x 90 x 180 cells, evaluated at the cell centres; -1 in cells that are invalid
+ * or below the horizon. The file appears under its name only when complete.
+ *
+ * @return NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`, which may be NULL), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress,
                                                       void *progress_user, nqm_error *err);
 
 /**
- * Write a BRDF that is a small network ("nbrdf") or a table ("table") as the safetensors file that nqm_brdf_open()
- * reads back to the same values (doc/files.md). Analytic models are kept as specs, measurements as their own files.
+ * Write a BRDF whose format is "nbrdf" (a small network) or "table" as a safetensors file (doc/files.md);
+ * nqm_brdf_open() reads it back to the same values. The other formats have a spec or a file already.
  *
  * @return NQM_ERR_ARG (another format), NQM_ERR_IO
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err);
 
-/** Number of presets ("sgd:nickel", ...) in the library. */
+/** Number of built-in presets ("sgd:nickel", ...). */
 NQM_API size_t nqm_brdf_preset_count(void);
-/** Name of preset i in [0, count), in the order of the tables; static storage. */
+/** Name of preset i, i < nqm_brdf_preset_count(); static storage. */
 NQM_API const char *nqm_brdf_preset_name(size_t i);
 
 /** Physical plausibility of a BRDF, from nqm_brdf_check(). */
 typedef struct nqm_brdf_check_report {
-    size_t n_pairs;              /**< direction pairs tested */
-    size_t n_clamped;            /**< pairs with a negative channel in the data */
-    size_t n_invalid;            /**< pairs without data */
-    double reciprocity_median;   /**< median of |f(a,b)-f(b,a)| / mean, luminance, over pairs above 1e-4 1/sr */
-    double reciprocity_p95;      /**< 95th percentile of the same */
-    double albedo_max[3];        /**< largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel */
-    double albedo_max_theta_rad; /**< the angle of incidence at which the largest of them occurs */
+    size_t n_pairs;   /**< direction pairs tested */
+    size_t n_clamped; /**< pairs with NQM_VALUE_CLAMPED */
+    size_t n_invalid; /**< pairs with NQM_VALUE_INVALID */
+    double
+        reciprocity_median; /**< median of |f(a,b)-f(b,a)| / mean (luminance) over pairs with a mean above 1e-4 1/sr */
+    double reciprocity_p95; /**< 95th percentile of the same */
+    double albedo_max[3];   /**< largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel */
+    double albedo_max_theta_rad; /**< angle of incidence of the largest of the three */
 } nqm_brdf_check_report;
 
 /**
  * Measure reciprocity, energy conservation and positivity.
  *
- * The albedo integrates f_r cos(theta_o) over the hemisphere with half-vector importance sampling, so that lobes of 0.2
- * degrees are caught. Deterministic for a seed.
+ * The albedo integrates f_r cos(theta_o) over the hemisphere with half-vector importance sampling, which resolves lobes of
+ * 0.2 degrees. The same seed gives the same report.
+ *
+ * @return NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report_ret,
                                                  nqm_error *err);
 
 /**
- * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the viewer's hemisphere, for light at
- * theta_i_rad.
+ * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the hemisphere of wo.
  *
- * @param rgb  (3) receives the albedo per channel
+ * @param theta_i_rad  polar angle of the light, 0 to pi/2
+ * @param seed         of the quadrature's random offsets
+ * @param rgb          (3) receives the albedo per channel
  */
 NQM_API void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, double *rgb);
 

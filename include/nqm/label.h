@@ -61,7 +61,7 @@ NQM_API nqm_corpus_options nqm_corpus_options_default(void);
  * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test);
  *                       models/scan.py writes one for a data folder
  * @param directions     sampling directions
- * @param path           the dataset file to write; not "-"
+ * @param path           the dataset file to write
  * @return NQM_ERR_ARG (options), NQM_ERR_INCOMPATIBLE (no material of this part), NQM_ERR_CANCELLED (finished groups stay in
  *         `checkpoint`), or the error of reading an input
  */

@@ -47,11 +47,11 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_directions_create(const nqm_directions_opt
  *  [0,90], phi_d in [-360,360]. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg,
                                                               nqm_directions **directions_ret, nqm_error *err);
-/** Read a CSV ("-" is standard input) with a header line that names the columns theta_h, theta_d and phi_d (degrees;
+/** Read a CSV with a header line that names the columns theta_h, theta_d and phi_d (degrees;
  *  others are ignored). */
 NQM_API NQM_MUST_CHECK nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions_ret,
                                                           nqm_error *err);
-/** Write such a CSV ("-" is standard output); reading it back gives the same set with the same id. */
+/** Write such a CSV; reading it back gives the same set with the same id. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_directions_save_csv(const nqm_directions *directions, const char *path,
                                                           nqm_error *err);
 /** Free a set; NULL is allowed. */
@@ -109,7 +109,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_dir
  * theta_h, theta_d, phi_d in degrees). Equal samples make equal files.
  *
  * @param rgb   (n, 3) f_r in 1/sr, finite
- * @param path  a regular file; it appears under its name only when complete
+ * @param path  the file appears under its name only when complete
  * @return NQM_ERR_ARG (a value is not finite), NQM_ERR_IO, NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_samples_save_mat(const nqm_directions *directions, const float *rgb,

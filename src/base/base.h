@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * base.h - what every module leans on: failing with a message, checked allocation, mapped input files, output files
- * that appear only when complete, little-endian reading, numbers as text in any locale, random numbers with explicit
+ * base.h - services for every room: failing with a message, checked allocation, mapped input files, output files that
+ * appear only when complete, little-endian access, conversion of numbers in any locale, random numbers with explicit
  * state, parallel loops and SHA-256. Knows nothing of BRDFs.
  */
 #ifndef NQM_SRC_BASE_H
@@ -10,19 +10,20 @@
 #include <nqm/base.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 /** Fill `err` (NULL allowed) and return `status`, so that `return nqm_fail(...)` is the one way to fail. */
 __attribute__((format(printf, 4, 5))) nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset,
                                                           const char *format, ...);
-/** The usual out-of-memory failure; says how much was asked for. */
+/** The usual out-of-memory failure; the message states the requested size. */
 nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes);
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 /** n * size zeroed bytes, 64-byte aligned; NULL when out of memory, when the product overflows, or in a test build when
- *  told to fail. n or size 0 gives a unique non-NULL block. Free with nqm_free(). */
+ *  nqm_alloc_fail_after() asks for it. n or size 0 gives a unique non-NULL block. Free with nqm_free(). */
 void *nqm_alloc(size_t n, size_t size);
 /** Free a block of nqm_alloc(); NULL allowed. */
 void nqm_free(void *block);
@@ -65,7 +66,7 @@ bool nqm_mul_size(size_t a, size_t b, size_t *product);
 typedef struct nqm_map {
     const unsigned char *data;
     size_t n_bytes;
-    const char *path; /**< lent; for messages */
+    const char *path; /**< borrowed; for messages */
     bool has_fd;      /**< the file is open as `fd`: nqm_map_open_sparse() */
     int fd;
 } nqm_map;
@@ -86,19 +87,19 @@ NQM_MUST_CHECK nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret
  */
 void nqm_map_expect(const nqm_map *map, bool everything);
 /** Copy n pieces of n_each bytes out of a map. Where the map has a file they are read from that: a page fault costs more
- *  than reading a piece. Those that are not in memory are fetched from the disk side by side, neighbours together. What
- *  lies behind the end, also of a file that has become shorter, is given as bytes of 0xff. Reorders `pieces`. */
+ *  than reading a piece. Pieces that are not cached are fetched from the disk concurrently, neighbours together.
+ *  Bytes beyond the end of the file, even if it was truncated meanwhile, read as 0xff. Reorders `pieces`. */
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each);
 /** For maps that are kept but not gathered from: close their file, if they have one. */
 void nqm_map_close_file(nqm_map *map);
 /** Unmap; a zeroed map is allowed. */
 void nqm_map_close(nqm_map *map);
 
-/** An output file that is written beside its final name and renamed when complete; "-" is standard output. Devices and
- *  pipes are written in place. */
+/** An output file that is written under a temporary name in the same folder and renamed when complete. Devices, pipes and
+ *  everything below /dev are written in place. */
 typedef struct nqm_outfile {
     FILE *stream;
-    char *path;      /* NULL: standard output */
+    char *path;      /* owned, with `temporary` in the same block */
     char *temporary; /* NULL: written in place */
 } nqm_outfile;
 
@@ -111,19 +112,26 @@ void nqm_outfile_abort(nqm_outfile *out);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 
-uint16_t nqm_load_u16(const unsigned char *p);
-uint32_t nqm_load_u32(const unsigned char *p);
-uint64_t nqm_load_u64(const unsigned char *p);
-float nqm_load_f32(const unsigned char *p);
-double nqm_load_f64(const unsigned char *p);
-void nqm_store_u32(unsigned char *p, uint32_t v);
-void nqm_store_u64(unsigned char *p, uint64_t v);
-void nqm_store_f32(unsigned char *p, float v);
-void nqm_store_f64(unsigned char *p, double v);
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are read and written in the byte order of the host");
 
-/* ---- numbers as text, whatever the locale ------------------------------------------------------------------------ */
+#define NQM_LITTLE_ENDIAN(NAME, TYPE)                                                                                  \
+    static inline TYPE nqm_load_##NAME(const unsigned char *p) {                                                       \
+        TYPE v;                                                                                                        \
+        memcpy(&v, p, sizeof v);                                                                                       \
+        return v;                                                                                                      \
+    }                                                                                                                  \
+    static inline void nqm_store_##NAME(unsigned char *p, TYPE v) {                                                    \
+        memcpy(p, &v, sizeof v);                                                                                       \
+    }
+NQM_LITTLE_ENDIAN(u16, uint16_t)
+NQM_LITTLE_ENDIAN(u32, uint32_t)
+NQM_LITTLE_ENDIAN(u64, uint64_t)
+NQM_LITTLE_ENDIAN(f32, float)
+NQM_LITTLE_ENDIAN(f64, double)
 
-/** Parse a decimal number at `text`; *end points behind it. false when there is none. inf and nan are refused. */
+/* ---- conversion of numbers in any locale -------------------------------------------------------------------------- */
+
+/** Parse a decimal number at `text`; *end points after it. false when there is none. inf and nan are refused. */
 bool nqm_parse_double(const char *text, const char **end, double *value);
 /** Print with the fewest digits that read back to the same double ("0.1"). Returns `buffer` (32 bytes at least). */
 char *nqm_format_double(char *buffer, size_t n_buffer, double value);

@@ -14,32 +14,15 @@ const char *nqm_version(void) {
 }
 
 const char *nqm_status_text(nqm_status status) {
-    switch (status) {
-    case NQM_OK:
-        return "success";
-    case NQM_ERR_ARG:
-        return "invalid argument";
-    case NQM_ERR_IO:
-        return "cannot open, read or write a file";
-    case NQM_ERR_FORMAT:
-        return "malformed input";
-    case NQM_ERR_INCOMPATIBLE:
-        return "inputs do not fit together";
-    case NQM_ERR_MODEL:
-        return "model missing or damaged";
-    case NQM_ERR_NOMEM:
-        return "out of memory";
-    case NQM_ERR_LIMIT:
-        return "size limit exceeded";
-    case NQM_ERR_NUMERIC:
-        return "numeric failure";
-    case NQM_ERR_CANCELLED:
-        return "interrupted";
-    }
-    return "unknown status";
+    static const char *const texts[] = {
+        "success",         "invalid argument",           "cannot open, read or write a file",
+        "malformed input", "inputs do not fit together", "model missing or damaged",
+        "out of memory",   "size limit exceeded",        "numeric failure",
+        "interrupted"};
+    return status <= NQM_OK && status >= NQM_ERR_CANCELLED ? texts[-status] : "unknown status";
 }
 
-/* What base.h makes of them for clang-tidy. */
+/* base.h defines macros of these names for clang-tidy. */
 #undef nqm_fail
 #undef nqm_fail_nomem
 
@@ -56,5 +39,5 @@ nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset, cons
 }
 
 nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes) {
-    return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory: %zu bytes were asked for", n_bytes);
+    return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory: cannot allocate %zu bytes", n_bytes);
 }

@@ -7,10 +7,11 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 void nqm_map_close_file(nqm_map *map) {
@@ -83,79 +84,68 @@ void nqm_map_close(nqm_map *map) {
     *map = (nqm_map){0};
 }
 
-/* Devices and pipes (/dev/null): renaming would put a file in their place. */
+/* Devices, pipes and open descriptors (/dev/null, /dev/fd/3) are written in place: a rename would replace them. */
 static bool is_special(const char *path) {
     struct stat st;
-    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    return strncmp(path, "/dev/", 5) == 0 || (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode));
 }
 
-static nqm_status open_special(const char *path, nqm_outfile *out_ret, nqm_error *err) {
-    char *copy = nqm_strdup(path);
-    if (!copy)
-        return nqm_fail_nomem(err, strlen(path));
-    FILE *stream = fopen(path, "wb");
-    if (!stream) {
-        nqm_free(copy);
-        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
-    }
-    *out_ret = (nqm_outfile){.stream = stream, .path = copy};
-    return NQM_OK;
+static const char suffix[] = ".XXXXXX.part";
+
+/* Create the file `name`, which ends in `suffix`, with random letters for the X; -1 and errno when that fails. mkstemps()
+ * would make it private; open() applies the umask. */
+static int create_temporary(char *name) {
+    static const char letters[] = "0123456789abcdefghijklmnopqrstuvwxyz";
+    static atomic_uint counter;
+    char *random = name + strlen(name) - (sizeof suffix - 1) + 1;
+    int fd;
+    do {
+        struct timespec now;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        uint64_t bits = nqm_hash_u64((uint64_t)getpid() << 32 | (uint64_t)now.tv_nsec, atomic_fetch_add(&counter, 1));
+        for (int i = 0; i < 6; ++i, bits /= sizeof letters - 1)
+            random[i] = letters[bits % (sizeof letters - 1)];
+        fd = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (fd < 0 && errno == EEXIST);
+    return fd;
 }
 
 nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
-    *out_ret = (nqm_outfile){0};
-    if (strcmp(path, "-") == 0) {
-        out_ret->stream = stdout;
+    size_t n_path = strlen(path) + 1;
+    bool in_place = is_special(path);
+    char *names = nqm_alloc(2 * n_path + sizeof suffix, 1); /* both names in one block */
+    *out_ret = (nqm_outfile){.path = names};
+    if (!names)
+        return nqm_fail_nomem(err, 2 * n_path + sizeof suffix);
+    memcpy(names, path, n_path);
+    if (!in_place) {
+        out_ret->temporary = names + n_path;
+        snprintf(out_ret->temporary, n_path + sizeof suffix, "%s%s", path, suffix);
+    }
+    int fd =
+        in_place ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : create_temporary(out_ret->temporary);
+    out_ret->stream = fd < 0 ? NULL : fdopen(fd, "wb");
+    if (out_ret->stream)
         return NQM_OK;
-    }
-    if (is_special(path))
-        return open_special(path, out_ret, err);
-    static const char suffix[] = ".XXXXXX.part";
-    size_t n_path = strlen(path);
-    char *final_path = nqm_strdup(path);
-    char *temporary = nqm_alloc(n_path + sizeof suffix, 1);
-    if (!final_path || !temporary) {
-        nqm_free(final_path);
-        nqm_free(temporary);
-        return nqm_fail_nomem(err, n_path);
-    }
-    memcpy(temporary, path, n_path);
-    memcpy(temporary + n_path, suffix, sizeof suffix);
-    int fd = mkstemps(temporary, 5);
-    FILE *stream = fd < 0 ? NULL : fdopen(fd, "wb");
-    if (!stream) {
-        nqm_status status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
-        if (fd >= 0) {
-            close(fd);
-            unlink(temporary);
-        }
-        nqm_free(final_path);
-        nqm_free(temporary);
-        return status;
-    }
-    mode_t mask = umask(0); /* mkstemps makes files private; give the mode that fopen would */
-    umask(mask);
-    (void)fchmod(fd, 0666 & ~mask);
-    *out_ret = (nqm_outfile){.stream = stream, .path = final_path, .temporary = temporary};
-    return NQM_OK;
+    nqm_status status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    else
+        out_ret->temporary = NULL; /* there is none to remove */
+    nqm_outfile_abort(out_ret);
+    return status;
 }
 
 void nqm_outfile_abort(nqm_outfile *out) {
-    if (out->path && out->stream) /* standard output has no path */
+    if (out->stream)
         fclose(out->stream);
     if (out->temporary)
         unlink(out->temporary);
     nqm_free(out->path);
-    nqm_free(out->temporary);
     *out = (nqm_outfile){0};
 }
 
 nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
-    if (!out->path) { /* standard output */
-        bool bad = fflush(out->stream) != 0 || ferror(out->stream);
-        *out = (nqm_outfile){0};
-        return bad ? nqm_fail(err, NQM_ERR_IO, -1, "standard output: %s", strerror(errno)) : NQM_OK;
-    }
     bool bad = ferror(out->stream) != 0;
     bad = fflush(out->stream) != 0 || bad;
     if (out->temporary)
@@ -166,10 +156,8 @@ nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
         bad = rename(out->temporary, out->path) != 0;
     nqm_status status =
         bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
-    if (!bad) {
-        nqm_free(out->temporary);
-        out->temporary = NULL;
-    }
+    if (!bad)
+        out->temporary = NULL; /* it has its final name */
     nqm_outfile_abort(out);
     return status;
 }

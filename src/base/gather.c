@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Few bytes from many places of a large file: first what is in memory, without waiting; then the rest, after the disk
- * has been told of all of it. Measurements behind this are in doc/performance.md.
+ * Reads small pieces from many places of a large file: first the pieces that are cached, without waiting; then the others,
+ * after the system has been told to prefetch all of them.
  */
 /* NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch */
 #define _GNU_SOURCE /* preadv2 */
@@ -13,7 +13,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-/* Pieces this near to each other are fetched as one: a request to a disk costs as much as reading some pages more. */
+/* Pieces closer than this are fetched with one request, which costs as much as reading a few more pages. */
 enum { MAX_GAP = 8192 };
 
 static void copy_mapped(const nqm_map *map, const nqm_piece *piece, size_t n_each) {
@@ -60,7 +60,7 @@ void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_ea
             copy_mapped(map, &pieces[i], n_each);
         return;
     }
-    (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no reading ahead of what is asked for */
+    (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no read-ahead beyond the requested pieces */
     size_t n_read = read_present(map->fd, n, pieces, n_each);
     pieces += n_read, n -= n_read;
     qsort(pieces, n, sizeof *pieces, by_offset);

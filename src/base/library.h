@@ -25,7 +25,7 @@ typedef struct nqm_library {
     const char *soname;
     size_t n;
     const char *const *names; /**< (n) */
-    void *functions;          /**< n pointers to functions, one behind the other: a struct of nothing else */
+    void *functions;          /**< struct of n function pointers and nothing else */
     bool tried, loaded;
 } nqm_library;
 

@@ -23,7 +23,7 @@ long nqm_alloc_count(void) {
     return atomic_load(&count);
 }
 
-/* Of the allocation that is asked for now. */
+/* Counts an allocation; true when nqm_alloc_fail_after() makes it fail. */
 static bool told_to_fail(void) {
     atomic_fetch_add_explicit(&count, 1, memory_order_relaxed);
     return atomic_load_explicit(&countdown, memory_order_relaxed) >= 0 && atomic_fetch_sub(&countdown, 1) == 0;
@@ -68,7 +68,7 @@ nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error 
     return at ? NQM_OK : nqm_fail_nomem(err, n_bytes);
 }
 
-enum { MIN_PAGES = 1 << 20 }; /* bytes; below, a mapping of its own does not pay */
+enum { MIN_PAGES = 1 << 20 }; /* bytes; below this size a separate mapping does not pay */
 
 void *nqm_alloc_pages(size_t n, size_t size) {
     size_t n_bytes;
@@ -80,7 +80,7 @@ void *nqm_alloc_pages(size_t n, size_t size) {
     if (block == MAP_FAILED)
         return NULL;
 #ifdef MADV_HUGEPAGE
-    (void)madvise(block, n_bytes, MADV_HUGEPAGE); /* without them it works as well */
+    (void)madvise(block, n_bytes, MADV_HUGEPAGE); /* advice only, failure is harmless */
 #endif
     return block;
 }

@@ -7,7 +7,7 @@
 
 /** The allocation after the next n of nqm_alloc() fails once; n < 0 switches this off. */
 void nqm_alloc_fail_after(long n);
-/** How many blocks were asked for so far. */
+/** Number of allocations so far, failed ones included. */
 long nqm_alloc_count(void);
 
 #endif

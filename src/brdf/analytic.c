@@ -2,7 +2,7 @@
  *
  * Three analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
  * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; and the isotropic lobe of
- * Ward (1992, DOI 10.1145/142920.134078). doc/brdf.md has the formulas. The further
+ * Ward (1992, DOI 10.1145/142920.134078). doc/brdf.md has the formulas. The other
  * models are in analytic_*.c and sgd.c.
  */
 #include "brdf/analytic.h"
@@ -53,8 +53,8 @@ static void ggx_prepare(const nqm_spec_values *values, void *state) {
     self->alpha2 = values->v[2][0] * values->v[2][0];
 }
 
-/* 1 / (2 cos) of Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)): the cosines of the denominator are taken
- * along. */
+/* 1 / (2 cos) of Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)),
+ * which cancels the cosines of the denominator. */
 static double ggx_visibility(double cosine, double alpha2) {
     double cos2 = cosine * cosine;
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
@@ -68,7 +68,7 @@ static void ggx_eval(const void *state, size_t n, const double *wi, const double
         double spread = (1 + h.tan2_h / self->alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
         double d = 1 / (NQM_PI * self->alpha2 * spread * spread);
         double visibility = ggx_visibility(wi[3 * i + 2], self->alpha2) * ggx_visibility(wo[3 * i + 2], self->alpha2);
-        double lobe = d * visibility; /* so grouped that light and viewer trade places to the last bit */
+        double lobe = d * visibility; /* grouped so that exchanging light and viewer gives the same bits */
         double m = 1 - h.cos_d;
         double schlick = m * m * m * m * m;
         for (size_t c = 0; c < 3; ++c)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * analytic.h - what the analytic models share: the half vector's angles, and models of the form kd / pi + ks L, where the
+ * analytic.h - shared by the analytic models: the angles of the half vector, and models of the form kd / pi + ks L, where the
  * lobe L is one function for all channels.
  */
 #ifndef NQM_SRC_BRDF_ANALYTIC_H
@@ -35,7 +35,7 @@ enum { NQM_LOBE_MAX_SHAPE = 3 };
 typedef struct nqm_lobe {
     double diffuse[3];                /**< kd / pi */
     double specular[3];               /**< ks times the constant factors of L */
-    double shape[NQM_LOBE_MAX_SHAPE]; /**< the lobe's own, as its model likes them */
+    double shape[NQM_LOBE_MAX_SHAPE]; /**< parameters of the lobe; their meaning depends on the model */
 } nqm_lobe;
 
 /** Fill the state from a schema that begins with kd, ks; `factor` is the constant part of L. */
@@ -48,7 +48,7 @@ static inline nqm_lobe nqm_lobe_make(const nqm_spec_values *values, double facto
     return lobe;
 }
 
-/** L without its constant factors. Written so that light and viewer may trade places to the last bit. */
+/** L without its constant factors. Written so that exchanging light and viewer gives the same bits. */
 typedef double (*nqm_lobe_fn)(const double *shape, const double *wi, const double *wo);
 
 /** The loop over pairs; inlined with `f`. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What every BRDF has in common: finding the format of an argument, the loops that split off pairs below the horizon
- * and clamp and flag values, and the change between direction pairs and half-vector coordinates (Rusinkiewicz 1998, DOI
- * 10.1007/978-3-7091-6453-2_2). Knows no format from inside.
+ * Common to all BRDFs: finding the format of an argument, skipping pairs below the horizon, clamping and flagging values,
+ * and conversion between direction pairs and half-vector coordinates (Rusinkiewicz 1998, DOI
+ * 10.1007/978-3-7091-6453-2_2). Independent of the formats.
  */
 #include "brdf/brdf.h"
 
@@ -49,7 +49,7 @@ static bool is_zip(const nqm_map *map) {
     return map->n_bytes >= 4 && (memcmp(map->data, member, 4) == 0 || memcmp(map->data, end, 4) == 0);
 }
 
-/* An archive alone is no BRDF: say what could be named in it. */
+/* An archive without a material is no BRDF: list some of its materials. */
 static nqm_status ask_for_member(const char *path, nqm_error *err) {
     char examples[256];
     nqm_status status = nqm_zip_examples(path, ".h5", examples, sizeof examples, err);
@@ -177,10 +177,10 @@ nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* Pairs are gathered in blocks of this many, so that a format sees dense arrays and nothing is allocated. */
+/* Pairs are gathered in blocks of this size, so that a format gets dense arrays and nothing is allocated. */
 enum { BLOCK = 512 };
 
-/* Make one raw value fit for use: (3) in and out. */
+/* Clamp and flag one raw value; rgb (3), in and out. */
 static nqm_value_flag settle_value(double *rgb) {
     if (!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2])) {
         rgb[0] = rgb[1] = rgb[2] = 0;
@@ -196,7 +196,7 @@ static nqm_value_flag settle_value(double *rgb) {
     return flag;
 }
 
-/* Move m raw values to their places among the pairs. raw: (m, 3); rgb: (n, 3); flag: (n) or NULL. */
+/* Clamp, flag and store m raw values. place: (m) their pairs; raw: (m, 3); rgb: (n, 3); flag: (n) or NULL. */
 static void scatter(size_t m, const size_t *place, double *raw, double *rgb, uint8_t *flag) {
     for (size_t k = 0; k < m; ++k) {
         nqm_value_flag f = settle_value(raw + 3 * k);
@@ -238,7 +238,8 @@ void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const doubl
             memcpy(out + 3 * m, wo + 3 * i, 3 * sizeof *out);
             place[m++] = i;
         }
-        eval_block(brdf, m, in, out, raw);
+        if (m)
+            eval_block(brdf, m, in, out, raw);
         scatter(m, place, raw, rgb, flag);
     }
 }

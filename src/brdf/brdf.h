@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * brdf.h - the one vtable behind every BRDF, and the list of formats and models that can make one.
+ * brdf.h - the vtable that every BRDF implements, and the constructors of all formats.
  *
- * A format lives in its own file and offers one constructor. brdf.c owns everything that is common: opening by bytes or
- * by spec, clamping and flagging of values, conversion of coordinates, information.
+ * Each format has its own file with one constructor. brdf.c contains what is common to all: opening by content or by
+ * spec, clamping and flagging of values, conversion of coordinates, information.
  */
 #ifndef NQM_SRC_BRDF_H
 #define NQM_SRC_BRDF_H
@@ -69,7 +69,7 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
 nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-/** One material inside an archive or beside a decoder. */
+/** One material of an archive or of a decoder. */
 nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
                               nqm_error *err);
 nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
@@ -87,9 +87,12 @@ void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights);
  *  at any alignment, copied. NQM_ERR_LIMIT: fewer than 2 x 2 x 1 nodes, or more than 2^24. */
 nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err);
+/** Index of the first of the 3 n_nodes floats that is not finite at a node that has a value; 3 n_nodes when there is none.
+ *  `rgb` at any alignment. */
+size_t nqm_table_first_bad(size_t n_nodes, const void *rgb);
 /** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
-/** The values of a BRDF whose format is "table"; lent. dims: (3) receives n_h, n_d, n_p. */
+/** The values of a BRDF whose format is "table"; valid until it is freed. dims: (3) receives n_h, n_d, n_p. */
 const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
 
 /** true when the file has the size of the neural processes' decoder. */
@@ -109,10 +112,5 @@ NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **tab
 /** `brdf` evaluated in half-vector coordinates at phi_d in [0, pi) only, which makes it reciprocal. The result owns `brdf` if
  *  `owned` (it is freed also on failure), otherwise it borrows it. */
 NQM_MUST_CHECK nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
-
-/** Whether a direction pair with this nqm_value_flag has a value. */
-static inline bool nqm_has_value(uint8_t flag) {
-    return flag <= NQM_VALUE_CLAMPED;
-}
 
 #endif

@@ -6,7 +6,7 @@
  * The albedo sums over several sets of directions of the viewer, one drawn like the cosine and one for each of eight
  * widths of a half-vector lobe (the GGX density of normals, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206), and
  * weights every value by the density of all sets together (balance heuristic, Veach and Guibas 1995, DOI
- * 10.1145/218380.218498). Some set fits any lobe from 0.006 to 40 degrees.
+ * 10.1145/218380.218498). Lobes of any width from 0.006 to 40 degrees are matched by one of the sets.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -60,14 +60,14 @@ static bool place_viewer(int set, const double *wi, double u, double v, double *
     return wo[2] > 0 && d > 0;
 }
 
-/* Directions waiting for one call of the BRDF. */
+/* Directions collected for one call of the BRDF. */
 typedef struct batch {
     const nqm_brdf *brdf;
     size_t n;
     double wi[3 * BLOCK], wo[3 * BLOCK], rgb[3 * BLOCK];
     double sum[3];
     double lambert;   /* the same sum for a Lambert BRDF of albedo 1: how far from 1 tells the error */
-    double lowest[3]; /* smallest f_r met: the Lambertian part */
+    double lowest[3]; /* smallest f_r evaluated: the Lambertian part */
 } batch;
 
 static void flush(batch *b) {
@@ -108,7 +108,7 @@ void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, do
 
 /* ---- check ------------------------------------------------------------------------------------------------------- */
 
-/* Half of the pairs fill the hemispheres, half lie near the mirror direction. Polar angles stay below 85 degrees. */
+/* Half of the pairs fill the hemispheres, half are near the mirror direction. Polar angles stay below 85 degrees. */
 static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
     const double lowest = cos(85 * NQM_PI / 180);
     do {

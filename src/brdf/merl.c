@@ -163,7 +163,7 @@ static void fill_line(void *user, size_t i) {
     }
     nqm_brdf_eval_half_diff(job->brdf, N_PHI_D, hd, rgb, flag);
     for (size_t p = 0; p < N_PHI_D; ++p) {
-        bool empty = flag[p] == NQM_VALUE_INVALID || flag[p] == NQM_VALUE_HORIZON;
+        bool empty = !nqm_has_value(flag[p]);
         for (size_t c = 0; c < 3; ++c)
             job->cells[c * N_CELLS + line * N_PHI_D + p] = empty ? -1 : rgb[3 * p + c] / channel_scale[c];
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Neural-process BRDFs (Zheng et al. 2021, DOI 10.1145/3490385): one decoder network for all materials, and a latent
- * vector of seven numbers for each. The decoder file holds 808,003 little-endian float32: per layer the weights (in,
- * out), then the biases; the latents are the columns mean0..mean6 of nps_latents.csv beside it. Input: (cos, sin)(2
+ * vector of seven values for each. The decoder file holds 808,003 little-endian float32: per layer the weights (in,
+ * out), then the biases; the latents are the columns mean0..mean6 of nps_latents.csv in the same folder. Input: (cos, sin)(2
  * phi_d) / 2 + 1/2, theta_h and theta_d over pi/2, latents. All seven layers end in ReLU; the output is 0.15 y put four
  * times through exp(x) - 1.
  */
@@ -20,15 +20,15 @@ enum { N_NUMBERS = (N_IN + 1) * N_HIDDEN + (N_LAYERS - 2) * (N_HIDDEN + 1) * N_H
 
 typedef struct nps {
     float latent[N_LATENTS];
-    nqm_map map; /* the decoder; weights (N_NUMBERS) as they lie in the file */
+    nqm_map map; /* the decoder; weights (N_NUMBERS) in the order of the file */
 } nps;
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* Pairs that go through the network at once: enough to reuse the weights, little enough for the stack. */
+/* Pairs per batch: enough to reuse the weights, few enough for buffers on the stack. */
 enum { TILE = 32 };
 
-/* y (n, n_out) = relu(x (n, n_in) w + b); returns what follows the layer's numbers. */
+/* y (n, n_out) = relu(x (n, n_in) w + b); returns the weights of the next layer. */
 static const float *apply_layer(size_t n, size_t n_in, size_t n_out, const float *w, const float *x, float *y) {
     const float *b = w + n_in * n_out;
     for (size_t i = 0; i < n; ++i)

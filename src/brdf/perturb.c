@@ -4,11 +4,10 @@
  * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
  * defines each setting.
  *
- * Everything is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the
- * base is. First the place is changed where the base is read (shift, gloss, smooth), then the value (the other
+ * All work is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the base
+ * is. First the coordinates at which the base is evaluated change (shift, gloss, smooth), then the value (the other
  * settings, in the order of the keys below).
  */
-#include "brdf/perturb.h"
 #include "brdf/spec.h"
 #include "math/math.h"
 
@@ -57,19 +56,223 @@ static const nqm_spec_schema schema = {
      [CELLS] = {.name = "cells", .n = 1, .low = 1, .high = 64, .whole = true, .fallback = 16},
      [QUANTISE] = {.name = "quantise", .n = 1, .low = 0, .high = 1000, .fallback = 0}}};
 
-enum { MAX_NESTED = 3 }; /* each level may multiply the work by NQM_SMOOTH_TAPS */
+enum { MAX_NESTED = 3 }; /* each level may multiply the work by SMOOTH_TAPS */
+
+enum { SMOOTH_TAPS = 27 };
+
+/** One distortion with its constants. */
+typedef struct perturbation {
+    nqm_brdf *base;
+    double shift_rad, gloss, smooth_rad, peak, fresnel, mix, desaturate;
+    double ceiling;    /* no channel of the base passes it; HUGE_VAL: off */
+    double hue[3];     /* first row of the circulant matrix that turns colours about grey; 1,0,0: off */
+    double colour[3];  /* tint * scale */
+    double lambert[3]; /* f_r of the Lambert BRDF that `mix` mixes in */
+    double ripple, bands;
+    double quantise; /* steps per decade; 0: off */
+    double sigma;    /* of log f_r */
+    size_t n_cells;
+    float *lattice; /* (n_cells + 1, n_cells + 1, n_cells + 1, 3) standard normal draws; NULL without noise */
+    size_t n_taps;  /* rows of the base that are averaged: 1, or SMOOTH_TAPS */
+    size_t n_rows;  /* and one off the highlight where `peak` needs it */
+} perturbation;
+
+enum { MAX_ROWS = 9 * (SMOOTH_TAPS + 1) /* evaluations of the base in one call */ };
+
+/* ---- coordinates ------------------------------------------------------------------------------------------------- */
+
+/* The theta_h at which light or viewer sinks to the horizon, for given theta_d and phi_d. */
+static double largest_theta_h(const double *hd) {
+    return atan2(cos(hd[1]), sin(hd[1]) * fabs(cos(hd[2])));
+}
+
+/* `shift` moves the lobe to a ring. `gloss` multiplies theta_h near 0 and leaves 0 and the horizon in place:
+ * u -> g u / (1 + (g - 1) u) with u = theta_h over its largest value. */
+static double warp(const perturbation *self, double theta_h, double largest) {
+    double t = theta_h;
+    if (self->shift_rad != 0) /* not nearer to the horizon than the pair itself, or 5 % of the way */
+        t = fmin(fabs(theta_h - self->shift_rad), fmax(theta_h, 0.95 * largest));
+    if (self->gloss != 1) {
+        double u = t / largest;
+        t = largest * self->gloss * u / (1 + (self->gloss - 1) * u);
+    }
+    return t;
+}
+
+/* exp(-|x|) I0(x), the modified Bessel function (Abramowitz and Stegun 1964, 9.8.1, 9.8.2; relative error < 2e-7). */
+static double scaled_bessel_i0(double x) {
+    if (x < 3.75) {
+        double t = x / 3.75 * (x / 3.75);
+        double i0 =
+            1 + t * (3.5156229 + t * (3.0899424 + t * (1.2067492 + t * (0.2659732 + t * (0.0360768 + t * 0.0045813)))));
+        return exp(-x) * i0;
+    }
+    double t = 3.75 / x;
+    double s =
+        0.39894228 +
+        t * (0.01328592 +
+             t * (0.00225319 +
+                  t * (-0.00157565 +
+                       t * (0.00916281 + t * (-0.02057706 + t * (0.02635537 + t * (-0.01647633 + t * 0.00392377)))))));
+    return s / sqrt(x);
+}
+
+/* The places and weights over which `smooth` averages: a Gaussian over the plane of half vectors, whose integral over
+ * the azimuth is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the distance r from the
+ * normal. The taps are denser toward r = 0, where a sharp lobe is. */
+static void smooth_taps(double centre, double sigma, double largest, double *theta_h, double *weight) {
+    double from = fmax(0, centre - 4 * sigma), to = fmin(centre + 4 * sigma, largest), sum = 0;
+    for (int k = 0; k < SMOOTH_TAPS; ++k) {
+        double u = (k + 0.5) / SMOOTH_TAPS;
+        double r = from + (to - from) * u * u, z = (r - centre) / sigma;
+        theta_h[k] = r;
+        weight[k] = u * r * exp(-0.5 * z * z) * scaled_bessel_i0(r * centre / (sigma * sigma));
+        sum += weight[k];
+    }
+    for (int k = 0; k < SMOOTH_TAPS; ++k)
+        weight[k] /= sum;
+}
+
+/* The rows of the base that the value at hd needs. rows: (n_rows, 3); weight: (n_taps). */
+static void place_rows(const perturbation *self, const double *hd, double *rows, double *weight) {
+    double theta_h[SMOOTH_TAPS + 1];
+    bool moves = self->n_rows > 1 || self->shift_rad != 0 || self->gloss != 1;
+    double largest = moves ? largest_theta_h(hd) : 0;
+    if (self->n_taps > 1) {
+        smooth_taps(hd[0], self->smooth_rad, largest, theta_h, weight);
+    } else {
+        theta_h[0] = hd[0];
+        weight[0] = 1;
+    }
+    for (size_t k = 0; k < self->n_taps; ++k)
+        theta_h[k] = warp(self, theta_h[k], largest);
+    theta_h[self->n_taps] = 0.7 * largest; /* off the highlight */
+    for (size_t k = 0; k < self->n_rows; ++k) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): n_rows is at most n_taps + 1 */
+        rows[3 * k] = theta_h[k];
+        rows[3 * k + 1] = hd[1];
+        rows[3 * k + 2] = hd[2];
+    }
+}
+
+/* The mean over the valid taps; false when there is none. */
+static bool average_taps(size_t n, const double *weight, const double *rgb, const uint8_t *flag, double *mean) {
+    double sum = 0;
+    mean[0] = mean[1] = mean[2] = 0;
+    for (size_t k = 0; k < n; ++k) {
+        if (!nqm_has_value(flag[k]))
+            continue;
+        sum += weight[k];
+        for (size_t c = 0; c < 3; ++c)
+            mean[c] += weight[k] * rgb[3 * k + c];
+    }
+    for (size_t c = 0; c < 3 && sum > 0; ++c)
+        mean[c] /= sum;
+    return sum > 0;
+}
+
+/* ---- value ------------------------------------------------------------------------------------------------------- */
+
+/* Value noise of unit variance at hd, one field a channel. The third coordinate vanishes where phi_d has no meaning (at
+ * theta_h = 0 and theta_d = 0), so that the field is continuous over pairs. */
+static void noise_at(const perturbation *self, const double *hd, double z[3]) {
+    double place[3] = {sqrt(hd[0] / (0.5 * NQM_PI)), hd[1] / (0.5 * NQM_PI),
+                       fabs(cos(hd[2])) * sqrt(sin(hd[0]) * sin(hd[1]))};
+    size_t cell[3];
+    double part[3];
+    for (int a = 0; a < 3; ++a) {
+        double x = fmin(fmax(place[a], 0), 1) * (double)self->n_cells;
+        cell[a] = x < (double)self->n_cells ? (size_t)x : self->n_cells - 1;
+        part[a] = x - (double)cell[a];
+    }
+    double sum_squares = 0;
+    z[0] = z[1] = z[2] = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        size_t node = 0;
+        double w = 1;
+        for (unsigned a = 0; a < 3; ++a) {
+            unsigned upper = corner >> a & 1;
+            node = node * (self->n_cells + 1) + cell[a] + upper;
+            w *= upper ? part[a] : 1 - part[a];
+        }
+        sum_squares += w * w;
+        for (size_t c = 0; c < 3; ++c)
+            z[c] += w * (double)self->lattice[3 * node + c];
+    }
+    for (size_t c = 0; c < 3; ++c)
+        z[c] /= sqrt(sum_squares); /* interpolation between nodes would flatten the field */
+}
+
+/* A rotation about the grey axis: a circulant matrix, whose rows sum to 1. */
+static void turn_hue(const double *row, double *rgb) {
+    const double r = rgb[0], g = rgb[1], b = rgb[2];
+    rgb[0] = fmax(0, row[0] * r + row[1] * g + row[2] * b);
+    rgb[1] = fmax(0, row[2] * r + row[0] * g + row[1] * b);
+    rgb[2] = fmax(0, row[1] * r + row[2] * g + row[0] * b);
+}
+
+/* rgb: the averaged base, changed in place; off: the base off the highlight, or NULL where it has no value. */
+static void distort_value(const perturbation *self, const double *hd, const double *off, double *rgb) {
+    double m = 1 - cos(hd[1]), grazing = 1 + (self->fresnel - 1) * (m * m * m * m * m);
+    for (size_t c = 0; c < 3; ++c) {
+        rgb[c] = fmin(rgb[c], self->ceiling);
+        if (off)
+            rgb[c] += (self->peak - 1) * fmax(0, rgb[c] - fmin(off[c], self->ceiling));
+        rgb[c] *= grazing;
+        rgb[c] += self->mix * (self->lambert[c] - rgb[c]);
+    }
+    double grey = nqm_luminance(rgb);
+    for (size_t c = 0; c < 3; ++c)
+        rgb[c] = fmax(0, rgb[c] + self->desaturate * (grey - rgb[c]));
+    if (self->hue[0] != 1)
+        turn_hue(self->hue, rgb);
+    double z[3] = {0, 0, 0}, wave = 1;
+    if (self->lattice)
+        noise_at(self, hd, z);
+    if (self->ripple > 0)
+        wave += self->ripple * sin(2 * NQM_PI * self->bands * sqrt(hd[0] / (0.5 * NQM_PI)));
+    for (size_t c = 0; c < 3; ++c) {
+        rgb[c] *= self->colour[c] * wave;
+        if (self->lattice)
+            rgb[c] *= exp(self->sigma * z[c]);
+        if (self->quantise > 0 && rgb[c] > 0)
+            rgb[c] = pow(10, nearbyint(log10(rgb[c]) * self->quantise) / self->quantise);
+    }
+}
+
+static void perturb_eval(const void *state, size_t n, const double *hd, double *rgb) {
+    const perturbation *self = state;
+    double rows[3 * MAX_ROWS], values[3 * MAX_ROWS], weight[MAX_ROWS];
+    uint8_t flag[MAX_ROWS];
+    size_t n_rows = self->n_rows, n_block = MAX_ROWS / n_rows;
+    for (size_t first = 0; first < n; first += n_block) {
+        size_t m = n - first < n_block ? n - first : n_block;
+        for (size_t i = 0; i < m; ++i)
+            place_rows(self, hd + 3 * (first + i), rows + 3 * n_rows * i, weight + n_rows * i);
+        nqm_brdf_eval_half_diff(self->base, m * n_rows, rows, values, flag);
+        for (size_t i = 0; i < m; ++i) {
+            double *out = rgb + 3 * (first + i);
+            size_t row = n_rows * i, off = row + self->n_taps;
+            bool has_off = n_rows > self->n_taps && nqm_has_value(flag[off]);
+            if (average_taps(self->n_taps, weight + row, values + 3 * row, flag + row, out))
+                distort_value(self, hd + 3 * (first + i), has_off ? values + 3 * off : NULL, out);
+            else
+                out[0] = NAN;
+        }
+    }
+}
+
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 static void perturb_free(void *state) {
-    nqm_perturbation *self = state;
+    perturbation *self = state;
     nqm_brdf_free(self->base);
     nqm_free(self->lattice);
     nqm_free(self);
 }
 
 static const nqm_brdf_class perturb_class = {
-    .format = "perturb", .reciprocal = 1, .eval_half_diff = nqm_perturbation_eval, .free = perturb_free};
-
-/* ---- opening ----------------------------------------------------------------------------------------------------- */
+    .format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free};
 
 static float *make_lattice(size_t n_cells, uint64_t seed) {
     size_t n = 3 * (n_cells + 1) * (n_cells + 1) * (n_cells + 1);
@@ -101,12 +304,12 @@ static void hue_row(double angle, double row[3]) {
     row[2] = (1 - c) / 3 + s;
 }
 
-static nqm_status prepare(nqm_perturbation *self, const nqm_spec_values *values, nqm_error *err) {
+static nqm_status prepare(perturbation *self, const nqm_spec_values *values, nqm_error *err) {
     const double degree = NQM_PI / 180;
     self->shift_rad = values->v[SHIFT][0] * degree;
     self->gloss = values->v[GLOSS][0];
     self->smooth_rad = values->v[SMOOTH][0] * degree;
-    self->n_taps = self->smooth_rad > 0 ? NQM_SMOOTH_TAPS : 1;
+    self->n_taps = self->smooth_rad > 0 ? SMOOTH_TAPS : 1;
     self->peak = values->v[PEAK][0];
     self->n_rows = self->n_taps + (self->peak != 1);
     self->fresnel = values->v[FRESNEL][0];
@@ -182,7 +385,7 @@ static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char
                        nqm_error *err) {
     char layout[128];
     char *spec = NULL;
-    nqm_perturbation *self = nqm_alloc(1, sizeof *self);
+    perturbation *self = nqm_alloc(1, sizeof *self);
     if (!self) {
         nqm_brdf_free(base);
         return nqm_fail_nomem(err, sizeof *self);

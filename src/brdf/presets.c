@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Published parameters of measured materials by name. The tables of presets/ are embedded as text and only the row that
- * is asked for is parsed.
+ * Published parameters of measured materials by name. The tables of presets/ are embedded as text; only the requested
+ * row is parsed.
  */
 #include "brdf/presets_data.h"
 #include "brdf/spec.h"
@@ -23,7 +23,7 @@ const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name) {
     return NULL;
 }
 
-/* The numbers of a material's row, behind "NAME,"; NULL when there is no such row. */
+/* The values of a material's row, after "NAME,"; NULL when there is no such row. */
 static const char *row_of(const char *table, const char *material) {
     size_t n = strlen(material);
     bool below_header = false;
@@ -44,7 +44,7 @@ static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' || c == ' ' ? '-' : c;
 }
 
-/* Dice's coefficient of the letter pairs: finds misspelt words and words in another order ("acrylic-blue") alike. */
+/* Dice's coefficient of the letter pairs: robust against misspelling and word order ("acrylic-blue"). */
 static double likeness(const char *a, const char *b) {
     size_t n_a = strlen(a), n_b = strlen(b), common = 0;
     for (size_t i = 0; i + 1 < n_a; ++i)

@@ -11,7 +11,7 @@ typedef struct nqm_preset_table {
     const char *name;  /**< file name without ending: "sgd", "low-cook-torrance-e1"; NULL ends the array */
     const char *model; /**< whose parameters the rows hold, in the order of its schema */
     const char *doi;   /**< where the parameters were published */
-    const char *text;  /**< the CSV: '#' lines, a header, rows of a name and numbers; no quoting */
+    const char *text;  /**< the CSV: '#' lines, a header, rows of a name and values; no quoting */
 } nqm_preset_table;
 
 extern const nqm_preset_table nqm_preset_tables[];

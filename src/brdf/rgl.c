@@ -54,7 +54,7 @@ static size_t cell_of(double *position, size_t n) {
     return cell;
 }
 
-/* u, v in [0, 1]; what lies outside is moved to the border. */
+/* u, v are clamped to [0, 1]. */
 static spot locate(const grid *g, double u, double v) {
     size_t column = cell_of(&u, g->width), row = cell_of(&v, g->height);
     return (spot){.corner = row * g->width + column, .x = u, .y = v};
@@ -269,7 +269,7 @@ static nqm_status view_angles(const contents *c, rgl *m, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Channels side by side, so that the four neighbours of a point lie in two short runs of memory. */
+/* Interleave the channels, so that the four neighbours of a point are in two short runs of memory. */
 static nqm_status copy_rgb(const contents *c, rgl *m, nqm_error *err) {
     grid planes = {0};
     nqm_status status = view_floats(c, c->rgb, -FLT_MAX, &planes, err);

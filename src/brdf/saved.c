@@ -76,15 +76,15 @@ static nqm_status refuse_file(const char *name, const char *what, nqm_error *err
     return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: %s (header at byte 8)", name, what);
 }
 
-/* Find a float tensor with these dimensions; a wanted dimension of 0 may be any but 0. */
-static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_tensor *wanted,
+/* Find a float tensor with these dimensions; an expected dimension of 0 stands for any size >= 1. */
+static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_tensor *expected,
                        const nqm_tensor **tensor_ret, nqm_error *err) {
-    const nqm_tensor *tensor = nqm_safetensors_find(st, wanted->name);
+    const nqm_tensor *tensor = nqm_safetensors_find(st, expected->name);
     if (!tensor)
-        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: tensor '%s' is missing (header at byte 8)", name, wanted->name);
-    bool fits = tensor->dtype == NQM_F32 && tensor->n_dims == wanted->n_dims;
-    for (size_t i = 0; fits && i < wanted->n_dims; ++i)
-        fits = wanted->dims[i] ? tensor->dims[i] == wanted->dims[i] : tensor->dims[i] > 0;
+        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: tensor '%s' is missing (header at byte 8)", name, expected->name);
+    bool fits = tensor->dtype == NQM_F32 && tensor->n_dims == expected->n_dims;
+    for (size_t i = 0; fits && i < expected->n_dims; ++i)
+        fits = expected->dims[i] ? tensor->dims[i] == expected->dims[i] : tensor->dims[i] > 0;
     if (!fits)
         return refuse(name, tensor, 0, "has the wrong type or shape", err);
     *tensor_ret = tensor;
@@ -95,28 +95,13 @@ static nqm_status refuse_value(const char *name, const nqm_tensor *tensor, size_
     return refuse(name, tensor, i * sizeof(float), "holds a value that is not finite", err);
 }
 
-/* Copy a network's floats, which foreign writers need not align. */
+/* Copy a network's floats, which may be misaligned in files of other writers. */
 static nqm_status copy(const char *name, const nqm_tensor *tensor, float *values, nqm_error *err) {
     size_t n = count(tensor);
     memcpy(values, tensor->data, n * sizeof *values);
     for (size_t i = 0; i < n; ++i)
         if (!isfinite(values[i]))
             return refuse_value(name, tensor, i, err);
-    return NQM_OK;
-}
-
-/* A table's values must be finite where the first channel does not say that there is none. */
-static nqm_status check_nodes(const char *name, const nqm_tensor *tensor, nqm_error *err) {
-    const unsigned char *p = tensor->data;
-    for (size_t i = 0; i < count(tensor); i += 3) {
-        float rgb[3];
-        memcpy(rgb, p + i * sizeof *rgb, sizeof rgb);
-        if (isnan(rgb[0]))
-            continue;
-        for (size_t c = 0; c < 3; ++c)
-            if (!isfinite(rgb[c]))
-                return refuse_value(name, tensor, i + c, err);
-    }
     return NQM_OK;
 }
 
@@ -134,16 +119,16 @@ static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_
 }
 
 static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    const nqm_tensor wanted = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}}, *tensor;
-    nqm_status status = find(st, name, &wanted, &tensor, err);
+    const nqm_tensor expected = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}}, *tensor;
+    nqm_status status = find(st, name, &expected, &tensor, err);
     if (status != NQM_OK)
         return status;
     if (tensor->dims[0] < 2 || tensor->dims[1] < 2)
         return refuse(name, tensor, 0, "has fewer than two nodes along theta_h or theta_d", err);
-    status = check_nodes(name, tensor, err);
-    return status == NQM_OK
-               ? nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err)
-               : status;
+    size_t bad = nqm_table_first_bad(count(tensor) / 3, tensor->data);
+    if (bad < count(tensor))
+        return refuse_value(name, tensor, bad, err);
+    return nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err);
 }
 
 /* Kind, schema, number of tensors and checksum. */

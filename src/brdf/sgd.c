@@ -16,8 +16,8 @@
 
 enum { KD, KS, ALPHA, P, F0, F1, K_NORM, LAMBDA, C, K_POWER, THETA0, N_KEYS };
 
-/* The shadowing of one channel. It is exactly 1 or 0 outside a band of angles; only there are transcendental functions
- * paid. */
+/* The shadowing of one channel. It is exactly 1 or 0 outside a band of angles; transcendental functions are evaluated only
+ * inside the band. */
 typedef struct shadowing {
     double cos_one;  /* 1 to the last bit at and above this cosine */
     double cos_zero; /* 0 at and below this cosine */

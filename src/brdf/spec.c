@@ -8,22 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-static const nqm_analytic_model *const models[] = {
-    &nqm_lambert_model,
-    &nqm_ggx_model,
-    &nqm_ward_model,
-    &nqm_sgd_model,
-    &nqm_ward_duer_model,
-    &nqm_blinn_phong_model,
-    &nqm_lafortune_model,
-    &nqm_cook_torrance_model,
-    &nqm_low_cook_torrance_model,
-    &nqm_ashikhmin_shirley_model,
-    &nqm_low_ashikhmin_shirley_model,
-    &nqm_abc_model,
-    &nqm_smooth_model,
-    NULL,
-};
+#define POINTER_TO(NAME) &(NAME),
+static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NULL};
 static const char perturb_prefix[] = "perturb:";
 
 /* The model of the first n characters of `name`, or NULL. */

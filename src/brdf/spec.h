@@ -15,7 +15,7 @@ enum { NQM_SPEC_MAX_KEYS = 20 };
 /** One key of a spec. */
 typedef struct nqm_spec_key {
     const char *name;
-    size_t n;         /**< values: 1, or 3 for RGB, where a single value stands for all three */
+    size_t n;         /**< values: 1, or 3 for RGB, where a single value means all three */
     double low, high; /**< closed range of each value */
     bool required;
     bool whole;      /**< no fractions */
@@ -51,9 +51,23 @@ typedef struct nqm_analytic_model {
     void (*prepare)(const nqm_spec_values *values, void *state); /**< constants of the evaluation */
 } nqm_analytic_model;
 
-extern const nqm_analytic_model nqm_lambert_model, nqm_ggx_model, nqm_ward_model, nqm_sgd_model, nqm_ward_duer_model,
-    nqm_blinn_phong_model, nqm_lafortune_model, nqm_cook_torrance_model, nqm_low_cook_torrance_model,
-    nqm_ashikhmin_shirley_model, nqm_low_ashikhmin_shirley_model, nqm_abc_model, nqm_smooth_model;
+/** Every analytic model. A new one is defined in analytic*.c or a file of its own, and named here. */
+#define NQM_ANALYTIC_MODELS(X)                                                                                         \
+    X(nqm_lambert_model)                                                                                               \
+    X(nqm_ggx_model)                                                                                                   \
+    X(nqm_ward_model)                                                                                                  \
+    X(nqm_sgd_model)                                                                                                   \
+    X(nqm_ward_duer_model)                                                                                             \
+    X(nqm_blinn_phong_model)                                                                                           \
+    X(nqm_lafortune_model)                                                                                             \
+    X(nqm_cook_torrance_model)                                                                                         \
+    X(nqm_low_cook_torrance_model)                                                                                     \
+    X(nqm_ashikhmin_shirley_model)                                                                                     \
+    X(nqm_low_ashikhmin_shirley_model)                                                                                 \
+    X(nqm_abc_model)                                                                                                   \
+    X(nqm_smooth_model)
+#define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
+NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 
 /** A table of presets, or NULL. */
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);

@@ -111,3 +111,33 @@ nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb,
         (*brdf_ret)->n_values = 3 * n_nodes;
     return status;
 }
+
+size_t nqm_table_first_bad(size_t n_nodes, const void *rgb) {
+    for (size_t i = 0; i < n_nodes; ++i) {
+        float node[3];
+        memcpy(node, (const char *)rgb + i * sizeof node, sizeof node);
+        for (size_t c = 0; c < 3 && !isnan(node[0]); ++c)
+            if (!isfinite(node[c]))
+                return 3 * i + c;
+    }
+    return 3 * n_nodes;
+}
+
+nqm_status nqm_brdf_create_table(size_t n_theta_h, size_t n_theta_d, size_t n_phi_d, const float *rgb, const char *name,
+                                 nqm_brdf **brdf_ret, nqm_error *err) {
+    size_t dims[3];
+    name = name ? name : "table";
+    *brdf_ret = NULL;
+    if (!rgb)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_create_table: `rgb` is NULL", name);
+    nqm_status status = nqm_table_create(n_theta_h, n_theta_d, n_phi_d, rgb, name, brdf_ret, err);
+    if (status != NQM_OK)
+        return status;
+    const float *copy = nqm_table_values(*brdf_ret, dims);
+    size_t n_nodes = n_theta_h * n_theta_d * n_phi_d, bad = nqm_table_first_bad(n_nodes, copy);
+    if (bad == 3 * n_nodes)
+        return NQM_OK;
+    nqm_brdf_free(*brdf_ret);
+    *brdf_ret = NULL;
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: channel %zu of node %zu is not finite", name, bad % 3, bad / 3);
+}

@@ -5,7 +5,6 @@
 #include "fit/encoder_file.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,14 +60,6 @@ static bool meta_is(const nqm_safetensors *st, const char *key, const char *valu
     return found && strcmp(found, value) == 0;
 }
 
-static bool all_finite(const nqm_tensor *tensor) {
-    const unsigned char *p = tensor->data;
-    for (size_t i = 0; tensor->dtype == NQM_F32 && i < tensor->n_bytes; i += 4)
-        if (!isfinite(nqm_load_f32(p + i)))
-            return false;
-    return true;
-}
-
 static nqm_status check(const nqm_safetensors *st, const char *name, const char *kind, nqm_error *err) {
     if (!meta_is(st, "format", format) || !meta_is(st, "schema", schema) || !meta_is(st, "kind", kind))
         return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: a safetensors file, but not an encoder '%s' of schema %s (byte 8)",
@@ -80,7 +71,7 @@ static nqm_status check(const nqm_safetensors *st, const char *name, const char 
                         name);
     for (size_t i = 0; i < nqm_safetensors_count(st); ++i) {
         const nqm_tensor *tensor = nqm_safetensors_at(st, i);
-        if (!all_finite(tensor))
+        if (!nqm_tensor_all_finite(tensor))
             return nqm_fail(err, NQM_ERR_MODEL, tensor->byte_offset,
                             "%s: tensor '%.64s' holds a value that is not finite", name, tensor->name);
     }

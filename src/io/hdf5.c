@@ -161,7 +161,7 @@ static bool search_tree(search *s, uint64_t address, unsigned level, uint64_t *o
     if (!head || memcmp(head, "TREE", 4) != 0 || head[4] != 0 || head[5] != level)
         return false;
     size_t n = nqm_load_u16(head + 6);
-    const unsigned char *children = bytes_at(s->file, address + 24, n * 16); /* each behind its key */
+    const unsigned char *children = bytes_at(s->file, address + 24, n * 16); /* each follows its key */
     for (size_t i = 0; children && i < n && s->n_steps_left; ++i) {
         --s->n_steps_left;
         uint64_t child = nqm_load_u64(children + 16 * i + 8);

@@ -36,7 +36,7 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     exr_file *file = context ? file_of(context) : NULL;
     if (!file)
         return;
-    /* The library puts the path before its words, and so do we. */
+    /* The library begins its messages with the path, and fail_exr() adds the path too: remove one. */
     size_t n = strlen(file->map->path);
     if (strncmp(message, file->map->path, n) == 0)
         message += n + strspn(message + n, "': ");

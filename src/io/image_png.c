@@ -1,21 +1,38 @@
 /* SPDX-License-Identifier: MIT
  *
- * RGBE packed in an 8-bit RGBA PNG: linear rgb = (r, g, b)/255 * 2^(a - 128).
+ * PNG pictures, by libpng. Reading: RGBE packed in 8-bit RGBA, linear rgb = (r, g, b)/255 * 2^(a - 128). Writing: 8-bit RGB,
+ * marked as sRGB, with the strongest compression.
  */
-#include "io/image_png.h"
 #include "io/io.h"
 
 #include <math.h>
+#include <png.h>
 #include <setjmp.h>
 #include <string.h>
 
 /* Deflate packs at most 1032 bytes into one; a pixel has four. */
 static const double max_pixels_per_byte = 1032 / 4;
 
+enum { MESSAGE_SIZE = 120 };
+
+/* libpng calls this to fail: keep the message in the char[MESSAGE_SIZE] that libpng holds for us, and leave. */
+static void on_error(png_structp png, png_const_charp message) {
+    snprintf(png_get_error_ptr(png), MESSAGE_SIZE, "%s", message);
+    longjmp(png_jmpbuf(png), 1);
+}
+
+/* The library does not print. */
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png;
+    (void)message;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
 typedef struct png_file {
     const nqm_map *map;
     size_t position;
-    char message[NQM_PNG_MESSAGE_SIZE];
+    char message[MESSAGE_SIZE];
     nqm_image image;
     unsigned char *rgba; /* (height, width, 4) */
     nqm_status status;
@@ -68,7 +85,7 @@ static void read_png(png_structp png, png_infop info, png_file *file) {
 nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
     *image_ret = (nqm_image){0};
     png_file file = {.map = map, .err = err};
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, file.message, nqm_png_on_error, nqm_png_on_warning);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, file.message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info) {
         png_set_read_fn(png, &file, on_read);
@@ -89,4 +106,51 @@ nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_er
     }
     nqm_free(file.rgba);
     return file.status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+typedef struct png_output {
+    FILE *stream;
+    size_t width, height;
+    const unsigned char *rgb; /* (height, width, 3) */
+    char message[MESSAGE_SIZE];
+    bool failed;
+} png_output;
+
+/* Everything that libpng may leave by longjmp. */
+static void write_png(png_structp png, png_infop info, png_output *o) {
+    if (setjmp(png_jmpbuf(png))) {
+        o->failed = true;
+        return;
+    }
+    png_init_io(png, o->stream);
+    png_set_compression_level(png, 9);
+    png_set_IHDR(png, info, (png_uint_32)o->width, (png_uint_32)o->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(png, info);
+    for (size_t y = 0; y < o->height; ++y)
+        png_write_row(png, o->rgb + 3 * o->width * y);
+    png_write_end(png, NULL);
+}
+
+nqm_status nqm_image_write_png(const char *path, size_t width, size_t height, const unsigned char *rgb,
+                               nqm_error *err) {
+    nqm_outfile out;
+    nqm_status status = nqm_outfile_open(path, &out, err);
+    if (status != NQM_OK)
+        return status;
+    png_output o = {.stream = out.stream, .width = width, .height = height, .rgb = rgb, .message = "out of memory"};
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, o.message, on_error, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    if (info)
+        write_png(png, info, &o);
+    else
+        o.failed = true;
+    png_destroy_write_struct(&png, &info);
+    if (!o.failed)
+        return nqm_outfile_commit(&out, err);
+    nqm_outfile_abort(&out);
+    return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write PNG: %s", path, o.message);
 }

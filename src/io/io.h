@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * io.h - files to named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude
+ * io.h - reads and writes files of named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude
  * images, PLY and OBJ. Knows nothing of BRDFs. Every reader checks sizes against the bytes that are present before it allocates.
  */
 #ifndef NQM_SRC_IO_H
@@ -35,6 +35,8 @@ const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);
 const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *tensor_name);
 /** A value of __metadata__, or NULL. */
 const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key);
+/** false when a value of a tensor of floats (F16, F32, F64) is not finite. */
+bool nqm_tensor_all_finite(const nqm_tensor *tensor);
 /** Recompute the checksum that nqm_safetensors_write() stores under metadata "sha256": SHA-256 of the whole file with
  *  those 64 digits replaced by '0'. false when the file has none. `matches` tells whether it is the stored one. */
 bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);
@@ -52,32 +54,18 @@ NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tenso
 
 /** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_tensor_file nqm_tensor_file;
-/** Parse and check: offsets and shapes lie inside the bytes. `name` is for messages. */
+/** Parse and check that all offsets and shapes are inside the bytes. `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                 nqm_tensor_file **file_ret, nqm_error *err);
 void nqm_tensor_file_free(nqm_tensor_file *file);
 /** By name, or NULL; fields of a type that nqm_dtype lacks are not found. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
-/* ---- files or standard input ------------------------------------------------------------------------------------- */
-
-/** All bytes of a file, or of standard input. */
-typedef struct nqm_input {
-    const char *text; /**< without a NUL behind it; may be NULL when empty */
-    size_t n_bytes;
-    const char *name; /**< for messages: lent, or "standard input" */
-    nqm_map map;
-    char *owned;
-} nqm_input;
-/** "-" is standard input, of which at most 1 GiB is taken. On failure there is nothing to close. */
-NQM_MUST_CHECK nqm_status nqm_input_open(const char *path, nqm_input *input_ret, nqm_error *err);
-void nqm_input_close(nqm_input *input);
-
 /* ---- CSV with a header line -------------------------------------------------------------------------------------- */
 
 typedef struct nqm_csv nqm_csv;
 /** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped, blanks around
- *  unquoted fields dropped). Every row must have as many fields as the header. "-" is standard input. */
+ *  unquoted fields dropped). Every row must have as many fields as the header. */
 NQM_MUST_CHECK nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err);
 /** The same from memory; `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret,
@@ -119,16 +107,16 @@ NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *pa
                                             float *out, nqm_error *err);
 void nqm_hdf5_close(nqm_hdf5 *file);
 
-/* ---- MAT v5 (matio) ---------------------------------------------------------------------------------------------- */
+/* ---- MAT v5 ------------------------------------------------------------------------------------------------------ */
 
 typedef struct nqm_mat nqm_mat;
-/** Open a MAT v5 file (MATLAB's -v6 and -v7; scipy.io.savemat). `path` must outlive it. */
+/** Open a MAT v5 file (MATLAB's -v6 and -v7; scipy.io.savemat) and check its structure. `path` must outlive it. */
 NQM_MUST_CHECK nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err);
-/** Size of a real matrix of doubles or singles. */
-NQM_MUST_CHECK nqm_status nqm_mat_shape(nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret,
+/** Size of a real numeric matrix. */
+NQM_MUST_CHECK nqm_status nqm_mat_shape(const nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret,
                                         nqm_error *err);
-/** Read such a matrix of exactly rows x cols (vectors: either way round) into out, row-major; values must be finite. */
-NQM_MUST_CHECK nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
+/** Read such a matrix of exactly rows x cols (a vector may be transposed) into out, row-major; values must be finite. */
+NQM_MUST_CHECK nqm_status nqm_mat_read(const nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
                                        nqm_error *err);
 void nqm_mat_close(nqm_mat *mat);
 
@@ -138,11 +126,9 @@ typedef struct nqm_mat_variable {
     size_t rows, cols;
     const double *data; /* (rows, cols), finite */
 } nqm_mat_variable;
-/** Write them as a MAT v5 file, uncompressed: equal matrices make equal files. `path` must not be "-" or a device.
- *  NQM_ERR_ARG: a bad name, or a value that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
+/** Write n matrices as a MAT v5 file, uncompressed: equal matrices make equal files. NQM_ERR_ARG: a bad name, or a value
+ *  that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
 NQM_MUST_CHECK nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err);
-/** The library that the first MAT file loads, "libmatio.so.11". */
-const char *nqm_matio_name(void);
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
@@ -159,7 +145,7 @@ enum { NQM_IMAGE_MAX_WIDTH = 8192, NQM_IMAGE_MAX_HEIGHT = 4096 };
  *  is refused. */
 NQM_MUST_CHECK nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err);
 
-/** The decoders behind it, for a file whose format is known. */
+/** The decoders of nqm_image_load(), for a file whose format is known. */
 NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);

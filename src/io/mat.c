@@ -1,152 +1,374 @@
 /* SPDX-License-Identifier: MIT
  *
- * Real matrices out of MAT v5 files, by matio. The file is looked at before matio sees it (mat_check.c), because matio
- * trusts the sizes in it; the HDF5-based v7.3 is refused.
+ * Real matrices in MAT v5 files ("MAT-File Format", The MathWorks: MATLAB's -v6 and -v7, scipy.io.savemat). A header of 128
+ * bytes is followed by elements of a tag (type, size) and data; a matrix is an element that holds elements: flags,
+ * dimensions, name, values; a compressed element holds a matrix as a zlib stream. The reader takes either byte order,
+ * compares every size with the bytes present before it allocates, and skips variables of other classes (cells, structures,
+ * sparse matrices). The writer writes little-endian doubles, uncompressed, without a date: equal matrices make equal files.
  */
-#include "io/mat_check.h"
-#include "io/mat_library.h"
+#include "io/io.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
+#include <zlib.h>
 
 enum {
-    MAX_ELEMENTS = 1 << 24, /* of one variable */
-    MAX_PER_BYTE = 1032     /* an element has a byte at least, and deflate packs at most 1032 into one */
+    TYPE_INT8 = 1,
+    TYPE_INT32 = 5,
+    TYPE_UINT32 = 6,
+    TYPE_SINGLE = 7,
+    TYPE_DOUBLE = 9,
+    TYPE_INT64 = 12,
+    TYPE_UINT64 = 13,
+    TYPE_MATRIX = 14,
+    TYPE_COMPRESSED = 15,
+    CLASS_DOUBLE = 6,
+    CLASS_UINT64 = 15, /* the numeric classes are contiguous */
+    FLAG_COMPLEX = 0x800,
+    HEADER_BYTES = 128,
+    TAG_BYTES = 8,
+    HEAD_BYTES = 256, /* enough for the tags, flags, dimensions and name that parse_head() accepts */
+    MAX_DIMENSIONS = 8,
+    MAX_NAME_BYTES = 63, /* limit of MATLAB */
+    MAX_ELEMENTS = 1 << 24,
+    MAX_INFLATION = 1032 /* deflate packs at most this many bytes into one */
 };
 
 struct nqm_mat {
-    const nqm_matio *matio;
-    mat_t *file;
-    const char *path;
-    size_t n_bytes; /* of the file */
+    nqm_map map;
+    bool big_endian;
 };
 
-static nqm_status check_file(const char *path, size_t *n_bytes_ret, nqm_error *err) {
-    nqm_map map;
-    nqm_status status = nqm_map_open(path, &map, err);
-    if (status != NQM_OK)
-        return status;
-    *n_bytes_ret = map.n_bytes;
+typedef struct cursor {
+    const unsigned char *p;
+    size_t n; /* bytes left */
+    bool big_endian;
+} cursor;
+
+typedef struct element {
+    uint32_t type;
+    size_t n; /* bytes */
+    const unsigned char *data;
+} element;
+
+/* A variable; `packed` is its element in the file. */
+typedef struct matrix {
+    size_t at; /* offset of the element in the file */
+    element packed;
+    char name[MAX_NAME_BYTES + 1]; /* empty when the class is not numeric */
+    size_t n_dims, rows, cols;
+    bool is_complex;
+} matrix;
+
+static uint64_t load(const unsigned char *p, size_t n_bytes, bool big_endian) {
+    uint64_t bits = 0;
+    for (size_t k = 0; k < n_bytes; ++k)
+        bits = bits << 8 | p[big_endian ? k : n_bytes - 1 - k];
+    return bits;
+}
+
+/* Read the element at the cursor and move past its padding; false when it is cut off. Up to four bytes of data may be
+ * stored inside the tag. */
+static bool take(cursor *c, element *e) {
+    if (c->n < TAG_BYTES)
+        return false;
+    uint32_t first = (uint32_t)load(c->p, 4, c->big_endian);
+    bool is_small = first >> 16 != 0;
+    e->type = first & 0xffff;
+    e->n = is_small ? first >> 16 : (size_t)load(c->p + 4, 4, c->big_endian);
+    e->data = c->p + (is_small ? 4 : TAG_BYTES);
+    if (e->n > (is_small ? 4 : c->n - TAG_BYTES))
+        return false;
+    size_t padding = e->type == TYPE_COMPRESSED ? 0 : (8 - e->n % 8) % 8;
+    size_t step = is_small ? TAG_BYTES : nqm_smaller(c->n, TAG_BYTES + e->n + padding);
+    c->p += step;
+    c->n -= step;
+    return true;
+}
+
+/* Inflate the first n_out bytes of a zlib stream; returns how many there are, 0 when it is damaged. `complete`: the stream
+ * must end there, with the right checksum. */
+static size_t unpack(const element *e, unsigned char *out, size_t n_out, bool complete) {
+    z_stream z = {.next_in = (unsigned char *)(uintptr_t)e->data,
+                  .avail_in = (uInt)e->n,
+                  .next_out = out,
+                  .avail_out = (uInt)n_out};
+    if (inflateInit(&z) != Z_OK)
+        return 0;
+    int result = inflate(&z, complete ? Z_FINISH : Z_SYNC_FLUSH);
+    inflateEnd(&z);
+    bool good = result == Z_STREAM_END || (!complete && (result == Z_OK || result == Z_BUF_ERROR));
+    return good ? n_out - z.avail_out : 0;
+}
+
+/* Flags, dimensions and name at the cursor. Returns NULL or what is wrong. */
+static const char *parse_head(cursor *c, matrix *m) {
+    element e;
+    m->name[0] = 0;
+    if (!take(c, &e) || e.type != TYPE_UINT32 || e.n != 8)
+        return "has damaged flags";
+    uint32_t flags = (uint32_t)load(e.data, 4, c->big_endian);
+    if ((flags & 0xff) < CLASS_DOUBLE || (flags & 0xff) > CLASS_UINT64)
+        return NULL;
+    m->is_complex = (flags & FLAG_COMPLEX) != 0;
+    if (!take(c, &e) || e.type != TYPE_INT32 || e.n % 4 != 0 || e.n < 8 || e.n > 4 * MAX_DIMENSIONS)
+        return "has damaged dimensions";
+    m->n_dims = e.n / 4;
+    m->rows = (size_t)load(e.data, 4, c->big_endian);
+    m->cols = (size_t)load(e.data + 4, 4, c->big_endian);
+    if (!take(c, &e) || e.type != TYPE_INT8 || e.n > MAX_NAME_BYTES)
+        return "has a damaged name";
+    memcpy(m->name, e.data, e.n);
+    m->name[e.n] = 0;
+    return NULL;
+}
+
+/* The variable at offset *at, which moves to the next one. */
+static const char *next_variable(const nqm_mat *mat, size_t *at, matrix *m) {
+    cursor file = {mat->map.data + *at, mat->map.n_bytes - *at, mat->big_endian}, inner = file;
+    unsigned char head[HEAD_BYTES];
+    *m = (matrix){.at = *at};
+    if (!take(&file, &m->packed))
+        return "is cut off";
+    *at = mat->map.n_bytes - file.n;
+    if (m->packed.type == TYPE_MATRIX) {
+        inner.p = m->packed.data, inner.n = m->packed.n;
+        return parse_head(&inner, m);
+    }
+    if (m->packed.type != TYPE_COMPRESSED)
+        return "is of an unknown type";
+    inner.p = head, inner.n = unpack(&m->packed, head, sizeof head, false);
+    if (inner.n < TAG_BYTES || load(head, 4, mat->big_endian) != TYPE_MATRIX)
+        return "is no intact compressed matrix";
+    inner.p += TAG_BYTES, inner.n -= TAG_BYTES;
+    return parse_head(&inner, m);
+}
+
+static nqm_status fail_at(const nqm_mat *mat, const matrix *m, const char *fault, nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m->at, "%s: the variable at byte %zu %s", mat->map.path, m->at,
+                    fault);
+}
+
+static nqm_status check_file(nqm_mat *mat, nqm_error *err) {
     static const char v5[] = "MATLAB 5.0 MAT-file", v73[] = "MATLAB 7.3 MAT-file";
-    if (map.n_bytes >= sizeof v73 && memcmp(map.data, v73, sizeof v73 - 1) == 0)
-        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a MAT v7.3 file; save it with '-v7'", path);
-    else if (map.n_bytes < NQM_MAT_HEADER_BYTES || memcmp(map.data, v5, sizeof v5 - 1) != 0)
-        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no MAT v5 file: its first %d bytes are not such a header", path,
-                          NQM_MAT_HEADER_BYTES);
-    else
-        status = nqm_mat_check(&map, err);
-    nqm_map_close(&map);
-    return status;
+    const nqm_map *map = &mat->map;
+    if (map->n_bytes >= sizeof v73 && memcmp(map->data, v73, sizeof v73 - 1) == 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a MAT v7.3 file; save it with '-v7'", map->path);
+    if (map->n_bytes < HEADER_BYTES || memcmp(map->data, v5, sizeof v5 - 1) != 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no MAT v5 file: its first %d bytes are not such a header",
+                        map->path, HEADER_BYTES);
+    const unsigned char *order = map->data + HEADER_BYTES - 2;
+    mat->big_endian = order[0] == 'M' && order[1] == 'I';
+    if (!mat->big_endian && !(order[0] == 'I' && order[1] == 'M'))
+        return nqm_fail(err, NQM_ERR_FORMAT, HEADER_BYTES - 2, "%s: no mark of the byte order at byte %d", map->path,
+                        HEADER_BYTES - 2);
+    for (size_t at = HEADER_BYTES; at < map->n_bytes;) {
+        matrix m;
+        const char *fault = next_variable(mat, &at, &m);
+        if (fault)
+            return fail_at(mat, &m, fault, err);
+    }
+    return NQM_OK;
 }
 
 nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_error *err) {
     *mat_ret = NULL;
-    size_t n_bytes;
-    const nqm_matio *matio = NULL;
-    nqm_status status = check_file(path, &n_bytes, err);
-    if (status == NQM_OK)
-        status = nqm_matio_get(&matio, err);
-    if (status != NQM_OK)
-        return status;
     nqm_mat *mat = nqm_alloc(1, sizeof *mat);
     if (!mat)
         return nqm_fail_nomem(err, sizeof *mat);
-    *mat = (nqm_mat){.matio = matio, .path = path, .n_bytes = n_bytes};
-    mat->file = matio->Mat_Open(path, MAT_ACC_RDONLY);
-    if (!mat->file || matio->Mat_GetVersion(mat->file) != MAT_FT_MAT5) {
-        nqm_mat_close(mat);
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a readable MAT v5 file", path);
-    }
-    *mat_ret = mat;
-    return NQM_OK;
-}
-
-void nqm_mat_close(nqm_mat *mat) {
-    if (!mat)
-        return;
-    if (mat->file)
-        mat->matio->Mat_Close(mat->file);
-    nqm_free(mat);
-}
-
-static nqm_status find_variable(nqm_mat *mat, const char *variable, matvar_t **info_ret, nqm_error *err) {
-    *info_ret = NULL;
-    matvar_t *info = mat->matio->Mat_VarReadInfo(mat->file, variable);
-    if (!info)
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: no variable '%s' can be read", mat->path, variable);
-    bool real = (info->class_type == MAT_C_DOUBLE || info->class_type == MAT_C_SINGLE) && !info->isComplex;
-    size_t n;
-    nqm_status status = NQM_OK;
-    if (!real || info->rank != 2)
-        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: variable '%s' is not a real matrix of doubles or singles",
-                          mat->path, variable);
-    else if (!nqm_mul_size(info->dims[0], info->dims[1], &n) || n / MAX_PER_BYTE > mat->n_bytes)
-        status = nqm_fail(err, NQM_ERR_FORMAT, -1,
-                          "%s: variable '%s' claims %zu x %zu elements, which %zu bytes cannot hold", mat->path,
-                          variable, info->dims[0], info->dims[1], mat->n_bytes);
-    else if (n > MAX_ELEMENTS)
-        status = nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: variable '%s' claims %zu x %zu elements, more than %d",
-                          mat->path, variable, info->dims[0], info->dims[1], MAX_ELEMENTS);
+    nqm_status status = nqm_map_open(path, &mat->map, err);
     if (status == NQM_OK)
-        *info_ret = info;
+        status = check_file(mat, err);
+    if (status == NQM_OK)
+        *mat_ret = mat;
     else
-        mat->matio->Mat_VarFree(info);
+        nqm_mat_close(mat);
     return status;
 }
 
-nqm_status nqm_mat_shape(nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret, nqm_error *err) {
-    matvar_t *info;
-    nqm_status status = find_variable(mat, variable, &info, err);
-    if (status != NQM_OK)
-        return status;
-    *rows_ret = info->dims[0];
-    *cols_ret = info->dims[1];
-    mat->matio->Mat_VarFree(info);
+void nqm_mat_close(nqm_mat *mat) {
+    if (mat)
+        nqm_map_close(&mat->map);
+    nqm_free(mat);
+}
+
+static nqm_status find_variable(const nqm_mat *mat, const char *variable, matrix *m, nqm_error *err) {
+    const char *path = mat->map.path;
+    size_t at = HEADER_BYTES, n;
+    do {
+        if (at >= mat->map.n_bytes)
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: has no numeric variable '%s'", path, variable);
+        (void)next_variable(mat, &at, m); /* nqm_mat_open() has checked all of them */
+    } while (strcmp(m->name, variable) != 0);
+    if (m->is_complex || m->n_dims != 2)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m->at, "%s: variable '%s' (byte %zu) is not a real matrix", path,
+                        variable, m->at);
+    if (!nqm_mul_size(m->rows, m->cols, &n) || n / MAX_INFLATION > m->packed.n)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m->at,
+                        "%s: variable '%s' (byte %zu) claims %zu x %zu elements, which %zu bytes cannot hold", path,
+                        variable, m->at, m->rows, m->cols, m->packed.n);
+    if (n > MAX_ELEMENTS)
+        return nqm_fail(err, NQM_ERR_LIMIT, (int64_t)m->at,
+                        "%s: variable '%s' (byte %zu) claims %zu x %zu elements, more than %d", path, variable, m->at,
+                        m->rows, m->cols, MAX_ELEMENTS);
     return NQM_OK;
 }
 
-/* Column-major doubles or singles to row-major doubles. */
-static nqm_status transpose(const nqm_mat *mat, const matvar_t *info, const void *data, size_t rows, size_t cols,
-                            double *out, nqm_error *err) {
-    for (size_t i = 0; i < rows; ++i)
-        for (size_t k = 0; k < cols; ++k) {
-            size_t at = k * rows + i;
-            double v =
-                info->class_type == MAT_C_DOUBLE ? ((const double *)data)[at] : (double)((const float *)data)[at];
+nqm_status nqm_mat_shape(const nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret, nqm_error *err) {
+    matrix m;
+    nqm_status status = find_variable(mat, variable, &m, err);
+    if (status == NQM_OK) {
+        *rows_ret = m.rows;
+        *cols_ret = m.cols;
+    }
+    return status;
+}
+
+/* Bytes of a value of an element's type; 0 when it is not numeric. */
+static size_t width_of(uint32_t type) {
+    static const unsigned char width[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
+    return type < sizeof width ? width[type] : 0;
+}
+
+static double number_at(const unsigned char *p, uint32_t type, bool big_endian) {
+    size_t n_bytes = width_of(type);
+    uint64_t bits = load(p, n_bytes, big_endian);
+    if (type == TYPE_DOUBLE) {
+        double v;
+        memcpy(&v, &bits, sizeof v);
+        return v;
+    }
+    if (type == TYPE_SINGLE) {
+        uint32_t low = (uint32_t)bits;
+        float v;
+        memcpy(&v, &low, sizeof v);
+        return (double)v;
+    }
+    unsigned unused = 64 - 8 * (unsigned)n_bytes;
+    if (type == TYPE_INT64 || (type < TYPE_SINGLE && type % 2 == 1)) /* signed: extend the sign */
+        return (double)((int64_t)(bits << unused) >> unused);
+    return (double)bits;
+}
+
+/* Column-major values of the body (flags, dimensions, name, values) to row-major doubles. */
+static nqm_status convert(const nqm_mat *mat, cursor body, double *out, nqm_error *err, matrix *m) {
+    element values;
+    const char *fault = parse_head(&body, m);
+    if (!fault && (!take(&body, &values) || values.n != m->rows * m->cols * width_of(values.type) ||
+                   (values.n == 0 && m->rows * m->cols > 0)))
+        fault = "has damaged values, or is cut off";
+    if (fault)
+        return fail_at(mat, m, fault, err);
+    for (size_t i = 0; i < m->rows; ++i)
+        for (size_t k = 0; k < m->cols; ++k) {
+            double v = number_at(values.data + (k * m->rows + i) * width_of(values.type), values.type, mat->big_endian);
             if (!isfinite(v))
-                return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: '%s' at row %zu, column %zu is not finite, or is cut off",
-                                mat->path, info->name, i + 1, k + 1);
-            out[i * cols + k] = v;
+                return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m->at,
+                                "%s: '%s' (byte %zu) at row %zu, column %zu is not finite", mat->map.path, m->name,
+                                m->at, i + 1, k + 1);
+            out[i * m->cols + k] = v;
         }
     return NQM_OK;
 }
 
-nqm_status nqm_mat_read(nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out, nqm_error *err) {
-    matvar_t *info;
-    nqm_status status = find_variable(mat, variable, &info, err);
+nqm_status nqm_mat_read(const nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
+                        nqm_error *err) {
+    matrix m;
+    nqm_status status = find_variable(mat, variable, &m, err);
     if (status != NQM_OK)
         return status;
-    bool fits = info->dims[0] == rows && info->dims[1] == cols;
-    bool vector_fits = (rows == 1 || cols == 1) && info->dims[0] == cols && info->dims[1] == rows;
-    size_t n = rows * cols;
-    double *data = NULL;
-    if (!fits && !vector_fits) {
-        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: '%s' is %zu x %zu, %zu x %zu is needed", mat->path, variable,
-                          info->dims[0], info->dims[1], rows, cols);
-        goto done;
-    }
-    data = nqm_alloc(n, sizeof *data);
-    if (!data) {
-        status = nqm_fail_nomem(err, n * sizeof *data);
-        goto done;
-    }
-    memset(data, 0xff, n * sizeof *data); /* all NaN: what matio leaves out of a cut-off file is noticed */
-    if (n && mat->matio->Mat_VarReadDataLinear(mat->file, info, data, 0, 1, (int)n) != 0)
-        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the data of '%s' are damaged or cut off", mat->path, variable);
-    else
-        status = transpose(mat, info, data, rows, cols, out, err);
-done:
-    nqm_free(data);
-    mat->matio->Mat_VarFree(info);
+    bool fits = m.rows == rows && m.cols == cols;
+    if (!fits && !((rows == 1 || cols == 1) && m.rows == cols && m.cols == rows))
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m.at, "%s: '%s' (byte %zu) is %zu x %zu, %zu x %zu is needed",
+                        mat->map.path, variable, m.at, m.rows, m.cols, rows, cols);
+    if (m.packed.type == TYPE_MATRIX)
+        return convert(mat, (cursor){m.packed.data, m.packed.n, mat->big_endian}, out, err, &m);
+    size_t n_most = HEAD_BYTES + 8 * rows * cols;
+    unsigned char *body = nqm_alloc(n_most, 1);
+    if (!body)
+        return nqm_fail_nomem(err, n_most);
+    size_t n = unpack(&m.packed, body, n_most, true);
+    status = n < TAG_BYTES ? fail_at(mat, &m, "is a damaged zlib stream", err)
+                           : convert(mat, (cursor){body + TAG_BYTES, n - TAG_BYTES, mat->big_endian}, out, err, &m);
+    nqm_free(body);
     return status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+static bool is_name(const char *name) {
+    size_t n = strlen(name);
+    bool ok = n > 0 && n <= MAX_NAME_BYTES && isalpha((unsigned char)name[0]);
+    for (size_t i = 0; ok && i < n; ++i)
+        ok = isalnum((unsigned char)name[i]) || name[i] == '_';
+    return ok;
+}
+
+static nqm_status check_variable(const nqm_mat_variable *v, nqm_error *err) {
+    size_t n;
+    if (!is_name(v->name))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "'%.80s' is no name of a MAT variable", v->name);
+    if (v->rows == 0 || v->cols == 0 || !nqm_mul_size(v->rows, v->cols, &n) || n > MAX_ELEMENTS)
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "'%s' is %zu x %zu; 1 to %d elements can be written", v->name, v->rows,
+                        v->cols, MAX_ELEMENTS);
+    for (size_t i = 0; i < n; ++i)
+        if (!isfinite(v->data[i]))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "'%s' at row %zu, column %zu is not finite", v->name, i / v->cols + 1,
+                            i % v->cols + 1);
+    return NQM_OK;
+}
+
+static void put_words(FILE *stream, size_t n, const size_t *words) {
+    for (size_t i = 0; i < n; ++i) {
+        unsigned char bytes[4];
+        nqm_store_u32(bytes, (uint32_t)words[i]);
+        fwrite(bytes, 1, sizeof bytes, stream);
+    }
+}
+
+static void put_variable(FILE *stream, const nqm_mat_variable *v) {
+    size_t n_name = strlen(v->name), n_data = v->rows * v->cols * sizeof(double);
+    bool is_small = n_name <= 4; /* stored inside its tag, with the size in the upper half of the first word */
+    size_t n_name_element = is_small ? 8 : 8 + (n_name + 7) / 8 * 8;
+    const size_t head[] = {TYPE_MATRIX,
+                           16 + 16 + n_name_element + 8 + n_data,
+                           TYPE_UINT32,
+                           8,
+                           CLASS_DOUBLE,
+                           0,
+                           TYPE_INT32,
+                           8,
+                           v->rows,
+                           v->cols,
+                           is_small ? n_name << 16 | TYPE_INT8 : TYPE_INT8,
+                           n_name};
+    char name[MAX_NAME_BYTES + 9] = {0};
+    memcpy(name, v->name, n_name);
+    put_words(stream, sizeof head / sizeof *head - is_small, head);
+    fwrite(name, 1, n_name_element - (is_small ? 4 : 8), stream);
+    put_words(stream, 2, (const size_t[]){TYPE_DOUBLE, n_data});
+    for (size_t k = 0; k < v->cols; ++k)
+        for (size_t i = 0; i < v->rows; ++i) {
+            unsigned char bytes[8];
+            nqm_store_f64(bytes, v->data[i * v->cols + k]);
+            fwrite(bytes, 1, sizeof bytes, stream);
+        }
+}
+
+nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        status = check_variable(&variables[i], err);
+    nqm_outfile out = {0};
+    if (status == NQM_OK)
+        status = nqm_outfile_open(path, &out, err);
+    if (status != NQM_OK)
+        return status;
+    char header[HEADER_BYTES + 1];
+    snprintf(header, sizeof header, "MATLAB 5.0 MAT-file, created by nqm%c%88s%c%cIM", 0, "", 0, 1);
+    fwrite(header, 1, HEADER_BYTES, out.stream);
+    for (size_t i = 0; i < n; ++i)
+        put_variable(out.stream, &variables[i]);
+    return nqm_outfile_commit(&out, err); /* sees the stream's error flag */
 }

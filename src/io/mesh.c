@@ -11,7 +11,7 @@
 
 enum { ROW_BYTES = 12 };
 
-bool nqm_rows_add(nqm_rows *rows, const void *row) {
+bool nqm_mesh_rows_add(nqm_mesh_rows *rows, const void *row) {
     if (rows->n == rows->room) {
         size_t room = rows->room ? 2 * rows->room : 256;
         void *data = nqm_alloc(room, ROW_BYTES);
@@ -27,7 +27,7 @@ bool nqm_rows_add(nqm_rows *rows, const void *row) {
     return true;
 }
 
-static nqm_status fail_room(const nqm_mesh_reader *r, const nqm_rows *rows) {
+static nqm_status fail_room(const nqm_mesh_reader *r, const nqm_mesh_rows *rows) {
     return nqm_fail_nomem(r->err, 2 * rows->n * ROW_BYTES);
 }
 
@@ -52,8 +52,8 @@ bool nqm_mesh_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
         if (n < NQM_MESH_TOKEN - 1)
             word[n++] = (char)data[at];
         else
-            word[n - 1] = '~'; /* too long for a number: none shall be made of its beginning */
-    if (n == 0)                /* some other control character: a word that nobody knows */
+            word[n - 1] = '~'; /* too long for a number: the prefix must not parse as one */
+    if (n == 0)                /* some other control character: an unknown word */
         word[n++] = (char)data[at++];
     word[n] = 0;
     r->position = at;
@@ -69,7 +69,7 @@ bool nqm_mesh_next_line(nqm_mesh_reader *r) {
     return r->position < r->map->n_bytes;
 }
 
-nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_rows *rows, const double *xyz, const char *what) {
+nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_mesh_rows *rows, const double *xyz, const char *what) {
     float row[3];
     for (int k = 0; k < 3; ++k)
         row[k] = (float)xyz[k];
@@ -78,10 +78,10 @@ nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_rows *rows, const double 
     if (rows->n >= NQM_MESH_MAX_VERTICES)
         return nqm_fail(r->err, NQM_ERR_LIMIT, (int64_t)r->position, "%s: more than %d vertices", r->map->path,
                         (int)NQM_MESH_MAX_VERTICES);
-    return nqm_rows_add(rows, row) ? NQM_OK : fail_room(r, rows);
+    return nqm_mesh_rows_add(rows, row) ? NQM_OK : fail_room(r, rows);
 }
 
-nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32_t normal, nqm_rows *normals) {
+nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32_t normal, nqm_mesh_rows *normals) {
     const uint32_t corner[2] = {vertex, normal};
     if (fan->n_corners >= 2) {
         const uint32_t vertices[3] = {fan->first[0], fan->last[0], vertex};
@@ -89,7 +89,7 @@ nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32
         if (r->triangles.n >= NQM_MESH_MAX_TRIANGLES)
             return nqm_fail(r->err, NQM_ERR_LIMIT, (int64_t)r->position, "%s: more than %d triangles", r->map->path,
                             (int)NQM_MESH_MAX_TRIANGLES);
-        if (!nqm_rows_add(&r->triangles, vertices) || (normals && !nqm_rows_add(normals, normals_of)))
+        if (!nqm_mesh_rows_add(&r->triangles, vertices) || (normals && !nqm_mesh_rows_add(normals, normals_of)))
             return fail_room(r, &r->triangles);
     }
     if (fan->n_corners++ == 0)

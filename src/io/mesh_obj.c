@@ -12,12 +12,12 @@ static const uint32_t none = UINT32_MAX;
 
 typedef struct obj_file {
     nqm_mesh_reader *r;
-    nqm_rows normals;          /* of vn */
-    nqm_rows triangle_normals; /* (n_triangles, 3) indices of them, or `none` */
-    bool lacks_normals;        /* some corner names none */
+    nqm_mesh_rows normals;          /* of vn */
+    nqm_mesh_rows triangle_normals; /* (n_triangles, 3) indices of them, or `none` */
+    bool lacks_normals;             /* some corner names none */
 } obj_file;
 
-/* The next word of the statement, beyond a continued line. */
+/* The next word of the statement, which continues on the next line after a backslash. */
 static bool next_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
     while (nqm_mesh_word(r, word)) {
         if (strcmp(word, "\\") != 0)
@@ -28,7 +28,7 @@ static bool next_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
     return false;
 }
 
-static nqm_status read_vector(nqm_mesh_reader *r, nqm_rows *rows, const char *what) {
+static nqm_status read_vector(nqm_mesh_reader *r, nqm_mesh_rows *rows, const char *what) {
     char word[NQM_MESH_TOKEN];
     double xyz[3];
     for (int k = 0; k < 3; ++k) {
@@ -41,7 +41,7 @@ static nqm_status read_vector(nqm_mesh_reader *r, nqm_rows *rows, const char *wh
     return nqm_mesh_add_vector(r, rows, xyz, what);
 }
 
-/* A whole number, not 0, at *text; moves *text behind it. */
+/* Parse a nonzero integer at *text and move *text past it. */
 static bool parse_index(const char **text, int64_t *index) {
     const char *p = *text;
     bool negative = *p == '-';
@@ -118,9 +118,9 @@ static nqm_status read_statements(obj_file *obj) {
 
 /* New vertices, each a pair of position and normal, and a hash table to find them by it. */
 typedef struct joined {
-    nqm_rows vertices, normals;
-    nqm_rows pairs; /* per new vertex: old vertex, normal, unused */
-    uint32_t *slot; /* (mask + 1) index of a new vertex plus 1; 0: free */
+    nqm_mesh_rows vertices, normals;
+    nqm_mesh_rows pairs; /* per new vertex: old vertex, normal, unused */
+    uint32_t *slot;      /* (mask + 1) index of a new vertex plus 1; 0: free */
     size_t mask;
 } joined;
 
@@ -132,8 +132,8 @@ static bool join(joined *j, const obj_file *obj, uint32_t vertex, uint32_t norma
     if (!j->slot[at]) {
         const float(*position)[3] = obj->r->vertices.data, (*direction)[3] = obj->normals.data;
         const uint32_t row[3] = {vertex, normal, 0};
-        if (!nqm_rows_add(&j->pairs, row) || !nqm_rows_add(&j->vertices, position[vertex]) ||
-            !nqm_rows_add(&j->normals, direction[normal]))
+        if (!nqm_mesh_rows_add(&j->pairs, row) || !nqm_mesh_rows_add(&j->vertices, position[vertex]) ||
+            !nqm_mesh_rows_add(&j->normals, direction[normal]))
             return false;
         j->slot[at] = (uint32_t)j->pairs.n;
     }

@@ -8,10 +8,9 @@
 #include "io/io.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "tensors are lent as they lie in the file: little-endian");
 
 enum { HEADER_AT = 8, MAX_HEADER = 100 * 1000 * 1000, SHA_DIGITS = 64, ALIGNMENT = 64 };
 
@@ -43,7 +42,7 @@ static bool tensor_size(nqm_dtype dtype, size_t n_dims, const size_t *dims, size
 
 /* ---- one tensor of the header ------------------------------------------------------------------------------------ */
 
-/* What a message about a tensor needs. */
+/* For messages about a tensor. */
 typedef struct place {
     const char *file;
     const char *tensor;
@@ -142,7 +141,7 @@ static nqm_status check_contiguous(const nqm_safetensors *st, const char *name, 
     }
     if (status == NQM_OK && next != (int64_t)st->n_bytes)
         status =
-            nqm_fail(err, NQM_ERR_FORMAT, next, "%s: bytes behind the last tensor (byte %lld)", name, (long long)next);
+            nqm_fail(err, NQM_ERR_FORMAT, next, "%s: bytes after the last tensor (byte %lld)", name, (long long)next);
     nqm_free(order);
     return status;
 }
@@ -241,6 +240,27 @@ const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key) {
     return json_string_value(json_object_get(st->meta, key));
 }
 
+bool nqm_tensor_all_finite(const nqm_tensor *tensor) {
+    const unsigned char *p = tensor->data;
+    if (tensor->dtype == NQM_F64) {
+        for (size_t i = 0; i < tensor->n_bytes; i += 8)
+            if (!isfinite(nqm_load_f64(p + i)))
+                return false;
+        return true;
+    }
+    uint32_t largest = 0; /* magnitude as bits: infinities and NaN have the largest exponent */
+    if (tensor->dtype == NQM_F16) {
+        for (size_t i = 1; i < tensor->n_bytes; i += 2) /* the byte with the exponent */
+            largest = (p[i] & 0x7fu) > largest ? p[i] & 0x7fu : largest;
+        return largest < 0x7c;
+    }
+    for (size_t i = 0; tensor->dtype == NQM_F32 && i < tensor->n_bytes; i += 4) {
+        uint32_t bits = nqm_load_u32(p + i) & 0x7fffffff;
+        largest = bits > largest ? bits : largest;
+    }
+    return largest < 0x7f800000;
+}
+
 /* ---- checksum ---------------------------------------------------------------------------------------------------- */
 
 /* Where in the header the digits of the checksum begin, n_header when nowhere. The key with its unescaped quotes cannot
@@ -264,13 +284,13 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
     size_t at = find_digits(st->data + HEADER_AT, st->n_header, stored);
     if (at == st->n_header)
         return false;
-    size_t before = HEADER_AT + at, behind = before + SHA_DIGITS;
+    size_t before = HEADER_AT + at, after = before + SHA_DIGITS;
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
         return true; /* out of memory: it has one, which was not confirmed */
     nqm_sha256_add(&sha, st->data, before);
     nqm_sha256_add(&sha, zeros, sizeof zeros);
-    nqm_sha256_add(&sha, st->data + behind, st->n_bytes - behind);
+    nqm_sha256_add(&sha, st->data + after, st->n_bytes - after);
     nqm_sha256_end(&sha, hex);
     *matches = strcmp(hex, stored) == 0;
     return true;
@@ -278,7 +298,7 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* A tensor on its way to the file. */
+/* A tensor to write. */
 typedef struct outgoing {
     const nqm_tensor *tensor;
     size_t index; /* as given */

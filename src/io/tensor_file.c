@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The tensor container of the RGL material database (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059): named arrays
- * behind a table of contents. Every name, shape and offset is checked against the bytes present; the numbers are not
- * looked at.
+ * after a table of contents. Every name, shape and offset is checked against the bytes present; the values are not.
  *
  * File, little-endian: "tensor_file\0"; u8 major, minor version; u32 fields; per field u16 length and name, u16
  * dimensions, u8 type, u64 offset of the data from the start of the file, u64 per dimension.
@@ -46,7 +45,7 @@ static nqm_status fail_short(const cursor *c, nqm_error *err) {
                     c->file, c->n_bytes);
 }
 
-/** Element types in the order of the container's numbers. */
+/** Element types, indexed by the type codes of the container. */
 typedef struct element_type {
     size_t size;
     int dtype; /* an nqm_dtype, or -1: nothing here reads it */

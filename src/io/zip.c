@@ -94,7 +94,7 @@ nqm_status nqm_zip_each(const char *zip_path, const char *suffix, void (*visit)(
     return NQM_OK;
 }
 
-/* Read all of an opened member; one more byte is asked for, so that libzip compares the checksum at the end. */
+/* Read all of an opened member. Reading past its end makes libzip verify the checksum. */
 static bool read_exactly(zip_file_t *file, unsigned char *data, size_t n_bytes) {
     for (size_t done = 0; done < n_bytes;) {
         zip_int64_t n = zip_fread(file, data + done, n_bytes - done);

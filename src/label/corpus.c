@@ -160,10 +160,6 @@ static nqm_status check_output(const nqm_corpus_options *options, const char *pa
     if (options->work_only)
         return options->checkpoint ? NQM_OK
                                    : nqm_fail(err, NQM_ERR_ARG, -1, "corpus: work_only needs a checkpoint folder");
-    if (strcmp(path, "-") == 0)
-        return nqm_fail(
-            err, NQM_ERR_ARG, -1,
-            "a dataset cannot be written to standard output, because its manifest is a second file; give a file name");
     nqm_outfile probe = {0};
     nqm_status status = nqm_outfile_open(path, &probe, err);
     nqm_outfile_abort(&probe);

@@ -11,12 +11,12 @@
 #include <limits.h>
 #include <math.h>
 
-/* What the callback of MINPACK answers to stop; its info then is this value. */
+/* Values that the callback of MINPACK returns to stop; lmder() then returns the same value. */
 enum { STOPPED_BY_USER = -1, STOPPED_NOT_FINITE = -2 };
 
 typedef struct solver {
     const nqm_lsq_problem *problem;
-    double *shifted; /* (n_residuals) residuals beside the current point */
+    double *shifted; /* (n_residuals) residuals at a shifted point, for the differences */
 } solver;
 
 static int evaluate(const nqm_lsq_problem *problem, const double *x, double *residual) {

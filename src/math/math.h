@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), a front to
- * nonlinear least squares, eigenvectors, checks of numbers. Knows nothing of BRDFs or files.
+ * nonlinear least squares, eigenvectors, range checks. Knows nothing of BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H
@@ -26,7 +26,7 @@ double nqm_luminance(const double *rgb);
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
 
-/* ---- numbers from files ------------------------------------------------------------------------------------------ */
+/* ---- range checks ------------------------------------------------------------------------------------------------ */
 
 /** Whether all n values are finite and at least `least`. */
 bool nqm_all_within(size_t n, const float *value, float least);

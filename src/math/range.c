@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Whether numbers from a file can be used, at the speed of memory.
+ * Checks that all values of an array are finite and above a limit; vectorised, since whole files are checked.
  */
 #include "math/math.h"
 

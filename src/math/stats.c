@@ -4,6 +4,8 @@
  * Spearman's rho, tau-b for Kendall's (Kendall 1945, DOI 10.1093/biomet/33.3.239), computed in O(n log n) after Knight
  * (1966, DOI 10.1080/01621459.1966.10480879).
  */
+/* NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch */
+#define _GNU_SOURCE /* qsort_r */
 #include "math/math.h"
 
 #include <math.h>
@@ -12,36 +14,15 @@
 
 /* ---- order ------------------------------------------------------------------------------------------------------- */
 
-/* Sink order[root] in a heap whose largest x is on top. */
-static void sift_down(const double *x, size_t *order, size_t root, size_t n) {
-    size_t moved = order[root];
-    for (size_t child; (child = 2 * root + 1) < n; root = child) {
-        if (child + 1 < n && x[order[child]] < x[order[child + 1]])
-            ++child;
-        if (!(x[moved] < x[order[child]]))
-            break;
-        order[root] = order[child];
-    }
-    order[root] = moved;
-}
-
-/* Heapsort: needs no memory beside `order` and has no bad inputs. */
-static void sort_indices(size_t n, const double *x, size_t *order) {
-    for (size_t i = 0; i < n; ++i)
-        order[i] = i;
-    for (size_t root = n / 2; root-- > 0;)
-        sift_down(x, order, root, n);
-    for (size_t end = n; end > 1;) {
-        --end;
-        size_t largest = order[0];
-        order[0] = order[end];
-        order[end] = largest;
-        sift_down(x, order, 0, end);
-    }
+static int compare_indices(const void *a, const void *b, void *values) {
+    double x = ((const double *)values)[*(const size_t *)a], y = ((const double *)values)[*(const size_t *)b];
+    return (x > y) - (x < y);
 }
 
 void nqm_ranks(size_t n, const double *x, double *rank, size_t *order) {
-    sort_indices(n, x, order);
+    for (size_t i = 0; i < n; ++i)
+        order[i] = i;
+    qsort_r(order, n, sizeof *order, compare_indices, (void *)(uintptr_t)x);
     for (size_t begin = 0, end; begin < n; begin = end) {
         for (end = begin + 1; end < n && x[order[end]] == x[order[begin]];)
             ++end;
@@ -129,7 +110,7 @@ static int compare_points(const void *a, const void *b) {
     return by_x ? by_x : (p->y > q->y) - (p->y < q->y);
 }
 
-/* Pairs within runs of equal points; `same` says what equal means. The points lie sorted. */
+/* Number of pairs within runs of points that are equal by `same`. The points are sorted. */
 static double tied_pairs(size_t n, const point *p, bool (*same)(const point *, const point *)) {
     double pairs = 0;
     for (size_t begin = 0, end; begin < n; begin = end) {

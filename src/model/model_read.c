@@ -7,7 +7,6 @@
 #include "model/model.h"
 #include "model/model_file.h"
 
-#include <math.h>
 #include <string.h>
 
 enum {
@@ -27,32 +26,6 @@ typedef struct reader {
 static nqm_status refuse(const reader *r, const nqm_tensor *tensor, const char *what) {
     return nqm_fail(r->err, NQM_ERR_MODEL, tensor->byte_offset, "%s: tensor '%.64s' %s (byte %lld)", r->name,
                     tensor->name, what, (long long)tensor->byte_offset);
-}
-
-/* ---- finite values, whatever the alignment ----------------------------------------------------------------------- */
-
-static bool all_finite(const nqm_tensor *tensor) {
-    const unsigned char *p = tensor->data;
-    if (tensor->dtype == NQM_F64) {
-        for (size_t i = 0; i < tensor->n_bytes; i += 8)
-            if (!isfinite(nqm_load_f64(p + i)))
-                return false;
-        return true;
-    }
-    uint32_t largest = 0; /* magnitude as bits: infinities and NaN have the largest exponent */
-    if (tensor->dtype == NQM_F16) {
-        for (size_t i = 0; i < tensor->n_bytes; i += 2)
-            largest = (p[i + 1] & 0x7fu) > largest ? p[i + 1] & 0x7fu
-                                                   : largest; /* little-endian: the byte with the exponent */
-        return largest < 0x7c;
-    }
-    for (size_t i = 0; i < tensor->n_bytes; i += 4) {
-        uint32_t bits;
-        memcpy(&bits, p + i, sizeof bits);
-        bits &= 0x7fffffff;
-        largest = bits > largest ? bits : largest;
-    }
-    return largest < 0x7f800000;
 }
 
 /* ---- tensors ----------------------------------------------------------------------------------------------------- */
@@ -75,7 +48,7 @@ static nqm_status get(reader *r, const expectation *e, const nqm_tensor **tensor
     bool has_type = tensor->dtype == e->dtype || (e->may_be_half && tensor->dtype == NQM_F16);
     if (!has_type || !fits)
         return refuse(r, tensor, "has the wrong type or shape");
-    if ((r->verify || !e->is_large) && !all_finite(tensor))
+    if ((r->verify || !e->is_large) && !nqm_tensor_all_finite(tensor))
         return refuse(r, tensor, "holds a value that is not finite");
     r->used[tensor - nqm_safetensors_at(r->st, 0)] = true;
     *tensor_ret = tensor;

@@ -66,4 +66,4 @@ run 0 --version
 [ "$(wc -l <"$dir/out")" = 3 ] || fail "lines: $(cat "$dir/out")"
 has '^nqm [0-9]'
 has '^oneDNN [0-9.]* when needed, libzip [0-9].*, kernels [a-z]'
-has '^cairo \([0-9.]*[0-9]\|off\), Embree \([0-9.]*[0-9] when needed\|off\), libpng [0-9].*, OpenEXR [0-9].*, libmatio.* when needed'
+has '^cairo \([0-9.]*[0-9]\|off\), Embree \([0-9.]*[0-9] when needed\|off\), libpng [0-9].*, OpenEXR [0-9].*, no MPI library$'

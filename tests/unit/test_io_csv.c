@@ -130,18 +130,20 @@ static void test_files(void **state) {
     nqm_csv_free(csv);
 }
 
-static void test_standard_input(void **state) {
+static void test_open_descriptor(void **state) {
     (void)state;
-    enum { ROWS = 30000 }; /* more than the first block that is read */
+    enum { ROWS = 30000 };
+    char path[32];
     FILE *file = tmpfile();
     assert_non_null(file);
     fputs("i\n", file);
     for (int i = 0; i < ROWS; ++i)
         fprintf(file, "%d\n", i);
-    rewind(file);
-    assert_true(dup2(fileno(file), STDIN_FILENO) == STDIN_FILENO);
+    fflush(file);
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(file)); /* what the tool makes of standard input */
     nqm_csv *csv;
-    assert_int_equal(nqm_csv_load("-", &csv, NULL), NQM_OK);
+    assert_int_equal(nqm_csv_load("-", &csv, NULL), NQM_ERR_IO); /* "-" is a file like any other */
+    assert_int_equal(nqm_csv_load(path, &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), ROWS);
     assert_string_equal(nqm_csv_text(csv, ROWS - 1, 0), "29999");
     nqm_csv_free(csv);
@@ -173,7 +175,7 @@ int main(void) {
         cmocka_unit_test(test_numbers_name_their_place),
         cmocka_unit_test(test_every_cut_is_safe),
         cmocka_unit_test(test_files),
-        cmocka_unit_test(test_standard_input),
+        cmocka_unit_test(test_open_descriptor),
         cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

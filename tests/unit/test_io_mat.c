@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * MAT v5 matrices: files of scipy.io.savemat (tests/vectors/authors.py) read back, and everything that is no such file,
- * or is one cut off or changed at any byte, refused or read as finite numbers, never more than asked for.
+ * Reading MAT v5 matrices: files of scipy.io.savemat (tests/vectors/authors.py) and of matio; both byte orders and every
+ * numeric type, from bytes that are made here; files that are cut off or changed at any byte are refused or read as finite
+ * values.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -11,6 +12,10 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <zlib.h>
+#ifdef NQM_TEST_MATIO
+#include <matio.h>
+#endif
 
 static const char path[] = "test_io_mat.mat";
 
@@ -149,14 +154,205 @@ static void cut_and_changed(void **state) {
         free(bytes);
         nqm_map_close(&map);
     }
-    struct rusage usage; /* matio by itself would have asked for 8 GB and touched 4 */
+    struct rusage usage; /* no claim of a damaged file is believed */
     assert_int_equal(getrusage(RUSAGE_SELF, &usage), 0);
     assert_true(usage.ru_maxrss < 500 * 1024);
     unlink(path);
 }
 
+/* ---- files that are made here ------------------------------------------------------------------------------------ */
+
+/* A file in the making, of either byte order. */
+typedef struct maker {
+    unsigned char bytes[1024];
+    size_t n;
+    bool big_endian;
+} maker;
+
+static void put(maker *m, uint64_t value, size_t n_bytes) {
+    for (size_t k = 0; k < n_bytes; ++k)
+        m->bytes[m->n++] = (unsigned char)(value >> 8 * (m->big_endian ? n_bytes - 1 - k : k));
+}
+
+static maker begin_file(bool big_endian) {
+    maker m = {.n = 124, .big_endian = big_endian};
+    memcpy(m.bytes, "MATLAB 5.0 MAT-file", 19);
+    put(&m, 0x0100, 2);
+    put(&m, 'M' << 8 | 'I', 2);
+    return m;
+}
+
+/* The matrix "r" of n rows and `cols` columns; `width` bytes each of the values (column by column), which are stored as
+ * `type`. flags: class and flag bits. */
+static void put_matrix(maker *m, uint32_t flags, uint32_t type, size_t width, size_t rows, size_t cols,
+                       const uint64_t *values) {
+    size_t n_data = rows * cols * width, begin = m->n;
+    bool is_small = n_data <= 4;
+    const uint64_t head[] = {14, 0, 6, 8, flags, 0, 5, 8, rows, cols, 1 | 1 << 16};
+    for (size_t i = 0; i < sizeof head / sizeof *head; ++i)
+        put(m, head[i], 4);
+    memcpy(m->bytes + m->n, "r\0\0", 4);
+    m->n += 4;
+    if (is_small) {
+        put(m, n_data << 16 | type, 4);
+    } else {
+        put(m, type, 4);
+        put(m, n_data, 4);
+    }
+    for (size_t i = 0; i < rows * cols; ++i)
+        put(m, values[i], width);
+    while (m->n % 8)
+        m->bytes[m->n++] = 0;
+    size_t end = m->n;
+    m->n = begin + 4;
+    put(m, end - begin - 8, 4);
+    m->n = end;
+}
+
+static void compress_from(maker *m, size_t begin) {
+    unsigned char packed[1024];
+    uLongf n = sizeof packed;
+    assert_int_equal(compress(packed, &n, m->bytes + begin, m->n - begin), Z_OK);
+    m->n = begin;
+    put(m, 15, 4);
+    put(m, n, 4);
+    memcpy(m->bytes + m->n, packed, n);
+    m->n += n;
+}
+
+static nqm_status read_r(const maker *m, size_t rows, size_t cols, double *out, nqm_error *err) {
+    nqm_mat *mat;
+    write_bytes(m->bytes, m->n);
+    nqm_status status = nqm_mat_open(path, &mat, err);
+    if (status == NQM_OK)
+        status = nqm_mat_read(mat, "r", rows, cols, out, err);
+    nqm_mat_close(mat);
+    return status;
+}
+
+enum { CLASS_STRUCT = 2, CLASS_DOUBLE = 6, CLASS_SINGLE = 7, CLASS_INT8 = 8, CLASS_UINT16 = 11, COMPLEX = 0x800 };
+
+/* -3 and 100 in each type; unsigned types hold 253 and so on. */
+static void every_type_and_byte_order(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t type;
+        size_t width;
+        uint64_t first, second;
+        double expected;
+    } types[] = {{1, 1, 0xfd, 100, -3},
+                 {2, 1, 0xfd, 100, 253},
+                 {3, 2, 0xfffd, 100, -3},
+                 {4, 2, 0xfffd, 100, 65533},
+                 {5, 4, 0xfffffffd, 100, -3},
+                 {6, 4, 0xfffffffd, 100, 4294967293.0},
+                 {7, 4, 0xc0400000, 0x42c80000, -3},
+                 {9, 8, 0xc008000000000000, 0x4059000000000000, -3},
+                 {12, 8, 0xfffffffffffffffd, 100, -3},
+                 {13, 8, 0xfffffffffffffc00, 100, 18446744073709550592.0}};
+    for (size_t i = 0; i < 4 * sizeof types / sizeof *types; ++i) {
+        const size_t t = i / 4;
+        maker m = begin_file(i % 2);
+        const uint64_t others[6] = {1, 2, 3, 4, 5, 6}, values[2] = {types[t].first, types[t].second};
+        double v[2] = {0};
+        put_matrix(&m, CLASS_STRUCT, 6, 4, 1, 1, others); /* skipped */
+        size_t begin = m.n;
+        put_matrix(&m, t % 3 == 0 ? CLASS_INT8 : CLASS_DOUBLE, types[t].type, types[t].width, 2, 1, values);
+        if (i / 2 % 2)
+            compress_from(&m, begin);
+        assert_int_equal(read_r(&m, 2, 1, v, NULL), NQM_OK);
+        assert_true(v[0] == types[t].expected && v[1] == 100);
+        for (size_t n = m.n - 1; n > begin; --n) {
+            m.n = n;
+            nqm_status status = read_r(&m, 2, 1, v, NULL);
+            assert_int_equal(status, NQM_ERR_FORMAT);
+        }
+    }
+    maker m = begin_file(true);
+    const uint64_t values[6] = {1, 2, 3, 4, 5, 6};
+    double v[6];
+    put_matrix(&m, CLASS_UINT16, 4, 2, 3, 2, values); /* column by column in the file, row by row in memory */
+    assert_int_equal(read_r(&m, 3, 2, v, NULL), NQM_OK);
+    assert_true(v[0] == 1 && v[1] == 4 && v[2] == 2 && v[5] == 6);
+}
+
+static void refuse_r(const maker *m, const char *words) {
+    double v[2];
+    nqm_error err = {0};
+    assert_int_equal(read_r(m, 2, 1, v, &err), NQM_ERR_FORMAT);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' is not in '%s'", words, err.message);
+}
+
+static void faults_are_named(void **state) {
+    (void)state;
+    const uint64_t values[4] = {1, 2, 3, 4};
+    maker m = begin_file(false);
+    refuse_r(&m, "no numeric variable 'r'");
+    put_matrix(&m, CLASS_STRUCT, 9, 8, 2, 1, values);
+    refuse_r(&m, "no numeric variable 'r'");
+    m.n = 128;
+    put_matrix(&m, CLASS_DOUBLE | COMPLEX, 9, 8, 2, 1, values);
+    refuse_r(&m, "not a real matrix");
+    m.n = 128;
+    put_matrix(&m, CLASS_DOUBLE, 8, 8, 2, 1, values);
+    refuse_r(&m, "byte 128 has damaged values");
+    m.n = 128;
+    put_matrix(&m, CLASS_DOUBLE, 9, 8, 2, 2, values);
+    m.bytes[128 + 36] = 1; /* claims 2 x 1 */
+    refuse_r(&m, "damaged values");
+    m.n = 128;
+    put_matrix(&m, CLASS_SINGLE, 7, 4, 2, 1, (const uint64_t[]){0x7fc00000, 0});
+    refuse_r(&m, "row 1, column 1 is not finite");
+    m.n = 128;
+    put_matrix(&m, CLASS_DOUBLE, 9, 8, 2, 1, values);
+    compress_from(&m, 128);
+    m.bytes[m.n - 1] ^= 1;
+    refuse_r(&m, "no intact compressed matrix");
+    m.bytes[126] = 'X';
+    refuse_r(&m, "byte order at byte 126");
+}
+
+#ifdef NQM_TEST_MATIO
+/* matio reads what nqm writes, and nqm what matio compresses. */
+static void agrees_with_matio(void **state) {
+    (void)state;
+    double values[6] = {1, -2.5, 1e-300, 4, 0.1, 1e300}, v[6];
+    assert_int_equal(nqm_mat_write(path, 1, &(nqm_mat_variable){"random_locations", 2, 3, values}, NULL), NQM_OK);
+    mat_t *file = Mat_Open(path, MAT_ACC_RDONLY);
+    assert_non_null(file);
+    matvar_t *variable = Mat_VarRead(file, "random_locations");
+    assert_non_null(variable);
+    assert_int_equal(variable->dims[0], 2);
+    assert_int_equal(variable->dims[1], 3);
+    for (size_t i = 0; i < 6; ++i)
+        assert_true(((const double *)variable->data)[i % 3 * 2 + i / 3] == values[i]);
+    Mat_VarFree(variable);
+    Mat_Close(file);
+    size_t dims[2] = {3, 2};
+    file = Mat_CreateVer(path, NULL, MAT_FT_MAT5);
+    assert_non_null(file);
+    variable = Mat_VarCreate("r", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values, MAT_F_DONT_COPY_DATA);
+    assert_int_equal(Mat_VarWrite(file, variable, MAT_COMPRESSION_ZLIB), 0);
+    Mat_VarFree(variable);
+    Mat_Close(file);
+    nqm_mat *mat;
+    assert_int_equal(nqm_mat_open(path, &mat, NULL), NQM_OK);
+    assert_int_equal(nqm_mat_read(mat, "r", 3, 2, v, NULL), NQM_OK);
+    for (size_t i = 0; i < 6; ++i)
+        assert_true(v[i] == values[i % 2 * 3 + i / 2]);
+    nqm_mat_close(mat);
+    unlink(path);
+}
+#endif
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+#ifdef NQM_TEST_MATIO
+        cmocka_unit_test(agrees_with_matio),
+#endif
+        cmocka_unit_test(every_type_and_byte_order),
+        cmocka_unit_test(faults_are_named),
         cmocka_unit_test(reads_what_scipy_wrote),
         cmocka_unit_test(no_mat_files),
         cmocka_unit_test(huge_claims),

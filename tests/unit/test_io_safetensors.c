@@ -183,8 +183,8 @@ static void false_headers(void **state) {
         {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[2],\"data_offsets\":[3,5]}}", 5, "overlaps"},
         {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[1],\"data_offsets\":[5,6]}}", 6, "hole"},
         {"{" A("[1]", "1", "5") "}", 5, "hole"},
-        {"{" A("[1]", "0", "4") "}", 5, "behind the last"},
-        {"{}", 1, "behind the last"},
+        {"{" A("[1]", "0", "4") "}", 5, "after the last"},
+        {"{}", 1, "after the last"},
         {"{\"__metadata__\":[]}", 0, "not an object"},
         {"{\"__metadata__\":{\"k\":1}}", 0, "not a string"},
     };
@@ -247,7 +247,7 @@ static void out_of_memory(void **state) {
         assert_int_equal(nqm_safetensors_parse(file, n_bytes, "f", &st, NULL), NQM_ERR_NOMEM);
         assert_null(st);
     }
-    for (long n = 0; n < 4; ++n) {
+    for (long n = 0; n < 3; ++n) {
         nqm_alloc_fail_after(n);
         assert_int_equal(nqm_safetensors_write(path_of_output(), N_TENSORS, tensors, 2, meta, NULL, NULL),
                          NQM_ERR_NOMEM);

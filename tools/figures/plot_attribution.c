@@ -29,7 +29,7 @@ static double difference(const nqm_brdf *ref, const nqm_brdf *test, size_t row, 
     nqm_brdf_eval_half_diff(ref, N_PHI_D, hd[0], a[0], flag_a);
     nqm_brdf_eval_half_diff(test, N_PHI_D, hd[0], b[0], flag_b);
     for (size_t i = 0; i < N_PHI_D; ++i) {
-        if (flag_a[i] >= NQM_VALUE_INVALID || flag_b[i] >= NQM_VALUE_INVALID)
+        if (!nqm_has_value(flag_a[i]) || !nqm_has_value(flag_b[i]))
             continue;
         ++n;
         for (size_t k = 0; k < 3; ++k)

@@ -37,7 +37,7 @@ static double luminance(const nqm_brdf *brdf, bool half_diff, const double *at) 
         nqm_brdf_eval_half_diff(brdf, 1, at, rgb, &flag);
     else
         nqm_brdf_eval(brdf, 1, at, at + 3, rgb, &flag);
-    return flag == NQM_VALUE_OK || flag == NQM_VALUE_CLAMPED ? nqm_luminance(rgb) : (double)NAN;
+    return nqm_has_value(flag) ? nqm_luminance(rgb) : (double)NAN;
 }
 
 static double light_of(size_t panel) {

@@ -149,7 +149,7 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
     for (int i = 1; i < argc; ++i) {
         char *word = argv[i];
         if (options_end || word[0] != '-' || !word[1]) {
-            argv[n++] = word;
+            argv[n++] = (char *)(uintptr_t)input_path(word);
             continue;
         }
         if (strcmp(word, "--") == 0) {

@@ -18,9 +18,9 @@ static void make_line(void) {
     const char *cairo = nqm_cairo_version(), *embree = nqm_tracer_version();
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
-    snprintf(line, sizeof line, "cairo %s, Embree %s%s, libpng %s, OpenEXR %d.%d.%d, %s when needed, no MPI library",
+    snprintf(line, sizeof line, "cairo %s, Embree %s%s, libpng %s, OpenEXR %d.%d.%d, no MPI library",
              cairo ? cairo : "off", embree ? embree : "off", embree ? " when needed" : "", png_get_libpng_ver(NULL),
-             major, minor, patch, nqm_matio_name());
+             major, minor, patch);
 }
 
 const char *tool_build_info(void) {

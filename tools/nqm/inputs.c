@@ -9,10 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-const char *input_path(const char *argument) {
-    return strcmp(argument, "-") == 0 ? "/dev/stdin" : argument;
-}
-
 static bool is_builtin(const char *name) {
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
         if (strcmp(nqm_model_builtin_name(i), name) == 0)
@@ -112,7 +108,7 @@ int open_directions(const char *verb, const char *name_or_path, nqm_directions *
                                              directions_ret, &err);
         nqm_model_free(model);
     } else if (name_or_path) {
-        status = nqm_directions_load_csv(name, directions_ret, &err);
+        status = nqm_directions_load_csv(input_path(name), directions_ret, &err);
     } else {
         status = nqm_directions_create(NULL, 0, NULL, directions_ret, &err);
     }

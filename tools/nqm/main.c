@@ -53,7 +53,8 @@ static void print_usage(FILE *out) {
 
 /* Results that cannot be written (a full disk) are a failure of any verb. */
 static int finish(int exit_code) {
-    if (fflush(stdout) == 0 && !ferror(stdout))
+    bool arrived = exit_code != EXIT_OK || flush_output_path();
+    if (arrived && fflush(stdout) == 0 && !ferror(stdout))
         return exit_code;
     if (exit_code != EXIT_OK)
         return exit_code; /* the verb has reported the reason */

@@ -31,8 +31,11 @@ int exit_code_of(nqm_status status) {
 }
 
 int report_error(const char *verb, const nqm_error *err) {
+    const char *message = err->message[0] ? err->message : nqm_status_text(err->status);
+    size_t n_prefix;
+    const char *stream = stream_name(message, &n_prefix);
     end_progress();
-    fprintf(stderr, "nqm %s: %s\n", verb, err->message[0] ? err->message : nqm_status_text(err->status));
+    fprintf(stderr, "nqm %s: %s%s\n", verb, stream, message + n_prefix);
     return exit_code_of(err->status);
 }
 

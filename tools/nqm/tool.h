@@ -76,8 +76,6 @@ bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments
 
 /* ---- inputs ------------------------------------------------------------------------------------------------------ */
 
-/** A file argument as a path: "-" is standard input. */
-const char *input_path(const char *argument);
 /** Open a built-in model by name, or a model file; NULL: "default". EXIT_OK, or reports the error and returns its exit code. */
 int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. On failure none is open. As open_model(). */
@@ -176,6 +174,15 @@ typedef struct output_file {
     FILE *stream;
     nqm_outfile file; /* zeroed: standard output */
 } output_file;
+
+/** Paths for the library, which does not know "-": as an input "-" gives a file with what standard input holds, as an output
+ *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */
+const char *input_path(const char *path);
+const char *output_path(const char *path);
+/** At the end of a verb; false when standard output cannot be written. */
+bool flush_output_path(void);
+/** For messages that begin with such a path: the stream's name, and the length of the path. "" and 0 for others. */
+const char *stream_name(const char *message, size_t *n_prefix);
 
 /** Open; "-" is standard output. As open_model(). */
 int open_output(const char *verb, const char *path, output_file *out);

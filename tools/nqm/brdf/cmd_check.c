@@ -4,9 +4,9 @@
  */
 #include "nqm/tool.h"
 
-/* Above 1 by the error of measured data and of the quadrature. */
+/* The tolerance covers the error of measured data and of the quadrature. */
 static const double max_albedo = 1.02;
-/* Measured data are off by 1 to 5 % of their own; more deserves a word. */
+/* Measured data deviate by 1 to 5 %; more is reported as poor. */
 static const double noted_reciprocity = 0.05;
 
 typedef struct verdict {

@@ -51,7 +51,7 @@ int cmd_convert(int argc, char **argv) {
     nqm_brdf *brdf;
     if (nqm_brdf_open(argv[0], &brdf, &err) != NQM_OK)
         return report_error("convert", &err);
-    if (nqm_brdf_write_merl(brdf, output, show_progress, NULL, &err) == NQM_OK) {
+    if (nqm_brdf_write_merl(brdf, output_path(output), show_progress, NULL, &err) == NQM_OK) {
         end_progress();
         nqm_brdf_info info = nqm_brdf_get_info(brdf);
         exit_code = strcmp(output, "-") == 0 ? EXIT_OK : print_result(&info, output, json);

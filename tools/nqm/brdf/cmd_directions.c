@@ -35,7 +35,7 @@ static int put_out(const nqm_directions *directions, const char *path, bool json
     if (json)
         return print_directions_json(directions);
     nqm_error err = {0};
-    if (nqm_directions_save_csv(directions, path, &err) != NQM_OK)
+    if (nqm_directions_save_csv(directions, output_path(path), &err) != NQM_OK)
         return report_error("directions", &err);
     if (strcmp(path, "-") != 0)
         fprintf(stderr, "nqm directions: %s: %zu directions, id %s\n", path, nqm_directions_count(directions),

@@ -19,9 +19,9 @@ typedef struct sample_set {
     nqm_sample_report report;
 } sample_set;
 
-/* NaN where the BRDF has no value and none was asked for in its place. */
+/* NaN where the BRDF has no value and the policy does not fill it. */
 static double value_of(const sample_set *s, size_t i, size_t channel) {
-    bool hole = s->flag[i] == NQM_VALUE_INVALID || s->flag[i] == NQM_VALUE_HORIZON;
+    bool hole = !nqm_has_value(s->flag[i]);
     return hole && s->policy == NQM_INVALID_DROP ? (double)NAN : (double)s->rgb[3 * i + channel];
 }
 
@@ -61,11 +61,11 @@ static int write_samples(const sample_set *s) {
             "sample", EXIT_INCOMPATIBLE,
             "%s: no value at %zu of %zu directions, but a MAT file needs one at each: --invalid zero or nearest",
             s->brdf, s->report.n_invalid, s->report.n);
-    nqm_status status = nqm_samples_save_mat(s->directions, s->rgb, s->output, &err);
+    nqm_status status = nqm_samples_save_mat(s->directions, s->rgb, output_path(s->output), &err);
     return status == NQM_OK ? EXIT_OK : report_error("sample", &err);
 }
 
-static void talk(const sample_set *s) {
+static void report_holes(const sample_set *s) {
     if (s->report.n_clamped)
         fprintf(stderr, "nqm sample: %s: negative channel at %zu of %zu directions, taken as 0\n", s->brdf,
                 s->report.n_clamped, s->report.n);
@@ -86,7 +86,7 @@ static int sample_and_print(sample_set *s, const nqm_brdf *brdf, bool json) {
         exit_code = report_error("sample", &err);
     else {
         exit_code = s->output ? write_samples(s) : json ? print_samples_json(s) : print_samples_csv(s);
-        talk(s);
+        report_holes(s);
     }
     free(s->rgb);
     free(s->flag);

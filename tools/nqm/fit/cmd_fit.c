@@ -30,7 +30,7 @@ static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_d
     if (status == NQM_OK)
         status = nqm_sample(test, directions, NQM_INVALID_DROP, rgb + 3 * n, NULL, NULL, err);
     for (size_t i = 0; i < n; ++i)
-        used[i] = used[i] <= NQM_VALUE_CLAMPED;
+        used[i] = nqm_has_value(used[i]);
     if (status == NQM_OK)
         nqm_metrics_compute(directions, rgb, rgb + 3 * n, used, metrics);
     nqm_free(rgb);
@@ -70,7 +70,7 @@ static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *
         *err = (nqm_error){.status = NQM_ERR_LIMIT, .message = "the path of the output is too long"};
         return err->status;
     }
-    return nqm_brdf_save(brdf, f->path, err);
+    return nqm_brdf_save(brdf, output_path(f->path), err);
 }
 
 /* ---- fits -------------------------------------------------------------------------------------------------------- */

@@ -17,7 +17,7 @@ int open_dataset(const char *verb, const char *path, const char *labels, nqm_spl
     if (!folder && labels)
         return report(verb, EXIT_USAGE,
                       "%s: --labels goes with a folder (the authors' layout), not with a dataset file", path);
-    nqm_status status = folder ? nqm_dataset_load_authors(path, labels, split, dataset_ret, &err)
+    nqm_status status = folder ? nqm_dataset_load_authors(path, input_path(labels), split, dataset_ret, &err)
                                : nqm_dataset_load(path, dataset_ret, &err);
     return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
 }

@@ -52,7 +52,7 @@ static int print_summary(const char *path, const arguments *a) {
 static int build(const char *materials, const arguments *a, const nqm_corpus_options *corpus) {
     nqm_error err = {0};
     nqm_directions *directions;
-    if (nqm_directions_load_csv(a->directions, &directions, &err) != NQM_OK)
+    if (nqm_directions_load_csv(input_path(a->directions), &directions, &err) != NQM_OK)
         return report_error("dataset", &err);
     nqm_status status = nqm_corpus_build(materials, directions, corpus, a->output, &err);
     nqm_directions_free(directions);
@@ -68,6 +68,10 @@ static int build(const char *materials, const arguments *a, const nqm_corpus_opt
 static int run(const char *argument, const arguments *a, const nqm_corpus_options *corpus) {
     if (!a->output)
         return report("dataset", EXIT_USAGE, "give the file of the dataset: -o FILE");
+    if (strcmp(a->output, "-") == 0)
+        return report("dataset", EXIT_USAGE,
+                      "a dataset cannot be written to standard output, because its manifest is a "
+                      "second file; give a file name");
     if (!a->directions)
         return report("dataset", EXIT_USAGE,
                       "give the sampling directions: --directions FILE (`nqm directions` makes one)");

@@ -70,7 +70,7 @@ static int rank_pairs(rank_run *run, size_t n) {
 /* From the arguments REF TEST..., or from the list. */
 static int gather_pairs(rank_run *run, int n_arguments, char **arguments, size_t *n_ret) {
     nqm_error err = {0};
-    if (run->list_path && nqm_pair_list_load(run->list_path, &run->list, &err) != NQM_OK)
+    if (run->list_path && nqm_pair_list_load(input_path(run->list_path), &run->list, &err) != NQM_OK)
         return report_error("rank", &err);
     size_t n = run->list ? nqm_pair_list_count(run->list) : (size_t)n_arguments - 1;
     run->pairs = calloc(n + 1, sizeof *run->pairs);

@@ -252,11 +252,11 @@ done:
 
 nqm_status nqm_pair_list_load(const char *path, nqm_pair_list **list_ret, nqm_error *err) {
     *list_ret = NULL;
-    nqm_input input;
-    nqm_status status = nqm_input_open(path, &input, err);
+    nqm_map map;
+    nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_pair_list_parse(input.text, input.n_bytes, input.name, list_ret, err);
-    nqm_input_close(&input);
+    status = nqm_pair_list_parse((const char *)map.data, map.n_bytes, map.path, list_ret, err);
+    nqm_map_close(&map);
     return status;
 }

@@ -24,7 +24,6 @@ enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< of JSON Lines; names of members that 
  * with strings "reference" and "test" in each line (files.md). The form is found by the first byte that is no blank:
  * '{' begins JSON Lines. Other columns are kept as they are.
  *
- * @param path  "-" is standard input
  * @return NQM_ERR_IO, NQM_ERR_FORMAT (the message names line and byte), NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_pair_list_load(const char *path, nqm_pair_list **list_ret, nqm_error *err);

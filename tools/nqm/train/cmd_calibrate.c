@@ -40,8 +40,8 @@ static int run_calibration(const calibrate_arguments *a) {
     int exit_code = open_model("calibrate", a->model, &model);
     if (exit_code == EXIT_OK)
         exit_code = open_dataset("calibrate", a->dataset, NULL, NQM_SPLIT_ALL, &dataset);
-    if (exit_code == EXIT_OK &&
-        nqm_model_save_calibrated(model, dataset, a->new_materials, a->output, &calibration, &err) != NQM_OK)
+    if (exit_code == EXIT_OK && nqm_model_save_calibrated(model, dataset, a->new_materials, output_path(a->output),
+                                                          &calibration, &err) != NQM_OK)
         exit_code = report_error("calibrate", &err);
     if (exit_code == EXIT_OK)
         exit_code = print_result(a, &calibration);

@@ -124,7 +124,7 @@ static int save_model(const train_run *run) {
     const char *path = run->arguments->output;
     nqm_error err = {0};
     nqm_model *written = NULL;
-    nqm_status status = nqm_model_save(run->model, path, &err);
+    nqm_status status = nqm_model_save(run->model, output_path(path), &err);
     if (status == NQM_OK && strcmp(path, "-") == 0)
         return EXIT_OK; /* the model itself is the result on standard output */
     if (status == NQM_OK)
