@@ -20,5 +20,5 @@ mkdir -p "$folder"
 # Without its install script, which would fetch libraries for graphics cards.
 [ -d "$folder/node_modules/onnxruntime-node" ] ||
     npm install --prefix "$folder" --ignore-scripts --no-audit --no-fund --save-exact "onnxruntime-node@$onnx_version" >&2
-exec "$python" "$here/peers.py" --tool "$tool" --model "$here/../models/paper.safetensors" --packages "$folder" \
+exec "$python" "$here/peers.py" --tool "$tool" --model "$here/../models/full/paper.safetensors" --packages "$folder" \
     --json "$folder/peers.json" "$@"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * models_table.h - the model files embedded into the library ("default", "paper"), generated into the build folder by
- * cmake/models.cmake.
+ * models_table.h - the model files that are embedded: "default" in libnqm, "default" and "paper" in libnqm-full and the
+ * tool. cmake/models.cmake generates the table; a row without a name ends it.
  */
-#ifndef NQM_SRC_NET_MODELS_TABLE_H
-#define NQM_SRC_NET_MODELS_TABLE_H
+#ifndef NQM_SRC_MODELS_TABLE_H
+#define NQM_SRC_MODELS_TABLE_H
 
 #include "base/embedded.h"
 

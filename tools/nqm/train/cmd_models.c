@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm models - the models that are built in, and what a model says about itself.
+ * nqm models - the built-in models, facts about a model, and copies with notes or smaller weights.
  */
+#include "metric/metric.h"
 #include "nqm/tool.h"
 
 #include <stdlib.h>
@@ -56,7 +57,23 @@ static int show_model(const char *name, bool json) {
     return exit_code;
 }
 
-static int annotate_model(const char *name, const char *notes_path, const char *output) {
+/* Replace a model by one whose hidden layers have weights of 16 bits, with golden scores of its own. */
+static int round_model(nqm_model **model) {
+    nqm_model *half;
+    nqm_error err = {0};
+    nqm_status status = nqm_model_copy(*model, &half, &err);
+    if (status == NQM_OK)
+        status = nqm_model_round_to_half(half, &err);
+    if (status == NQM_OK) {
+        nqm_free(half->golden);
+        status = nqm_golden_make(half, &half->golden, &err);
+    }
+    nqm_model_free(*model);
+    *model = half;
+    return status == NQM_OK ? EXIT_OK : report_error("models", &err);
+}
+
+static int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
     nqm_model *model;
     char *notes = NULL;
     nqm_error err = {0};
@@ -65,6 +82,8 @@ static int annotate_model(const char *name, const char *notes_path, const char *
     int exit_code = open_model("models", name, &model);
     if (exit_code == EXIT_OK)
         exit_code = read_text("models", notes_path, &notes);
+    if (exit_code == EXIT_OK && half)
+        exit_code = round_model(&model);
     if (exit_code == EXIT_OK && nqm_model_save_annotated(model, notes, output, &err) != NQM_OK)
         exit_code = report_error("models", &err);
     free(notes);
@@ -101,11 +120,13 @@ static int list_models(bool json) {
 }
 
 int cmd_models(int argc, char **argv) {
-    bool json = false;
+    bool json = false, half = false;
     const char *output = NULL;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-                              {"output", 'o', OPTION_TEXT, &output, "FILE", "annotate: the model file to write", 0, 0},
-                              {0}};
+    const option options[] = {
+        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+        {"output", 'o', OPTION_TEXT, &output, "FILE", "annotate: the model file to write", 0, 0},
+        {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
+        {0}};
     const command cmd = {
         .name = "models",
         .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
@@ -113,7 +134,8 @@ int cmd_models(int argc, char **argv) {
             "List the models that are built in, or show one of them, or a model file: size, checksum, directions "
             "and the\n"
             "model card, which says what it was trained and judged on and what it is not good for. annotate writes "
-            "a copy of a model\nwith a text added to its card, such as results on a test set.",
+            "a copy of a model\nwith a text added to its card, such as results on a test set;\n"
+            "--half also rounds the hidden layers' weights to 16 bits, which halves the file.",
         .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
                    "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
         .options = options,
@@ -130,7 +152,7 @@ int cmd_models(int argc, char **argv) {
     if (n_arguments == 2 && strcmp(argv[0], "show") == 0)
         return show_model(argv[1], json);
     if (n_arguments == 3 && strcmp(argv[0], "annotate") == 0)
-        return annotate_model(argv[1], argv[2], output);
+        return annotate_model(argv[1], argv[2], half, output);
     return report("models", EXIT_USAGE,
                   "say `nqm models` `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
 }
