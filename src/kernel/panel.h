@@ -13,6 +13,7 @@
 #ifndef NQM_SRC_KERNEL_PANEL_H
 #define NQM_SRC_KERNEL_PANEL_H
 
+#include "kernel/half.h"
 #include "kernel/kernel.h"
 
 /** A matrix (k, n) in panels: one block, free with nqm_panels_free(). */
@@ -31,10 +32,10 @@ typedef struct nqm_panels {
 NQM_MUST_CHECK nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels_ret,
                                             nqm_error *err);
 void nqm_panels_free(nqm_panels *panels);
-/** Fill panels of (k, n) from the transpose of w (n, k), row-major, ldw floats from row to row, on all threads. */
-void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw);
-/** One panel (k, NQM_PANEL) of floats from the transpose of w (width, k), ldw floats from row to row; zeros beyond width. */
-void nqm_pack_panel(size_t width, size_t k, const float *w, size_t ldw, float *panel);
+/** Fill panels of (k, n) from the transpose of w (n, k), on all threads. */
+void nqm_panels_pack(nqm_panels *panels, nqm_weights w);
+/** One panel (k, NQM_PANEL) of floats from the transpose of w (width, k); zeros beyond width. */
+void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel);
 /** The inverse of nqm_panels_pack() for NQM_PRECISION_F32. */
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) = the transpose of from (k, n); from is NQM_PRECISION_F32, to is _F32 or _BF16. */

@@ -67,21 +67,28 @@ static inline void rows_to_columns(size_t n_rows, size_t n, const uint32_t *rows
 }
 
 /* pack_*: one panel from w (width, k), width <= NQM_PANEL, PACK_COLUMNS columns of w at a time. */
-static void pack_f32(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
+static void pack_f32(size_t width, size_t k, nqm_weights w, uint32_t *panel) {
+    float converted[PACK_ROWS][PACK_COLUMNS];
     for (size_t first = 0; first < k; first += PACK_COLUMNS)
-        for (size_t j = 0; j < width; j += PACK_ROWS)
-            rows_to_columns(nqm_smaller(width - j, PACK_ROWS), nqm_smaller(k - first, PACK_COLUMNS),
-                            (const uint32_t *)(const void *)(w + j * ldw + first), ldw, panel + first * NQM_PANEL + j);
+        for (size_t j = 0; j < width; j += PACK_ROWS) {
+            const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
+            const float *rows = w.w ? w.w + j * w.ld + first : converted[0];
+            for (size_t r = 0; w.half && r < n_rows; ++r)
+                nqm_half_to_float(n, w.half + (j + r) * w.ld + first, converted[r]);
+            rows_to_columns(n_rows, n, (const uint32_t *)(const void *)rows, w.w ? w.ld : PACK_COLUMNS,
+                            panel + first * NQM_PANEL + j);
+        }
 }
 
-static void pack_bf16(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel) {
+static void pack_bf16(size_t width, size_t k, nqm_weights w, uint32_t *panel) {
     const nqm_kernels *kernels = nqm_kernels_get();
     uint32_t words[PACK_ROWS][PACK_COLUMNS / 2];
+    float converted[PACK_COLUMNS];
     for (size_t first = 0; first < k; first += PACK_COLUMNS)
         for (size_t j = 0; j < width; j += PACK_ROWS) {
             const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
             for (size_t r = 0; r < n_rows; ++r)
-                kernels->round_row(n, w + (j + r) * ldw + first, words[r]);
+                kernels->round_row(n, nqm_weights_row(nqm_weights_at(w, j + r, first), n, converted), words[r]);
             rows_to_columns(n_rows, nqm_words(NQM_PRECISION_BF16, n), words[0], PACK_COLUMNS / 2,
                             panel + first / 2 * NQM_PANEL + j);
         }
@@ -109,10 +116,14 @@ static void signed_bytes(size_t n, const float *x, float per_scale, uint32_t *wo
     memcpy(words, bytes, sizeof bytes);
 }
 
-static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32_t *panel, float *scale, int32_t *sum) {
-    float per_scale[NQM_PANEL];
+static void pack_int8(size_t width, size_t k, nqm_weights w, uint32_t *panel, float *scale, int32_t *sum) {
+    float per_scale[NQM_PANEL], converted[PACK_COLUMNS];
     for (size_t j = 0; j < width; ++j) {
-        const float largest = largest_magnitude(k, w + j * ldw);
+        float largest = 0;
+        for (size_t first = 0; first < k; first += PACK_COLUMNS) {
+            const size_t n = nqm_smaller(k - first, PACK_COLUMNS);
+            largest = fmaxf(largest, largest_magnitude(n, nqm_weights_row(nqm_weights_at(w, j, first), n, converted)));
+        }
         scale[j] = largest > 0 ? largest / 127 : 1;
         per_scale[j] = 1 / scale[j];
         sum[j] = 0;
@@ -122,30 +133,31 @@ static void pack_int8(size_t width, size_t k, const float *w, size_t ldw, uint32
             uint32_t words[PACK_ROWS][PACK_COLUMNS / 4];
             const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
             for (size_t r = 0; r < n_rows; ++r)
-                signed_bytes(n, w + (j + r) * ldw + first, per_scale[j + r], words[r], &sum[j + r]);
+                signed_bytes(n, nqm_weights_row(nqm_weights_at(w, j + r, first), n, converted), per_scale[j + r],
+                             words[r], &sum[j + r]);
             rows_to_columns(n_rows, nqm_words(NQM_PRECISION_INT8, n), words[0], PACK_COLUMNS / 4,
                             panel + first / 4 * NQM_PANEL + j);
         }
 }
 
-void nqm_panels_pack(nqm_panels *panels, const float *w, size_t ldw) {
+void nqm_panels_pack(nqm_panels *panels, nqm_weights w) {
 #pragma omp parallel for schedule(dynamic, 1) if (panels->n * panels->k > MIN_PARALLEL)
     for (size_t p = 0; p < panels->n_panels; ++p) {
         const size_t first = p * NQM_PANEL, width = nqm_smaller(panels->n - first, NQM_PANEL);
-        const float *rows = w + first * ldw;
+        const nqm_weights rows = nqm_weights_at(w, first, 0);
         if (panels->precision == NQM_PRECISION_F32)
-            pack_f32(width, panels->k, rows, ldw, nqm_panel_at(panels, p));
+            pack_f32(width, panels->k, rows, nqm_panel_at(panels, p));
         else if (panels->precision == NQM_PRECISION_BF16)
-            pack_bf16(width, panels->k, rows, ldw, nqm_panel_at(panels, p));
+            pack_bf16(width, panels->k, rows, nqm_panel_at(panels, p));
         else
-            pack_int8(width, panels->k, rows, ldw, nqm_panel_at(panels, p), panels->scale + first, panels->sum + first);
+            pack_int8(width, panels->k, rows, nqm_panel_at(panels, p), panels->scale + first, panels->sum + first);
     }
 }
 
-void nqm_pack_panel(size_t width, size_t k, const float *w, size_t ldw, float *panel) {
+void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel) {
     if (width < NQM_PANEL)
         memset(panel, 0, k * NQM_PANEL * sizeof *panel);
-    pack_f32(width, k, w, ldw, (uint32_t *)(void *)panel);
+    pack_f32(width, k, w, (uint32_t *)(void *)panel);
 }
 
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {

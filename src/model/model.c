@@ -58,7 +58,7 @@ nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *er
     nqm_status status = nqm_map_open(path, map, err);
     if (status == NQM_OK)
         status = make_model(map->data, map->n_bytes, path, true, model_ret, err);
-    if (status == NQM_OK && !(*model_ret)->weights) {
+    if (status == NQM_OK && !(*model_ret)->memory) {
         (*model_ret)->file = map;
         return NQM_OK;
     }
@@ -76,7 +76,7 @@ nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *n
     if (n_bytes)
         memcpy(copy, data, n_bytes);
     nqm_status status = make_model(copy, n_bytes, name, true, model_ret, err);
-    if (status == NQM_OK && !(*model_ret)->weights)
+    if (status == NQM_OK && !(*model_ret)->memory)
         (*model_ret)->memory = copy;
     else
         nqm_free(copy);
@@ -111,7 +111,6 @@ void nqm_model_free(struct nqm_model *model) {
         return;
     nqm_directions_free(model->directions);
     nqm_params_free(&model->params);
-    nqm_free_pages(model->weights, model->n_weights, sizeof *model->weights);
     char *texts[] = {model->id,      model->recipe,       model->card,
                      model->licence, model->training,     model->manifest_sha256,
                      model->golden,  model->scalar_names, model->calibration};

@@ -38,9 +38,6 @@ struct nqm_model {
     char sha256[65];       /* checksum of the file that it was read from; "" when it was not */
     /* Owned blocks. */
     nqm_params params;
-    float *
-        weights; /* (n_weights) of nqm_alloc_pages(): what `params` point into when the file could not be used in place */
-    size_t n_weights;       /* floats */
     double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
     double *interval;       /* (n_interval, 3) predicted JOD, ends of its 95 % interval; all rise; NULL: none */
     float *novelty_points;  /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
@@ -51,14 +48,14 @@ struct nqm_model {
     char *calibration;          /* JSON: what `interval` was made from and covers; NULL together with it */
     nqm_directions *directions; /* made of directions_deg */
     nqm_map *file;              /* of nqm_alloc(): the mapped file that `params` point into; NULL: none */
-    unsigned char *memory;      /* the bytes that they point into instead; NULL: none */
+    unsigned char *memory;      /* of nqm_alloc(): bytes that they point into instead; NULL: none */
     /* Packed networks, made at their first use; NULL: not yet. */
     struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT];
 };
 
 /**
  * Parse a model file that lies in memory (a mapped file or an embedded one). The bytes must outlive the model: where
- * they are aligned for floats the parameters are used in place (params.block is NULL then).
+ * they are aligned the parameters are used in place (`memory` and params.block are NULL then).
  *
  * @param name     for messages
  * @param verify   false leaves out what reads every byte, the checksum and the search for non-finite parameters: for

@@ -2,8 +2,8 @@
  *
  * Copies of a model, for those who change one: calibration, notes in its card, weights in 16 bits.
  */
+#include "kernel/half.h"
 #include "model/model.h"
-#include "model/model_file.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,10 @@ static nqm_status copy_params(const nqm_params *from, nqm_params *to, nqm_error 
     for (size_t l = 0; status == NQM_OK && l < from->shape.n_layers; ++l) {
         const size_t in = from->shape.sizes[l], out = from->shape.sizes[l + 1];
         const nqm_layer *a = &from->layer[l], *b = &to->layer[l];
-        memcpy(b->w, a->w, in * out * sizeof(float));
+        if (a->half)
+            nqm_half_to_float(in * out, a->half, b->w);
+        else
+            memcpy(b->w, a->w, in * out * sizeof(float));
         memcpy(b->b, a->b, out * sizeof(float));
         if (b->gamma) {
             memcpy(b->gamma, a->gamma, out * sizeof(float));

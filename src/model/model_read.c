@@ -9,10 +9,7 @@
 
 #include <string.h>
 
-enum {
-    FLOATS_PER_LINE = 16,   /* of a cache line */
-    CONVERT_AT_ONCE = 65536 /* values */
-};
+enum { CACHE_LINE = 64 };
 
 /* A file being read. */
 typedef struct reader {
@@ -97,12 +94,14 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
 
 /* The tensors of a network, layer by layer; NULL where a layer has none. */
 typedef struct network {
-    const nqm_tensor *part[NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS];
-    float *converted[NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS]; /* where convert() writes them */
-    size_t n_floats;                                          /* of all tensors, each rounded up to whole cache lines */
-    bool in_place;                                            /* all are floats at multiples of their size */
-    bool has_half;
+    const nqm_tensor *part[NQM_NET_MAX_LAYERS][NQM_LAYER_TENSORS];
+    size_t n_bytes; /* of all, each rounded up to whole cache lines */
+    bool in_place;  /* all are at multiples of the size of their values */
 } network;
+
+static size_t padded_size(const nqm_tensor *tensor) {
+    return nqm_ceil_div(tensor->n_bytes, CACHE_LINE) * CACHE_LINE;
+}
 
 static nqm_status find_layer(reader *r, const nqm_net_shape *shape, size_t l, network *net) {
     const size_t in = shape->sizes[l], out = shape->sizes[l + 1];
@@ -116,79 +115,51 @@ static nqm_status find_layer(reader *r, const nqm_net_shape *shape, size_t l, ne
                                .cols = i == 0 ? in : out,
                                .may_be_half = hidden && i == 0,
                                .is_large = true};
-        const nqm_tensor **part = &net->part[l * NQM_LAYER_TENSORS + i];
+        const nqm_tensor **part = &net->part[l][i];
         nqm_status status = get(r, &e, part);
         if (status != NQM_OK)
             return status;
-        const bool half = (*part)->dtype == NQM_F16;
-        net->has_half |= half;
-        net->in_place &= !half && (uintptr_t)(*part)->data % sizeof(float) == 0;
-        net->n_floats += nqm_ceil_div((i == 0 ? in : 1) * out, FLOATS_PER_LINE) * FLOATS_PER_LINE;
+        const size_t item = (*part)->dtype == NQM_F16 ? sizeof(uint16_t) : sizeof(float);
+        net->in_place &= (uintptr_t)(*part)->data % item == 0;
+        net->n_bytes += padded_size(*part);
     }
     return NQM_OK;
 }
 
-/* One piece of the conversion: CONVERT_AT_ONCE values of every tensor, where it has so many. */
-static void convert(void *user, size_t piece) {
-    const network *net = user;
-    for (size_t i = 0; i < NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS; ++i) {
-        const nqm_tensor *part = net->part[i];
-        const size_t size = part && part->dtype == NQM_F16 ? sizeof(uint16_t) : sizeof(float);
-        const size_t first = piece * CONVERT_AT_ONCE, n_all = part ? part->n_bytes / size : 0;
-        if (first >= n_all)
-            continue;
-        const size_t n = nqm_smaller(n_all - first, CONVERT_AT_ONCE);
-        const unsigned char *from = (const unsigned char *)part->data + first * size;
-        if (part->dtype == NQM_F16)
-            nqm_half_to_float(n, from, net->converted[i] + first);
-        else
-            memcpy(net->converted[i] + first, from, n * size);
+/* The tensors as the network's parameters: in place, or copied where they are not aligned (files of other writers). Models are
+ * immutable: nothing is written through a view of the file. */
+static nqm_status set_params(const network *net, struct nqm_model *model, nqm_error *err) {
+    unsigned char *next = net->in_place ? NULL : nqm_alloc(net->n_bytes, 1);
+    if (!net->in_place && !next)
+        return nqm_fail_nomem(err, net->n_bytes);
+    model->memory = next;
+    for (size_t l = 0; l < model->params.shape.n_layers; ++l) {
+        nqm_layer *layer = &model->params.layer[l];
+        float **const views[NQM_LAYER_TENSORS] = {&layer->w, &layer->b, &layer->gamma, &layer->beta};
+        for (size_t i = 0; i < NQM_LAYER_TENSORS && net->part[l][i]; ++i) {
+            const nqm_tensor *part = net->part[l][i];
+            const void *data = next ? memcpy(next, part->data, part->n_bytes) : part->data;
+            next = next ? next + padded_size(part) : NULL;
+            model->stores_half |= part->dtype == NQM_F16;
+            if (part->dtype == NQM_F16)
+                layer->half = data;
+            else
+                *views[i] = (float *)(uintptr_t)data;
+        }
     }
-}
-
-/* Floats of our own, from 16 bits or from an address that is not a multiple of four (files of other writers). */
-static nqm_status convert_all(network *net, struct nqm_model *model, nqm_error *err) {
-    model->weights = nqm_alloc_pages(net->n_floats, sizeof *model->weights);
-    if (!model->weights)
-        return nqm_fail_nomem(err, net->n_floats * sizeof *model->weights);
-    model->n_weights = net->n_floats;
-    size_t largest = 0;
-    float *next = model->weights;
-    for (size_t i = 0; i < NQM_NET_MAX_LAYERS * NQM_LAYER_TENSORS; ++i) {
-        const nqm_tensor *part = net->part[i];
-        if (!part)
-            continue;
-        const size_t n = part->n_bytes / (part->dtype == NQM_F16 ? sizeof(uint16_t) : sizeof(float));
-        largest = nqm_larger(largest, n);
-        net->converted[i] = next;
-        next += nqm_ceil_div(n, FLOATS_PER_LINE) * FLOATS_PER_LINE;
-    }
-    nqm_parallel_for(nqm_ceil_div(largest, CONVERT_AT_ONCE), convert, net);
     return NQM_OK;
 }
 
 static nqm_status read_network(reader *r, struct nqm_model *model) {
-    nqm_params *params = &model->params;
+    nqm_net_shape *shape = &model->params.shape;
     network net = {.in_place = true};
-    nqm_status status = read_shape(r, &params->shape);
-    for (size_t l = 0; status == NQM_OK && l < params->shape.n_layers; ++l)
-        status = find_layer(r, &params->shape, l, &net);
-    if (status == NQM_OK && !net.in_place)
-        status = convert_all(&net, model, r->err);
+    nqm_status status = read_shape(r, shape);
+    for (size_t l = 0; status == NQM_OK && l < shape->n_layers; ++l)
+        status = find_layer(r, shape, l, &net);
     if (status != NQM_OK)
         return status;
-    for (size_t l = 0; l < params->shape.n_layers; ++l) {
-        nqm_layer *layer = &params->layer[l];
-        float **const views[NQM_LAYER_TENSORS] = {&layer->w, &layer->b, &layer->gamma, &layer->beta};
-        for (size_t i = 0; i < NQM_LAYER_TENSORS; ++i) {
-            const size_t k = l * NQM_LAYER_TENSORS + i;
-            if (net.part[k]) /* models are immutable: nothing is written through a view of the file */
-                *views[i] = net.in_place ? (float *)(uintptr_t)net.part[k]->data : net.converted[k];
-        }
-    }
-    params->n = nqm_params_count(&params->shape);
-    model->stores_half = net.has_half;
-    return NQM_OK;
+    model->params.n = nqm_params_count(shape);
+    return set_params(&net, model, r->err);
 }
 
 /* ---- everything else --------------------------------------------------------------------------------------------- */

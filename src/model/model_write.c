@@ -3,6 +3,7 @@
  * Writes a model file: safetensors with the tensors and metadata of doc/files.md.
  */
 #include "io/io.h"
+#include "kernel/half.h"
 #include "model/model.h"
 #include "model/model_file.h"
 
@@ -43,11 +44,13 @@ static void add_layers(contents *c, const nqm_params *params) {
         size_t in = params->shape.sizes[l], out = params->shape.sizes[l + 1];
         const nqm_layer *layer = &params->layer[l];
         const float *const parts[NQM_LAYER_TENSORS] = {layer->w, layer->b, layer->gamma, layer->beta};
-        for (size_t i = 0; i < NQM_LAYER_TENSORS && parts[i]; ++i) {
+        for (size_t i = 0; i < NQM_LAYER_TENSORS && (parts[i] || i == 0); ++i) {
             char *name = c->name[c->n];
             snprintf(name, NQM_TENSOR_NAME_MAX, "layers.%zu.%s", l, nqm_layer_suffixes[i]);
             const bool in_half = half && i == 0 && l + 1 < params->shape.n_layers;
-            if (in_half)
+            if (in_half && layer->half)
+                memcpy(half, layer->half, out * in * sizeof *half);
+            else if (in_half)
                 nqm_half_from_float(out * in, layer->w, half);
             nqm_tensor *tensor = add(c, name, in_half ? NQM_F16 : NQM_F32, i == 0 ? out * in : out,
                                      in_half ? (const void *)half : parts[i]);

@@ -13,9 +13,9 @@ typedef struct range {
     size_t first, n;
 } range;
 
-/* Add a segment for those inputs; w (n_out, n), ldw floats from row to row, are their weights, packed now or later. */
-static nqm_status add_segment(nqm_inference_layer *layer, const float *w, size_t ldw, range inputs,
-                              nqm_precision precision, bool later, nqm_error *err) {
+/* Add a segment for those inputs; w (n_out, n) are their weights, packed now or later. */
+static nqm_status add_segment(nqm_inference_layer *layer, nqm_weights w, range inputs, nqm_precision precision,
+                              bool later, nqm_error *err) {
     nqm_segment *s = &layer->segment[layer->n_segments++];
     nqm_status status = nqm_panels_create(precision, inputs.n, layer->n_out, &s->panels, err);
     if (status != NQM_OK)
@@ -24,26 +24,28 @@ static nqm_status add_segment(nqm_inference_layer *layer, const float *w, size_t
     s->word = layer->n_words;
     if (precision != NQM_PRECISION_F32)
         layer->n_words += s->panels.words;
-    if (later) {
-        s->w = w;
-        s->ldw = ldw;
-    } else {
-        nqm_panels_pack(&s->panels, w, ldw);
-    }
+    if (later)
+        s->weights = w;
+    else
+        nqm_panels_pack(&s->panels, w);
     return NQM_OK;
 }
 
 /* W_ref ref + W_test test = (W_ref + W_test) ref + W_test (test - ref). The right side rounds the difference at its own,
  * small, scale, so that a test which hardly differs from its reference keeps its score. */
-static nqm_status add_sum_of_groups(nqm_inference_layer *layer, const float *w, size_t ldw, size_t n,
-                                    nqm_precision precision, nqm_error *err) {
-    float *sum = nqm_alloc(layer->n_out, n * sizeof *sum);
+static nqm_status add_sum_of_groups(nqm_inference_layer *layer, nqm_weights w, size_t n, nqm_precision precision,
+                                    nqm_error *err) {
+    float *sum = nqm_alloc(layer->n_out + 2, n * sizeof *sum); /* and two rows that are converted */
     if (!sum)
         return nqm_fail_nomem(err, layer->n_out * n * sizeof *sum);
-    for (size_t j = 0; j < layer->n_out; ++j)
+    float *converted = sum + layer->n_out * n;
+    for (size_t j = 0; j < layer->n_out; ++j) {
+        const float *a = nqm_weights_row(nqm_weights_at(w, j, 0), n, converted);
+        const float *b = nqm_weights_row(nqm_weights_at(w, j, n), n, converted + n);
         for (size_t i = 0; i < n; ++i)
-            sum[j * n + i] = w[j * ldw + i] + w[j * ldw + n + i];
-    nqm_status status = add_segment(layer, sum, n, (range){0, n}, precision, false, err);
+            sum[j * n + i] = a[i] + b[i];
+    }
+    nqm_status status = add_segment(layer, (nqm_weights){sum, NULL, n}, (range){0, n}, precision, false, err);
     layer->differences = true;
     nqm_free(sum);
     return status;
@@ -52,20 +54,20 @@ static nqm_status add_sum_of_groups(nqm_inference_layer *layer, const float *w, 
 static nqm_status add_first_segments(nqm_inference_layer *layer, const nqm_params *params,
                                      const nqm_input_groups *inputs, nqm_precision precision, nqm_error *err) {
     const size_t n_in = params->shape.sizes[0];
-    const float *w = params->layer[0].w;
+    const nqm_weights w = {params->layer[0].w, params->layer[0].half, n_in};
     const bool later = precision == NQM_PRECISION_F32;
     range next = {0};
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; ++i, next.first += next.n) {
         next.n = inputs->width[i];
         if (i == 0 && inputs->test_itself && !later)
-            status = add_sum_of_groups(layer, w, n_in, next.n, precision, err);
+            status = add_sum_of_groups(layer, w, next.n, precision, err);
         else
-            status = add_segment(layer, w + next.first, n_in, next, precision, later, err);
+            status = add_segment(layer, nqm_weights_at(w, 0, next.first), next, precision, later, err);
     }
     next.n = inputs->n_scalars;
     if (status == NQM_OK && next.n)
-        status = add_segment(layer, w + next.first, n_in, next, NQM_PRECISION_F32, later, err);
+        status = add_segment(layer, nqm_weights_at(w, 0, next.first), next, NQM_PRECISION_F32, later, err);
     return status;
 }
 
@@ -84,7 +86,8 @@ static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, c
         *layer = (nqm_inference_layer){
             .n_out = shape->sizes[l + 1], .bias = from->b, .gamma = from->gamma, .beta = from->beta};
         status = l == 0 ? add_first_segments(layer, params, inputs, precision, err)
-                        : add_segment(layer, from->w, n_in, (range){0, n_in}, precision, !net->is_packed, err);
+                        : add_segment(layer, (nqm_weights){from->w, from->half, n_in}, (range){0, n_in}, precision,
+                                      !net->is_packed, err);
     }
     return status;
 }
@@ -124,7 +127,7 @@ static nqm_inference_work measure(const nqm_inference_net *net, size_t max_batch
         for (size_t s = 0; s < layer->n_segments; ++s) {
             const nqm_panels *panels = &layer->segment[s].panels;
             w.n_products += panels->k * layer->n_out;
-            if (layer->segment[s].w)
+            if (nqm_has_weights(layer->segment[s].weights))
                 w.panel_size = nqm_larger(w.panel_size, panels->k * NQM_PANEL);
         }
     }

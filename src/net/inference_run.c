@@ -68,11 +68,12 @@ static block block_at(const rows *r, size_t i, size_t n_rows, const nqm_panels *
 /* The packed panels of a block; packs them into the thread's buffer where the network's are empty. */
 static const uint32_t *panels_at(const rows *r, const nqm_segment *s, block at) {
     const nqm_inference_work *work = r->work;
-    if (!s->w || work->is_packed)
+    if (!nqm_has_weights(s->weights) || work->is_packed)
         return nqm_panel_at(&s->panels, at.panel);
     const size_t column = at.panel * NQM_PANEL, thread = (size_t)omp_get_thread_num();
     float *panel = work->panel + thread * work->panel_size;
-    nqm_pack_panel(nqm_smaller(s->panels.n - column, NQM_PANEL), s->panels.k, s->w + column * s->ldw, s->ldw, panel);
+    nqm_pack_panel(nqm_smaller(s->panels.n - column, NQM_PANEL), s->panels.k, nqm_weights_at(s->weights, column, 0),
+                   panel);
     return (const uint32_t *)(const void *)panel;
 }
 
@@ -276,8 +277,8 @@ static void pack_floats(nqm_inference_net *net) {
     for (size_t l = 0; l < net->n_layers; ++l)
         for (size_t s = 0; s < net->layer[l].n_segments; ++s) {
             nqm_segment *segment = &net->layer[l].segment[s];
-            if (segment->w)
-                nqm_panels_pack(&segment->panels, segment->w, segment->ldw);
+            if (nqm_has_weights(segment->weights))
+                nqm_panels_pack(&segment->panels, segment->weights);
         }
 }
 

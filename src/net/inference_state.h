@@ -14,12 +14,10 @@ enum { NQM_MAX_SEGMENTS = NQM_MAX_INPUT_GROUPS + 1 };
 
 /** Consecutive inputs of a layer that share a precision and a scale. A layer's product is the sum over its segments. */
 typedef struct nqm_segment {
-    size_t first;      /**< index of its first input */
-    size_t word;       /**< rounded segments: offset of its inputs in a row of rounded inputs, 32-bit words */
-    nqm_panels panels; /**< (inputs, outputs) */
-    const float
-        *w; /**< (outputs, inputs) ldw floats from row to row: the source of panels of floats, borrowed; else NULL */
-    size_t ldw;
+    size_t first;        /**< index of its first input */
+    size_t word;         /**< rounded segments: offset of its inputs in a row of rounded inputs, 32-bit words */
+    nqm_panels panels;   /**< (inputs, outputs) */
+    nqm_weights weights; /**< (outputs, inputs) the source of panels of floats, borrowed; or none */
 } nqm_segment;
 
 /** A hidden layer: product, LayerNorm, GELU. */

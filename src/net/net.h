@@ -22,10 +22,11 @@ typedef struct nqm_net_shape {
 
 /** The parameters (or gradients, or Adam moments) of one layer: views into one block. */
 typedef struct nqm_layer {
-    float *w;     /**< (out, in) */
-    float *b;     /**< (out) */
-    float *gamma; /**< (out) LayerNorm's factor; NULL in the output layer */
-    float *beta;  /**< (out) LayerNorm's offset; NULL in the output layer */
+    float *w;             /**< (out, in) */
+    const uint16_t *half; /* (out, in) binary16 in place of w, which is NULL then: models read from files; else NULL */
+    float *b;             /**< (out) */
+    float *gamma;         /**< (out) LayerNorm's factor; NULL in the output layer */
+    float *beta;          /**< (out) LayerNorm's offset; NULL in the output layer */
 } nqm_layer;
 
 /** The parameters of a network: one block, in the order w b gamma beta of each layer. */

@@ -176,7 +176,7 @@ void nqm_trainer_free(nqm_trainer *t) {
 /* ---- weights and moments ----------------------------------------------------------------------------------------- */
 
 static void load_layer(nqm_layer_values *values, const nqm_layer *layer) {
-    nqm_panels_pack(&values->w, layer->w, values->w.k);
+    nqm_panels_pack(&values->w, (nqm_weights){layer->w, NULL, values->w.k});
     const float *const vectors[] = {layer->b, layer->gamma, layer->beta};
     for (size_t i = 0; i < NQM_VECTORS; ++i)
         memcpy(values->vector[i], vectors[i], values->w.n * sizeof(float));

@@ -48,7 +48,7 @@ static problem make_problem(nqm_rng *rng, nqm_precision precision, size_t m, siz
             nqm_quantise_row(k, p.x + i * k, row);
     }
     assert_int_equal(nqm_panels_create(precision, k, n, &p.b, NULL), NQM_OK);
-    nqm_panels_pack(&p.b, p.w, k);
+    nqm_panels_pack(&p.b, (nqm_weights){p.w, NULL, k});
     p.before = random_block(rng, m * p.ldc);
     if (precision == NQM_PRECISION_INT8)
         for (size_t i = 0; i < m * p.ldc; ++i) {
@@ -127,7 +127,7 @@ static void the_definition_by_hand(void **state) {
         float c[NQM_PANEL] = {0};
         int32_t sums[NQM_PANEL];
         assert_int_equal(nqm_panels_create((nqm_precision)precision, 4, 2, &b, NULL), NQM_OK);
-        nqm_panels_pack(&b, w, 4);
+        nqm_panels_pack(&b, (nqm_weights){w, NULL, 4});
         nqm_kernels_use(&nqm_kernels_scalar);
         if (precision == NQM_PRECISION_INT8) {
             nqm_byte_scale by = nqm_quantise_row(4, x, a);
@@ -196,7 +196,7 @@ static void panels_packed_one_by_one(void **state) {
         float *panel = random_block(&rng, p.k * NQM_PANEL);
         for (size_t i = 0; i < p.b.n_panels; ++i) {
             const size_t first = i * NQM_PANEL, width = p.n - first < NQM_PANEL ? p.n - first : NQM_PANEL;
-            nqm_pack_panel(width, p.k, p.w + first * p.k, p.k, panel);
+            nqm_pack_panel(width, p.k, (nqm_weights){p.w + first * p.k, NULL, p.k}, panel);
             assert_memory_equal(panel, nqm_panel_at(&p.b, i), p.k * NQM_PANEL * sizeof *panel);
         }
         nqm_free(panel);
@@ -214,7 +214,7 @@ static void panels_and_back(void **state) {
     assert_int_equal(nqm_panels_create(NQM_PRECISION_F32, N, K, &t, NULL), NQM_OK);
     assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, N, K, &bf16, NULL), NQM_OK);
     assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, N, K, &bf16_t, NULL), NQM_OK);
-    nqm_panels_pack(&b, w, K);
+    nqm_panels_pack(&b, (nqm_weights){w, NULL, K});
     nqm_panels_unpack(&b, back, K);
     assert_memory_equal(back, w, sizeof back);
     nqm_panels_transpose(&b, &t);
@@ -223,7 +223,7 @@ static void panels_and_back(void **state) {
         for (size_t j = 0; j < K; ++j)
             assert_true(back_t[j * N + i] == w[i * K + j]);
     nqm_panels_transpose(&b, &bf16);
-    nqm_panels_pack(&bf16_t, back_t, N);
+    nqm_panels_pack(&bf16_t, (nqm_weights){back_t, NULL, N});
     assert_memory_equal(bf16.data, bf16_t.data, bf16.n_panels * bf16.stride * NQM_PANEL * sizeof *bf16.data);
     nqm_panels *all[] = {&b, &t, &bf16, &bf16_t};
     for (size_t i = 0; i < 4; ++i)

@@ -133,7 +133,7 @@ static void one_row_like_many(void **state) {
             uint32_t a[K];
             static float expected[WIDTH + NQM_PANEL], actual[WIDTH + NQM_PANEL];
             assert_int_equal(nqm_panels_create(precision, K, WIDTH, &b, NULL), NQM_OK);
-            nqm_panels_pack(&b, w, K);
+            nqm_panels_pack(&b, (nqm_weights){w, NULL, K});
             memcpy(a, x, sizeof x);
             if (precision == NQM_PRECISION_BF16)
                 kernels->round_row(K, x, a);

@@ -5,8 +5,8 @@
  */
 #include "base/memory_test.h"
 #include "io/io.h"
+#include "kernel/half.h"
 #include "model/model.h"
-#include "model/model_file.h"
 #include "net/inference.h"
 #include "percept/percept.h"
 #include "support/check.h"
@@ -155,7 +155,7 @@ static void unaligned_bytes(void **state) {
     struct nqm_model *model, *odd;
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(nqm_model_parse(shifted + 1, n, "f", true, &odd, NULL), NQM_OK);
-    assert_non_null(odd->weights);
+    assert_non_null(odd->memory);
     assert_true(output_of(odd) == output_of(model));
     nqm_model_free(model);
     nqm_model_free(odd);

@@ -150,7 +150,7 @@ static nqm_status make_job(job *j, nqm_error *err) {
         fill_columns(j, j->m, NQM_STRIP, j->x, j->rows);
         fill_columns(j, j->n, NQM_PANEL, j->w, j->rows_right);
     } else {
-        nqm_panels_pack(&j->panels, j->w, j->k);
+        nqm_panels_pack(&j->panels, (nqm_weights){j->w, NULL, j->k});
         fill_rows(j);
     }
     return NQM_OK;
