@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The kernels on ARM with NEON: compiled for aarch64 and tested under an emulator. The rest of nqm is the same on every machine.
+# Compiles the kernels for aarch64 (NEON) and tests them under an emulator. The rest of nqm does not depend on the processor.
 # Needs Debian's gcc-aarch64-linux-gnu, libc6-dev-arm64-cross, qemu-user, and libcmocka-dev of the foreign architecture arm64.
 # usage: tests/arm/run.sh (./dev arm installs what it needs)
 set -eu
@@ -11,7 +11,7 @@ cc="aarch64-linux-gnu-gcc -std=c17 -D_XOPEN_SOURCE=700 -D_DEFAULT_SOURCE -ffp-co
 -Wall -Wextra -Wconversion -Wno-psabi -Wno-unknown-pragmas -Werror -ffunction-sections -Isrc -Iinclude -Itests -I/usr/include"
 objects=
 for name in isa_generic scalar kernels panel panel_pack; do
-    # shellcheck disable=SC2086 # a command with its options. One thread: the emulator is slow at waking others
+    # shellcheck disable=SC2086 # a command with its options. No OpenMP: threads are slow under the emulator
     $cc -O3 -fopenmp-simd -c "src/kernel/$name.c" -o "$out/$name.o"
     objects="$objects $out/$name.o"
 done

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * GELU and its slope against erf and exp of the C library in double, over the whole range, at the far ends, in place;
- * exp and log in float against the C library's, as is the fused multiply-add; and the build's description.
+ * GELU and its slope against erf and exp of the C library in double, over the whole range, at its ends, in place; exp,
+ * log and the fused multiply-add in float against the C library's; the description of the build.
  */
 #include "kernel/exp_log.h"
 #include "kernel/kernel.h"
@@ -76,7 +76,7 @@ static void exponential_and_logarithm(void **state) {
     assert_true(nqm_exp_core(0) == 1 && nqm_log_core(1) == 0);
 }
 
-/* Rounded once, also where nearly all cancels, and where the result is denormal or infinite. */
+/* Rounded once, also under cancellation and for denormal and infinite results. */
 static void fused_by_hand(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(1, 0);
@@ -84,7 +84,7 @@ static void fused_by_hand(void **state) {
         const uint64_t random[2] = {nqm_rng_u64(&rng), nqm_rng_u64(&rng)};
         float x[4];
         memcpy(x, random, sizeof x);
-        if (i % 2) /* little is left of a b + c */
+        if (i % 2) /* a b + c cancels */
             x[2] = -(x[0] * x[1]) * (1 + ldexpf(x[3] > 0 ? 1.0f : -1.0f, -(int)(random[1] % 24)));
         const float actual = nqm_multiply_add(x[0], x[1], x[2]), expected = fmaf(x[0], x[1], x[2]);
         assert_true(actual == expected || (isnan(actual) && isnan(expected)));

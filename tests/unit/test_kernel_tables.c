@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Every table of kernels that this processor can run against the plain loops: products and weight gradients in float,
- * bfloat16 and bytes within the bound of rounding, bytes exactly, rows of hidden layers and Adam; the same bits from
- * tables with fused multiply-add, for any number of rows and of threads.
+ * bfloat16 and bytes within the bound of rounding, bytes exactly, rows of hidden layers and Adam; equal bits from
+ * tables with fused multiply-add, for any number of rows and threads.
  */
 #include "kernel/panel.h"
 #include "support/check.h"
@@ -23,7 +23,7 @@ static float *random_block(nqm_rng *rng, size_t n) {
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */
 
-/* A product with rows and panels in the words of a precision; C begins as `before`. */
+/* A product in a precision; C initially holds `before`. */
 typedef struct problem {
     nqm_precision precision;
     size_t m, k, n, lda, ldc;
@@ -116,7 +116,7 @@ static void products_of_every_table(void **state) {
     assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
 }
 
-/* By hand, so that the definition itself is not taken on trust: x w^T with the rounding of each precision. */
+/* The plain loops against x w^T computed by hand, with the rounding of each precision. */
 static void the_definition_by_hand(void **state) {
     (void)state;
     const float x[] = {1, -2, 0.25f, 253}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
@@ -135,7 +135,7 @@ static void the_definition_by_hand(void **state) {
             nqm_multiply(&b, 1, a, 4, false, sums, NQM_PANEL);
             const nqm_byte_columns columns = nqm_panel_columns(&b, 0);
             nqm_kernels_get()->dequantise(1, &by, &columns, true, sums, c, NQM_PANEL);
-            /* 0.25 becomes 0 */
+            /* 0.25 is rounded to 0 */
             assert_true(c[0] == 3 - 2 + 253 * 127 && c[1] == -253 * 127);
         } else {
             memcpy(a, x, sizeof x);
@@ -158,7 +158,7 @@ static bool has_fma(const nqm_kernels *kernels) {
 #endif
 }
 
-/* Whatever the instruction set, the number of rows and of threads: float products with fused multiply-add. */
+/* Equal bits for any instruction set with fused multiply-add, number of rows and number of threads. */
 static void the_same_bits(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 1);
@@ -266,7 +266,7 @@ static void collect(void *user, size_t strip, size_t n_strips, size_t panel, con
                NQM_PANEL * sizeof *tiles);
 }
 
-/* x (m, n) as a factor of a gradient, in a block as large as must be there and no larger. */
+/* x (m, n) as a factor of a gradient, in a block of exactly the required size, so that sanitizers see reads beyond it. */
 static nqm_columns factor_of(nqm_precision precision, size_t m, size_t n, size_t width, const float *x) {
     const size_t words = nqm_words(precision, m), n_groups = (n + width - 1) / width;
     const bool rounded = precision == NQM_PRECISION_BF16;
@@ -336,7 +336,7 @@ static void gradients_of_every_table(void **state) {
 
 enum { N = 501 };
 
-/* One hidden row forward and back by a table. */
+/* The forward and backward pass of one hidden row by a table. */
 typedef struct row_result {
     float x[N], y[N], slope[N], dy[N], dbias[N], dgamma[N], dbeta[N], rstd;
 } row_result;
@@ -458,7 +458,7 @@ static void dots_of_every_table(void **state) {
     nqm_free(y);
 }
 
-/* Whitened pairs and their differences; nothing stands beyond n, and in place it is the same. */
+/* Whitened pairs and their differences, in exactly sized arrays and in place. */
 static void whitening_of_every_table(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 12);

@@ -13,7 +13,7 @@ static const uint64_t seed = 3;
 
 enum { N = 501 };
 
-/* From 1e-26 to 1e34, every size as likely. */
+/* From 1e-26 to 1e34, uniform in the logarithm. */
 static void spread(nqm_rng *rng, float *x) {
     for (size_t i = 0; i < N; ++i)
         x[i] = (float)exp(-60 + 138 * nqm_rng_uniform(rng));
@@ -83,7 +83,7 @@ static void roots_and_logarithms(void **state) {
     }
 }
 
-/* Bytes within half a step of what they stand for, 0 exactly, and all 256 of them used. */
+/* The values of bytes are within half a step of x, 0 is exact, and the whole range 0..255 is used. */
 static void rows_of_bytes(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 2);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The packed network: against plain loops in double, in each precision; the same bits however rows are grouped, on any
- * number of threads, with and without shared references, before and after packing; packing once per model; running out
- * of memory.
+ * Inference: against plain loops in double, in each precision; equal bits for any batch size and number of threads, with and
+ * without shared references, before and after packing; packing once for each model; failing allocations.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -22,7 +21,7 @@ enum {
     WIDTH = 3 * GROUP + N_SCALARS,
     STRIDE = WIDTH + 3,
     ROWS = 199
-}; /* more than a block of rows */
+}; /* more than the 192 rows of a block */
 
 static nqm_input_groups inputs = {3, {GROUP, GROUP, GROUP}, N_SCALARS, false};
 static const uint64_t seed = 11;
@@ -57,7 +56,7 @@ static double forward(const float *row) {
     return from[0];
 }
 
-/* Rows that share their reference in runs of 1 to 5, some of them twice the same. */
+/* Rows that share their reference in runs of 1 to 5. */
 static int setup(void **state) {
     (void)state;
     const nqm_net_shape shape = {4, {WIDTH, 100, 64, 33, 1}};
@@ -116,7 +115,7 @@ static void run(const session *s, size_t batch, float *z) {
         nqm_inference_run(s->work, ROWS - first < batch ? ROWS - first : batch, x + first * STRIDE, STRIDE, z + first);
 }
 
-/* Beside the spread of the outputs, which is near 1. */
+/* Largest absolute error; the standard deviation of the outputs is about 1. */
 static const double bounds[NQM_PRECISION_COUNT] = {2e-6, 0.03, 0.1};
 
 static void check_outputs(void) {
@@ -132,7 +131,7 @@ static void check_outputs(void) {
             print_message("%s, %s: %.2g\n", nqm_kernels_at(t)->name, nqm_precision_name((nqm_precision)precision),
                           worst);
             assert_true(worst <= bounds[precision]);
-            assert_true(precision == NQM_PRECISION_F32 || worst > 1e-5); /* it is another precision */
+            assert_true(precision == NQM_PRECISION_F32 || worst > 1e-5); /* the precision has an effect */
             end(&s);
         }
     nqm_kernels_use(NULL);
@@ -146,7 +145,7 @@ static void outputs_by_the_formulas(void **state) {
     inputs.test_itself = false;
 }
 
-/* Fused multiply-add is the same everywhere, and sums of bytes are exact; the last layer is float in any precision. */
+/* Tables that give equal bits: fused multiply-add is the same everywhere, and sums of bytes are exact. */
 static bool same_bits(const nqm_kernels *kernels, int precision) {
 #if defined __aarch64__
     const bool fused = true;
@@ -223,8 +222,8 @@ static void *run_thrice(void *net) {
     return z;
 }
 
-/* Some calls use the weights as they lie while another one packs them. */
-static void packing_beside_other_calls(void **state) {
+/* Some calls read weights that are not packed while another call packs them. */
+static void packing_during_other_calls(void **state) {
     (void)state;
     enum { N_THREADS = 6 };
     pthread_t thread[N_THREADS];
@@ -244,7 +243,7 @@ static void packing_beside_other_calls(void **state) {
     end(&s);
 }
 
-/* The reference that is kept from one call to the next belongs to the kernels that computed its part. */
+/* The kept reference is not used with other kernels than those that computed its partial product. */
 static void kernels_change(void **state) {
     (void)state;
     session s = begin(NQM_PRECISION_BF16), fresh = begin(NQM_PRECISION_BF16);
@@ -254,7 +253,7 @@ static void kernels_change(void **state) {
     nqm_inference_run(s.work, 1, x, STRIDE, &after);
     nqm_inference_run(fresh.work, 1, x, STRIDE, &expected_after);
     nqm_kernels_use(NULL);
-    assert_true(before != expected_after); /* else this test shows nothing */
+    assert_true(before != expected_after); /* else the test has no effect */
     assert_true(after == expected_after);
     end(&s);
     end(&fresh);
@@ -317,7 +316,7 @@ int main(void) {
         cmocka_unit_test(outputs_by_the_formulas),
         cmocka_unit_test(the_same_bits),
         cmocka_unit_test(the_same_bits_before_packing),
-        cmocka_unit_test(packing_beside_other_calls),
+        cmocka_unit_test(packing_during_other_calls),
         cmocka_unit_test(kernels_change),
         cmocka_unit_test(packed_once),
         cmocka_unit_test(out_of_memory),

@@ -2,7 +2,7 @@
  *
  * The network against PyTorch (tests/vectors/net.py): forward pass, loss, every gradient tensor, ten Adam steps,
  * without dropout, with given masks and with the first LayerNorm frozen; the learning-rate schedule; the parameter
- * count. All must agree to 1e-5, in the norm of each tensor and at its largest difference relative to its largest
+ * count. Each tensor must agree to 1e-5, relative to its norm and to its largest
  * value.
  */
 #include "io/io.h"
@@ -64,7 +64,7 @@ static void compare(const char *name, size_t n, const float *actual) {
     assert_true(agrees);
 }
 
-/* Visit every parameter tensor: its full name and its place in `params`. */
+/* Call a function for every parameter tensor with its full name and its view in `params`. */
 static void each_tensor(const char *prefix, const nqm_params *params, void (*visit)(const char *, size_t, float *)) {
     static const char *const suffixes[] = {"weight", "bias", "norm.weight", "norm.bias"};
     for (size_t l = 0; l < N_LAYERS; ++l) {
@@ -181,7 +181,7 @@ static void pass_with_masks(void **state) {
     check_one_pass(*state, "masked", masks_of_step(*state, 0));
 }
 
-/* All tables of kernels, the plain loops that define them among them. */
+/* All tables of kernels, including the plain loops that define them. */
 static void passes_of_every_table(void **state) {
     for (size_t i = 0; nqm_kernels_at(i); ++i) {
         nqm_kernels_use(nqm_kernels_at(i));
@@ -215,7 +215,7 @@ static void schedule(void **state) {
             assert_relative(lr[k], rates[i][k], 1e-12);
         }
     }
-    assert_true(lr[0] < 1e-7); /* the sequence did step down, to where PyTorch stops */
+    assert_true(lr[0] < 1e-7); /* the rate was reduced to PyTorch's lower limit */
 }
 
 static void parameter_count(void **state) {

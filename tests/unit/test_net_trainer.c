@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The network's own promises: gradients by central differences, dropout by its hash, the same bits for one and two
- * threads, stable loss, He-uniform start, refused shapes, failing allocations.
+ * Training: gradients against central differences, dropout masks from the hash, equal bits for one and two threads, a stable
+ * loss, He-uniform initial weights, refused shapes, failing allocations.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -15,7 +15,7 @@
 
 static const uint64_t seed = 5;
 
-/* A network in training, on random data. */
+/* A trainer with random parameters and data. */
 typedef struct trainee {
     nqm_net_shape shape;
     size_t batch;
@@ -69,9 +69,9 @@ static double train_step(trainee *t, uint64_t step) {
     return loss;
 }
 
-/* Along random directions in the space of all parameters. The forward pass rounds to floats, so that a central
- * difference over 2h is good to about 1e-6/h; h = 0.02 balances that with its own error. The derivatives are around
- * 0.03. */
+/* Along random directions in the space of all parameters. The forward pass rounds to float, so a central
+ * difference over 2h has a rounding error of about 1e-6/h; h = 0.02 balances that with the truncation error. The derivatives
+ * are around 0.03. */
 static void gradients_by_differences(void **state) {
     (void)state;
     trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, 1}}, 20, NQM_PRECISION_F32);
@@ -105,7 +105,7 @@ static void gradients_by_differences(void **state) {
     free_trainee(&t);
 }
 
-/* Everything that a training leaves behind. */
+/* The complete state after training: parameters and Adam's moments. */
 typedef struct outcome {
     nqm_params params;
     nqm_adam adam;
@@ -153,7 +153,7 @@ static void same_bits_for_any_threads(void **state) {
 }
 
 #if defined __x86_64__
-/* AVX2 and AVX-512 do the same operations on each number. */
+/* AVX2 and AVX-512 do the same operations on each element. */
 static void same_bits_on_wider_vectors(void **state) {
     (void)state;
     if (nqm_kernels_at(0) == &nqm_kernels_generic || nqm_kernels_at(0) == &nqm_kernels_avx2)
@@ -163,7 +163,7 @@ static void same_bits_on_wider_vectors(void **state) {
 }
 #endif
 
-/* Stopped and taken up by another trainer, which has seen nothing. */
+/* Training continued by a new trainer from the stored state. */
 static void stopped_and_resumed(void **state) {
     (void)state;
     const nqm_net_shape shape = {4, {50, 40, 33, 7, 1}};
@@ -200,7 +200,7 @@ static void training_learns(void **state) {
     }
 }
 
-/* In bfloat16 outputs and gradients stay near those of float: within what rounding factors to 8 bits does. */
+/* In bfloat16, outputs and gradients differ from those in float by the rounding of factors to 8 bits only. */
 static void bfloat16_near_float(void **state) {
     (void)state;
     const nqm_net_shape shape = {4, {300, 120, 70, 33, 1}};
@@ -274,7 +274,7 @@ static void dropout_by_hash(void **state) {
         for (size_t k = 0; k < i; ++k) /* step, seed and layer give independent masks */
             assert_near(fraction(kept[i], kept[k]), (1 - p) * (1 - p), 5 * sigma);
     }
-    for (size_t lag = 1; lag <= 4; ++lag) { /* so do neighbours, which share a hash, and rows */
+    for (size_t lag = 1; lag <= 4; ++lag) { /* and so do neighbours, which share a hash, and rows */
         double both = 0, below = 0;
         for (size_t i = 0; i + lag * WIDTH < ROWS * WIDTH; ++i) {
             both += kept[0][i] && kept[0][i + lag];
