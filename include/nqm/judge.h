@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/judge.h - how well models and metrics agree with labels and with the answers of people.
+ * nqm/judge.h - how well models and metrics agree with labels and with people's answers. doc/evaluation.md defines the
+ * statistics.
  */
 #ifndef NQM_JUDGE_H
 #define NQM_JUDGE_H
@@ -12,23 +13,28 @@
 extern "C" {
 #endif
 
-/** How well one predictor agrees with the labels. Correlations are signed so that higher is better. Intervals are NaN
- *  for fewer than 2 materials. */
+/** A statistic and its 95 % interval: the 2.5 and 97.5 percentiles over resamples of the material groups, drawn with
+ *  replacement (Efron 1979, DOI 10.1214/aos/1176344552). NaN where the statistic is not defined; the interval is NaN without
+ *  resamples and for fewer than 2 materials. */
+typedef struct nqm_estimate {
+    double value, ci95[2];
+} nqm_estimate;
+
+/** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {
-    const char *name;                  /**< the model's id, else nqm_metric_name(); lent */
-    size_t n, n_materials;             /**< pairs and material groups that counted */
-    double spearman, spearman_ci95[2]; /**< over all pairs */
-    double spearman_mean_by_material, spearman_mean_by_material_ci95[2]; /**< mean over groups with >= 3 pairs */
-    double pearson, kendall;                                             /**< Kendall's tau-b */
-    double mae, rmse, r2; /**< of predicted JOD; NaN for metrics, which have no JOD, and for labels that are none */
-    double pearson_ci95[2], kendall_ci95[2], mae_ci95[2], rmse_ci95[2], r2_ci95[2];
-    size_t n_ordered;            /**< pairs of tests of one material whose labels differ by more than order_margin */
-    double order, order_ci95[2]; /**< share of them that is predicted in the order of the labels; ties count half */
+    const char *name;      /**< the model's id, else nqm_metric_name(); borrowed */
+    size_t n, n_materials; /**< pairs and material groups */
+    size_t n_ordered;      /**< pairs of tests of one material whose labels differ by more than order_margin */
+    nqm_estimate spearman; /**< over all pairs */
+    nqm_estimate spearman_mean_by_material; /**< mean over the groups with at least 3 pairs */
+    nqm_estimate pearson, kendall;          /**< over all pairs; Kendall's tau-b */
+    nqm_estimate mae, rmse, r2;             /**< of predicted JOD; NaN for metrics and for labels that are not JOD */
+    nqm_estimate order; /**< fraction of the n_ordered that is predicted in the order of the labels; ties count half */
     int best_of_family; /**< 1: the metric has the higher `spearman` of its family (RMSE and MAE, CRWE, LogE, LogWE) */
     int best_baseline;  /**< 1: the highest `spearman` of the paper's eight baselines */
 } nqm_agreement;
 
-/** Which pairs to judge on. Take the defaults from nqm_eval_options_default(). */
+/** Which pairs to judge, and how. From nqm_eval_options_default(). */
 typedef struct nqm_eval_options {
     nqm_split split;            /**< default NQM_SPLIT_ALL */
     const char *kind;           /**< only this kind of distortion; NULL: all */
@@ -36,10 +42,10 @@ typedef struct nqm_eval_options {
     const char *material_class; /**< only references of this class; NULL: all */
     double jod_from, jod_to;    /**< only labels in [from, to); default 0 and infinity */
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
-    size_t n_bootstrap;         /**< resamples of material groups for the 95 % intervals; 0: none (NaN); default 1000 */
+    size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
     uint64_t seed;              /**< of the resampling; default 1 */
-    nqm_precision precision;    /**< that models predict in; default NQM_PRECISION_F32 */
-    nqm_progress_fn progress;
+    nqm_precision precision;    /**< of the models' predictions; default NQM_PRECISION_F32 */
+    nqm_progress_fn progress;   /**< NULL: none */
     void *progress_user;
 } nqm_eval_options;
 
@@ -47,124 +53,120 @@ typedef struct nqm_eval_options {
 NQM_API nqm_eval_options nqm_eval_options_default(void);
 
 /**
- * What models and the nine scalar metrics predict for the pairs of a dataset: made once, judged on as many selections
- * as wanted. Predictors are numbered: the models in their order, then the metrics in the order of nqm_metric.
+ * Predictions of models and of the nine scalar metrics for the pairs of a dataset: made once, judged on any number of
+ * selections. Predictors are numbered: the n_models models in their order, then the NQM_METRIC_COUNT metrics in the order of
+ * nqm_metric. Immutable; any thread.
  */
 typedef struct nqm_evaluation nqm_evaluation;
 
 /**
- * Predict all pairs of options->split (the other fields choose among them later).
+ * Predict all pairs of options->split; the other fields select among them later.
  *
- * @param dataset, models  lent: they must outlive the evaluation
- * @param options          NULL: the defaults
- * @return NQM_ERR_INCOMPATIBLE when the directions of a model and the dataset differ or no pair is left;
- * NQM_ERR_NUMERIC; NQM_ERR_CANCELLED; NQM_ERR_NOMEM
+ * @param dataset  borrowed, as are the models: they must outlive the evaluation
+ * @param models   (n_models); n_models 0: metrics only
+ * @param options  NULL: the defaults
+ * @return NQM_ERR_INCOMPATIBLE (a model has other directions than the dataset, or no pair is left), NQM_ERR_NUMERIC,
+ *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models,
                                                         const nqm_model *const *models, const nqm_eval_options *options,
                                                         nqm_evaluation **evaluation_ret, nqm_error *err);
 /** Free an evaluation; NULL is allowed. */
 NQM_API void nqm_evaluation_free(nqm_evaluation *evaluation);
-/** Number of predictors: n_models + NQM_METRIC_COUNT. */
-NQM_API size_t nqm_evaluation_count(const nqm_evaluation *evaluation);
-/** Name of predictor i: the model's id or the metric's name; lent. */
-NQM_API const char *nqm_evaluation_name(const nqm_evaluation *evaluation, size_t i);
-/** (n_pairs of the dataset) what predictor i says: JOD of a model, distance of a metric; NaN for pairs not predicted;
- * lent. */
+/** (n_pairs of the dataset) predictions of predictor i: JOD of a model, distance of a metric; NaN for pairs outside the
+ *  split; borrowed. */
 NQM_API const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
-/** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN for pairs not predicted; lent. */
+/** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN outside the split; borrowed. */
 NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
 
 /**
- * Judge every predictor on the pairs that `options` selects. The intervals are percentiles over resamples of the
- * material groups, drawn with replacement, the same resamples for all predictors.
+ * Judge every predictor on the pairs that `options` selects. All predictors see the same resamples.
  *
  * @param options  NULL: the defaults
- * @param results  (nqm_evaluation_count()) receives them
- * @return NQM_ERR_INCOMPATIBLE when no pair is left; NQM_ERR_NOMEM
+ * @param results  (n_models + NQM_METRIC_COUNT)
+ * @return NQM_ERR_ARG (order_margin), NQM_ERR_INCOMPATIBLE (no pair is left), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation,
                                                        const nqm_eval_options *options, nqm_agreement *results,
                                                        nqm_error *err);
 
-/** A difference between two predictors: of the pairs as they are, and over the resamples. */
+/** A difference between two predictors. */
 typedef struct nqm_difference {
-    double value, ci95[2];
-    double share_below_0; /**< of the resamples: how surely the first is not better; NaN without resamples */
+    double value, ci95[2]; /**< as in nqm_estimate */
+    double share_below_0;  /**< fraction of the resamples in which the first is worse; NaN without resamples */
 } nqm_difference;
 
 /** Which of two predictors agrees better with the labels. */
 typedef struct nqm_contrast {
     size_t first, second;                                      /**< in: predictors by number */
-    nqm_difference spearman, spearman_mean_by_material, order; /**< the first less the second */
+    nqm_difference spearman, spearman_mean_by_material, order; /**< out: the first minus the second */
 } nqm_contrast;
 
 /**
- * Compare predictors with each other on the pairs that `options` selects: a paired bootstrap, on the very resamples of
- * the materials from which nqm_evaluation_judge() takes its intervals.
+ * Compare predictors on the pairs that `options` selects: a paired bootstrap on the resamples of nqm_evaluation_judge().
  *
- * @param contrasts  (n_contrasts) `first` and `second` are read, the rest is filled
- * @return as nqm_evaluation_judge(); NQM_ERR_ARG for a number that no predictor has
+ * @param contrasts  (n_contrasts)
+ * @return as nqm_evaluation_judge(); NQM_ERR_ARG also for a number that no predictor has
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation,
                                                           const nqm_eval_options *options, size_t n_contrasts,
                                                           nqm_contrast *contrasts, nqm_error *err);
 
-/** Ranges of predicted JOD in which coverage is counted: below 4, 4-8, 8-9.5, 9.5-9.9, 9.9 and more. */
+/** The pairs with a predicted JOD from `from` up to the next range; the first range holds lower JODs too. Fractions are NaN
+ *  where n is 0. */
+typedef struct nqm_coverage_range {
+    double from; /**< JOD: 0, 4, 8, 9.5, 9.9 */
+    size_t n;
+    double inside;     /**< fraction of the labels inside their interval */
+    double mean_width; /**< JOD */
+} nqm_coverage_range;
 enum { NQM_COVERAGE_RANGES = 5 };
-/** Their lower ends: 0 (all that is lower, too), 4, 8, 9.5, 9.9. */
-NQM_API double nqm_coverage_range_from(size_t i);
 
-/** How many labels a model's 95 % intervals hold. Shares and widths are NaN where there is no pair, intervals of shares
- *  for fewer than 2 materials. */
+/** How many labels lie inside a model's 95 % intervals. */
 typedef struct nqm_coverage {
     size_t n, n_materials;
-    double inside, inside_ci95[2];           /**< share of the labels, over all pairs */
-    double by_material, by_material_ci95[2]; /**< mean over materials */
-    double lowest;                           /**< of the material with the lowest share */
-    const char *lowest_material;             /**< its name; lent by the dataset */
-    double below, above;                     /**< shares of labels below and above their interval */
-    double mean_width;                       /**< JOD */
-    size_t range_n[NQM_COVERAGE_RANGES];     /**< pairs by predicted JOD */
-    double range_inside[NQM_COVERAGE_RANGES], range_width[NQM_COVERAGE_RANGES];
+    nqm_estimate inside;         /**< fraction of the labels, over all pairs */
+    nqm_estimate by_material;    /**< mean over materials */
+    double lowest;               /**< of the material with the lowest fraction */
+    const char *lowest_material; /**< its name; borrowed from the dataset */
+    double below, above;         /**< fractions of the labels below and above their interval */
+    double mean_width;           /**< JOD */
+    nqm_coverage_range ranges[NQM_COVERAGE_RANGES];
 } nqm_coverage;
 
 /**
- * Count on the pairs that `options` selects, with the resamples of nqm_evaluation_judge().
+ * Coverage of one model on the pairs that `options` selects, on the resamples of nqm_evaluation_judge().
  *
- * @param model    number of a predictor that is a model with intervals (nqm_model_info.calibration)
+ * @param model    number of a predictor that is a model with intervals (nqm_model_info.calibration is not "")
  * @param options  NULL: the defaults
- * @return NQM_ERR_ARG: no such model; NQM_ERR_INCOMPATIBLE: no pair is left, or labels are no JOD; NQM_ERR_NOMEM
+ * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or labels are not JOD), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation,
                                                           const nqm_eval_options *options, size_t model,
                                                           nqm_coverage *coverage_ret, nqm_error *err);
 
-/** Both steps for one model: results (1 + NQM_METRIC_COUNT). */
-NQM_API NQM_MUST_CHECK nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset,
-                                               const nqm_eval_options *options, nqm_agreement *results, nqm_error *err);
+/* ---- choices of people ------------------------------------------------------------------------------------------- */
 
-/* ---- choices of people ----------------------------------------------------------------------------------------------- */
-
-/** How well one predictor meets the choices. */
+/** How well one predictor agrees with the choices. */
 typedef struct nqm_choice_agreement {
-    const char *name;                    /**< as in nqm_agreement */
-    double agreement, agreement_ci95[2]; /**< share of the choices for the test that it finds better; ties count half */
-    double majority; /**< share of the triplets in which it sides with most people (ties half), without drawn ones */
+    const char *name;       /**< as in nqm_agreement */
+    nqm_estimate agreement; /**< fraction of the choices for the test that it finds better; ties count half */
+    double majority;        /**< fraction of the triplets without a draw in which it agrees with the majority; ties
+                                            count half */
     int best_of_family, best_baseline; /**< as in nqm_agreement, by `agreement` */
 } nqm_choice_agreement;
 
 /**
- * Judge every predictor of an evaluation of nqm_human_dataset() on the choices, with intervals as those of
- * nqm_evaluation_judge() (n_bootstrap and seed of `options`; NULL: the defaults).
+ * Judge every predictor of an evaluation of nqm_human_dataset() on the choices.
  *
- * @param results      (nqm_evaluation_count())
- * @return NQM_ERR_ARG for scores or another dataset; NQM_ERR_NOMEM
+ * @param options  n_bootstrap and seed are used; NULL: the defaults
+ * @param results  (n_models + NQM_METRIC_COUNT)
+ * @return NQM_ERR_ARG (scores, or an evaluation of another dataset), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,
                                                           const nqm_eval_options *options,
                                                           nqm_choice_agreement *results, nqm_error *err);
-/** `agreement` of predictor `first` less that of `second`, on the same resamples. */
+/** `agreement` of predictor `first` minus that of `second`, on the same resamples; arguments and status as above. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *evaluation,
                                                              const nqm_eval_options *options, size_t first,
                                                              size_t second, nqm_difference *difference_ret,

@@ -150,6 +150,7 @@ nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset) {
                              .n_refs = dataset->n_refs,
                              .n_groups = dataset->n_groups,
                              .n_pairs = dataset->n_pairs,
+                             .n_kinds = dataset->n_kinds,
                              .sha256 = dataset->sha256,
                              .manifest = dataset->manifest ? dataset->manifest : "",
                              .directions = dataset->directions};
@@ -158,28 +159,21 @@ nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset) {
     return info;
 }
 
-size_t nqm_dataset_kind_count(const nqm_dataset *dataset) {
-    return dataset->n_kinds;
-}
-
-const char *nqm_dataset_kind_name(const nqm_dataset *dataset, size_t i) {
-    return i < dataset->n_kinds ? nqm_name(&dataset->kind_names, i) : NULL;
-}
-
-const char *nqm_dataset_kind_family(const nqm_dataset *dataset, size_t i) {
-    if (i >= dataset->n_kinds)
-        return NULL;
-    return i < dataset->kind_families.n ? nqm_name(&dataset->kind_families, i) : "";
+nqm_dataset_kind nqm_dataset_get_kind(const nqm_dataset *d, size_t i) {
+    if (i >= d->n_kinds)
+        return (nqm_dataset_kind){NULL, NULL};
+    return (nqm_dataset_kind){nqm_name(&d->kind_names, i), d->kind_families.n ? nqm_name(&d->kind_families, i) : ""};
 }
 
 nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
     uint32_t ref = d->pair_ref[i];
+    const nqm_dataset_kind kind = nqm_dataset_get_kind(d, d->pair_kind[i]);
     return (nqm_dataset_pair){.ref = nqm_name(&d->ref_names, ref),
                               .group = nqm_name(&d->group_names, d->ref_group[ref]),
                               .test = nqm_name(&d->pair_names, i),
-                              .kind = nqm_name(&d->kind_names, d->pair_kind[i]),
+                              .kind = kind.name,
                               .material_class = nqm_material_class_name(nqm_dataset_ref_class(d, ref)),
-                              .family = nqm_dataset_kind_family(d, d->pair_kind[i]),
+                              .family = kind.family,
                               .split = nqm_dataset_pair_split(d, i),
                               .delta_e = d->delta_e[i],
                               .jod = d->jod[i]};

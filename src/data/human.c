@@ -37,6 +37,7 @@ static double follow_others(double n, double n_other) {
 
 nqm_human_info nqm_human_get_info(const nqm_human *human) {
     nqm_human_info info = {.kind = human->kind,
+                           .kind_name = nqm_human_kind_name(human->kind),
                            .n_rows = human->n_rows,
                            .n_refs = human->dataset->n_refs,
                            .n_groups = human->dataset->n_groups,

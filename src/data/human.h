@@ -34,6 +34,9 @@ typedef struct nqm_answers {
     double *values; /* (n_rows, n_slots) the score, or the number of people who chose each; nqm_free() */
 } nqm_answers;
 
+/** "score", "jod", "distance" or "choice": also the columns of the scores. NULL beyond. */
+const char *nqm_human_kind_name(nqm_human_kind kind);
+
 NQM_MUST_CHECK nqm_status nqm_answers_read(const nqm_csv *csv, const char *path, nqm_answers *answers_ret,
                                            nqm_error *err);
 

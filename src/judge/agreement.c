@@ -17,7 +17,7 @@ typedef struct judging {
     double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT) */
     size_t *occurring; /* (n_occurring) groups that hold pairs */
     size_t n_occurring;
-    double *figures; /* (n_predictors, NQM_FIGURE_COUNT, n_resamples) */
+    double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
 } judging;
 
 /* ---- sums of a group --------------------------------------------------------------------------------------------- */
@@ -62,7 +62,7 @@ static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double
 static void release(judging *w) {
     nqm_free(w->sums);
     nqm_free(w->occurring);
-    nqm_free(w->figures);
+    nqm_free(w->statistics);
 }
 
 static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_error *err) {
@@ -71,8 +71,8 @@ static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_err
         w->n_resamples = 0; /* resampling one material gives it again: an interval without width would be a lie */
     w->sums = nqm_alloc(j->n_predictors, j->n_groups * NQM_SUM_COUNT * sizeof *w->sums);
     w->occurring = nqm_alloc(j->n_groups, sizeof *w->occurring);
-    w->figures = nqm_alloc(j->n_predictors * NQM_FIGURE_COUNT, (w->n_resamples + 1) * sizeof *w->figures);
-    if (!w->sums || !w->occurring || !w->figures)
+    w->statistics = nqm_alloc(j->n_predictors * NQM_STATISTIC_COUNT, (w->n_resamples + 1) * sizeof *w->statistics);
+    if (!w->sums || !w->occurring || !w->statistics)
         return nqm_fail_nomem(err, j->n_predictors * (j->n_groups + w->n_resamples) * NQM_SUM_COUNT * sizeof(double));
     for (size_t g = 0; g < j->n_groups; ++g)
         if (j->group_begin[g + 1] > j->group_begin[g])
@@ -86,23 +86,23 @@ static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_err
                              .without_kendall = without_kendall,
                              .n_occurring = w->n_occurring,
                              .occurring = w->occurring};
-    return nqm_bootstrap_run(&b, w->figures, err);
+    return nqm_bootstrap_run(&b, w->statistics, err);
 }
 
-static double *resampled(const judging *w, size_t predictor, int figure) {
-    return w->figures + (predictor * NQM_FIGURE_COUNT + (size_t)figure) * w->n_resamples;
+static double *resampled(const judging *w, size_t predictor, int statistic) {
+    return w->statistics + (predictor * NQM_STATISTIC_COUNT + (size_t)statistic) * w->n_resamples;
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-/* The figures of the pairs as they are; returns the pairs of tests that have an order. */
-static size_t plain_figures(const judging *w, size_t predictor, double figures[NQM_FIGURE_COUNT]) {
+/* The statistics of the pairs as they are; returns the pairs of tests that have an order. */
+static size_t plain_statistics(const judging *w, size_t predictor, double statistics[NQM_STATISTIC_COUNT]) {
     const nqm_judgement *j = w->j;
     double total[NQM_SUM_COUNT] = {0};
     for (size_t i = 0; i < j->n_groups * NQM_SUM_COUNT; ++i)
         total[i % NQM_SUM_COUNT] += w->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
-    nqm_figures_of_sums(total, figures);
-    figures[NQM_FIGURE_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
+    nqm_statistics_of_sums(total, statistics);
+    statistics[NQM_STATISTIC_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
     return (size_t)total[NQM_SUM_ORDERED];
 }
 
@@ -115,27 +115,28 @@ void nqm_interval95(size_t n, double *x, double ci95[2]) {
     ci95[1] = nqm_quantile(n_numbers, x, 0.975);
 }
 
+static nqm_estimate *estimate_of(nqm_agreement *a, int statistic) {
+    nqm_estimate *const all[NQM_STATISTIC_COUNT] = {[NQM_STATISTIC_SPEARMAN] = &a->spearman,
+                                                    [NQM_STATISTIC_BY_GROUP] = &a->spearman_mean_by_material,
+                                                    [NQM_STATISTIC_PEARSON] = &a->pearson,
+                                                    [NQM_STATISTIC_KENDALL] = &a->kendall,
+                                                    [NQM_STATISTIC_MAE] = &a->mae,
+                                                    [NQM_STATISTIC_RMSE] = &a->rmse,
+                                                    [NQM_STATISTIC_R2] = &a->r2,
+                                                    [NQM_STATISTIC_ORDER] = &a->order};
+    return all[statistic];
+}
+
 static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a) {
     const nqm_judgement *j = w->j;
-    double figures[NQM_FIGURE_COUNT];
+    double statistics[NQM_STATISTIC_COUNT];
     *a = (nqm_agreement){.n = j->n, .n_materials = w->n_occurring};
-    a->n_ordered = plain_figures(w, predictor, figures);
-    figures[NQM_FIGURE_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
-    const struct {
-        double *value, *ci95;
-    } places[NQM_FIGURE_COUNT] = {
-        [NQM_FIGURE_SPEARMAN] = {&a->spearman, a->spearman_ci95},
-        [NQM_FIGURE_BY_GROUP] = {&a->spearman_mean_by_material, a->spearman_mean_by_material_ci95},
-        [NQM_FIGURE_PEARSON] = {&a->pearson, a->pearson_ci95},
-        [NQM_FIGURE_KENDALL] = {&a->kendall, a->kendall_ci95},
-        [NQM_FIGURE_MAE] = {&a->mae, a->mae_ci95},
-        [NQM_FIGURE_RMSE] = {&a->rmse, a->rmse_ci95},
-        [NQM_FIGURE_R2] = {&a->r2, a->r2_ci95},
-        [NQM_FIGURE_ORDER] = {&a->order, a->order_ci95},
-    };
-    for (int f = 0; f < NQM_FIGURE_COUNT; ++f) {
-        *places[f].value = figures[f];
-        nqm_interval95(w->n_resamples, resampled(w, predictor, f), places[f].ci95);
+    a->n_ordered = plain_statistics(w, predictor, statistics);
+    statistics[NQM_STATISTIC_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
+    for (int f = 0; f < NQM_STATISTIC_COUNT; ++f) {
+        nqm_estimate *estimate = estimate_of(a, f);
+        estimate->value = statistics[f];
+        nqm_interval95(w->n_resamples, resampled(w, predictor, f), estimate->ci95);
     }
 }
 
@@ -168,17 +169,17 @@ nqm_difference nqm_difference_of(double value, size_t n, const double *first, co
 }
 
 static void fill_contrast(const judging *w, size_t first, size_t second, double *scratch, nqm_contrast *c) {
-    double a[NQM_FIGURE_COUNT], b[NQM_FIGURE_COUNT];
-    plain_figures(w, first, a);
-    plain_figures(w, second, b);
+    double a[NQM_STATISTIC_COUNT], b[NQM_STATISTIC_COUNT];
+    plain_statistics(w, first, a);
+    plain_statistics(w, second, b);
     const struct {
-        int figure;
+        int statistic;
         nqm_difference *difference;
-    } places[] = {{NQM_FIGURE_SPEARMAN, &c->spearman},
-                  {NQM_FIGURE_BY_GROUP, &c->spearman_mean_by_material},
-                  {NQM_FIGURE_ORDER, &c->order}};
+    } places[] = {{NQM_STATISTIC_SPEARMAN, &c->spearman},
+                  {NQM_STATISTIC_BY_GROUP, &c->spearman_mean_by_material},
+                  {NQM_STATISTIC_ORDER, &c->order}};
     for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
-        int f = places[i].figure;
+        int f = places[i].statistic;
         *places[i].difference =
             nqm_difference_of(a[f] - b[f], w->n_resamples, resampled(w, first, f), resampled(w, second, f), scratch);
     }
@@ -204,8 +205,8 @@ static size_t find_best(const nqm_agreement *metrics, const char *family) {
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
         const nqm_metric_info info = nqm_metric_get_info((nqm_metric)m);
         const bool counts = info.is_baseline && (!family || strcmp(family, info.family) == 0);
-        if (counts && !isnan(metrics[m].spearman) &&
-            (best == NQM_METRIC_COUNT || metrics[m].spearman > metrics[best].spearman))
+        if (counts && !isnan(metrics[m].spearman.value) &&
+            (best == NQM_METRIC_COUNT || metrics[m].spearman.value > metrics[best].spearman.value))
             best = m;
     }
     return best;

@@ -3,8 +3,8 @@
  * agreement.h - how well predictions agree with labels over pairs that come in groups, with bootstrap intervals, and how
  * much better one predictor agrees than another.
  */
-#ifndef NQM_SRC_TRAIN_AGREEMENT_H
-#define NQM_SRC_TRAIN_AGREEMENT_H
+#ifndef NQM_SRC_JUDGE_AGREEMENT_H
+#define NQM_SRC_JUDGE_AGREEMENT_H
 
 #include "data/data.h"
 #include <nqm/judge.h>
@@ -31,7 +31,7 @@ NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_boo
 NQM_MUST_CHECK nqm_status nqm_judge_contrasts(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                               size_t n_contrasts, nqm_contrast *contrasts, nqm_error *err);
 
-/** Set the flags best_of_family and best_baseline of metrics (NQM_METRIC_COUNT), by their figure `spearman`. */
+/** Set the flags best_of_family and best_baseline of metrics (NQM_METRIC_COUNT), by their statistic `spearman`. */
 void nqm_mark_best(nqm_agreement *metrics);
 
 /** 2.5 and 97.5 percentiles of the values of x (n) that are numbers; x is reordered. */

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
-/* ---- figures of sums --------------------------------------------------------------------------------------------- */
+/* ---- statistics of sums --------------------------------------------------------------------------------------------- */
 
 /* Sum of squared deviations from the mean; 0 where rounding may be all that there is. */
 static double deviation(double n, double sum, double squares) {
@@ -21,17 +21,18 @@ static double deviation(double n, double sum, double squares) {
     return d > rounding * squares ? d : 0;
 }
 
-void nqm_figures_of_sums(const double *s, double figures[NQM_FIGURE_COUNT]) {
+void nqm_statistics_of_sums(const double *s, double statistics[NQM_STATISTIC_COUNT]) {
     double n = s[NQM_SUM_N];
     double xx = deviation(n, s[NQM_SUM_X], s[NQM_SUM_XX]), yy = deviation(n, s[NQM_SUM_Y], s[NQM_SUM_YY]);
     double xy = s[NQM_SUM_XY] - s[NQM_SUM_X] * s[NQM_SUM_Y] / n;
-    figures[NQM_FIGURE_SPEARMAN] = figures[NQM_FIGURE_KENDALL] = NAN;
-    figures[NQM_FIGURE_BY_GROUP] = s[NQM_SUM_GROUPS_WITH_RHO] > 0 ? s[NQM_SUM_RHO] / s[NQM_SUM_GROUPS_WITH_RHO] : NAN;
-    figures[NQM_FIGURE_PEARSON] = xx > 0 && yy > 0 ? fmax(-1, fmin(1, xy / sqrt(xx) / sqrt(yy))) : NAN;
-    figures[NQM_FIGURE_MAE] = s[NQM_SUM_ABS_ERROR] / n;
-    figures[NQM_FIGURE_RMSE] = sqrt(s[NQM_SUM_SQUARED_ERROR] / n);
-    figures[NQM_FIGURE_R2] = yy > 0 ? 1 - s[NQM_SUM_SQUARED_ERROR] / yy : NAN;
-    figures[NQM_FIGURE_ORDER] = s[NQM_SUM_ORDERED] > 0 ? s[NQM_SUM_RIGHT] / s[NQM_SUM_ORDERED] : NAN;
+    statistics[NQM_STATISTIC_SPEARMAN] = statistics[NQM_STATISTIC_KENDALL] = NAN;
+    statistics[NQM_STATISTIC_BY_GROUP] =
+        s[NQM_SUM_GROUPS_WITH_RHO] > 0 ? s[NQM_SUM_RHO] / s[NQM_SUM_GROUPS_WITH_RHO] : NAN;
+    statistics[NQM_STATISTIC_PEARSON] = xx > 0 && yy > 0 ? fmax(-1, fmin(1, xy / sqrt(xx) / sqrt(yy))) : NAN;
+    statistics[NQM_STATISTIC_MAE] = s[NQM_SUM_ABS_ERROR] / n;
+    statistics[NQM_STATISTIC_RMSE] = sqrt(s[NQM_SUM_SQUARED_ERROR] / n);
+    statistics[NQM_STATISTIC_R2] = yy > 0 ? 1 - s[NQM_SUM_SQUARED_ERROR] / yy : NAN;
+    statistics[NQM_STATISTIC_ORDER] = s[NQM_SUM_ORDERED] > 0 ? s[NQM_SUM_RIGHT] / s[NQM_SUM_ORDERED] : NAN;
 }
 
 /* ---- the order of all values ------------------------------------------------------------------------------------- */
@@ -43,7 +44,7 @@ typedef struct shared {
     size_t *n_levels; /* (1 + n_predictors) */
     uint32_t *order;  /* (n_predictors, n) pairs by ascending prediction */
     uint32_t *group_of; /* (n) */
-    double *figures;
+    double *statistics;
     atomic_bool out_of_memory;
 } shared;
 
@@ -171,8 +172,9 @@ static double resample_kendall(const shared *sh, const resample *s, size_t predi
     return untied > 0 && s->label_untied > 0 ? in_order / sqrt(untied) / sqrt(s->label_untied) : NAN;
 }
 
-/* The other figures of one predictor. */
-static void resample_sums(const shared *sh, const resample *s, size_t predictor, double figures[NQM_FIGURE_COUNT]) {
+/* The other statistics of one predictor. */
+static void resample_sums(const shared *sh, const resample *s, size_t predictor,
+                          double statistics[NQM_STATISTIC_COUNT]) {
     const double *sums = sh->b->sums + predictor * sh->b->judgement->n_groups * NQM_SUM_COUNT;
     double total[NQM_SUM_COUNT] = {0};
     for (size_t k = 0; k < sh->b->n_occurring; ++k) {
@@ -180,7 +182,7 @@ static void resample_sums(const shared *sh, const resample *s, size_t predictor,
         for (size_t i = 0; s->weight[g] > 0 && i < NQM_SUM_COUNT; ++i)
             total[i] += s->weight[g] * sums[g * NQM_SUM_COUNT + i];
     }
-    nqm_figures_of_sums(total, figures);
+    nqm_statistics_of_sums(total, statistics);
 }
 
 void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_occurring, const size_t *occurring, double *weight) {
@@ -200,13 +202,13 @@ static void fill_resample(shared *sh, size_t index, resample *s) {
     for (size_t k = 0; k < sh->n_levels[0]; ++k)
         s->label_untied -= pairs_among(s->level_weight[k]);
     for (size_t p = 0; p < j->n_predictors; ++p) {
-        double figures[NQM_FIGURE_COUNT];
-        resample_sums(sh, s, p, figures);
-        figures[NQM_FIGURE_SPEARMAN] = resample_spearman(sh, s, p + 1);
+        double statistics[NQM_STATISTIC_COUNT];
+        resample_sums(sh, s, p, statistics);
+        statistics[NQM_STATISTIC_SPEARMAN] = resample_spearman(sh, s, p + 1);
         if (!b->without_kendall)
-            figures[NQM_FIGURE_KENDALL] = resample_kendall(sh, s, p);
-        for (size_t f = 0; f < NQM_FIGURE_COUNT; ++f)
-            sh->figures[(p * NQM_FIGURE_COUNT + f) * b->n_resamples + index] = figures[f];
+            statistics[NQM_STATISTIC_KENDALL] = resample_kendall(sh, s, p);
+        for (size_t f = 0; f < NQM_STATISTIC_COUNT; ++f)
+            sh->statistics[(p * NQM_STATISTIC_COUNT + f) * b->n_resamples + index] = statistics[f];
     }
 }
 
@@ -229,10 +231,10 @@ static void run_resample(void *user, size_t index) {
     nqm_free(s.tree);
 }
 
-nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *figures, nqm_error *err) {
+nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *statistics, nqm_error *err) {
     if (bootstrap->n_resamples == 0)
         return NQM_OK;
-    shared sh = {.b = bootstrap, .figures = figures};
+    shared sh = {.b = bootstrap, .statistics = statistics};
     nqm_status status = prepare(&sh, err);
     if (status == NQM_OK) {
         nqm_parallel_for(bootstrap->n_resamples, run_resample, &sh);

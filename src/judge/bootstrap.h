@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * bootstrap.h - figures of agreement over resamples of groups. Most follow from sums that each group adds to; only the
+ * bootstrap.h - statistics of agreement over resamples of groups. Most follow from sums that each group adds to; only the
  * rank correlations over all pairs need the pairs themselves.
  */
-#ifndef NQM_SRC_TRAIN_BOOTSTRAP_H
-#define NQM_SRC_TRAIN_BOOTSTRAP_H
+#ifndef NQM_SRC_JUDGE_BOOTSTRAP_H
+#define NQM_SRC_JUDGE_BOOTSTRAP_H
 
 #include "judge/agreement.h"
 
@@ -26,19 +26,19 @@ enum {
 };
 
 enum {
-    NQM_FIGURE_SPEARMAN,
-    NQM_FIGURE_BY_GROUP,
-    NQM_FIGURE_PEARSON,
-    NQM_FIGURE_KENDALL,
-    NQM_FIGURE_MAE,
-    NQM_FIGURE_RMSE,
-    NQM_FIGURE_R2,
-    NQM_FIGURE_ORDER,
-    NQM_FIGURE_COUNT
+    NQM_STATISTIC_SPEARMAN,
+    NQM_STATISTIC_BY_GROUP,
+    NQM_STATISTIC_PEARSON,
+    NQM_STATISTIC_KENDALL,
+    NQM_STATISTIC_MAE,
+    NQM_STATISTIC_RMSE,
+    NQM_STATISTIC_R2,
+    NQM_STATISTIC_ORDER,
+    NQM_STATISTIC_COUNT
 };
 
-/** All figures but NQM_FIGURE_SPEARMAN and NQM_FIGURE_KENDALL, of sums (NQM_SUM_COUNT) over groups; NaN where there is no such figure. */
-void nqm_figures_of_sums(const double *sums, double figures[NQM_FIGURE_COUNT]);
+/** All statistics but NQM_STATISTIC_SPEARMAN and NQM_STATISTIC_KENDALL, of sums (NQM_SUM_COUNT) over groups; NaN where there is no such statistic. */
+void nqm_statistics_of_sums(const double *sums, double statistics[NQM_STATISTIC_COUNT]);
 
 /** What the resamples of one judgement start from. */
 typedef struct nqm_bootstrap {
@@ -54,7 +54,7 @@ typedef struct nqm_bootstrap {
 /** How often resample `index` draws each group: weight (n_groups), zeroed by the caller. */
 void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_occurring, const size_t *occurring, double *weight);
 
-/** figures (n_predictors, NQM_FIGURE_COUNT, n_resamples). The same bits whatever the number of threads. */
-NQM_MUST_CHECK nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *figures, nqm_error *err);
+/** statistics (n_predictors, NQM_STATISTIC_COUNT, n_resamples). The same bits whatever the number of threads. */
+NQM_MUST_CHECK nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *statistics, nqm_error *err);
 
 #endif

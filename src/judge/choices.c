@@ -134,8 +134,8 @@ nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation 
     nqm_status status = begin(&w, options, err);
     for (size_t p = 0; status == NQM_OK && p < ev->n_predictors; ++p) {
         results[p] = (nqm_choice_agreement){
-            .name = ev->names[p], .agreement = share_of(&w, p, NULL), .majority = majority_share(&w, p)};
-        nqm_interval95(w.n_resamples, w.share + p * w.n_resamples, results[p].agreement_ci95);
+            .name = ev->names[p], .agreement.value = share_of(&w, p, NULL), .majority = majority_share(&w, p)};
+        nqm_interval95(w.n_resamples, w.share + p * w.n_resamples, results[p].agreement.ci95);
     }
     if (status == NQM_OK)
         mark_best(ev->n_models, results);

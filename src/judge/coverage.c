@@ -11,10 +11,6 @@
 
 static const double range_from[NQM_COVERAGE_RANGES] = {0, 4, 8, 9.5, 9.9};
 
-double nqm_coverage_range_from(size_t i) {
-    return i < NQM_COVERAGE_RANGES ? range_from[i] : (double)NAN;
-}
-
 static size_t range_of(double jod) {
     size_t i = NQM_COVERAGE_RANGES - 1;
     while (i > 0 && jod < range_from[i])
@@ -35,17 +31,17 @@ static void count(const nqm_evaluation *ev, const nqm_selection *s, size_t model
         double low, high, jod = ev->values[model * d->n_pairs + pair], label = d->jod[pair];
         double novelty = nqm_model_novelty(ev->models[model], ev->scalars + pair * NQM_SCALAR_COUNT);
         nqm_model_interval(ev->models[model], jod, novelty, &low, &high);
-        size_t range = range_of(jod);
+        nqm_coverage_range *range = &c->ranges[range_of(jod)];
         bool inside = label >= low && label <= high;
         t->n[group] += 1;
         t->inside[group] += inside;
-        c->inside += inside;
+        c->inside.value += inside;
         c->below += label < low;
         c->above += label > high;
         c->mean_width += high - low;
-        ++c->range_n[range];
-        c->range_inside[range] += inside;
-        c->range_width[range] += high - low;
+        ++range->n;
+        range->inside += inside;
+        range->mean_width += high - low;
     }
 }
 
@@ -57,19 +53,21 @@ static void finish(const nqm_dataset *d, const nqm_selection *s, const tally *t,
             continue;
         double share = t->inside[g] / t->n[g];
         ++c->n_materials;
-        c->by_material += share;
+        c->by_material.value += share;
         if (share < c->lowest) {
             c->lowest = share;
             c->lowest_material = nqm_name(&d->group_names, g);
         }
     }
-    c->by_material /= (double)c->n_materials;
-    double *sums[] = {&c->inside, &c->below, &c->above, &c->mean_width};
+    c->by_material.value /= (double)c->n_materials;
+    double *sums[] = {&c->inside.value, &c->below, &c->above, &c->mean_width};
     for (size_t i = 0; i < sizeof sums / sizeof *sums; ++i)
         *sums[i] /= (double)s->n;
     for (size_t i = 0; i < NQM_COVERAGE_RANGES; ++i) {
-        c->range_inside[i] /= (double)c->range_n[i]; /* 0 / 0: NaN */
-        c->range_width[i] /= (double)c->range_n[i];
+        nqm_coverage_range *range = &c->ranges[i];
+        range->from = range_from[i];
+        range->inside /= (double)range->n; /* 0 / 0: NaN */
+        range->mean_width /= (double)range->n;
     }
 }
 
@@ -77,7 +75,7 @@ static void finish(const nqm_dataset *d, const nqm_selection *s, const tally *t,
 static nqm_status resample(const nqm_eval_options *o, size_t n_groups, const tally *t, nqm_coverage *c,
                            nqm_error *err) {
     for (size_t k = 0; k < 2; ++k)
-        c->inside_ci95[k] = c->by_material_ci95[k] = NAN;
+        c->inside.ci95[k] = c->by_material.ci95[k] = NAN;
     if (o->n_bootstrap == 0 || c->n_materials < 2)
         return NQM_OK;
     size_t *occurring = nqm_alloc(c->n_materials, sizeof *occurring), n_occurring = 0;
@@ -103,8 +101,8 @@ static nqm_status resample(const nqm_eval_options *o, size_t n_groups, const tal
         mean[i] = shares / (double)n_occurring;
     }
     if (status == NQM_OK) {
-        nqm_interval95(o->n_bootstrap, inside, c->inside_ci95);
-        nqm_interval95(o->n_bootstrap, mean, c->by_material_ci95);
+        nqm_interval95(o->n_bootstrap, inside, c->inside.ci95);
+        nqm_interval95(o->n_bootstrap, mean, c->by_material.ci95);
     }
     nqm_free(occurring);
     nqm_free(weight);

@@ -195,14 +195,6 @@ void nqm_evaluation_free(nqm_evaluation *ev) {
     nqm_free(ev);
 }
 
-size_t nqm_evaluation_count(const nqm_evaluation *ev) {
-    return ev->n_predictors;
-}
-
-const char *nqm_evaluation_name(const nqm_evaluation *ev, size_t i) {
-    return ev->names[i];
-}
-
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
     return ev->values + i * ev->dataset->n_pairs;
 }

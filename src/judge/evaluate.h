@@ -2,8 +2,8 @@
  *
  * evaluate.h - inside of an evaluation: the predictions for the pairs of a dataset.
  */
-#ifndef NQM_SRC_TRAIN_EVALUATE_H
-#define NQM_SRC_TRAIN_EVALUATE_H
+#ifndef NQM_SRC_JUDGE_EVALUATE_H
+#define NQM_SRC_JUDGE_EVALUATE_H
 
 #include "data/data.h"
 #include <nqm/judge.h>

@@ -54,11 +54,10 @@ static void release(chosen *c) {
     nqm_free(c->prediction);
 }
 
-/* Distances, and predictions of JOD beside labels that are none, have no errors in JOD. */
-static void forget_errors(nqm_agreement *a) {
-    a->mae = a->rmse = a->r2 = NAN;
-    for (size_t k = 0; k < 2; ++k)
-        a->mae_ci95[k] = a->rmse_ci95[k] = a->r2_ci95[k] = NAN;
+/* A metric is a distance, and human scores may be on any scale: both have no errors in JOD. */
+static void clear_errors(nqm_agreement *a) {
+    const nqm_estimate none = {NAN, {NAN, NAN}};
+    a->mae = a->rmse = a->r2 = none;
 }
 
 nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_agreement *results,
@@ -72,7 +71,7 @@ nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options
     for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
         results[i].name = ev->names[i];
         if (i >= ev->n_models || ev->dataset->order_only)
-            forget_errors(&results[i]);
+            clear_errors(&results[i]);
     }
     if (status == NQM_OK)
         nqm_mark_best(results + ev->n_models);
@@ -92,15 +91,5 @@ nqm_status nqm_evaluation_contrast(const nqm_evaluation *ev, const nqm_eval_opti
     if (status == NQM_OK)
         status = nqm_judge_contrasts(&j, o.n_bootstrap, o.seed, n_contrasts, contrasts, err);
     release(&c);
-    return status;
-}
-
-nqm_status nqm_evaluate(const nqm_model *model, const nqm_dataset *dataset, const nqm_eval_options *options,
-                        nqm_agreement *results, nqm_error *err) {
-    nqm_evaluation *ev;
-    nqm_status status = nqm_evaluation_create(dataset, 1, &model, options, &ev, err);
-    if (status == NQM_OK)
-        status = nqm_evaluation_judge(ev, options, results, err);
-    nqm_evaluation_free(ev);
     return status;
 }

@@ -6,8 +6,8 @@
 
 #include <string.h>
 
-static bool is(const char *wanted, const char *value) {
-    return !wanted || strcmp(wanted, value) == 0;
+static bool is(const char *required, const char *value) {
+    return !required || strcmp(required, value) == 0;
 }
 
 static bool in_range(const nqm_dataset *d, const nqm_eval_options *o, size_t pair) {
@@ -16,10 +16,9 @@ static bool in_range(const nqm_dataset *d, const nqm_eval_options *o, size_t pai
 
 static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t pair) {
     const nqm_dataset *d = ev->dataset;
-    size_t kind = d->pair_kind[pair];
+    const nqm_dataset_kind kind = nqm_dataset_get_kind(d, d->pair_kind[pair]);
     return nqm_evaluation_in_split(d, pair, o->split) && nqm_evaluation_in_split(d, pair, ev->split) &&
-           in_range(d, o, pair) && is(o->kind, nqm_name(&d->kind_names, kind)) &&
-           is(o->family, nqm_dataset_kind_family(d, kind)) &&
+           in_range(d, o, pair) && is(o->kind, kind.name) && is(o->family, kind.family) &&
            is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }
 

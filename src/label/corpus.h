@@ -54,7 +54,7 @@ const char *nqm_corpus_split_name(nqm_split split);
 
 /* ---- kinds of test ----------------------------------------------------------------------------------------------- */
 
-/** Families of kinds of test; nqm_dataset_kind_family() gives them for a dataset. */
+/** Families of kinds of test; nqm_dataset_get_kind() gives them for a dataset. */
 typedef enum nqm_corpus_family {
     NQM_FAMILY_ENCODING = 0, /* an encoding of the reference by this program; a kind is a model of nqm_fit() */
     NQM_FAMILY_PUBLISHED,    /* published parameters of the same material: "published-ward" */

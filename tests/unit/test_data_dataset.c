@@ -50,11 +50,11 @@ static void round_trip(void **state) {
     assert_string_equal(info.sha256, sha256);
     assert_string_equal(info.manifest, toy->manifest);
     assert_string_equal(nqm_directions_id(info.directions), nqm_directions_id(toy->directions));
-    assert_int_equal(nqm_dataset_kind_count(d), 2);
-    assert_string_equal(nqm_dataset_kind_name(d, 1), "gloss");
-    assert_null(nqm_dataset_kind_name(d, 2));
-    assert_string_equal(nqm_dataset_kind_family(d, 1), "encoding");
-    assert_null(nqm_dataset_kind_family(d, 2));
+    assert_int_equal(nqm_dataset_get_info(d).n_kinds, 2);
+    assert_string_equal(nqm_dataset_get_kind(d, 1).name, "gloss");
+    assert_null(nqm_dataset_get_kind(d, 2).name);
+    assert_string_equal(nqm_dataset_get_kind(d, 1).family, "encoding");
+    assert_null(nqm_dataset_get_kind(d, 2).family);
     char before[65], after[65]; /* of all arrays */
     assert_int_equal(nqm_dataset_hash(toy, before, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_hash(d, after, NULL), NQM_OK);
@@ -78,7 +78,7 @@ static void families_may_be_missing(void **state) {
     old.kind_families = (nqm_names){0};
     assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
-    assert_string_equal(nqm_dataset_kind_family(d, 1), "");
+    assert_string_equal(nqm_dataset_get_kind(d, 1).family, "");
     nqm_dataset_free(d);
 }
 

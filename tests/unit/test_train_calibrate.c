@@ -289,22 +289,22 @@ static void labels_inside_are_counted(void **state) {
         ++n;
     }
     for (size_t i = 0; i < NQM_COVERAGE_RANGES; ++i)
-        n_ranges += c.range_n[i];
+        n_ranges += c.ranges[i].n;
     assert_int_equal(c.n, n);
     assert_int_equal(n_ranges, n);
-    assert_int_equal(c.range_n[NQM_COVERAGE_RANGES - 1], n_high);
+    assert_int_equal(c.ranges[NQM_COVERAGE_RANGES - 1].n, n_high);
     assert_int_equal(c.n_materials, 12);
-    assert_near(c.inside, (double)n_inside / (double)n, 1e-12);
-    assert_near(c.by_material, c.inside, 1e-12); /* as many pairs each */
-    assert_near(c.inside + c.below + c.above, 1, 1e-12);
+    assert_near(c.inside.value, (double)n_inside / (double)n, 1e-12);
+    assert_near(c.by_material.value, c.inside.value, 1e-12); /* as many pairs each */
+    assert_near(c.inside.value + c.below + c.above, 1, 1e-12);
     assert_near(c.mean_width, width / (double)n, 1e-12);
-    assert_true(c.inside > 0.7 && c.lowest <= c.inside && c.lowest_material != NULL);
-    assert_true(c.inside_ci95[0] <= c.inside && c.inside <= c.inside_ci95[1]);
-    assert_true(nqm_coverage_range_from(4) == 9.9);
+    assert_true(c.inside.value > 0.7 && c.lowest <= c.inside.value && c.lowest_material != NULL);
+    assert_true(c.inside.ci95[0] <= c.inside.value && c.inside.value <= c.inside.ci95[1]);
+    assert_true(c.ranges[4].from == 9.9);
     o.jod_from = 9;
     o.n_bootstrap = 0;
     assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &again, NULL), NQM_OK);
-    assert_true(again.n < n && isnan(again.inside_ci95[0]));
+    assert_true(again.n < n && isnan(again.inside.ci95[0]));
     assert_int_equal(nqm_evaluation_coverage(ev, &o, 1, &again, NULL), NQM_ERR_ARG); /* a metric */
     nqm_evaluation_free(ev);
 }

@@ -186,17 +186,17 @@ void print_csv_agreement(FILE *out, const char *by, const char *selection, const
     fputc(',', out);
     print_csv_text(out, a->name);
     fprintf(out, ",%s,%zu,%zu", type, a->n, a->n_materials);
-    const double values[] = {a->spearman,
-                             a->spearman_ci95[0],
-                             a->spearman_ci95[1],
-                             a->spearman_mean_by_material,
-                             a->spearman_mean_by_material_ci95[0],
-                             a->spearman_mean_by_material_ci95[1],
-                             a->pearson,
-                             a->kendall,
-                             a->mae,
-                             a->rmse,
-                             a->r2};
+    const double values[] = {a->spearman.value,
+                             a->spearman.ci95[0],
+                             a->spearman.ci95[1],
+                             a->spearman_mean_by_material.value,
+                             a->spearman_mean_by_material.ci95[0],
+                             a->spearman_mean_by_material.ci95[1],
+                             a->pearson.value,
+                             a->kendall.value,
+                             a->mae.value,
+                             a->rmse.value,
+                             a->r2.value};
     print_csv_numbers(out, sizeof values / sizeof *values, values);
 }
 

@@ -95,12 +95,12 @@ static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by
 /* The families of the dataset's kinds, each once. */
 static nqm_status judge_families(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
     nqm_status status = NQM_OK;
-    size_t n_kinds = nqm_dataset_kind_count(run->dataset);
+    size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds;
     for (size_t i = 0; status == NQM_OK && i < n_kinds; ++i) {
         nqm_eval_options o = *options;
-        o.family = nqm_dataset_kind_family(run->dataset, i);
+        o.family = nqm_dataset_get_kind(run->dataset, i).family;
         size_t first = 0;
-        while (strcmp(nqm_dataset_kind_family(run->dataset, first), o.family) != 0)
+        while (strcmp(nqm_dataset_get_kind(run->dataset, first).family, o.family) != 0)
             ++first;
         if (first == i && *o.family) /* "": the dataset does not say */
             status = judge(run, &o, "family", o.family, err);
@@ -122,9 +122,9 @@ static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, 
 
 static nqm_status judge_kinds(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_kind_count(run->dataset); ++i) {
+    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
         nqm_eval_options o = *options;
-        o.kind = nqm_dataset_kind_name(run->dataset, i);
+        o.kind = nqm_dataset_get_kind(run->dataset, i).name;
         status = judge(run, &o, "kind", o.kind, err);
     }
     return status;
@@ -144,7 +144,7 @@ static nqm_status judge_ranges(eval_run *run, const nqm_eval_options *options, n
 
 static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
     enum { N_RANGES = 2 };
-    size_t n_kinds = nqm_dataset_kind_count(run->dataset); /* there are no more families than kinds */
+    size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds; /* there are no more families than kinds */
     run->tables = calloc(1 + 2 * n_kinds + NQM_MATERIAL_CLASS_COUNT + N_RANGES, sizeof *run->tables);
     if (!run->tables)
         return err->status = NQM_ERR_NOMEM;

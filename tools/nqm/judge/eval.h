@@ -49,10 +49,18 @@ json_t *coverage_json(const eval_table *table, size_t model);
 extern const char coverage_columns[];
 void print_csv_coverage(const nqm_coverage *coverage);
 
+/** Id of a model or name of a metric. */
+const char *predictor_name(const eval_run *run, size_t predictor);
+
 /* Parts of what is printed. */
-void print_interval(double value, const double ci95[2]);
+void print_interval(const nqm_estimate *estimate);
 void print_number(double value);
 void print_difference(const nqm_difference *difference);
+enum { N_STATISTICS = 8 };
+/** The i-th statistic of an agreement, i < N_STATISTICS. */
+nqm_estimate *statistic_of(nqm_agreement *agreement, size_t i);
+/** {"name","n","n_materials","n_ordered"} and all statistics with their intervals. */
+json_t *agreement_json(const nqm_agreement *agreement);
 json_t *interval_json(const double ci95[2]);
 json_t *difference_json(const nqm_difference *difference);
 json_t *models_json(const eval_run *run);

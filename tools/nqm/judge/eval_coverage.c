@@ -23,19 +23,17 @@ nqm_status judge_coverage(const eval_run *run, const nqm_eval_options *o, eval_t
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
 /* "96.4 % [95.1, 97.6]" */
-static void print_share(double share, const double ci95[2]) {
-    printf("%.1f %%", 100 * share);
-    if (isfinite(ci95[0]))
-        printf(" [%.1f, %.1f]", 100 * ci95[0], 100 * ci95[1]);
+static void print_share(const nqm_estimate *share) {
+    printf("%.1f %%", 100 * share->value);
+    if (isfinite(share->ci95[0]))
+        printf(" [%.1f, %.1f]", 100 * share->ci95[0], 100 * share->ci95[1]);
 }
 
 static void print_ranges(const nqm_coverage *c) {
     printf("  by predicted JOD:");
-    for (size_t i = 0; i < NQM_COVERAGE_RANGES; ++i) {
-        if (c->range_n[i])
-            printf(" from %g: %.1f %% of %zu, width %.2g;", nqm_coverage_range_from(i), 100 * c->range_inside[i],
-                   c->range_n[i], c->range_width[i]);
-    }
+    for (const nqm_coverage_range *r = c->ranges; r < c->ranges + NQM_COVERAGE_RANGES; ++r)
+        if (r->n)
+            printf(" from %g: %.1f %% of %zu, width %.2g;", r->from, 100 * r->inside, r->n, r->mean_width);
     printf(" in all: width %.2f\n", c->mean_width);
 }
 
@@ -44,10 +42,10 @@ void print_coverage(const eval_run *run, const eval_table *table) {
         const nqm_coverage *c = &table->coverage[i];
         if (!has_coverage(table, i))
             continue;
-        printf("%.40s, labels inside its 95 %% interval: ", nqm_evaluation_name(run->evaluation, i));
-        print_share(c->inside, c->inside_ci95);
+        printf("%.40s, labels inside its 95 %% interval: ", predictor_name(run, i));
+        print_share(&c->inside);
         printf("; mean by material ");
-        print_share(c->by_material, c->by_material_ci95);
+        print_share(&c->by_material);
         printf(", lowest %.1f %% (%.60s); %.1f %% below, %.1f %% above\n", 100 * c->lowest, c->lowest_material,
                100 * c->below, 100 * c->above);
         print_ranges(c);
@@ -58,10 +56,9 @@ void print_coverage(const eval_run *run, const eval_table *table) {
 
 static json_t *ranges_json(const nqm_coverage *c) {
     json_t *ranges = json_array();
-    for (size_t i = 0; i < NQM_COVERAGE_RANGES; ++i)
-        json_array_append_new(ranges, json_pack("{s:f,s:I,s:o,s:o}", "from", nqm_coverage_range_from(i), "n",
-                                                (json_int_t)c->range_n[i], "inside", json_number(c->range_inside[i]),
-                                                "mean_width", json_number(c->range_width[i])));
+    for (const nqm_coverage_range *r = c->ranges; r < c->ranges + NQM_COVERAGE_RANGES; ++r)
+        json_array_append_new(ranges, json_pack("{s:f,s:I,s:o,s:o}", "from", r->from, "n", (json_int_t)r->n, "inside",
+                                                json_number(r->inside), "mean_width", json_number(r->mean_width)));
     return ranges;
 }
 
@@ -69,11 +66,12 @@ json_t *coverage_json(const eval_table *table, size_t model) {
     const nqm_coverage *c = &table->coverage[model];
     if (!has_coverage(table, model))
         return json_null();
-    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "inside", json_number(c->inside), "ci95",
-                     interval_json(c->inside_ci95), "by_material", json_number(c->by_material), "ci95_by_material",
-                     interval_json(c->by_material_ci95), "lowest", json_number(c->lowest), "lowest_material",
-                     json_name(c->lowest_material), "below", json_number(c->below), "above", json_number(c->above),
-                     "mean_width", json_number(c->mean_width), "by_predicted_jod", ranges_json(c));
+    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "inside", json_number(c->inside.value), "ci95",
+                     interval_json(c->inside.ci95), "by_material", json_number(c->by_material.value),
+                     "ci95_by_material", interval_json(c->by_material.ci95), "lowest", json_number(c->lowest),
+                     "lowest_material", json_name(c->lowest_material), "below", json_number(c->below), "above",
+                     json_number(c->above), "mean_width", json_number(c->mean_width), "by_predicted_jod",
+                     ranges_json(c));
 }
 
 const char coverage_columns[] = "coverage,coverage_low,coverage_high,coverage_by_material,coverage_by_material_low,"
@@ -83,9 +81,9 @@ void print_csv_coverage(const nqm_coverage *c) {
     enum { N_COLUMNS = 8 };
     double numbers[N_COLUMNS] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     if (c && c->n) {
-        const double known[N_COLUMNS] = {c->inside,      c->inside_ci95[0],      c->inside_ci95[1],
-                                         c->by_material, c->by_material_ci95[0], c->by_material_ci95[1],
-                                         c->lowest,      c->mean_width};
+        const double known[N_COLUMNS] = {
+            c->inside.value,        c->inside.ci95[0],      c->inside.ci95[1], c->by_material.value,
+            c->by_material.ci95[0], c->by_material.ci95[1], c->lowest,         c->mean_width};
         for (size_t i = 0; i < N_COLUMNS; ++i)
             numbers[i] = known[i];
     }

@@ -27,9 +27,8 @@ int open_human(eval_run *run, const char *root) {
 
 json_t *human_json(const nqm_human *human) {
     nqm_human_info info = nqm_human_get_info(human);
-    json_t *json =
-        json_pack("{s:s,s:I,s:I,s:I}", "kind", nqm_human_kind_name(info.kind), "rows", (json_int_t)info.n_rows,
-                  "references", (json_int_t)info.n_refs, "materials", (json_int_t)info.n_groups);
+    json_t *json = json_pack("{s:s,s:I,s:I,s:I}", "kind", info.kind_name, "rows", (json_int_t)info.n_rows, "references",
+                             (json_int_t)info.n_refs, "materials", (json_int_t)info.n_groups);
     if (info.kind == NQM_HUMAN_CHOICE)
         json_object_update_new(json, json_pack("{s:I,s:f,s:o,s:o}", "triplets", (json_int_t)info.n_triplets, "choices",
                                                info.n_choices, "ceiling", json_number(info.ceiling),
@@ -81,7 +80,7 @@ static int print_choices_text(const choices_run *c) {
         char name[48];
         snprintf(name, sizeof name, "%.40s%s", r->name, r->best_of_family ? " *" : "");
         printf("%-14s", name);
-        print_interval(r->agreement, r->agreement_ci95);
+        print_interval(&r->agreement);
         printf("   ");
         print_number(r->majority);
         putchar('\n');
@@ -115,7 +114,7 @@ static int print_choices_json(const choices_run *c) {
         const nqm_choice_agreement *r = &c->results[i];
         bool model = i < run->n_models;
         json_t *row = json_pack("{s:s,s:s,s:o,s:o,s:o}", "name", r->name, "type", model ? "model" : "metric",
-                                "agreement", json_number(r->agreement), "ci95", interval_json(r->agreement_ci95),
+                                "agreement", json_number(r->agreement.value), "ci95", interval_json(r->agreement.ci95),
                                 "majority", json_number(r->majority));
         json_t *contrasts = json_array();
         for (size_t k = 0; model && k < N_RIVALS; ++k) {
@@ -151,7 +150,7 @@ static int print_choices_csv(const choices_run *c) {
         print_csv_text(stdout, r->name);
         printf(",%s,%zu,%.0f", model ? "model" : "metric", info.n_triplets, info.n_choices);
         print_csv_numbers(stdout, 6,
-                          (const double[]){r->agreement, r->agreement_ci95[0], r->agreement_ci95[1], r->majority,
+                          (const double[]){r->agreement.value, r->agreement.ci95[0], r->agreement.ci95[1], r->majority,
                                            info.ceiling, info.ceiling_other_people});
         printf(",%d,%d", r->best_of_family, r->best_baseline);
         for (size_t k = 0; k < N_RIVALS; ++k) {

@@ -11,7 +11,7 @@ static void write_head(const eval_run *run, FILE *out) {
     fputs("ref,material,test,kind,split,delta_e,jod", out);
     for (size_t i = 0; i < run->n_predictors; ++i) {
         fputc(',', out);
-        print_csv_text(out, nqm_evaluation_name(run->evaluation, i));
+        print_csv_text(out, predictor_name(run, i));
     }
     fputs(",family,class", out);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)

@@ -12,15 +12,20 @@ static bool is_model(const eval_run *run, size_t predictor) {
     return predictor < run->n_models;
 }
 
+const char *predictor_name(const eval_run *run, size_t predictor) {
+    return is_model(run, predictor) ? nqm_model_get_info(run->models[predictor]).id
+                                    : nqm_metric_name((nqm_metric)(predictor - run->n_models));
+}
+
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* "0.943 [0.921, 0.960]", or "-" where there is no such number. */
-void print_interval(double value, const double ci95[2]) {
+/* "0.943 [0.921, 0.960]", or "-" for NaN. */
+void print_interval(const nqm_estimate *e) {
     char text[64] = "-";
-    if (isfinite(value) && isfinite(ci95[0]))
-        snprintf(text, sizeof text, "%.3f [%.3f, %.3f]", value, ci95[0], ci95[1]);
-    else if (isfinite(value))
-        snprintf(text, sizeof text, "%.3f", value);
+    if (isfinite(e->value) && isfinite(e->ci95[0]))
+        snprintf(text, sizeof text, "%.3f [%.3f, %.3f]", e->value, e->ci95[0], e->ci95[1]);
+    else if (isfinite(e->value))
+        snprintf(text, sizeof text, "%.3f", e->value);
     printf("  %-22s", text);
 }
 
@@ -47,8 +52,7 @@ static void print_contrasts(const eval_run *run, const eval_table *table) {
         const nqm_contrast *c = &table->contrasts[i];
         if (c->first == c->second)
             continue;
-        printf("%.40s less %s%s: ", nqm_evaluation_name(run->evaluation, c->first),
-               nqm_evaluation_name(run->evaluation, c->second),
+        printf("%.40s less %s%s: ", predictor_name(run, c->first), predictor_name(run, c->second),
                i % N_RIVALS == RIVAL_BASELINE ? ", best of the eight" : "");
         print_difference(&c->spearman);
         printf("; mean by material ");
@@ -71,14 +75,14 @@ static void print_table(const eval_run *run, const eval_table *table) {
         char name[48];
         snprintf(name, sizeof name, "%.40s%s", a->name, a->best_of_family ? " *" : "");
         printf("%-14s", name);
-        print_interval(a->spearman, a->spearman_ci95);
-        print_interval(a->spearman_mean_by_material, a->spearman_mean_by_material_ci95);
-        print_number(a->pearson);
-        print_number(a->kendall);
-        print_number(a->mae);
-        print_number(a->rmse);
-        print_number(a->r2);
-        print_number(a->order);
+        print_interval(&a->spearman);
+        print_interval(&a->spearman_mean_by_material);
+        print_number(a->pearson.value);
+        print_number(a->kendall.value);
+        print_number(a->mae.value);
+        print_number(a->rmse.value);
+        print_number(a->r2.value);
+        print_number(a->order.value);
         putchar('\n');
     }
     print_contrasts(run, table);
@@ -87,7 +91,7 @@ static void print_table(const eval_run *run, const eval_table *table) {
 
 static int print_text(const eval_run *run) {
     end_progress();
-    const char *label = run->human ? nqm_human_kind_name(nqm_human_get_info(run->human).kind) : "JOD";
+    const char *label = run->human ? nqm_human_get_info(run->human).kind_name : "JOD";
     if (run->human)
         printf("human    %s, column: %s\n", run->dataset_path, label);
     else
@@ -118,39 +122,48 @@ static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts
     for (size_t i = 0; i < N_RIVALS; ++i) {
         const nqm_contrast *c = &contrasts[i];
         if (c->first != c->second)
-            json_array_append_new(
-                list, json_pack("{s:s,s:b,s:o,s:o,s:o}", "with", nqm_evaluation_name(run->evaluation, c->second),
-                                "best_baseline", i == RIVAL_BASELINE, "spearman", difference_json(&c->spearman),
-                                "spearman_mean_by_material", difference_json(&c->spearman_mean_by_material), "order",
-                                difference_json(&c->order)));
+            json_array_append_new(list, json_pack("{s:s,s:b,s:o,s:o,s:o}", "with", predictor_name(run, c->second),
+                                                  "best_baseline", i == RIVAL_BASELINE, "spearman",
+                                                  difference_json(&c->spearman), "spearman_mean_by_material",
+                                                  difference_json(&c->spearman_mean_by_material), "order",
+                                                  difference_json(&c->order)));
     }
     return list;
 }
 
-static json_t *agreement_json(const eval_run *run, const eval_table *table, size_t predictor) {
-    const nqm_agreement *a = &table->results[predictor];
-    const struct {
-        const char *name, *interval;
-        double value;
-        const double *ci95;
-    } figures[] = {
-        {"spearman", "ci95", a->spearman, a->spearman_ci95},
-        {"spearman_mean_by_material", "ci95_mean_by_material", a->spearman_mean_by_material,
-         a->spearman_mean_by_material_ci95},
-        {"pearson", "ci95_pearson", a->pearson, a->pearson_ci95},
-        {"kendall", "ci95_kendall", a->kendall, a->kendall_ci95},
-        {"mae", "ci95_mae", a->mae, a->mae_ci95},
-        {"rmse", "ci95_rmse", a->rmse, a->rmse_ci95},
-        {"r2", "ci95_r2", a->r2, a->r2_ci95},
-        {"order", "ci95_order", a->order, a->order_ci95},
-    };
-    json_t *row = json_pack("{s:s,s:s,s:I,s:I}", "name", a->name, "type", is_model(run, predictor) ? "model" : "metric",
-                            "n", (json_int_t)a->n, "n_materials", (json_int_t)a->n_materials);
-    for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i) {
-        json_object_set_new(row, figures[i].name, json_number(figures[i].value));
-        json_object_set_new(row, figures[i].interval, interval_json(figures[i].ci95));
+static const struct {
+    const char *name, *interval;
+    size_t offset; /* of the nqm_estimate in nqm_agreement */
+} statistics[N_STATISTICS] = {
+    {"spearman", "ci95", offsetof(nqm_agreement, spearman)},
+    {"spearman_mean_by_material", "ci95_mean_by_material", offsetof(nqm_agreement, spearman_mean_by_material)},
+    {"pearson", "ci95_pearson", offsetof(nqm_agreement, pearson)},
+    {"kendall", "ci95_kendall", offsetof(nqm_agreement, kendall)},
+    {"mae", "ci95_mae", offsetof(nqm_agreement, mae)},
+    {"rmse", "ci95_rmse", offsetof(nqm_agreement, rmse)},
+    {"r2", "ci95_r2", offsetof(nqm_agreement, r2)},
+    {"order", "ci95_order", offsetof(nqm_agreement, order)},
+};
+
+nqm_estimate *statistic_of(nqm_agreement *a, size_t i) {
+    return (nqm_estimate *)((char *)a + statistics[i].offset);
+}
+
+json_t *agreement_json(const nqm_agreement *a) {
+    json_t *row = json_pack("{s:s,s:I,s:I,s:I}", "name", a->name, "n", (json_int_t)a->n, "n_materials",
+                            (json_int_t)a->n_materials, "n_ordered", (json_int_t)a->n_ordered);
+    for (size_t i = 0; i < N_STATISTICS; ++i) {
+        const nqm_estimate *e = (const nqm_estimate *)((const char *)a + statistics[i].offset);
+        json_object_set_new(row, statistics[i].name, json_number(e->value));
+        json_object_set_new(row, statistics[i].interval, interval_json(e->ci95));
     }
-    json_object_set_new(row, "n_ordered", json_integer((json_int_t)a->n_ordered));
+    return row;
+}
+
+static json_t *row_json(const eval_run *run, const eval_table *table, size_t predictor) {
+    const nqm_agreement *a = &table->results[predictor];
+    json_t *row = agreement_json(a);
+    json_object_set_new(row, "type", json_string(is_model(run, predictor) ? "model" : "metric"));
     if (is_model(run, predictor)) {
         json_object_set_new(row, "contrasts", contrasts_json(run, table->contrasts + predictor * N_RIVALS));
         json_object_set_new(row, "interval", coverage_json(table, predictor));
@@ -164,7 +177,7 @@ static json_t *agreement_json(const eval_run *run, const eval_table *table, size
 static json_t *table_json(const eval_run *run, const eval_table *table) {
     json_t *list = json_array();
     for (size_t i = 0; table->results && i < run->n_predictors; ++i)
-        json_array_append_new(list, agreement_json(run, table, i));
+        json_array_append_new(list, row_json(run, table, i));
     return list;
 }
 
@@ -211,17 +224,16 @@ static void print_csv_row(const eval_run *run, const eval_table *table, size_t p
     const nqm_agreement *a = &table->results[predictor];
     const nqm_contrast *contrasts = is_model(run, predictor) ? table->contrasts + predictor * N_RIVALS : NULL;
     print_csv_agreement(stdout, table->by, table->name, is_model(run, predictor) ? "model" : "metric", a);
-    const double numbers[] = {a->pearson_ci95[0], a->pearson_ci95[1], a->kendall_ci95[0], a->kendall_ci95[1],
-                              a->mae_ci95[0],     a->mae_ci95[1],     a->rmse_ci95[0],    a->rmse_ci95[1],
-                              a->r2_ci95[0],      a->r2_ci95[1],      a->order,           a->order_ci95[0],
-                              a->order_ci95[1]};
+    const double numbers[] = {a->pearson.ci95[0], a->pearson.ci95[1], a->kendall.ci95[0], a->kendall.ci95[1],
+                              a->mae.ci95[0],     a->mae.ci95[1],     a->rmse.ci95[0],    a->rmse.ci95[1],
+                              a->r2.ci95[0],      a->r2.ci95[1],      a->order.value,     a->order.ci95[0],
+                              a->order.ci95[1]};
     print_csv_numbers(stdout, sizeof numbers / sizeof *numbers, numbers);
     printf(",%zu,%d,%d", a->n_ordered, a->best_of_family, a->best_baseline);
     for (size_t i = 0; i < N_RIVALS; ++i) {
         const nqm_contrast *c = contrasts ? &contrasts[i] : NULL;
         bool there = c && c->first != c->second;
-        print_csv_difference(there ? nqm_evaluation_name(run->evaluation, c->second) : NULL,
-                             there ? &c->spearman : NULL);
+        print_csv_difference(there ? predictor_name(run, c->second) : NULL, there ? &c->spearman : NULL);
     }
     print_csv_coverage(is_model(run, predictor) ? &table->coverage[predictor] : NULL);
     putchar('\n');

@@ -2,7 +2,7 @@
  *
  * nqm train - train a model on a dataset. The options begin as those of the recipe, so that --help shows what it does.
  */
-#include "nqm/tool.h"
+#include "nqm/train/train_tool.h"
 #include "train/recipes.h"
 
 #include <errno.h>
@@ -20,19 +20,9 @@ typedef struct train_arguments {
     nqm_train_options options;
 } train_arguments;
 
-/* One run: what callbacks and the end need. */
-typedef struct train_run {
-    const train_arguments *arguments;
-    nqm_dataset *dataset;
-    nqm_model *model;
-    nqm_train_report report;
-    output_file log;
-    char *card;
-} train_run;
-
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
-/* The recipe decides what the other options begin with: it is looked for before they are parsed. */
+/* The recipe sets the defaults of the other options, so it is read before they are parsed. */
 static const char *find_recipe(int argc, char **argv) {
     static const char name[] = "--recipe";
     const char *recipe = "nqm";
@@ -45,9 +35,9 @@ static const char *find_recipe(int argc, char **argv) {
     return recipe;
 }
 
-/* ---- before an hour is spent ------------------------------------------------------------------------------------- */
+/* ---- checks before the training ---------------------------------------------------------------------------------- */
 
-/* A folder that cannot be written, or a checkpoint that would be overwritten, is better known now. */
+/* An output that cannot be written, or a checkpoint that would be overwritten, is reported before hours of training. */
 static int check_places(const train_arguments *a) {
     const char *paths[] = {a->output, a->options.run.checkpoint};
     for (size_t i = 0; i < 2; ++i) {
@@ -65,33 +55,61 @@ static int check_places(const train_arguments *a) {
     if (a->options.run.resume && !checkpoint)
         return report("train", EXIT_USAGE, "--resume needs --checkpoint FILE");
     if (checkpoint && !a->options.run.resume && access(checkpoint, F_OK) == 0)
-        return report("train", EXIT_USAGE, "%s is there already: go on from it with --resume, or remove it",
-                      checkpoint);
+        return report("train", EXIT_USAGE, "%s exists: continue from it with --resume, or remove it", checkpoint);
     return EXIT_OK;
-}
-
-static int open_log(const char *path, output_file *log) {
-    int exit_code = open_output("train", path, log);
-    if (exit_code == EXIT_OK)
-        fputs("epoch,train_loss,validation_loss,lr_first\n", log->stream);
-    return exit_code;
 }
 
 /* ---- the run ----------------------------------------------------------------------------------------------------- */
 
+typedef struct epoch_log {
+    const char *id;
+    FILE *stream; /* NULL: none */
+} epoch_log;
+
 static void on_epoch(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
-    train_run *run = user;
-    note_progress("epoch %zu: loss %.4f, validation %.4f", epoch, train_loss, validation_loss);
-    if (!run->log.stream)
+    epoch_log *log = user;
+    note_progress("%.40s, epoch %zu: loss %.4f, validation %.4f", log->id, epoch, train_loss, validation_loss);
+    if (!log->stream)
         return;
-    fprintf(run->log.stream, "%zu,%.9g,%.9g,%.9g\n", epoch, train_loss, validation_loss, lr_first);
-    fflush(run->log.stream);
+    fprintf(log->stream, "%zu,%.9g,%.9g,%.9g\n", epoch, train_loss, validation_loss, lr_first);
+    fflush(log->stream);
 }
 
-static int print_report(const train_run *run, const nqm_model_info *info) {
-    const nqm_train_report *r = &run->report;
-    const char *path = run->arguments->output;
-    if (run->arguments->json)
+int train_and_save(const char *verb, const nqm_dataset *dataset, const nqm_train_options *options, const char *path,
+                   const char *log_path, nqm_model **model_ret, nqm_train_report *report_ret) {
+    nqm_error err = {0};
+    nqm_model *trained = NULL;
+    nqm_train_options o = *options;
+    output_file log = {0};
+    int exit_code = log_path ? open_output(verb, log_path, &log) : EXIT_OK;
+    *model_ret = NULL;
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    if (log.stream)
+        fputs("epoch,train_loss,validation_loss,lr_first\n", log.stream);
+    epoch_log epochs = {o.id, log.stream};
+    o.run.progress = show_progress;
+    o.run.epoch_done = on_epoch;
+    o.run.epoch_user = &epochs;
+    nqm_status status = nqm_train(dataset, &o, &trained, report_ret, &err);
+    if (status == NQM_OK)
+        status = nqm_model_save(trained, output_path(path), &err);
+    if (status == NQM_OK && strcmp(path, "-") != 0)
+        status = nqm_model_load(path, model_ret, &err);
+    if (status != NQM_OK)
+        exit_code = report_error(verb, &err);
+    nqm_model_free(trained);
+    int log_code = close_output(verb, &log, exit_code == EXIT_OK);
+    if (exit_code == EXIT_OK && log_code != EXIT_OK) {
+        nqm_model_free(*model_ret);
+        *model_ret = NULL;
+    }
+    return exit_code == EXIT_OK ? log_code : exit_code;
+}
+
+static int print_report(const train_arguments *a, const nqm_train_report *r, const nqm_model_info *info) {
+    const char *path = a->output;
+    if (a->json)
         return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o}",
                                     "schema", 1, "tool", json_tool(), "model", "path", path, "id", info->id, "recipe",
                                     info->recipe, "sha256", info->sha256, "parameters", (json_int_t)info->n_parameters,
@@ -113,56 +131,32 @@ static int print_report(const train_run *run, const nqm_model_info *info) {
     if (r->calibration.n_materials)
         print_calibration(&r->calibration);
     else
-        printf("interval    none: %s\n", run->arguments->options.split.by_pair
-                                             ? "the validation materials were trained on"
-                                             : "too few validation pairs or materials");
+        printf("interval    none: %s\n", a->options.split.by_pair ? "the validation materials were trained on"
+                                                                  : "too few validation pairs or materials");
     return EXIT_OK;
 }
 
-/* Save, and read back what was written: it must load. */
-static int save_model(const train_run *run) {
-    const char *path = run->arguments->output;
-    nqm_error err = {0};
-    nqm_model *written = NULL;
-    nqm_status status = nqm_model_save(run->model, output_path(path), &err);
-    if (status == NQM_OK && strcmp(path, "-") == 0)
-        return EXIT_OK; /* the model itself is the result on standard output */
-    if (status == NQM_OK)
-        status = nqm_model_load(path, &written, &err);
-    if (status != NQM_OK)
-        return report_error("train", &err);
-    nqm_model_info info = nqm_model_get_info(written);
-    int exit_code = print_report(run, &info);
-    nqm_model_free(written);
-    return exit_code;
-}
-
 static int run_training(const train_arguments *a, const char *dataset_path) {
-    train_run run = {.arguments = a};
     nqm_train_options o = a->options;
-    nqm_error err = {0};
+    nqm_dataset *dataset = NULL;
+    nqm_model *model = NULL;
+    nqm_train_report training;
+    char *card = NULL;
     int exit_code = check_places(a);
     if (exit_code == EXIT_OK && a->card)
-        exit_code = read_text("train", a->card, &run.card);
+        exit_code = read_text("train", a->card, &card);
     if (exit_code == EXIT_OK)
-        exit_code = open_dataset("train", dataset_path, a->labels, NQM_SPLIT_ALL, &run.dataset);
-    if (exit_code == EXIT_OK && a->log)
-        exit_code = open_log(a->log, &run.log);
-    if (exit_code == EXIT_OK) {
-        o.card = run.card;
-        o.run.progress = show_progress;
-        o.run.epoch_done = on_epoch;
-        o.run.epoch_user = &run;
-        if (nqm_train(run.dataset, &o, &run.model, &run.report, &err) != NQM_OK)
-            exit_code = report_error("train", &err);
+        exit_code = open_dataset("train", dataset_path, a->labels, NQM_SPLIT_ALL, &dataset);
+    o.card = card;
+    if (exit_code == EXIT_OK)
+        exit_code = train_and_save("train", dataset, &o, a->output, a->log, &model, &training);
+    if (model) { /* else the model itself is the result on standard output */
+        nqm_model_info info = nqm_model_get_info(model);
+        exit_code = print_report(a, &training, &info);
     }
-    if (exit_code == EXIT_OK)
-        exit_code = save_model(&run);
-    int log_code = close_output("train", &run.log, exit_code == EXIT_OK);
-    exit_code = exit_code == EXIT_OK ? log_code : exit_code;
-    nqm_model_free(run.model);
-    nqm_dataset_free(run.dataset);
-    free(run.card);
+    nqm_model_free(model);
+    nqm_dataset_free(dataset);
+    free(card);
     return exit_code;
 }
 
