@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/train.h - training a model on labelled pairs, and its file.
+ * nqm/train.h - training a model on labelled pairs; calibrating and annotating a trained one.
  */
 #ifndef NQM_TRAIN_H
 #define NQM_TRAIN_H
@@ -120,33 +120,34 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_train_options_recipe(const char *recipe, n
 
 enum { NQM_CALIBRATION_MIN_PAIRS = 100, NQM_CALIBRATION_MIN_MATERIALS = 10 };
 
-/** What the intervals around a model's JOD were made from, and how many labels they held with each of these materials
+/** What the 95 % intervals of a model were calibrated on, and how many labels they held with each of these materials
  *  left out in turn. doc/evaluation.md explains the method. */
 typedef struct nqm_calibration {
     size_t n_pairs, n_materials;
-    double coverage;        /**< share of labels inside: mean over the materials */
+    double coverage;        /**< fraction of the labels inside: mean over the materials */
     double coverage_pairs;  /**< over all pairs */
-    double coverage_lowest; /**< of the worst material */
+    double coverage_lowest; /**< of the material with the lowest fraction */
     double mean_width;      /**< JOD, of the final intervals over all pairs */
-    double novelty_growth;  /**< a novelty of v widens the interval exp(novelty_growth v) times, on the scale of
-                                 doc/evaluation.md; 0: it does not */
+    double novelty_growth;  /**< a novelty of v multiplies the width by exp(novelty_growth v), on the scale of
+                                 doc/evaluation.md; 0: the width does not depend on it */
 } nqm_calibration;
 
 /** What a training did. */
 typedef struct nqm_train_report {
-    size_t n_train, n_validation;       /**< pairs, after augmentation */
+    size_t n_train, n_validation;       /**< examples, after augmentation */
     size_t n_steps, epochs;             /**< of the whole training, with those from the checkpoint */
     size_t epochs_resumed;              /**< epochs that came from the checkpoint */
-    double train_loss, validation_loss; /**< of the last epoch */
-    double validation_spearman;         /**< predicted JOD with labels, validation pairs without noisy copies */
+    double train_loss, validation_loss; /**< of the last epoch: mean log-cosh of normalised labels */
+    double validation_spearman;         /**< of predicted JOD and label, over validation pairs without noisy copies */
     nqm_calibration
-        calibration; /**< of the model's intervals, on the validation pairs; n_materials 0: it has none, since
-                                      they were drawn over pairs or are too few (NQM_CALIBRATION_MIN_..) */
+        calibration; /**< of the model's intervals, on the validation pairs; n_materials 0: no intervals, since
+                                             the pairs were drawn over all pairs or are too few (NQM_CALIBRATION_MIN_...) */
     double seconds;
 } nqm_train_report;
 
 /**
- * Train a model. The same dataset, options and seed give the same model, whatever the number of threads.
+ * Train a model. The same dataset, options and seed give the same model, whatever the number of threads. It has intervals
+ * where the validation materials allow, and golden scores. Save it with nqm_model_save(), free it with nqm_model_free().
  *
  * @param report  NULL allowed
  * @return NQM_ERR_ARG (an option out of range), NQM_ERR_INCOMPATIBLE (too little to split, nothing to learn, a
@@ -156,23 +157,22 @@ typedef struct nqm_train_report {
 NQM_API NQM_MUST_CHECK nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *options,
                                             nqm_model **model_ret, nqm_train_report *report, nqm_error *err);
 
-/** nqm_model_save() with `markdown` behind the model's card: what was found out after training, such as results on a test
- *  set. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_annotated(const nqm_model *model, const char *markdown,
-                                                           const char *path, nqm_error *err);
 /**
- * The same with intervals around its JOD, calibrated on the validation pairs of `dataset`, in place of any it has; the
- * card says what was measured.
+ * A copy of a model with intervals around its JOD, calibrated on the validation pairs of `dataset`; they replace those that
+ * the model has. The card of the copy says what was measured.
  *
  * @param dataset            the one that the model was trained on, unless materials_are_new
  * @param materials_are_new  1: the caller knows that the model was not trained on the validation materials of `dataset`
  * @param calibration        receives what was measured
- * @return NQM_ERR_INCOMPATIBLE: another dataset, a model trained on materials of both splits, too few pairs or materials,
- *         other directions; else as nqm_model_save()
+ * @return NQM_ERR_INCOMPATIBLE (another dataset, a model trained on materials of both splits, too few pairs or materials,
+ *         other directions), NQM_ERR_NUMERIC, NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_save_calibrated(const nqm_model *model, const nqm_dataset *dataset,
-                                                            int materials_are_new, const char *path,
-                                                            nqm_calibration *calibration, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *dataset,
+                                                      int materials_are_new, nqm_model **model_ret,
+                                                      nqm_calibration *calibration, nqm_error *err);
+/** A copy of a model whose card ends with `markdown`: results on a test set, for example. NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown,
+                                                     nqm_model **model_ret, nqm_error *err);
 
 #ifdef __cplusplus
 }

@@ -9,6 +9,7 @@
 #include "base/names.h"
 #include "sample/sample.h"
 #include <nqm/data.h>
+#include <nqm/model.h>
 
 /**
  * A dataset: references, tests (one per pair), labels and names. A split belongs to a material group, not to a pair or a
@@ -112,5 +113,21 @@ size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
 
 /** The directions where both members of a pair have values: NULL when all, else `scratch` (n_directions), filled. */
 const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
+
+/** Predictions of a model for some pairs of a dataset. */
+typedef struct nqm_dataset_prediction {
+    const nqm_dataset *dataset;
+    const nqm_model *model;
+    nqm_precision precision;
+    size_t n;
+    const size_t *pairs; /* (n) */
+    double *jod;         /* (n_pairs of the dataset) receives the JOD of each of the n pairs, by pair */
+    nqm_status (*batch_done)(void *user, size_t n,
+                             nqm_error *err); /* after every n pairs; NULL: not called. A failure ends
+                                                                        the prediction */
+    void *user;
+} nqm_dataset_prediction;
+/** NQM_ERR_INCOMPATIBLE: other directions; NQM_ERR_NUMERIC: a JOD is not finite; NQM_ERR_NOMEM; what batch_done returns. */
+NQM_MUST_CHECK nqm_status nqm_dataset_predict(const nqm_dataset_prediction *prediction, nqm_error *err);
 
 #endif

@@ -34,56 +34,6 @@ static void pair_metrics(void *user, size_t i) {
         job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
 }
 
-/* ---- models ------------------------------------------------------------------------------------------------------ */
-
-/* The samples of a batch, side by side as nqm_predictor_run() takes them. */
-typedef struct model_job {
-    nqm_predictor *predictor;
-    const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
-    uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
-    double jod[NQM_PREDICT_BATCH];
-} model_job;
-
-static nqm_status begin_model(model_job *job, const nqm_evaluation *ev, const nqm_model *m, nqm_error *err) {
-    const nqm_dataset *d = ev->dataset;
-    *job = (model_job){0};
-    size_t n = d->n_directions;
-    if (m->n_directions != n || memcmp(m->directions_deg, d->directions_deg, 3 * n * sizeof(double)) != 0)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
-                        "model '%s' looks at other directions (%zu) than those of the dataset (%zu)", m->id,
-                        m->n_directions, n);
-    job->used = nqm_alloc(NQM_PREDICT_BATCH, n);
-    if (!job->used)
-        return nqm_fail_nomem(err, NQM_PREDICT_BATCH * n);
-    return nqm_predictor_create(m, ev->precision, NQM_PREDICT_BATCH, &job->predictor, err);
-}
-
-static void end_model(model_job *job) {
-    nqm_predictor_free(job->predictor);
-    nqm_free(job->used);
-}
-
-static nqm_status predict_batch(nqm_evaluation *ev, size_t model, model_job *job, size_t n, const size_t *pairs,
-                                nqm_error *err) {
-    const nqm_dataset *d = ev->dataset;
-    size_t n_columns = 3 * d->n_directions;
-    bool masked = d->ref_used || d->test_used;
-    for (size_t i = 0; i < n; ++i) {
-        job->ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
-        job->test[i] = d->test_rgb + pairs[i] * n_columns;
-        nqm_dataset_pair_used(d, pairs[i], job->used + i * d->n_directions);
-    }
-    const nqm_sampled_pairs batch = {.n = n, .ref = job->ref, .test = job->test, .used = masked ? job->used : NULL};
-    nqm_predictor_run(job->predictor, &batch, job->jod, NULL);
-    for (size_t i = 0; i < n; ++i) {
-        if (!isfinite(job->jod[i]))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu",
-                            ev->models[model]->id, pairs[i]);
-        ev->values[model * d->n_pairs + pairs[i]] = job->jod[i];
-    }
-    return NQM_OK;
-}
-
 /* ---- all predictors ---------------------------------------------------------------------------------------------- */
 
 typedef struct predict_run {
@@ -91,10 +41,11 @@ typedef struct predict_run {
     size_t n;      /* pairs to predict */
     size_t *pairs; /* (n) */
     nqm_ticker ticker;
-    double done; /* pairs times predictors' passes */
+    double done; /* predictions of a model, or of all metrics */
 } predict_run;
 
-static nqm_status tick(predict_run *run, size_t n, nqm_error *err) {
+static nqm_status tick(void *user, size_t n, nqm_error *err) {
+    predict_run *run = user;
     run->done += (double)n;
     if (nqm_tick(&run->ticker, "evaluate", run->done, (double)run->n * (double)(run->ev->n_models + 1)))
         return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
@@ -102,16 +53,16 @@ static nqm_status tick(predict_run *run, size_t n, nqm_error *err) {
 }
 
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
-    model_job job;
-    nqm_status status = begin_model(&job, run->ev, run->ev->models[model], err);
-    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
-        size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
-        status = predict_batch(run->ev, model, &job, n, run->pairs + first, err);
-        if (status == NQM_OK)
-            status = tick(run, n, err);
-    }
-    end_model(&job);
-    return status;
+    const nqm_evaluation *ev = run->ev;
+    const nqm_dataset_prediction prediction = {.dataset = ev->dataset,
+                                               .model = ev->models[model],
+                                               .precision = ev->precision,
+                                               .n = run->n,
+                                               .pairs = run->pairs,
+                                               .jod = ev->values + model * ev->dataset->n_pairs,
+                                               .batch_done = tick,
+                                               .user = run};
+    return nqm_dataset_predict(&prediction, err);
 }
 
 static nqm_status predict_metrics(predict_run *run, nqm_error *err) {

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * Giving a model its intervals: from the validation materials of the dataset it was trained on, or of another whose
- * materials are known to be new to it. The model file and the card say what was measured.
+ * New models from a model: with intervals from validation materials that the model was not trained on, or with notes in its
+ * card. The model's metadata and its card say what was measured.
  */
 #include "train/calibrate.h"
 #include "metric/metric.h"
-#include <nqm/judge.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what the file says ------------------------------------------------------------------------------------------ */
+/* ---- metadata and card ------------------------------------------------------------------------------------------- */
 
 static double rounded(double x) {
     return round(x * 1e4) / 1e4;
@@ -33,7 +32,7 @@ static char *calibration_text(const nqm_calibration *c, const char *dataset_sha2
 static const char section_head[] = "\n## Interval\n";
 static const char novelty_note[] = " It is wider for pairs unlike the training pairs (`novelty`).";
 
-/* Where a section begins and ends in a card; both at its end when there is none. */
+/* Where the section on the interval begins and ends in a card; both at the card's end when it has none. */
 static void find_section(const char *card, size_t *begin_ret, size_t *end_ret) {
     const char *begin = strstr(card, section_head);
     *begin_ret = *end_ret = strlen(card);
@@ -107,7 +106,7 @@ nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *da
     return NQM_OK;
 }
 
-/* ---- a model that exists ----------------------------------------------------------------------------------------- */
+/* ---- calibration of a model -------------------------------------------------------------------------------------- */
 
 static bool was_split_by_pair(const nqm_model *model) {
     json_t *training = model->training ? json_loads(model->training, 0, NULL) : NULL;
@@ -135,72 +134,104 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
     return NQM_OK;
 }
 
-/* The copy has points of its own. */
-static nqm_status copy_points(const nqm_model *model, struct nqm_model *copy, nqm_error *err) {
-    const size_t n_bytes = NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof(float);
-    if (model->n_novelty == 0)
-        return NQM_OK;
-    copy->novelty_points = nqm_alloc(model->n_novelty, n_bytes);
-    if (!copy->novelty_points)
-        return nqm_fail_nomem(err, model->n_novelty * n_bytes);
-    memcpy(copy->novelty_points, model->novelty_points, model->n_novelty * n_bytes);
-    return NQM_OK;
-}
+/* Residuals of the validation pairs. */
+typedef struct validation {
+    size_t n;
+    double *jod, *predicted, *label; /* (n_pairs); jod by pair */
+    size_t *pairs;                   /* (n) */
+    uint32_t *group;                 /* (n) */
+} validation;
 
-/* Predict with the model, and give the interval to its copy, which is made afterwards: it shares what the model makes at
- * its first prediction. */
-static nqm_status calibrate(const nqm_model *model, struct nqm_model *copy, const nqm_dataset *d,
-                            nqm_calibration *report, nqm_error *err) {
-    nqm_eval_options options = nqm_eval_options_default();
-    options.split = NQM_SPLIT_VALIDATION;
-    nqm_evaluation *ev;
-    nqm_status status = nqm_evaluation_create(d, 1, &model, &options, &ev, err);
-    if (status != NQM_OK)
-        return status;
-    const double *values = nqm_evaluation_values(ev, 0);
-    double *predicted = nqm_alloc(d->n_pairs, sizeof *predicted), *label = nqm_alloc(d->n_pairs, sizeof *label);
-    uint32_t *group = nqm_alloc(d->n_pairs, sizeof *group);
-    size_t *pairs = nqm_alloc(d->n_pairs, sizeof *pairs);
-    nqm_residuals r = {.n_groups = d->n_groups, .predicted = predicted, .label = label, .group = group};
-    if (!predicted || !label || !group || !pairs)
-        status = nqm_fail_nomem(err, d->n_pairs * 2 * sizeof *label);
-    for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
-        if (isfinite(values[i])) {
-            predicted[r.n] = values[i];
-            label[r.n] = d->jod[i];
-            pairs[r.n] = i;
-            group[r.n++] = d->ref_group[d->pair_ref[i]];
-        }
-    *copy = *model;
-    copy->interval = NULL;
-    copy->calibration = NULL;
-    copy->novelty_points = NULL;
-    if (status == NQM_OK)
-        status = copy_points(model, copy, err);
-    if (status == NQM_OK)
-        status = nqm_model_set_interval(copy, d, was_trained_on(model, d), &r, pairs, report, err);
-    nqm_free(pairs);
-    nqm_free(predicted);
-    nqm_free(label);
-    nqm_free(group);
-    nqm_evaluation_free(ev);
+static nqm_status predict_validation(const nqm_model *model, const nqm_dataset *d, validation *v, nqm_error *err) {
+    v->jod = nqm_alloc(d->n_pairs, 3 * sizeof *v->jod);
+    v->pairs = nqm_alloc(d->n_pairs, sizeof *v->pairs);
+    v->group = nqm_alloc(d->n_pairs, sizeof *v->group);
+    if (!v->jod || !v->pairs || !v->group)
+        return nqm_fail_nomem(err, d->n_pairs * 3 * sizeof *v->jod);
+    v->predicted = v->jod + d->n_pairs;
+    v->label = v->predicted + d->n_pairs;
+    for (size_t i = 0; i < d->n_pairs; ++i)
+        if (nqm_dataset_pair_split(d, i) == NQM_SPLIT_VALIDATION)
+            v->pairs[v->n++] = i;
+    const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = v->n, .pairs = v->pairs, .jod = v->jod};
+    nqm_status status = v->n ? nqm_dataset_predict(&p, err)
+                             : nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no validation pairs");
+    for (size_t k = 0; status == NQM_OK && k < v->n; ++k) {
+        v->predicted[k] = v->jod[v->pairs[k]];
+        v->label[k] = d->jod[v->pairs[k]];
+        v->group[k] = d->ref_group[d->pair_ref[v->pairs[k]]];
+    }
     return status;
 }
 
-nqm_status nqm_model_save_calibrated(const nqm_model *model, const nqm_dataset *dataset, int materials_are_new,
-                                     const char *path, nqm_calibration *calibration, nqm_error *err) {
+/* Fit the interval of a copy of the model, which has none of its own any more. */
+static nqm_status calibrate(const nqm_model *model, nqm_model *copy, const nqm_dataset *d, nqm_calibration *report,
+                            nqm_error *err) {
+    validation v = {0};
+    nqm_status status = predict_validation(model, d, &v, err);
+    const nqm_residuals r = {
+        .n = v.n, .n_groups = d->n_groups, .predicted = v.predicted, .label = v.label, .group = v.group};
+    nqm_free(copy->interval);
+    nqm_free(copy->calibration);
+    copy->interval = NULL;
+    copy->calibration = NULL;
+    if (status == NQM_OK)
+        status = nqm_model_set_interval(copy, d, was_trained_on(model, d), &r, v.pairs, report, err);
+    nqm_free(v.jod);
+    nqm_free(v.pairs);
+    nqm_free(v.group);
+    return status;
+}
+
+/* Takes `card`; NULL: out of memory. */
+static nqm_status replace_card(nqm_model *model, char *card, nqm_error *err) {
+    nqm_free(model->card);
+    model->card = card;
+    return card ? NQM_OK : nqm_fail_nomem(err, 0);
+}
+
+nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *dataset, int materials_are_new,
+                               nqm_model **model_ret, nqm_calibration *calibration, nqm_error *err) {
+    *model_ret = NULL;
+    nqm_model *copy = NULL;
+    char *golden = NULL;
     nqm_status status = materials_are_new ? NQM_OK : check_new(model, dataset, err);
+    if (status == NQM_OK)
+        status = nqm_model_copy(model, &copy, err);
+    if (status == NQM_OK)
+        status = calibrate(model, copy, dataset, calibration, err);
+    if (status == NQM_OK)
+        status = replace_card(
+            copy, nqm_card_with_interval(model->card ? model->card : "", calibration, dataset->sha256), err);
+    if (status == NQM_OK)
+        status = nqm_golden_make(copy, &golden, err);
+    if (status != NQM_OK) {
+        nqm_model_free(copy);
+        return status;
+    }
+    nqm_free(copy->golden);
+    copy->golden = golden;
+    *model_ret = copy;
+    return NQM_OK;
+}
+
+/* ---- notes ------------------------------------------------------------------------------------------------------- */
+
+nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown, nqm_model **model_ret, nqm_error *err) {
+    const char *before = model->card ? model->card : "";
+    const size_t n = strlen(before) + strlen(markdown) + 2;
+    nqm_model *copy;
+    *model_ret = NULL;
+    nqm_status status = nqm_model_copy(model, &copy, err);
     if (status != NQM_OK)
         return status;
-    struct nqm_model copy = {0};
-    status = calibrate(model, &copy, dataset, calibration, err);
-    if (status == NQM_OK) {
-        copy.card = nqm_card_with_interval(model->card ? model->card : "", calibration, dataset->sha256);
-        status = copy.card ? nqm_model_save(&copy, path, err) : nqm_fail_nomem(err, 0);
-        nqm_free(copy.card);
-    }
-    nqm_free(copy.interval);
-    nqm_free(copy.calibration);
-    nqm_free(copy.novelty_points);
+    char *card = nqm_alloc(n, 1);
+    if (card)
+        snprintf(card, n, "%s%s%s", before, *before ? "\n" : "", markdown);
+    status = replace_card(copy, card, err);
+    if (status == NQM_OK)
+        *model_ret = copy;
+    else
+        nqm_model_free(copy);
     return status;
 }

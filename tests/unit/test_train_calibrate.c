@@ -148,6 +148,17 @@ static nqm_dataset *dataset; /* 12 validation materials */
 static nqm_model *trained;
 static nqm_train_report report;
 
+/* Calibrate, and write temp_file. */
+static nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
+                                  nqm_calibration *calibration, nqm_error *err) {
+    nqm_model *calibrated;
+    nqm_status status = nqm_model_calibrate(model, d, materials_are_new, &calibrated, calibration, err);
+    if (status == NQM_OK)
+        status = nqm_model_save(calibrated, temp_file, err);
+    nqm_model_free(calibrated);
+    return status;
+}
+
 static nqm_train_options quick(const char *recipe) {
     nqm_train_options o;
     assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
@@ -203,7 +214,7 @@ static void materials_on_both_sides_do_not(void **state) {
     assert_int_equal(nqm_train(dataset, &o, &model, &r, NULL), NQM_OK);
     assert_int_equal(r.calibration.n_materials, 0);
     assert_string_equal(nqm_model_get_info(model).calibration, "");
-    assert_int_equal(nqm_model_save_calibrated(model, dataset, 0, temp_file, &c, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(save_calibrated(model, dataset, 0, &c, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "drawn over all pairs"));
     nqm_model_free(model);
 }
@@ -212,7 +223,7 @@ static void existing_models_are_calibrated(void **state) {
     (void)state;
     nqm_model *read;
     nqm_calibration c;
-    assert_int_equal(nqm_model_save_calibrated(trained, dataset, 0, temp_file, &c, NULL), NQM_OK);
+    assert_int_equal(save_calibrated(trained, dataset, 0, &c, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     assert_int_equal(read->n_interval, trained->n_interval);
     for (size_t i = 0; i < 3 * read->n_interval; ++i) /* predictions of other batches differ by rounding */
@@ -230,13 +241,13 @@ static void other_datasets_are_refused(void **state) {
     nqm_dataset *other = toy_dataset(&toy), *small;
     nqm_calibration c;
     nqm_error err = {0};
-    assert_int_equal(nqm_model_save_calibrated(trained, other, 0, temp_file, &c, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(save_calibrated(trained, other, 0, &c, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "not trained on this dataset"));
-    assert_int_equal(nqm_model_save_calibrated(trained, other, 1, temp_file, &c, NULL), NQM_OK);
+    assert_int_equal(save_calibrated(trained, other, 1, &c, NULL), NQM_OK);
     assert_int_equal(c.n_pairs, 12 * 2 * 11);
     toy.n_groups = 24; /* 6 validation materials */
     small = toy_dataset(&toy);
-    assert_int_equal(nqm_model_save_calibrated(trained, small, 1, temp_file, &c, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(save_calibrated(trained, small, 1, &c, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "too few"));
     nqm_dataset_free(small);
     nqm_dataset_free(other);

@@ -33,20 +33,22 @@ static int print_result(const calibrate_arguments *a, const nqm_calibration *c) 
 }
 
 static int run_calibration(const calibrate_arguments *a) {
-    nqm_model *model = NULL;
+    nqm_model *model = NULL, *calibrated = NULL;
     nqm_dataset *dataset = NULL;
     nqm_calibration calibration;
     nqm_error err = {0};
     int exit_code = open_model("calibrate", a->model, &model);
     if (exit_code == EXIT_OK)
         exit_code = open_dataset("calibrate", a->dataset, NULL, NQM_SPLIT_ALL, &dataset);
-    if (exit_code == EXIT_OK && nqm_model_save_calibrated(model, dataset, a->new_materials, output_path(a->output),
-                                                          &calibration, &err) != NQM_OK)
+    if (exit_code == EXIT_OK &&
+        (nqm_model_calibrate(model, dataset, a->new_materials, &calibrated, &calibration, &err) != NQM_OK ||
+         nqm_model_save(calibrated, output_path(a->output), &err) != NQM_OK))
         exit_code = report_error("calibrate", &err);
     if (exit_code == EXIT_OK)
         exit_code = print_result(a, &calibration);
     nqm_dataset_free(dataset);
     nqm_model_free(model);
+    nqm_model_free(calibrated);
     return exit_code;
 }
 
@@ -75,7 +77,7 @@ int cmd_calibrate(int argc, char **argv) {
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
     if (!a.output)
-        return report("calibrate", EXIT_USAGE, "where to? give the model file: -o FILE");
+        return report("calibrate", EXIT_USAGE, "give the model file to write: -o FILE");
     a.model = argv[0];
     a.dataset = argv[1];
     return run_calibration(&a);

@@ -74,7 +74,7 @@ static int round_model(nqm_model **model) {
 }
 
 static int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
-    nqm_model *model;
+    nqm_model *model, *annotated = NULL;
     char *notes = NULL;
     nqm_error err = {0};
     if (!output)
@@ -84,10 +84,12 @@ static int annotate_model(const char *name, const char *notes_path, bool half, c
         exit_code = read_text("models", notes_path, &notes);
     if (exit_code == EXIT_OK && half)
         exit_code = round_model(&model);
-    if (exit_code == EXIT_OK && nqm_model_save_annotated(model, notes, output, &err) != NQM_OK)
+    if (exit_code == EXIT_OK && (nqm_model_annotate(model, notes, &annotated, &err) != NQM_OK ||
+                                 nqm_model_save(annotated, output, &err) != NQM_OK))
         exit_code = report_error("models", &err);
     free(notes);
     nqm_model_free(model);
+    nqm_model_free(annotated);
     return exit_code;
 }
 

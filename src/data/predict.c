@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Predictions of a model for pairs of a dataset.
+ */
+#include "data/data.h"
+#include "metric/metric.h"
+#include "model/model.h"
+
+#include <math.h>
+#include <string.h>
+
+static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *predictor, size_t n,
+                                const size_t *pairs, uint8_t *used, nqm_error *err) {
+    const nqm_dataset *d = p->dataset;
+    const size_t n_columns = 3 * d->n_directions;
+    const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
+    double jod[NQM_PREDICT_BATCH];
+    for (size_t i = 0; i < n; ++i) {
+        ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
+        test[i] = d->test_rgb + pairs[i] * n_columns;
+        nqm_dataset_pair_used(d, pairs[i], used + i * d->n_directions);
+    }
+    const nqm_sampled_pairs batch = {
+        .n = n, .ref = ref, .test = test, .used = d->ref_used || d->test_used ? used : NULL};
+    nqm_predictor_run(predictor, &batch, jod, NULL);
+    for (size_t i = 0; i < n; ++i) {
+        if (!isfinite(jod[i]))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu", p->model->id,
+                            pairs[i]);
+        p->jod[pairs[i]] = jod[i];
+    }
+    return p->batch_done ? p->batch_done(p->user, n, err) : NQM_OK;
+}
+
+nqm_status nqm_dataset_predict(const nqm_dataset_prediction *p, nqm_error *err) {
+    const nqm_dataset *d = p->dataset;
+    const nqm_model *m = p->model;
+    nqm_predictor *predictor = NULL;
+    if (m->n_directions != d->n_directions ||
+        memcmp(m->directions_deg, d->directions_deg, 3 * d->n_directions * sizeof(double)) != 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "model '%s' uses other directions (%zu) than the dataset (%zu)",
+                        m->id, m->n_directions, d->n_directions);
+    uint8_t *used = nqm_alloc(NQM_PREDICT_BATCH, d->n_directions);
+    nqm_status status = used ? nqm_predictor_create(m, p->precision, NQM_PREDICT_BATCH, &predictor, err)
+                             : nqm_fail_nomem(err, NQM_PREDICT_BATCH * d->n_directions);
+    for (size_t first = 0; status == NQM_OK && first < p->n; first += NQM_PREDICT_BATCH)
+        status = predict_batch(p, predictor, nqm_smaller(p->n - first, NQM_PREDICT_BATCH), p->pairs + first, used, err);
+    nqm_predictor_free(predictor);
+    nqm_free(used);
+    return status;
+}
