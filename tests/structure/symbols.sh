@@ -43,4 +43,8 @@ for library in libnqm.so libnqm-full.so; do
         grep -xE 'printf|__printf_chk|vprintf|__vprintf_chk|puts|putchar|perror|stderr|getenv|secure_getenv|setenv|putenv|system|popen|posix_spawnp?|v?fork|exec[lv][pe]*|umask|stdin|stdout|_?exit|_Exit|quick_exit|abort|setlocale' || true)
     [ -z "$forbidden" ] || fail "$library calls $(echo "$forbidden" | tr '\n' ' ')"
 done
+
+# Programs that only score install libnqm.so alone, with the built-in model.
+size=$(wc -c <"$build/libnqm.so")
+[ "$size" -le 16000000 ] || fail "libnqm.so has $size bytes, more than 16 MB"
 exit $bad
