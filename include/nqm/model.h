@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/model.h - trained models: what they hold, where they come from, and what they say about themselves.
+ * nqm/model.h - trained models: loading, saving, and facts about them.
  */
 #ifndef NQM_MODEL_H
 #define NQM_MODEL_H
@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/** How the labels become what the network learns. */
+/** The quantity that the network predicts. */
 typedef enum nqm_target {
     NQM_TARGET_JOD = 0,    /**< JOD, z-scored; sigmoid over the range of the training labels (the paper) */
     NQM_TARGET_LOG_DELTA_E /**< natural log of Delta-E ITP, z-scored; sigmoid over its range; mapped to JOD by the curve
@@ -20,8 +20,8 @@ typedef enum nqm_target {
 
 /** Zones of theta_h in the scalar features: 0-2, 2-5, 5-15, 15-35, 35-90 degrees. */
 enum { NQM_SCALAR_ZONES = 5 };
-/** Scalar features of a pair, which stand beside the samples in the input of models of the recipe "nqm". Differences
- *  are test less reference; sizes are logarithms, so that faint differences are told apart. doc/training.md has the
+/** Scalar features of a pair, which follow the samples in the input of models of the recipe "nqm". Differences are test
+ *  minus reference; a "size" is the logarithm of a magnitude, which resolves small differences. doc/training.md has the
  *  formulas. */
 typedef enum nqm_scalar {
     NQM_SCALAR_METRICS = 0, /**< log of the nine metrics up to NQM_METRIC_LOG_DIFF, in their order */
@@ -35,7 +35,7 @@ typedef enum nqm_scalar {
     NQM_SCALAR_ZONE_RMS = NQM_SCALAR_ZONE_BIAS + NQM_SCALAR_ZONES,    /**< size: RMS in each zone */
     NQM_SCALAR_GRAZING_BIAS = NQM_SCALAR_ZONE_RMS + NQM_SCALAR_ZONES, /**< mean where cos cos < 0.25 */
     NQM_SCALAR_GRAZING_RMS,                                           /**< size: RMS there */
-    NQM_SCALAR_WIDTH,         /**< log ratio below 5 degrees less that above: sharper highlights are positive */
+    NQM_SCALAR_WIDTH,         /**< log ratio below 5 degrees minus that above: positive for sharper highlights */
     NQM_SCALAR_CHROMA,        /**< size: RMS of the differences of the opponents of log f_r */
     NQM_SCALAR_CHROMA_RG,     /**< mean difference of log R - log G */
     NQM_SCALAR_CHROMA_B,      /**< mean difference of log B - (log R + log G) / 2 */
@@ -46,7 +46,7 @@ typedef enum nqm_scalar {
     NQM_SCALAR_SMOOTH_CHROMA, /**< size: the same of the opponents */
     NQM_SCALAR_REF_LEVEL,     /**< reference: mean log luminance */
     NQM_SCALAR_REF_ENERGY,    /**< reference: log of the cosine-weighted mean luminance */
-    NQM_SCALAR_REF_PEAK,      /**< reference: log of the largest luminance, less the mean log */
+    NQM_SCALAR_REF_PEAK,      /**< reference: log of the largest luminance, minus the mean log */
     NQM_SCALAR_REF_SPREAD,    /**< reference: standard deviation of log luminance */
     NQM_SCALAR_REF_COLOUR,    /**< reference: RMS of the opponents of log f_r */
     NQM_SCALAR_COUNT
@@ -58,15 +58,15 @@ NQM_API const char *nqm_scalar_name(size_t i);
 /** A trained network with everything it needs: directions, whitening, output range, card. */
 typedef struct nqm_model nqm_model;
 
-/** Facts about a model; strings are lent by it. */
+/** Facts about a model; strings and pointers are lent until it is freed. */
 typedef struct nqm_model_info {
     const char *id;                             /**< "default", "paper", or as given when trained */
     const char *recipe;                         /**< "paper", "notebook", "nqm" */
     const char *sha256;                         /**< 64 hex digits: the checksum of the model file */
-    const char *card;                           /**< the model card, Markdown: trained on, judged on, not good for */
+    const char *card;                           /**< the model card, Markdown: training data, evaluation, limits */
     const char *licence;                        /**< SPDX */
     const char *manifest_sha256;                /**< hash of the training dataset file; "" if unknown */
-    size_t n_parameters;                        /**< trained numbers (weights, biases, LayerNorm) */
+    size_t n_parameters;                        /**< trained values (weights, biases, LayerNorm) */
     size_t n_layers;                            /**< linear layers */
     const size_t *layer_sizes;                  /**< (n_layers + 1) widths, input first */
     double jod_min, jod_max;                    /**< the range that the output can take */
@@ -87,7 +87,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_model_from_memory(const void *data, size_t
 /** Write a model file, which appears under its name only when it is complete; a file of that name is replaced.
  *  NQM_ERR_IO, NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
-/** A built-in model by name ("default", "paper"); NQM_ERR_MODEL when there is none of that name. */
+/** A built-in model by name: "default"; libnqm-full also has "paper". NQM_ERR_MODEL when no built-in model has the name. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
 /** Built-in models: how many, and the name of the i-th. */
 NQM_API size_t nqm_model_builtin_count(void);

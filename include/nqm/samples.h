@@ -57,21 +57,21 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_directions_save_csv(const nqm_directions *
 /** Free a set; NULL is allowed. */
 NQM_API void nqm_directions_free(nqm_directions *directions);
 
-/** How many. */
+/** Number of directions. */
 NQM_API size_t nqm_directions_count(const nqm_directions *directions);
 /** (n, 3) theta_h, theta_d, phi_d in degrees; lent. */
 NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);
 /** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); lent.
- *  Empty when there is no memory to compute it. Any thread. */
+ *  Empty when out of memory. Any thread. */
 NQM_API const char *nqm_directions_id(const nqm_directions *directions);
 
 /** How a pair becomes the network's input, after t = log(cbrt(rho) + 1) and whitening. */
 typedef enum nqm_layout {
-    NQM_LAYOUT_REF_TEST = 0,    /**< reference half, then test half: 6 n numbers (the paper) */
-    NQM_LAYOUT_REF_DIFF_ABSDIFF /**< reference, s (test - reference), s |test - reference|: 9 n numbers */
+    NQM_LAYOUT_REF_TEST = 0,    /**< reference, test: 6 n values (the paper) */
+    NQM_LAYOUT_REF_DIFF_ABSDIFF /**< reference, s (test - reference), s |test - reference|: 9 n values */
 } nqm_layout;
 
-/** What to do where a BRDF holds no value. */
+/** What happens at directions where a BRDF holds no value. */
 typedef enum nqm_invalid_policy {
     NQM_INVALID_DROP = 0, /**< leave the direction out: of both members of a pair, in every metric; the network sees no
                                difference there (both members get the mean of the training references) */
@@ -83,7 +83,7 @@ typedef enum nqm_invalid_policy {
 /** "drop", "zero", "nearest" or "error" to the policy; 0 when `text` is none of them, else 1. */
 NQM_API int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret);
 
-/** What sampling met. */
+/** Counts of a sampling. */
 typedef struct nqm_sample_report {
     size_t n;         /**< directions */
     size_t n_clamped; /**< values with a negative channel, given as 0 */

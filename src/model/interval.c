@@ -43,7 +43,7 @@ void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret,
 /* ---- widening ---------------------------------------------------------------------------------------------------- */
 
 static const double jod_top = 10;
-static const double softening = 1e-3; /* JOD: differences far below this are nobody's concern */
+static const double softening = 1e-3; /* JOD: keeps the scale finite at 0 and 10 */
 
 double nqm_interval_y(double jod) {
     double inside = fmin(jod_top, fmax(0, jod));

@@ -54,7 +54,7 @@ struct nqm_model {
 };
 
 /**
- * Parse a model file that lies in memory (a mapped file or an embedded one). The bytes must outlive the model: where
+ * Parse the bytes of a model file (mapped or embedded). The bytes must outlive the model: where
  * they are aligned the parameters are used in place (`memory` and params.block are NULL then).
  *
  * @param name     for messages
@@ -69,14 +69,14 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
 static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
     return model->scalar_names ? NQM_SCALAR_COUNT : 0;
 }
-/** What is wrong with a table (n, 3) of finite numbers that is to be struct nqm_model.interval; NULL: nothing. */
+/** Why a table (n, 3) of finite values cannot be struct nqm_model.interval; NULL: it can. */
 const char *nqm_interval_table_fault(size_t n, const double *table);
 /** Look up a table: the interval around `jod`, which is finite. */
 void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret, double *high_ret);
-/** The scale on which intervals are widened: log(JOD / (10 - JOD)), softened at both ends, and back to 0..10. */
+/** The scale on which intervals are widened: log(JOD / (10 - JOD)), finite at both ends; and its inverse, 0..10. */
 double nqm_interval_y(double jod);
 double nqm_interval_jod(double y);
-/** Move both ends away from `jod`, `times` (>= 1) as far on that scale. */
+/** Widen the interval [*low, *high] around `jod` by the factor `times` (>= 1) on that scale. */
 void nqm_interval_widen(double times, double jod, double *low, double *high);
 /** A copy that owns everything it points to and has no packed networks yet. Its maker may change it. */
 NQM_MUST_CHECK nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_error *err);

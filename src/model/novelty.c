@@ -10,14 +10,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Four floats, which every processor that we know of takes at once. */
+/* Vectors of four floats, which all supported processors have. */
 enum { LANES = 4, N_VECTORS = 4 };
 _Static_assert(LANES *N_VECTORS == NQM_NOVELTY_BLOCK, "a block is four times four");
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
 
 /* Squares of the distances of y (NQM_SCALAR_COUNT) from a block of points. */
 static void square_distances(const float *points, const float *y, lanes square[N_VECTORS]) {
-    lanes s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}; /* in registers, which an array would not be */
+    lanes s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}; /* separate variables stay in registers */
     for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
         const lanes *p = (const lanes *)(points + k * NQM_NOVELTY_BLOCK);
         const lanes d0 = p[0] - y[k], d1 = p[1] - y[k], d2 = p[2] - y[k], d3 = p[3] - y[k];
