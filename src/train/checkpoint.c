@@ -96,6 +96,10 @@ static nqm_status compare_options(json_t *theirs, json_t *ours, const char *path
         free(is);
         return status;
     }
+    json_object_foreach(theirs, key, value) /* options that are stored unless they are 0 */
+        if (!json_object_get(ours, key)) return nqm_fail(
+            err, NQM_ERR_INCOMPATIBLE, -1, "%s: this checkpoint was made with %s; start anew or give the same options",
+            path, key);
     return NQM_OK;
 }
 
