@@ -18,11 +18,11 @@ typedef struct nqm_directions nqm_directions;
 typedef struct nqm_directions_options {
     size_t n;                 /**< directions to make; 1..100000; default 500 */
     uint64_t seed;            /**< default 1 */
-    double max_polar_rad;     /**< theta_i and theta_o stay at or below this; above 0, at most pi/2; default 75 degrees
+    double max_polar_rad;     /**< theta_i and theta_o stay at or below this; 1 to 90 degrees; default 75 degrees
                                    (grazing data are noisy) */
-    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; above 0, at
+    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; 0.1 to
                                    most 100; default 2 */
-    double oversampling;      /**< candidates per kept direction when references are given; >= 1; default 4 */
+    double oversampling;      /**< candidates per kept direction when references are given; 1..100; default 4 */
     nqm_progress_fn progress; /**< NULL: silent */
     void *progress_user;
 } nqm_directions_options;
@@ -79,9 +79,6 @@ typedef enum nqm_invalid_policy {
     NQM_INVALID_NEAREST,  /**< use the value of the nearest valid direction of the set */
     NQM_INVALID_ERROR     /**< refuse: NQM_ERR_INCOMPATIBLE */
 } nqm_invalid_policy;
-
-/** "drop", "zero", "nearest" or "error" to the policy; 0 when `text` is none of them, else 1. */
-NQM_API int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret);
 
 /** Counts of a sampling. */
 typedef struct nqm_sample_report {

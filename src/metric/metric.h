@@ -5,6 +5,7 @@
 #ifndef NQM_SRC_METRIC_H
 #define NQM_SRC_METRIC_H
 
+#include "base/options.h"
 #include "model/model.h"
 #include "sample/sample.h"
 #include <nqm/metric.h>
@@ -81,5 +82,8 @@ NQM_MUST_CHECK nqm_status nqm_golden_make(const nqm_model *model, char **json_re
 /** Score the pairs again: NQM_OK when all are within 0.001 JOD, NQM_ERR_NUMERIC when one is not, NQM_ERR_MODEL when the
  *  model has no golden scores or they cannot be read. */
 NQM_MUST_CHECK nqm_status nqm_golden_check(const nqm_model *model, nqm_error *err);
+
+/** The options of nqm_score_options. */
+extern const nqm_option_table nqm_score_option_table;
 
 #endif

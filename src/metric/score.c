@@ -35,9 +35,31 @@ struct nqm_scorer {
     const nqm_brdf *const *brdfs; /* the block's tests; NULL: the members are sampled */
 };
 
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+#define FIELD(name) .key = #name, .offset = offsetof(nqm_score_options, name)
+
+static const char *const precision_words[] = {"f32", "bf16", "int8", NULL};
+
+/* clang-format off */
+static const nqm_option rows[] = {
+    {FIELD(invalid), .kind = NQM_OPTION_ENUM, .metavar = "POLICY", .words = nqm_invalid_words, .values = {"drop"},
+     .help = "for directions without a value"},
+    {FIELD(min_valid_fraction), .name = "min-valid", .metavar = "F", .min = 0, .max = 1, .values = {"0.9"},
+     .help = "smallest fraction of valid directions of a pair"},
+    {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = precision_words, .values = {"f32"},
+     .help = "arithmetic of the network"},
+    {FIELD(metrics), .name = "", .kind = NQM_OPTION_BOOL, .values = {"1"}},
+    {FIELD(cache_bytes), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = 1e18, .values = {"67108864"}},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_score_option_table = {rows, sizeof rows / sizeof *rows, NULL};
+
 nqm_score_options nqm_score_options_default(void) {
-    return (nqm_score_options){
-        .invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.9, .metrics = 1, .cache_bytes = (size_t)64 << 20};
+    nqm_score_options options = {0};
+    (void)!nqm_options_begin(&nqm_score_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
@@ -92,20 +114,11 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
     return status;
 }
 
-static nqm_status check_options(const nqm_score_options *options, nqm_error *err) {
-    if (!(options->min_valid_fraction >= 0 && options->min_valid_fraction <= 1))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1",
-                        options->min_valid_fraction);
-    if (!nqm_precision_name(options->precision))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "precision: %d is not one of nqm_precision", (int)options->precision);
-    return NQM_OK;
-}
-
 nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options, nqm_scorer **scorer_ret,
                              nqm_error *err) {
     *scorer_ret = NULL;
     const nqm_score_options o = options ? *options : nqm_score_options_default();
-    nqm_status status = check_options(&o, err);
+    nqm_status status = nqm_options_check(&nqm_score_option_table, &o, err);
     if (status != NQM_OK)
         return status;
     nqm_scorer *s = nqm_alloc(1, sizeof *s);

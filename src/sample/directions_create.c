@@ -21,7 +21,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MAX_CANDIDATES = 10000000, KEPT_PER_STRATUM = 10 };
+enum { KEPT_PER_STRATUM = 10 };
 
 typedef struct candidate {
     double hd_deg[3];
@@ -29,9 +29,29 @@ typedef struct candidate {
     double key; /* of the weighted draw; the largest keys win */
 } candidate;
 
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+#define FIELD(name) .key = #name, .offset = offsetof(nqm_directions_options, name)
+
+/* clang-format off */
+static const nqm_option rows[] = {
+    {FIELD(n), .name = "", .kind = NQM_OPTION_SIZE, .min = 1, .max = 100000, .values = {"500"}},
+    {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "S", .values = {"1"}, .help = "seed of the set"},
+    {FIELD(max_polar_rad), .name = "max-polar", .metavar = "DEG", .min = 1, .max = 90, .scale = NQM_PI / 180,
+     .values = {"75"}, .help = "largest angle of light and viewer with the normal", .unit = "degrees"},
+    {FIELD(theta_h_power), .name = "power", .metavar = "P", .min = 0.1, .max = 100, .values = {"2"},
+     .help = "theta_h = max u^P: above 1 is denser toward 0"},
+    {FIELD(oversampling), .metavar = "K", .min = 1, .max = 100, .values = {"4"},
+     .help = "candidates for each direction kept, with references"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_directions_option_table = {rows, sizeof rows / sizeof *rows, NULL};
+
 nqm_directions_options nqm_directions_options_default(void) {
-    return (nqm_directions_options){
-        .n = 500, .seed = 1, .max_polar_rad = 75 * (NQM_PI / 180), .theta_h_power = 2, .oversampling = 4};
+    nqm_directions_options options = {0};
+    (void)!nqm_options_begin(&nqm_directions_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
 static double fraction(double x) {
@@ -129,26 +149,12 @@ static void draw(uint64_t seed, size_t n, size_t m, candidate *candidates) {
     }
 }
 
-static nqm_status check_options(const nqm_directions_options *o, nqm_error *err) {
-    if (o->n < 1 || o->n > 100000)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%zu directions: 1 to 100000 are possible", o->n);
-    if (!(o->max_polar_rad > 0 && o->max_polar_rad <= NQM_PI / 2))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "largest polar angle %g rad: must lie above 0 and not above pi/2",
-                        o->max_polar_rad);
-    if (!(o->theta_h_power > 0 && o->theta_h_power <= 100))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "theta_h power %g: must lie above 0 and not above 100", o->theta_h_power);
-    if (!(o->oversampling >= 1 && o->oversampling * (double)o->n <= MAX_CANDIDATES))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "oversampling %g: must be at least 1 and make at most %d candidates",
-                        o->oversampling, MAX_CANDIDATES);
-    return NQM_OK;
-}
-
 nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n_refs, const nqm_brdf *const *refs,
                                  nqm_directions **directions_ret, nqm_error *err) {
     *directions_ret = NULL;
     nqm_directions_options defaults = nqm_directions_options_default();
     const nqm_directions_options *o = options ? options : &defaults;
-    nqm_status status = check_options(o, err);
+    nqm_status status = nqm_options_check(&nqm_directions_option_table, o, err);
     if (status != NQM_OK)
         return status;
     size_t m = n_refs ? (size_t)ceil((double)o->n * o->oversampling) : o->n;

@@ -6,7 +6,7 @@
 #ifndef NQM_SRC_SAMPLE_H
 #define NQM_SRC_SAMPLE_H
 
-#include "base/base.h"
+#include "base/options.h"
 #include <nqm/samples.h>
 
 struct nqm_directions {
@@ -40,5 +40,10 @@ size_t nqm_features_width(nqm_layout layout, size_t n_directions);
  */
 void nqm_features_compose(const nqm_features *features, size_t n_directions, const float *ref_t, const float *test_t,
                           const uint8_t *used, float *x);
+
+/** The words of nqm_invalid_policy by value, NULL-terminated. */
+extern const char *const nqm_invalid_words[];
+/** The options of nqm_directions_options. */
+extern const nqm_option_table nqm_directions_option_table;
 
 #endif

@@ -12,16 +12,7 @@
 
 enum { AT_ONCE = 512 }; /* directions: on the stack, and enough for formats that fetch what they need in one go */
 
-static const char *const policy_names[] = {"drop", "zero", "nearest", "error"};
-
-int nqm_invalid_policy_parse(const char *text, nqm_invalid_policy *policy_ret) {
-    for (size_t i = 0; i < sizeof policy_names / sizeof *policy_names; ++i)
-        if (strcmp(text, policy_names[i]) == 0) {
-            *policy_ret = (nqm_invalid_policy)i;
-            return 1;
-        }
-    return 0;
-}
+const char *const nqm_invalid_words[] = {"drop", "zero", "nearest", "error", NULL};
 
 /* Squared chord length between two direction pairs, the smaller of both orders of light and viewer. */
 static double pair_distance(const double *pair_a, const double *pair_b) {

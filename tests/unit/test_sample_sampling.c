@@ -120,15 +120,13 @@ static void test_refusals(void **state) {
     assert_non_null(strstr(err.message, "empty: no value at any of the 6"));
 }
 
-static void test_policy_names(void **state) {
+static void test_policy_words(void **state) {
     (void)state;
-    nqm_invalid_policy policy = NQM_INVALID_ERROR;
-    assert_true(nqm_invalid_policy_parse("drop", &policy) && policy == NQM_INVALID_DROP);
-    assert_true(nqm_invalid_policy_parse("zero", &policy) && policy == NQM_INVALID_ZERO);
-    assert_true(nqm_invalid_policy_parse("nearest", &policy) && policy == NQM_INVALID_NEAREST);
-    assert_true(nqm_invalid_policy_parse("error", &policy) && policy == NQM_INVALID_ERROR);
-    assert_false(nqm_invalid_policy_parse("Drop", &policy));
-    assert_false(nqm_invalid_policy_parse("", &policy));
+    assert_string_equal(nqm_invalid_words[NQM_INVALID_DROP], "drop");
+    assert_string_equal(nqm_invalid_words[NQM_INVALID_ZERO], "zero");
+    assert_string_equal(nqm_invalid_words[NQM_INVALID_NEAREST], "nearest");
+    assert_string_equal(nqm_invalid_words[NQM_INVALID_ERROR], "error");
+    assert_null(nqm_invalid_words[NQM_INVALID_ERROR + 1]);
 }
 
 static void test_out_of_memory(void **state) {
@@ -148,7 +146,7 @@ int main(void) {
         cmocka_unit_test(test_nearest),
         cmocka_unit_test(test_nearest_knows_reciprocity),
         cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_policy_names),
+        cmocka_unit_test(test_policy_words),
         cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -143,6 +143,13 @@ static bool store_table_value(const command *cmd, const nqm_option *o, const cha
     return usage_error(cmd, exit_code, message, "");
 }
 
+int set_option(const char *verb, const nqm_option_table *table, const char *key, void *target, const char *text) {
+    nqm_error err = {0};
+    if (nqm_option_set(nqm_option_by_key(table, key), target, text, &err) == NQM_OK)
+        return EXIT_OK;
+    return report(verb, EXIT_USAGE, "--%s", err.message);
+}
+
 bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code) {
     int n = 0;
     bool options_end = false;

@@ -48,17 +48,6 @@ typedef struct option {
     double min, max; /* for numbers; both 0: any finite value */
 } option;
 
-/* Rows of several verbs. */
-#define OPTION_ROW_INVALID(target)                                                                                     \
-    {                                                                                                                  \
-        "invalid", 0, OPTION_TEXT, (target), "POLICY", "for directions without a value: drop, zero, nearest, error",   \
-            0, 0                                                                                                       \
-    }
-#define OPTION_ROW_MIN_VALID(target)                                                                                   \
-    { "min-valid", 0, OPTION_NUMBER, (target), "F", "smallest fraction of valid directions of a pair", 0, 1 }
-#define OPTION_ROW_PRECISION(target)                                                                                   \
-    { "precision", 0, OPTION_TEXT, (target), "WORD", "arithmetic of the network: f32, bf16 or int8", 0, 0 }
-
 typedef struct command {
     const char *name;
     const char *usage;   /* after the name: "REF TEST... [options]" */
@@ -73,6 +62,8 @@ typedef struct command {
 /** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns true with *n_arguments, or
  *  false with *exit_code after printing help or a usage error. */
 bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code);
+/** Set the option `key` of a table that is not the command's own, from text. EXIT_OK, or reports a usage error. */
+int set_option(const char *verb, const nqm_option_table *table, const char *key, void *target, const char *text);
 
 /* ---- inputs ------------------------------------------------------------------------------------------------------ */
 

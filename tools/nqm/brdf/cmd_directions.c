@@ -3,6 +3,7 @@
  * nqm directions - make the directions at which BRDFs are compared, or show those of a model or file.
  */
 #include "nqm/tool.h"
+#include "sample/sample.h"
 
 #include <string.h>
 
@@ -47,17 +48,8 @@ int cmd_directions(int argc, char **argv) {
     bool json = false;
     const char *path = "-";
     nqm_directions_options make = nqm_directions_options_default();
-    const double degree = make.max_polar_rad / 75;
     uint64_t n = make.n;
-    double max_polar_deg = 75;
-    const option options[] = {{"number", 'n', OPTION_COUNT, &n, "N", "how many", 1, 100000},
-                              {"seed", 0, OPTION_COUNT, &make.seed, "S", "another seed, another set", 0, 0},
-                              {"max-polar", 0, OPTION_NUMBER, &max_polar_deg, "DEG",
-                               "largest angle of light and viewer with the normal", 1, 90},
-                              {"power", 0, OPTION_NUMBER, &make.theta_h_power, "P",
-                               "theta_h = max u^P: above 1 is denser toward 0", 0.1, 100},
-                              {"oversampling", 0, OPTION_NUMBER, &make.oversampling, "K",
-                               "candidates for each direction kept, with references", 1, 100},
+    const option options[] = {{"number", 'n', OPTION_COUNT, &n, "N", "number of directions", 1, 100000},
                               {"output", 'o', OPTION_TEXT, &path, "FILE.csv", "where to write the CSV", 0, 0},
                               {"json", 0, OPTION_FLAG, &json, NULL, "print JSON on standard output instead", 0, 0},
                               {0}};
@@ -71,6 +63,8 @@ int cmd_directions(int argc, char **argv) {
             "ones are for new datasets.",
         .example = "nqm directions -n 500 materials/*.bsdf -o my-directions.csv\nnqm directions show default --json",
         .options = options,
+        .table = &nqm_directions_option_table,
+        .table_target = &make,
         .min_arguments = 0,
         .max_arguments = -1,
     };
@@ -84,7 +78,6 @@ int cmd_directions(int argc, char **argv) {
         exit_code = open_directions("directions", argv[1], &directions);
     } else {
         make.n = (size_t)n;
-        make.max_polar_rad = max_polar_deg * degree;
         make.progress = show_progress;
         exit_code = make_directions(&make, n_arguments, argv, &directions);
         end_progress();

@@ -2,6 +2,7 @@
  *
  * nqm sample - f_r of a BRDF at a list of directions.
  */
+#include "metric/metric.h"
 #include "nqm/tool.h"
 
 #include <math.h>
@@ -121,8 +122,11 @@ int cmd_sample(int argc, char **argv) {
     if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
         return exit_code;
     sample_set s = {.brdf = argv[0], .output = output};
-    if (!nqm_invalid_policy_parse(policy_name, &s.policy))
-        return report("sample", EXIT_USAGE, "--invalid is drop, zero, nearest or error, not '%s'", policy_name);
+    nqm_score_options score = {0};
+    exit_code = set_option("sample", &nqm_score_option_table, "invalid", &score, policy_name);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    s.policy = score.invalid;
     if (csv + json + (output != NULL) > 1)
         return report("sample", EXIT_USAGE, "--csv, --json and --output exclude each other");
     nqm_error err = {0};

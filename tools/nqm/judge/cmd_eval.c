@@ -218,14 +218,16 @@ static int evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_optio
 static int run_eval(const eval_arguments *a, const char *dataset_path) {
     eval_run run = {.dataset_path = dataset_path, .split_name = a->split};
     nqm_eval_options o = a->options;
+    nqm_score_options score = {0};
     int split = 0, by = 0;
     int exit_code = choose("eval", "split", splits, a->split, &split);
     if (exit_code == EXIT_OK)
         exit_code = choose("eval", "by", bys, a->by, &by);
     if (exit_code == EXIT_OK)
-        exit_code = choose_precision("eval", a->precision, &o.precision);
+        exit_code = set_option("eval", &nqm_score_option_table, "precision", &score, a->precision);
     if (exit_code != EXIT_OK)
         return exit_code;
+    o.precision = score.precision;
     o.split = (nqm_split)split;
     o.n_bootstrap = (size_t)a->n_bootstrap;
     o.progress = show_progress;
@@ -269,7 +271,7 @@ int cmd_eval(int argc, char **argv) {
         {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
          1e6},
         {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
-        OPTION_ROW_PRECISION(&a.precision),
+        {"precision", 0, OPTION_TEXT, &a.precision, "WORD", "arithmetic of the network: f32, bf16 or int8", 0, 0},
         {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
          0},
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},

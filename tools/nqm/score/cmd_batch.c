@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 typedef struct batch_run {
-    const char *list_path, *output, *model_name, *metrics, *invalid, *precision, *root;
+    const char *list_path, *output, *model_name, *metrics, *root;
     bool keep_going, resume, json, json_lines;
     uint64_t cache_mb;
     nqm_score_options options;
@@ -53,8 +53,9 @@ static json_t *make_terms(const batch_run *run) {
     nqm_model_info info = nqm_model_get_info(run->model);
     return json_pack("{s:s,s:s,s:s,s:s,s:s,s:f,s:s,s:o}", "version of nqm", nqm_version(), "list",
                      nqm_pair_list_sha256(run->list), "model", info.sha256, "format", formats[run->form.format],
-                     "--invalid", run->invalid, "--min-valid", run->options.min_valid_fraction, "--precision",
-                     run->precision, "--metrics", json_name(run->metrics));
+                     "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid",
+                     run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
+                     "--metrics", json_name(run->metrics));
 }
 
 static int show_speed(const batch_run *run) {
@@ -209,11 +210,7 @@ static int check_options(batch_run *run) {
         return report("batch", EXIT_USAGE, "--json and --jsonl exclude each other");
     run->form.format = choose_format(run);
     run->options.cache_bytes = (size_t)run->cache_mb << 20;
-    int exit_code = choose_invalid("batch", run->invalid, &run->options.invalid);
-    if (exit_code == EXIT_OK)
-        exit_code = choose_precision("batch", run->precision, &run->options.precision);
-    if (exit_code == EXIT_OK)
-        exit_code = choose_metrics("batch", run->metrics, run->form.metrics);
+    int exit_code = choose_metrics("batch", run->metrics, run->form.metrics);
     run->options.metrics = *run->metrics != 0;
     return exit_code;
 }
@@ -222,8 +219,6 @@ int cmd_batch(int argc, char **argv) {
     static batch_run run;
     run = (batch_run){.model_name = "default",
                       .metrics = "",
-                      .invalid = "drop",
-                      .precision = "f32",
                       .options = nqm_score_options_default(),
                       .cache_mb = nqm_score_options_default().cache_bytes >> 20};
     const option options[] = {
@@ -234,9 +229,6 @@ int cmd_batch(int argc, char **argv) {
         {"model", 'm', OPTION_TEXT, &run.model_name, "MODEL", "a built-in model's name or a model file", 0, 0},
         {"metrics", 0, OPTION_TEXT, &run.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
         {"root", 0, OPTION_TEXT, &run.root, "DIR", "folder at which relative paths of the list start", 0, 0},
-        OPTION_ROW_INVALID(&run.invalid),
-        OPTION_ROW_MIN_VALID(&run.options.min_valid_fraction),
-        OPTION_ROW_PRECISION(&run.precision),
         {"cache", 0, OPTION_COUNT, &run.cache_mb, "MB", "memory for BRDFs that may come again", 0, 1 << 20},
         {"json", 0, OPTION_FLAG, &run.json, NULL, "write one JSON document", 0, 0},
         {"jsonl", 0, OPTION_FLAG, &run.json_lines, NULL, "write JSON Lines", 0, 0},
@@ -253,6 +245,8 @@ int cmd_batch(int argc, char **argv) {
             "find fits -name '*.binary' | awk 'BEGIN{print \"reference,test\"} {print \"nickel.binary,\" $0}' |\n"
             "    nqm batch - --jsonl",
         .options = options,
+        .table = &nqm_score_option_table,
+        .table_target = &run.options,
         .min_arguments = 1,
         .max_arguments = 1,
     };

@@ -107,7 +107,6 @@ static int run_rank(rank_run *run, int n_arguments, char **arguments) {
 
 int cmd_rank(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
-    const char *invalid = "drop", *precision = "f32";
     rank_run run = {.model_name = "default", .options = nqm_score_options_default()};
     run.options.metrics = 0;
     const option options[] = {
@@ -115,9 +114,6 @@ int cmd_rank(int argc, char **argv) {
          0},
         {"model", 'm', OPTION_TEXT, &run.model_name, "MODEL", "a built-in model's name or a model file", 0, 0},
         {"root", 0, OPTION_TEXT, &run.root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
-        OPTION_ROW_INVALID(&invalid),
-        OPTION_ROW_MIN_VALID(&run.options.min_valid_fraction),
-        OPTION_ROW_PRECISION(&precision),
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the names only, best first", 0, 0},
@@ -131,6 +127,8 @@ int cmd_rank(int argc, char **argv) {
         .example = "nqm rank sgd:nickel ward:nickel 'perturb:gloss=0.9;of=sgd:nickel'\nnqm rank nickel.binary "
                    "fits/*.binary -q | head -1",
         .options = options,
+        .table = &nqm_score_option_table,
+        .table_target = &run.options,
         .min_arguments = 0,
         .max_arguments = -1,
     };
@@ -142,8 +140,5 @@ int cmd_rank(int argc, char **argv) {
         return exit_code;
     if (run.list_path ? n_arguments > 0 : n_arguments < 2)
         return report("rank", EXIT_USAGE, "give a reference and its tests, or --list LIST");
-    exit_code = choose_invalid("rank", invalid, &run.options.invalid);
-    if (exit_code == EXIT_OK)
-        exit_code = choose_precision("rank", precision, &run.options.precision);
-    return exit_code == EXIT_OK ? run_rank(&run, n_arguments, argv) : exit_code;
+    return run_rank(&run, n_arguments, argv);
 }

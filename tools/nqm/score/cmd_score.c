@@ -35,7 +35,7 @@ static int run_score(score_run *run, const char *model_name, double fail_under) 
 
 int cmd_score(int argc, char **argv) {
     bool json = false, csv = false, quiet = false;
-    const char *metrics = NULL, *model = "default", *invalid = "drop", *precision = "f32";
+    const char *metrics = NULL, *model = "default";
     double fail_under = (double)-INFINITY;
     score_run run = {.options = nqm_score_options_default()};
     const option options[] = {
@@ -43,9 +43,6 @@ int cmd_score(int argc, char **argv) {
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
          "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
         {"fail-under", 0, OPTION_NUMBER, &fail_under, "JOD", "exit with 1 when a score is below this", 0, 10},
-        OPTION_ROW_INVALID(&invalid),
-        OPTION_ROW_MIN_VALID(&run.options.min_valid_fraction),
-        OPTION_ROW_PRECISION(&precision),
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
@@ -61,6 +58,8 @@ int cmd_score(int argc, char **argv) {
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
                    "nqm score old.binary new.binary --fail-under 9.5 -q",
         .options = options,
+        .table = &nqm_score_option_table,
+        .table_target = &run.options,
         .min_arguments = 2,
         .max_arguments = -1,
     };
@@ -70,11 +69,7 @@ int cmd_score(int argc, char **argv) {
     exit_code = choose_result_format("score", json, csv, quiet, &run.format);
     if (exit_code != EXIT_OK)
         return exit_code;
-    exit_code = choose_invalid("score", invalid, &run.options.invalid);
-    if (exit_code == EXIT_OK)
-        exit_code = choose_precision("score", precision, &run.options.precision);
-    if (exit_code == EXIT_OK)
-        exit_code = choose_metrics("score", metrics ? metrics : json || csv ? "all" : "", run.metrics);
+    exit_code = choose_metrics("score", metrics ? metrics : json || csv ? "all" : "", run.metrics);
     if (exit_code != EXIT_OK)
         return exit_code;
     run.ref_name = argv[0];

@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_SCORE_H
 #define NQM_TOOL_SCORE_H
 
+#include "metric/metric.h"
 #include "nqm/tool.h"
 
 /** A test and its score, or why it has none. */
@@ -41,11 +42,6 @@ void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_
 /** Which metrics --metrics asks for: "all" or names with commas. EXIT_OK, or a usage error that lists the names.
  *  chosen: (NQM_METRIC_COUNT) */
 int choose_metrics(const char *verb, const char *text, bool *chosen);
-/** The policy of --invalid, or a usage error. */
-int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *policy_ret);
-/** The precision of --precision, or a usage error. */
-int choose_precision(const char *verb, const char *text, nqm_precision *precision_ret);
-
 /** The "model" member of results: id, sha256, parameters, and the precision where it is not the usual one. */
 json_t *model_json(const nqm_model *model, nqm_precision precision);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the verbs that score share: remarks on values of a pair, the words of --metrics, --invalid and --precision, and the model.
+ * What the verbs that score share: remarks on values of a pair, the words of --metrics, and the model.
  */
 #include "nqm/score/score.h"
 
@@ -77,21 +77,6 @@ int choose_metrics(const char *verb, const char *text, bool *chosen) {
         word += n + (word[n] == ',');
     }
     return EXIT_OK;
-}
-
-int choose_invalid(const char *verb, const char *text, nqm_invalid_policy *policy_ret) {
-    if (nqm_invalid_policy_parse(text, policy_ret))
-        return EXIT_OK;
-    return report(verb, EXIT_USAGE, "--invalid is drop, zero, nearest or error, not '%s'", text);
-}
-
-int choose_precision(const char *verb, const char *text, nqm_precision *precision_ret) {
-    static const choice precisions[] = {
-        {"f32", NQM_PRECISION_F32}, {"bf16", NQM_PRECISION_BF16}, {"int8", NQM_PRECISION_INT8}, {0}};
-    int precision = 0;
-    int exit_code = choose(verb, "precision", precisions, text, &precision);
-    *precision_ret = (nqm_precision)precision;
-    return exit_code;
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */

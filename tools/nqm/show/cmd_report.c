@@ -160,8 +160,10 @@ int cmd_report(int argc, char **argv) {
         {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]",
          0, 0},
         {"model", 'm', OPTION_TEXT, &model, "MODEL", "name of a built-in model, or a model file", 0, 0},
-        OPTION_ROW_INVALID(&invalid),
-        OPTION_ROW_MIN_VALID(&run.scores.options.min_valid_fraction),
+        {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "for directions without a value: drop, zero, nearest, error", 0,
+         0},
+        {"min-valid", 0, OPTION_NUMBER, &run.scores.options.min_valid_fraction, "F",
+         "smallest fraction of valid directions of a pair", 0, 1},
         {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
         OPTION_ROW_SIZE(&scene),
@@ -188,7 +190,7 @@ int cmd_report(int argc, char **argv) {
         return exit_code;
     if (!output)
         return report("report", EXIT_USAGE, "give the file of the page: -o FILE.html");
-    exit_code = choose_invalid("report", invalid, &run.scores.options.invalid);
+    exit_code = set_option("report", &nqm_score_option_table, "invalid", &run.scores.options, invalid);
     if (exit_code == EXIT_OK)
         exit_code = scene_args_end("report", &scene);
     run.labels.scene_options = scene.scene;
