@@ -3,14 +3,35 @@
  * What models and the nine scalar metrics predict for the pairs of a dataset. evaluate_judge.c chooses pairs and judges.
  */
 #include "judge/evaluate.h"
+#include "kernel/kernel.h"
 #include "metric/metric.h"
 
 #include <math.h>
 #include <string.h>
 
+#define FIELD(name) .key = #name, .offset = offsetof(nqm_eval_options, name)
+
+const char *const nqm_split_words[] = {"train", "validation", "test", "all", NULL};
+
+/* clang-format off */
+static const nqm_option rows[] = {
+    {FIELD(split), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_split_words, .values = {"all"},
+     .help = "pairs to judge"},
+    {FIELD(order_margin), .name = "", .min = 0, .max = 1e9, .values = {"0.25"}},
+    {FIELD(n_bootstrap), .name = "bootstrap", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1e6,
+     .values = {"1000"}, .help = "resamples of the materials for intervals; 0: none"},
+    {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the resampling"},
+    {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
+     .help = "arithmetic of the network"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_eval_option_table = {rows, sizeof rows / sizeof *rows, NULL};
+
 nqm_eval_options nqm_eval_options_default(void) {
-    return (nqm_eval_options){
-        .split = NQM_SPLIT_ALL, .jod_to = INFINITY, .order_margin = 0.25, .n_bootstrap = 1000, .seed = 1};
+    nqm_eval_options options = {.jod_to = INFINITY};
+    (void)!nqm_options_begin(&nqm_eval_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
 /* ---- the scalar metrics ------------------------------------------------------------------------------------------ */

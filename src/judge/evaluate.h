@@ -5,6 +5,7 @@
 #ifndef NQM_SRC_JUDGE_EVALUATE_H
 #define NQM_SRC_JUDGE_EVALUATE_H
 
+#include "base/options.h"
 #include "data/data.h"
 #include <nqm/judge.h>
 
@@ -35,5 +36,10 @@ void nqm_selection_free(nqm_selection *selection);
 static inline bool nqm_evaluation_in_split(const nqm_dataset *d, size_t pair, nqm_split split) {
     return split == NQM_SPLIT_ALL || nqm_dataset_pair_split(d, pair) == split;
 }
+
+/** The words of nqm_split by value, NULL-terminated. */
+extern const char *const nqm_split_words[];
+/** The options of nqm_eval_options; kind, family, class and JOD range are not among them. */
+extern const nqm_option_table nqm_eval_option_table;
 
 #endif

@@ -33,9 +33,9 @@ static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
 
 static nqm_status begin(const nqm_evaluation *ev, const nqm_eval_options *o, chosen *c, nqm_judgement *j,
                         nqm_error *err) {
-    if (!(o->order_margin >= 0))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "margin of the order: %g is below 0", o->order_margin);
-    nqm_status status = nqm_selection_create(ev, o, &c->pairs, err);
+    nqm_status status = nqm_options_check(&nqm_eval_option_table, o, err);
+    if (status == NQM_OK)
+        status = nqm_selection_create(ev, o, &c->pairs, err);
     if (status == NQM_OK)
         status = collect(ev, c, err);
     *j = (nqm_judgement){.n = c->pairs.n,

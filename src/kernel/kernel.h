@@ -220,4 +220,7 @@ static inline void nqm_adam_update(size_t n, const nqm_adam_rate *rate, const fl
     nqm_kernels_get()->adam(n, rate, grad, m, v, param);
 }
 
+/** nqm_precision_name() as a NULL-terminated list. */
+extern const char *const nqm_precision_words[];
+
 #endif

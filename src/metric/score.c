@@ -4,6 +4,7 @@
  * directions). A block of pairs is compared on all threads, then predicted in one forward pass.
  */
 #include "brdf/brdf.h"
+#include "kernel/kernel.h"
 #include "metric/metric.h"
 #include "metric/sample_cache.h"
 
@@ -39,15 +40,13 @@ struct nqm_scorer {
 
 #define FIELD(name) .key = #name, .offset = offsetof(nqm_score_options, name)
 
-static const char *const precision_words[] = {"f32", "bf16", "int8", NULL};
-
 /* clang-format off */
 static const nqm_option rows[] = {
     {FIELD(invalid), .kind = NQM_OPTION_ENUM, .metavar = "POLICY", .words = nqm_invalid_words, .values = {"drop"},
      .help = "for directions without a value"},
     {FIELD(min_valid_fraction), .name = "min-valid", .metavar = "F", .min = 0, .max = 1, .values = {"0.9"},
      .help = "smallest fraction of valid directions of a pair"},
-    {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = precision_words, .values = {"f32"},
+    {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
      .help = "arithmetic of the network"},
     {FIELD(metrics), .name = "", .kind = NQM_OPTION_BOOL, .values = {"1"}},
     {FIELD(cache_bytes), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = 1e18, .values = {"67108864"}},

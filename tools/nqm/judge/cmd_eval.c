@@ -8,12 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const choice splits[] = {{"test", NQM_SPLIT_TEST},
-                                {"validation", NQM_SPLIT_VALIDATION},
-                                {"train", NQM_SPLIT_TRAIN},
-                                {"all", NQM_SPLIT_ALL},
-                                {0}};
-
 enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8 };
 static const choice bys[] = {{"none", 0},
                              {"kind", BY_KIND},
@@ -174,10 +168,9 @@ static void release(eval_run *run) {
 }
 
 typedef struct eval_arguments {
-    const char *models, *labels, *split, *by, *pairs, *root, *precision;
+    const char *models, *labels, *by, *pairs, *root;
     bool human, json, csv;
     double margin; /* NaN: the default */
-    uint64_t n_bootstrap;
     nqm_eval_options options;
 } eval_arguments;
 
@@ -216,20 +209,12 @@ static int evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_optio
 }
 
 static int run_eval(const eval_arguments *a, const char *dataset_path) {
-    eval_run run = {.dataset_path = dataset_path, .split_name = a->split};
+    eval_run run = {.dataset_path = dataset_path, .split_name = nqm_split_words[a->options.split]};
     nqm_eval_options o = a->options;
-    nqm_score_options score = {0};
-    int split = 0, by = 0;
-    int exit_code = choose("eval", "split", splits, a->split, &split);
-    if (exit_code == EXIT_OK)
-        exit_code = choose("eval", "by", bys, a->by, &by);
-    if (exit_code == EXIT_OK)
-        exit_code = set_option("eval", &nqm_score_option_table, "precision", &score, a->precision);
+    int by = 0;
+    int exit_code = choose("eval", "by", bys, a->by, &by);
     if (exit_code != EXIT_OK)
         return exit_code;
-    o.precision = score.precision;
-    o.split = (nqm_split)split;
-    o.n_bootstrap = (size_t)a->n_bootstrap;
     o.progress = show_progress;
     run.precision = o.precision;
     char *list = strdup(a->models);
@@ -244,16 +229,11 @@ static int run_eval(const eval_arguments *a, const char *dataset_path) {
 }
 
 int cmd_eval(int argc, char **argv) {
-    eval_arguments a = {.models = "default",
-                        .split = "test",
-                        .by = "none",
-                        .precision = "f32",
-                        .margin = (double)NAN,
-                        .options = nqm_eval_options_default()};
-    a.n_bootstrap = a.options.n_bootstrap;
+    eval_arguments a = {
+        .models = "default", .by = "none", .margin = (double)NAN, .options = nqm_eval_options_default()};
+    a.options.split = NQM_SPLIT_TEST;
     const option options[] = {
         {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
-        {"split", 0, OPTION_TEXT, &a.split, "WORD", "test, validation, train or all", 0, 0},
         {"by", 0, OPTION_TEXT, &a.by, "WORD",
          "further tables: by family or kind of distortion, class of the reference material, JOD range; both (kind and "
          "range), all or none",
@@ -268,10 +248,6 @@ int cmd_eval(int argc, char **argv) {
          "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
          "human scores: 0)",
          0, 1e9},
-        {"bootstrap", 0, OPTION_COUNT, &a.n_bootstrap, "N", "resamples of the materials for intervals; 0: none", 0,
-         1e6},
-        {"seed", 0, OPTION_COUNT, &a.options.seed, "N", "of the resampling", 0, 0},
-        {"precision", 0, OPTION_TEXT, &a.precision, "WORD", "arithmetic of the network: f32, bf16 or int8", 0, 0},
         {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
          0},
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
@@ -292,6 +268,8 @@ int cmd_eval(int argc, char **argv) {
                    "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
                    "nqm eval --human opinions.csv --root brdfs --model default,paper",
         .options = options,
+        .table = &nqm_eval_option_table,
+        .table_target = &a.options,
         .min_arguments = 1,
         .max_arguments = 1,
     };

@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_EVAL_H
 #define NQM_TOOL_EVAL_H
 
+#include "judge/evaluate.h"
 #include "nqm/score/score.h"
 
 /** Each model is compared with two metrics. */

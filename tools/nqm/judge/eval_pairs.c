@@ -20,9 +20,8 @@ static void write_head(const eval_run *run, FILE *out) {
 }
 
 static void write_pair(const eval_run *run, size_t pair, FILE *out) {
-    static const char *const split_names[] = {"train", "validation", "test"};
     nqm_dataset_pair p = nqm_dataset_get_pair(run->dataset, pair);
-    const char *const texts[] = {p.ref, p.group, p.test, p.kind, split_names[p.split]};
+    const char *const texts[] = {p.ref, p.group, p.test, p.kind, nqm_split_words[p.split]};
     for (size_t k = 0; k < sizeof texts / sizeof texts[0]; ++k) {
         print_csv_text(out, texts[k]);
         fputc(',', out);
