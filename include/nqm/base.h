@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/base.h - version, status codes, errors and progress: what every other nqm header builds on.
+ * nqm/base.h - version, status codes, errors and progress. Every other nqm header includes it.
  *
- * Conventions that hold in the whole library (written once, here):
+ * Conventions of the whole library:
  *
  *  - Directions are unit vectors that point away from the surface; z is the surface normal.
  *  - `wi` points to the light, `wo` to the viewer. BRDF values are f_r in 1/sr, WITHOUT the cosine.
@@ -52,54 +52,55 @@ typedef enum nqm_status {
     NQM_ERR_NOMEM = -6,        /**< out of memory [7] */
     NQM_ERR_LIMIT = -7,        /**< a documented size limit is exceeded [7] */
     NQM_ERR_NUMERIC = -8,      /**< a computation diverged or gave non-finite values [8] */
-    NQM_ERR_CANCELLED = -9     /**< the progress callback asked to stop [130] */
+    NQM_ERR_CANCELLED = -9     /**< the progress callback requested a stop [130] */
 } nqm_status;
 
 /** Why a call failed. Zero-initialise it; only failing calls write to it. */
 typedef struct nqm_error {
     nqm_status status;   /**< the status that the call returned */
-    int64_t byte_offset; /**< position in the file at fault, bytes from its start; -1 where that means nothing */
-    char message[512];   /**< one line, UTF-8, NUL-terminated; names the file and the byte where there are any */
+    int64_t byte_offset; /**< position of the fault in its file, bytes from the start; -1 if there is none */
+    char message[512];   /**< one line, UTF-8, NUL-terminated; gives the file and the byte if there are any */
 } nqm_error;
 
-/** A short fixed English phrase for `status` ("malformed input"); never NULL. Any thread. */
+/** A short constant English phrase for `status` ("malformed input"); never NULL. Any thread. */
 NQM_API const char *nqm_status_text(nqm_status status);
 
 /** "MAJOR.MINOR.PATCH" of the library that is running; static storage. Any thread. */
 NQM_API const char *nqm_version(void);
 
-/** One line on what this build holds: libraries with their versions, the best kernels that this processor can run; static
- *  storage. Any thread. */
+/** One line that describes this build: libraries with their versions, and the fastest kernel set that this processor
+ *  supports; static storage. Any thread. */
 NQM_API const char *nqm_build_info(void);
 
 /**
- * Progress of long work. Called from the thread that made the call, at most a few times a second.
+ * Progress callback of a long call. It runs on the calling thread, at most a few times per second.
  *
  * @param user   the pointer given together with the callback
- * @param stage  what is being done ("train", "label"); valid during the call only
+ * @param stage  name of the current stage ("train", "label"); valid during the callback only
  * @param done   work done so far, in the unit of `total`
- * @param total  all the work; 0 when unknown
- * @return 0 to go on; anything else stops the work as soon as it is safe, and the call returns NQM_ERR_CANCELLED
+ * @param total  total work; 0 when unknown
+ * @return 0 to continue; any other value stops the work as soon as it is safe, and the call returns NQM_ERR_CANCELLED
  */
 typedef int (*nqm_progress_fn)(void *user, const char *stage, double done, double total);
 
-/** What the network's products are computed in. Everything else - sums, LayerNorm, GELU, the output - is float or double. */
+/** Type of the factors in the network's matrix products. Sums, LayerNorm, GELU and the output are float or double. */
 typedef enum nqm_precision {
-    NQM_PRECISION_F32 = 0, /**< float: the reference, and what JODs are quoted in */
-    NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8 bits), to nearest even */
-    NQM_PRECISION_INT8, /**< weights in signed bytes with a scale for each output, activations in bytes with a scale for
-                                each row; scoring only */
+    NQM_PRECISION_F32 = 0, /**< float: the reference; published JODs use it */
+    NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8-bit significand), to nearest even */
+    NQM_PRECISION_INT8, /**< weights in signed bytes with one scale per output, activations in bytes with one scale per
+                                row; scoring only */
     NQM_PRECISION_COUNT
 } nqm_precision;
-/** "f32", "bf16", "int8"; static storage; NULL beyond. */
+/** "f32", "bf16", "int8"; static storage; NULL for any other value. */
 NQM_API const char *nqm_precision_name(nqm_precision precision);
-/** The i-th kernel set ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports, fastest first;
- *  static storage; NULL beyond. "scalar" is plain loops, slow, and the definition of the results. */
+/** The i-th kernel set ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports, fastest
+ *  first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and the reference
+ *  for the others. */
 NQM_API const char *nqm_kernels_name(size_t i);
-/** Choose one of them for the whole process, for tests and benchmarks; NULL: back to the best. NQM_ERR_ARG when this
- *  processor does not know it. Not while another thread computes. */
+/** Select a kernel set for the whole process, for tests and benchmarks; NULL selects the fastest. NQM_ERR_ARG when this
+ *  processor does not support it. Do not call it while another thread computes. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
-/** The one in use. */
+/** The name of the kernel set in use. */
 NQM_API const char *nqm_kernels_selected(void);
 
 #ifdef __cplusplus

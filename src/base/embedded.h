@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * embedded.h - a file that the build has put into the library (cmake/models.cmake).
+ * embedded.h - a file embedded in the library at build time (cmake/models.cmake).
  */
 #ifndef NQM_SRC_BASE_EMBEDDED_H
 #define NQM_SRC_BASE_EMBEDDED_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Status texts, the library version and the one way to fail with a message.
+ * Status texts, the library version and error reporting.
  */
 #include "base/base.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Input files mapped into memory, and output files that appear under their name only when they are complete: a reader
- * never sees half a file, and an interrupted run leaves what was there before.
+ * Memory-mapped input files, and output files that are renamed to their final name when they are complete: a reader
+ * never sees a partial file, and an interrupted run leaves an existing file unchanged.
  */
 #include "base/base.h"
 
@@ -20,10 +20,10 @@ void nqm_map_close_file(nqm_map *map) {
     map->has_fd = false;
 }
 
-/* keep: the descriptor stays with the map. */
+/* keep: leave the descriptor open, owned by the map. */
 static nqm_status open_map(const char *path, bool keep, nqm_map *map_ret, nqm_error *err) {
     *map_ret = (nqm_map){0};
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: a FIFO must not hang us */
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a FIFO must not block */
     if (fd < 0)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
     nqm_status status = NQM_OK;
@@ -59,7 +59,7 @@ nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err) {
 }
 
 nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err) {
-    enum { MAX_KEPT_FD = 256 }; /* of the 1024 that a process may usually have */
+    enum { MAX_KEPT_FD = 256 }; /* the usual limit of a process is 1024 */
     nqm_status status = open_map(path, true, map_ret, err);
     if (map_ret->data) /* advice only, failure is harmless */
         (void)posix_madvise((void *)(uintptr_t)map_ret->data, map_ret->n_bytes, POSIX_MADV_RANDOM);
@@ -92,8 +92,8 @@ static bool is_special(const char *path) {
 
 static const char suffix[] = ".XXXXXX.part";
 
-/* Create the file `name`, which ends in `suffix`, with random letters for the X; -1 and errno when that fails. mkstemps()
- * would make it private; open() applies the umask. */
+/* Create the file `name`, which ends in `suffix`, after replacing each X with a random character. Returns a descriptor,
+ * or -1 with errno set. open() applies the umask; mkstemps() would make the file accessible to its owner only. */
 static int create_temporary(char *name) {
     static const char letters[] = "0123456789abcdefghijklmnopqrstuvwxyz";
     static atomic_uint counter;
@@ -113,7 +113,7 @@ static int create_temporary(char *name) {
 nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
     size_t n_path = strlen(path) + 1;
     bool in_place = is_special(path);
-    char *names = nqm_alloc(2 * n_path + sizeof suffix, 1); /* both names in one block */
+    char *names = nqm_alloc(2 * n_path + sizeof suffix, 1); /* `path`, then `temporary` */
     *out_ret = (nqm_outfile){.path = names};
     if (!names)
         return nqm_fail_nomem(err, 2 * n_path + sizeof suffix);
@@ -131,7 +131,7 @@ nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *e
     if (fd >= 0)
         close(fd);
     else
-        out_ret->temporary = NULL; /* there is none to remove */
+        out_ret->temporary = NULL; /* no file was created */
     nqm_outfile_abort(out_ret);
     return status;
 }
@@ -157,7 +157,7 @@ nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
     nqm_status status =
         bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
     if (!bad)
-        out->temporary = NULL; /* it has its final name */
+        out->temporary = NULL; /* renamed: there is nothing to remove */
     nqm_outfile_abort(out);
     return status;
 }

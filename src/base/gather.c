@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads small pieces from many places of a large file: first the pieces that are cached, without waiting; then the others,
- * after the system has been told to prefetch all of them.
+ * Reads small pieces from many places of a large file: first the leading pieces that are in the page cache, without
+ * waiting; then the others, in order of offset, after asking the system to prefetch all of them.
  */
-/* NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch */
+/* NOLINTNEXTLINE(bugprone-reserved-identifier): the feature-test macro of the C library */
 #define _GNU_SOURCE /* preadv2 */
 #include "base/base.h"
 
@@ -13,7 +13,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-/* Pieces closer than this are fetched with one request, which costs as much as reading a few more pages. */
+/* Bytes. Pieces with a smaller gap are fetched in one request: a request costs as much as reading a few more pages. */
 enum { MAX_GAP = 8192 };
 
 static void copy_mapped(const nqm_map *map, const nqm_piece *piece, size_t n_each) {
@@ -24,7 +24,7 @@ static void copy_mapped(const nqm_map *map, const nqm_piece *piece, size_t n_eac
         memset(piece->out, 0xff, n_each);
 }
 
-/* Read the pieces up to the first one that is not in memory; returns how many were read. */
+/* Read the pieces up to the first one that is not in the page cache; returns the number of pieces read. */
 static size_t read_present(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
     for (size_t i = 0; i < n; ++i) {
         const struct iovec to = {.iov_base = pieces[i].out, .iov_len = n_each};
@@ -39,7 +39,7 @@ static int by_offset(const void *a, const void *b) {
     return (left > right) - (left < right);
 }
 
-/* Tell the system of all pieces before the first is waited for. Advice only, failure is harmless. */
+/* Prefetch all pieces, so that the disk reads them concurrently. Advice only, failure is harmless. */
 static void announce(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
     for (size_t i = 0; i < n;) {
         size_t begin = pieces[i].offset, end = begin + n_each;

@@ -13,14 +13,14 @@ static bool load(const nqm_library *library) {
     bool found = handle != NULL;
     for (size_t i = 0; i < library->n && found; ++i) {
         void *address = dlsym(handle, library->names[i]);
-        /* ISO C knows no conversion between both kinds of pointers, POSIX does. */
+        /* ISO C has no conversion from void * to a function pointer; POSIX guarantees that the bytes are the same. */
         memcpy((char *)library->functions + i * sizeof address, &address, sizeof address);
         found = address != NULL;
     }
     return found;
 }
 
-static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER; /* held while any library is loaded */
+static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER; /* locked while any library is being loaded */
 
 bool nqm_library_get(nqm_library *library) {
     pthread_mutex_lock(&loading);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * library.h - shared libraries that are loaded when they are needed: linked in, they would delay the start of all the
- * programs that never need them (doc/performance.md, "Start-up"). A module lists the functions of a library that it uses
- * in a macro SOME_FUNCTIONS(X), an X(name) for each; their pointers and their names are then
+ * library.h - loads shared libraries at their first use. Linking them would slow the start of every program, including
+ * those that never use them (doc/performance.md, "Loading and start"). A module lists the functions that it uses in a
+ * macro SOME_FUNCTIONS(X) with one X(name) per function, and defines
  *
  *     typedef struct nqm_some {
  *         SOME_FUNCTIONS(NQM_LIBRARY_MEMBER)
@@ -16,24 +16,24 @@
 
 #include "base/base.h"
 
-/* NOLINTNEXTLINE(bugprone-macro-parentheses): the name of a member */
+/* NOLINTNEXTLINE(bugprone-macro-parentheses): a member name takes no parentheses */
 #define NQM_LIBRARY_MEMBER(name) __typeof__(name) *name;
 #define NQM_LIBRARY_NAME(name)   #name,
 
-/** A library; of static storage. */
+/** A library; the object must have static storage. */
 typedef struct nqm_library {
     const char *soname;
     size_t n;
     const char *const *names; /**< (n) */
-    void *functions;          /**< struct of n function pointers and nothing else */
+    void *functions;          /**< a struct of exactly n function pointers */
     bool tried, loaded;
 } nqm_library;
 
 #define NQM_LIBRARY(SONAME, NAMES, FUNCTIONS)                                                                          \
     { .soname = (SONAME), .n = sizeof(NAMES) / sizeof *(NAMES), .names = (NAMES), .functions = &(FUNCTIONS) }
 
-/** Load it for good, at the first call, and look up its functions. false when it is not installed or lacks one of them.
- *  Any thread. */
+/** The first call loads the library and looks up its functions; it is never unloaded. false when the library is not
+ *  installed or lacks a function. Any thread. */
 bool nqm_library_get(nqm_library *library);
 
 #endif

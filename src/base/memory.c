@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Checked, zeroed and aligned allocation. Every allocation of the library's own code passes here, so that tests can
- * make the n-th one fail (nqm_alloc_fail_after).
+ * Checked, zeroed and aligned allocation. All code of the library allocates with these functions, so that tests can
+ * make the n-th allocation fail (nqm_alloc_fail_after).
  */
 #include "base/base.h"
 #include "base/memory_test.h"
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector register */
+enum { ALIGNMENT = 64 }; /* bytes of a cache line, and of the widest vector register */
 
 static _Atomic long countdown = -1, count;
 
@@ -68,7 +68,7 @@ nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error 
     return at ? NQM_OK : nqm_fail_nomem(err, n_bytes);
 }
 
-enum { MIN_PAGES = 1 << 20 }; /* bytes; below this size a separate mapping does not pay */
+enum { MIN_PAGES = 1 << 20 }; /* bytes; for smaller blocks mmap() costs more than it saves */
 
 void *nqm_alloc_pages(size_t n, size_t size) {
     size_t n_bytes;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lists of strings: see names.h.
+ * Lists of strings (names.h).
  */
 #include "base/names.h"
 
 #include <string.h>
 
-/* Room for n elements in *block, which holds *max_n; the capacity doubles. */
+/* Grow *block to a capacity of at least n elements; *max_n is its capacity. Doubling makes appending O(1) amortised. */
 static bool reserve(void **block, size_t *max_n, size_t n, size_t size) {
     if (n <= *max_n)
         return true;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * names.h - a growing list of strings, copied into one block, with a search for equal ones.
+ * names.h - a growing list of strings, stored in one block, with a linear search.
  */
 #ifndef NQM_SRC_BASE_NAMES_H
 #define NQM_SRC_BASE_NAMES_H
 
 #include "base/base.h"
 
-/** A list of strings; zeroed: empty. */
+/** A list of strings; a zeroed list is empty. */
 typedef struct nqm_names {
     size_t n, max_n, n_text, max_text;
-    size_t *start; /* (n) where each begins in `text` */
+    size_t *start; /* (n) offset of each string in `text` */
     char *text;    /* (n_text) NUL-terminated strings */
 } nqm_names;
 
@@ -20,7 +20,7 @@ static inline const char *nqm_name(const nqm_names *names, size_t i) {
 }
 /** Append a string of n_bytes without NUL. */
 NQM_MUST_CHECK nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err);
-/** Find a string (*index_ret), or append it. The search is linear and starts at the end. */
+/** Find a string, or append it; *index_ret is its index. The search is linear and starts at the end. */
 NQM_MUST_CHECK nqm_status nqm_names_intern(nqm_names *names, const char *name, size_t n_bytes, uint32_t *index_ret,
                                            nqm_error *err);
 void nqm_names_free(nqm_names *names);

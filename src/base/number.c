@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Numbers as text, the same under every locale: the calling thread is switched to the "C" locale for the one
- * conversion.
+ * Locale-independent number conversion: the calling thread uses the "C" locale during the conversion.
  */
 #include "base/base.h"
 
@@ -11,7 +10,7 @@
 #include <stdlib.h>
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static locale_t c_locale; /* made once, never freed: a few hundred bytes that live as long as the process */
+static locale_t c_locale; /* created once and never freed: a few hundred bytes */
 
 static void make_c_locale(void) {
     c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options described by tables: defaults, checks, names, and values as text.
+ * Options described by tables: defaults, range checks, names, conversion to and from text.
  */
 #include "base/options.h"
 
@@ -14,7 +14,7 @@ static void *field_of(const nqm_option *o, const void *options) {
     return (char *)options + o->offset;
 }
 
-/* The value of a number, bool or enum. */
+/* The value of a numeric, bool or enum field. */
 static double number_at(const nqm_option *o, const void *field) {
     switch (o->kind) {
     case NQM_OPTION_DOUBLE:
@@ -125,7 +125,7 @@ char *nqm_option_format(const nqm_option *o, const void *options, char *text) {
 
 /* ---- setting ----------------------------------------------------------------------------------------------------- */
 
-/* The index of the word that `text` is, or is cut from at an underscore; -1: none, or several. */
+/* Index of the word that equals `text`, else of the only word that starts with `text` and an underscore, else -1. */
 static int find_word(const nqm_option *o, const char *text) {
     const size_t n_text = strlen(text);
     int found = -1;
@@ -138,7 +138,7 @@ static int find_word(const nqm_option *o, const char *text) {
     return found < 0 ? -1 : found;
 }
 
-/* A number that the option may have, at the start of `text`; what follows begins at *end_ret. */
+/* Parse a number that is valid for the option at the start of `text`; *end_ret points after it. */
 static bool parse_number(const nqm_option *o, const char *text, const char **end_ret, double *value_ret) {
     enum { DOUBLE_DIGITS = 53 };
     if (!nqm_parse_double(text, end_ret, value_ret) || !is_valid(o, *value_ret))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Parallel loops and the progress ticker.
+ * Parallel loops, the monotonic clock and the progress ticker.
  */
 #include "base/base.h"
 

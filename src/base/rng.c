@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Random numbers with explicit state: xoshiro256** (Blackman and Vigna 2021, DOI 10.1145/3460772) seeded through
- * splitmix64 (Steele, Lea and Flood 2014, DOI 10.1145/2660193.2660195), and a counter-based hash for draws that must
- * not depend on the order of calls.
+ * Random numbers with explicit state: xoshiro256** (Blackman and Vigna 2021, DOI 10.1145/3460772) seeded by splitmix64
+ * (Steele, Lea and Flood 2014, DOI 10.1145/2660193.2660195), and a counter-based hash for random values that must not
+ * depend on the order of calls.
  */
 #include "base/base.h"
 
@@ -42,13 +42,13 @@ double nqm_rng_uniform(nqm_rng *rng) {
 }
 
 double nqm_rng_normal(nqm_rng *rng) {
-    double u = 1.0 - nqm_rng_uniform(rng); /* (0, 1]: the logarithm stays finite */
+    double u = 1.0 - nqm_rng_uniform(rng); /* in (0, 1], so that the logarithm is finite */
     double v = nqm_rng_uniform(rng);
     return sqrt(-2.0 * log(u)) * cos(6.283185307179586 * v);
 }
 
 uint64_t nqm_rng_below(nqm_rng *rng, uint64_t n) {
-    uint64_t limit = UINT64_MAX - UINT64_MAX % n; /* a multiple of n: no value is favoured */
+    uint64_t limit = UINT64_MAX - UINT64_MAX % n; /* a multiple of n, so that all results are equally likely */
     uint64_t v;
     do
         v = nqm_rng_u64(rng);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * SHA-256 by OpenSSL's libcrypto.
+ * SHA-256, computed by OpenSSL's libcrypto.
  */
 #include "base/base.h"
 

@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: MIT
  *
- * The matrix product by oneDNN's sgemm. Its own threading may cut the sum over k, so that the result would depend on
- * the number of threads; therefore C is cut here, into blocks that depend on its shape only, and each block is one
- * single-threaded call. Block sizes were chosen by measurement on shapes of the paper's network (doc/performance.md).
+ * Matrix product by oneDNN's sgemm. The threading of oneDNN may split the sum over k, which would make the result
+ * depend on the number of threads. Therefore this file splits C into blocks that depend only on the shape of the
+ * product, and computes each block with one single-threaded call. The block sizes were measured to be fast on the
+ * shapes of the paper's network.
  */
 #include "kernel/kernel.h"
 #include "kernel/onednn.h"
 
 #include <omp.h>
 
-enum { MIN_PARALLEL = 1 << 18 }; /* multiplications; below, waking a thread costs more than it saves */
+enum { MIN_PARALLEL = 1 << 18 }; /* multiply-adds; below this, waking a thread costs more than it saves */
 
 typedef struct blocks {
-    size_t rows, cols; /* of a block; those at the right and lower edge may be smaller */
+    size_t rows, cols; /* of a block; blocks at the right and bottom edges may be smaller */
 } blocks;
 
 static blocks choose_blocks(const nqm_gemm *g) {
-    if (g->m <= 32) /* scoring a few pairs: the time goes into reading B, narrow blocks share that evenly */
+    if (g->m <= 32) /* few rows: reading B takes most of the time, and narrow blocks divide it evenly among threads */
         return (blocks){32, 64};
-    /* Weight gradients (op(A) transposed) have a short k: only large blocks make up for oneDNN's packing. */
+    /* Weight gradients (A transposed) have a small k: only large blocks amortise oneDNN's packing. */
     size_t widest = g->trans_a ? 1536 : 512;
-    size_t n_across = nqm_ceil_div(g->n, 2 * widest) * 2; /* even, so that two threads have equal shares */
+    size_t n_across = nqm_ceil_div(g->n, 2 * widest) * 2; /* even, so that two threads get equal work */
     size_t cols = nqm_ceil_div(nqm_ceil_div(g->n, n_across), 16) * 16;
     return (blocks){g->trans_a ? 1024 : 256, cols};
 }
@@ -36,7 +37,7 @@ static void gemm_block(const nqm_onednn *onednn, const nqm_gemm *g, blocks size,
         onednn->dnnl_sgemm(g->trans_a ? 'T' : 'N', g->trans_b ? 'T' : 'N', (dnnl_dim_t)part.m, (dnnl_dim_t)part.n,
                            (dnnl_dim_t)part.k, part.alpha, part.a, (dnnl_dim_t)part.lda, part.b, (dnnl_dim_t)part.ldb,
                            part.beta, part.c, (dnnl_dim_t)part.ldc);
-    if (status != dnnl_success) /* it found no memory to pack into; nothing has been written */
+    if (status != dnnl_success) /* out of memory for packing; C is unchanged */
         nqm_kernels_scalar.gemm(&part);
 }
 
@@ -53,7 +54,7 @@ void nqm_gemm_onednn(const nqm_gemm *g) {
     size_t n_blocks = n_down * nqm_ceil_div(g->n, size.cols);
 #pragma omp parallel if (g->m * g->n * g->k >= MIN_PARALLEL)
     {
-        omp_set_num_threads(1); /* for this thread within this region: oneDNN asks, and starts no threads of its own */
+        omp_set_num_threads(1); /* for this thread in this region: keeps oneDNN single-threaded */
 #pragma omp for schedule(dynamic, 1)
         for (size_t i = 0; i < n_blocks; ++i)
             gemm_block(onednn, g, size, i % n_down * size.rows, i / n_down * size.cols);

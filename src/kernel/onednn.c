@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loads oneDNN. NQM_ONEDNN_SONAME is the version that the build found (CMakeLists.txt).
+ * Loads oneDNN. NQM_ONEDNN_SONAME is the shared library that CMakeLists.txt found at build time.
  */
 #include "kernel/onednn.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * onednn.h - oneDNN, loaded at its first product: only fits of some networks and the benchmark multiply with it.
+ * onednn.h - oneDNN, loaded at its first use, because most commands never use it.
  */
 #ifndef NQM_SRC_KERNEL_ONEDNN_H
 #define NQM_SRC_KERNEL_ONEDNN_H
@@ -27,12 +27,12 @@
     X(dnnl_primitive_execute)                                                                                          \
     X(dnnl_primitive_destroy)
 
-/** The functions of oneDNN that are used here, under their own names. */
+/** Pointers to the functions of oneDNN that nqm uses, under their own names. */
 typedef struct nqm_onednn {
     NQM_ONEDNN_FUNCTIONS(NQM_LIBRARY_MEMBER)
 } nqm_onednn;
 
-/** The library, loaded once and for good; NULL where it is not installed. Any thread. */
+/** The functions of oneDNN, loaded by the first call; NULL when oneDNN is not installed. Any thread. */
 const nqm_onednn *nqm_onednn_get(void);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Eigenvectors of small symmetric matrices by cyclic Jacobi rotations (Golub and Van Loan, Matrix Computations, section
- * 8.5): slow for large matrices, accurate, and the same on every machine.
+ * 8.5): accurate and reproducible on every machine, but too slow for large matrices.
  */
 #include "math/math.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Nonlinear least squares: a front to the Levenberg-Marquardt method of MINPACK (More 1978, DOI 10.1007/BFb0067700) as
- * kept by cminpack. The Jacobian is made here by forward differences, because MINPACK's own know relative steps only,
- * and a parameter that is a logarithm near 0 needs an absolute one.
+ * Nonlinear least squares: calls the Levenberg-Marquardt method of MINPACK (More 1978, DOI 10.1007/BFb0067700) in
+ * cminpack. This file computes the Jacobian by forward differences, because those of MINPACK use only relative steps,
+ * and a parameter that is a logarithm near 0 needs an absolute step.
  */
 #include "math/math.h"
 
@@ -28,14 +28,14 @@ static int evaluate(const nqm_lsq_problem *problem, const double *x, double *res
     return 0;
 }
 
-/* jacobian: column-major, (n_parameters, n_residuals) in rows of ours. */
+/* jacobian: (n_parameters, n_residuals), that is, MINPACK's column-major matrix. */
 static int differentiate(solver *s, double *x, const double *residual, double *jacobian) {
     const nqm_lsq_problem *problem = s->problem;
     for (size_t j = 0; j < problem->n_parameters; ++j) {
         double keep = x[j];
         double step = problem->step > 0 ? problem->step : sqrt(DBL_EPSILON) * (keep != 0 ? fabs(keep) : 1);
         x[j] = keep + step;
-        step = x[j] - keep; /* what was really added */
+        step = x[j] - keep; /* the step after rounding */
         int stop = evaluate(problem, x, s->shifted);
         x[j] = keep;
         if (stop)
@@ -54,7 +54,7 @@ static int minpack_callback(void *p, int m, int n, const double *x, double *resi
     solver *s = p;
     if (task == 1)
         return evaluate(s->problem, x, residual);
-    return differentiate(s, (double *)(uintptr_t)x, residual, jacobian); /* x is MINPACK's scratch; it is put back */
+    return differentiate(s, (double *)(uintptr_t)x, residual, jacobian); /* differentiate() restores x */
 }
 
 static double root_mean_square(size_t n, const double *residual) {

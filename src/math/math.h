@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, Rusinkiewicz coordinates, statistics (ranks, correlations, quantiles), a front to
- * nonlinear least squares, eigenvectors, range checks. Knows nothing of BRDFs or files.
+ * math.h - vectors, Rusinkiewicz coordinates, range checks, statistics (ranks, correlations, quantiles), nonlinear
+ * least squares, eigenvectors. It contains nothing specific to BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H
@@ -30,10 +30,10 @@ void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
 
 /** Whether all n values are finite and at least `least`. */
 bool nqm_all_within(size_t n, const float *value, float least);
-/** The first that is not; n when all are. */
+/** Index of the first value that is not finite or is below `least`; n when there is none. */
 size_t nqm_first_outside(size_t n, const float *value, float least);
 
-/** The digits of i in `base` mirrored at the point (van der Corput), in [0, 1). */
+/** The radical inverse of i in `base` (van der Corput): its digits mirrored at the radix point, in [0, 1). */
 double nqm_radical_inverse(size_t i, size_t base);
 
 /* ---- statistics -------------------------------------------------------------------------------------------------- */
@@ -41,33 +41,33 @@ double nqm_radical_inverse(size_t i, size_t base);
 /** Ranks from 1, ties get their mean rank; x, rank: (n). `order` is scratch (n). */
 void nqm_ranks(size_t n, const double *x, double *rank, size_t *order);
 double nqm_mean(size_t n, const double *x);
-/** Pearson's r; NaN when either has no variance or n < 2. */
+/** Pearson's r; NaN when x or y has no variance or contains NaN, or n < 2. */
 double nqm_pearson(size_t n, const double *x, const double *y);
-/** Spearman's rho (Pearson of mean ranks); NaN as above, or when out of memory. */
+/** Spearman's rho (Pearson's r of the mean ranks); NaN as above, or when out of memory. */
 double nqm_spearman(size_t n, const double *x, const double *y);
-/** Kendall's tau-b; NaN as above. O(n log n). */
+/** Kendall's tau-b; NaN as for nqm_spearman(). O(n log n). */
 double nqm_kendall(size_t n, const double *x, const double *y);
-/** The q-quantile (0..1) with linear interpolation; x (n) is sorted in place. */
+/** The quantile at q (0..1) with linear interpolation; NaN when n is 0. Sorts x (n) in place. */
 double nqm_quantile(size_t n, double *x, double q);
 
 /* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------- */
 
 typedef struct nqm_lsq_problem {
     size_t n_parameters, n_residuals;
-    /** Residuals (n_residuals) at x (n_parameters); nonzero stops. */
+    /** Residuals (n_residuals) at x (n_parameters); a nonzero result stops the solver. */
     int (*residuals)(void *user, const double *x, double *residual);
     void *user;
     double step;         /**< absolute forward-difference step, 0: relative sqrt(eps) */
-    double tolerance;    /**< relative, of sum of squares and of x; 0: 1e-12 */
+    double tolerance;    /**< relative tolerance of the sum of squares and of x; 0: 1e-12 */
     int max_evaluations; /**< 0: 200 (n_parameters + 1) */
 } nqm_lsq_problem;
 
-/** Minimise from x (in/out); *rms_ret the root mean square residual. NQM_ERR_NUMERIC when it diverges. */
+/** Minimise, starting at x (in/out); *rms_ret receives the root mean square residual. NQM_ERR_NUMERIC: it diverged. */
 NQM_MUST_CHECK nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_ret, nqm_error *err);
 
 /* ---- symmetric matrices ------------------------------------------------------------------------------------------ */
 
-/** Eigenvalues (n), largest first, and unit eigenvectors in rows (n, n) of the symmetric a (n, n), which is overwritten. */
+/** Eigenvalues (n), largest first, and unit eigenvectors in rows (n, n) of the symmetric a (n, n); overwrites a. */
 void nqm_eigen_symmetric(size_t n, double *a, double *values, double *vectors);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Checks that all values of an array are finite and above a limit; vectorised, since whole files are checked.
+ * Checks that all values of an array are finite and at least a limit; vectorised, because it checks whole files.
  */
 #include "math/math.h"
 
@@ -11,7 +11,7 @@ static bool is_within(float value, float least) {
 }
 
 bool nqm_all_within(size_t n, const float *value, float least) {
-    enum { LANES = 16 }; /* a constant number of them at once, so that the compiler uses vectors */
+    enum { LANES = 16 }; /* a constant inner trip count lets the compiler vectorise the loop */
     uint32_t bad[LANES] = {0}, any = 0;
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rank and product-moment correlations, means and quantiles. Ties are treated as in the usual texts: mean ranks for
- * Spearman's rho, tau-b for Kendall's (Kendall 1945, DOI 10.1093/biomet/33.3.239), computed in O(n log n) after Knight
- * (1966, DOI 10.1080/01621459.1966.10480879).
+ * Rank and product-moment correlations, means and quantiles. Ties: mean ranks for Spearman's rho; tau-b for Kendall's
+ * tau (Kendall 1945, DOI 10.1093/biomet/33.3.239), computed in O(n log n) by the method of Knight (1966,
+ * DOI 10.1080/01621459.1966.10480879).
  */
-/* NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch */
+/* NOLINTNEXTLINE(bugprone-reserved-identifier): the feature-test macro of the C library */
 #define _GNU_SOURCE /* qsort_r */
 #include "math/math.h"
 
@@ -57,7 +57,7 @@ double nqm_mean(size_t n, const double *x) {
     return n ? sum / (double)n : NAN;
 }
 
-/* true when there is no variance (which rounding hides from the sum of squares) or any value is NaN. */
+/* true when all values are equal or any value is NaN. Rounding can make the sum of squares of equal values > 0. */
 static bool is_degenerate(size_t n, const double *x) {
     bool constant = true;
     for (size_t i = 0; i < n; ++i) {
@@ -110,7 +110,7 @@ static int compare_points(const void *a, const void *b) {
     return by_x ? by_x : (p->y > q->y) - (p->y < q->y);
 }
 
-/* Number of pairs within runs of points that are equal by `same`. The points are sorted. */
+/* Number of pairs within runs of points that `same` considers equal. Equal points must be adjacent. */
 static double tied_pairs(size_t n, const point *p, bool (*same)(const point *, const point *)) {
     double pairs = 0;
     for (size_t begin = 0, end; begin < n; begin = end) {
@@ -134,7 +134,7 @@ static bool same_point(const point *p, const point *q) {
     return p->x == q->x && p->y == q->y;
 }
 
-/* Sort by y (stable merge sort) and count the exchanges of neighbours that this takes: the discordant pairs. */
+/* Sort by y (stable merge sort); returns the number of adjacent exchanges, which is the number of discordant pairs. */
 static double sort_by_y(size_t n, point *p, point *scratch) {
     double exchanges = 0;
     for (size_t width = 1; width < n; width *= 2) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Vectors of three, and the half-vector coordinates of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2).
+ * 3D vectors, and the half-vector coordinates of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2).
  */
 #include "math/math.h"
 
@@ -40,7 +40,7 @@ double nqm_luminance(const double *rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-/* Angles come from atan2 of both legs: acos loses half the digits near 0, where highlights of 0.2 degrees live. */
+/* atan2 instead of acos, which loses half the digits near 0, where a highlight may be 0.2 degrees wide. */
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd) {
     double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
     nqm_normalize3(h);
@@ -62,7 +62,7 @@ void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
     double sin_h = sin(hd[0]), cos_h = cos(hd[0]);
     double d[3];
     nqm_spherical(hd[1], hd[2], d);
-    /* wi is the difference vector turned to the half vector; wo is its mirror image there (d with x, y negated). */
+    /* The rotation from the z axis to the half vector maps the difference vector d to wi, (-d.x, -d.y, d.z) to wo. */
     for (int side = 0; side < 2; ++side) {
         double x = side ? -d[0] : d[0], y = side ? -d[1] : d[1];
         double *w = side ? wo : wi;

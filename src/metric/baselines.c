@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar metrics in BRDF space, one row of a table each: the paper's eight baselines (section 4: cube root after Fores et
- * al. 2012, DOI 10.2352/CIC.2012.20.1.art00025; logarithm after Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean
- * absolute log difference. Sums run over directions and channels, in double.
+ * The scalar metrics in BRDF space, one table row each: the paper's eight baselines (section 4; cube root: Fores et al.
+ * 2012, DOI 10.2352/CIC.2012.20.1.art00025; logarithm: Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean
+ * absolute log difference. Sums over directions and channels are in double.
  */
 #include "kernel/kernel.h"
 #include "math/math.h"
@@ -13,7 +13,8 @@
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
-/* Sums over a stretch, of values a of the reference and b of the test (3 NQM_STRETCH); weight: 1 where a value counts, else 0. */
+/* Sums over a stretch (NQM_STRETCH directions). a, b: (3 NQM_STRETCH) values of the reference and the test; weight:
+ * (3 NQM_STRETCH) 1 where a value counts, else 0. */
 static double sum_of_squares(const double *a, const double *b, const double *weight) {
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
@@ -33,18 +34,18 @@ static double sum_of_magnitudes(const double *a, const double *b, const double *
 }
 
 static double mean(double sum, double n) {
-    return sum / n; /* 0/0 is the NaN that is documented */
+    return sum / n; /* n = 0: NaN, as documented */
 }
 
 static double root_mean(double sum, double n) {
     return sqrt(sum / n);
 }
 
-/* A metric is finish(sum over all stretches of add(), number of values). To add one, add its enumerator and its row; its JSON
- * key, column, option value and row in reports follow. */
+/* A metric is finish(sum of add() over all stretches, number of values). A new metric needs an enumerator and a row;
+ * its JSON key, column, option value and row in reports are derived from them. */
 typedef struct metric_row {
     nqm_metric_info info;
-    int scale; /* NQM_SCALE_* that is compared */
+    int scale; /* NQM_SCALE_* of the compared values */
     double (*add)(const double *a, const double *b, const double *weight);
     double (*finish)(double sum, double n);
 } metric_row;

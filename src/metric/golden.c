@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Golden scores: made when a model is saved, stored in its file, compared by the self-test.
+ * Golden scores: computed when a model is created, stored in its file, checked by the self-test.
  */
 #include "metric/metric.h"
 
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Specs with all their parameters: presets may be corrected one day. From a perfect copy to a gross error. */
+/* Pairs from identical to very different. The specs state all parameters, because presets may change. */
 #define GLOSSY "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.1;f0=.04"
 static const char *const probes[][2] = {
     {GLOSSY, GLOSSY},
@@ -21,7 +21,7 @@ enum { N_PROBES = sizeof probes / sizeof *probes };
 
 static const double tolerance_jod = 1e-3;
 
-/* The JOD of a pair of specs; NaN when the pair has no score (a set of directions that sees nothing). */
+/* The JOD of a pair of specs; NaN when the pair has no score (too few directions with a value). */
 static nqm_status score_specs(const nqm_model *model, const char *ref_spec, const char *test_spec, double *jod_ret,
                               nqm_error *err) {
     nqm_brdf *ref = NULL, *test = NULL;

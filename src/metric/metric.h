@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * metric.h - inside the metric room: features and predictions of sampled pairs, golden scores.
+ * metric.h - private declarations of the metric module: features and predictions of sampled pairs, golden scores.
  */
 #ifndef NQM_SRC_METRIC_H
 #define NQM_SRC_METRIC_H
@@ -10,12 +10,12 @@
 #include "sample/sample.h"
 #include <nqm/metric.h>
 
-/** The scalar features of one sampled pair; arguments as in nqm_metrics_compute(). scalars (NQM_SCALAR_COUNT) are finite for
- *  finite f_r >= 0, and NaN when no direction counts. */
+/** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). scalars (NQM_SCALAR_COUNT)
+ *  are finite for finite f_r >= 0, and NaN when no direction counts. */
 void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
                          double *scalars);
 
-/** Tests of one reference at the same directions. */
+/** Comparison of one reference with n tests at the same directions. */
 typedef struct nqm_comparison {
     const nqm_directions *directions;
     const float *ref;         /* (n_directions, 3) f_r >= 0 */
@@ -26,61 +26,62 @@ typedef struct nqm_comparison {
 
 enum { NQM_COMPARE_MAX = 16 };
 
-/** metrics: (n, NQM_METRIC_COUNT), scalars: (n, NQM_SCALAR_COUNT), in one pass; either may be NULL. */
+/** Compute metrics (n, NQM_METRIC_COUNT) and scalar features (n, NQM_SCALAR_COUNT) in one pass; either may be NULL. */
 void nqm_compare_samples(const nqm_comparison *comparison, double *metrics, double *scalars);
 
-/** Pairs that are sampled at the model's directions. What depends on the reference alone is computed once for neighbouring
- *  pairs with the same `ref` pointer. */
+/** Pairs sampled at the model's directions. Consecutive pairs with the same `ref` pointer share the work that depends
+ *  only on the reference. */
 typedef struct nqm_sampled_pairs {
     size_t n;
     const float *const *ref, *const *test; /* (n) each of (n_directions, 3) f_r >= 0 */
-    const uint8_t *used;                   /* (n, n_directions) 0: the direction is dropped; NULL: none is */
+    const uint8_t *used;                   /* (n, n_directions) 0: the direction is dropped; NULL: all are used */
     double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: do not compute them */
-    double *novelty;                       /* (n) receives nqm_model_novelty(); NULL: do not compute it */
+    double *novelty;                       /* (n) receives the result of nqm_model_novelty(); NULL: do not compute it */
 } nqm_sampled_pairs;
 
 enum { NQM_PREDICT_BATCH = 512 };
 
-/** Workspace of predictions, for one thread at a time; the model is lent. */
+/** Workspace for predictions, for one thread at a time. The model is borrowed and must outlive it. */
 typedef struct nqm_predictor nqm_predictor;
 
-/** max_batch: 1..NQM_PREDICT_BATCH */
+/** max_batch: largest number of pairs per call, 1..NQM_PREDICT_BATCH. */
 NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
                                                nqm_predictor **predictor_ret, nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /**
- * Predict pairs->n (at most max_batch) pairs. A JOD does not depend on the other pairs.
+ * Predict pairs->n (at most max_batch) pairs. The JOD of a pair does not depend on the other pairs.
  *
  * @param jod      (n)
  * @param delta_e  (n) NULL allowed; NaN where the model has no curve
  */
 void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
 
-/** One BRDF of a pair at the model's directions. */
+/** One BRDF of a pair, sampled at the model's directions. */
 typedef struct nqm_member {
-    nqm_status status;   /* of its sampling */
+    nqm_status status;   /* of sampling it */
     const float *rgb;    /* (n_directions, 3) f_r */
-    const uint8_t *flag; /* (n_directions) nqm_value_flag; NULL: all hold a value, or status says that there is none */
-    const uint8_t *mask; /* of tests: (n_directions) 0 where the caller leaves the direction out; NULL: nowhere */
+    const uint8_t *flag; /* (n_directions) nqm_value_flag; NULL: all have a value, or sampling failed */
+    const uint8_t *mask; /* tests: (n_directions) 0 where the caller excludes the direction; NULL: nowhere */
     nqm_sample_report report;
     size_t n_unusual; /* nqm_count_unusual() */
 } nqm_member;
 
-/** Directions at which f_r, rgb (n_directions, 3), is far above what the model was trained on. */
+/** Number of directions at which a channel of rgb (n_directions, 3), f_r in 1/sr, is more than 6 standard deviations
+ *  above the mean of the training references, on the scale of nqm_features_transform(). */
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb);
-/** BRDFs that nqm_scorer_run_named() has opened so far, with those that failed and those that the cache had dropped. */
+/** Number of BRDFs that nqm_scorer_run_named() has opened so far, including failures and reopened ones. */
 size_t nqm_scorer_n_opened(const nqm_scorer *scorer);
 
 /**
- * Golden scores: the JODs that a model gives to a few pairs of analytic specs, as JSON that is stored in its file. They
- * depend on the whole chain (evaluation, sampling, features, network, curve): another build or machine compares them to find
- * out whether it computes what the maker of the model saw.
+ * Compute golden scores: the JODs of a few pairs of analytic specs, as JSON for the model file. They depend on all
+ * stages (evaluation, sampling, features, network, curve), so that another build or machine can check that it
+ * reproduces the results of the build that created the model.
  *
  * @param json_ret  receives the text; free with nqm_free()
  */
 NQM_MUST_CHECK nqm_status nqm_golden_make(const nqm_model *model, char **json_ret, nqm_error *err);
-/** Score the pairs again: NQM_OK when all are within 0.001 JOD, NQM_ERR_NUMERIC when one is not, NQM_ERR_MODEL when the
- *  model has no golden scores or they cannot be read. */
+/** Score the pairs again and compare: NQM_ERR_NUMERIC when a JOD differs by more than 0.001 from the stored one,
+ *  NQM_ERR_MODEL when the model has no golden scores or they cannot be read. */
 NQM_MUST_CHECK nqm_status nqm_golden_check(const nqm_model *model, nqm_error *err);
 
 /** The options of nqm_score_options. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * From sampled pairs to JOD: features of each pair, one forward pass for the batch, the meaning of its output.
+ * Predicts the JOD of sampled pairs: computes the features of each pair, runs one forward pass for the batch, and
+ * converts the outputs to JOD.
  */
 #include "kernel/panel.h"
 #include "metric/metric.h"
@@ -11,12 +12,12 @@
 struct nqm_predictor {
     const nqm_model *model;
     nqm_features features;
-    size_t samples_width; /* the part of the input that comes from samples */
-    size_t stride;        /* numbers from one input to the next */
+    size_t samples_width; /* number of inputs that come from samples */
+    size_t stride;        /* floats from one row of x to the next */
     nqm_inference_work *work;
     float *t; /* (max_batch, 2, n_directions, 3) transformed reference and test */
-    float *x; /* (max_batch, stride) */
-    float *z; /* (max_batch) */
+    float *x; /* (max_batch, stride) network inputs */
+    float *z; /* (max_batch) network outputs */
 };
 
 nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
@@ -67,10 +68,10 @@ void nqm_predictor_free(nqm_predictor *predictor) {
 typedef struct compose_job {
     nqm_predictor *predictor;
     const nqm_sampled_pairs *pairs;
-    size_t n_at_once; /* pairs of a piece of work, of one reference or of several */
+    size_t n_at_once; /* pairs per task; their references may differ */
 } compose_job;
 
-/* The inputs of pair i that come from samples; ref_t is its reference, transformed. */
+/* Compute the inputs of pair i that come from samples; ref_t: its transformed reference. */
 static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t i, const float *ref_t) {
     const size_t n_directions = p->model->n_directions;
     float *test_t = p->t + (2 * i + 1) * 3 * n_directions;
@@ -79,7 +80,7 @@ static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
                          p->x + p->stride * i);
 }
 
-/* Metrics, and the inputs that are scalar features, of pairs [begin, end), which share a reference. */
+/* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
 static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
     const nqm_model *m = p->model;
     const bool with_scalars = nqm_model_n_scalars(m) > 0;
@@ -104,7 +105,7 @@ static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
     }
 }
 
-/* One piece of work: its pairs, reference by reference. */
+/* One task: processes its pairs in runs with the same reference, which is transformed once per run. */
 static void compose(void *user, size_t piece) {
     const compose_job *job = user;
     nqm_predictor *p = job->predictor;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a difference of JOD means in people (Perez-Ortiz and Mantiuk 2017, arXiv:1712.03686, section 2).
+ * Probability of preference for a JOD difference (Perez-Ortiz and Mantiuk 2017, arXiv:1712.03686, section 2).
  */
 #include <math.h>
 #include <nqm/metric.h>

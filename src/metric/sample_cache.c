@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A hash table of sampled BRDFs, and a list of the same entries in the order of their last use. A BRDF is closed as soon as
- * it is sampled: the samples of 500 directions take 7 KB, a measured table 35 MB.
+ * LRU cache of sampled BRDFs: a hash table, and a doubly linked list of its entries in order of last use. A BRDF is
+ * closed as soon as it is sampled, because the samples of 500 directions take 7 KB, and a measured table 35 MB.
  */
 #include "metric/sample_cache.h"
 
@@ -32,7 +32,7 @@ nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy po
     return NQM_OK;
 }
 
-/* FNV-1a. */
+/* FNV-1a hash. */
 static size_t bucket_of(const char *name) {
     uint64_t hash = 14695981039346656037u;
     for (; *name; ++name)
@@ -40,7 +40,7 @@ static size_t bucket_of(const char *name) {
     return (size_t)(hash >> 32) % N_BUCKETS;
 }
 
-/* ---- the order of last use --------------------------------------------------------------------------------------- */
+/* ---- list in order of last use ----------------------------------------------------------------------------------- */
 
 static void unlink_use(nqm_sample_cache *cache, nqm_cached *entry) {
     *(entry->newer ? &entry->newer->older : &cache->newest) = entry->older;
@@ -56,7 +56,7 @@ static void link_newest(nqm_sample_cache *cache, nqm_cached *entry) {
 
 /* ---- entries ----------------------------------------------------------------------------------------------------- */
 
-/* One block: the entry, its samples, flags and name. */
+/* The entry, its samples, flags and name are one block. */
 static nqm_cached *make_entry(const char *name, size_t n_directions) {
     const size_t n_name = strlen(name) + 1;
     const size_t n_bytes = sizeof(nqm_cached) + n_directions * (3 * sizeof(float) + sizeof(uint8_t)) + n_name;
@@ -140,7 +140,7 @@ static void fill_entry(void *user, size_t i) {
         entry->member.flag = entry->flag;
         entry->member.n_unusual = nqm_count_unusual(model, entry->rgb);
     }
-    entry->filled = status != NQM_ERR_NOMEM; /* memory may suffice at the next call */
+    entry->filled = status != NQM_ERR_NOMEM; /* retry after out of memory */
 }
 
 nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries, nqm_error *err) {

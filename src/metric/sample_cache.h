@@ -1,40 +1,40 @@
 /* SPDX-License-Identifier: MIT
  *
- * sample_cache.h - BRDFs by name, sampled at a model's directions; the last used ones are kept, up to a size in bytes.
+ * sample_cache.h - LRU cache of BRDFs by name, sampled at a model's directions, with a limit in bytes.
  */
 #ifndef NQM_SRC_METRIC_SAMPLE_CACHE_H
 #define NQM_SRC_METRIC_SAMPLE_CACHE_H
 
 #include "metric/metric.h"
 
-/** A BRDF by its name. `member` and `err` are set by nqm_sample_cache_fill(). */
+/** A named BRDF. `member` and `err` are set by nqm_sample_cache_fill(). */
 typedef struct nqm_cached {
-    nqm_member member; /* status: of opening and sampling */
-    nqm_error err;     /* of the same */
+    nqm_member member; /* its status covers opening and sampling */
+    nqm_error err;     /* error of opening or sampling */
     /* used by the cache only: */
     char *name;
     float *rgb;
     uint8_t *flag;
     size_t n_bytes;       /* of the whole entry */
-    bool filled, waiting; /* sampled; collected by the current call of nqm_sample_cache_fill() */
+    bool filled, waiting; /* filled: sampled; waiting: the current nqm_sample_cache_fill() will sample it */
     struct nqm_cached *next_in_bucket, *newer, *older;
 } nqm_cached;
 
 typedef struct nqm_sample_cache nqm_sample_cache;
 
-/** The model is lent. */
+/** The model is borrowed and must outlive the cache. */
 NQM_MUST_CHECK nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy,
                                                   nqm_sample_cache **cache_ret, nqm_error *err);
 void nqm_sample_cache_free(nqm_sample_cache *cache);
 
-/** The entry of a name, which becomes the last used one; NULL when out of memory. Lent until the next
- *  nqm_sample_cache_trim(). */
+/** Find or create the entry of a name and mark it as the most recently used; NULL when out of memory. The entry is
+ *  valid until the next nqm_sample_cache_trim(). */
 nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name);
-/** Open and sample, on all threads, those of the n entries that are not sampled yet. NQM_ERR_NOMEM; other failures are
- *  recorded in the entries. */
+/** Open and sample, on all threads, the entries (n) that are not sampled yet. Returns NQM_OK or NQM_ERR_NOMEM; other
+ *  failures are recorded in the entries. */
 NQM_MUST_CHECK nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries,
                                                 nqm_error *err);
-/** Free the least recently used entries until the others take at most `max_bytes`. */
+/** Free the least recently used entries until the rest takes at most `max_bytes`. */
 void nqm_sample_cache_trim(nqm_sample_cache *cache, size_t max_bytes);
 /** Number of BRDFs opened so far. */
 size_t nqm_sample_cache_n_opened(const nqm_sample_cache *cache);

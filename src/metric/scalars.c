@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scalar features of a pair: few numbers that say how much two sampled BRDFs differ, where (highlight, flank, grazing),
- * in which way (level, shape, colour), and what the reference is like. They stand beside the samples in the network's
- * input (recipe nqm) and feed the boosted-trees control (models/control.py). doc/training.md has the table of formulas.
+ * Scalar features of a pair: statistics of how much two sampled BRDFs differ, where (highlight, flank, grazing), how
+ * (level, shape, colour), and of the reference itself. They follow the samples in the network's input (recipe nqm) and
+ * are the input of the boosted-trees control (models/control.py). doc/training.md has the table of formulas.
  *
- * A picture shows averages over many directions, so that what differs at random from one direction to the next weighs
- * less than what differs alike: hence differences of sums over zones of directions beside those of single ones.
+ * An image averages reflectance over many directions, so that random differences between directions are less visible
+ * than systematic ones. Therefore some features compare sums over zones of directions, others single directions.
  */
 #include "math/math.h"
 #include "metric/scaled.h"
@@ -16,24 +16,25 @@
 
 /* ---- sums over directions ---------------------------------------------------------------------------------------- */
 
-/* Zones of theta_h and of theta_d by their upper ends, degrees; a cell is one of each. */
+/* Upper ends of the zones of theta_h and theta_d, degrees. A cell is one theta_h zone and one theta_d zone. */
 enum { N_ZONES_H = NQM_SCALAR_ZONES, N_ZONES_D = 3, N_CELLS = N_ZONES_H * N_ZONES_D };
 static const double zone_h_end[N_ZONES_H - 1] = {2, 5, 15, 35}, zone_d_end[N_ZONES_D - 1] = {30, 60};
 
-static const double grazing_cosines = 0.25; /* cos(theta_i) cos(theta_o) below this: theta_d above 60 at theta_h 0 */
+/* Upper limit of cos(theta_i) cos(theta_o) for grazing directions: theta_d = 60 degrees at theta_h = 0. */
+static const double grazing_cosines = 0.25;
 
-/* Reflectance of both members, summed over some directions. */
+/* Sum of the reflectance of both members over a set of directions; n: number of directions, or sum of weights. */
 typedef struct light {
     double n, ref[3], test[3];
 } light;
 
-/* What one pass over the directions gathers. l: difference of log luminance; u, v: of the opponents of log f_r. */
+/* Sums over directions. l: difference of log luminance; u, v: differences of the opponent channels of log f_r. */
 typedef struct sums {
     double n, l, l2, l4, root_l, max_l, squares, u, v, uv2;
     double zone_l2[N_ZONES_H], grazing_n, grazing_l, grazing_l2;
     double ref_log, ref_log2, ref_colour2, peak_ref, peak_test;
     light cell[N_CELLS];
-    light weighted; /* by cos(theta_i) cos(theta_o); n is the sum of these */
+    light weighted; /* by cos(theta_i) cos(theta_o) */
 } sums;
 
 static size_t zone_of(double degrees, size_t n_ends, const double *ends) {
@@ -51,7 +52,7 @@ static void add_light(light *to, double weight, const double *ref, const double 
     }
 }
 
-/* Direction i of a stretch. */
+/* Add direction i of a stretch. */
 static void add_direction(sums *s, const double *degrees, double cosines, const nqm_scaled *ref, const nqm_scaled *test,
                           size_t i) {
     const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i, *b = test->scale[NQM_SCALE_LOG_F] + 3 * i;
@@ -88,7 +89,7 @@ static void add_direction(sums *s, const double *degrees, double cosines, const 
 
 /* ---- from sums to features --------------------------------------------------------------------------------------- */
 
-/* The logarithm of a size >= 0, so that faint differences are told apart; 0 stays finite. */
+/* Logarithm of a size >= 0, which resolves small differences; the offset keeps it finite at 0. */
 static double log_size(double size) {
     return log(size + 1e-3);
 }
@@ -97,7 +98,7 @@ static double mean(double sum, double n) {
     return n > 0 ? sum / n : 0;
 }
 
-/* How summed light differs: log ratio of luminance, and the opponents of the log ratios of the channels. */
+/* Difference of summed reflectance. l: log ratio of luminance; u, v: opponent channels of the log ratios of RGB. */
 typedef struct contrast {
     double l, u, v;
 } contrast;
@@ -178,13 +179,13 @@ static void finish_scalars(const sums *s, const double *metrics, double *scalars
 
 /* ---- comparisons ------------------------------------------------------------------------------------------------- */
 
-/* One test beside its reference. */
+/* Sums of one test and its reference. */
 typedef struct pair_sums {
     nqm_metric_sums metrics;
     sums scalars;
 } pair_sums;
 
-/* A stretch of test k. */
+/* Add one stretch of test k. */
 static void add_stretch(const nqm_comparison *c, size_t k, size_t stretch, const nqm_scaled *ref, bool with_scalars,
                         pair_sums *to) {
     const nqm_directions *directions = c->directions;
@@ -229,5 +230,3 @@ void nqm_scalars_compute(const nqm_directions *directions, const float *ref, con
                          double *scalars) {
     nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used}, NULL, scalars);
 }
-
-/* ---- as inputs --------------------------------------------------------------------------------------------------- */

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * scaled.h - the samples of a BRDF on the scales on which metrics and scalar features compare them. Roots and logarithms
- * are most of the work of a comparison: those of a reference are computed once for all its tests.
+ * scaled.h - samples of a BRDF on the nonlinear scales that metrics and scalar features compare. Roots and logarithms
+ * take most of the time of a comparison, so those of a reference are computed once for all its tests.
  */
 #ifndef NQM_SRC_METRIC_SCALED_H
 #define NQM_SRC_METRIC_SCALED_H
 
 #include "metric/metric.h"
 
-enum { NQM_STRETCH = 64 }; /**< directions that are processed together */
+enum { NQM_STRETCH = 64 }; /**< directions per stretch, which are processed together */
 
 /** Scales of reflectance f; c = cos(theta_i) cos(theta_o). */
 enum { NQM_SCALE_F, NQM_SCALE_CBRT_CF, NQM_SCALE_LOG1P_F, NQM_SCALE_LOG1P_CF, NQM_SCALE_LOG_F, NQM_SCALES };
@@ -18,7 +18,7 @@ enum { NQM_SCALE_F, NQM_SCALE_CBRT_CF, NQM_SCALE_LOG1P_F, NQM_SCALE_LOG1P_CF, NQ
 /** A stretch of directions of one BRDF; 0 after the last direction. */
 typedef struct nqm_scaled {
     double scale[NQM_SCALES][3 * NQM_STRETCH];
-    double luminance[NQM_STRETCH], log_luminance[NQM_STRETCH]; /**< of f; of luminance + NQM_DARK */
+    double luminance[NQM_STRETCH], log_luminance[NQM_STRETCH]; /**< luminance of f; log(luminance + NQM_DARK) */
 } nqm_scaled;
 
 static inline size_t nqm_stretch_size(size_t n_directions, size_t stretch) {
@@ -26,17 +26,17 @@ static inline size_t nqm_stretch_size(size_t n_directions, size_t stretch) {
     return left < NQM_STRETCH ? left : NQM_STRETCH;
 }
 
-/** rgb: (n_directions, 3), of which this stretch is scaled. */
+/** Compute the scales of one stretch of rgb (n_directions, 3), f_r in 1/sr. */
 void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const float *rgb, nqm_scaled *scaled);
 
-/** Sums over directions and channels: the number of values, and what each metric adds up. */
+/** Sums over directions and channels: n, the number of values, and the sum of each metric. */
 typedef struct nqm_metric_sums {
     double n, sum[NQM_METRIC_COUNT];
 } nqm_metric_sums;
 
 /** Add a stretch. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */
 void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm_scaled *test, const double *weight);
-/** metrics: (NQM_METRIC_COUNT). */
+/** Compute metrics (NQM_METRIC_COUNT) from the sums. */
 void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
 
 #endif

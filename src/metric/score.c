@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scores of pairs. Opened BRDFs, paths and the caller's samples all become pairs of members (samples at the model's
- * directions). A block of pairs is compared on all threads, then predicted in one forward pass.
+ * Scores pairs. Opened BRDFs, names (paths and specs) and the caller's samples are all converted to pairs of members
+ * (samples at the model's directions). A block of pairs is compared on all threads, then predicted in one forward pass.
  */
 #include "brdf/brdf.h"
 #include "kernel/kernel.h"
@@ -14,26 +14,26 @@
 
 _Static_assert((int)NQM_SCORE_BLOCK <= (int)NQM_PREDICT_BATCH, "a block is one forward pass");
 
-/* Values above the training references' mean by more than this many standard deviations count as unusual. */
+/* Values more than this many standard deviations above the mean of the training references are unusual. */
 static const float unusual_sigma = 6;
 
 struct nqm_scorer {
     const nqm_model *model;
     nqm_score_options options;
-    nqm_sample_cache *cache;         /* of nqm_scorer_run_named(), made by its first call */
-    nqm_predictor *predictor;        /* of batches of `room` pairs */
-    size_t room;                     /* pairs that the arrays have room for */
-    unsigned char *memory;           /* one block, which holds all arrays */
-    nqm_member *member;              /* (room, 2) reference and test of each pair of the block */
-    size_t *place;                   /* (room) of each pair in the following arrays, which are grouped by reference */
-    const float **ref, **test;       /* (room) samples for the network */
-    uint8_t *used;                   /* (room, n_directions) */
+    nqm_sample_cache *cache;   /* of nqm_scorer_run_named(), created by its first call */
+    nqm_predictor *predictor;  /* for batches of at most `room` pairs */
+    size_t room;               /* capacity of the arrays, pairs */
+    unsigned char *memory;     /* one block that contains all arrays */
+    nqm_member *member;        /* (room, 2) reference and test of each pair of the block */
+    size_t *place;             /* (room) index of each pair in the following arrays, which are grouped by reference */
+    const float **ref, **test; /* (room) samples for the network */
+    uint8_t *used;             /* (room, n_directions) */
     double *jod, *delta_e, *novelty; /* (room) */
     double *metrics;                 /* (room, NQM_METRIC_COUNT) */
     /* Of nqm_scorer_run() only; NULL before its first call: */
     float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
     uint8_t *flag;                /* (1 + room, n_directions) */
-    const nqm_brdf *const *brdfs; /* the block's tests; NULL: the members are sampled */
+    const nqm_brdf *const *brdfs; /* tests of the block; NULL: the members are already sampled */
 };
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
@@ -71,7 +71,7 @@ static void *place_array(unsigned char *block, size_t *at, size_t n, size_t size
     return array;
 }
 
-/* Let the arrays for n pairs point into a block; returns its size. block NULL: only measure. */
+/* Set the array pointers for n pairs; returns the size of the block in bytes. block NULL: compute the size only. */
 static size_t lay_out(nqm_scorer *s, size_t n, bool with_samples, unsigned char *block) {
     const size_t n_directions = s->model->n_directions;
     size_t at = 0;
@@ -92,7 +92,7 @@ static size_t lay_out(nqm_scorer *s, size_t n, bool with_samples, unsigned char 
     return at;
 }
 
-/* Room for calls with n_pairs pairs. */
+/* Grow the workspace for calls with n_pairs pairs. */
 static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_error *err) {
     const size_t n = nqm_larger(nqm_smaller(n_pairs, NQM_SCORE_BLOCK), s->room);
     if (n == s->room && (s->rgb || !with_samples))
@@ -149,7 +149,7 @@ static nqm_score_result no_score(nqm_status status) {
 }
 
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
-    float limit[3]; /* in reflectance: the network's scale is monotone, so that no sample has to be transformed */
+    float limit[3]; /* limits in reflectance: the transform is monotone, so the samples need not be transformed */
     for (size_t k = 0; k < 3; ++k) {
         float root = expm1f(model->mean[k] + unusual_sigma * model->std[k]);
         limit[k] = root * root * root;
@@ -164,7 +164,7 @@ static bool holds_value(const nqm_member *member, size_t direction) {
     return !member->flag || nqm_has_value(member->flag[direction]);
 }
 
-/* The directions that count, and everything of the result that needs no network: counts, equality, enough values. */
+/* Set `used` and the parts of the result that need no network: counts, equality, status. */
 static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *ref, const nqm_member *test,
                                         uint8_t *used) {
     const size_t n = s->model->n_directions;
@@ -208,13 +208,13 @@ static void sample_test(const nqm_scorer *s, size_t i) {
     test->n_unusual = nqm_count_unusual(s->model, rgb);
 }
 
-/* A block and where its results go. */
+/* A block of n pairs. */
 typedef struct score_job {
     nqm_scorer *scorer;
     nqm_score_result *results; /* (n) */
 } score_job;
 
-/* Compare pair i of the block. The network gets a failed pair as one without used directions; its answer is ignored. */
+/* Compare pair i of the block. A failed pair stays in the batch without used directions; its prediction is ignored. */
 static void compare(void *user, size_t i) {
     const score_job *job = user;
     nqm_scorer *s = job->scorer;
@@ -233,7 +233,7 @@ static void compare(void *user, size_t i) {
 
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
 
-/* Pairs of one reference become neighbours, whose common work the predictor does once. */
+/* Make pairs with the same reference adjacent, so that the predictor processes the reference once. */
 static void group_by_reference(nqm_scorer *s, size_t n) {
     bool is_placed[NQM_SCORE_BLOCK] = {false};
     size_t n_placed = 0;
@@ -262,11 +262,11 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
     nqm_model_interval(s->model, jod, novelty, &result->jod_low, &result->jod_high);
-    if (result->identical && s->model->interval) /* equal BRDFs give equal images */
+    if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
 }
 
-/* Score the n pairs that `member` holds. */
+/* Score the n pairs in s->member. */
 static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
     score_job job = {s, results};
     group_by_reference(s, n);
@@ -326,7 +326,7 @@ size_t nqm_scorer_n_opened(const nqm_scorer *scorer) {
     return scorer->cache ? nqm_sample_cache_n_opened(scorer->cache) : 0;
 }
 
-/* Why a pair has no score; entry: (2) its reference and test. */
+/* The error of a pair without a score; entry: (2) its reference and test. */
 static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const char *test,
                          const nqm_score_result *result) {
     nqm_error why = {.status = result->status, .byte_offset = -1};
@@ -345,7 +345,7 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
     return why;
 }
 
-/* Find or sample the BRDFs of n pairs, entry (n, 2), and make them the block's members. */
+/* Find or sample the BRDFs of n pairs and copy them to s->member; entry (n, 2) receives the cache entries. */
 static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_named_pair *pairs, nqm_cached **entry, nqm_error *err) {
     for (size_t i = 0; i < 2 * n; ++i) {
         entry[i] = nqm_sample_cache_get(s->cache, i % 2 ? pairs[i / 2].test : pairs[i / 2].ref);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The self-test: what a wrong compiler flag, library or processor would break, in about a second. The expected values
- * of BRDFs and of the JOD curve were computed by NumPy (tests/vectors/selftest.py), those of the models when they were
- * made.
+ * The self-test: checks, in about a second, results that a wrong compiler flag, library or processor would change.
+ * NumPy computed the expected values of BRDFs and of the JOD curve (tests/vectors/selftest.py); the golden scores of a
+ * model were computed when it was created.
  */
 #include "kernel/kernel.h"
 #include "math/math.h"
@@ -20,7 +20,7 @@ typedef struct session {
     void (*report)(void *user, const char *name, int passed);
     void *user;
     size_t n_failed;
-    nqm_error first; /* why the first check failed */
+    nqm_error first; /* error of the first failed check */
 } session;
 
 static void settle(session *s, const char *name, nqm_status status, const nqm_error *err) {
@@ -46,7 +46,7 @@ static nqm_status check_product(const nqm_gemm *shape, const float *a, const flo
     nqm_kernels_get()->gemm(&fast);
     nqm_kernels_scalar.gemm(&plain);
     double bound =
-        (double)shape->k * (double)FLT_EPSILON; /* partial sums of k random terms within 1 stay near sqrt(k) */
+        (double)shape->k * (double)FLT_EPSILON; /* partial sums of k random terms in [-1, 1] are near sqrt(k) */
     for (size_t i = 0; i < shape->m * shape->n; ++i)
         if (!(fabs((double)fast.c[i] - (double)plain.c[i]) <= bound))
             return nqm_fail(
@@ -77,7 +77,7 @@ static nqm_status check_products(nqm_error *err) {
 }
 
 static nqm_status check_gelu(nqm_error *err) {
-    /* x Phi(x), from tables of the normal distribution */
+    /* x, x Phi(x); Phi from tables of the normal distribution */
     static const double known[][2] = {
         {-3, -0.00404969409489}, {-1, -0.15865525393146}, {-0.5, -0.15426876936299}, {0, 0},
         {0.5, 0.34573123063700}, {1, 0.84134474606854},   {3, 2.99595030590511}};
@@ -98,7 +98,7 @@ static nqm_status check_coordinates(nqm_error *err) {
         double wi[3], wo[3], back[3];
         nqm_half_diff_to_directions(hd, wi, wo);
         nqm_directions_to_half_diff(wi, wo, back);
-        double turn = fabs(back[2] - hd[2]); /* 0 and pi are one azimuth; it means nothing where sin is 0 */
+        double turn = fabs(back[2] - hd[2]); /* azimuths 0 and pi are equal, and undefined where a sine is 0 */
         double azimuth = fmin(turn, NQM_PI - turn) * sin(hd[0]) * sin(hd[1]);
         if (!(fabs(back[0] - hd[0]) <= 1e-13 && fabs(back[1] - hd[1]) <= 1e-13 && azimuth <= 1e-13))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "theta_h %g, theta_d %g, phi_d %g comes back as %g, %g, %g",
@@ -143,7 +143,7 @@ static nqm_status check_brdfs(nqm_error *err) {
 
 /* ---- built-in models --------------------------------------------------------------------------------------------- */
 
-/* Three rows of noise through the network. */
+/* Run the network on three rows of random input. */
 static nqm_status run_network(const nqm_inference_net *net, size_t width, float *z, nqm_error *err) {
     enum { BATCH = 3 };
     float *x = nqm_alloc(BATCH, width * sizeof *x);
@@ -160,7 +160,7 @@ static nqm_status run_network(const nqm_inference_net *net, size_t width, float 
     return status;
 }
 
-/* The network by the kernels in use beside that by the plain loops. */
+/* Compare the output of the current kernels with that of the plain loops. */
 static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
     float fast[3], plain[3];
     const size_t width = model->params.shape.sizes[0];
@@ -171,7 +171,7 @@ static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     const nqm_kernels *in_use = nqm_kernels_get();
-    nqm_kernels_use(&nqm_kernels_scalar); /* other threads compute the same meanwhile, only slower */
+    nqm_kernels_use(&nqm_kernels_scalar); /* affects other threads too: they compute the same values, more slowly */
     status = run_network(net, width, plain, err);
     nqm_kernels_use(in_use);
     for (size_t i = 0; status == NQM_OK && i < 3; ++i)
@@ -185,7 +185,7 @@ static void check_model(session *s, const nqm_embedded_file *embedded) {
     char name[120];
     nqm_error err = {0};
     nqm_model *model = NULL;
-    /* with the checksum and the search for non-finite weights, which opening a built-in model leaves out */
+    /* verify: opening a built-in model skips the checksum and the search for non-finite weights */
     nqm_status status =
         nqm_model_parse(embedded->begin, (size_t)(embedded->end - embedded->begin), embedded->name, true, &model, &err);
     if (status == NQM_OK)

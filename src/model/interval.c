@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The interval around a predicted JOD: a table in the model file, read by linear interpolation, and widened for pairs
- * that are unlike the training pairs. train/interval_fit.c makes both.
+ * The interval around a predicted JOD: interpolated linearly in a table of the model file, and widened for pairs that
+ * differ from the training pairs. train/interval_fit.c computes the table and the widening.
  */
 #include "model/model.h"
 
@@ -20,7 +20,7 @@ const char *nqm_interval_table_fault(size_t n, const double *table) {
     return NULL;
 }
 
-/* The last row at or below `jod`, but not the very last. */
+/* Index of the last row, other than the final one, whose JOD is at most `jod`; 0 if there is none. */
 static size_t find_row(size_t n, const double *table, double jod) {
     size_t low = 0, high = n - 1;
     while (high - low > 1) {
@@ -36,14 +36,14 @@ static size_t find_row(size_t n, const double *table, double jod) {
 void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret, double *high_ret) {
     const double *a = table + 3 * find_row(n, table, jod), *b = a + 3;
     double t = fmin(1, fmax(0, (jod - a[0]) / (b[0] - a[0])));
-    *low_ret = fmin(jod, a[1] + t * (b[1] - a[1])); /* rounding, and predictions beyond the ends of the table */
+    *low_ret = fmin(jod, a[1] + t * (b[1] - a[1])); /* include `jod` despite rounding, and outside the table */
     *high_ret = fmax(jod, a[2] + t * (b[2] - a[2]));
 }
 
 /* ---- widening ---------------------------------------------------------------------------------------------------- */
 
 static const double jod_top = 10;
-static const double softening = 1e-3; /* JOD: keeps the scale finite at 0 and 10 */
+static const double softening = 1e-3; /* JOD; keeps the logit finite at 0 and 10 */
 
 double nqm_interval_y(double jod) {
     double inside = fmin(jod_top, fmax(0, jod));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Models for users of the library: from files, from memory and built in, what they say about themselves, and their end.
+ * Loading of models from files, from memory and from the library; their description; their deallocation.
  */
 #include "model/model.h"
 #include "model/models_table.h"
@@ -12,7 +12,7 @@ nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err) {
     return nqm_directions_from_degrees(model->n_directions, model->directions_deg, &model->directions, err);
 }
 
-/* A model whose scalar features are others than ours cannot be used. */
+/* A model can be used only if its scalar features are those that this version computes. */
 static nqm_status check_scalars(const nqm_model *model, const char *name, nqm_error *err) {
     if (!model->scalar_names)
         return NQM_OK;
@@ -26,7 +26,7 @@ static nqm_status check_scalars(const nqm_model *model, const char *name, nqm_er
                            "%s: the model's scalar features (metadata 'scalars') are not those of this version", name);
 }
 
-/* Parse, and attach the directions. On failure *model_ret is NULL. */
+/* Parse a model and create its direction set. On failure *model_ret is NULL. */
 static nqm_status make_model(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
                              nqm_model **model_ret, nqm_error *err) {
     *model_ret = NULL;
@@ -43,7 +43,7 @@ static nqm_status make_model(const unsigned char *data, size_t n_bytes, const ch
     status = nqm_model_attach_directions(model, &inner);
     if (status != NQM_OK) {
         nqm_model_free(model);
-        status = status == NQM_ERR_ARG ? NQM_ERR_MODEL : status; /* the file's fault, not the caller's */
+        status = status == NQM_ERR_ARG ? NQM_ERR_MODEL : status; /* the fault is in the file, not in an argument */
         return nqm_fail(err, status, -1, "%s: %s", name, inner.message);
     }
     *model_ret = model;
@@ -148,7 +148,7 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
         info.whitening_std[k] = (double)model->std[k];
     }
     double at_low = nqm_model_jod(model, -INFINITY, NULL), at_high = nqm_model_jod(model, INFINITY, NULL);
-    info.jod_min = fmin(at_low, at_high); /* a model of Delta-E falls where its output rises */
+    info.jod_min = fmin(at_low, at_high); /* the JOD of a model that predicts Delta-E decreases with its output */
     info.jod_max = fmax(at_low, at_high);
     return info;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Copies of a model, for those who change one: calibration, notes in its card, weights in 16 bits.
+ * Copies of a model, for changes to it: calibration, text of its card, weights in float16.
  */
 #include "kernel/half.h"
 #include "model/model.h"
@@ -26,7 +26,7 @@ static nqm_status copy_params(const nqm_params *from, nqm_params *to, nqm_error 
     return status;
 }
 
-/* A block of n_bytes, or NULL for NULL; false when out of memory. */
+/* Copy a block of n_bytes; NULL gives NULL. false when out of memory. */
 static bool copy_block(const void *from, size_t n_bytes, void **to) {
     *to = from ? nqm_alloc(n_bytes, 1) : NULL;
     if (*to)

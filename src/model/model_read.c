@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads a model file (doc/files.md): exactly the tensors that belong in it, of the right shapes, finite, under the
- * right checksum; anything else is refused by name.
+ * Reads a model file (doc/files.md). A missing or surplus tensor, a wrong type or shape, a value that is not finite or
+ * a wrong checksum is an error; for a tensor the message gives its name.
  */
 #include "io/io.h"
 #include "model/model.h"
@@ -11,12 +11,12 @@
 
 enum { CACHE_LINE = 64 };
 
-/* A file being read. */
+/* State of reading a file. */
 typedef struct reader {
     const nqm_safetensors *st;
     const char *name;
     bool verify;
-    bool *used; /* (tensors of the file) which belong in a model */
+    bool *used; /* (tensors of the file) true once a tensor has been read as part of the model */
     nqm_error *err;
 } reader;
 
@@ -27,13 +27,13 @@ static nqm_status refuse(const reader *r, const nqm_tensor *tensor, const char *
 
 /* ---- tensors ----------------------------------------------------------------------------------------------------- */
 
-/* What a tensor must be. */
+/* The name, type and shape that a tensor must have. */
 typedef struct expectation {
     const char *name;
     nqm_dtype dtype;
-    size_t rows, cols; /* rows 0: a vector of `cols` */
+    size_t rows, cols; /* rows 0: a vector of length `cols` */
     bool may_be_half;  /* F16 is accepted in place of dtype */
-    bool is_large;     /* searched for values that are not finite only when verifying */
+    bool is_large;     /* checked for values that are not finite only when verifying */
 } expectation;
 
 static nqm_status get(reader *r, const expectation *e, const nqm_tensor **tensor_ret) {
@@ -70,7 +70,7 @@ static nqm_status get_floats(reader *r, const char *name, size_t n, float *out) 
 
 /* ---- the network ------------------------------------------------------------------------------------------------- */
 
-/* Widths, from the weight matrices that are there. */
+/* Derive the layer widths from the shapes of the weight matrices in the file. */
 static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
     *shape = (nqm_net_shape){0};
     for (size_t l = 0; l < NQM_NET_MAX_LAYERS; ++l) {
@@ -95,8 +95,8 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
 /* The tensors of a network, layer by layer; NULL where a layer has none. */
 typedef struct network {
     const nqm_tensor *part[NQM_NET_MAX_LAYERS][NQM_LAYER_TENSORS];
-    size_t n_bytes; /* of all, each rounded up to whole cache lines */
-    bool in_place;  /* all are at multiples of the size of their values */
+    size_t n_bytes; /* of all tensors, each rounded up to whole cache lines */
+    bool in_place;  /* every tensor is aligned to its element size */
 } network;
 
 static size_t padded_size(const nqm_tensor *tensor) {
@@ -126,8 +126,8 @@ static nqm_status find_layer(reader *r, const nqm_net_shape *shape, size_t l, ne
     return NQM_OK;
 }
 
-/* The tensors as the network's parameters: in place, or copied where they are not aligned (files of other writers). Models are
- * immutable: nothing is written through a view of the file. */
+/* Use the tensors as the network's parameters: in place, or copied if one of them is not aligned (files of other
+ * writers). Models are immutable, so nothing is written through a pointer into the file. */
 static nqm_status set_params(const network *net, struct nqm_model *model, nqm_error *err) {
     unsigned char *next = net->in_place ? NULL : nqm_alloc(net->n_bytes, 1);
     if (!net->in_place && !next)
@@ -203,7 +203,7 @@ static nqm_status read_texts(const reader *r, struct nqm_model *model) {
         status = read_text(r, texts[i].key, texts[i].text);
     if (status == NQM_OK && nqm_safetensors_meta(r->st, "golden"))
         status = read_text(r, "golden", &model->golden);
-    if (status == NQM_OK && nqm_safetensors_meta(r->st, "scalars")) /* models of only samples have none */
+    if (status == NQM_OK && nqm_safetensors_meta(r->st, "scalars")) /* absent in models without scalar inputs */
         status = read_text(r, "scalars", &model->scalar_names);
     if (status == NQM_OK && nqm_safetensors_meta(r->st, "calibration"))
         status = read_text(r, "calibration", &model->calibration);
@@ -212,7 +212,7 @@ static nqm_status read_texts(const reader *r, struct nqm_model *model) {
     return status;
 }
 
-/* The value of metadata `key` as its place in `names`. */
+/* The index in `names` of the value of metadata `key`. */
 static nqm_status read_choice(const reader *r, const char *key, size_t n_names, const char *const *names, int *ret) {
     const char *value = nqm_safetensors_meta(r->st, key);
     for (size_t i = 0; value && i < n_names; ++i)

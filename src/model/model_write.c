@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes a model file: safetensors with the tensors and metadata of doc/files.md.
+ * Writes a model file: safetensors with the tensors and metadata that doc/files.md describes.
  */
 #include "io/io.h"
 #include "kernel/half.h"
@@ -16,13 +16,13 @@ const char *const nqm_target_names[] = {[NQM_TARGET_JOD] = "jod", [NQM_TARGET_LO
 
 enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 13 };
 
-/* The tensors of a file that is written, with room for their names and for values that the model holds elsewhere. */
+/* The tensors to write, with storage for their names and for tensors that combine several fields of the model. */
 typedef struct contents {
     size_t n;
     nqm_tensor tensor[MAX_TENSORS];
     char name[MAX_TENSORS][NQM_TENSOR_NAME_MAX];
     double target[4], curve[3], novelty[2];
-    uint16_t *half; /* the hidden layers' weights, when they are stored in 16 bits; else NULL */
+    uint16_t *half; /* the hidden layers' weights, if they are stored as float16; else NULL */
 } contents;
 
 static nqm_tensor *add(contents *c, const char *name, nqm_dtype dtype, size_t n, const void *data) {

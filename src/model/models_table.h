@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * models_table.h - the model files that are embedded: "default" in libnqm, "default" and "paper" in libnqm-full and the
+ * models_table.h - the embedded model files: "default" in libnqm, "default" and "paper" in libnqm-full and the
  * tool. cmake/models.cmake generates the table; a row without a name ends it.
  */
 #ifndef NQM_SRC_MODELS_TABLE_H

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * How unlike the pairs of its training a pair is to a model: the distance of its scalar features from the nearest of some
- * training pairs, which train/novelty_fit.c spreads over all of them and the model file holds. The features are made
- * uncorrelated before: many of them say nearly the same of the distortions of training, and when they disagree the
- * distortion is a new one.
+ * Novelty of a pair: the distance between its scalar features and the nearest of a set of training pairs in the model
+ * file, which train/novelty_fit.c selects to cover all training pairs. The features are decorrelated first: many of
+ * them are strongly correlated over the training distortions, and a pair that breaks these correlations has a new kind
+ * of distortion.
  */
 #include "model/model.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Vectors of four floats, which all supported processors have. */
+/* Vectors of four floats: all supported processors have registers of this size. */
 enum { LANES = 4, N_VECTORS = 4 };
 _Static_assert(LANES *N_VECTORS == NQM_NOVELTY_BLOCK, "a block is four times four");
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
 
-/* Squares of the distances of y (NQM_SCALAR_COUNT) from a block of points. */
+/* Squared distances between y (NQM_SCALAR_COUNT) and a block of NQM_NOVELTY_BLOCK points. */
 static void square_distances(const float *points, const float *y, lanes square[N_VECTORS]) {
-    lanes s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}; /* separate variables stay in registers */
+    lanes s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}; /* separate variables, so that they stay in registers */
     for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
         const lanes *p = (const lanes *)(points + k * NQM_NOVELTY_BLOCK);
         const lanes d0 = p[0] - y[k], d1 = p[1] - y[k], d2 = p[2] - y[k], d3 = p[3] - y[k];

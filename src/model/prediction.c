@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * From a model to its predictions: its network, packed at the first use, and the JOD that the network's output stands for.
+ * Predictions of a model: its network, packed at the first use, and the conversion of the network's output to JOD.
  */
 #include "model/model.h"
 
@@ -26,7 +26,7 @@ static nqm_input_groups input_groups(const struct nqm_model *model) {
     return inputs;
 }
 
-static pthread_mutex_t inference_lock = PTHREAD_MUTEX_INITIALIZER; /* held while the network of any model is made */
+static pthread_mutex_t inference_lock = PTHREAD_MUTEX_INITIALIZER; /* locked while the network of any model is packed */
 
 nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
                                const nqm_inference_net **net_ret, nqm_error *err) {
@@ -36,7 +36,7 @@ nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision prec
     if (!net) {
         pthread_mutex_lock(&inference_lock);
         net = atomic_load_explicit(place, memory_order_acquire);
-        if (!net) { /* nobody packed it while we waited */
+        if (!net) { /* no other thread packed it in the meantime */
             const nqm_input_groups inputs = input_groups(model);
             status = nqm_inference_net_create(&model->params, &inputs, precision, &net, err);
             atomic_store_explicit(place, net, memory_order_release);

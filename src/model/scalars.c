@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar features that models may take as inputs: their names, and how they become numbers for the network. metric/scalars.c
- * computes them.
+ * The scalar features that models may take as inputs: their names and their whitening. metric/scalars.c computes their
+ * values.
  */
 #include "model/model.h"
 

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * The JOD curve for users of the library, and its regression on human scores (Kavoosighafi et al. 2025, section 3):
- * least squares by Levenberg-Marquardt. The three coefficients are strongly correlated, so several starts are tried;
- * for a given exponent b3 the curve is a straight line in logit(JOD), which gives b1 and b2 of each start in closed
- * form.
+ * The JOD curve and its regression on human scores (Kavoosighafi et al. 2025, section 3): least squares by
+ * Levenberg-Marquardt. The three coefficients are strongly correlated, so the fit starts from several exponents b3. For
+ * a fixed b3, logit(JOD / 10) is linear in Delta-E^b3, which gives the initial b1 and b2 in closed form.
  */
 #include "math/math.h"
 #include "percept/percept.h"
 
 #include <math.h>
 
-/* Least squares on the authors' 180 human scores; the paper prints them rounded to (-14.11, -0.47, -0.21). */
+/* Least-squares fit to the authors' 180 human scores; the paper prints the coefficients as (-14.11, -0.47, -0.21). */
 const nqm_curve nqm_curve_published = {-14.11196939758611, -0.47364347065458806, -0.21479944748134167};
 
 nqm_curve nqm_curve_default(void) {
@@ -18,10 +17,10 @@ nqm_curve nqm_curve_default(void) {
 }
 
 double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
-    if (delta_e <= 0) /* 0 to a negative power: the limit of the formula, without an infinity on the way */
+    if (delta_e <= 0) /* the limit for b3 < 0, without computing 0 to a negative power */
         return 10;
     double z = curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
-    return 10 / (1 + exp(-z)); /* 1 - 1/(1 + e^z), without cancellation */
+    return 10 / (1 + exp(-z)); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */
 }
 
 typedef struct scores {
@@ -37,14 +36,14 @@ static int residuals(void *user, const double *b, double *residual) {
     return 0;
 }
 
-/* logit(JOD/10) = -b1 dE^b3 - b1 b2 is linear in dE^b3. false when the scores do not determine the line. */
+/* Fit b1, b2 for a fixed b3: logit(JOD / 10) = -b1 dE^b3 - b1 b2. false when the scores do not determine the line. */
 static bool start_for_exponent(const scores *s, double b3, double *b) {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (size_t i = 0; i < s->n; ++i) {
         if (s->delta_e[i] <= 0)
             continue;
         double x = pow(s->delta_e[i], b3);
-        double jod = fmin(fmax(s->jod[i], 0.1), 9.9); /* people's scores may lie outside the curve's range */
+        double jod = fmin(fmax(s->jod[i], 0.1), 9.9); /* human scores may be outside the range of the curve */
         double y = log(jod / (10 - jod));
         n += 1;
         sx += x;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Colour difference for high dynamic range: Delta-E ITP of ITU-R BT.2124 on the ICtCp encoding of ITU-R BT.2100 with
- * the PQ curve of SMPTE ST 2084. BT.709 input goes to BT.2020 primaries by the matrix of ITU-R BT.2087. All matrices
- * stand as the recommendations print them; their rows sum so that greys have T = P = 0.
+ * the PQ curve of SMPTE ST 2084. BT.709 input is converted to BT.2020 primaries with the matrix of ITU-R BT.2087. All
+ * matrices have the values printed in the recommendations; their row sums make T = P = 0 for greys.
  */
 #include "math/math.h"
 #include "percept/percept.h"
@@ -15,7 +15,7 @@ static const double bt2020_from_bt709[3][3] = {
 /* Times 4096. */
 static const double lms_from_bt2020[3][3] = {{1688, 2146, 262}, {683, 2951, 462}, {99, 309, 3688}};
 
-/* Times 4096; the second row is Ct halved, which is T. */
+/* Times 4096; the second row is T = Ct / 2. */
 static const double itp_from_pq_lms[3][3] = {{2048, 2048, 0}, {3305, -6806.5, 3501.5}, {17933, -17390, -543}};
 
 static void multiply(const double m[3][3], const double *x, double scale, double *y) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Direction sets: their identity, and their CSV form. directions_create.c chooses new ones.
+ * Direction sets: construction from angles, identity (a hash), CSV files. directions_create.c generates new sets.
  */
 #include "io/io.h"
 #include "math/math.h"
@@ -50,7 +50,7 @@ nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_direc
     if (!directions->degrees || !directions->hd || !directions->cosines)
         goto fail;
     for (size_t i = 0; i < 3 * n; ++i) {
-        directions->degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0: equal directions have equal bytes */
+        directions->degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0, so that equal directions have equal bytes */
         directions->hd[i] = hd_deg[i] * (NQM_PI / 180);
     }
     for (size_t i = 0; i < n; ++i) {
@@ -82,9 +82,9 @@ const double *nqm_directions_degrees(const nqm_directions *directions) {
     return directions->degrees;
 }
 
-static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER; /* held while any set gets its identity */
+static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER; /* locked while the identity of any set is computed */
 
-/* At the first call: the start of OpenSSL takes a millisecond, and scores do not need it. */
+/* Computed at the first call, because scores do not need it and initialising OpenSSL takes a millisecond. */
 const char *nqm_directions_id(const nqm_directions *directions) {
     pthread_mutex_lock(&naming);
     if (!directions->id[0])
@@ -123,7 +123,7 @@ nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions
     if (status == NQM_OK) {
         nqm_error inner = {0};
         status = nqm_directions_from_degrees(n, degrees, directions_ret, &inner);
-        if (status == NQM_ERR_ARG) /* here it is the file's fault, not the caller's */
+        if (status == NQM_ERR_ARG) /* the fault is in the file, not in an argument */
             status = NQM_ERR_FORMAT;
         if (status != NQM_OK)
             nqm_fail(err, status, -1, "%s: %s", path, inner.message);

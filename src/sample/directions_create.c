@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * The choice of a new direction set (paper, section 3.1), in two steps.
+ * Generates a direction set (paper, section 3.1) in two steps.
  *
- * 1. Candidates: points (u, v, w) of the Halton sequence in the bases 2, 3, 5 (Halton 1960, DOI 10.1007/BF01386213),
- * shifted by the seed, become theta_h = max u^power, theta_d = max v, phi_d = 180 w degrees, cut to 1e-6 degree so that
- * their text is short and their identity does not hang on the last bit of pow(). A candidate with theta_i or theta_o
- * above max is passed over. Accepted points are therefore uniform in (u, v, w) over the admissible region.
+ * 1. Candidates: points (u, v, w) of the Halton sequence in the bases 2, 3, 5 (Halton 1960, DOI 10.1007/BF01386213)
+ * with a random shift that depends on the seed give theta_h = max u^power, theta_d = max v, phi_d = 180 w degrees. The
+ * angles are truncated to 1e-6 degree, so that their text is short and their identity does not depend on the last bit
+ * of pow(). Candidates with theta_i or theta_o above max are rejected. Accepted points are therefore uniform in
+ * (u, v, w) over the admissible region.
  *
- * 2. With references: oversampling * n candidates are made and sorted by theta_h into strata of about ten kept
- * directions each; in each stratum the same share is drawn without replacement (Efraimidis and Spirakis 2006,
- * DOI 10.1016/j.ipl.2005.11.003) with probability in proportion to the significance of the candidate: the mean over
- * the references of the cube root of their luminance, each reference divided by its own mean. A draw and not the top of
- * the list: the top lies at grazing theta_d for nearly every material and would leave the rest of the domain unseen.
+ * 2. With references: oversampling * n candidates are sorted by theta_h and divided into strata, each of which yields
+ * about ten directions. Directions are drawn from each stratum without replacement (Efraimidis and Spirakis 2006,
+ * DOI 10.1016/j.ipl.2005.11.003) with probability proportional to the significance of the candidate: the sum over the
+ * references of the cube root of the luminance, divided by its mean over the candidates. Taking the most significant
+ * candidates instead would select grazing theta_d for nearly every material and leave the rest of the domain unsampled.
  *
- * The set is ordered by theta_h.
+ * The set is sorted by theta_h.
  */
 #include "math/math.h"
 #include "sample/sample.h"
@@ -26,7 +27,7 @@ enum { KEPT_PER_STRATUM = 10 };
 typedef struct candidate {
     double hd_deg[3];
     double significance;
-    double key; /* of the weighted draw; the largest keys win */
+    double key; /* of the weighted draw; the candidates with the largest keys are drawn */
 } candidate;
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
@@ -89,10 +90,10 @@ static void make_candidates(const nqm_directions_options *options, size_t n, can
 
 /* Add one reference to the significance of every candidate. hd, rgb: scratch (n, 3). */
 static void add_reference(const nqm_brdf *ref, size_t n, candidate *candidates, const double *hd, double *rgb) {
-    nqm_brdf_eval_half_diff(ref, n, hd, rgb, NULL); /* 0 where there is no value: nothing significant to see there */
+    nqm_brdf_eval_half_diff(ref, n, hd, rgb, NULL); /* 0 where there is no value, so that it adds no significance */
     double sum = 0;
     for (size_t i = 0; i < n; ++i) {
-        rgb[i] = cbrt(nqm_luminance(rgb + 3 * i)); /* the results pack down into the front of the array */
+        rgb[i] = cbrt(nqm_luminance(rgb + 3 * i)); /* the result overwrites the front of the array */
         sum += rgb[i];
     }
     if (!(sum > 0))
@@ -133,11 +134,11 @@ static int compare_keys(const void *a, const void *b) {
     return (p->key < q->key) - (p->key > q->key);
 }
 
-/* Draw n of the m candidates, stratum by stratum, to the front of the array. They lie sorted by theta_h. */
+/* Move n of the m candidates, drawn stratum by stratum, to the front of the array. The input is sorted by theta_h. */
 static void draw(uint64_t seed, size_t n, size_t m, candidate *candidates) {
     nqm_rng rng = nqm_rng_make(seed, 1);
     for (size_t i = 0; i < m; ++i)
-        candidates[i].key = log(1 - nqm_rng_uniform(&rng)) / candidates[i].significance; /* significance 0: last */
+        candidates[i].key = log(1 - nqm_rng_uniform(&rng)) / candidates[i].significance; /* -inf for significance 0 */
     size_t n_strata = (n + KEPT_PER_STRATUM - 1) / KEPT_PER_STRATUM;
     size_t kept = 0;
     for (size_t s = 0; s < n_strata; ++s) {

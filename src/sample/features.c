@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The numbers that the network sees (paper, section 3.1): transform, whitening, and the two layouts of a pair.
+ * Input features of the network (paper, section 3.1): transform, whitening, and the two layouts of a pair.
  */
 #include "kernel/kernel.h"
 #include "sample/sample.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * sample.h - the inside of a direction set, and the way from sampled reflectance to the numbers that the network sees:
+ * sample.h - the fields of a direction set, and the conversion of sampled reflectance to input features of the network:
  * transform, whitening, layout (paper, section 3.1).
  */
 #ifndef NQM_SRC_SAMPLE_H
@@ -14,28 +14,28 @@ struct nqm_directions {
     double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
     double *hd;      /* (n, 3) the same in radians */
     double *cosines; /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
-    char id[17];     /* nqm_directions_id(); empty: not asked for yet */
+    char id[17];     /* nqm_directions_id(); empty: not computed yet */
 };
 
-/** How a pair becomes the network's input. */
+/** Conversion of a pair to the network's input. */
 typedef struct nqm_features {
     nqm_layout layout;
-    double difference_scale; /* s; used by layout 1 */
-    float mean[3], std[3];   /* whitening of t, per channel */
+    double difference_scale; /* factor of the differences; used by layout 1 */
+    float mean[3], std[3];   /* of t, per channel; whitening is (t - mean) / std */
 } nqm_features;
 
 /** t = log(cbrt(rho) + 1) for n values; rho >= 0. In place is allowed. */
 void nqm_features_transform(size_t n, const float *rho, float *t);
-/** The way back: rho = (exp(t) - 1)^3. In place is allowed. */
+/** Inverse of nqm_features_transform(): rho = (exp(t) - 1)^3. In place is allowed. */
 void nqm_features_restore(size_t n, const float *t, float *rho);
-/** Width of the samples' part of the network's input: 6 n_directions (layout 0) or 9 n_directions (layout 1). */
+/** Number of input features that come from samples: 6 n_directions (layout 0) or 9 n_directions (layout 1). */
 size_t nqm_features_width(nqm_layout layout, size_t n_directions);
 /**
- * The input vector of one pair, differences taken after whitening.
+ * Compute the input vector of one pair. Differences are taken after whitening.
  *
- * @param ref_t, test_t  (n_directions, 3) transformed, not whitened; may lie in x itself, at x and x + 3 n_directions
- * @param used           (n_directions) 0 where the direction is dropped (both members become the mean: whitened 0);
- *                       NULL: all
+ * @param ref_t, test_t  (n_directions, 3) transformed, not whitened; may be x and x + 3 n_directions
+ * @param used           (n_directions) 0 where the direction is dropped: both members get the mean, so its features
+ *                       are 0; NULL: all directions are used
  * @param x              (nqm_features_width) receives the input
  */
 void nqm_features_compose(const nqm_features *features, size_t n_directions, const float *ref_t, const float *test_t,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Samples of a BRDF as a file of the paper's authors (doc/files.md): r, g, b and random_locations in MAT v5.
+ * Writes samples of a BRDF in the format of the paper's authors (doc/files.md): r, g, b and random_locations in MAT v5.
  */
 #include "io/io.h"
 #include "sample/sample.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sampling of a BRDF at a direction set, with a named policy where the BRDF holds no value.
+ * Samples a BRDF at a direction set, with a policy for directions at which the BRDF has no value.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -10,11 +10,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { AT_ONCE = 512 }; /* directions: on the stack, and enough for formats that fetch what they need in one go */
+enum { AT_ONCE = 512 }; /* directions per call: few enough for the stack, enough to batch the reads of a format */
 
 const char *const nqm_invalid_words[] = {"drop", "zero", "nearest", "error", NULL};
 
-/* Squared chord length between two direction pairs, the smaller of both orders of light and viewer. */
+/* Squared distance between two direction pairs (6), the smaller of both orders of light and viewer (reciprocity). */
 static double pair_distance(const double *pair_a, const double *pair_b) {
     double direct = 0, swapped = 0;
     for (size_t k = 0; k < 6; ++k) {
@@ -25,7 +25,7 @@ static double pair_distance(const double *pair_a, const double *pair_b) {
     return fmin(direct, swapped);
 }
 
-/* Give every direction without a value the value of the nearest one that has any; at least one has. */
+/* Copy the nearest valid value to every direction without one; at least one direction must have a value. */
 static nqm_status fill_from_nearest(const nqm_directions *directions, const uint8_t *flag, float *rgb, nqm_error *err) {
     size_t n = directions->n;
     double *pairs = nqm_alloc(n, 6 * sizeof *pairs); /* (n, 6) wi, wo */
@@ -60,7 +60,7 @@ static nqm_sample_report count_flags(size_t n, const uint8_t *flag) {
     return counts;
 }
 
-/* What the policy says about directions without a value; they hold 0 already. */
+/* Apply the policy to directions without a value, which are already 0. */
 static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy,
                                const uint8_t *flag, float *rgb, nqm_error *err) {
     nqm_sample_report counts = count_flags(directions->n, flag);
