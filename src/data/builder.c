@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT
  *
- * Building a dataset row by row, for every source of pairs but nqm's own file: one block for all arrays, names copied and found
- * again.
+ * Builds a dataset row by row, for every source of pairs except nqm's own file. All arrays are stored in one memory
+ * block. Names are copied; a name that was added before is found again.
  */
 #include "data/data.h"
 
 #include <string.h>
 
-/* The next part of the block: n * size bytes, 64-byte aligned. With base NULL only the size is added up. */
+/* Reserve the next n * size bytes of the block, 64-byte aligned. base NULL: only advance *at to compute the size. */
 static void *take(unsigned char *base, size_t *at, size_t n, size_t size) {
     enum { ALIGNMENT = 64 };
     void *part = base ? base + *at : NULL;
     size_t n_bytes = 0;
     if (!nqm_mul_size(n, size, &n_bytes) || __builtin_add_overflow(*at, n_bytes + ALIGNMENT, at))
-        *at = SIZE_MAX / 2; /* nqm_alloc() refuses it */
+        *at = SIZE_MAX / 2; /* overflow: nqm_alloc() fails for this size */
     *at = *at / ALIGNMENT * ALIGNMENT;
     return part;
 }
 
-/* Lay out the arrays in a block; returns its size. */
+/* Set the array pointers into the block at `base` (NULL: none); returns the block's size in bytes. */
 static size_t lay_out(const nqm_dataset_limits *l, unsigned char *base, nqm_dataset_builder *b) {
     const size_t n = l->n_directions, r = l->max_refs, p = l->max_pairs;
     size_t at = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What every dataset shares, wherever it came from: the check of its promises, facts, memory and release.
+ * Functions for datasets from any source: validation, properties, memory size and release.
  */
 #include "data/data.h"
 

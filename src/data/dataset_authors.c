@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The dataset layout of the paper's authors (github.com/behnazkavoosi/neural-brdf-quality-metric): a CSV with one row a
- * pair, `material,model,level,DeltaE,JOD,class`, and for each row, whose `material` field is NAME, the files
- * ROOT/ref/NAME.mat and ROOT/model/NAME.mat, as their notebook reads them. NAME is the material with a running number
- * ("brass_12"): rows that differ in the number only are one group. A reference that is stored once a material
- * (ROOT/ref/brass.mat) is found too.
+ * Reads the dataset layout of the paper's authors (github.com/behnazkavoosi/neural-brdf-quality-metric): a CSV with one
+ * row per pair, `material,model,level,DeltaE,JOD,class`, and for each row, whose `material` field is NAME, the files
+ * ROOT/ref/NAME.mat and ROOT/model/NAME.mat, as in their notebook. NAME is the material followed by a running number
+ * ("brass_12"): rows whose names differ only in that number belong to one group. A reference that is stored once per
+ * material (ROOT/ref/brass.mat) is also accepted.
  */
 #include "data/data.h"
 #include "io/io.h"
@@ -19,17 +19,17 @@ enum { MAX_DIRECTIONS = 100000, MAX_PATH_BYTES = 4096 };
 typedef struct reader {
     nqm_dataset_builder builder;
     const char *root, *csv_path;
-    nqm_split split; /* of every row */
+    nqm_split split; /* assigned to every row */
     nqm_csv *csv;
     int material, model, level, delta_e, jod; /* column numbers */
     double *directions_deg, *scratch;         /* (n_directions, 3) */
     size_t n_directions;
-    size_t n_clamped; /* negative values, read as 0 */
+    size_t n_clamped; /* number of negative values, which are replaced by 0 */
 } reader;
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* "brass_12" is of material "brass"; a name without a number is a material of its own. */
+/* Length of the material's name: "brass" in "brass_12". A name without a number is the material's name. */
 static size_t material_length(const char *name) {
     size_t n = strlen(name), digits = 0;
     while (digits < n && isdigit((unsigned char)name[n - 1 - digits]))
@@ -37,7 +37,7 @@ static size_t material_length(const char *name) {
     return digits && digits + 1 < n && name[n - 1 - digits] == '_' ? n - 1 - digits : n;
 }
 
-/* The encoding of a row: "sbrdf" at level 0, "sbrdf.2" at level 2. */
+/* The kind of a row is its encoding: "sbrdf" at level 0, "sbrdf.2" at level 2. */
 static nqm_status find_kind(reader *r, size_t row, uint32_t *kind_ret, nqm_error *err) {
     char kind[64];
     const char *level = nqm_csv_text(r->csv, row, r->level);
@@ -49,7 +49,7 @@ static nqm_status find_kind(reader *r, size_t row, uint32_t *kind_ret, nqm_error
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-/* Find ROOT/FOLDER/NAME.mat, or the same with the material's name alone. */
+/* Find ROOT/FOLDER/NAME.mat, or ROOT/FOLDER/MATERIAL.mat. */
 static nqm_status find_file(const reader *r, const char *folder, const char *name, size_t n_material,
                             char path[MAX_PATH_BYTES], nqm_error *err) {
     if (strchr(name, '/'))
@@ -78,7 +78,7 @@ static nqm_status check_locations(reader *r, nqm_mat *mat, const char *path, nqm
     return status;
 }
 
-/* r, g, b of one file into rgb (n_directions, 3); negative values (out of gamut) become 0 and are counted. */
+/* Read r, g and b of a file into rgb (n_directions, 3). Negative values (out of gamut) become 0 and are counted. */
 static nqm_status read_rgb(reader *r, const char *path, float *rgb, nqm_error *err) {
     static const char *const channels[3] = {"r", "g", "b"};
     nqm_mat *mat;
@@ -99,8 +99,8 @@ static nqm_status read_rgb(reader *r, const char *path, float *rgb, nqm_error *e
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
-/* The reference whose samples were just read to the row after the last one: a new one, or equal to an earlier one of its
- * material. */
+/* Find the reference whose samples were just read into row n_refs of ref_rgb: an earlier reference of the same material
+ * with equal samples, or else a new one. */
 static nqm_status find_reference(reader *r, const char *name, uint32_t group, uint32_t *ref_ret, nqm_error *err) {
     const nqm_dataset_builder *b = &r->builder;
     const size_t n_columns = 3 * r->n_directions, n_refs = b->dataset->n_refs;
@@ -142,7 +142,7 @@ static nqm_status read_row(reader *r, size_t row, nqm_error *err) {
     return status == NQM_OK ? nqm_dataset_add_pair(b, ref, name, kind, delta_e, jod, err) : status;
 }
 
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
+/* ---- dataset ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status open_labels(reader *r, nqm_error *err) {
     const struct {
@@ -162,7 +162,7 @@ static nqm_status open_labels(reader *r, nqm_error *err) {
     return status;
 }
 
-/* The directions of the first row's model, which all others must share. */
+/* Read the directions from the model file of the first row; all other files must have the same ones. */
 static nqm_status read_directions(reader *r, nqm_error *err) {
     char path[MAX_PATH_BYTES];
     size_t n = 0, n_columns = 0;

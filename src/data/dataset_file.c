@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm's own dataset file: safetensors with the arrays of struct nqm_dataset under their own names, and the names of
- * references, groups, kinds and tests as JSON arrays in the metadata (doc/files.md). The arrays are used where they lie
- * in the mapped file.
+ * nqm's own dataset file: a safetensors file with the arrays of struct nqm_dataset under their member names, and the
+ * names of references, groups, kinds and tests as JSON arrays in the metadata (doc/files.md). The dataset points into
+ * the mapped file; nothing is copied.
  */
 #include "data/data.h"
 #include "io/io.h"
@@ -64,7 +64,7 @@ static size_t dtype_size(nqm_dtype dtype) {
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* A count is the first dimension of the tensor that has one row for each. */
+/* Read a count from the first dimension of `tensor`, which has one row per item. */
 static nqm_status read_count(const nqm_safetensors *st, const char *tensor, size_t *n_ret, const char *name,
                              nqm_error *err) {
     const nqm_tensor *t = nqm_safetensors_find(st, tensor);
@@ -121,7 +121,7 @@ static nqm_status read_columns(const nqm_safetensors *st, nqm_dataset *d, const 
     return NQM_OK;
 }
 
-/* A metadata value that is a JSON array of n strings. */
+/* Read a metadata value that is a JSON array of n strings. */
 static nqm_status read_names(const nqm_safetensors *st, const char *key, size_t n, nqm_names *names, const char *name,
                              nqm_error *err) {
     const char *text = nqm_safetensors_meta(st, key);
@@ -139,7 +139,7 @@ static nqm_status read_names(const nqm_safetensors *st, const char *key, size_t 
     return status;
 }
 
-/* How many kinds there are: no tensor has a row for each. */
+/* The number of kinds is counted in the metadata, because no tensor has one row per kind. */
 static size_t count_kinds(const nqm_safetensors *st) {
     const char *text = nqm_safetensors_meta(st, "kind_names");
     json_t *array = text ? json_loads(text, 0, NULL) : NULL;
@@ -219,7 +219,7 @@ nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_err
     if (status != NQM_OK)
         return status;
     status = nqm_dataset_parse(map.data, map.n_bytes, path, true, dataset_ret, err);
-    map.path = NULL; /* the caller's string */
+    map.path = NULL; /* the string belongs to the caller */
     if (status == NQM_OK)
         (*dataset_ret)->file = map;
     else

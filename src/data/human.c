@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The answers of people as an object, and what the best predictor of choices could meet.
+ * Access to the answers of people, and ceilings of the fraction of choices that a predictor can reproduce.
  */
 #include "data/human.h"
 
@@ -29,7 +29,8 @@ const nqm_dataset *nqm_human_dataset(const nqm_human *human) {
 
 /* ---- ceilings ---------------------------------------------------------------------------------------------------- */
 
-/* How many of n people agree with most of the others, n_other of whom think otherwise. */
+/* Number of the n people with the same choice who agree with the majority of all other people: n - 1 with the same
+ * choice and n_other with the opposite one. A tie counts half. */
 static double follow_others(double n, double n_other) {
     double others = n - 1;
     return others > n_other ? n : others == n_other ? 0.5 * n : 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * human.h - people's answers: human_answers.c reads the CSV, human_file.c samples the BRDFs that the answers are about.
+ * human.h - answers of people: human_answers.c reads the CSV, human_file.c samples the BRDFs that the answers refer to.
  */
 #ifndef NQM_SRC_DATA_HUMAN_H
 #define NQM_SRC_DATA_HUMAN_H
@@ -9,7 +9,7 @@
 #include "io/io.h"
 #include <nqm/data.h>
 
-/** Which of two tests of a reference is more like it: how many people chose each. */
+/** Choices between two tests of a reference: how many people found test a (n_a) or b (n_b) more similar to it. */
 typedef struct nqm_triplet {
     uint32_t group;
     uint32_t a, b; /* pairs of the dataset, a < b, with the same reference */
@@ -24,17 +24,17 @@ struct nqm_human {
     nqm_triplet *triplets; /* (n_triplets) distinct, by group */
 };
 
-/** The rows of a CSV. */
+/** The columns and values of a CSV of answers. */
 typedef struct nqm_answers {
     nqm_human_kind kind;
     const nqm_csv *csv;                                            /* borrowed */
     const char *path;                                              /* borrowed */
     int reference, test[2], value[2], choice, material, test_kind; /* columns; -1: missing */
     size_t n_rows, n_slots;                                        /* n_slots: tests per row, 1 or 2 */
-    double *values; /* (n_rows, n_slots) the score, or the number of people who chose each; nqm_free() */
+    double *values; /* (n_rows, n_slots) the score, or the number of people who chose each test; nqm_free() */
 } nqm_answers;
 
-/** "score", "jod", "distance" or "choice": also the columns of the scores. NULL beyond. */
+/** "score", "jod", "distance" or "choice"; the first three are also the names of CSV columns. NULL: no such kind. */
 const char *nqm_human_kind_name(nqm_human_kind kind);
 
 NQM_MUST_CHECK nqm_status nqm_answers_read(const nqm_csv *csv, const char *path, nqm_answers *answers_ret,

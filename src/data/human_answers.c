@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * The columns of a CSV of answers: which of its forms it has, and what people said in each row.
+ * Finds the columns of a CSV of answers, detects its form (scores or choices) and reads the values.
  */
 #include "data/human.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double max_choices = 1e9; /* of a row */
+static const double max_choices = 1e9; /* people per row */
 
 static nqm_status need_column(const nqm_answers *a, const char *name, int *column, nqm_error *err) {
     *column = nqm_csv_column(a->csv, name);
     return *column >= 0 ? NQM_OK : nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header has no column %s", a->path, name);
 }
 
-/* Exactly one of the three columns of scores. */
+/* Find the column of scores; exactly one of the three must exist. */
 static nqm_status find_scores(nqm_answers *a, nqm_error *err) {
     int n_found = 0;
     for (nqm_human_kind kind = NQM_HUMAN_SCORE; kind < NQM_HUMAN_CHOICE; ++kind) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * People's answers as a dataset: the BRDFs that they name are sampled. Rows are sorted by reference and test, so that every
- * reference, and every test of it, is opened once.
+ * Builds a dataset from the answers of people by sampling the BRDFs that the answers name. Rows are sorted by reference
+ * and test, so that each reference, and each test of it, is opened only once.
  */
 #include "brdf/brdf.h"
 #include "data/human.h"
@@ -48,7 +48,7 @@ static bool repeats_pair(const reader *r, size_t i) {
     return !begins_ref(r, i) && strcmp(r->entries[i].test, r->entries[i - 1].test) == 0;
 }
 
-/* Equal choices are one pair; every score is a pair of its own. */
+/* For choices, all entries with the same reference and test form one pair; for scores, every row is a separate pair. */
 static bool begins_pair(const reader *r, size_t i) {
     return r->answers.n_slots == 1 || !repeats_pair(r, i);
 }
@@ -76,7 +76,7 @@ static nqm_status sort_entries(reader *r) {
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
 
-/* Sample a BRDF; used (n_directions) becomes 1 where it has a value. */
+/* Sample a BRDF. used (n_directions) receives 1 where it has a value, else 0. */
 static nqm_status sample_brdf(const reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
     const nqm_dataset *d = r->builder.dataset;
     nqm_error inner = {0};
@@ -105,12 +105,12 @@ static nqm_status check_valid(const reader *r, const entry *e, const uint8_t *re
 
 /* ---- rows of the dataset ----------------------------------------------------------------------------------------- */
 
-/* The material of a row; without that column the reference itself. */
+/* The material of a row. Without a material column, every reference is its own material. */
 static const char *material_of(const reader *r, const entry *e) {
     return r->answers.material >= 0 ? nqm_csv_text(r->answers.csv, e->row, r->answers.material) : e->ref;
 }
 
-/* The reference that begins with an entry, whose rows must all name the same material. */
+/* Add the reference whose entries start at `first`; all its rows must name the same material. */
 static nqm_status add_reference(reader *r, size_t first) {
     const entry *e = &r->entries[first];
     const char *name = material_of(r, e);
@@ -140,7 +140,7 @@ static nqm_status add_pair(reader *r, size_t i) {
     uint8_t *used = r->builder.test_used + n * d->n_pairs;
     uint32_t kind = 0;
     nqm_status status = NQM_OK;
-    if (repeats_pair(r, i)) { /* one more score of the same pair */
+    if (repeats_pair(r, i)) { /* another score for the same test */
         memcpy(rgb, rgb - 3 * n, 3 * n * sizeof *rgb);
         memcpy(used, used - n, n);
     } else {
@@ -198,7 +198,7 @@ static int compare_triplets(const void *x, const void *y) {
     return order ? order : (p->b > q->b) - (p->b < q->b);
 }
 
-/* Rows about the same three BRDFs become one triplet, whichever test is called a. */
+/* Merge the rows that compare the same two tests of a reference into one triplet, regardless of the tests' order. */
 static nqm_status gather_triplets(reader *r) {
     nqm_human *h = r->human;
     h->triplets = nqm_alloc(r->answers.n_rows, sizeof *h->triplets);
@@ -228,7 +228,7 @@ static nqm_status gather_triplets(reader *r) {
     return NQM_OK;
 }
 
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options, nqm_human **human_ret,
                           nqm_error *err) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The class of a reference material, from its samples alone: how much brighter it is near the mirror direction than far
- * from it, and whether its body has a colour. Judging reports results by it; nothing is trained on it.
+ * Classifies a reference material from its samples: gloss is the ratio of the luminance near the mirror direction to
+ * that far from it, and colour is the deviation of the channels far from it. Evaluations report results per class; the
+ * class is not used in training.
  */
 #include "data/data.h"
 #include "math/math.h"
@@ -17,11 +18,12 @@ const char *nqm_material_class_name(size_t i) {
     return i < NQM_MATERIAL_CLASS_COUNT ? class_names[i] : NULL;
 }
 
-/* Degrees: where the lobe counts, and where the body. At larger theta_d both are the Fresnel effect's. */
+/* Degrees: theta_h below near_theta_h is the specular lobe, from far_theta_h on the body. Directions from most_theta_d
+ * on are ignored, because Fresnel reflection dominates there. */
 static const double near_theta_h = 3, far_theta_h = 25, most_theta_d = 60;
-static const double dark = 0.003;                  /* 1/sr */
+static const double dark = 0.003;                  /* 1/sr, added before logarithms */
 static const double gloss_edges[3] = {3, 20, 200}; /* ratio of luminance near to far: satin, glossy, mirror-like */
-static const double colour_edge = 0.4;             /* log of a channel less the mean log of the three */
+static const double colour_edge = 0.4;             /* largest |log of a channel - mean log of the three channels| */
 
 size_t nqm_dataset_ref_class(const nqm_dataset *d, size_t ref) {
     double near = 0, far = 0, n_near = 0, n_far = 0, body[3] = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Predictions of a model for pairs of a dataset.
+ * Predicts the JOD of pairs of a dataset with a model, in batches.
  */
 #include "data/data.h"
 #include "metric/metric.h"

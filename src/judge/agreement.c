@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Agreement of predictions with labels, with percentile intervals, and contrasts between predictors. bootstrap.c draws
- * the resamples.
+ * Computes the agreement of predictions with labels, with bootstrap percentile intervals, and contrasts between
+ * predictors. bootstrap.c draws the resamples.
  */
 #include "judge/agreement.h"
 #include "judge/bootstrap.h"
@@ -10,19 +10,20 @@
 #include <math.h>
 #include <string.h>
 
-/* One judgement at work. */
+/* Working memory of one judgement. */
 typedef struct judging {
     const nqm_judgement *j;
     size_t n_resamples;
     double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT) */
-    size_t *occurring; /* (n_occurring) groups that hold pairs */
+    size_t *occurring; /* (n_occurring) indices of the groups with pairs */
     size_t n_occurring;
     double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
 } judging;
 
 /* ---- sums of a group --------------------------------------------------------------------------------------------- */
 
-/* How often the predictions order two pairs of the group as the labels do. */
+/* Count the pairs of tests whose labels differ by more than the margin, and those that the predictions order
+ * correctly. */
 static void count_orders(size_t n, const double *prediction, const double *label, double margin, double *sums) {
     for (size_t i = 0; i < n; ++i)
         for (size_t k = i + 1; k < n; ++k) {
@@ -38,7 +39,7 @@ static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double
     const double *prediction = j->prediction + predictor * j->n + j->group_begin[g];
     const double *label = j->label + j->group_begin[g];
     size_t n = j->group_begin[g + 1] - j->group_begin[g];
-    /* Less the first value of all: no digits are lost to a large mean, and what is constant gives exact zeros. */
+    /* Subtracting the first value avoids cancellation when the mean is large; constant values give exact zeros. */
     double x0 = j->prediction[predictor * j->n], y0 = j->label[0];
     for (size_t i = 0; i < n; ++i) {
         double x = prediction[i] - x0, y = label[i] - y0, error = prediction[i] - label[i];
@@ -68,7 +69,7 @@ static void release(judging *w) {
 static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_error *err) {
     const nqm_judgement *j = w->j;
     if (j->n_groups < 2)
-        w->n_resamples = 0; /* resampling one material gives it again: an interval without width would be a lie */
+        w->n_resamples = 0; /* every resample of one material is equal: an interval of width 0 would be misleading */
     w->sums = nqm_alloc(j->n_predictors, j->n_groups * NQM_SUM_COUNT * sizeof *w->sums);
     w->occurring = nqm_alloc(j->n_groups, sizeof *w->occurring);
     w->statistics = nqm_alloc(j->n_predictors * NQM_STATISTIC_COUNT, (w->n_resamples + 1) * sizeof *w->statistics);
@@ -95,7 +96,7 @@ static double *resampled(const judging *w, size_t predictor, int statistic) {
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-/* The statistics of the pairs as they are; returns the pairs of tests that have an order. */
+/* Statistics of the original pairs, without resampling. Returns the number of pairs of tests with an order. */
 static size_t plain_statistics(const judging *w, size_t predictor, double statistics[NQM_STATISTIC_COUNT]) {
     const nqm_judgement *j = w->j;
     double total[NQM_SUM_COUNT] = {0};
@@ -197,9 +198,10 @@ nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint6
     return status;
 }
 
-/* ---- the best of several metrics --------------------------------------------------------------------------------- */
+/* ---- best metrics ------------------------------------------------------------------------------------------------ */
 
-/* The first of the largest Spearman among the baselines of one family (NULL: of all), or NQM_METRIC_COUNT. */
+/* Find the baseline with the largest Spearman in a family (NULL: in all); the first one if tied, NQM_METRIC_COUNT if
+ * none. */
 static size_t find_best(const nqm_agreement *metrics, const char *family) {
     size_t best = NQM_METRIC_COUNT;
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {

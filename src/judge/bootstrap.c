@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The bootstrap over material groups (Efron 1979, DOI 10.1214/aos/1176344552); whole groups are drawn because the pairs
- * of one material are not independent.
+ * The bootstrap over material groups (Efron 1979, DOI 10.1214/aos/1176344552). Whole groups are resampled because the
+ * pairs of one material are not independent.
  *
- * A resample that draws group g w_g times holds each of its pairs w_g times. The ranks of such a multiset follow from
- * the weights and the order of the values in the whole, so that nothing is sorted a second time.
+ * A resample that draws group g w_g times contains each of its pairs w_g times. The ranks in this multiset are computed
+ * from the weights and the sort order of the original values, so that resamples need no sorting.
  */
 #include "judge/bootstrap.h"
 #include "math/math.h"
@@ -12,9 +12,9 @@
 #include <math.h>
 #include <stdatomic.h>
 
-/* ---- statistics of sums --------------------------------------------------------------------------------------------- */
+/* ---- statistics of sums ------------------------------------------------------------------------------------------ */
 
-/* Sum of squared deviations from the mean; 0 where rounding may be all that there is. */
+/* Sum of squared deviations from the mean; 0 if it is not larger than the rounding error. */
 static double deviation(double n, double sum, double squares) {
     const double rounding = 1e-13;
     double d = squares - sum * sum / n;
@@ -35,14 +35,14 @@ void nqm_statistics_of_sums(const double *s, double statistics[NQM_STATISTIC_COU
     statistics[NQM_STATISTIC_ORDER] = s[NQM_SUM_ORDERED] > 0 ? s[NQM_SUM_RIGHT] / s[NQM_SUM_ORDERED] : NAN;
 }
 
-/* ---- the order of all values ------------------------------------------------------------------------------------- */
+/* ---- sort order of the values ------------------------------------------------------------------------------------ */
 
-/* What all resamples share. Row 0 of the arrays with 1 + n_predictors rows is that of the labels. */
+/* Data shared by all resamples. In arrays with 1 + n_predictors rows, row 0 is for the labels. */
 typedef struct shared {
     const nqm_bootstrap *b;
-    uint32_t *level;  /* (1 + n_predictors, n) values in ascending order have levels 0, 1, ...; equal ones share one */
-    size_t *n_levels; /* (1 + n_predictors) */
-    uint32_t *order;  /* (n_predictors, n) pairs by ascending prediction */
+    uint32_t *level;    /* (1 + n_predictors, n) distinct values in ascending order have levels 0, 1, ... */
+    size_t *n_levels;   /* (1 + n_predictors) */
+    uint32_t *order;    /* (n_predictors, n) pairs by ascending prediction */
     uint32_t *group_of; /* (n) */
     double *statistics;
     atomic_bool out_of_memory;
@@ -86,16 +86,16 @@ static nqm_status prepare(shared *s, nqm_error *err) {
 /* Scratch of a resample. */
 typedef struct resample {
     double *weight;       /* (n_groups) how often each group was drawn */
-    double *label_rank;   /* (n) by level, minus the mean rank */
-    double *rank;         /* (n) by level, likewise */
-    double *level_weight; /* (n) */
-    double *tree;         /* (n + 1) */
-    double n;             /* pairs, with repetition */
+    double *label_rank;   /* (n) rank of each label level minus the mean rank */
+    double *rank;         /* (n) the same for the levels of a predictor */
+    double *level_weight; /* (n) number of pairs at each level, with repetition */
+    double *tree;         /* (n + 1) Fenwick tree of label levels */
+    double n;             /* number of pairs, with repetition */
     double label_squares; /* sum of label_rank squared over the pairs */
-    double label_untied;  /* pairs of pairs with unlike labels */
+    double label_untied;  /* number of pairs of pairs with different labels */
 } resample;
 
-/* Mean ranks of the levels of row r, less the mean of all ranks; returns the sum of their squares over the pairs. */
+/* Compute the mean rank of each level of row r, minus the mean rank. Returns their sum of squares over the pairs. */
 static double rank_levels(const shared *sh, const resample *s, size_t r, double *rank) {
     const nqm_judgement *j = sh->b->judgement;
     const uint32_t *level = sh->level + r * j->n;
@@ -116,7 +116,7 @@ static double rank_levels(const shared *sh, const resample *s, size_t r, double 
     return squares;
 }
 
-/* Pearson's r of the ranks of labels and of row r. */
+/* Pearson correlation between the ranks of the labels and of row r. */
 static double resample_spearman(const shared *sh, const resample *s, size_t r) {
     const nqm_judgement *j = sh->b->judgement;
     const uint32_t *label_level = sh->level, *level = sh->level + r * j->n;
@@ -133,7 +133,7 @@ static double pairs_among(double n) {
     return 0.5 * n * (n - 1);
 }
 
-/* Weight of all levels below; element k of the tree (Fenwick 1994, DOI 10.1002/spe.4380240306) counts from 1. */
+/* Total weight of the levels below `level`. The tree (Fenwick 1994, DOI 10.1002/spe.4380240306) is indexed from 1. */
 static double tree_below(const double *tree, size_t level) {
     double sum = 0;
     for (size_t k = level; k > 0; k &= k - 1)
@@ -146,8 +146,8 @@ static void tree_add(double *tree, size_t n_levels, size_t level, double weight)
         tree[k] += weight;
 }
 
-/* Kendall's tau-b: predictions are passed in ascending order, and the tree holds the labels of the smaller ones. All
- * numbers up to the last line are whole. */
+/* Kendall's tau-b. Pairs are visited in ascending order of their predictions; the tree contains the labels of those
+ * with smaller predictions. All values before the last line are integers, so that sums are exact. */
 static double resample_kendall(const shared *sh, const resample *s, size_t predictor) {
     const nqm_judgement *j = sh->b->judgement;
     const uint32_t *order = sh->order + predictor * j->n, *level = sh->level + (predictor + 1) * j->n;
@@ -172,7 +172,7 @@ static double resample_kendall(const shared *sh, const resample *s, size_t predi
     return untied > 0 && s->label_untied > 0 ? in_order / sqrt(untied) / sqrt(s->label_untied) : NAN;
 }
 
-/* The other statistics of one predictor. */
+/* Statistics of one predictor other than Spearman and Kendall. */
 static void resample_sums(const shared *sh, const resample *s, size_t predictor,
                           double statistics[NQM_STATISTIC_COUNT]) {
     const double *sums = sh->b->sums + predictor * sh->b->judgement->n_groups * NQM_SUM_COUNT;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How well predictors meet the choices of people between two tests.
+ * The fraction of people's choices between two tests that predictors reproduce.
  */
 #include "data/human.h"
 #include "judge/bootstrap.h"
@@ -8,21 +8,21 @@
 
 #include <math.h>
 
-/* ---- choices met ------------------------------------------------------------------------------------------------- */
+/* ---- reproduced choices ------------------------------------------------------------------------------------------ */
 
-/* Choices by group, and over resamples of the groups. */
+/* Counts of choices per group, and their fractions over resamples of the groups. */
 typedef struct tally {
     const nqm_human *human;
     const nqm_evaluation *ev;
     size_t n_groups, n_resamples, n_occurring;
-    size_t *occurring; /* (n_occurring) groups that hold choices */
-    double *choices;   /* (n_groups) */
-    double *met;       /* (n_predictors, n_groups) */
+    size_t *occurring; /* (n_occurring) indices of the groups with choices */
+    double *choices;   /* (n_groups) number of choices */
+    double *met;       /* (n_predictors, n_groups) number of choices that the predictor reproduces */
     double *weight;    /* (n_groups) scratch */
-    double *share;     /* (n_predictors, n_resamples) */
+    double *share;     /* (n_predictors, n_resamples) fraction of choices reproduced */
 } tally;
 
-/* 1: the predictor finds a better, 0: b, 0.5: neither. */
+/* 1: the predictor rates a better; 0: b; 0.5: both equal. */
 static double prefers_a(const nqm_evaluation *ev, size_t predictor, const nqm_triplet *t) {
     const double *value = nqm_evaluation_values(ev, predictor);
     double better = predictor < ev->n_models ? value[t->a] - value[t->b] : value[t->b] - value[t->a];
@@ -47,7 +47,7 @@ static double majority_share(const tally *w, size_t predictor) {
     return n > 0 ? met / n : NAN;
 }
 
-/* Over the groups that occur; weight NULL: each once. */
+/* Fraction of choices reproduced over the occurring groups; weight NULL: each counts once. */
 static double share_of(const tally *w, size_t predictor, const double *weight) {
     double met = 0, choices = 0;
     for (size_t k = 0; k < w->n_occurring; ++k) {
@@ -86,7 +86,7 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
     if (status != NQM_OK)
         return status;
     w->n_groups = w->human->dataset->n_groups;
-    w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* as nqm_judge() */
+    w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* no interval for a single group, as in nqm_judge() */
     w->occurring = nqm_alloc(w->n_groups, sizeof *w->occurring);
     w->choices = nqm_alloc(w->n_groups, sizeof *w->choices);
     w->weight = nqm_alloc(w->n_groups, sizeof *w->weight);

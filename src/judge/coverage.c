@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How many labels the intervals of a model hold: over all pairs, by material, by predicted JOD.
+ * Coverage of a model's intervals: the fraction of labels inside, over all pairs, by material and by predicted JOD.
  */
 #include "judge/bootstrap.h"
 #include "judge/evaluate.h"
@@ -18,12 +18,12 @@ static size_t range_of(double jod) {
     return i;
 }
 
-/* Where labels lie; both (n_groups). */
+/* Number of labels, and of labels inside the intervals; both (n_groups). */
 typedef struct tally {
     double *n, *inside;
 } tally;
 
-/* Sums over the pairs, which finish() makes shares of. */
+/* Sum over the pairs; finish() converts the sums to fractions and means. */
 static void count(const nqm_evaluation *ev, const nqm_selection *s, size_t model, tally *t, nqm_coverage *c) {
     const nqm_dataset *d = ev->dataset;
     for (size_t k = 0; k < s->n; ++k) {
@@ -66,12 +66,12 @@ static void finish(const nqm_dataset *d, const nqm_selection *s, const tally *t,
     for (size_t i = 0; i < NQM_COVERAGE_RANGES; ++i) {
         nqm_coverage_range *range = &c->ranges[i];
         range->from = range_from[i];
-        range->inside /= (double)range->n; /* 0 / 0: NaN */
+        range->inside /= (double)range->n; /* NaN for an empty range */
         range->mean_width /= (double)range->n;
     }
 }
 
-/* Percentiles over resamples of the groups that hold pairs. */
+/* Compute percentile intervals over resamples of the groups with pairs. */
 static nqm_status resample(const nqm_eval_options *o, size_t n_groups, const tally *t, nqm_coverage *c,
                            nqm_error *err) {
     for (size_t k = 0; k < 2; ++k)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What models and the nine scalar metrics predict for the pairs of a dataset. evaluate_judge.c chooses pairs and judges.
+ * Predictions of models and of the nine scalar metrics for the pairs of a dataset. evaluate_judge.c judges selections
+ * of them.
  */
 #include "judge/evaluate.h"
 #include "kernel/kernel.h"
@@ -55,14 +56,14 @@ static void pair_metrics(void *user, size_t i) {
         job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
 }
 
-/* ---- all predictors ---------------------------------------------------------------------------------------------- */
+/* ---- predictors -------------------------------------------------------------------------------------------------- */
 
 typedef struct predict_run {
     nqm_evaluation *ev;
-    size_t n;      /* pairs to predict */
+    size_t n;      /* number of pairs to predict */
     size_t *pairs; /* (n) */
     nqm_ticker ticker;
-    double done; /* predictions of a model, or of all metrics */
+    double done; /* progress: a pair counts once per model and once for all metrics */
 } predict_run;
 
 static nqm_status tick(void *user, size_t n, nqm_error *err) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * evaluate.h - inside of an evaluation: the predictions for the pairs of a dataset.
+ * evaluate.h - internals of an evaluation: predictions for the pairs of a dataset.
  */
 #ifndef NQM_SRC_JUDGE_EVALUATE_H
 #define NQM_SRC_JUDGE_EVALUATE_H
@@ -15,20 +15,20 @@ struct nqm_evaluation {
     const nqm_model *const *models;
     nqm_split split;
     nqm_precision precision;
-    double *values;     /* (n_predictors, n_pairs of the dataset) NaN where not predicted */
-    double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) likewise */
+    double *values;     /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
+    double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
     size_t *ref_class;  /* (n_refs) */
     const char **names; /* (n_predictors) */
 };
 
-/** Pairs that options select, those of a material group side by side. */
+/** The pairs selected by options, sorted by material group. */
 typedef struct nqm_selection {
     size_t n;
     size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); may be empty */
     size_t *pairs;       /* (n) */
 } nqm_selection;
 
-/** Select. NQM_ERR_INCOMPATIBLE when no pair is left; NQM_ERR_NOMEM. */
+/** Select pairs. NQM_ERR_INCOMPATIBLE: no pair matches; NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_selection_create(const nqm_evaluation *evaluation, const nqm_eval_options *options,
                                                nqm_selection *selection_ret, nqm_error *err);
 void nqm_selection_free(nqm_selection *selection);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Judging the predictions of an evaluation on the pairs that its options select; agreement.c counts.
+ * Judges the predictions of an evaluation on the pairs that the options select; agreement.c computes the statistics.
  */
 #include "judge/agreement.h"
 #include "judge/evaluate.h"
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Memory of one judgement. */
+/* Input arrays of one judgement. */
 typedef struct chosen {
     nqm_selection pairs;
     double *label;      /* (n) */
@@ -24,7 +24,7 @@ static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
     for (size_t k = 0; k < c->pairs.n; ++k)
         c->label[k] = d->jod[c->pairs.pairs[k]];
     for (size_t i = 0; i < ev->n_predictors; ++i) {
-        double sign = i < ev->n_models ? 1 : -1; /* a metric is a distance */
+        double sign = i < ev->n_models ? 1 : -1; /* metrics are distances: negate them */
         for (size_t k = 0; k < c->pairs.n; ++k)
             c->prediction[i * c->pairs.n + k] = sign * ev->values[i * d->n_pairs + c->pairs.pairs[k]];
     }
@@ -54,7 +54,7 @@ static void release(chosen *c) {
     nqm_free(c->prediction);
 }
 
-/* A metric is a distance, and human scores may be on any scale: both have no errors in JOD. */
+/* Metrics are distances, and human scores may be on any scale: errors in JOD are not defined for them. */
 static void clear_errors(nqm_agreement *a) {
     const nqm_estimate none = {NAN, {NAN, NAN}};
     a->mae = a->rmse = a->r2 = none;

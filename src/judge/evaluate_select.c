@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which pairs of an evaluation its options select.
+ * Selects pairs of an evaluation according to the options.
  */
 #include "judge/evaluate.h"
 
@@ -22,7 +22,7 @@ static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t
            is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }
 
-/* Counting sort of the chosen pairs by group. */
+/* Select the pairs, with a counting sort by group. */
 static nqm_status select_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, nqm_selection *s, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     size_t *next = nqm_alloc(d->n_groups, sizeof *next);

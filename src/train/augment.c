@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which examples a training sees (paper, section 3.1): class balancing by noisy copies, then the split into training
- * and validation. The second augmentation of the paper, the scaled copy, is made while batches are gathered
- * (examples.c).
+ * Lists the examples of a training (paper, section 3.1): class balancing with noisy copies, then the split into
+ * training and validation examples. The second augmentation of the paper, scaled copies, is computed when batches are
+ * gathered (examples.c).
  */
 #include "train/train.h"
 
@@ -11,7 +11,8 @@
 
 /* ---- balancing --------------------------------------------------------------------------------------------------- */
 
-/* Equal bins over [lo, hi]; the last is closed. The authors' 1,242 training labels: 4, 29, 61, 137, 253, 281, 477. */
+/* Bins of equal width over [lo, hi]; the last one includes hi. Counts of the authors' 1,242 training labels: 4, 29, 61,
+ * 137, 253, 281, 477. */
 static size_t bin_of(double label, double lo, double hi) {
     if (!(hi > lo))
         return 0;
@@ -50,7 +51,7 @@ void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, 
 
 /* ---- split ------------------------------------------------------------------------------------------------------- */
 
-/* round(n * fraction), but neither part empty. */
+/* round(n * fraction), clamped so that neither part is empty. */
 static nqm_status part_size(size_t n, double fraction, const char *what, size_t *part_ret, nqm_error *err) {
     if (n < 2)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%zu %s: too few to split into training and validation", n,
@@ -60,7 +61,7 @@ static nqm_status part_size(size_t n, double fraction, const char *what, size_t 
     return NQM_OK;
 }
 
-/* Mark `part` of the items listed in idx[n] as validation. */
+/* Mark `part` randomly drawn items of idx (n) as validation; shuffles idx. */
 static void mark_random(size_t n, size_t *idx, size_t part, uint64_t seed, uint8_t *is_validation) {
     nqm_rng rng = nqm_rng_make(seed, NQM_STREAM_SPLIT);
     nqm_rng_shuffle(&rng, n, idx);
@@ -83,7 +84,7 @@ static nqm_status split_by_row(const nqm_train_options *o, size_t n, uint8_t *is
     return NQM_OK;
 }
 
-/* The dataset's validation groups; where it has none, some of its training groups, drawn. */
+/* Use the dataset's validation groups; if it has none, draw some of its training groups at random. */
 static nqm_status choose_groups(const nqm_dataset *d, const nqm_train_options *o, uint8_t *group_is_validation,
                                 nqm_error *err) {
     size_t n = 0, n_validation = 0, part = 0;
@@ -118,7 +119,7 @@ static nqm_status split_by_group(const nqm_dataset *d, const nqm_train_options *
     return status;
 }
 
-/* Training rows to the front, both parts in their order. `sorted` is of the same size. */
+/* Stable partition: training rows first, then validation rows. sorted (n) is scratch. */
 static void partition(nqm_rows *rows, size_t n, const uint8_t *is_validation, nqm_row *sorted) {
     size_t k = 0;
     for (int part = 0; part < 2; ++part) {
@@ -134,7 +135,7 @@ static void partition(nqm_rows *rows, size_t n, const uint8_t *is_validation, nq
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
-/* All pairs that are not test pairs, each with its noisy copies; *n_ret rows. */
+/* List all pairs that are not test pairs, each with its noisy copies; *n_ret receives the number of rows. */
 static nqm_status list_rows(const nqm_dataset *d, const nqm_train_options *o, nqm_rows *rows, size_t *n_ret,
                             nqm_error *err) {
     nqm_status status = NQM_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * New models from a model: with intervals from validation materials that the model was not trained on, or with notes in its
- * card. The model's metadata and its card say what was measured.
+ * Copies of a model with added information: intervals, calibrated on validation materials that the model was not
+ * trained on, or notes in the model card. The results of a calibration are stored in the metadata and in the card.
  */
 #include "train/calibrate.h"
 #include "metric/metric.h"
@@ -32,7 +32,7 @@ static char *calibration_text(const nqm_calibration *c, const char *dataset_sha2
 static const char section_head[] = "\n## Interval\n";
 static const char novelty_note[] = " It is wider for pairs unlike the training pairs (`novelty`).";
 
-/* Where the section on the interval begins and ends in a card; both at the card's end when it has none. */
+/* Find the section on the interval in a card; both offsets are the card's length if it has none. */
 static void find_section(const char *card, size_t *begin_ret, size_t *end_ret) {
     const char *begin = strstr(card, section_head);
     *begin_ret = *end_ret = strlen(card);
@@ -51,7 +51,7 @@ char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const c
     char *text = nqm_alloc(n, 1);
     if (!text)
         return NULL;
-    char percent[3][NUMBER_BYTES], width[NUMBER_BYTES]; /* with a point in any locale */
+    char percent[3][NUMBER_BYTES], width[NUMBER_BYTES]; /* with a decimal point in any locale */
     const double shares[3] = {c->coverage, c->coverage_pairs, c->coverage_lowest};
     for (size_t i = 0; i < 3; ++i)
         nqm_format_double(percent[i], sizeof percent[i], round(1000 * shares[i]) / 10);
@@ -119,7 +119,7 @@ static bool was_trained_on(const nqm_model *model, const nqm_dataset *dataset) {
     return model->manifest_sha256 && strcmp(model->manifest_sha256, dataset->sha256) == 0;
 }
 
-/* The materials must be new to the model, else the interval would be too narrow. */
+/* Refuse a dataset whose validation materials may have been used in training: the intervals would be too narrow. */
 static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, nqm_error *err) {
     if (!was_trained_on(model, dataset))
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
@@ -134,10 +134,10 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
     return NQM_OK;
 }
 
-/* Residuals of the validation pairs. */
+/* Predictions and labels of the validation pairs. */
 typedef struct validation {
     size_t n;
-    double *jod, *predicted, *label; /* (n_pairs); jod by pair */
+    double *jod, *predicted, *label; /* (n_pairs); jod is indexed by pair, the others by 0..n-1 */
     size_t *pairs;                   /* (n) */
     uint32_t *group;                 /* (n) */
 } validation;
@@ -164,7 +164,7 @@ static nqm_status predict_validation(const nqm_model *model, const nqm_dataset *
     return status;
 }
 
-/* Fit the interval of a copy of the model, which has none of its own any more. */
+/* Replace the intervals of `copy`, a copy of the model, by newly fitted ones. */
 static nqm_status calibrate(const nqm_model *model, nqm_model *copy, const nqm_dataset *d, nqm_calibration *report,
                             nqm_error *err) {
     validation v = {0};
@@ -183,7 +183,7 @@ static nqm_status calibrate(const nqm_model *model, nqm_model *copy, const nqm_d
     return status;
 }
 
-/* Takes `card`; NULL: out of memory. */
+/* Takes ownership of `card`. NULL means that the caller ran out of memory. */
 static nqm_status replace_card(nqm_model *model, char *card, nqm_error *err) {
     nqm_free(model->card);
     model->card = card;

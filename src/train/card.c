@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The model card: what a model was trained and judged on, written from the dataset, the options and the result, so that
- * it cannot claim more than happened. What a person adds follows the facts.
+ * The model card: the data on which a model was trained and evaluated, and the results. It is generated from the
+ * dataset, the options and the report, so that it cannot differ from them. Text added by a person follows the generated
+ * part.
  */
 #include "train/train.h"
 
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A number with a fixed number of decimals at most, the same in any locale. */
+/* A number with a limited number of decimals, formatted the same in any locale. */
 typedef struct number_text {
     char text[32];
 } number_text;
@@ -98,7 +99,7 @@ static void write_limits(FILE *out, const nqm_train_options *o, const nqm_datase
             "- Not a loss for fitting: as the paper's authors found, a good score does not make a good gradient.\n");
 }
 
-/* stdio can fail for lack of memory only; that shows in the stream's error. */
+/* Writes to the memory stream fail only when memory runs out; the stream's error flag reports it. */
 char *nqm_model_card(const nqm_dataset *d, const nqm_train_options *o, const nqm_train_report *report,
                      const struct nqm_model *m) {
     char *text = NULL, *card = NULL;

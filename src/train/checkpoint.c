@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The state of a training in a file (safetensors), so that an interrupted training goes on to the same bits:
- * parameters, both moments of Adam, step, rates, the schedule's memory and the losses so far. The order of an epoch,
- * dropout and augmentation come from counters and need no state. A checkpoint names the options and the dataset it
- * belongs to.
+ * The state of a training in a safetensors file, so that a resumed training gives bit-identical results: parameters,
+ * both moments of Adam, step, learning rates, the state of the schedule and the losses so far. Shuffling, dropout and
+ * augmentation are computed from counters and have no state. A checkpoint contains the options and the hash of its
+ * dataset.
  */
 #include "io/io.h"
 #include "train/train.h"
@@ -38,7 +38,7 @@ static void list_tensors(const nqm_training *t, const double state[N_STATE], nqm
     memcpy(tensors, list, sizeof list);
 }
 
-/* All digits, so that equal options compare equal when they are read back; free(). */
+/* 17 digits, so that values that are read back compare equal. Free the result with free(). */
 static char *options_text(const nqm_train_options *o) {
     json_t *json = nqm_train_options_json(o);
     char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
@@ -79,7 +79,7 @@ static nqm_status check_format(const nqm_safetensors *st, const char *path, nqm_
     return NQM_OK;
 }
 
-/* Equal, or a message that names the first option that differs. */
+/* Fails unless the options are equal; the message names the first one that differs. */
 static nqm_status compare_options(json_t *theirs, json_t *ours, const char *path, nqm_error *err) {
     const char *key;
     json_t *value;
@@ -96,7 +96,7 @@ static nqm_status compare_options(json_t *theirs, json_t *ours, const char *path
         free(is);
         return status;
     }
-    json_object_foreach(theirs, key, value) /* options that are stored unless they are 0 */
+    json_object_foreach(theirs, key, value) /* options that are stored only if set */
         if (!json_object_get(ours, key)) return nqm_fail(
             err, NQM_ERR_INCOMPATIBLE, -1, "%s: this checkpoint was made with %s; start anew or give the same options",
             path, key);
@@ -117,7 +117,7 @@ static nqm_status check_origin(const nqm_safetensors *st, const nqm_train_option
     return status;
 }
 
-/* Copy a tensor of exactly n_bytes. */
+/* Copy the tensor with the name, type and size of `like`. */
 static nqm_status copy_tensor(const nqm_safetensors *st, const nqm_tensor *like, void *to, const char *path,
                               nqm_error *err) {
     const nqm_tensor *tensor = nqm_safetensors_find(st, like->name);
@@ -147,7 +147,7 @@ static nqm_status read_state(const nqm_safetensors *st, nqm_training *t, const c
     t->lr_deeper = state[STATE_LR_DEEPER];
     t->plateau.best = state[STATE_BEST];
     t->plateau.bad_epochs = (size_t)state[STATE_BAD_EPOCHS];
-    list_tensors(t, state, tensors); /* the history's length is known now */
+    list_tensors(t, state, tensors); /* again, because the length of the history is now known */
     void *const to[N_TENSORS] = {t->params.block, t->adam.m.block, t->adam.v.block, state, t->history};
     for (size_t i = 0; status == NQM_OK && i < N_TENSORS; ++i)
         status = copy_tensor(st, &tensors[i], to[i], path, err);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar features of the examples of a training, scaled and noisy copies included: computed once, whitened by the
- * training examples. They are taken from the transformed samples, turned back into f_r, so that every copy has those of
- * the samples that the network sees beside them.
+ * The scalar features of the examples of a training, including scaled and noisy copies. They are computed once and
+ * whitened with the moments of the training examples. The transformed samples are converted back to f_r first, so that
+ * the features of a copy match the samples that the network receives with them.
  */
 #include "metric/metric.h"
 #include "train/train.h"
@@ -15,7 +15,7 @@ typedef struct scalar_job {
     double *scalars; /* (n_train + n_validation, NQM_SCALAR_COUNT) */
 } scalar_job;
 
-/* Example i: training examples as they are, their scaled copies, validation examples. */
+/* Order of the examples: training examples without scaling, their scaled copies, validation examples. */
 static void example_scalars(void *user, size_t r) {
     const scalar_job *job = user;
     const nqm_examples *e = job->e;
@@ -31,7 +31,8 @@ static void example_scalars(void *user, size_t r) {
     nqm_scalars_compute(e->dataset->directions, rho, rho + n, used, job->scalars + i * NQM_SCALAR_COUNT);
 }
 
-/* Mean and standard deviation over the training examples; a feature that never changes is left out by its mean. */
+/* Mean and standard deviation over the training examples. A constant feature gets the standard deviation 1, so that its
+ * whitened value is 0. */
 static void find_moments(nqm_examples *e, const double *scalars) {
     double n = (double)e->n_train;
     for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * From rows to what the network sees: transformed samples kept in memory, whitening and target normalisation from the
- * training examples, and the gathering of batches, with the scaled copies made on the fly. Every random number comes
- * from a counter (seed, stream, example), so that neither order nor threads matter.
+ * Converts rows to inputs of the network: keeps transformed samples in memory, computes whitening and target
+ * normalisation from the training examples, and gathers batches, with scaled copies computed on the fly. Random numbers
+ * are functions of (seed, stream, example), so that the result does not depend on the order or the number of threads.
  */
 #include "kernel/kernel.h"
 #include "train/train.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double max_noise_bytes = 4294967296.0; /* 4 GiB of noisy copies; beyond, somebody has made a mistake */
+static const double max_noise_bytes = 4294967296.0; /* 4 GiB; more noisy copies are most likely a mistake */
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
 
@@ -107,7 +107,7 @@ static void row_moments(void *user, size_t r) {
     }
 }
 
-/* Mean and standard deviation (n - 1, as torch.std) of the references of all training examples. */
+/* Mean and standard deviation (divisor n - 1, as torch.std) of the references of all training examples. */
 static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
     double total[9] = {0};
     double *sums = nqm_alloc(e->max_batch, 9 * sizeof *sums);
@@ -145,7 +145,8 @@ static double raw_target(const nqm_examples *e, size_t row) {
     return log(fmax(e->dataset->delta_e[pair], e->options->labels.min_delta_e));
 }
 
-/* z-score by the training examples; the sigmoid spans their range. */
+/* Normalise targets to z-scores of the training examples; [out_lo, out_hi], the range of the sigmoid output, is their
+ * range. */
 static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
     size_t n_base = e->rows.n_train, n_rows = n_base + e->rows.n_validation;
     double copies = (double)e->n_train / (double)n_base, sum = 0, squares = 0, lo = INFINITY, hi = -INFINITY;
@@ -168,7 +169,7 @@ static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
     return NQM_OK;
 }
 
-/* ---- the whole --------------------------------------------------------------------------------------------------- */
+/* ---- creation ---------------------------------------------------------------------------------------------------- */
 
 static nqm_status allocate(nqm_examples *e, nqm_error *err) {
     const nqm_dataset *d = e->dataset;
@@ -229,17 +230,17 @@ void nqm_examples_free(nqm_examples *e) {
 
 typedef struct gather_job {
     const nqm_examples *e;
-    const size_t *index; /* NULL: the rows from `first` on, unscaled */
+    const size_t *index; /* NULL: consecutive rows from `first`, without scaling */
     size_t first, n;
     const nqm_batch_inputs *to;
 } gather_job;
 
-/* The row of e->rows that row r of a batch is, or a scaled copy of. */
+/* Index in e->rows of row r of a batch; for a scaled copy, that of its original. */
 static size_t base_row(const gather_job *job, size_t r) {
     return job->index ? job->index[r] % job->e->rows.n_train : job->first + r;
 }
 
-/* Samples lie anywhere in memory: those of the next row are asked for meanwhile. */
+/* Prefetch the samples of row r while the previous row is processed, because their order in memory is random. */
 static void ask_for_row(const gather_job *job, size_t r) {
     enum { LINE = 16 };
     const nqm_examples *e = job->e;
@@ -256,7 +257,7 @@ static void gather_row(const gather_job *job, size_t r) {
     size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
     size_t row = base_row(job, r);
     const float *ref_t, *test_t;
-    float *x = job->to->row(job->to->user, r); /* a scaled copy is made where it is composed, number by number */
+    float *x = job->to->row(job->to->user, r); /* also the buffer of a scaled copy: compose works in place */
     nqm_examples_samples(e, row, job->index && i >= n_base, x, &ref_t, &test_t);
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
@@ -267,7 +268,9 @@ static void gather_row(const gather_job *job, size_t r) {
     job->to->target[r] = e->target[row];
 }
 
-enum { ROWS_AT_ONCE = 8 }; /* even; a thread's neighbouring rows: what is made of two of them may share cache lines */
+/* Rows per task. Even, so that the same thread processes both rows of a rows_done() call: their results may share cache
+ * lines. */
+enum { ROWS_AT_ONCE = 8 };
 
 static void gather_rows(void *user, size_t i) {
     const gather_job *job = user;

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * Intervals around predictions from residuals of unseen materials: locally scaled conformal prediction (Lei et al. 2018,
- * arXiv:1604.04173, section 5.2; Romano et al. 2019, arXiv:1905.03222) for data in groups (Dunn et al. 2022,
+ * Intervals around predictions, from residuals of unseen materials: locally scaled conformal prediction (Lei et al.
+ * 2018, arXiv:1604.04173, section 5.2; Romano et al. 2019, arXiv:1905.03222) for data in groups (Dunn et al. 2022,
  * arXiv:1809.07441; Lee et al. 2023, arXiv:2306.06342).
  *
- * 1. Residuals live on the scale y = log(JOD / (10 - JOD)), where the saturation near 10 does not squeeze them.
- * 2. Their scale, up and down, is their 95 % quantile in windows of neighbouring predictions.
- * 3. The score of a pair is its residual over the scale, which for this purpose was found without its material.
- * 4. The interval is the scale times one factor: the smallest for which the mean share of scores below it, over
- *    materials, is 0.95 even at its lower 95 % confidence limit. Pairs of a material go together, so materials are the
- *    sample; the limit is the price of having few.
- * 5. Where the novelty v of pairs is known, residuals are first divided by exp(growth v), and the interval is widened by as
- *    much. The growth is the one with the least mean interval score (Gneiting and Raftery 2007,
- *    DOI 10.1198/016214506000001437, section 6.2) over materials: width, and a fine for each label outside.
+ * 1. Residuals are computed in y = log(JOD / (10 - JOD)), so that the saturation near JOD 10 does not compress them.
+ * 2. The local scales, up and down, are the 95 % quantiles of the residuals and of the negated residuals in windows of
+ *    neighbouring predictions.
+ * 3. The score of a pair is its residual divided by the scale that was estimated without the pair's material.
+ * 4. The half-widths of the interval are the scales times one factor: the smallest factor for which the fraction of
+ *    scores below it, averaged over materials, is 0.95 at its lower 95 % confidence limit. Pairs of a material are not
+ *    independent, so that the sample size is the number of materials; the confidence limit accounts for a small number
+ *    of them.
+ * 5. If the novelty v of the pairs is known, residuals are first divided by exp(growth v), and the interval is widened
+ *    by the same factor. The growth minimises the interval score (Gneiting and Raftery 2007,
+ *    DOI 10.1198/016214506000001437, section 6.2), averaged over materials: the width plus a penalty for each label
+ *    outside.
  */
 #include "train/calibrate.h"
 
@@ -21,14 +24,14 @@
 
 static const double level = 0.95;
 static const double jod_top = 10;
-static const double least_scale = 0.02; /* on y: so that a factor can widen windows of perfect predictions, too */
+static const double least_scale = 0.02; /* in y; positive, so that a factor also widens windows with residuals of 0 */
 enum { MAX_WINDOWS = 10, PAIRS_PER_WINDOW = 50 };
 
 static const size_t nobody = SIZE_MAX; /* no material is left out */
 
 /* ---- local scales ------------------------------------------------------------------------------------------------ */
 
-/* How far residuals reach at a prediction: linear between the windows' medians, constant beyond. */
+/* Local scales as a function of the prediction: interpolated between the medians of the windows, constant outside. */
 typedef struct scales {
     size_t n;
     double at[MAX_WINDOWS], down[MAX_WINDOWS], up[MAX_WINDOWS];
@@ -44,7 +47,7 @@ static double scale_at(const scales *s, const double *values, double y) {
     return (1 - t) * values[i - 1] + t * values[i];
 }
 
-/* A value with a material, sorted by the value. */
+/* A value and its pair, for sorting by value. */
 typedef struct item {
     double value;
     size_t pair;
@@ -57,27 +60,27 @@ static int by_value(const void *a, const void *b) {
     return x->pair < y->pair ? -1 : x->pair > y->pair;
 }
 
-/* Everything of one fit. */
+/* Data and scratch memory of one fit. */
 typedef struct fit {
     const nqm_residuals *r;
     size_t n_materials;
     size_t *count;  /* (n_groups) pairs */
-    double *y;      /* (n) of the prediction */
-    double *error;  /* (n) y of the label less that */
-    double *times;  /* (n) see 5.: by what errors are divided; 1 without novelty */
-    double *down;   /* (n) the scales at the pair, found without its material */
-    double *up;     /* (n) */
-    double *score;  /* (n) see 3. */
+    double *y;      /* (n) y of the prediction */
+    double *error;  /* (n) y of the label minus y of the prediction */
+    double *times;  /* (n) exp(growth v) of step 5, by which errors are divided; 1 without novelty */
+    double *down;   /* (n) scale at the pair, estimated without its material */
+    double *up;     /* (n) likewise */
+    double *score;  /* (n) see step 3 */
     item *sorted;   /* (n) pairs by prediction */
     item *window;   /* (n) scratch */
     size_t *kept;   /* (n) scratch: pairs of the other materials, by prediction */
-    item *by_score; /* (n) */
-    size_t *inside; /* (n_groups) scratch */
-    double *loss;   /* (N_GROWTHS, n_groups) of each material; 0 without novelty */
+    item *by_score; /* (n) pairs by score */
+    size_t *inside; /* (n_groups) scratch: pairs inside the interval */
+    double *loss;   /* (N_GROWTHS, n_groups) mean interval score of each material; 0 without novelty */
 } fit;
 
-/* The smallest of `n` values, which are sorted, with a share `level` of the weight at or below it; every material weighs the
- * same in the whole. step -1: of the negated values. */
+/* Weighted quantile of `n` sorted values: the smallest one with at least the fraction `level` of the weight at or below
+ * it. Every material has the same total weight. step -1: quantile of the negated values. */
 static double weighted_quantile(const fit *f, size_t n, const item *values, int step) {
     double total = 0, sum = 0;
     for (size_t i = 0; i < n; ++i)
@@ -91,7 +94,7 @@ static double weighted_quantile(const fit *f, size_t n, const item *values, int 
     return step * values[step > 0 ? n - 1 : 0].value;
 }
 
-/* Scales from all materials but one. */
+/* Estimate the scales from all materials except `left_out`. */
 static scales find_scales(const fit *f, size_t left_out) {
     size_t n = 0;
     for (size_t i = 0; i < f->r->n; ++i)
@@ -100,7 +103,7 @@ static scales find_scales(const fit *f, size_t left_out) {
     size_t n_windows = n / PAIRS_PER_WINDOW;
     n_windows = n_windows < 1 ? 1 : n_windows > MAX_WINDOWS ? MAX_WINDOWS : n_windows;
     scales s = {.n = n_windows};
-    for (size_t w = 0; w < n_windows; ++w) { /* each overlaps half of its neighbours */
+    for (size_t w = 0; w < n_windows; ++w) { /* each window overlaps half of each neighbouring window */
         size_t begin = w ? n * (2 * w - 1) / (2 * n_windows) : 0;
         size_t end = w + 1 < n_windows ? n * (2 * w + 3) / (2 * n_windows) : n;
         for (size_t i = begin; i < end; ++i)
@@ -121,7 +124,7 @@ static double student95(double freedom) {
     return z + (z3 + z) / (4 * freedom) + (5 * z5 + 16 * z3 + 3 * z) / (96 * freedom * freedom);
 }
 
-/* Whether the share inside, f->inside of each material, is surely high enough as a mean over n materials. */
+/* True if the lower 95 % confidence limit of the mean coverage over n materials (f->inside) is at least `level`. */
 static bool suffices(const fit *f, size_t left_out, size_t n) {
     double sum = 0, squares = 0;
     for (size_t g = 0; g < f->r->n_groups; ++g)
@@ -135,7 +138,7 @@ static bool suffices(const fit *f, size_t left_out, size_t n) {
     return mean - student95((double)(n - 1)) * error >= level;
 }
 
-/* From the largest score down, as far as every factor on the way suffices. */
+/* Try the scores as factors, largest first, and return the last one before the coverage becomes too low. */
 static double find_factor(const fit *f, size_t left_out) {
     size_t n = f->n_materials - (left_out != nobody);
     double factor = 0;
@@ -148,21 +151,21 @@ static double find_factor(const fit *f, size_t left_out) {
         if (f->by_score[i].value < factor && !suffices(f, left_out, n))
             return factor;
         factor = f->by_score[i].value;
-        --f->inside[group]; /* those at or above this score are outside of any smaller factor */
+        --f->inside[group]; /* for any smaller factor, the pair is outside */
     }
     return factor;
 }
 
 /* ---- the growth -------------------------------------------------------------------------------------------------- */
 
-/* Growths to choose from: 0, 1/4, ..., 3. */
+/* Candidates for the growth: 0, 1/4, ..., 3. */
 enum { N_GROWTHS = 13 };
 
 static double growth_at(size_t i) {
     return 0.25 * (double)i;
 }
 
-/* Scores with the scales of the other materials, for one growth. */
+/* Compute all scores for one growth, each with the scales of the other materials. */
 static void find_scores(fit *f, double growth) {
     for (size_t i = 0; i < f->r->n; ++i)
         f->times[i] = f->r->novelty ? exp(growth * f->r->novelty[i]) : 1;
@@ -184,7 +187,7 @@ static void find_scores(fit *f, double growth) {
     qsort(f->by_score, f->r->n, sizeof *f->by_score, by_value);
 }
 
-/* Mean interval score of each material, with the factor of the others; loss (n_groups). */
+/* loss (n_groups) receives the mean interval score of each material, with the factor of the other materials. */
 static void find_losses(fit *f, double *loss) {
     for (size_t g = 0; g < f->r->n_groups; ++g) {
         double factor = f->count[g] ? find_factor(f, g) : 0;
@@ -200,7 +203,7 @@ static void find_losses(fit *f, double *loss) {
     }
 }
 
-/* The number of the growth with the least loss over all materials but one; loss (N_GROWTHS, n_groups). */
+/* Index of the growth with the smallest total loss over all materials except `left_out`; loss (N_GROWTHS, n_groups). */
 static size_t best_growth(const fit *f, const double *loss, size_t left_out) {
     size_t best = 0;
     double least = INFINITY;
@@ -216,7 +219,7 @@ static size_t best_growth(const fit *f, const double *loss, size_t left_out) {
     return best;
 }
 
-/* ---- all together ------------------------------------------------------------------------------------------------ */
+/* ---- fit --------------------------------------------------------------------------------------------------------- */
 
 static nqm_status make_room(fit *f, nqm_error *err) {
     size_t n = f->r->n;
@@ -264,13 +267,13 @@ static void fill_table(const fit *f, double *table) {
         row[1] = fmin(row[0], nqm_interval_jod(y - factor * scale_at(&s, s.down, y)));
         row[2] = fmax(row[0], nqm_interval_jod(y + factor * scale_at(&s, s.up, y)));
     }
-    for (size_t k = 1; k < NQM_INTERVAL_ROWS; ++k) /* rise, by widening only */
+    for (size_t k = 1; k < NQM_INTERVAL_ROWS; ++k) /* make both ends monotonic by widening only */
         table[3 * k + 2] = fmax(table[3 * k + 2], table[3 * k - 1]);
     for (size_t k = NQM_INTERVAL_ROWS - 1; k-- > 0;)
         table[3 * k + 1] = fmin(table[3 * k + 1], table[3 * k + 4]);
 }
 
-/* What a fit to the other materials would have made of each material. */
+/* Coverage of each material with the growth and the factor that were fitted to the other materials. */
 static void measure_materials(fit *f, nqm_calibration *report) {
     for (size_t k = 0; k < N_GROWTHS; ++k) {
         bool scored = false;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training pairs that stand for all of them when a model judges how novel a pair is. Each is the one that is farthest from
- * those before it (Gonzalez 1985, DOI 10.1016/0304-3975(85)90224-5; core-sets: Sener and Savarese 2018, arXiv:1708.00489), so
- * that they cover the training pairs evenly rather than where these are many.
+ * Chooses the subset of the training pairs (novelty points) to which a model compares a pair to compute its novelty.
+ * Each point is the candidate that is farthest from the points already chosen (Gonzalez 1985,
+ * DOI 10.1016/0304-3975(85)90224-5; core-sets: Sener and Savarese 2018, arXiv:1708.00489), so that the points cover the
+ * training pairs evenly, independent of their density.
  */
 #include "math/math.h"
 #include "metric/metric.h"
@@ -32,7 +33,7 @@ static void pair_scalars(void *user, size_t r) {
                         job->scalars + i * NQM_SCALAR_COUNT);
 }
 
-/* Free *scalars_ret with nqm_free(). */
+/* Compute the scalar features of pairs (n). Free *scalars_ret with nqm_free(). */
 static nqm_status find_scalars(const nqm_dataset *d, size_t n, const size_t *pairs, double **scalars_ret,
                                nqm_error *err) {
     scalar_job job = {.dataset = d, .pairs = pairs};
@@ -48,17 +49,17 @@ static nqm_status find_scalars(const nqm_dataset *d, size_t n, const size_t *pai
     return ok ? NQM_OK : nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *job.scalars);
 }
 
-/* ---- points far apart -------------------------------------------------------------------------------------------- */
+/* ---- farthest-point selection ------------------------------------------------------------------------------------ */
 
-/* Candidates, and how far each is from the points chosen so far. */
+/* Candidates and their distances to the points chosen so far. */
 typedef struct spread {
-    size_t n, last;  /* last: the point chosen last */
+    size_t n, last;  /* last: the candidate chosen last */
     const float *x;  /* (n, NQM_SCALAR_COUNT) */
-    double *nearest; /* (n) squared distance */
+    double *nearest; /* (n) squared distance to the nearest point */
 } spread;
 
 static double square_distance(const float *a, const float *b) {
-    float sum[4] = {0}; /* four at a time need not wait for each other */
+    float sum[4] = {0}; /* four independent accumulators hide the latency of the additions */
     size_t k = 0;
     for (; k + 4 <= NQM_SCALAR_COUNT; k += 4)
         for (size_t j = 0; j < 4; ++j)
@@ -87,7 +88,7 @@ static size_t farthest(const spread *s) {
     return best;
 }
 
-/* The candidate in the middle of all is the first point: their features are about 0. */
+/* The first point is the candidate nearest to the origin, because the features have a mean of about 0. */
 static size_t middle(const spread *s) {
     const float zero[NQM_SCALAR_COUNT] = {0};
     size_t best = 0;
@@ -112,7 +113,7 @@ static void choose_points(spread *s, size_t n_points, float *points) {
     }
 }
 
-/* ---- for a model ------------------------------------------------------------------------------------------------- */
+/* ---- points of a model ------------------------------------------------------------------------------------------- */
 
 static void forget_points(struct nqm_model *model) {
     nqm_free(model->novelty_points);
@@ -120,11 +121,11 @@ static void forget_points(struct nqm_model *model) {
     model->n_novelty = 0;
 }
 
-/* Added to the variances, which are about 1 where features are not correlated: what varies less than this in training is
+/* Added to the variances, which are about 1 for uncorrelated features: a smaller variance in training is treated as
  * noise. */
 static const double least_variance = 0.01;
 
-/* The map to uncorrelated features of variance 1 over the candidates, whose whitened features are x. */
+/* Compute the linear map from the candidates' whitened features x to uncorrelated features of variance about 1. */
 static void find_map(struct nqm_model *model, size_t n, const float *x) {
     enum { N = NQM_SCALAR_COUNT };
     double mean[N] = {0}, covariance[N * N] = {0}, values[N], vectors[N * N];

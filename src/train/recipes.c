@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The training options, one row each, with their values in the three recipes: the paper as printed, the authors' notebook where
- * it differs, and ours, whose values were chosen on validation materials (doc/training.md).
+ * The table of training options, one row each, with their values in three recipes: "paper" (as printed), "notebook"
+ * (the authors' notebook where it differs) and "nqm" (values that were chosen on validation materials,
+ * doc/training.md).
  */
 #include "train/recipes.h"
 #include "io/options_json.h"
@@ -107,7 +108,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
 
 json_t *nqm_train_options_json(const nqm_train_options *o) {
     json_t *json = nqm_options_json(&nqm_train_option_table, o);
-    if (o->optimiser.schedule != NQM_SCHEDULE_COSINE) /* under the cosine every epoch's rate depends on it */
+    if (o->optimiser.schedule != NQM_SCHEDULE_COSINE) /* only the rates of the cosine schedule depend on it */
         json_object_del(json, "epochs");
     return json;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * recipes.h - the table of nqm_train_options: the one place that names, explains and bounds a training option and gives its
- * value in each recipe.
+ * recipes.h - the table of nqm_train_options: name, description, range and value in each recipe of every training
+ * option.
  */
 #ifndef NQM_SRC_TRAIN_RECIPES_H
 #define NQM_SRC_TRAIN_RECIPES_H

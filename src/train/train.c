@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The memory of one call of nqm_train(). */
+/* State and buffers of one call of nqm_train(). */
 typedef struct run {
     const nqm_dataset *dataset;
     const nqm_train_options *options;
@@ -83,7 +83,7 @@ static void begin_state(run *r) {
 
 /* ---- epochs ------------------------------------------------------------------------------------------------------ */
 
-/* The order of an epoch depends on its number alone. */
+/* Shuffle the examples; the order depends only on the seed and the epoch. */
 static void shuffle(run *r) {
     for (size_t i = 0; i < r->examples.n_train; ++i)
         r->order[i] = i;
@@ -103,7 +103,7 @@ static nqm_batch_inputs inputs_of(const run *r) {
     return (nqm_batch_inputs){.row = input_row, .rows_done = inputs_done, .user = r->trainer, .target = r->target};
 }
 
-/* One step on n examples; returns their mean loss. */
+/* One optimiser step on n examples; returns their mean loss before the step. */
 static double step(run *r, size_t n, const size_t *index) {
     const nqm_train_options *o = r->options;
     const nqm_dropout dropout = {
@@ -212,7 +212,7 @@ static nqm_status run_epochs(run *r, nqm_error *err) {
 
 /* ---- the model --------------------------------------------------------------------------------------------------- */
 
-/* Everything but the texts. The parameters move from the run into the model. */
+/* Set all members of the model except the texts. The parameters are moved from the run to the model. */
 static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     const nqm_examples *e = &r->examples;
     size_t n = r->dataset->n_directions;
@@ -243,8 +243,8 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     return nqm_model_attach_directions(m, err);
 }
 
-/* From the outputs z of the validation examples that are no noisy copies: Spearman of predicted JOD with the labels, and
- * the intervals, where the materials are new to the model and many enough. */
+/* Evaluate the outputs z of the validation examples without noisy copies: Spearman of the predicted JOD with the
+ * labels, and the intervals, if the materials were not used in training and there are enough of them. */
 static nqm_status judge_validation(const run *r, struct nqm_model *m, const float *z, nqm_train_report *report,
                                    nqm_error *err) {
     const nqm_rows *rows = &r->examples.rows;
@@ -276,7 +276,7 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
     return status;
 }
 
-/* The facts of the training as JSON, without times, so that equal trainings make equal files. */
+/* Options and results of the training as JSON, without times, so that equal trainings give equal files. */
 static char *training_text(const run *r, const nqm_train_report *report) {
     json_t *json = json_pack("{s:s, s:o, s:I, s:I, s:I, s:I, s:f, s:f, s:s}", "nqm", nqm_version(), "options",
                              nqm_train_options_json(r->options), "epochs", (json_int_t)report->epochs, "steps",

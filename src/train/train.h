@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * train.h - the augmentation of labelled pairs, and the pieces of the training
- * loop (paper, sections 3.1 and 3.2).
+ * train.h - augmentation of labelled pairs, and the parts of the training loop (paper, sections 3.1 and 3.2).
  */
 #ifndef NQM_SRC_TRAIN_H
 #define NQM_SRC_TRAIN_H
@@ -13,13 +12,13 @@
 
 /* ---- options (recipes.c) ----------------------------------------------------------------------------------------- */
 
-/** NQM_ERR_ARG names the option that is out of its range. */
+/** Check the ranges of all options. The message of NQM_ERR_ARG names the option. */
 NQM_MUST_CHECK nqm_status nqm_train_options_check(const nqm_train_options *options, nqm_error *err);
-/** The options that decide the outcome, as JSON; json_decref(). NULL: out of memory. `epochs` only where the schedule depends on
- *  it: otherwise a training may be continued for more. */
+/** The options that affect the result, as JSON; free with json_decref(). NULL: out of memory. `epochs` is included only
+ *  if the schedule depends on it; otherwise a training can be resumed with more epochs. */
 json_t *nqm_train_options_json(const nqm_train_options *options);
 
-/** What the random numbers of a training are for: each purpose has a stream of the seed of its own. */
+/** Purposes of the random numbers of a training. Each has a separate random stream. */
 enum {
     NQM_STREAM_INIT,    /* first weights */
     NQM_STREAM_SPLIT,   /* validation pairs or groups */
@@ -33,102 +32,102 @@ enum {
 
 enum { NQM_BALANCE_BINS = 7 };
 
-/** One training or validation example: a pair as it is (copy 0), or its copy-th noisy copy. */
+/** One training or validation example: a pair without noise (copy 0), or its noisy copy number `copy` (from 1). */
 typedef struct nqm_row {
     uint32_t pair, copy;
 } nqm_row;
 
-/** Class balancing (paper, section 3.1): the label range is cut into 7 equal bins, and every bin that is not empty is
- * filled up to the fullest by cycling through its members. copies (n) receives how many copies each example gets.
- * Returns their sum. */
+/** Class balancing (paper, section 3.1): the label range is divided into 7 bins of equal width, and every non-empty bin
+ * is filled to the size of the largest one by cycling through its members. copies (n) receives the number of copies of
+ * each example. Returns their sum. */
 size_t nqm_balance(size_t n, const double *label, uint32_t *copies);
 
-/** The examples of a training, without the scale copies: rows [0, n_train) are trained on, the rest validated. */
+/** The examples of a training, without scaled copies: rows [0, n_train) are for training, the others for validation. */
 typedef struct nqm_rows {
     size_t n_train, n_validation;
-    nqm_row *row;         /* (n_train + n_validation), by pair and copy inside each part */
+    nqm_row *row;         /* (n_train + n_validation), in each part sorted by pair and copy */
     size_t n_noisy;       /* rows with copy > 0 */
-    uint32_t *first_copy; /* (n_pairs) number of a pair's first noisy copy, in [0, n_noisy) */
+    uint32_t *first_copy; /* (n_pairs) index of a pair's first noisy copy, in [0, n_noisy) */
 } nqm_rows;
 
-/** Balance and split as the options say; no test pair is touched. NQM_ERR_INCOMPATIBLE when a part stays empty. */
+/** Balance and split according to the options; test pairs are not used. NQM_ERR_INCOMPATIBLE if a part is empty. */
 NQM_MUST_CHECK nqm_status nqm_rows_create(const nqm_dataset *dataset, const nqm_train_options *options,
                                           nqm_rows *rows_ret, nqm_error *err);
 void nqm_rows_free(nqm_rows *rows);
 
-/** The noisy copy of a pair: gaussian noise, the same for both members, then clamped at 0. All arrays: (n). */
+/** Make a noisy copy of a pair: add the same Gaussian noise to both BRDFs, then clamp to >= 0. All arrays: (n). */
 void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, nqm_rng *rng, float *noisy_ref,
                    float *noisy_test);
 
-/* ---- examples as numbers for the network (examples.c) ------------------------------------------------------------ */
+/* ---- inputs and targets of the network (examples.c) -------------------------------------------------------------- */
 
-/** The examples of a training with all that is computed once: transformed samples, whitening, normalised targets. */
+/** The examples of a training, with data computed once: transformed samples, whitening, normalised targets. */
 typedef struct nqm_examples {
     const nqm_dataset *dataset;
     const nqm_train_options *options;
     nqm_rows rows;
-    size_t n_train;        /* training examples with the scale copies, which stand behind the unscaled ones */
+    size_t n_train;        /* training examples including the scaled copies, which follow the unscaled ones */
     float *ref_t, *test_t; /* (n_refs, n_directions, 3), (n_pairs, n_directions, 3) */
     float *noisy_t;        /* (n_noisy, 2, n_directions, 3) reference and test of each noisy copy */
     nqm_features features;
-    float *scalars; /* (n_train + rows.n_validation, NQM_SCALAR_COUNT) as inputs; NULL: not asked for */
+    float *scalars; /* (n_train + rows.n_validation, NQM_SCALAR_COUNT) whitened; NULL: not used */
     float scalar_mean[NQM_SCALAR_COUNT], scalar_std[NQM_SCALAR_COUNT];
     double target_mean, target_std, out_lo, out_hi;
-    float *target;                          /* (rows.n_train + rows.n_validation) normalised, in the order of rows */
+    float *target;                          /* (rows.n_train + rows.n_validation) normalised, in the order of `rows` */
     float *scratch;                         /* (max_batch, 2, n_directions, 3) */
     uint8_t *used_scratch;                  /* (max_batch, n_directions) */
-    size_t max_batch, width, samples_width; /* the input; the part of it that comes from samples */
+    size_t max_batch, width, samples_width; /* widths of the input and of its prefix of samples */
 } nqm_examples;
 
 NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const nqm_train_options *options,
                                               size_t max_batch, nqm_examples *examples_ret, nqm_error *err);
 void nqm_examples_free(nqm_examples *examples);
-/** Where a batch goes. */
+/** Destination of a batch. */
 typedef struct nqm_batch_inputs {
-    float *(*row)(void *user, size_t i); /* where row i (width) is to be filled in by the calling thread */
-    /* Called by the thread that has filled in rows first and, where n is 2, first + 1; first is even. NULL: not. */
+    float *(*row)(void *user, size_t i); /* returns the buffer (width) for row i, which the calling thread fills */
+    /* Called by the thread that has filled rows first and, if n is 2, first + 1. `first` is even. NULL: not called. */
     void (*rows_done)(void *user, size_t first, size_t n);
     void *user;
     float *target; /* (n) */
 } nqm_batch_inputs;
 
-/** Inputs and targets of the training examples index[0..n), n <= max_batch. */
+/** Gather inputs and targets of the training examples index[0..n), n <= max_batch. */
 void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, const nqm_batch_inputs *to);
 /** The same for the validation examples [first, first + n). */
 void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, const nqm_batch_inputs *to);
 
-/** Transformed samples of row i of e->rows, or of its scaled copy, which is made in `scratch` (2, n_directions, 3). */
+/** Get the transformed samples of row i of e->rows, or of its scaled copy, stored in `scratch` (2, n_directions, 3). */
 void nqm_examples_samples(const nqm_examples *examples, size_t i, bool scaled, float *scratch, const float **ref_t,
                           const float **test_t);
-/** Fill `scalars` and their whitening (example_scalars.c). */
+/** Compute `scalars` and their whitening (example_scalars.c). */
 NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
 
 /* ---- the state of a training, and its file (checkpoint.c) -------------------------------------------------------- */
 
-/** Losses and rate of one finished epoch. */
+/** Losses and learning rate of one finished epoch. */
 typedef struct nqm_epoch {
     double train_loss, validation_loss, lr_first;
 } nqm_epoch;
 
-/** Everything that the next step depends on. */
+/** The complete state on which the next step depends. */
 typedef struct nqm_training {
     nqm_params params;
     nqm_adam adam;
     nqm_plateau plateau;
     double lr_first, lr_deeper;
-    size_t epoch;       /* finished ones */
+    size_t epoch;       /* number of finished epochs */
     nqm_epoch *history; /* (max_epochs) */
     size_t max_epochs;
 } nqm_training;
 
-/** Write the state, with the options and the dataset that it belongs to. */
+/** Write the state with its options and the hash of its dataset. */
 NQM_MUST_CHECK nqm_status nqm_checkpoint_write(const nqm_training *training, const nqm_train_options *options,
                                                const char *dataset_sha256, nqm_error *err);
-/** Read it back into a created training of the same shape. NQM_ERR_INCOMPATIBLE when options or dataset are others. */
+/** Read a state into a training of the same shape. NQM_ERR_INCOMPATIBLE if the options or the dataset differ. */
 NQM_MUST_CHECK nqm_status nqm_checkpoint_read(nqm_training *training, const nqm_train_options *options,
                                               const char *dataset_sha256, nqm_error *err);
 
-/** The model card: what the model was trained and judged on, from facts; nqm_free(). NULL when out of memory. */
+/** Generate the model card: training data, options and results. Free it with nqm_free(). NULL: out of memory. */
 char *nqm_model_card(const nqm_dataset *dataset, const nqm_train_options *options, const nqm_train_report *report,
                      const struct nqm_model *model);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shared by all benchmarks: timing in turns with samples of the machine's peaks in between, and the rows, which are completed
- * at the end, when all samples of the peaks exist.
+ * Shared by all benchmarks: timing in turns with samples of the machine's peaks in between, and the rows, which are
+ * completed at the end, when all samples of the peaks exist.
  */
 #include "bench/bench.h"
 #include "math/math.h"
@@ -145,7 +145,8 @@ void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_
     entry->read = nqm_bench_read_meter(bench, n_bytes, (size_t)omp_get_max_threads());
 }
 
-/* Make room for an element after the n of an array (first NULL), doubling its size at powers of two. NULL: out of memory. */
+/* Make room for an element after the n of an array (first NULL), doubling its size at powers of two. NULL: out of
+ * memory. */
 static void *grow(void *array, size_t n, size_t size) {
     if (n & (n - 1) || (n == 0 && array))
         return array;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench.h - benchmarks of this library together with the limits of the machine: peaks of arithmetic and memory are measured
- * between the timings, so that each result has a limit from the same minutes.
+ * bench.h - benchmarks of this library together with the limits of the machine: peaks of arithmetic and memory are
+ * measured between the timings, so that each result has a limit from the same minutes.
  *
- * Other programs only ever make a timing longer. Each result is therefore timed in several rounds, in turns with the others;
- * the best round counts, and median and worst round show how busy the machine was.
+ * Other programs only ever make a timing longer. Each result is therefore timed in several rounds, in turns with the
+ * others; the best round counts, and median and worst round show how busy the machine was.
  */
 #ifndef NQM_BENCH_BENCH_H
 #define NQM_BENCH_BENCH_H
@@ -16,7 +16,7 @@
 
 /* ---- the machine (machine.c) ------------------------------------------------------------------------------------- */
 
-/** The machine; strings are static. 0 or "": unknown. */
+/** Properties of the machine; strings are static. 0 or "": unknown. */
 typedef struct nqm_bench_machine {
     const char *cpu;     /* model name of the processor */
     const char *system;  /* operating system and release */
@@ -39,7 +39,7 @@ double nqm_bench_process_clock_s(void);
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-/** One result. What does not apply is NULL, 0 for counts, NaN for numbers, -1 for the precision. Strings belong to the
+/** One result. Fields that do not apply are NULL, 0 (counts), NaN (numbers) or -1 (precision). Strings belong to the
  *  benchmark. */
 typedef struct nqm_bench_row {
     const char *bench;   /* "peak", "gemm", "train", "score", "load" */
@@ -67,7 +67,7 @@ typedef struct nqm_bench_row {
     struct nqm_bench_work {
         double gflop;                       /* 1e9 operations; a multiplication and an addition are two */
         double gflops;                      /* gflop / best */
-        double megabytes;                   /* that must be read, 1e6 bytes */
+        double megabytes;                   /* data that must be read, 1e6 bytes */
         double gb_per_s;                    /* megabytes / best / 1000 */
         double max_rss_mb;                  /* largest resident memory of the process during the run, 1e6 bytes */
         double train_loss, validation_loss; /* of the last epoch */
@@ -110,7 +110,7 @@ typedef struct nqm_bench_options {
 /** The defaults above. */
 nqm_bench_options nqm_bench_options_default(void);
 
-/** Meters of the machine's peaks, and rows. For one thread. */
+/** Meters of the machine's peaks, and result rows. Use it from one thread only. */
 typedef struct nqm_bench nqm_bench;
 
 /** Create, and measure the peaks for the first time. options NULL: the defaults. NQM_ERR_ARG, NQM_ERR_NOMEM,
@@ -120,16 +120,16 @@ NQM_MUST_CHECK nqm_status nqm_bench_create(const nqm_bench_options *options, nqm
 void nqm_bench_free(nqm_bench *bench);
 
 /**
- * The matrix products of the networks of `paper` and `default`: each hidden layer forward, the gradient of its input and of
- * its weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Batch 512; forward also 180 and 1. Quick:
- * layer 3 only. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
+ * The matrix products of the networks of `paper` and `default`: each hidden layer forward, the gradient of its input
+ * and of its weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Batch 512; forward also 180
+ * and 1. Quick: layer 3 only. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
  */
 NQM_MUST_CHECK nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err);
 
 /**
- * nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe "paper".
- * One row for each seed (1 to n_seeds) and precision (float, bfloat16). Median and worst time are those of the epochs times
- * their number. Quick: a thirtieth of the pairs.
+ * nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe
+ * "paper". One row for each seed (1 to n_seeds) and precision (float, bfloat16). Median and worst time are those of
+ * the epochs times their number. Quick: a thirtieth of the pairs.
  *
  * @param recipe  "paper", "notebook", "nqm"
  * @param epochs  0: the recipe's
@@ -140,8 +140,8 @@ NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, 
 
 /**
  * Scoring of 1, 9, 180 and 512 pairs in each precision: the network alone, and everything from samples to JOD; with a
- * reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1 and 9
- * pairs. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
+ * reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1
+ * and 9 pairs. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
  */
 NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *err);
 
@@ -238,8 +238,8 @@ typedef struct nqm_bench_contender {
     void *user;
 } nqm_bench_contender;
 
-/** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all but
- *  the times. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
+/** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all
+ *  but the times. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
                                          const nqm_bench_entry *entries, nqm_error *err);
 /** An entry without values, for our own code with the selected kernels on all threads. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The matrix products of the networks: layers forward, the gradient of their input and of their weights, from packed panels
- * as in training and scoring, compared with oneDNN's.
+ * The matrix products of the networks: layers forward, the gradient of their input and of their weights, from packed
+ * panels as in training and scoring, compared with oneDNN's.
  */
 #include "bench/bench.h"
 #include "kernel/panel.h"

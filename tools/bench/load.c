@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loading a file to samples at a model's directions, with its pages in memory and after they were dropped; and whole commands.
+ * Loading a file to samples at a model's directions, with its pages in memory and after they were dropped; and whole
+ * commands.
  */
 #include "bench/bench.h"
 #include "math/math.h"
@@ -84,7 +85,8 @@ static nqm_status bench_file(nqm_bench *bench, load_job *job, const char *name, 
 
 static const char merl_spec[] = "ggx:kd=.2,.1,.05;ks=.5;alpha=.1;f0=.1";
 
-/* Write a table, open it and remove its name: it is opened again by its path under /proc, and vanishes with this process. */
+/* Write a table, open it and remove its name: it is opened again by its path under /proc, and vanishes with this
+ * process. */
 static nqm_status make_merl(nqm_bench *bench, const char *folder, int *fd_ret, nqm_error *err) {
     *fd_ret = -1;
     const size_t n = strlen(folder) + 32;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loops that reach the peaks of the processor: multiply-adds on independent accumulators in registers, and sequential reading
- * of memory. Each is compiled for its instruction set; the table at the end assigns them to the kernels.
+ * Loops that reach the peaks of the processor: multiply-adds on independent accumulators in registers, and sequential
+ * reading of memory. Each is compiled for its instruction set; the table at the end assigns them to the kernels.
  */
 #include "bench/bench.h"
 
@@ -16,7 +16,7 @@
 #define FOR(ISA)   __attribute__((noinline, target(ISA)))
 #define ANY_TARGET __attribute__((noinline))
 
-/* NOLINTBEGIN(bugprone-macro-parentheses): types and attributes cannot stand in parentheses */
+/* NOLINTBEGIN(bugprone-macro-parentheses): types and attributes cannot be in parentheses */
 
 /* SUMS accumulators: at least latency x throughput of the instruction, at most the number of registers. They start from
  * different values, so that the compiler cannot merge them. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Meters of the machine: its current rate of operations or bytes per nanosecond. Samples last milliseconds, so that on a busy
- * machine some are taken while no other program runs.
+ * Meters of the machine: its current rate of operations or bytes per nanosecond. Samples last milliseconds, so that on
+ * a busy machine some are taken while no other program runs.
  */
 #include "bench/bench.h"
 #include "math/math.h"
@@ -23,7 +23,7 @@ enum {
 static volatile float float_sink;
 static volatile uint64_t integer_sink;
 
-/* The share of one thread in a timing. */
+/* The work of one thread in a timing. */
 static void work(const nqm_bench *bench, const nqm_bench_meter *meter, size_t thread) {
     if (meter->bytes) {
         const nqm_bench_read_loop loop = nqm_bench_find_read_loop(meter->kernels);
@@ -61,8 +61,8 @@ static void meet(atomic_size_t *n_arrived, size_t n_threads) {
         sched_yield();
 }
 
-/* The rate of all threads together. Arithmetic: by processor time, which excludes other programs. Reading: by the clock,
- * because threads share the memory. */
+/* The rate of all threads together. Arithmetic: by processor time, which excludes other programs. Reading: by the
+ * clock, because threads share the memory. */
 static double measure(const nqm_bench *bench, const nqm_bench_meter *meter) {
     double begin = INFINITY, end = 0, rate = 0;
     const double share = amount(meter) / (double)meter->threads;
@@ -145,8 +145,8 @@ double nqm_bench_meter_median(const nqm_bench_meter *meter) {
     return quantile(meter, 0.5);
 }
 
-/* Other programs can only lower rates by the clock. Rates by processor time have errors of both signs, because a hypervisor
- * books stolen time inaccurately. */
+/* Other programs can only lower rates by the clock. Rates by processor time have errors of both signs, because a
+ * hypervisor books stolen time inaccurately. */
 double nqm_bench_meter_peak(const nqm_bench_meter *meter) {
     return meter->bytes ? meter->best : quantile(meter, 0.9);
 }

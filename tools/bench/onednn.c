@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The matrix product of oneDNN in its fastest form, for comparison: the primitive is created in advance, and the weights have
- * the layout that it prefers.
+ * The matrix product of oneDNN in its fastest form, for comparison: the primitive is created in advance, and the
+ * weights have the layout that it prefers.
  */
 #include "kernel/onednn.h"
 #include "bench/bench.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A generated dataset: random analytic materials and changed copies of them, labelled by the difference of their logarithms.
- * Training on it is as much work as on rendered labels, and converges. The JODs are uniform, as after the paper's balancing:
- * if nearly all labels are close to 10, its recipe predicts 10 everywhere.
+ * A generated dataset: random analytic materials and changed copies of them, labelled by the difference of their
+ * logarithms. Training on it is as much work as on rendered labels, and converges. The JODs are uniform, as after the
+ * paper's balancing: if nearly all labels are close to 10, its recipe predicts 10 everywhere.
  */
 #include "bench/bench.h"
 #include "math/math.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scoring: the packed network alone, and everything from samples to JOD, for several batch sizes, with one or nine tests per
- * reference. The network caches the contribution of the last reference, so successive calls use different ones.
+ * Scoring: the packed network alone, and everything from samples to JOD, for several batch sizes, with one or nine
+ * tests per reference. The network caches the contribution of the last reference, so successive calls use different
+ * ones.
  */
 #include "bench/bench.h"
 #include "kernel/panel.h"

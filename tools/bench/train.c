@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm_train() on as many pairs as the paper's: 3,340, of which a fifth is for validation and the rest is doubled by scaled
- * copies: 5,344 and 668. The peaks are sampled between the epochs, outside of the timings.
+ * nqm_train() on as many pairs as the paper's: 3,340, of which a fifth is for validation and the rest is doubled by
+ * scaled copies: 5,344 and 668. The peaks are sampled between the epochs, outside of the timings.
  */
 #include "train/train.h"
 #include "bench/bench.h"

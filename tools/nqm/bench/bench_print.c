@@ -10,7 +10,7 @@
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-/* The OpenMP settings of the user: with OMP_WAIT_POLICY=passive, small batches are much slower. */
+/* The user's OpenMP settings, because small batches are much slower with OMP_WAIT_POLICY=passive. */
 static json_t *openmp_json(void) {
     static const char *const names[] = {"OMP_NUM_THREADS", "OMP_PROC_BIND", "OMP_WAIT_POLICY"};
     json_t *openmp = json_object();
@@ -65,8 +65,8 @@ enum { MAX_COLUMNS = 18 };
 /* A column: fields of a row, by their keys. */
 typedef struct column {
     const char *heading;
-    const char *key;             /* a text, a count, or a number, printed with n_digits significant digits */
-    const char *times, *divisor; /* further numbers; NULL: none */
+    const char *key;             /* field: a text, a count, or a number with n_digits significant digits */
+    const char *times, *divisor; /* fields by which the number is multiplied and divided; NULL: none */
     double factor;               /* 0: 1 */
     int n_digits;                /* 0: a text or a count */
 } column;
@@ -151,7 +151,7 @@ static const nqm_bench_field *find_field(const char *key) {
     return f;
 }
 
-/* A number with so many significant digits, or nothing. */
+/* Print a number with n_digits significant digits, or an empty cell if it is not finite. */
 static void print_number(double value, int n_digits) {
     int n_after = n_digits - 1 - (value != 0 && isfinite(value) ? (int)floor(log10(fabs(value))) : 0);
     if (isfinite(value))

@@ -32,7 +32,7 @@ static nqm_status run_train(nqm_bench *bench, const bench_arguments *a, nqm_erro
     return nqm_bench_train(bench, a->recipe, (size_t)a->epochs, (size_t)a->seeds, err);
 }
 
-/* Whole commands: start of the program, and a first score. */
+/* Time whole commands: the start of the program, and a first score. */
 static nqm_status run_commands(nqm_bench *bench, nqm_error *err) {
     char self[4096];
     ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -77,7 +77,7 @@ static const struct {
 } benches[] = {{"gemm", run_gemm}, {"train", run_train}, {"score", run_score}, {"load", run_load}};
 enum { N_BENCHES = sizeof benches / sizeof *benches };
 
-/* With the best kernels, those of a name, or "all" but the scalar ones, which take minutes. */
+/* Run with the best kernels, with those called a->kernels, or with "all" except the scalar ones, which take minutes. */
 static nqm_status run_with_kernels(nqm_bench *bench, const bench_arguments *a, run_fn *run, nqm_error *err) {
     nqm_status status = NQM_OK;
     if (!a->kernels || strcmp(a->kernels, "all") != 0) {
@@ -113,7 +113,7 @@ static int set_options(const bench_arguments *a, nqm_bench_options *options) {
     return EXIT_OK;
 }
 
-/* JSON or tables on standard output, and JSON to `output` if it is open. */
+/* Print JSON or tables to standard output, and write JSON to `output` if it is open. */
 static int print_rows(const nqm_bench *bench, const bench_arguments *a, output_file *output) {
     if (output->stream) {
         json_t *json = bench_json(bench);

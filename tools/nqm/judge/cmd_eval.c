@@ -18,12 +18,13 @@ static const choice bys[] = {{"none", 0},
                              {"all", BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS},
                              {0}};
 
-/* Above this the labels say "hardly visible": where a quality metric is needed most and has it hardest. */
+/* Labels above this value mean "hardly visible": the range in which a quality metric matters most and is least
+ * accurate. */
 static const double range_edge = 9.5;
 
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
-/* "default,my.safetensors"; "none": the scalar metrics only. The list is cut up in place. */
+/* Open a list like "default,my.safetensors"; "none": only the scalar metrics. Modifies the list. */
 static int open_models(eval_run *run, char *list) {
     size_t n = 1;
     for (const char *p = list; *p; ++p)
@@ -42,7 +43,7 @@ static int open_models(eval_run *run, char *list) {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Every model against the best of the eight baselines on these pairs, and against the log difference. */
+/* Compare every model with the best of the eight baselines on these pairs, and with the log difference. */
 static nqm_status contrast(const eval_run *run, const nqm_eval_options *o, eval_table *table, nqm_error *err) {
     size_t log_diff = run->n_models + NQM_METRIC_LOG_DIFF, n = run->n_models * N_RIVALS;
     for (size_t i = 0; i < n; ++i) {
@@ -63,7 +64,7 @@ static void release_table(eval_table *table) {
     free(table->coverage);
 }
 
-/* Judge one selection; a selection without pairs leaves results NULL, unless it is that of all pairs. */
+/* Judge one selection. Without pairs, its results are NULL; for the selection of all pairs this is an error. */
 static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by, const char *name, nqm_error *err) {
     eval_table *table = &run->tables[run->n_tables++];
     table->by = by;
@@ -86,7 +87,7 @@ static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by
     return status;
 }
 
-/* The families of the dataset's kinds, each once. */
+/* Judge each family of the dataset's kinds. */
 static nqm_status judge_families(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
     nqm_status status = NQM_OK;
     size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds;
@@ -96,7 +97,7 @@ static nqm_status judge_families(eval_run *run, const nqm_eval_options *options,
         size_t first = 0;
         while (strcmp(nqm_dataset_get_kind(run->dataset, first).family, o.family) != 0)
             ++first;
-        if (first == i && *o.family) /* "": the dataset does not say */
+        if (first == i && *o.family) /* "": unknown */
             status = judge(run, &o, "family", o.family, err);
     }
     return status;
@@ -108,7 +109,7 @@ static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, 
         nqm_eval_options o = *options;
         o.material_class = nqm_material_class_name(i);
         status = judge(run, &o, "class", o.material_class, err);
-        if (status == NQM_OK && !run->tables[run->n_tables - 1].results) /* no such material */
+        if (status == NQM_OK && !run->tables[run->n_tables - 1].results) /* the class has no pairs */
             release_table(&run->tables[--run->n_tables]);
     }
     return status;
@@ -138,7 +139,7 @@ static nqm_status judge_ranges(eval_run *run, const nqm_eval_options *options, n
 
 static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
     enum { N_RANGES = 2 };
-    size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds; /* there are no more families than kinds */
+    size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds; /* also the maximum number of families */
     run->tables = calloc(1 + 2 * n_kinds + NQM_MATERIAL_CLASS_COUNT + N_RANGES, sizeof *run->tables);
     if (!run->tables)
         return err->status = NQM_ERR_NOMEM;
@@ -182,7 +183,7 @@ static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *
     if (!a->human)
         run->dataset = run->owned;
     else if (nqm_human_get_info(run->human).kind != NQM_HUMAN_JOD)
-        o->order_margin = 0; /* of a scale that nobody here knows */
+        o->order_margin = 0; /* the scale is unknown */
     if (!isnan(a->margin))
         o->order_margin = a->margin;
     run->order_margin = o->order_margin;
@@ -258,11 +259,10 @@ int cmd_eval(int argc, char **argv) {
         .usage = "DATASET [options]\n       nqm eval --human PAIRS.csv [options]",
         .about =
             "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
-            "folder with --labels, all of which counts as test pairs): rank and other correlations, over all pairs "
-            "and\n"
-            "as the mean over materials, the share of tests put in the right order, errors of the models in JOD, with\n"
-            "95 % intervals; and whether each model is better than the best of the eight baselines. With --human the\n"
-            "same for what people said, or the share of their choices that is predicted.",
+            "folder with --labels, whose pairs all count as test pairs). Prints correlations over all pairs and as\n"
+            "the mean over materials, the fraction of tests in the right order and the errors of the models in JOD,\n"
+            "with 95 % intervals, and compares each model with the best of the eight baselines. --human does the\n"
+            "same for the scores of people, or prints the fraction of their choices that is predicted.",
         .example = "nqm eval corpus.safetensors --by both\n"
                    "nqm eval corpus.safetensors --model default,paper,my.safetensors --split validation --json\n"
                    "nqm eval test_brdfs --labels labels_real.csv --model paper\n"

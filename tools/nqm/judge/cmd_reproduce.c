@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm reproduce - the paper's study on its authors' data: regression, trainings and evaluation by the calls behind `nqm regress`,
- * `nqm train` and `nqm eval`, and a table that compares the results with the published ones. All results are kept in one JSON
- * document, from which the text is printed.
+ * nqm reproduce - the paper's study on its authors' data: regression, trainings and evaluation with the same functions
+ * as `nqm regress`, `nqm train` and `nqm eval`, and a table that compares the results with the published ones. All
+ * results are stored in one JSON document, from which the text is printed.
  */
 #include "nqm/judge/eval.h"
 #include "nqm/train/train_tool.h"
@@ -19,7 +19,7 @@ enum { PATH_BYTES = 4096, MAX_RECIPES = 3, MAX_SEEDS = 20, PAPER_EPOCHS = 100 };
 
 typedef struct training {
     const char *recipe;
-    char id[40]; /* "paper-1": the model's id, and the start of its files' names */
+    char id[40]; /* "paper-1": the model's id, and the prefix of its file names */
     nqm_model *model;
     json_t *json; /* its entry in "trainings" */
 } training;
@@ -52,7 +52,7 @@ static bool exists(const char *path, bool folder) {
     return stat(path, &st) == 0 && (!folder || S_ISDIR(st.st_mode));
 }
 
-/* As given, else ROOT/NAME, else ROOT/data/NAME for a CSV. */
+/* Find a part: the given path, else ROOT/NAME, else ROOT/data/NAME for a CSV. */
 static int find_part(study *s, int part) {
     static const char *const below[] = {"ref", "model"};
     const bool folder = part == TRAIN_FOLDER || part == TEST_FOLDER;
@@ -73,7 +73,7 @@ static int find_part(study *s, int part) {
     return EXIT_OK;
 }
 
-/* Every missing part is reported. */
+/* Find all parts of the data; reports every missing one. */
 static int find_data(study *s) {
     int exit_code = exists(s->root, true) ? EXIT_OK : report("reproduce", EXIT_OPEN, "%s: no such folder", s->root);
     const bool found = exit_code == EXIT_OK;
@@ -86,7 +86,7 @@ static int find_data(study *s) {
     return exit_code;
 }
 
-/* The human materials are the test set: none of them may be trained on. */
+/* The materials of the human study are the test set, so that the training set must not contain them. */
 static int check_disjoint(const study *s) {
     for (size_t i = 0; i < nqm_dataset_get_info(s->test).n_pairs; ++i) {
         const char *group = nqm_dataset_get_pair(s->test, i).group;
@@ -123,9 +123,9 @@ static int load_data(study *s) {
     return exit_code == EXIT_OK && interrupted() ? report("reproduce", EXIT_INTERRUPTED, "interrupted") : exit_code;
 }
 
-/* ---- JSON as tables ---------------------------------------------------------------------------------------------- */
+/* ---- values in JSON ---------------------------------------------------------------------------------------------- */
 
-/* The number at a path like "whitening.mean.0"; NaN: none. */
+/* The number at a path like "whitening.mean.0"; NaN if it does not exist. */
 static double number_at(const json_t *json, const char *path) {
     char key[40];
     while (json && *path) {
@@ -137,7 +137,7 @@ static double number_at(const json_t *json, const char *path) {
     return json_is_number(json) ? json_number_value(json) : (double)NAN;
 }
 
-/* Mean and standard deviation (n - 1; NaN for one) of a number over the trainings of a recipe; returns their count. */
+/* Mean and standard deviation (divisor n - 1; NaN for n = 1) of a number over a recipe's trainings. Returns n. */
 static size_t mean_at(const study *s, const char *recipe, const char *path, double *mean_ret, double *sd_ret) {
     double sum = 0, squares = 0;
     size_t n = 0;
@@ -171,7 +171,7 @@ static void path_of(const study *s, const training *t, const char *ending, char 
     snprintf(path, PATH_BYTES, "%s/%s%s", s->output, t->id, ending);
 }
 
-/* The model and the record of an earlier run, if they belong together; those of other data or options are not overwritten. */
+/* Load the model and the record of an earlier run if they match. Fails if the record has other data or options. */
 static int load_finished(const study *s, training *t, const char *model_path, const char *record_path) {
     json_t *record = exists(record_path, false) ? json_load_file(record_path, 0, NULL) : NULL;
     const char *dataset = json_string_value(json_object_get(record, "dataset_sha256"));
@@ -240,8 +240,8 @@ static int compare_times(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Milliseconds per pair: median of some predictions of as many sampled pairs as the test set has, with transform, whitening and
- * network, as in the paper. The values of the samples do not matter. */
+/* Time of a score in ms per pair: the median of 7 runs over as many sampled pairs as the test set has, including
+ * transform, whitening and network, as in the paper. The time does not depend on the values of the samples. */
 static int time_scoring(const study *s, const nqm_model *model, double *ms_ret) {
     enum { N_RUNS = 7 };
     size_t n = nqm_dataset_get_info(s->test).n_pairs, width = 3 * nqm_dataset_get_info(s->test).n_directions;
@@ -274,7 +274,7 @@ static int time_scoring(const study *s, const nqm_model *model, double *ms_ret) 
     return status == NQM_OK ? EXIT_OK : report_error("reproduce", &err);
 }
 
-/* What the model file says, and the time of a score, as members of the training's entry. */
+/* Add properties of the model and the time of a score to the training's JSON entry. */
 static int describe_training(const study *s, training *t, const char *model_path) {
     const nqm_model_info m = nqm_model_get_info(t->model);
     double ms = 0;
@@ -316,7 +316,7 @@ static int train_all(study *s) {
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* The bar of a recipe: the mean over the seeds of every value, the ends of intervals included. */
+/* Add one training to the bar of its recipe: the mean over the seeds of every value and interval end. */
 static void add_to_bar(nqm_agreement *bar, nqm_agreement result, double n_seeds) {
     bar->n = result.n;
     bar->n_materials = result.n_materials;
@@ -364,14 +364,14 @@ static int evaluate_all(study *s) {
 
 /* ---- the published values ---------------------------------------------------------------------------------------- */
 
-/* What must be as in the paper for a comparison to mean anything. */
+/* Conditions that must be as in the paper for a comparison to be meaningful. */
 enum { HUMAN_DATA = 1, TRAINING_DATA = 2, EPOCHS = 4, ALL = 7, MACHINE = 8 };
 /* doc/reproduce.md says where the tolerances come from. */
 static const struct {
     const char *name, *recipe, *source, *path; /* recipe "": the path starts at "regression" */
     double published, tolerance;
     int needs;
-    bool at_least; /* reproduced when ours is larger */
+    bool at_least; /* reproduced if our value is larger */
 } published[] = {
     {"JOD curve, b1", "", "label files", "b1", -14.11197, 0.005, HUMAN_DATA, false},
     {"JOD curve, b2", "", "label files", "b2", -0.47364, 0.0005, HUMAN_DATA, false},
@@ -435,7 +435,7 @@ static const struct {
              {"ms_per_pair", "ms a pair", "ms_per_pair"}};
 enum { N_MEANS = sizeof means / sizeof means[0] };
 
-/* The rest of the document, and bars.csv in columns of `nqm eval --csv`. */
+/* Complete and write the JSON document, and write bars.csv with the columns of `nqm eval --csv`. */
 static int write_results(study *s) {
     char path[PATH_BYTES];
     output_file out;
@@ -566,7 +566,7 @@ static int print_study(const study *s) {
     return fflush(stdout) == 0 ? EXIT_OK : report("reproduce", EXIT_OPEN, "standard output: %s", strerror(errno));
 }
 
-/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+/* ---- command ----------------------------------------------------------------------------------------------------- */
 
 static int run_study(study *s, bool as_json) {
     int (*const steps[])(study *) = {find_data, load_data, train_all, evaluate_all, write_results};
@@ -585,7 +585,7 @@ static int run_study(study *s, bool as_json) {
     return exit_code;
 }
 
-/* "paper,notebook", cut up in place; each once. */
+/* Parse a list like "paper,notebook" without repetitions. Modifies the list. */
 static int parse_recipes(char *list, study *s) {
     for (char *name = strtok(list, ","); name; name = strtok(NULL, ",")) {
         nqm_train_options unused;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Datasets as arguments, and options whose values are words.
+ * Arguments that name datasets, and options whose values are words.
  */
 #include "nqm/tool.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm eval - how many labels the 95 % intervals of the models hold.
+ * nqm eval - the fraction of labels inside the 95 % intervals of the models.
  */
 #include "nqm/judge/eval.h"
 

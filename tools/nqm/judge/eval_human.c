@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm eval --human - opening what people said, and the tables of their choices. Scores are judged and printed as the
- * labels of any other dataset.
+ * nqm eval --human - opens the answers of people and prints the tables of choices. Scores are judged and printed like
+ * the labels of any other dataset.
  */
 #include "nqm/judge/eval.h"
 
@@ -38,9 +38,9 @@ json_t *human_json(const nqm_human *human) {
 
 /* ---- choices ----------------------------------------------------------------------------------------------------- */
 
-/* A model beside a metric. */
+/* The comparison of a model with a metric. */
 typedef struct rivalry {
-    size_t rival; /* predictor; as the model itself: there is none */
+    size_t rival; /* predictor; the model itself: no comparison */
     nqm_difference difference;
 } rivalry;
 

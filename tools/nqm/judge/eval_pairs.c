@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm eval --pairs - label, predictions and scalar features of every pair that was judged, as CSV: for plots, and for
- * models/control.py, which fits a control on the features.
+ * nqm eval --pairs - writes label, predictions and scalar features of every judged pair as CSV, for plots and for
+ * models/control.py, which fits a control model to the features.
  */
 #include "nqm/judge/eval.h"
 

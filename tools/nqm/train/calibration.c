@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the intervals of a model are told of, by the verbs that make and show models, and in rows of scores.
+ * Prints the calibration of a model's intervals, for the commands that make and show models, and the interval of a
+ * score.
  */
 #include "nqm/tool.h"
 

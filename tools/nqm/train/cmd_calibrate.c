@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm calibrate - give a model that exists the intervals around its JOD.
+ * nqm calibrate - adds intervals around the predicted JOD to an existing model.
  */
 #include "nqm/tool.h"
 
@@ -15,7 +15,7 @@ static int print_result(const calibrate_arguments *a, const nqm_calibration *c) 
     nqm_model *written;
     nqm_error err = {0};
     if (strcmp(a->output, "-") == 0)
-        return EXIT_OK; /* the model itself is the result on standard output */
+        return EXIT_OK; /* standard output contains the model */
     if (nqm_model_load(a->output, &written, &err) != NQM_OK)
         return report_error("calibrate", &err);
     nqm_model_info info = nqm_model_get_info(written);
@@ -64,10 +64,10 @@ int cmd_calibrate(int argc, char **argv) {
         .name = "calibrate",
         .usage = "MODEL DATASET -o FILE [options]",
         .about =
-            "Write a copy of MODEL that says how sure it is: the interval around each JOD in which the label lies for\n"
-            "95 % of pairs of materials that are new to it. Calibrated on the validation pairs of DATASET, which must\n"
-            "be the one that the model was trained on, and measured with each material left out in turn. `nqm train`\n"
-            "does the same at its end.",
+            "Write a copy of MODEL with a 95 % interval around each JOD: for 95 % of the pairs of new materials, the\n"
+            "label is inside the interval. The intervals are calibrated on the validation pairs of DATASET, which\n"
+            "must be the dataset on which the model was trained; their coverage is measured with each material left\n"
+            "out in turn. `nqm train` does the same after training.",
         .example = "nqm calibrate my.safetensors corpus.safetensors -o my-calibrated.safetensors",
         .options = options,
         .min_arguments = 2,

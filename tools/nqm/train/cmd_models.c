@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm models - the built-in models, facts about a model, and copies with notes or smaller weights.
+ * nqm models - lists the built-in models, shows the properties of a model, and writes copies with notes or 16-bit
+ * weights.
  */
 #include "metric/metric.h"
 #include "nqm/tool.h"
@@ -57,7 +58,7 @@ static int show_model(const char *name, bool json) {
     return exit_code;
 }
 
-/* Replace a model by one whose hidden layers have weights of 16 bits, with golden scores of its own. */
+/* Replace a model by a copy whose hidden layers have 16-bit weights, with newly computed golden scores. */
 static int round_model(nqm_model **model) {
     nqm_model *half;
     nqm_error err = {0};
@@ -133,11 +134,10 @@ int cmd_models(int argc, char **argv) {
         .name = "models",
         .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
         .about =
-            "List the models that are built in, or show one of them, or a model file: size, checksum, directions "
-            "and the\n"
-            "model card, which says what it was trained and judged on and what it is not good for. annotate writes "
-            "a copy of a model\nwith a text added to its card, such as results on a test set;\n"
-            "--half also rounds the hidden layers' weights to 16 bits, which halves the file.",
+            "List the built-in models, or show one of them or a model file: size, checksum, directions and the model\n"
+            "card, which describes training data, results and limits. annotate writes a copy of a model with a text\n"
+            "added to its card, such as results on a test set; --half also rounds the weights of the hidden layers\n"
+            "to 16 bits, which halves the file.",
         .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
                    "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
         .options = options,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm train - train a model on a dataset. The options begin as those of the recipe, so that --help shows what it does.
+ * nqm train - trains a model on a dataset. The recipe sets the defaults of the options, so that --help shows its
+ * values.
  */
 #include "nqm/train/train_tool.h"
 #include "train/recipes.h"
@@ -13,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What the command line says. */
+/* Values from the command line. */
 typedef struct train_arguments {
     const char *output, *labels, *log, *card;
     bool json;
@@ -37,7 +38,7 @@ static const char *find_recipe(int argc, char **argv) {
 
 /* ---- checks before the training ---------------------------------------------------------------------------------- */
 
-/* An output that cannot be written, or a checkpoint that would be overwritten, is reported before hours of training. */
+/* Check before hours of training that outputs can be written and that no checkpoint would be overwritten. */
 static int check_places(const train_arguments *a) {
     const char *paths[] = {a->output, a->options.run.checkpoint};
     for (size_t i = 0; i < 2; ++i) {
@@ -59,7 +60,7 @@ static int check_places(const train_arguments *a) {
     return EXIT_OK;
 }
 
-/* ---- the run ----------------------------------------------------------------------------------------------------- */
+/* ---- training ---------------------------------------------------------------------------------------------------- */
 
 typedef struct epoch_log {
     const char *id;
@@ -150,7 +151,7 @@ static int run_training(const train_arguments *a, const char *dataset_path) {
     o.card = card;
     if (exit_code == EXIT_OK)
         exit_code = train_and_save("train", dataset, &o, a->output, a->log, &model, &training);
-    if (model) { /* else the model itself is the result on standard output */
+    if (model) { /* otherwise standard output contains the model */
         nqm_model_info info = nqm_model_get_info(model);
         exit_code = print_report(a, &training, &info);
     }

@@ -7,9 +7,9 @@
 
 #include "nqm/tool.h"
 
-/** Train with progress on the terminal, write the losses of each epoch to `log` (CSV; NULL: none) and the model to `path`, and
- *  load what was written (*model_ret; NULL when `path` is "-"). EXIT_OK, or the error is reported and its exit code
- *  returned. options->run.epoch_done and .progress are replaced. */
+/** Train with progress on the terminal, write the losses of each epoch to `log` (CSV; NULL: none) and the model to
+ *  `path`, and load the written file (*model_ret; NULL if `path` is "-"). Reports errors; returns an exit code.
+ *  options->run.epoch_done and .progress are replaced. */
 int train_and_save(const char *verb, const nqm_dataset *dataset, const nqm_train_options *options, const char *path,
                    const char *log, nqm_model **model_ret, nqm_train_report *report_ret);
 
