@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Any bytes as a BRDF file: through a file in memory into the public interface.
+ * Opens the input as a BRDF file, by way of a file in memory and the public interface.
  */
 #define _GNU_SOURCE /* memfd_create */
 #include "fuzz.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A main() for fuzz targets built without libFuzzer: the valid input, cut at many places, and with bytes changed at
- * random, from a fixed seed and for a fixed number of inputs. With arguments: run these files instead (a crash from
- * libFuzzer); `--seed FILE` writes the valid input.
+ * main() for fuzz targets built without libFuzzer. It runs the valid input, truncations of it, and random mutations of
+ * it with a fixed seed and a limited number. With arguments it runs these files instead (a crash from libFuzzer);
+ * `--seed FILE` writes the valid input.
  */
 #include "fuzz.h"
 
@@ -12,13 +12,13 @@
 #include <string.h>
 
 enum { N_CUTS = 400, N_MUTATIONS = 10000, SEED = 1 };
-static const double time_limit_s = 10; /* a slow (sanitized, emulated, busy) machine does fewer */
+static const double time_limit_s = 10; /* a slow (sanitized, emulated, busy) machine runs fewer mutations */
 
-/* Change 1 to 8 places: a bit, a byte, or a number that tends to be a limit. */
+/* Apply 1 to 8 changes: flip a bit, replace a byte, or write a boundary value of 1 to 8 bytes. */
 static void mutate(blob *b, nqm_rng *rng) {
     static const uint64_t limits[] = {0, 1, 0x7f, 0xff, 0x7fffffff, 0x80000000, 0xffffffff, INT64_MAX, UINT64_MAX};
     size_t n_changes = 1 + nqm_rng_below(rng, 8);
-    /* Headers and tables of contents stand at the beginning: half of the changes go there. */
+    /* Headers and tables of contents are in the first bytes: half of the inputs are changed only there. */
     size_t range = nqm_rng_below(rng, 2) && b->n_bytes > 512 ? 512 : b->n_bytes;
     for (size_t i = 0; i < n_changes; ++i) {
         size_t at = nqm_rng_below(rng, range);
@@ -38,7 +38,7 @@ static void mutate(blob *b, nqm_rng *rng) {
     }
 }
 
-/* One input in a block of its own length, so that a sanitizer sees reads beyond it. */
+/* Run one input in a heap block of exactly its size, so that sanitizers detect reads past its end. */
 static void run_one(const unsigned char *data, size_t n_bytes) {
     unsigned char *copy = malloc(n_bytes ? n_bytes : 1);
     if (!copy)

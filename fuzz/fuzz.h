@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz.h - what the fuzz targets share. Each target implements LLVMFuzzerTestOneInput(), and fuzz_seed() for driver.c.
+ * fuzz.h - shared by the fuzz targets. Each target implements LLVMFuzzerTestOneInput(), and fuzz_seed() for driver.c.
  */
 #ifndef NQM_FUZZ_H
 #define NQM_FUZZ_H
@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** One input. The target checks what must hold for any bytes and aborts where it does not. */
+/** Run one input. The target aborts when a property that must hold for any bytes is violated. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes);
 
 /** A valid input to start from. */
 blob fuzz_seed(void);
 
-/** A copy of n bytes as one. */
+/** A blob with a copy of n bytes. */
 static inline blob blob_of(size_t n, const char *bytes) {
     blob b = {.data = malloc(n), .n_bytes = n};
     if (!b.data)
@@ -26,15 +26,15 @@ static inline blob blob_of(size_t n, const char *bytes) {
 }
 
 /**
- * Open the bytes as a BRDF file and, when they are one, evaluate it all over the hemisphere: values must be finite and
- * not negative, failures must leave no object and a message.
+ * Open the bytes as a BRDF file and, if that succeeds, evaluate it at directions of the whole hemisphere: values must
+ * be finite and not negative; a failure must create no object and set a message.
  *
- * @param n_file  size of the file; what goes beyond n_bytes are zeros
- * @param member  what follows behind the path (":steel"), or ""
+ * @param n_file  size of the file; bytes from n_bytes on are zero
+ * @param member  suffix of the path (":steel"), or ""
  */
 void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *member);
 
-/** Read the bytes as a mesh and check what must hold of any. */
+/** Read the bytes as a mesh and check an accepted mesh. */
 void fuzz_mesh(const uint8_t *data, size_t n_bytes);
 
 #endif

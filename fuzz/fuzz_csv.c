@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the CSV reader. What it accepts is written again, every field in quotes, and must be read back equal.
+ * Fuzz target: the CSV reader. An accepted file is written again with every field quoted, and must parse to the same
+ * fields.
  */
 #include "fuzz.h"
 #include "io/io.h"
@@ -26,7 +27,7 @@ static char *put_field(char *out, const char *text, bool last) {
     return out;
 }
 
-/* The text of all rows under a header of empty names; free() it. */
+/* All rows as CSV under a header of empty names. free() it. */
 static char *write_again(const nqm_csv *csv, size_t *n_bytes_ret) {
     size_t n_columns = nqm_csv_columns(csv), n_bytes = 3 * n_columns;
     for (size_t i = 0; i < nqm_csv_rows(csv) * n_columns; ++i)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the dataset reader, with and without its checksum. A dataset that it accepts keeps its promises: every
- * pair can be looked at and judged.
+ * Fuzz target: the dataset reader, with and without its checksum. Every pair of an accepted dataset must have readable
+ * strings and a JOD in [0, 11], and an evaluation of the dataset must be possible.
  */
 #include "fuzz.h"
 #include "support/toy_dataset.h"
@@ -27,7 +27,7 @@ static void look_at(const nqm_dataset *d) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
-    void *block; /* as mapped files are, so that tensors can be aligned */
+    void *block; /* aligned like a mapped file, so that tensors are aligned */
     if (posix_memalign(&block, 64, n_bytes + 1) != 0)
         abort();
     memcpy(block, data, n_bytes);

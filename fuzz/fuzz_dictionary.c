@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the reader of dictionaries. The checksum is corrected first, because the reader checks it before the content.
- * An accepted dictionary must code a BRDF without an error.
+ * Fuzz target: the reader of dictionaries. The checksum is corrected first, because the reader checks it before the
+ * content. Encoding a BRDF with an accepted dictionary must not crash.
  */
 #include "fit/sparse.h"
 #include "fuzz.h"
@@ -28,7 +28,7 @@ static void mend_checksum(uint8_t *bytes, size_t n_bytes) {
     nqm_safetensors_free(st);
 }
 
-/* Coding takes much longer than reading: only one in ten is coded. */
+/* Encode with one in ten accepted dictionaries only, because encoding takes much longer than reading. */
 static void code(const nqm_sparse_dictionary *dictionary) {
     static size_t n_calls;
     nqm_brdf *ref, *coded;

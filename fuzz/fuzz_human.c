@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the answers of people in a CSV, up to the BRDFs that it names, which are not opened. What is accepted is
- * a number for every test of every row, and of choices somebody's.
+ * Fuzz target: answers of people in a CSV; the BRDFs that it names are not opened. An accepted file must have a finite
+ * value for every test of every row; the numbers of choices must not be negative and not all 0.
  */
 #include "data/human.h"
 #include "fuzz.h"

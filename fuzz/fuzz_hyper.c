@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the reader of hypernetworks. The checksum is corrected first, because the reader checks it before the content.
- * An accepted network must predict weights without an error.
+ * Fuzz target: the reader of hypernetworks. The checksum is corrected first, because the reader checks it before the
+ * content. Predicting weights with an accepted network must not return NQM_ERR_ARG.
  */
 #include "brdf/brdf.h"
 #include "fit/hyper.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: MAT v5 files. What is read is finite; what is refused has a message; nothing asks for much memory (the
- * driver's limit under libFuzzer).
+ * Fuzz target: MAT v5 files. Values that are read must be finite, failures must set a message, and no input may cause a
+ * large allocation (limit of libFuzzer, run.sh).
  */
 #include "fuzz.h"
 #include "io/io.h"
@@ -51,7 +51,7 @@ blob fuzz_seed(void) {
     b.data[127] = 'M';
     for (size_t i = 0; i < sizeof words / sizeof words[0]; ++i)
         nqm_store_u32(b.data + 128 + 4 * i, words[i]);
-    nqm_store_u32(b.data + 132, (uint32_t)(b.n_bytes - 136)); /* what follows the array's tag */
+    nqm_store_u32(b.data + 132, (uint32_t)(b.n_bytes - 136)); /* bytes after the array's tag */
     for (size_t i = 0; i < 7; ++i)
         nqm_store_f64(b.data + 128 + sizeof words + 8 * i, 0.5 * (double)i);
     return b;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: MERL tables. The input is the beginning of the file; inputs of odd length are filled up to the right
- * size.
+ * Fuzz target: MERL tables. The input is the beginning of the file; inputs of odd length are extended with zeros to the
+ * size of a MERL file.
  */
 #include "fuzz.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: PLY meshes, and whatever their bytes look like. See fuzz_mesh().
+ * Fuzz target: PLY meshes. The reader detects the format from the bytes, so mutations can reach other formats. See
+ * fuzz_mesh().
  */
 #include "fuzz.h"
 

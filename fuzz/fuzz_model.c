@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the model reader, with and without its checksum. A model that it accepts must score without a fault.
+ * Fuzz target: the model reader, with and without its checksum. An accepted model must run inference; its interval must
+ * contain the score, and its novelty must not be negative or NaN.
  */
 #include "fuzz.h"
 #include "model/model.h"

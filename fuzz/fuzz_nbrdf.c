@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: NBRDF networks, and with them the HDF5 reader.
+ * Fuzz target: NBRDF files, which covers the HDF5 reader too.
  */
 #include "fuzz.h"
 

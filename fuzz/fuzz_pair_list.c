@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: lists of pairs. Whatever is accepted has a pair in every row and cells of known columns.
+ * Fuzz target: lists of pairs. Every row of an accepted list must have a pair, and every cell a known column.
  */
 #include "fuzz.h"
 #include "nqm/score/pair_list.h"

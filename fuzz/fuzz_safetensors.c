@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: the safetensors reader. What it accepts is touched to the last byte.
+ * Fuzz target: the safetensors reader. Every byte of the tensors of an accepted file is read.
  */
 #include "fuzz.h"
 #include "io/io.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: networks and tables as nqm saves them. Its inputs hardly ever have the right checksum, so it is put right
- * in a copy first.
+ * Fuzz target: networks and tables as nqm saves them. Mutated inputs rarely have a matching checksum, so the target
+ * corrects the checksum in a copy first.
  */
 #include "fuzz.h"
 #include "io/io.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The place of the 64 digits, or NULL. */
+/* Pointer to the 64 digits of the checksum, or NULL. */
 static unsigned char *find_digits(unsigned char *data, size_t n_bytes) {
     static const char key[] = "\"sha256\":\"";
     for (size_t i = 0; i + sizeof key - 1 + 64 <= n_bytes; ++i)

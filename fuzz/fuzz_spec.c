@@ -17,7 +17,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     memcpy(text, data, n_bytes);
     nqm_brdf *brdf = NULL;
     nqm_error err = {0};
-    /* with its colon, so that it is taken for a spec and not for the name of a file */
+    /* a text without a colon is the name of a file, not a spec */
     nqm_status status = strchr(text, ':') ? nqm_brdf_open(text, &brdf, &err) : NQM_OK;
     if (status != NQM_OK && (brdf || err.status != status || !err.message[0]))
         abort();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: an NBRDF inside a zip, through our loader into libzip.
+ * Fuzz target: NBRDF files in a zip archive, which libzip reads.
  */
 #include "fuzz.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Any bytes as a mesh: what is accepted has finite positions, unit normals and indices in range.
+ * Reads the input as a mesh. An accepted mesh must have finite positions, unit normals and indices in range.
  */
 #include "fuzz.h"
 #include "io/io.h"

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# run.sh [SECONDS] [TARGET...] - build the fuzz targets with clang's libFuzzer, AddressSanitizer and UBSan in build-fuzz/ and run
-# each for SECONDS (default 60), from a corpus that is kept. The first crash ends the run; its input lies in build-fuzz/.
+# run.sh [SECONDS] [TARGET...] - build the fuzz targets with clang's libFuzzer, AddressSanitizer and UBSan in
+# build-fuzz/ and run each for SECONDS (default 60), starting from the corpus of earlier runs. The first crash ends the
+# run; its input is in build-fuzz/.
 set -eu
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
@@ -21,7 +22,7 @@ for target; do
     mkdir -p "$corpus"
     "build-fuzz/tests/seed_$name" --seed "$corpus/seed"
     echo "== $name, $seconds s"
-    # Huge claims must fail without memory: 256 MB is far above what any of these inputs needs.
+    # Inputs that declare huge sizes must fail without large allocations: 256 MB is far more than a valid input needs.
     OMP_NUM_THREADS=1 "build-fuzz/tests/$name" -max_total_time="$seconds" -max_len=32768 -malloc_limit_mb=256 \
         -artifact_prefix=build-fuzz/ -print_final_stats=1 -verbosity=1 "$corpus" 2>build-fuzz/"$name".log || {
         tail -n 40 build-fuzz/"$name".log

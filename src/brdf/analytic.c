@@ -53,8 +53,8 @@ static void ggx_prepare(const nqm_spec_values *values, void *state) {
     self->alpha2 = values->v[2][0] * values->v[2][0];
 }
 
-/* 1 / (2 cos) of Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)),
- * which cancels the cosines of the denominator. */
+/* Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)), divided by 2 cos, so that the cosines in the denominator of
+ * the BRDF cancel. */
 static double ggx_visibility(double cosine, double alpha2) {
     double cos2 = cosine * cosine;
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));

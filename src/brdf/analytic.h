@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * analytic.h - shared by the analytic models: the angles of the half vector, and models of the form kd / pi + ks L, where the
- * lobe L is one function for all channels.
+ * analytic.h - shared by the analytic models: the angles of the half vector, and models of the form kd / pi + ks L,
+ * where the lobe L is one function for all channels.
  */
 #ifndef NQM_SRC_BRDF_ANALYTIC_H
 #define NQM_SRC_BRDF_ANALYTIC_H
@@ -11,8 +11,8 @@
 
 #include <math.h>
 
-/* |wi + wo| = 2 cos theta_d, and the half vector's tangent needs no normalisation: near theta_h = 0, where lobes of a
- * fraction of a degree live, nothing cancels. */
+/* Angles of the half vector, computed without normalising it: |wi + wo| = 2 cos theta_d. There is no cancellation near
+ * theta_h = 0, where lobes can be narrower than a degree. */
 typedef struct nqm_half_angles {
     double tan2_h, cos_d;
 } nqm_half_angles;
@@ -51,7 +51,7 @@ static inline nqm_lobe nqm_lobe_make(const nqm_spec_values *values, double facto
 /** L without its constant factors. Written so that exchanging light and viewer gives the same bits. */
 typedef double (*nqm_lobe_fn)(const double *shape, const double *wi, const double *wo);
 
-/** The loop over pairs; inlined with `f`. */
+/** Evaluate n pairs. Inlined, so that the compiler can inline `f` too. */
 static inline void nqm_lobe_eval(const nqm_lobe *self, nqm_lobe_fn f, size_t n, const double *wi, const double *wo,
                                  double *rgb) {
     for (size_t i = 0; i < n; ++i) {
@@ -61,13 +61,13 @@ static inline void nqm_lobe_eval(const nqm_lobe *self, nqm_lobe_fn f, size_t n, 
     }
 }
 
-/** The keys that all of them begin with. */
+/** The first two keys of every such model. */
 #define NQM_LOBE_KEYS                                                                                                  \
     {.name = "kd", .n = 3, .low = 0, .high = 10, .fallback = 0}, {                                                     \
         .name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true                                                  \
     }
 
-/** Define the model MODEL of a lobe function, with its further keys (from the third on). */
+/** Define the model MODEL with the lobe function LOBE; the variadic arguments are its keys after kd and ks. */
 #define NQM_LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_KEYS, ...)                                                   \
     static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
         nqm_lobe_eval(state, LOBE, n, wi, wo, rgb);                                                                    \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lobes without a Fresnel term, as Ngan, Durand and Matusik (2005, DOI 10.2312/EGWR/EGSR05/117-126) fitted them: Ward in
- * the normalisation of Duer, Blinn-Phong, and one lobe of Lafortune. doc/brdf.md has the formulas.
+ * Lobes without a Fresnel term, as Ngan, Durand and Matusik (2005, DOI 10.2312/EGWR/EGSR05/117-126) fitted them: Ward
+ * in the normalisation of Duer, Blinn-Phong, and one lobe of Lafortune. doc/brdf.md has the formulas.
  */
 #include "brdf/analytic.h"
 
@@ -55,8 +55,9 @@ static void lafortune_prepare(const nqm_spec_values *values, void *state) {
     self->shape[2] = n;
 }
 
-/* The generalised cosine is cos(alpha) - a (-xy) - b z with a = 1 - |cxy|, b = 1 - cz (scaled), cos(alpha) between viewer
- * and mirrored light; 1 - cos(alpha) comes from the half vector, so that narrow lobes keep their digits. */
+/* The generalised cosine is cos(alpha) - a (-xy) - b z with a = 1 - |cxy|, b = 1 - cz (scaled), cos(alpha) between
+ * viewer and mirrored light; 1 - cos(alpha) is half the squared distance between these two unit vectors, which loses no
+ * precision for narrow lobes. */
 static double lafortune(const double *shape, const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], dz = wi[2] - wo[2];
     double deficit = 0.5 * (x * x + y * y + dz * dz); /* 1 - cos(alpha) */

@@ -17,7 +17,7 @@ static double dielectric(double eta, double cosine) {
     return 0.5 * a * a * (1 + b * b);
 }
 
-/* Shadowing and masking of V-grooves (Torrance and Sparrow 1967) over cos theta_i cos theta_o. */
+/* Shadowing and masking of V-grooves (Torrance and Sparrow 1967), divided by cos theta_i cos theta_o. */
 static double grooves(nqm_half_angles h, const double *wi, const double *wo) {
     double cos_h = 1 / sqrt(1 + h.tan2_h);
     return fmin(1, 2 * cos_h * fmin(wi[2], wo[2]) / h.cos_d) / (wi[2] * wo[2]);
@@ -25,7 +25,7 @@ static double grooves(nqm_half_angles h, const double *wi, const double *wo) {
 
 /* ---- Cook-Torrance ----------------------------------------------------------------------------------------------- */
 
-/* Beckmann's distribution without its constant 1 / (pi alpha^2), G and the cosines. */
+/* Beckmann's distribution without its constant 1 / (pi alpha^2), multiplied by grooves(). */
 static double beckmann_grooves(nqm_half_angles h, double inverse_alpha2, const double *wi, const double *wo) {
     double sec2_h = 1 + h.tan2_h;
     return exp(-h.tan2_h * inverse_alpha2) * sec2_h * sec2_h * grooves(h, wi, wo);
@@ -130,8 +130,8 @@ static void smooth_prepare(const nqm_spec_values *values, void *state) {
     prepare_abc(values, 1, state);
 }
 
-/* In the plane of projected directions: their sum is the deviation from the mirror direction, and half their difference
- * the sine that the Fresnel term is taken at (equation 14). */
+/* In the plane of projected directions, the sum of both directions is the deviation from the mirror direction, and half
+ * the length of their difference is the sine of the angle at which the Fresnel term is evaluated (equation 14). */
 static double smooth(const double *shape, const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], dx = wi[0] - wo[0], dy = wi[1] - wo[1];
     double deviation2 = x * x + y * y;

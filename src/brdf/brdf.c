@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Common to all BRDFs: finding the format of an argument, skipping pairs below the horizon, clamping and flagging values,
- * and conversion between direction pairs and half-vector coordinates (Rusinkiewicz 1998, DOI
+ * Common to all BRDFs: finding the format of an argument, skipping pairs below the horizon, clamping and flagging
+ * values, and conversion between direction pairs and half-vector coordinates (Rusinkiewicz 1998, DOI
  * 10.1007/978-3-7091-6453-2_2). Independent of the formats.
  */
 #include "brdf/brdf.h"
@@ -49,7 +49,7 @@ static bool is_zip(const nqm_map *map) {
     return map->n_bytes >= 4 && (memcmp(map->data, member, 4) == 0 || memcmp(map->data, end, 4) == 0);
 }
 
-/* An archive without a material is no BRDF: list some of its materials. */
+/* Fail for an archive without the name of a material; the message lists some of its materials. */
 static nqm_status ask_for_member(const char *path, nqm_error *err) {
     char examples[256];
     nqm_status status = nqm_zip_examples(path, ".h5", examples, sizeof examples, err);
@@ -95,7 +95,7 @@ done:
     return status;
 }
 
-/* `path` is a file that holds several materials; `name` is the whole argument. */
+/* `path` is a file that contains several materials; `name` is the whole argument. */
 static nqm_status open_member(const char *path, const char *material, const char *name, nqm_brdf **brdf_ret,
                               nqm_error *err) {
     nqm_map map = {0};
@@ -177,7 +177,8 @@ nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* Pairs are gathered in blocks of this size, so that a format gets dense arrays and nothing is allocated. */
+/* Pairs per block. A block contains the pairs above the horizon in dense arrays on the stack, so that evaluation
+ * allocates nothing. */
 enum { BLOCK = 512 };
 
 /* Clamp and flag one raw value; rgb (3), in and out. */
@@ -196,7 +197,8 @@ static nqm_value_flag settle_value(double *rgb) {
     return flag;
 }
 
-/* Clamp, flag and store m raw values. place: (m) their pairs; raw: (m, 3); rgb: (n, 3); flag: (n) or NULL. */
+/* Clamp, flag and store m raw values. place: (m) indices of their pairs; raw: (m, 3); rgb: (n, 3); flag: (n) or
+ * NULL. */
 static void scatter(size_t m, const size_t *place, double *raw, double *rgb, uint8_t *flag) {
     for (size_t k = 0; k < m; ++k) {
         nqm_value_flag f = settle_value(raw + 3 * k);
@@ -244,7 +246,7 @@ void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const doubl
     }
 }
 
-/* phi_d in [0, pi): exchanging light and viewer turns it by pi. */
+/* Map phi_d to [0, pi): exchanging light and viewer adds pi. */
 static double fold_phi(double phi) {
     double folded = fmod(phi, NQM_PI);
     if (folded < 0)
@@ -260,7 +262,7 @@ static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double
         for (; i < n && m < BLOCK; ++i) {
             const double *c = hd + 3 * i;
             double mean_z = cos(c[0]) * cos(c[1]), swing_z = fabs(sin(c[0]) * sin(c[1]) * cos(c[2]));
-            if (!(mean_z - swing_z > 0)) { /* the lower of wi.z and wo.z */
+            if (!(mean_z - swing_z > 0)) { /* minimum of wi.z and wo.z */
                 mark_horizon(i, rgb, flag);
                 continue;
             }

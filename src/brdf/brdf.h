@@ -17,7 +17,7 @@ typedef struct nqm_brdf_class {
     int reciprocal;     /**< 1 when reciprocal by construction */
 
     /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut)
-     * or not finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats kept in half-vector
+     * or not finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats stored in half-vector
      * coordinates: brdf.c converts and calls eval_half_diff. */
     void (*eval)(const void *self, size_t n, const double *wi, const double *wo, double *rgb);
 
@@ -40,24 +40,25 @@ struct nqm_brdf {
     size_t n_bytes;
 };
 
-/** Make a BRDF object around `self`, which it owns from now on (also when this fails, `self` is freed). `spec` and
- * `layout` are copied and may be NULL. */
+/** Create a BRDF object that owns `self`; `self` is freed on failure too. `spec` and `layout` are copied and may be
+ * NULL. */
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
                                         const char *layout, nqm_brdf **brdf_ret, nqm_error *err);
 
 /* ---- BRDFs that a list names ------------------------------------------------------------------------------------- */
 
-/** What nqm_brdf_open() takes for a BRDF of a list: specs and absolute paths as they are, relative paths below the
- *  folder of n_root characters (0: the working folder). NULL: out of memory. nqm_free() it. */
+/** The argument of nqm_brdf_open() for a BRDF that is named in a list: specs and absolute paths unchanged, relative
+ *  paths prefixed with the folder `root` of n_root characters (0: the working folder). NULL: out of memory. nqm_free()
+ *  it. */
 char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root);
 /** Open such a BRDF; `root` NULL or "" is the working folder. */
 NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret,
                                               nqm_error *err);
 
-/* ---- constructors, one a format ---------------------------------------------------------------------------------- */
+/* ---- constructors, one per format -------------------------------------------------------------------------------- */
 
-/* Files: `map` holds the whole file. The constructor takes the map over when it succeeds (it keeps it or closes it);
- * when it fails the caller still owns it. */
+/* Files: `map` holds the whole file. On success the constructor owns the map (it keeps or closes it); on failure the
+ * caller still owns it. */
 
 /** true when the first bytes look like the format (a short or damaged file of that format must still be recognised
  * where possible, so that its message can name the fault). */
@@ -81,16 +82,17 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
 /** The weights of a BRDF whose format is "nbrdf", in that order. */
 void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights);
 
-/** A table over half-vector coordinates, linear between nodes: theta_h of node i = (i / (n_h - 1))^2 pi/2 (dense about
- *  the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of node k = k / n_p pi, which
- *  closes on itself. rgb (n_h, n_d, n_p, 3) f_r, finite; NaN in channel 0: no value, left out of the mean. `rgb` are floats
- *  at any alignment, copied. NQM_ERR_LIMIT: fewer than 2 x 2 x 1 nodes, or more than 2^24. */
+/** A table over half-vector coordinates with linear interpolation between nodes: theta_h of node i = (i / (n_h - 1))^2
+ *  pi/2 (denser towards the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of
+ *  node k = k / n_p pi, which is periodic. rgb: (n_h, n_d, n_p, 3) float at any alignment, copied; f_r in 1/sr, finite;
+ *  NaN in channel 0: the node has no value and is excluded from the interpolation. NQM_ERR_LIMIT: fewer than 2 x 2 x 1
+ *  nodes, or more than 2^24. */
 nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err);
-/** Index of the first of the 3 n_nodes floats that is not finite at a node that has a value; 3 n_nodes when there is none.
- *  `rgb` at any alignment. */
+/** Index of the first of the 3 n_nodes floats that is not finite at a node that has a value; 3 n_nodes when there is
+ *  none. `rgb` at any alignment. */
 size_t nqm_table_first_bad(size_t n_nodes, const void *rgb);
-/** theta_h, theta_d, phi_d (radians) of a node. hd: (3). */
+/** Coordinates of a node. hd: (3) receives theta_h, theta_d, phi_d in radians. */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
 /** The values of a BRDF whose format is "table"; valid until it is freed. dims: (3) receives n_h, n_d, n_p. */
 const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
@@ -103,14 +105,14 @@ bool nqm_spec_probe(const char *text);
 /** An analytic model, preset or perturbation from its spec. */
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result takes `base` over,
- *  also when this fails. */
+/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base`, which is
+ *  freed on failure too. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** `brdf` as a table of 90 x 46 x 24 nodes; see fold.c. */
+/** Sample `brdf` into a table of 90 x 46 x 24 nodes; see fold.c. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
-/** `brdf` evaluated in half-vector coordinates at phi_d in [0, pi) only, which makes it reciprocal. The result owns `brdf` if
- *  `owned` (it is freed also on failure), otherwise it borrows it. */
+/** `brdf` evaluated in half-vector coordinates at phi_d in [0, pi) only, which makes it reciprocal. The result owns
+ *  `brdf` if `owned` (it is freed also on failure), otherwise it borrows it. */
 NQM_MUST_CHECK nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
 #endif

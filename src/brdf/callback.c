@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * BRDFs that the caller evaluates: nqm_brdf_create(). Values pass through the same checks as those of files (brdf.c).
+ * BRDFs that a callback of the caller evaluates: nqm_brdf_create(). Values pass through the same checks as those of
+ * files (brdf.c).
  */
 #include "brdf/brdf.h"
 

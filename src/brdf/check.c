@@ -3,10 +3,10 @@
  * Physical plausibility of a BRDF: directional albedo by quadrature, reciprocity over random pairs, and the counts of
  * clamped and missing values.
  *
- * The albedo sums over several sets of directions of the viewer, one drawn like the cosine and one for each of eight
- * widths of a half-vector lobe (the GGX density of normals, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206), and
- * weights every value by the density of all sets together (balance heuristic, Veach and Guibas 1995, DOI
- * 10.1145/218380.218498). Lobes of any width from 0.006 to 40 degrees are matched by one of the sets.
+ * The albedo is a multiple importance sampling estimate over several sets of viewer directions: one distributed like
+ * the cosine, and one for each of eight widths of a half-vector lobe (the GGX density of normals, Walter et al. 2007,
+ * DOI 10.2312/EGWR/EGSR07/195-206). Every value is divided by the combined density of all sets (balance heuristic,
+ * Veach and Guibas 1995, DOI 10.1145/218380.218498). The sets cover lobe widths from 0.006 to 40 degrees.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -27,8 +27,8 @@ static const double widths[N_WIDTHS] = {1e-4, 3.5e-4, 1.2e-3, 4.2e-3, 0.015, 0.0
 
 /* ---- albedo ------------------------------------------------------------------------------------------------------ */
 
-/* Samples of all sets per unit solid angle around wo: the sum of n p. A lobe's set has the GGX density of normals times
- * the cosine of the normal; the mirror map's Jacobian is 4 cos theta_d = 2 |h|. */
+/* Expected number of samples per unit solid angle at wo: the sum of n p over all sets. A lobe's set has the GGX density
+ * of normals times the cosine of the normal; the Jacobian of the reflection is 4 cos theta_d = 2 |wi + wo|. */
 static double mixture_density(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y, length2 = xy + z * z;
@@ -41,8 +41,8 @@ static double mixture_density(const double *wi, const double *wo) {
     return LATTICE_LOBE * sum * z / (NQM_PI * 2 * length2) + LATTICE_COSINE * wo[2] / NQM_PI;
 }
 
-/* A direction of the viewer for a point (u, v) of the unit square; false below the horizon. set 0: cosine;
- * k: width k - 1. */
+/* Map a point (u, v) of the unit square to a viewer direction; false when it is below the horizon. set 0: cosine
+ * distribution; set k > 0: lobe of widths[k - 1]. */
 static bool place_viewer(int set, const double *wi, double u, double v, double *wo) {
     double phi = 2 * NQM_PI * v;
     if (set == 0) {
@@ -66,7 +66,7 @@ typedef struct batch {
     size_t n;
     double wi[3 * BLOCK], wo[3 * BLOCK], rgb[3 * BLOCK];
     double sum[3];
-    double lambert;   /* the same sum for a Lambert BRDF of albedo 1: how far from 1 tells the error */
+    double lambert;   /* the same sum for a Lambert BRDF of albedo 1; its deviation from 1 is the error */
     double lowest[3]; /* smallest f_r evaluated: the Lambertian part */
 } batch;
 
@@ -102,13 +102,14 @@ void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, do
         }
     }
     flush(&b);
-    for (int c = 0; c < 3; ++c) /* the Lambertian part is known: a control variate */
+    for (int c = 0; c < 3; ++c) /* control variate: the exact albedo of the Lambertian part is known */
         rgb[c] = b.sum[c] + NQM_PI * b.lowest[c] * (1 - b.lambert);
 }
 
 /* ---- check ------------------------------------------------------------------------------------------------------- */
 
-/* Half of the pairs fill the hemispheres, half are near the mirror direction. Polar angles stay below 85 degrees. */
+/* Draw a random pair: for even i, both directions are distributed like the cosine; for odd i, the half vector is near
+ * the normal (theta_h = pi/2 u^2). Polar angles are at most 85 degrees. */
 static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
     const double lowest = cos(85 * NQM_PI / 180);
     do {
@@ -128,8 +129,8 @@ static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
     } while (wi[2] < lowest || wo[2] < lowest);
 }
 
-/* Counts what `brdf` holds at the pairs of a block, and appends |f(a,b) - f(b,a)| / mean of the luminances to
- * difference. */
+/* Count clamped and invalid values at BLOCK random pairs, and write |f(a,b) - f(b,a)| / mean of the luminances to
+ * `difference`. Returns the number of differences. */
 static size_t compare_block(const nqm_brdf *brdf, nqm_rng *rng, nqm_brdf_check_report *report, double *difference) {
     double wi[3 * BLOCK], wo[3 * BLOCK], forward[3 * BLOCK], backward[3 * BLOCK];
     uint8_t flag[BLOCK], flag_back[BLOCK];

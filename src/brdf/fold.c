@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Two derived BRDFs. Folded: evaluated at phi_d in [0, pi) only, the half that sampling directions and perturbations use, so
- * that a measurement that is not reciprocal (up to 39 % in the RGL data) does not differ from its own perturbed copy in
- * the other half. Tabulated: interpolated linearly in a table with theta_h spaced as in MERL's tables, for BRDFs whose
- * evaluation is too slow to render many times (the decoder of a neural process: 806,000 multiplications per pair). Table
- * nodes without a value are left out of the interpolation.
+ * Two derived BRDFs. Folded: evaluated at phi_d in [0, pi) only, the half that sampling directions and perturbations
+ * use, so that a measurement that is not reciprocal (up to 39 % in the RGL data) does not differ from its own perturbed
+ * copy in the other half. Tabulated: interpolated linearly in a table with theta_h spaced as in MERL's tables, for
+ * BRDFs whose evaluation is too slow to render many times (the decoder of a neural process: 806,000 multiplications per
+ * pair). Table nodes without a value are excluded from the interpolation.
  */
 #include "brdf/brdf.h"
 
@@ -12,7 +12,7 @@
 
 enum { N_THETA_H = 90, N_THETA_D = 46, N_PHI_D = 24, N_SLICE = N_THETA_D * N_PHI_D };
 
-/* All nodes of one theta_h: slice (N_THETA_D, N_PHI_D, 3), NaN where there is no value. */
+/* Evaluate all nodes of one theta_h: slice (N_THETA_D, N_PHI_D, 3), NaN where there is no value. */
 static void fill_slice(const nqm_brdf *brdf, size_t h, float *slice) {
     double hd[3 * N_SLICE], rgb[3 * N_SLICE];
     uint8_t flag[N_SLICE];

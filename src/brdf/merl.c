@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * MERL tables (Matusik et al. 2003, DOI 10.1145/882262.882343): a measured BRDF as 90 x 90 x 180 cells in half-vector
- * coordinates, read and written. The first few directions come straight from the file, so that a sampling loads the
- * pages that it needs and no others; who asks for more reads the mapped file in place. The nearest cell is taken, as in the database's own reader; no interpolation. DTU tables (Nielsen et al. 2015, DOI
+ * coordinates, read and written. nqm_map_gather() reads the cells of about the first thousand pairs, because a page
+ * fault costs more than reading a few bytes; later pairs are read from the mapping. The value of a pair is that of the
+ * cell that contains it, without interpolation, as in the database's own reader. DTU tables (Nielsen et al. 2015, DOI
  * 10.1145/2816795.2818085) have the same layout.
  *
  * File, little-endian: int32 dimensions (90, 90, 180); double cells (3 channels, 90 theta_h, 90 theta_d, 180 phi_d).
- * theta_h is spaced by its square root, denser towards the highlight; negative cells hold no measurement.
+ * theta_h is spaced by its square root, denser towards the highlight; negative cells have no measurement.
  */
 #include "brdf/brdf.h"
 
@@ -24,20 +25,20 @@ static const unsigned char header[HEADER_BYTES] = {N_THETA_H, 0, 0, 0, N_THETA_D
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* The first pairs are read from the file, the later ones through the mapping, which costs page faults first. */
+/* N_GATHERED: pairs to read with nqm_map_gather() before evaluations use the mapping. */
 enum { N_GATHERED = 1024, GATHER_BLOCK = 512 };
 
 typedef struct merl {
     nqm_map map;
-    atomic_int gathered;     /* pairs that may still be read from the file */
-    atomic_int *gather_left; /* that counter, for evaluations, to which the table is const */
+    atomic_int gathered;     /* remaining pairs to read with nqm_map_gather() */
+    atomic_int *gather_left; /* &gathered: evaluations get a const table but decrement it */
 } merl;
 
 static size_t cell_index(double position, size_t n) {
     return position >= (double)n ? n - 1 : (size_t)fmax(position, 0);
 }
 
-/* The cell at hd (3), in the first channel's plane. */
+/* Index of the cell that contains hd (3), within one channel. */
 static size_t find_cell(const double *hd) {
     size_t h = cell_index(sqrt(hd[0] / (NQM_PI / 2)) * N_THETA_H, N_THETA_H);
     size_t d = cell_index(hd[1] / (NQM_PI / 2) * N_THETA_D, N_THETA_D);
@@ -97,7 +98,8 @@ bool nqm_merl_probe(const nqm_map *map) {
     return header_right || map->n_bytes == FILE_BYTES;
 }
 
-/* A file of NaN or noise must not pass for a measurement. A few cells on a few pages tell; the rest stays unread. */
+/* Detect files without finite values. It reads 16 cells at each of 16 positions, because reading all cells would load
+ * the whole file. */
 static bool any_cell_finite(const nqm_map *map) {
     enum { N_PAGES = 16, N_PER_PAGE = 16 };
     for (size_t page = 0; page < N_PAGES; ++page) {
@@ -152,7 +154,7 @@ typedef struct fill_job {
 static void fill_line(void *user, size_t i) {
     const fill_job *job = user;
     size_t line = job->first_line + i;
-    /* NOLINTNEXTLINE(bugprone-integer-division): lines of one theta_h */
+    /* NOLINTNEXTLINE(bugprone-integer-division): the integer quotient is the index of theta_h */
     double root_h = ((double)(line / N_THETA_D) + 0.5) / N_THETA_H;
     double hd[3 * N_PHI_D], rgb[3 * N_PHI_D];
     uint8_t flag[N_PHI_D];
@@ -181,12 +183,12 @@ static nqm_status write_cells(const double *cells, const char *path, nqm_error *
             nqm_store_f64(line + 8 * p, cells[i + p]);
         fwrite(line, 1, sizeof line, out.stream);
     }
-    return nqm_outfile_commit(&out, err); /* sees the stream's error flag */
+    return nqm_outfile_commit(&out, err); /* checks the stream's error flag */
 }
 
 nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress, void *progress_user,
                                nqm_error *err) {
-    enum { LINES_A_STEP = N_LINES / 15 }; /* between two looks at the progress callback */
+    enum { LINES_A_STEP = N_LINES / 15 }; /* lines between two calls of the progress callback */
     double *cells = nqm_alloc(3 * (size_t)N_CELLS, sizeof *cells);
     if (!cells)
         return nqm_fail_nomem(err, 3 * (size_t)N_CELLS * sizeof *cells);

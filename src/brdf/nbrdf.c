@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Rows are padded with zeros to a multiple of four, which lets the compiler use vectors without a tail. */
+/* Rows are padded with zeros to a multiple of four, so that vectorised loops need no remainder. */
 enum { N_IN = 6, N_HIDDEN = 21, N_OUT = 3, HIDDEN_PADDED = 24, OUT_PADDED = 4 };
 enum { MAX_FILE_BYTES = 4 << 20 }; /* the published files have 18,736 */
 
@@ -54,7 +54,7 @@ static void nbrdf_eval_half_diff(const void *self, size_t n, const double *hd, d
 static const nqm_brdf_class nbrdf_class = {
     .format = "nbrdf", .reciprocal = 1, .eval_half_diff = nbrdf_eval_half_diff, .free = nqm_free};
 
-/** One layer's places in a Keras file and in the network. */
+/** Location of one layer's parameters in a Keras file and in nbrdf. */
 typedef struct layer {
     const char *kernel, *bias;
     size_t n_in, n_out, n_padded;

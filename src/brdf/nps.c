@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * Neural-process BRDFs (Zheng et al. 2021, DOI 10.1145/3490385): one decoder network for all materials, and a latent
- * vector of seven values for each. The decoder file holds 808,003 little-endian float32: per layer the weights (in,
- * out), then the biases; the latents are the columns mean0..mean6 of nps_latents.csv in the same folder. Input: (cos, sin)(2
- * phi_d) / 2 + 1/2, theta_h and theta_d over pi/2, latents. All seven layers end in ReLU; the output is 0.15 y put four
- * times through exp(x) - 1.
+ * vector of seven values for each. The decoder file contains 808,003 little-endian float32: per layer the weights (in,
+ * out), then the biases; the latents are the columns mean0..mean6 of nps_latents.csv in the same folder. Input: (cos,
+ * sin)(2 phi_d) / 2 + 1/2, theta_h and theta_d over pi/2, latents. All seven layers end in ReLU; the output is expm1(),
+ * applied four times to 0.15 y.
  */
 #include "brdf/brdf.h"
 
@@ -25,7 +25,7 @@ typedef struct nps {
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* Pairs per batch: enough to reuse the weights, few enough for buffers on the stack. */
+/* Pairs per batch: large enough to amortise reading the weights, small enough for buffers on the stack. */
 enum { TILE = 32 };
 
 /* y (n, n_out) = relu(x (n, n_in) w + b); returns the weights of the next layer. */

@@ -4,9 +4,9 @@
  * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
  * defines each setting.
  *
- * All work is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal whatever the base
- * is. First the coordinates at which the base is evaluated change (shift, gloss, smooth), then the value (the other
- * settings, in the order of the keys below).
+ * All work is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal for any base.
+ * shift, gloss and smooth change the coordinates at which the base is evaluated; the other settings then change the
+ * value, in the order of the keys below.
  */
 #include "brdf/spec.h"
 #include "math/math.h"
@@ -64,33 +64,33 @@ enum { SMOOTH_TAPS = 27 };
 typedef struct perturbation {
     nqm_brdf *base;
     double shift_rad, gloss, smooth_rad, peak, fresnel, mix, desaturate;
-    double ceiling;    /* no channel of the base passes it; HUGE_VAL: off */
-    double hue[3];     /* first row of the circulant matrix that turns colours about grey; 1,0,0: off */
+    double ceiling;    /* upper limit of every channel of the base; HUGE_VAL: off */
+    double hue[3];     /* first row of the circulant matrix that rotates colours about the grey axis; 1,0,0: off */
     double colour[3];  /* tint * scale */
     double lambert[3]; /* f_r of the Lambert BRDF that `mix` mixes in */
     double ripple, bands;
     double quantise; /* steps per decade; 0: off */
-    double sigma;    /* of log f_r */
+    double sigma;    /* standard deviation of the noise of log f_r */
     size_t n_cells;
     float *lattice; /* (n_cells + 1, n_cells + 1, n_cells + 1, 3) standard normal draws; NULL without noise */
-    size_t n_taps;  /* rows of the base that are averaged: 1, or SMOOTH_TAPS */
-    size_t n_rows;  /* and one off the highlight where `peak` needs it */
+    size_t n_taps;  /* evaluations of the base that are averaged: 1, or SMOOTH_TAPS */
+    size_t n_rows;  /* n_taps, and one off the highlight when `peak` is not 1 */
 } perturbation;
 
 enum { MAX_ROWS = 9 * (SMOOTH_TAPS + 1) /* evaluations of the base in one call */ };
 
 /* ---- coordinates ------------------------------------------------------------------------------------------------- */
 
-/* The theta_h at which light or viewer sinks to the horizon, for given theta_d and phi_d. */
+/* The theta_h at which light or viewer reaches the horizon, for given theta_d and phi_d. */
 static double largest_theta_h(const double *hd) {
     return atan2(cos(hd[1]), sin(hd[1]) * fabs(cos(hd[2])));
 }
 
-/* `shift` moves the lobe to a ring. `gloss` multiplies theta_h near 0 and leaves 0 and the horizon in place:
+/* `shift` moves the lobe to a ring. `gloss` multiplies theta_h near 0 and keeps 0 and the horizon fixed:
  * u -> g u / (1 + (g - 1) u) with u = theta_h over its largest value. */
 static double warp(const perturbation *self, double theta_h, double largest) {
     double t = theta_h;
-    if (self->shift_rad != 0) /* not nearer to the horizon than the pair itself, or 5 % of the way */
+    if (self->shift_rad != 0) /* at most the pair's own theta_h, or 95 % of the largest */
         t = fmin(fabs(theta_h - self->shift_rad), fmax(theta_h, 0.95 * largest));
     if (self->gloss != 1) {
         double u = t / largest;
@@ -117,9 +117,9 @@ static double scaled_bessel_i0(double x) {
     return s / sqrt(x);
 }
 
-/* The places and weights over which `smooth` averages: a Gaussian over the plane of half vectors, whose integral over
- * the azimuth is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the distance r from the
- * normal. The taps are denser toward r = 0, where a sharp lobe is. */
+/* Values of theta_h and their weights in the average of `smooth`: a Gaussian over the plane of half vectors. Its
+ * integral over the azimuth is Rice's density r / sigma^2 exp(-(r^2 + c^2) / 2 sigma^2) I0(r c / sigma^2) for the
+ * distance r from the normal. The taps are denser toward r = 0, where a sharp lobe is. */
 static void smooth_taps(double centre, double sigma, double largest, double *theta_h, double *weight) {
     double from = fmax(0, centre - 4 * sigma), to = fmin(centre + 4 * sigma, largest), sum = 0;
     for (int k = 0; k < SMOOTH_TAPS; ++k) {
@@ -133,7 +133,7 @@ static void smooth_taps(double centre, double sigma, double largest, double *the
         weight[k] /= sum;
 }
 
-/* The rows of the base that the value at hd needs. rows: (n_rows, 3); weight: (n_taps). */
+/* Coordinates at which the base is evaluated for the value at hd. rows: (n_rows, 3); weight: (n_taps). */
 static void place_rows(const perturbation *self, const double *hd, double *rows, double *weight) {
     double theta_h[SMOOTH_TAPS + 1];
     bool moves = self->n_rows > 1 || self->shift_rad != 0 || self->gloss != 1;
@@ -155,7 +155,7 @@ static void place_rows(const perturbation *self, const double *hd, double *rows,
     }
 }
 
-/* The mean over the valid taps; false when there is none. */
+/* Weighted mean over the taps that have a value; false when there is none. */
 static bool average_taps(size_t n, const double *weight, const double *rgb, const uint8_t *flag, double *mean) {
     double sum = 0;
     mean[0] = mean[1] = mean[2] = 0;
@@ -173,8 +173,8 @@ static bool average_taps(size_t n, const double *weight, const double *rgb, cons
 
 /* ---- value ------------------------------------------------------------------------------------------------------- */
 
-/* Value noise of unit variance at hd, one field a channel. The third coordinate vanishes where phi_d has no meaning (at
- * theta_h = 0 and theta_d = 0), so that the field is continuous over pairs. */
+/* Value noise of unit variance at hd, one field per channel. The third coordinate is 0 where phi_d is undefined
+ * (theta_h = 0 or theta_d = 0), so that the field is continuous over pairs. */
 static void noise_at(const perturbation *self, const double *hd, double z[3]) {
     double place[3] = {sqrt(hd[0] / (0.5 * NQM_PI)), hd[1] / (0.5 * NQM_PI),
                        fabs(cos(hd[2])) * sqrt(sin(hd[0]) * sin(hd[1]))};
@@ -200,7 +200,7 @@ static void noise_at(const perturbation *self, const double *hd, double z[3]) {
             z[c] += w * (double)self->lattice[3 * node + c];
     }
     for (size_t c = 0; c < 3; ++c)
-        z[c] /= sqrt(sum_squares); /* interpolation between nodes would flatten the field */
+        z[c] /= sqrt(sum_squares); /* restores the unit variance that interpolation reduces */
 }
 
 /* A rotation about the grey axis: a circulant matrix, whose rows sum to 1. */
@@ -211,7 +211,8 @@ static void turn_hue(const double *row, double *rgb) {
     rgb[2] = fmax(0, row[1] * r + row[2] * g + row[0] * b);
 }
 
-/* rgb: the averaged base, changed in place; off: the base off the highlight, or NULL where it has no value. */
+/* Apply the settings that change the value. rgb: the averaged base, changed in place; off: the base off the highlight,
+ * or NULL when there is no such value. */
 static void distort_value(const perturbation *self, const double *hd, const double *off, double *rgb) {
     double m = 1 - cos(hd[1]), grazing = 1 + (self->fresnel - 1) * (m * m * m * m * m);
     for (size_t c = 0; c < 3; ++c) {
@@ -283,7 +284,7 @@ static float *make_lattice(size_t n_cells, uint64_t seed) {
     return lattice;
 }
 
-/* What `clamp` is relative to: the largest channel of the base in the mirror direction, theta_d = 0 to 60 degrees. */
+/* Reference value of `clamp`: the largest channel of the base in the mirror direction for theta_d = 0 to 60 degrees. */
 static double mirror_maximum(const nqm_brdf *base) {
     enum { N = 13 };
     double hd[3 * N] = {0}, rgb[3 * N], largest = 0;
@@ -358,8 +359,8 @@ static nqm_status parse(const char *settings, const char **base, nqm_spec_values
     return status;
 }
 
-/* The canonical text: ours, then that of the base, or its name when it is a file. nqm_free(); NULL when out of
- * memory. */
+/* The canonical spec: the settings, then the spec of the base, or its name when the base is a file. nqm_free(); NULL
+ * when out of memory. */
 static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *base) {
     const char *of = base->spec ? base->spec : base->name;
     char *own = nqm_spec_format(&schema, values);
@@ -380,7 +381,7 @@ static size_t nested_levels(const char *base) {
     return n;
 }
 
-/* Make the BRDF of `values` over `base`, which it takes over. */
+/* Create the perturbation of `base` by `values`. It owns `base`, which is freed on failure too. */
 static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char *name, nqm_brdf **brdf_ret,
                        nqm_error *err) {
     char layout[128];

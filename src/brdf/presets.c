@@ -23,7 +23,7 @@ const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name) {
     return NULL;
 }
 
-/* The values of a material's row, after "NAME,"; NULL when there is no such row. */
+/* The text of a material's row after "NAME,"; NULL when there is no such row. */
 static const char *row_of(const char *table, const char *material) {
     size_t n = strlen(material);
     bool below_header = false;
@@ -56,7 +56,8 @@ static double likeness(const char *a, const char *b) {
     return n_a + n_b > 2 ? 2 * (double)common / (double)(n_a + n_b - 2) : 0;
 }
 
-/* The preset of `table` most like `material` whose likeness is below `below`; NULL when none is like it at all. */
+/* The preset of `table` with the largest likeness to `material` that is below `below`; NULL when no likeness exceeds
+ * 0.3. */
 static const char *most_alike(const char *table, const char *material, double below, double *likeness_ret) {
     const char *best = NULL;
     double best_likeness = 0.3;

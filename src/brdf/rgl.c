@@ -6,11 +6,11 @@
  * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
  * up bilinearly.
  *
- * Which direction is which: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the
- * light, as renderers do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then
- * the light's and is divided out here. The data are not quite reciprocal: exchanging the two changes f_r by 1-4 % for
- * matte materials, more for flakes and leaves. Values may be negative where a colour lay outside the gamut. Anisotropic
- * and spectral files are refused.
+ * Directions: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the light, as renderers
+ * do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then the light's and is
+ * divided out here. The data are not quite reciprocal: exchanging the two changes f_r by 1-4 % for matte materials,
+ * more for flakes and leaves. Values may be negative where a colour is outside the gamut. Anisotropic and spectral
+ * files are refused.
  */
 #include "brdf/brdf.h"
 
@@ -20,10 +20,10 @@
 #include <math.h>
 #include <string.h>
 
-/** A table over the unit square, first coordinate along a row; (height, width) or several of them. */
+/** A table over the unit square, first coordinate along a row; (height, width) or several such slices. */
 typedef struct grid {
     size_t width, height;
-    const float *value; /* in the mapped file, or own */
+    const float *value; /* in the mapped file, or `own` */
     float *own;         /* or NULL */
 } grid;
 
@@ -70,8 +70,8 @@ static double look_up(const grid *g, double u, double v) {
     return mix(mix((double)p[0], (double)p[1], s.x), mix((double)q[0], (double)q[1], s.x), s.y);
 }
 
-/** What the inverse of the warp needs at a spot. All are linear in the density, so that two angles of incidence are
- * mixed by mixing these. */
+/** Terms of the inverse of the warp at a spot. All are linear in the density, so that interpolating them interpolates
+ * between two angles of incidence. */
 typedef struct warp_terms {
     double left, right; /* density at the cell's left and right edge */
     double before;      /* integral of the row up to the left edge */
@@ -92,7 +92,7 @@ static warp_terms terms_at(const rgl *m, size_t k, const spot *s) {
                         .below = m->marginal[k * height + row]};
 }
 
-/* Replace a half vector's (u, v) by the point of the value grid that the warp sends there, for an incidence between
+/* Replace a half vector's (u, v) by the point of the value grid that the warp maps to it, for an incidence between
  * angles k and k + 1 with weight t. */
 static void invert_warp(const rgl *m, size_t k, double t, double *u, double *v) {
     spot s = locate(&m->vndf, *u, *v);
@@ -125,7 +125,7 @@ static double polar_angle(const double *w) {
 /* The half vector's azimuth from that of omega_i, as a fraction of a turn in [0, 1) with 0.5 at omega_i. */
 static double azimuth_to_unit(const double *omega_i, const double *h) {
     bool normal = omega_i[0] == 0 && omega_i[1] == 0;
-    double cos_i = normal ? 1 : omega_i[0], sin_i = omega_i[1]; /* any length will do for atan2 */
+    double cos_i = normal ? 1 : omega_i[0], sin_i = omega_i[1]; /* atan2() does not need a unit vector */
     double phi = atan2(cos_i * h[1] - sin_i * h[0], cos_i * h[0] + sin_i * h[1]);
     double v = (phi + NQM_PI) / (2 * NQM_PI);
     return v < 1 ? v : 0;
@@ -179,7 +179,7 @@ static const nqm_brdf_class rgl_class = {.format = "rgl", .reciprocal = 0, .eval
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/** The tensors that are needed, as found in the file. */
+/** The required tensors of the file. */
 typedef struct contents {
     const char *path;
     const nqm_tensor *theta_i, *ndf, *sigma, *vndf, *rgb;
@@ -221,7 +221,7 @@ static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_err
     return status;
 }
 
-/* Shapes must agree with each other, and every grid needs a cell. */
+/* Check that the shapes agree and that every grid has at least one cell. */
 static nqm_status check_shapes(const contents *c, nqm_error *err) {
     const nqm_tensor *grids[] = {c->ndf, c->sigma, c->vndf, c->rgb};
     for (size_t i = 0; i < 4; ++i)
@@ -237,7 +237,8 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* A tensor's floats, in place where they are aligned; values below `least` and such that are not finite are refused. */
+/* Make `g` a view of a tensor's floats, or of a copy when they are misaligned. Values that are below `least` or not
+ * finite are refused. */
 static nqm_status view_floats(const contents *c, const nqm_tensor *t, float least, grid *g, nqm_error *err) {
     size_t n = t->n_bytes / sizeof(float);
     g->height = t->n_dims > 1 ? t->dims[t->n_dims - 2] : 1;
@@ -245,7 +246,7 @@ static nqm_status view_floats(const contents *c, const nqm_tensor *t, float leas
     if ((uintptr_t)t->data % sizeof(float) == 0) {
         g->value = t->data;
     } else {
-        g->value = g->own = nqm_alloc(n, sizeof(float)); /* the material owns it, whatever happens here */
+        g->value = g->own = nqm_alloc(n, sizeof(float)); /* the owner of `g` frees it, on failure too */
         if (!g->own)
             return nqm_fail_nomem(err, t->n_bytes);
         memcpy(g->own, t->data, n * sizeof(float));
@@ -290,8 +291,9 @@ static nqm_status copy_rgb(const contents *c, rgl *m, nqm_error *err) {
     return status;
 }
 
-/* Integrals of n_rows rows up to each column by the trapezoidal rule, which is exact for bilinear densities. A sum waits
- * for the one before it; the rows' sums do not wait for each other. Inlined, so that n_rows is a constant. */
+/* Integrals of n_rows rows up to each column by the trapezoidal rule, which is exact for bilinear densities. Each sum
+ * of a row depends on the previous one; processing several rows at once hides this latency. Inlined, so that n_rows is
+ * a constant. */
 static inline void integrate_rows(size_t n_rows, size_t width, const float *density, double *integral) {
     double sum[4] = {0};
     for (size_t x = 1; x < width; ++x)
@@ -302,7 +304,7 @@ static inline void integrate_rows(size_t n_rows, size_t width, const float *dens
         }
 }
 
-/* The integrals of slice k; returns that of the whole. */
+/* Fill the integrals of slice k; returns the integral over the whole slice. */
 static double integrate_slice(rgl *m, size_t k) {
     size_t width = m->vndf.width, height = m->vndf.height, y = 0;
     const float *density = m->vndf.value + k * height * width;

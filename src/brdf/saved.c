@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * BRDFs that nqm itself keeps as files: networks and tables, as safetensors (doc/files.md). The reader takes exactly what
- * the writer writes: the tensors that belong in it, finite, under the right checksum.
+ * BRDF files that nqm writes: networks and tables, as safetensors (doc/files.md). The reader accepts only files with
+ * exactly the expected tensors, finite values and a matching checksum.
  */
 #include "brdf/brdf.h"
 
@@ -76,7 +76,7 @@ static nqm_status refuse_file(const char *name, const char *what, nqm_error *err
     return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: %s (header at byte 8)", name, what);
 }
 
-/* Find a float tensor with these dimensions; an expected dimension of 0 stands for any size >= 1. */
+/* Find a float tensor with these dimensions; an expected dimension of 0 means any size >= 1. */
 static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_tensor *expected,
                        const nqm_tensor **tensor_ret, nqm_error *err) {
     const nqm_tensor *tensor = nqm_safetensors_find(st, expected->name);
@@ -95,7 +95,7 @@ static nqm_status refuse_value(const char *name, const nqm_tensor *tensor, size_
     return refuse(name, tensor, i * sizeof(float), "holds a value that is not finite", err);
 }
 
-/* Copy a network's floats, which may be misaligned in files of other writers. */
+/* Copy the floats of a tensor, which may be misaligned in files of other writers. */
 static nqm_status copy(const char *name, const nqm_tensor *tensor, float *values, nqm_error *err) {
     size_t n = count(tensor);
     memcpy(values, tensor->data, n * sizeof *values);
@@ -131,7 +131,7 @@ static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_br
     return nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err);
 }
 
-/* Kind, schema, number of tensors and checksum. */
+/* Check format, schema, number of tensors and checksum. *network: the file is a network, not a table. */
 static nqm_status check_file(const nqm_safetensors *st, const char *name, bool *network, nqm_error *err) {
     const char *format = nqm_safetensors_meta(st, "format"), *schema = nqm_safetensors_meta(st, "schema");
     char digits[65];

@@ -7,7 +7,7 @@
  *     F = f0 - f1 cos theta_d + (1 - f0) (1 - cos theta_d)^5
  *     G = 1 + lambda (1 - exp(c (theta - theta0)^k)) above theta0, kept within [0, 1]; 1 below
  *
- * Every parameter has a value of its own in each channel. F may dip below 0 where the authors' fit does.
+ * Every parameter has one value per channel. F may be negative where the authors' fit is.
  */
 #include "brdf/spec.h"
 #include "math/math.h"
@@ -16,11 +16,11 @@
 
 enum { KD, KS, ALPHA, P, F0, F1, K_NORM, LAMBDA, C, K_POWER, THETA0, N_KEYS };
 
-/* The shadowing of one channel. It is exactly 1 or 0 outside a band of angles; transcendental functions are evaluated only
- * inside the band. */
+/* The shadowing of one channel. It is exactly 1 or 0 outside a band of angles; transcendental functions are evaluated
+ * only inside the band. */
 typedef struct shadowing {
-    double cos_one;  /* 1 to the last bit at and above this cosine */
-    double cos_zero; /* 0 at and below this cosine */
+    double cos_one;  /* G rounds to 1 at and above this cosine */
+    double cos_zero; /* G is 0 at and below this cosine */
     double theta0, lambda, log_c, k;
 } shadowing;
 
@@ -35,7 +35,8 @@ static double cosine_at(double theta) {
     return theta < NQM_PI ? cos(fmax(theta, 0)) : -1;
 }
 
-/* Where lambda (exp(y) - 1) with y = c x^k leaves 1 - G below the last bit of 1, and where it reaches 1. */
+/* Find the limits of the band: 1 - G = lambda (exp(y) - 1) with y = c x^k is below the rounding error of 1 up to y_one,
+ * and reaches 1 at y_zero. */
 static shadowing make_shadowing(const nqm_spec_values *values, int channel) {
     shadowing g = {.theta0 = values->v[THETA0][channel],
                    .lambda = values->v[LAMBDA][channel],

@@ -45,7 +45,7 @@ static bool in_range(const nqm_spec_key *key, double v) {
     return v >= key->low && v <= key->high && (!key->whole || v == floor(v));
 }
 
-/* Read "v" or "v,v,v" up to the end of the setting; false when it is anything else. */
+/* Parse "v" or "v,v,v" up to the end of the setting; false when it is anything else. */
 static bool parse_values(const nqm_spec_key *key, const char *text, const char **end, double v[3]) {
     size_t n = 0;
     do {
@@ -59,7 +59,7 @@ static bool parse_values(const nqm_spec_key *key, const char *text, const char *
     return (n == 1 || n == key->n) && (**end == ';' || **end == 0);
 }
 
-/* One setting at `text`; *end points at its end. */
+/* Parse the setting at `text`; *end receives a pointer to its end. */
 static nqm_status parse_setting(const nqm_spec_schema *schema, const char *text, const char **end,
                                 nqm_spec_values *values, nqm_error *err) {
     size_t n_name = strcspn(text, "=;");
@@ -86,7 +86,7 @@ nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_s
         nqm_status status = parse_setting(schema, text, &text, values, err);
         if (status != NQM_OK)
             return status;
-        text += *text == ';'; /* a final semicolon does no harm */
+        text += *text == ';'; /* a trailing semicolon is allowed */
     }
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const nqm_spec_key *key = &schema->keys[k];
@@ -148,7 +148,7 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
                                 const char *doi, nqm_brdf **brdf_ret, nqm_error *err) {
     char layout[256];
     size_t n_values = describe(&model->schema, layout, sizeof layout);
-    values->given = ~0u; /* the canonical form names every key, so that it outlives a change of defaults */
+    values->given = ~0u; /* the canonical form names every key, so that it does not depend on defaults */
     char *spec = nqm_spec_format(&model->schema, values);
     void *state = nqm_alloc(1, model->state_size);
     if (!spec || !state) {
@@ -172,7 +172,7 @@ bool nqm_spec_probe(const char *text) {
                               strncmp(text, perturb_prefix, strlen(perturb_prefix)) == 0);
 }
 
-/* `settings` is what follows "MODEL:", n_name characters in `spec`. */
+/* spec: "MODEL:" and then `settings`; n_name: length of the model's name. */
 static nqm_status open_parameters(const char *spec, size_t n_name, const char *settings, nqm_brdf **brdf_ret,
                                   nqm_error *err) {
     const nqm_analytic_model *model = find_model(spec, n_name);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * spec.h - the text form of BRDFs that are given by parameters: `MODEL:key=value;key=value`, values separated by commas
- * for RGB. A model lists its keys with their ranges and defaults; parsing, messages and the canonical form come from
- * that list.
+ * spec.h - the text form of BRDFs that are defined by parameters: `MODEL:key=value;key=value`, values separated by
+ * commas for RGB. A model lists its keys with their ranges and defaults; parsing, messages and the canonical form come
+ * from that list.
  */
 #ifndef NQM_SRC_BRDF_SPEC_H
 #define NQM_SRC_BRDF_SPEC_H
@@ -18,8 +18,8 @@ typedef struct nqm_spec_key {
     size_t n;         /**< values: 1, or 3 for RGB, where a single value means all three */
     double low, high; /**< closed range of each value */
     bool required;
-    bool whole;      /**< no fractions */
-    double fallback; /**< value where an optional key is absent */
+    bool whole;      /**< integers only */
+    double fallback; /**< default of an optional key */
 } nqm_spec_key;
 
 /** The keys of one model, in the order of the canonical form. */
@@ -29,7 +29,7 @@ typedef struct nqm_spec_schema {
     nqm_spec_key keys[NQM_SPEC_MAX_KEYS];
 } nqm_spec_schema;
 
-/** Parsed values; a key with n = 1 has its value in all three places. */
+/** Parsed values; a key with n = 1 has its value in all three channels. */
 typedef struct nqm_spec_values {
     double v[NQM_SPEC_MAX_KEYS][3]; /**< (key, channel) */
     unsigned given;                 /**< bit k: key k was in the text */
@@ -42,13 +42,13 @@ NQM_MUST_CHECK nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const ch
  * out of memory. */
 char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values);
 
-/** A model with a closed formula. */
+/** A model in closed form. */
 typedef struct nqm_analytic_model {
     nqm_spec_schema schema;
     const char *doi; /**< NULL: none */
     nqm_brdf_class class_;
-    size_t state_size;                                           /**< bytes that `prepare` fills */
-    void (*prepare)(const nqm_spec_values *values, void *state); /**< constants of the evaluation */
+    size_t state_size;                                           /**< bytes of the state, which `prepare` fills */
+    void (*prepare)(const nqm_spec_values *values, void *state); /**< compute the constants of the evaluation */
 } nqm_analytic_model;
 
 /** Every analytic model. A new one is defined in analytic*.c or a file of its own, and named here. */
@@ -71,7 +71,7 @@ NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 
 /** A table of presets, or NULL. */
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
-/** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests names that look alike. */
+/** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests similar names. */
 NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,
                                           const char *material, nqm_spec_values *values, nqm_error *err);
 

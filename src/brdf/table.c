@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF as a table over half-vector coordinates, linear between nodes. Nodes without a value are left out of the mean
- * of their neighbours, so that the table reaches as far toward the horizon as its source did.
+ * A BRDF as a table over half-vector coordinates with linear interpolation between nodes. Nodes without a value are
+ * excluded from the interpolation, so that the table has values as close to the horizon as its source.
  */
 #include "brdf/brdf.h"
 
@@ -13,7 +13,7 @@ enum { MAX_NODES = 1 << 24 }; /* eleven times a MERL table */
 
 typedef struct table {
     size_t n_h, n_d, n_p;
-    double per_h, per_d, per_p; /* nodes a unit of sqrt(theta_h), theta_d, phi_d */
+    double per_h, per_d, per_p; /* nodes per unit of sqrt(theta_h), theta_d, phi_d */
     float *rgb;                 /* (n_h, n_d, n_p, 3); channel 0 is NaN where there is no value */
 } table;
 
@@ -24,7 +24,7 @@ void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size
     hd[2] = (double)p / (double)n_p * NQM_PI;
 }
 
-/* The node below x, with a next one above it, and the weights of both. */
+/* Index of the lower of the two nodes around x. weight: (2) receives the interpolation weights of both. */
 static size_t below(double x, size_t n, double *weight) {
     size_t i = x > 0 ? (size_t)x : 0;
     i = i > n - 2 ? n - 2 : i;

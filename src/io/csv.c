@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * CSV with a header line, read whole: RFC 4180 quoting, LF or CRLF, lines that begin with '#' and blank lines skipped,
- * blanks around unquoted fields dropped. Fields are unquoted and NUL-terminated in place in one copy of the text, so
- * that a field's place in the copy is its place in the file, for messages.
+ * CSV with a header line, read into memory as a whole: RFC 4180 quoting; LF or CRLF; lines that begin with '#' and
+ * blank lines are skipped; blanks around unquoted fields are removed. The parser copies the text once, then unquotes
+ * and NUL-terminates the fields in place, so that the offset of a field in the copy is its byte offset in the file,
+ * which messages report.
  */
 #include "io/io.h"
 
@@ -11,8 +12,8 @@
 
 struct nqm_csv {
     char *name;    /* for messages */
-    char *text;    /* the file, cut into fields */
-    size_t *field; /* (1 + n_rows, n_columns) where each field begins in text; row 0 is the header */
+    char *text;    /* the file, split into fields */
+    size_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
     size_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
     size_t n_columns, n_records;
 };
@@ -31,7 +32,7 @@ static void skip_blanks(scanner *s) {
         ++s->at;
 }
 
-/* Go to the next line that holds a record; false at the end of the text. */
+/* Move the cursor to the next line that contains a record; false at the end of the text. */
 static bool next_record(scanner *s) {
     while (s->at < s->n) {
         size_t begin = s->at;
@@ -49,7 +50,7 @@ static bool next_record(scanner *s) {
     return false;
 }
 
-/* Cut out an unquoted field, from the cursor to the next separator. */
+/* NUL-terminate the unquoted field at the cursor and move the cursor to the separator after it. */
 static void cut_plain(scanner *s, char *separator) {
     size_t end = s->at;
     while (s->at < s->n && s->text[s->at] != ',' && s->text[s->at] != '\n')
@@ -59,8 +60,8 @@ static void cut_plain(scanner *s, char *separator) {
     s->text[end] = '\0';
 }
 
-/* Cut out a quoted field; the cursor is behind the opening quote. false when the closing one is missing, or followed by
- * more than blanks. */
+/* Unquote the field at the cursor, which is after the opening quote. false when the closing quote is missing, or when
+ * anything but blanks is between it and the next separator. */
 static bool cut_quoted(scanner *s, char *separator) {
     size_t end = s->at;
     for (;; ++s->at) {
@@ -78,7 +79,7 @@ static bool cut_quoted(scanner *s, char *separator) {
     return s->at >= s->n || *separator == ',' || *separator == '\n';
 }
 
-/* Cut one record into fields, appended from csv->field[*n_fields] on. */
+/* Split one record into fields and append their offsets at csv->field[*n_fields]. */
 static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_error *err) {
     size_t first = *n_fields, begin = s->at, line = s->line;
     csv->line[csv->n_records] = line;
@@ -111,7 +112,7 @@ static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_err
 static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
     scanner s = {.text = csv->text, .n = n_bytes, .line = 1};
     if (n_bytes >= 3 && memcmp(csv->text, "\xef\xbb\xbf", 3) == 0)
-        s.at = 3; /* the byte order mark of spreadsheets */
+        s.at = 3; /* UTF-8 byte order mark, which spreadsheets write */
     size_t n_fields = 0;
     while (next_record(&s)) {
         nqm_status status = cut_record(csv, &s, &n_fields, err);
@@ -220,7 +221,7 @@ nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *va
     const char *text = nqm_csv_text(csv, row, column), *end = text;
     double value;
     bool parsed = nqm_parse_double(text, &end, &value);
-    while (is_blank(*end)) /* quoted fields keep theirs */
+    while (is_blank(*end)) /* quoted fields keep their blanks */
         ++end;
     if (!parsed || *end) {
         size_t at = (size_t)(text - csv->text);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * Float datasets of an HDF5 file in memory: the part of the format (HDF5 File Format Specification 2.0) that h5py and
- * Keras write by default, which is superblock 0 or 1, groups as symbol tables, version 1 object headers and contiguous
- * datasets.
+ * Reads float datasets of an HDF5 file in memory. It supports the subset of the format (HDF5 File Format Specification
+ * 2.0) that h5py and Keras write by default: superblock version 0 or 1, groups as symbol tables, version 1 object
+ * headers and contiguous datasets.
  *
- * Written here and not left to libhdf5 because NBRDF files come from anywhere and libhdf5 is no parser for damaged
- * files: 1.10.8 crashes, leaks and asks for exabytes within seconds of fuzzing. This reader never allocates by what a
- * file says, follows no links, and every access goes through bytes_at(). Newer layouts, packed datasets and data in
- * other files are refused.
+ * nqm does not use libhdf5 because NBRDF files come from untrusted sources and libhdf5 is not safe for damaged files:
+ * version 1.10.8 crashes, leaks memory and requests exabytes within seconds of fuzzing. This reader allocates no memory
+ * based on sizes in the file, follows no links, and checks every address against the size of the file (bytes_at()). It
+ * refuses newer layouts, datasets that are not contiguous, and data in external files.
  */
 #include "io/io.h"
 
@@ -21,7 +21,7 @@ struct nqm_hdf5 {
     uint64_t root; /* address of the root group's object header */
 };
 
-/* n bytes of the file at an address, or NULL where they are not all present. */
+/* Pointer to n bytes at an address of the file; NULL when they are not all inside the file. */
 static const unsigned char *bytes_at(const nqm_hdf5 *f, uint64_t address, uint64_t n) {
     if (address > f->n_bytes || n > f->n_bytes - address)
         return NULL;
@@ -43,7 +43,7 @@ static nqm_status read_superblock(nqm_hdf5 *f, nqm_error *err) {
             f->name, version);
     if (p[13] != 8 || p[14] != 8)
         return nqm_fail(err, NQM_ERR_FORMAT, 13, "%s: addresses and lengths must have 8 bytes (byte 13)", f->name);
-    size_t base_at = version == 0 ? 24 : 28; /* version 1 has four bytes more before */
+    size_t base_at = version == 0 ? 24 : 28; /* version 1 has four additional bytes before this field */
     uint64_t base = nqm_load_u64(p + base_at), end = nqm_load_u64(p + base_at + 16);
     if (base != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)base_at, "%s: the base address at byte %zu is not 0", f->name,
@@ -86,7 +86,8 @@ enum message_type {
     MESSAGE_SYMBOL_TABLE = 0x11
 };
 
-/* The data of an object's first message of a type, with at least n bytes of it; NULL when there is none. */
+/* Data of the first message of a type in an object header; NULL when there is none, or it is shared or has fewer than n
+ * bytes. */
 static const unsigned char *find_message(const nqm_hdf5 *f, uint64_t object, enum message_type type, size_t n) {
     enum { MAX_BLOCKS = 16, SHARED = 2 };
     struct {
@@ -124,10 +125,10 @@ static const unsigned char *find_message(const nqm_hdf5 *f, uint64_t object, enu
 /** A search for one name in a group. */
 typedef struct search {
     const nqm_hdf5 *file;
-    uint64_t names, n_names; /* address and size of the bytes that hold the group's names */
+    uint64_t names, n_names; /* address and size of the heap data with the group's names */
     const char *name;        /* not NUL-terminated */
     size_t n_name;
-    unsigned n_steps_left; /* ends the search in a tree that bites its tail */
+    unsigned n_steps_left; /* bounds the search in a tree with cycles */
 } search;
 
 static bool is_name(const search *s, uint64_t offset) {
@@ -137,7 +138,7 @@ static bool is_name(const search *s, uint64_t offset) {
     return p && memcmp(p, s->name, s->n_name) == 0 && p[s->n_name] == 0;
 }
 
-/* Look through a node of symbols, the leaves of a group. */
+/* Search a symbol table node, a leaf of the group's B-tree. */
 static bool search_symbols(search *s, uint64_t address, uint64_t *object) {
     enum { ENTRY_BYTES = 40, SYMBOLIC_LINK = 2 };
     const unsigned char *head = bytes_at(s->file, address, 8);
@@ -155,13 +156,14 @@ static bool search_symbols(search *s, uint64_t address, uint64_t *object) {
     return false;
 }
 
-/* Look through the B-tree of a group; `level` is that which the parent promises. */
+/* Search a B-tree node of a group. `level` is the level that follows from the parent; a node with another level is
+ * refused. */
 static bool search_tree(search *s, uint64_t address, unsigned level, uint64_t *object) {
     const unsigned char *head = bytes_at(s->file, address, 24);
     if (!head || memcmp(head, "TREE", 4) != 0 || head[4] != 0 || head[5] != level)
         return false;
     size_t n = nqm_load_u16(head + 6);
-    const unsigned char *children = bytes_at(s->file, address + 24, n * 16); /* each follows its key */
+    const unsigned char *children = bytes_at(s->file, address + 24, n * 16); /* (key, child) pairs */
     for (size_t i = 0; children && i < n && s->n_steps_left; ++i) {
         --s->n_steps_left;
         uint64_t child = nqm_load_u64(children + 16 * i + 8);
@@ -171,7 +173,7 @@ static bool search_tree(search *s, uint64_t address, unsigned level, uint64_t *o
     return false;
 }
 
-/* The object header of a group's member. */
+/* Find a member of a group by name; *object receives the address of its object header. */
 static bool find_member(const nqm_hdf5 *f, uint64_t group, const char *name, size_t n_name, uint64_t *object) {
     enum { MAX_STEPS = 1 << 16, MAX_LEVEL = 8 };
     const unsigned char *table = find_message(f, group, MESSAGE_SYMBOL_TABLE, 16);
@@ -203,14 +205,15 @@ static bool has_shape(const nqm_hdf5 *f, uint64_t object, size_t n_dims, const s
 }
 
 static bool is_f32(const nqm_hdf5 *f, uint64_t object) {
-    /* Class 1; sign at bit 31, implied leading bit; 4 bytes; 32 bits from 0; exponent of 8 from 23, mantissa of 23;
-     * bias. */
+    /* Class 1 (floating point); implied leading bit, sign at bit 31; size of 4 bytes; bit offset 0, precision of 32
+     * bits; exponent at bit 23, 8 bits; mantissa at bit 0, 23 bits; exponent bias 127. */
     static const unsigned char ieee_f32le[20] = {1, 0x20, 31, 0, 4, 0, 0, 0, 0, 0, 32, 0, 23, 8, 0, 23, 127};
     const unsigned char *p = find_message(f, object, MESSAGE_DATATYPE, sizeof ieee_f32le);
     return p && (p[0] & 15) == ieee_f32le[0] && memcmp(p + 1, ieee_f32le + 1, sizeof ieee_f32le - 1) == 0;
 }
 
-/* Check a dataset and fill out; returns what is wrong, or NULL. *at_ret: the byte at fault. */
+/* Check a dataset and copy its values to `out`. Returns NULL, or a text that names the fault; *at_ret receives the byte
+ * offset of the fault. */
 static const char *read_dataset(const nqm_hdf5 *f, uint64_t object, size_t n_dims, const size_t *dims, float *out,
                                 uint64_t *at_ret) {
     enum { LAYOUT_VERSION = 3, CONTIGUOUS = 1 };

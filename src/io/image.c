@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * High-dynamic-range pictures: find the format by the bytes, check the size and the values.
+ * Loads high-dynamic-range images: detects the format from the first bytes, checks the size and the values.
  */
 #include "io/io.h"
 

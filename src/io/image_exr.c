@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * OpenEXR pictures through OpenEXRCore: the first part, scanlines or the finest level of tiles, channels R, G, B, or Y
- * alone; half or float. The data window is the picture. Deep pictures and subsampled channels are refused.
+ * Reads OpenEXR images with OpenEXRCore: the first part; scanlines, or tiles of the finest level; channels R, G and B,
+ * or Y alone; half or float. The image is the data window. Deep images and subsampled channels are refused.
  */
 #include "io/io.h"
 
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Deflate packs at most 1032 bytes into one, and a pixel has two at least. */
+/* Deflate expands one byte to at most 1032 bytes; a pixel has at least two bytes. */
 static const double max_pixels_per_byte = 1032.0 / 2;
 
 enum { MAX_ALLOCATION = 256 << 20 };
@@ -17,7 +17,7 @@ enum { MAX_ALLOCATION = 256 << 20 };
 typedef struct exr_file {
     const nqm_map *map;
     exr_context_t context;
-    char message[200]; /* the library's last complaint */
+    char message[200]; /* last error message of OpenEXRCore */
     nqm_error *err;
 } exr_file;
 
@@ -36,14 +36,14 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     exr_file *file = context ? file_of(context) : NULL;
     if (!file)
         return;
-    /* The library begins its messages with the path, and fail_exr() adds the path too: remove one. */
+    /* OpenEXRCore puts the path at the start of its messages, and fail_exr() adds it too: remove one. */
     size_t n = strlen(file->map->path);
     if (strncmp(message, file->map->path, n) == 0)
         message += n + strspn(message + n, "': ");
     snprintf(file->message, sizeof file->message, "%s", message);
 }
 
-/* Like pread: fewer bytes at the end of the file, for the library reads ahead. */
+/* Returns fewer than n bytes at the end of the file, as pread() does, because OpenEXRCore reads ahead. */
 static int64_t on_read(exr_const_context_t context, void *user, void *buffer, uint64_t n, uint64_t offset,
                        exr_stream_error_func_ptr_t error_fn) {
     (void)context;
@@ -66,7 +66,7 @@ static void *limited_malloc(size_t n) {
     return n <= MAX_ALLOCATION ? malloc(n) : NULL;
 }
 
-/* Send the channels of a chunk to their places in the picture; (x, y) is the chunk's corner in it. */
+/* Set the decoder's output pointers for the channels of a chunk. (x, y): pixel position of the chunk in the image. */
 static nqm_status place_channels(exr_file *file, exr_decode_pipeline_t *pipeline, const nqm_image *image, size_t x,
                                  size_t y) {
     unsigned found = 0;
@@ -91,7 +91,7 @@ static nqm_status place_channels(exr_file *file, exr_decode_pipeline_t *pipeline
 static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const exr_attr_box2i_t *window,
                                const nqm_image *image) {
     int64_t x = (int64_t)chunk->start_x, y = (int64_t)chunk->start_y;
-    if (chunk->type == EXR_STORAGE_SCANLINE) { /* scanlines count from the data window, tiles from 0 */
+    if (chunk->type == EXR_STORAGE_SCANLINE) { /* absolute position; tiles: relative to the data window */
         x -= window->min.x;
         y -= window->min.y;
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * OpenEXR pictures through OpenEXRCore: one part, scanlines, R, G and B as float, deflated.
+ * Writes OpenEXR images with OpenEXRCore: one part of scanlines; R, G and B as float; ZIP compression.
  */
 #include "io/io.h"
 
@@ -11,7 +11,7 @@ typedef struct exr_output {
     nqm_outfile out;
     const nqm_image *image;
     exr_context_t context;
-    char message[200]; /* the library's last complaint */
+    char message[200]; /* last error message of OpenEXRCore */
 } exr_output;
 
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
@@ -37,7 +37,7 @@ static bool good(exr_result_t result) {
 
 static bool write_header(exr_output *o) {
     int part;
-    /* whiteLuminance: cd/m2 of the colour (1, 1, 1), a standard attribute. */
+    /* whiteLuminance is a standard attribute: the luminance of the colour (1, 1, 1) in cd/m2. */
     bool ok = good(exr_add_part(o->context, NULL, EXR_STORAGE_SCANLINE, &part)) &&
               good(exr_initialize_required_attr_simple(o->context, part, (int32_t)o->image->width,
                                                        (int32_t)o->image->height, EXR_COMPRESSION_ZIP)) &&

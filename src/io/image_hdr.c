@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * Radiance HDR (.hdr, .pic; Ward, "Real Pixels", Graphics Gems II, 1991): text lines, a resolution line, then scanlines
- * of RGBE pixels, flat or run-length coded in one of two ways; linear rgb = (r, g, b)/256 * 2^(e - 128). EXPOSURE lines are
- * ignored: the scene has its own exposure. The writer rounds mantissas to nearest and codes runs channel by channel.
+ * Radiance HDR (.hdr, .pic; Ward, "Real Pixels", Graphics Gems II, 1991): a text header, a resolution line, then
+ * scanlines of RGBE pixels, uncompressed or in one of two run-length encodings; linear rgb =
+ * (r, g, b)/256 * 2^(e - 128). EXPOSURE lines are ignored: the scene has its own exposure. The writer rounds mantissas
+ * to nearest and uses the newer encoding, which encodes each channel separately.
  */
 #include "io/io.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The older coding packs 255 pixels into 4 bytes; the newer one is never tighter than 16 a byte. (Longer runs of the
- * older one are possible, but not in a picture worth a light.) */
+/* A run of the older encoding stores up to 255 pixels in 4 bytes (64 per byte), the newer encoding at most 16 pixels
+ * per byte. Consecutive runs of the older encoding can store more; images that exceed 64 pixels per byte are
+ * refused. */
 static const double max_pixels_per_byte = 64;
 
 typedef struct hdr_file {
@@ -24,7 +26,7 @@ static nqm_status fail_at(const hdr_file *file, const char *what) {
                     file->map->path, file->position, what);
 }
 
-/* Copy the next line, without its end, to `line`; cut where it is too long. */
+/* Copy the next line, without its newline, to `line` (n_line bytes); a longer line is truncated. */
 static nqm_status read_line(hdr_file *file, char *line, size_t n_line) {
     const unsigned char *begin = file->map->data + file->position;
     size_t left = file->map->n_bytes - file->position;
@@ -76,7 +78,8 @@ static nqm_status read_resolution(hdr_file *file, uint64_t *width, uint64_t *hei
     return rest && !*rest ? NQM_OK : fail_at(file, "the size line is not '-Y HEIGHT +X WIDTH'");
 }
 
-/* One channel of a row in the newer coding: a count above 128 repeats one value, else so many values follow. */
+/* Read one channel of a row in the newer encoding: a count n > 128 is followed by one value that is repeated n - 128
+ * times, a count n <= 128 by n values. */
 static nqm_status read_channel(hdr_file *file, unsigned char *row, size_t width) {
     const unsigned char *data = file->map->data;
     for (size_t x = 0; x < width;) {
@@ -95,8 +98,8 @@ static nqm_status read_channel(hdr_file *file, unsigned char *row, size_t width)
     return NQM_OK;
 }
 
-/* A row of plain pixels, among which (1, 1, 1, n) repeats the one before it, each further one in a row 256 times as
- * often. */
+/* Read a row that is uncompressed or in the older encoding: (1, 1, 1, n) repeats the previous pixel n times; in a
+ * sequence of such runs, the counts have the factors 1, 256, 256^2 and so on. */
 static nqm_status read_flat_row(hdr_file *file, unsigned char *row, size_t width) {
     unsigned shift = 0;
     for (size_t x = 0; x < width;) {
@@ -174,7 +177,7 @@ static void encode_pixel(const float *rgb, unsigned char *rgbe) {
     (void)frexp(brightest, &exponent);
     if (nearbyint(ldexp(brightest, 8 - exponent)) > 255)
         ++exponent;
-    if (exponent > 127) { /* beyond what RGBE holds */
+    if (exponent > 127) { /* larger than RGBE can represent */
         memset(rgbe, 255, 4);
         return;
     }
@@ -190,7 +193,7 @@ static size_t run_length(const unsigned char *values, size_t n) {
     return run;
 }
 
-/* One channel of a row: a count above 128 and the value of a run, or a count and so many values. */
+/* Write one channel of a row in the encoding that read_channel() reads. */
 static void write_channel(FILE *stream, const unsigned char *values, size_t width) {
     for (size_t x = 0; x < width;) {
         size_t run = run_length(values + 4 * x, width - x);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * PNG pictures, by libpng. Reading: RGBE packed in 8-bit RGBA, linear rgb = (r, g, b)/255 * 2^(a - 128). Writing: 8-bit RGB,
- * marked as sRGB, with the strongest compression.
+ * PNG images with libpng. Reading: RGBE stored in 8-bit RGBA, linear rgb = (r, g, b)/255 * 2^(a - 128). Writing: 8-bit
+ * RGB with an sRGB chunk, at the highest compression level.
  */
 #include "io/io.h"
 
@@ -10,18 +10,18 @@
 #include <setjmp.h>
 #include <string.h>
 
-/* Deflate packs at most 1032 bytes into one; a pixel has four. */
+/* Deflate expands one byte to at most 1032 bytes; a pixel has four bytes. */
 static const double max_pixels_per_byte = 1032 / 4;
 
 enum { MESSAGE_SIZE = 120 };
 
-/* libpng calls this to fail: keep the message in the char[MESSAGE_SIZE] that libpng holds for us, and leave. */
+/* Error handler of libpng, which must not return: copies the message to the error pointer, a char[MESSAGE_SIZE]. */
 static void on_error(png_structp png, png_const_charp message) {
     snprintf(png_get_error_ptr(png), MESSAGE_SIZE, "%s", message);
     longjmp(png_jmpbuf(png), 1);
 }
 
-/* The library does not print. */
+/* Ignores warnings: libpng's default handler prints them, and the library must not print. */
 static void on_warning(png_structp png, png_const_charp message) {
     (void)png;
     (void)message;
@@ -47,7 +47,8 @@ static void on_read(png_structp png, png_bytep out, size_t n) {
     file->position += n;
 }
 
-/* Everything that libpng may leave by longjmp. What must survive lives in `file`. */
+/* All calls that libpng may leave by longjmp(). Values that are needed after the jump are members of `file`, not local
+ * variables. */
 static void read_png(png_structp png, png_infop info, png_file *file) {
     if (setjmp(png_jmpbuf(png))) {
         if (file->status == NQM_OK)
@@ -55,7 +56,7 @@ static void read_png(png_structp png, png_infop info, png_file *file) {
                                     file->map->path, file->position, file->message);
         return;
     }
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* nqm_image_alloc() judges the size */
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* nqm_image_alloc() limits the size */
     png_set_chunk_malloc_max(png, 1 << 20);
     png_set_chunk_cache_max(png, 64);
     png_read_info(png, info);
@@ -118,7 +119,7 @@ typedef struct png_output {
     bool failed;
 } png_output;
 
-/* Everything that libpng may leave by longjmp. */
+/* All calls that libpng may leave by longjmp(). */
 static void write_png(png_structp png, png_infop info, png_output *o) {
     if (setjmp(png_jmpbuf(png))) {
         o->failed = true;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * io.h - reads and writes files of named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV, latitude-longitude
- * images, PLY and OBJ. Knows nothing of BRDFs. Every reader checks sizes against the bytes that are present before it allocates.
+ * io.h - reads and writes files of named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV,
+ * latitude-longitude images, PLY and OBJ. Independent of BRDFs. Every reader checks sizes against the bytes that are
+ * present before it allocates.
  */
 #ifndef NQM_SRC_IO_H
 #define NQM_SRC_IO_H
@@ -22,7 +23,7 @@ typedef struct nqm_tensor {
     int64_t byte_offset; /* of the data in the file */
 } nqm_tensor;
 
-/** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
+/** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_safetensors nqm_safetensors;
 /** Parse and check (offsets in range, no overlap, shapes match bytes, header at most 100 MB). */
 NQM_MUST_CHECK nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, const char *name,
@@ -31,14 +32,15 @@ void nqm_safetensors_free(nqm_safetensors *st);
 size_t nqm_safetensors_count(const nqm_safetensors *st);
 /** The i-th tensor in the order of the header. */
 const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);
-/** By name, or NULL. */
+/** Find a tensor by name; NULL when there is none. */
 const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *tensor_name);
 /** A value of __metadata__, or NULL. */
 const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key);
-/** false when a value of a tensor of floats (F16, F32, F64) is not finite. */
+/** false when a tensor of floats (F16, F32, F64) contains a value that is not finite. */
 bool nqm_tensor_all_finite(const nqm_tensor *tensor);
 /** Recompute the checksum that nqm_safetensors_write() stores under metadata "sha256": SHA-256 of the whole file with
- *  those 64 digits replaced by '0'. false when the file has none. `matches` tells whether it is the stored one. */
+ *  those 64 digits replaced by '0'. false when the file stores no checksum. *matches: the recomputed checksum equals
+ *  the stored one. */
 bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);
 
 typedef struct nqm_meta {
@@ -52,13 +54,13 @@ NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tenso
 
 /* ---- tensor container of the RGL material database (Dupuy and Jakob 2018) ---------------------------------------- */
 
-/** A parsed file; lends views into the bytes it was parsed from, which must outlive it. */
+/** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_tensor_file nqm_tensor_file;
 /** Parse and check that all offsets and shapes are inside the bytes. `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                 nqm_tensor_file **file_ret, nqm_error *err);
 void nqm_tensor_file_free(nqm_tensor_file *file);
-/** By name, or NULL; fields of a type that nqm_dtype lacks are not found. */
+/** Find a tensor by name; NULL when there is none, or nqm_dtype does not have its type. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
 /* ---- CSV with a header line -------------------------------------------------------------------------------------- */
@@ -78,7 +80,7 @@ int nqm_csv_column(const nqm_csv *csv, const char *column_name);
 /** The name of a column. */
 const char *nqm_csv_header(const nqm_csv *csv, int column);
 const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
-/** The field as a number; NQM_ERR_FORMAT names file, line and byte when it is none. */
+/** Parse a field as a finite number. NQM_ERR_FORMAT: it is not one; the message names file, line and byte. */
 NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
 
 /* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
@@ -86,8 +88,8 @@ NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int col
 /** Read the member whose last path component is `member` ("x.h5") into a new block (nqm_free); at most max_bytes. */
 NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes,
                                        unsigned char **data_ret, size_t *n_bytes_ret, nqm_error *err);
-/** For messages: the first few members that end with `suffix`, without it, and how many there are ("a, b, ... (9 in
- *  all)"); "" when there is none. */
+/** For messages: names of the first few members that end with `suffix`, without the suffix, and the number of such
+ *  members when more exist ("a, b, ... (9 in all)"); "" when there is none. */
 NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text,
                                            nqm_error *err);
 
@@ -115,7 +117,8 @@ NQM_MUST_CHECK nqm_status nqm_mat_open(const char *path, nqm_mat **mat_ret, nqm_
 /** Size of a real numeric matrix. */
 NQM_MUST_CHECK nqm_status nqm_mat_shape(const nqm_mat *mat, const char *variable, size_t *rows_ret, size_t *cols_ret,
                                         nqm_error *err);
-/** Read such a matrix of exactly rows x cols (a vector may be transposed) into out, row-major; values must be finite. */
+/** Read such a matrix of exactly rows x cols (a vector may be transposed) into out, row-major; values must be
+ *  finite. */
 NQM_MUST_CHECK nqm_status nqm_mat_read(const nqm_mat *mat, const char *variable, size_t rows, size_t cols, double *out,
                                        nqm_error *err);
 void nqm_mat_close(nqm_mat *mat);
@@ -126,13 +129,13 @@ typedef struct nqm_mat_variable {
     size_t rows, cols;
     const double *data; /* (rows, cols), finite */
 } nqm_mat_variable;
-/** Write n matrices as a MAT v5 file, uncompressed: equal matrices make equal files. NQM_ERR_ARG: a bad name, or a value
- *  that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
+/** Write n matrices as a MAT v5 file, uncompressed: equal matrices give identical files. NQM_ERR_ARG: a bad name, or a
+ *  value that is not finite; NQM_ERR_LIMIT: no element, or more than 2^24. */
 NQM_MUST_CHECK nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err);
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
-/** A linear RGB picture. */
+/** A linear RGB image. */
 typedef struct nqm_image {
     size_t width, height;
     float *rgb; /* (height, width, 3), first row on top; nqm_free */
@@ -140,21 +143,22 @@ typedef struct nqm_image {
 
 enum { NQM_IMAGE_MAX_WIDTH = 8192, NQM_IMAGE_MAX_HEIGHT = 4096 };
 
-/** Read a high-dynamic-range picture: OpenEXR (R, G, B or Y), Radiance HDR, or RGBE packed in an 8-bit RGBA PNG (as
- *  Pixar Campus). The format is found by the bytes. Negative values (out of gamut) become 0; a value that is not finite
- *  is refused. */
+/** Read a high-dynamic-range image: OpenEXR (R, G, B or Y), Radiance HDR, or RGBE stored in an 8-bit RGBA PNG (as Pixar
+ *  Campus). The format is detected from the first bytes. Negative values (out of gamut) become 0; a value that is not
+ *  finite is refused. */
 NQM_MUST_CHECK nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err);
 
 /** The decoders of nqm_image_load(), for a file whose format is known. */
 NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
-/** Whether a width and height that a header claims can be true of a file of map->n_bytes that packs at most `per_byte`
- *  pixels into a byte, and are within the limits; allocates the pixels when so. */
+/** Check the width and height of a header, and allocate the pixels. NQM_ERR_FORMAT: one is 0, or there are more than
+ *  `per_byte` pixels per byte of the file; NQM_ERR_LIMIT: larger than NQM_IMAGE_MAX_WIDTH x NQM_IMAGE_MAX_HEIGHT. */
 NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
                                           nqm_image *image_ret, nqm_error *err);
 
-/** Write a picture as OpenEXR (float, deflated) or as Radiance HDR (RGBE, run-length coded; negative values become 0). */
+/** Write an image as OpenEXR (float, ZIP compression) or as Radiance HDR (RGBE, run-length encoded; negative values
+ *  become 0). */
 NQM_MUST_CHECK nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_write_hdr(const char *path, const nqm_image *image, nqm_error *err);
 /** Write sRGB bytes, rgb (height, width, 3), as PNG. */
@@ -166,20 +170,21 @@ NQM_MUST_CHECK nqm_status nqm_image_write_png(const char *path, size_t width, si
 typedef struct nqm_mesh {
     size_t n_vertices, n_triangles;
     float *position;    /* (n_vertices, 3) */
-    uint32_t *triangle; /* (n_triangles, 3) indices of vertices, as wound in the file */
-    float *normal;      /* (n_vertices, 3) unit vectors; weighted by area when the file has none */
+    uint32_t *triangle; /* (n_triangles, 3) vertex indices, winding order as in the file */
+    float *
+        normal; /* (n_vertices, 3) unit vectors; area-weighted means of the triangles' normals when the file has none */
 } nqm_mesh;
 
 enum { NQM_MESH_MAX_VERTICES = 20000000, NQM_MESH_MAX_TRIANGLES = 20000000 };
 
 /** Read a mesh: PLY (ASCII, binary of either byte order; properties beyond x y z, nx ny nz and vertex_indices are
- *  skipped) or Wavefront OBJ (v, vn, f; vertices are doubled where faces give them several normals). The format is found
- *  by the bytes. Polygons become fans. Indices are checked; numbers that are not finite are refused. At least one
- *  triangle. */
+ *  skipped) or Wavefront OBJ (v, vn, f; a vertex is duplicated when faces give it several normals). The format is
+ *  detected from the first bytes. Polygons are triangulated as fans. Indices are checked; values that are not finite
+ *  and meshes without triangles are refused. */
 NQM_MUST_CHECK nqm_status nqm_mesh_load(const char *path, nqm_mesh *mesh_ret, nqm_error *err);
 /** The same from mapped bytes. */
 NQM_MUST_CHECK nqm_status nqm_mesh_parse(const nqm_map *map, nqm_mesh *mesh_ret, nqm_error *err);
-/** Free what a mesh holds; a zeroed one is allowed. */
+/** Free the arrays of a mesh; a zeroed mesh is allowed. */
 void nqm_mesh_free(nqm_mesh *mesh);
 
 #endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Real matrices in MAT v5 files ("MAT-File Format", The MathWorks: MATLAB's -v6 and -v7, scipy.io.savemat). A header of 128
- * bytes is followed by elements of a tag (type, size) and data; a matrix is an element that holds elements: flags,
- * dimensions, name, values; a compressed element holds a matrix as a zlib stream. The reader takes either byte order,
- * compares every size with the bytes present before it allocates, and skips variables of other classes (cells, structures,
- * sparse matrices). The writer writes little-endian doubles, uncompressed, without a date: equal matrices make equal files.
+ * Real matrices in MAT v5 files ("MAT-File Format", The MathWorks: MATLAB's -v6 and -v7, scipy.io.savemat). A header of
+ * 128 bytes is followed by elements of a tag (type, size) and data; a matrix is an element that contains elements:
+ * flags, dimensions, name, values; a compressed element contains a matrix as a zlib stream. The reader takes either
+ * byte order, compares every size with the bytes present before it allocates, and skips variables of other classes
+ * (cells, structures, sparse matrices). The writer writes little-endian doubles, uncompressed, without a date: equal
+ * matrices give identical files.
  */
 #include "io/io.h"
 
@@ -32,7 +33,7 @@ enum {
     MAX_DIMENSIONS = 8,
     MAX_NAME_BYTES = 63, /* limit of MATLAB */
     MAX_ELEMENTS = 1 << 24,
-    MAX_INFLATION = 1032 /* deflate packs at most this many bytes into one */
+    MAX_INFLATION = 1032 /* deflate expands one byte to at most this many */
 };
 
 struct nqm_mat {
@@ -52,7 +53,7 @@ typedef struct element {
     const unsigned char *data;
 } element;
 
-/* A variable; `packed` is its element in the file. */
+/* A variable. `packed` is its element in the file, a matrix or a compressed matrix. */
 typedef struct matrix {
     size_t at; /* offset of the element in the file */
     element packed;
@@ -68,7 +69,7 @@ static uint64_t load(const unsigned char *p, size_t n_bytes, bool big_endian) {
     return bits;
 }
 
-/* Read the element at the cursor and move past its padding; false when it is cut off. Up to four bytes of data may be
+/* Read the element at the cursor and move past its padding; false when it is truncated. Up to four bytes of data may be
  * stored inside the tag. */
 static bool take(cursor *c, element *e) {
     if (c->n < TAG_BYTES)
@@ -87,8 +88,8 @@ static bool take(cursor *c, element *e) {
     return true;
 }
 
-/* Inflate the first n_out bytes of a zlib stream; returns how many there are, 0 when it is damaged. `complete`: the stream
- * must end there, with the right checksum. */
+/* Inflate up to n_out bytes of a zlib stream. Returns the number of bytes written, 0 when the stream is damaged.
+ * `complete`: the stream must end within n_out bytes, with a matching checksum. */
 static size_t unpack(const element *e, unsigned char *out, size_t n_out, bool complete) {
     z_stream z = {.next_in = (unsigned char *)(uintptr_t)e->data,
                   .avail_in = (uInt)e->n,
@@ -102,7 +103,7 @@ static size_t unpack(const element *e, unsigned char *out, size_t n_out, bool co
     return good ? n_out - z.avail_out : 0;
 }
 
-/* Flags, dimensions and name at the cursor. Returns NULL or what is wrong. */
+/* Parse flags, dimensions and name at the cursor. Returns NULL, or a text that names the fault. */
 static const char *parse_head(cursor *c, matrix *m) {
     element e;
     m->name[0] = 0;
@@ -124,7 +125,8 @@ static const char *parse_head(cursor *c, matrix *m) {
     return NULL;
 }
 
-/* The variable at offset *at, which moves to the next one. */
+/* Parse the variable at offset *at and set *at to the offset of the next one. Returns NULL, or a text that names the
+ * fault. */
 static const char *next_variable(const nqm_mat *mat, size_t *at, matrix *m) {
     cursor file = {mat->map.data + *at, mat->map.n_bytes - *at, mat->big_endian}, inner = file;
     unsigned char head[HEAD_BYTES];
@@ -225,7 +227,7 @@ nqm_status nqm_mat_shape(const nqm_mat *mat, const char *variable, size_t *rows_
     return status;
 }
 
-/* Bytes of a value of an element's type; 0 when it is not numeric. */
+/* Bytes per value of an element type; 0 when the type is not numeric. */
 static size_t width_of(uint32_t type) {
     static const unsigned char width[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
     return type < sizeof width ? width[type] : 0;
@@ -251,7 +253,7 @@ static double number_at(const unsigned char *p, uint32_t type, bool big_endian) 
     return (double)bits;
 }
 
-/* Column-major values of the body (flags, dimensions, name, values) to row-major doubles. */
+/* Convert the column-major values of a matrix to row-major doubles. body: flags, dimensions, name, values. */
 static nqm_status convert(const nqm_mat *mat, cursor body, double *out, nqm_error *err, matrix *m) {
     element values;
     const char *fault = parse_head(&body, m);
@@ -370,5 +372,5 @@ nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *var
     fwrite(header, 1, HEADER_BYTES, out.stream);
     for (size_t i = 0; i < n; ++i)
         put_variable(out.stream, &variables[i]);
-    return nqm_outfile_commit(&out, err); /* sees the stream's error flag */
+    return nqm_outfile_commit(&out, err); /* checks the stream's error flag */
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Triangle meshes: find the format by the bytes, and the normals of a file that has none. What the readers of both
- * formats share (mesh_build.h) is here too.
+ * Triangle meshes: detects the file format, computes missing normals, and implements mesh_build.h, which the readers of
+ * PLY and OBJ share.
  */
 #include "io/mesh_build.h"
 
@@ -98,7 +98,8 @@ nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32
     return NQM_OK;
 }
 
-/* Add the normal of each triangle, as long as twice its area, to its corners. sum: (n_vertices, 3). */
+/* Add the normal of each triangle to the sums of its corners; the length of the normal is twice the triangle's area.
+ * sum: (n_vertices, 3). */
 static void sum_normals(const nqm_mesh *mesh, double *sum) {
     for (size_t t = 0; t < mesh->n_triangles; ++t) {
         const uint32_t *corner = mesh->triangle + 3 * t;
@@ -116,8 +117,8 @@ static void sum_normals(const nqm_mesh *mesh, double *sum) {
     }
 }
 
-/* Make the file's normals unit vectors; those it lacks, or that are 0, follow from the triangles. A vertex without any
- * gets +z. */
+/* Normalise the normals of the file. Normals that are missing or 0 become the area-weighted mean of the triangles'
+ * normals; a vertex for which this is 0 too gets +z. */
 static nqm_status complete_normals(nqm_mesh *mesh, nqm_error *err) {
     bool given = mesh->normal != NULL;
     double *sum = nqm_alloc(mesh->n_vertices, 3 * sizeof *sum);
@@ -140,7 +141,7 @@ static nqm_status complete_normals(nqm_mesh *mesh, nqm_error *err) {
     return NQM_OK;
 }
 
-/* The first statement of a text that OBJ knows. */
+/* true when the first word of the text, comments skipped, is an OBJ statement. */
 static bool looks_like_obj(const nqm_map *map) {
     static const char *const words[] = {"v", "vn", "vt", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl"};
     nqm_mesh_reader r = {.map = map, .line = 1};

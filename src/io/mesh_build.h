@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * mesh_build.h - shared by the readers of PLY and OBJ: rows that grow as the file is read (so that memory is bounded by the
- * bytes present), triangulation of polygons, words of a text file.
+ * mesh_build.h - shared by the readers of PLY and OBJ: arrays of rows that grow as the file is read (so that the bytes
+ * present bound the memory), triangulation of polygons, words of a text file.
  */
 #ifndef NQM_SRC_IO_MESH_BUILD_H
 #define NQM_SRC_IO_MESH_BUILD_H
 
 #include "io/io.h"
 
-/** A growing list of rows of three 4-byte values. */
+/** A growing array of rows; a row is three 4-byte values. */
 typedef struct nqm_mesh_rows {
     size_t n, room;
     void *data; /* (n, 3) float or uint32_t; nqm_free */
@@ -30,13 +30,14 @@ typedef struct nqm_mesh_reader {
 __attribute__((format(printf, 2, 3))) nqm_status nqm_mesh_fail(const nqm_mesh_reader *r, const char *format, ...);
 
 enum { NQM_MESH_TOKEN = 64 };
-/** The next word of the line (words are separated by blanks, tabs and carriage returns) as text, cut with a '~' where it
- *  is longer than any number; false at the end of the line or file, where the position stays. */
+/** Read the next word of the line; blanks, tabs and carriage returns separate words. A word that does not fit is
+ *  truncated and ends in '~', so that it does not parse as a number. false at the end of the line or file; the position
+ *  does not change then. */
 bool nqm_mesh_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]);
 /** Go to the beginning of the next line; false at the end of the file. */
 bool nqm_mesh_next_line(nqm_mesh_reader *r);
 
-/** Three numbers as a row of finite floats. `what` names them in the message. */
+/** Append three values as a row of floats; values that are not finite are refused. `what` names the row in messages. */
 NQM_MUST_CHECK nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_mesh_rows *rows, const double *xyz,
                                               const char *what);
 
@@ -45,11 +46,12 @@ typedef struct nqm_fan {
     size_t n_corners;
     uint32_t first[2], last[2];
 } nqm_fan;
-/** Add a corner and, from the third on, a triangle: vertices to r->triangles, normals to `normals` unless NULL. */
+/** Add a corner and, from the third corner on, a triangle: vertices to r->triangles, normals to `normals` unless
+ *  NULL. */
 NQM_MUST_CHECK nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32_t normal,
                                       nqm_mesh_rows *normals);
 
-/** The readers: fill vertices, triangles and, when the file gives one for each vertex, normals. */
+/** The readers fill vertices, triangles and, when the file has one for each vertex, normals. */
 NQM_MUST_CHECK nqm_status nqm_mesh_read_ply(nqm_mesh_reader *r);
 NQM_MUST_CHECK nqm_status nqm_mesh_read_obj(nqm_mesh_reader *r);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Wavefront OBJ: statements v, vn and f with all forms of indices (v, v/vt, v//vn, v/vt/vn, from 1, or negative from the
- * last one so far); a backslash at the end of a line continues it; everything else is skipped. A face may use only what
- * stands before it.
+ * Wavefront OBJ: statements v, vn and f with all forms of indices (v, v/vt, v//vn, v/vt/vn; counted from 1, or
+ * negative: counted back from the latest one); a backslash at the end of a line continues it; everything else is
+ * skipped. A face may refer only to vertices and normals that precede it in the file.
  */
 #include "io/mesh_build.h"
 
@@ -12,12 +12,12 @@ static const uint32_t none = UINT32_MAX;
 
 typedef struct obj_file {
     nqm_mesh_reader *r;
-    nqm_mesh_rows normals;          /* of vn */
-    nqm_mesh_rows triangle_normals; /* (n_triangles, 3) indices of them, or `none` */
-    bool lacks_normals;             /* some corner names none */
+    nqm_mesh_rows normals;          /* of the vn statements */
+    nqm_mesh_rows triangle_normals; /* (n_triangles, 3) indices into `normals`, or `none` */
+    bool lacks_normals;             /* a corner has no normal */
 } obj_file;
 
-/* The next word of the statement, which continues on the next line after a backslash. */
+/* Read the next word of the statement. A backslash continues the statement on the next line. */
 static bool next_word(nqm_mesh_reader *r, char word[NQM_MESH_TOKEN]) {
     while (nqm_mesh_word(r, word)) {
         if (strcmp(word, "\\") != 0)
@@ -55,7 +55,7 @@ static bool parse_index(const char **text, int64_t *index) {
     return p != digits && value != 0;
 }
 
-/* From OBJ's counting to ours; false when there is no such one among the n so far. */
+/* Convert an index of OBJ to an index from 0; false when it is not one of the n entries read so far. */
 static bool resolve(int64_t index, size_t n, uint32_t *resolved) {
     int64_t at = index > 0 ? index - 1 : (int64_t)n + index;
     *resolved = (uint32_t)at;
@@ -116,7 +116,7 @@ static nqm_status read_statements(obj_file *obj) {
     return status;
 }
 
-/* New vertices, each a pair of position and normal, and a hash table to find them by it. */
+/* New vertices, one for each pair of position and normal, and a hash table from pairs to vertices. */
 typedef struct joined {
     nqm_mesh_rows vertices, normals;
     nqm_mesh_rows pairs; /* per new vertex: old vertex, normal, unused */
@@ -141,13 +141,14 @@ static bool join(joined *j, const obj_file *obj, uint32_t vertex, uint32_t norma
     return true;
 }
 
-/* One vertex for each pair of position and normal that the faces use. At most as many as corners, which are bounded. */
+/* Make one vertex for each pair of position and normal that the faces use. There are at most as many pairs as corners,
+ * whose number is bounded. */
 static nqm_status join_normals(obj_file *obj) {
     nqm_mesh_reader *r = obj->r;
     uint32_t(*triangle)[3] = r->triangles.data;
     const uint32_t(*normal)[3] = obj->triangle_normals.data;
     joined j = {.mask = 1};
-    while (j.mask < 6 * r->triangles.n) /* the table stays half empty */
+    while (j.mask < 6 * r->triangles.n) /* load factor at most 1/2 */
         j.mask = 2 * j.mask + 1;
     j.slot = nqm_alloc(j.mask + 1, sizeof *j.slot);
     bool good = j.slot && normal;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * PLY (G. Turk, "The PLY Polygon File Format", 1994): a text header that lists elements and their properties, then their
- * values as text or as bytes in either order. Of "vertex" x y z and nx ny nz are kept, of "face" the list vertex_indices
- * (or vertex_index); all else is skipped by its type.
+ * PLY (G. Turk, "The PLY Polygon File Format", 1994): a text header that lists elements and their properties, then
+ * their values as text or binary in either byte order. The reader keeps x y z and nx ny nz of "vertex" and the list
+ * vertex_indices (or vertex_index) of "face"; it skips all other properties.
  */
 #include "io/mesh_build.h"
 
@@ -25,8 +25,8 @@ typedef struct ply_property {
 typedef struct ply_element {
     bool is_vertex, is_face;
     uint64_t count;
-    size_t first, n_properties; /* in ply_file.property */
-    unsigned roles;             /* bits of ply_role that its properties have */
+    size_t first, n_properties; /* range in ply_file.property */
+    unsigned roles;             /* bit r: one of its properties has ply_role r */
 } ply_element;
 
 typedef struct ply_file {
@@ -122,7 +122,8 @@ static nqm_status read_property(ply_file *ply) {
     return NQM_OK;
 }
 
-/* What the vertices and faces must have, and whether as many rows as the header claims fit into the bytes. */
+/* Check that vertices and faces have the required properties, and that the rows that the header declares fit into the
+ * bytes present. */
 static nqm_status check_elements(ply_file *ply) {
     const unsigned xyz = 1U << ROLE_X | 1U << ROLE_Y | 1U << ROLE_Z, corners = 1U << ROLE_CORNERS;
     const char *path = ply->r->map->path;
@@ -144,7 +145,7 @@ static nqm_status check_elements(ply_file *ply) {
     if (!has_vertices || !has_faces)
         return nqm_mesh_fail(ply->r, "it has no %s",
                              has_vertices ? "faces with vertex_indices" : "vertices with x, y and z");
-    if (n_least > n_left + 1) /* the last line of a text may lack its end */
+    if (n_least > n_left + 1) /* the last line of an ASCII file may lack its newline */
         return nqm_mesh_fail(ply->r, "the header claims %.0f bytes at least, %.0f are there", n_least, n_left);
     if (ply->n_vertices > NQM_MESH_MAX_VERTICES)
         return nqm_fail(ply->r->err, NQM_ERR_LIMIT, -1, "%s: more than %d vertices", path, (int)NQM_MESH_MAX_VERTICES);
@@ -211,7 +212,7 @@ static double decode(const unsigned char *p, ply_type type, bool big) {
     }
 }
 
-/* The next value; `value` NULL: skip it. */
+/* Read the next value; `value` NULL: skip it. */
 static nqm_status next_value(ply_file *ply, ply_type type, double *value) {
     nqm_mesh_reader *r = ply->r;
     if (ply->encoding == PLY_ASCII) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * options_json.h - an options struct with a table (base/options.h) as JSON.
+ * options_json.h - converts an options struct that has a table (base/options.h) to JSON.
  */
 #ifndef NQM_SRC_IO_OPTIONS_JSON_H
 #define NQM_SRC_IO_OPTIONS_JSON_H
@@ -8,8 +8,8 @@
 #include "base/options.h"
 #include <jansson.h>
 
-/** The stored options in the order of the table: numbers, booleans, words, arrays; a uint64_t is a string, since a JSON
- *  integer of jansson has 63 bits. json_decref(); NULL: out of memory. */
+/** The stored options in the order of the table: numbers, booleans, strings, arrays; a uint64_t is a string, because
+ *  jansson's integers are signed and have 64 bits. json_decref(); NULL: out of memory. */
 json_t *nqm_options_json(const nqm_option_table *table, const void *options);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * safetensors files (huggingface.co/docs/safetensors): an 8-byte little-endian header length, a JSON header, then the
- * tensors' bytes without holes. The reader trusts nothing in the header and lends views into the bytes it is given. The
- * writer pads the header so that the data begin at a multiple of 64 bytes, and puts tensors first whose size is one
- * too, so that they stay aligned; it stores a checksum of the file within the header.
+ * tensors' bytes without gaps. The reader validates type, shape and offsets of every tensor; its tensors point into the
+ * given bytes. The writer pads the header so that the data begin at a multiple of 64 bytes, and writes tensors whose
+ * size is a multiple of 64 bytes first, so that these stay aligned; it stores a checksum of the file in the header.
  */
 #include "io/io.h"
 
@@ -42,7 +42,7 @@ static bool tensor_size(nqm_dtype dtype, size_t n_dims, const size_t *dims, size
 
 /* ---- one tensor of the header ------------------------------------------------------------------------------------ */
 
-/* For messages about a tensor. */
+/* Context of messages about a tensor. */
 typedef struct place {
     const char *file;
     const char *tensor;
@@ -122,7 +122,7 @@ static int by_position(const void *a, const void *b) {
     return ((*left)->n_bytes > (*right)->n_bytes) - ((*left)->n_bytes < (*right)->n_bytes);
 }
 
-/* The tensors' bytes must follow each other from the end of the header to the end of the file. */
+/* Check that the tensors fill the file from the end of the header to the end of the file, without gaps or overlaps. */
 static nqm_status check_contiguous(const nqm_safetensors *st, const char *name, nqm_error *err) {
     const nqm_tensor **order = nqm_alloc(st->n_tensors, sizeof(nqm_tensor *));
     if (!order)
@@ -263,8 +263,8 @@ bool nqm_tensor_all_finite(const nqm_tensor *tensor) {
 
 /* ---- checksum ---------------------------------------------------------------------------------------------------- */
 
-/* Where in the header the digits of the checksum begin, n_header when nowhere. The key with its unescaped quotes cannot
- * be part of a string. */
+/* Offset of the checksum's digits in the header; n_header when there are none. A text search is sufficient: the
+ * unescaped quotes of the key cannot occur inside a JSON string. */
 static size_t find_digits(const unsigned char *header, size_t n_header, const char *digits) {
     const size_t n_key = sizeof sha_key - 1, n = n_key + SHA_DIGITS + 1;
     for (size_t i = 0; i + n <= n_header; ++i)
@@ -287,7 +287,7 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
     size_t before = HEADER_AT + at, after = before + SHA_DIGITS;
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
-        return true; /* out of memory: it has one, which was not confirmed */
+        return true; /* out of memory: the file has a checksum, but it was not verified */
     nqm_sha256_add(&sha, st->data, before);
     nqm_sha256_add(&sha, zeros, sizeof zeros);
     nqm_sha256_add(&sha, st->data + after, st->n_bytes - after);
@@ -301,11 +301,11 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
 /* A tensor to write. */
 typedef struct outgoing {
     const nqm_tensor *tensor;
-    size_t index; /* as given */
+    size_t index; /* position in the caller's array */
 } outgoing;
 
-/* Sizes that are multiples of 64 bytes first, the rest by size of element, so that each stays aligned to its own; then
- * larger before smaller, then as given. */
+/* Order: tensors whose size is a multiple of 64 bytes first; the others by decreasing element size, so that each is
+ * aligned to its element size; then by decreasing size, then in the caller's order. */
 static int by_alignment(const void *a, const void *b) {
     const outgoing *left = a, *right = b;
     size_t n_l = left->tensor->n_bytes, n_r = right->tensor->n_bytes;
@@ -343,7 +343,7 @@ fail:
     return NULL;
 }
 
-/* The header's JSON text (free() it), or NULL when a name occurs twice, a text is not UTF-8, or memory is short. */
+/* The header's JSON text (free() it), or NULL when a name occurs twice, a text is not UTF-8, or memory runs out. */
 static char *header_text(size_t n_tensors, const outgoing *order, size_t n_meta, const nqm_meta *meta) {
     char *text = NULL;
     json_t *root = json_object();
@@ -361,7 +361,7 @@ static char *header_text(size_t n_tensors, const outgoing *order, size_t n_meta,
     return text;
 }
 
-/* The bytes in front of the tensors: length, JSON, spaces up to a multiple of 64. nqm_free() it. */
+/* The bytes before the tensors: length, JSON, spaces up to a multiple of 64 bytes. nqm_free() it. */
 static unsigned char *make_front(const char *text, size_t *n_front) {
     size_t n_text = strlen(text);
     *n_front = (HEADER_AT + n_text + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
@@ -374,7 +374,8 @@ static unsigned char *make_front(const char *text, size_t *n_front) {
     return front;
 }
 
-/* Put the checksum of front and tensors into the front, in place of its zeros; false when out of memory. */
+/* Compute the checksum of front and tensors and store it in the front, in place of the zeros; false when out of
+ * memory. */
 static bool seal(unsigned char *front, size_t n_front, size_t n_tensors, const outgoing *order, char hex[65]) {
     char zeros[SHA_DIGITS];
     memset(zeros, '0', sizeof zeros);
@@ -398,7 +399,7 @@ static nqm_status write_bytes(const char *path, const unsigned char *front, size
     fwrite(front, 1, n_front, out.stream);
     for (size_t i = 0; i < n_tensors; ++i)
         fwrite(order[i].tensor->data, 1, order[i].tensor->n_bytes, out.stream);
-    return nqm_outfile_commit(&out, err); /* looks at the stream's error flag */
+    return nqm_outfile_commit(&out, err); /* checks the stream's error flag */
 }
 
 static nqm_status order_tensors(const char *path, size_t n_tensors, const nqm_tensor *tensors, outgoing *order,

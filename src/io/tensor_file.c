@@ -25,14 +25,14 @@ struct nqm_tensor_file {
     field *fields; /* (n_fields) */
 };
 
-/** A place in the bytes that moves forward. */
+/** A read position in the file. */
 typedef struct cursor {
     const unsigned char *data;
     size_t n_bytes, at;
     const char *file;
 } cursor;
 
-/* Step over n bytes and return where they begin, or NULL when the file ends before. */
+/* Skip n bytes and return a pointer to the first of them; NULL when fewer are left. */
 static const unsigned char *take(cursor *c, size_t n) {
     if (n > c->n_bytes - c->at)
         return NULL;
@@ -48,7 +48,7 @@ static nqm_status fail_short(const cursor *c, nqm_error *err) {
 /** Element types, indexed by the type codes of the container. */
 typedef struct element_type {
     size_t size;
-    int dtype; /* an nqm_dtype, or -1: nothing here reads it */
+    int dtype; /* an nqm_dtype, or -1: not supported */
 } element_type;
 
 static const element_type element_types[] = {{0, -1},      {1, NQM_U8},  {1, -1},      {2, -1},
@@ -56,7 +56,7 @@ static const element_type element_types[] = {{0, -1},      {1, NQM_U8},  {1, -1}
                                              {8, NQM_I64}, {2, -1},      {4, NQM_F32}, {8, NQM_F64}};
 enum { N_TYPES = sizeof element_types / sizeof *element_types };
 
-/* Check a field's data against the file. Shapes with more dimensions than nqm_tensor holds are refused. */
+/* Check that a field's data are inside the file, and set its size and pointer. */
 static nqm_status check_extent(const cursor *c, nqm_tensor *t, size_t element_size, nqm_error *err) {
     size_t n_bytes = element_size;
     for (size_t i = 0; i < t->n_dims; ++i)
@@ -73,7 +73,7 @@ static nqm_status check_extent(const cursor *c, nqm_tensor *t, size_t element_si
     return NQM_OK;
 }
 
-/* One entry of the table of contents. */
+/* Read one entry of the table of contents. */
 static nqm_status read_field(cursor *c, field *f, nqm_error *err) {
     nqm_tensor *t = &f->tensor;
     const unsigned char *p = take(c, 2);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Single members of a zip archive, through libzip. The archive is mapped, so that a missing file, a directory and an
- * unreadable one give the same messages as everywhere; a member's claimed size is checked before anything is allocated.
+ * Reads single members of a zip archive with libzip. nqm_map_open() maps the archive, so that a missing file, a
+ * directory and an unreadable file give the same messages as for other formats. A member's declared size is checked
+ * before memory is allocated.
  */
 #include "io/io.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm check - is a BRDF physically plausible? Reciprocity, energy conservation and positivity.
+ * nqm check - checks whether a BRDF is physically plausible: reciprocity, energy conservation and positivity.
  */
 #include "nqm/tool.h"
 
-/* The tolerance covers the error of measured data and of the quadrature. */
+/* The largest albedo that passes. The tolerance covers the errors of measured data and of the quadrature. */
 static const double max_albedo = 1.02;
 /* Measured data deviate by 1 to 5 %; more is reported as poor. */
 static const double noted_reciprocity = 0.05;

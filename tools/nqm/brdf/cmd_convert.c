@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm convert - write any BRDF as a MERL .binary table.
+ * nqm convert - writes any BRDF as a MERL .binary table.
  */
 #include "nqm/tool.h"
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm directions - make the directions at which BRDFs are compared, or show those of a model or file.
+ * nqm directions - makes the directions at which BRDFs are compared, or prints those of a model or file.
  */
 #include "nqm/tool.h"
 #include "sample/sample.h"
 
 #include <string.h>
 
-/* Read the references, make the directions, release the references. */
 static int make_directions(const nqm_directions_options *options, int n_refs, char **names,
                            nqm_directions **directions) {
     nqm_error err = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm info - what a BRDF, model or dataset file holds; `nqm info list` names the presets.
+ * nqm info - prints what a BRDF, model or dataset file contains; `nqm info list` prints the names of the presets.
  */
 #include "nqm/tool.h"
 
@@ -141,11 +141,12 @@ static int info_dataset(const char *path, bool json) {
     return exit_code;
 }
 
-/* ---- finding out what it is -------------------------------------------------------------------------------------- */
+/* ---- kind of a file ---------------------------------------------------------------------------------------------- */
 
 typedef enum file_kind { KIND_BRDF, KIND_MODEL, KIND_DATASET } file_kind;
 
-/* The JSON header of a safetensors file, or NULL: a length of eight bytes, then the header. *like_one: it begins so. */
+/* Read the JSON header of a safetensors file, which follows a length of eight bytes; NULL when it is not readable.
+ * *like_one is set to true when the file starts like a safetensors file. */
 static json_t *read_header(FILE *in, bool *like_one) {
     enum { MAX_HEADER = 1 << 26 };
     unsigned char start[9];
@@ -163,7 +164,7 @@ static json_t *read_header(FILE *in, bool *like_one) {
     return header;
 }
 
-/* Models, datasets, networks and tables are safetensors whose __metadata__.format tells which. */
+/* Models, datasets, networks and tables are safetensors files; __metadata__.format distinguishes them. */
 static file_kind kind_of(const char *path) {
     FILE *in = fopen(path, "rb");
     if (!in)
@@ -177,8 +178,7 @@ static file_kind kind_of(const char *path) {
     json_decref(header);
     if (dataset)
         return KIND_DATASET;
-    return safetensors && !brdf ? KIND_MODEL
-                                : KIND_BRDF; /* the reader of models has the best message for a damaged one */
+    return safetensors && !brdf ? KIND_MODEL : KIND_BRDF; /* the model reader has the best message for a damaged file */
 }
 
 static int info_list(bool json) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm sample - f_r of a BRDF at a list of directions.
+ * nqm sample - prints or saves f_r of a BRDF at a list of directions.
  */
 #include "metric/metric.h"
 #include "nqm/tool.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples, and where they were taken. */
+/* Samples of a BRDF and their directions. */
 typedef struct sample_set {
     const char *brdf;
     const nqm_directions *directions;
@@ -54,7 +54,7 @@ static int print_samples_json(const sample_set *s) {
                                 (json_int_t)s->report.n_invalid, "samples", samples));
 }
 
-/* The authors' files hold a value at every direction. */
+/* Write a MAT file. The authors' files have a value at every direction, so missing values are an error. */
 static int write_samples(const sample_set *s) {
     nqm_error err = {0};
     if (s->policy == NQM_INVALID_DROP && s->report.n_invalid)

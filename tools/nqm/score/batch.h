@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * batch.h - the results of `nqm batch` as text, and the unfinished file that a later run can go on with.
+ * batch.h - the results of `nqm batch` as text, and the unfinished output file that a later run can resume.
  */
 #ifndef NQM_TOOL_BATCH_H
 #define NQM_TOOL_BATCH_H
@@ -22,9 +22,9 @@ typedef struct batch_form {
     remark_terms terms;
 } batch_form;
 
-/** EXIT_OK, or a fault when a column of the list is called like one that the results add, or like another. */
+/** EXIT_OK, or an error when a column of the list has the name of a result column or of another column of the list. */
 int check_batch_columns(const batch_form *form);
-/** What goes before the rows, a row with its columns of the list, what goes behind them. */
+/** Print the text before the rows; a row, which is the columns of the list and the result; the text after the rows. */
 void print_batch_head(const batch_form *form, FILE *out);
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                      const nqm_error *err);
@@ -32,29 +32,30 @@ void print_batch_tail(const batch_form *form, FILE *out);
 
 /* ---- the file (batch_output.c) ----------------------------------------------------------------------------------- */
 
-/** How far an output has got. */
+/** Progress of an output. */
 typedef struct batch_progress {
-    bool begun; /* what goes before the rows is there */
+    bool begun; /* the text before the rows was written */
     size_t n_rows, n_failed;
 } batch_progress;
 
-/** Standard output, a device, or a file: FILE.part until it is complete, with FILE.part.journal beside it, which says
- *  after every block how much of it is sound. */
+/** Standard output, a device, or a file. A file is named FILE.part until it is complete; FILE.part.journal records
+ *  after every block how many bytes of it are valid. */
 typedef struct batch_output batch_output;
 
 /**
- * Open. EXIT_OK, or the fault is reported and its exit code returned.
+ * Open. Returns EXIT_OK; on failure, reports the error and returns its exit code.
  *
  * @param path    NULL or "-": standard output
- * @param terms   what a run that goes on must have in common with the one before; an object of JSON scalars; lent
- * @param resume  go on with FILE.part, when there is one; only files can be
- * @param done    receives what is there already; zeros for a new file
+ * @param terms   settings that a resumed run must have in common with the interrupted run; a JSON object of scalars;
+ *                borrowed
+ * @param resume  continue FILE.part if it exists; an error for anything but a file
+ * @param done    receives the progress of the interrupted run; zeros for a new file
  */
 int open_batch_output(const char *path, const json_t *terms, bool resume, batch_output **out_ret, batch_progress *done);
-/** Append complete rows and note in the journal that the file is sound up to here. As open_batch_output(). */
+/** Append complete rows and record in the journal that the file is valid up to here. Returns as open_batch_output(). */
 int append_batch_output(batch_output *out, const char *text, size_t n_bytes, const batch_progress *done);
-/** Close. complete: append `tail` and let the file appear under its name; else what was written stays for a later run. As
- *  open_batch_output(). NULL is allowed. */
+/** Close. complete: append `tail` and rename the file to its final name; otherwise FILE.part remains for a later run.
+ *  Returns as open_batch_output(). `out` may be NULL. */
 int close_batch_output(batch_output *out, bool complete, const char *tail, size_t n_tail);
 /** The name of the unfinished file; NULL: rows go to standard output or a device. */
 const char *batch_output_part(const batch_output *out);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where the rows of `nqm batch` go. Those of a file go to FILE.part first. After every block a line of FILE.part.journal
- * says how many rows it holds, in how many bytes, and their SHA-256; the journal begins with the terms of the run. A run
- * that is killed leaves both. A later one checks terms and hash, cuts off what no line of the journal vouches for, and
- * goes on, so that the finished file has the bytes of a run that was never stopped.
+ * Output of `nqm batch`. The rows of a file are written to FILE.part first. FILE.part.journal begins with the terms of
+ * the run; after every block, a line with the number of rows, of failed rows and of bytes so far and the SHA-256 of
+ * these bytes is appended. A killed run leaves both files. A run with --resume checks terms and hash, truncates
+ * FILE.part to the last checkpoint of the journal, and continues, so that the finished file is identical to that of an
+ * uninterrupted run.
  */
 #include "nqm/score/batch.h"
 
@@ -19,7 +20,7 @@
 static const char journal_mark[] = "nqm batch journal 1\n";
 
 struct batch_output {
-    FILE *stream;                /* of the part, of a device, or standard output */
+    FILE *stream;                /* FILE.part, a device, or standard output */
     char *path, *part, *journal; /* NULL: not a file */
     FILE *log;
     EVP_MD_CTX *sha; /* of all bytes so far */
@@ -52,7 +53,7 @@ static void free_output(batch_output *out) {
 
 /* ---- the hash ---------------------------------------------------------------------------------------------------- */
 
-/* Of all bytes that were added so far; more may follow. */
+/* SHA-256 of all bytes so far, as hex digits. It works on a copy of `sha`, so that more bytes can be added. */
 static bool hash_so_far(const EVP_MD_CTX *sha, char hex[65]) {
     unsigned char digest[EVP_MAX_MD_SIZE];
     unsigned n = 0;
@@ -64,7 +65,7 @@ static bool hash_so_far(const EVP_MD_CTX *sha, char hex[65]) {
     return good;
 }
 
-/* Add the first n bytes of the part. false when there are fewer. */
+/* Add the first n bytes of FILE.part to the hash; false when it has fewer. */
 static bool hash_part(batch_output *out, unsigned long long n) {
     char block[65536];
     while (n > 0) {
@@ -78,12 +79,12 @@ static bool hash_part(batch_output *out, unsigned long long n) {
 
 /* ---- the journal ------------------------------------------------------------------------------------------------- */
 
-/* A line of the journal: the part is sound up to here. */
+/* A line of the journal: the first n_bytes of FILE.part are valid. */
 typedef struct checkpoint {
     batch_progress done;
     unsigned long long n_bytes;
     char sha256[65];
-    long journal_end; /* byte behind the line */
+    long journal_end; /* offset of the byte after the line */
 } checkpoint;
 
 static int report_damage(const batch_output *out) {
@@ -91,7 +92,7 @@ static int report_damage(const batch_output *out) {
                   out->part);
 }
 
-/* The first line that differs in the terms names the fault. */
+/* Compare the terms in the journal with those of this run; the message names the first that differs. */
 static int compare_terms(const batch_output *out, const char *line, const json_t *terms) {
     json_t *before = json_loads(line, 0, NULL);
     if (!before)
@@ -117,7 +118,8 @@ static bool read_checkpoint(const char *line, checkpoint *c) {
            strlen(c->sha256) == 64 && line[n] == '\n' && !line[n + 1];
 }
 
-/* Find the last checkpoint whose bytes are there; journal_end 0: there is none, the run was killed at its very begin. */
+/* Find the last checkpoint whose bytes FILE.part contains. journal_end is 0 when there is none: the run was killed
+ * before its first checkpoint. */
 static int read_journal(batch_output *out, const json_t *terms, checkpoint *last) {
     struct stat st;
     char *line = NULL;
@@ -128,7 +130,7 @@ static int read_journal(batch_output *out, const json_t *terms, checkpoint *last
         return cannot_write(out->part);
     for (size_t number = 0; exit_code == EXIT_OK; ++number) {
         ssize_t n = getline(&line, &room, out->log);
-        if (n <= 0 || line[n - 1] != '\n') /* the end, or a line that was being written */
+        if (n <= 0 || line[n - 1] != '\n') /* end of file, or an incomplete line */
             break;
         checkpoint c = {0};
         if (number == 0) {
@@ -157,7 +159,7 @@ static int begin_journal(batch_output *out, const json_t *terms) {
     return bad ? cannot_write(out->journal) : EXIT_OK;
 }
 
-/* Go on behind the checkpoint. */
+/* Verify the hash, truncate FILE.part and the journal to the checkpoint, and position both at their end. */
 static int continue_part(batch_output *out, const checkpoint *last) {
     char sha256[65] = "";
     rewind(out->stream);
@@ -173,7 +175,7 @@ static int continue_part(batch_output *out, const checkpoint *last) {
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-/* PATH with `suffix`, from the root, as the working folder may change. */
+/* Absolute path of `path` with `suffix`, because --root changes the working folder later. free() it. */
 static char *full_path(const char *path, const char *suffix) {
     char *folder = *path == '/' ? strdup("") : getcwd(NULL, 0);
     size_t n = folder ? strlen(folder) + strlen(path) + strlen(suffix) + 2 : 0;
@@ -184,7 +186,7 @@ static char *full_path(const char *path, const char *suffix) {
     return full;
 }
 
-/* Open for reading and writing, made when it is not there. */
+/* Open for reading and writing; create the file if it does not exist. */
 static FILE *open_kept(const char *path) {
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     FILE *stream = fd < 0 ? NULL : fdopen(fd, "r+");
@@ -201,7 +203,7 @@ static int open_part(batch_output *out, const char *path, const json_t *terms, b
     if (!out->path || !out->part || !out->journal || !out->sha || EVP_DigestInit_ex(out->sha, EVP_sha256(), NULL) != 1)
         return out_of_memory();
     bool goes_on =
-        resume && access(out->part, F_OK) == 0; /* a journal alone is left when the run ended after renaming */
+        resume && access(out->part, F_OK) == 0; /* only a journal remains when a run was killed after the rename */
     if (goes_on && access(out->journal, F_OK) != 0)
         return report("batch", EXIT_INCOMPATIBLE, "%s has no journal beside it: remove it to begin anew", out->part);
     out->log = open_kept(out->journal);
@@ -258,7 +260,7 @@ static bool write_all(batch_output *out, const char *text, size_t n_bytes) {
 
 int append_batch_output(batch_output *out, const char *text, size_t n_bytes, const batch_progress *done) {
     if (!out->part)
-        end_progress(); /* it may stand on the same terminal */
+        end_progress(); /* the progress line may be on the same terminal */
     if (!write_all(out, text, n_bytes))
         return cannot_write(out->part);
     if (!out->part)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rows of `nqm batch` as CSV, as JSON Lines and as one JSON document (doc/cli.md). Columns of the list come first, as
- * they were.
+ * Rows of `nqm batch` as CSV, as JSON Lines and as one JSON document (doc/cli.md). The columns of the list come first,
+ * unchanged.
  */
 #include "nqm/score/batch.h"
 
@@ -62,7 +62,7 @@ static void print_csv_cells(const batch_form *form, FILE *out, size_t row) {
 }
 
 static void print_csv_warnings(FILE *out, const json_t *warnings) {
-    char text[4600] = ""; /* seven remarks of 600 bytes at most */
+    char text[4600] = ""; /* at most seven remarks of up to 600 bytes */
     for (size_t i = 0, n = 0; i < json_array_size(warnings) && n < sizeof text; ++i)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", i ? "; " : "",
                               json_string_value(json_array_get(warnings, i)));
@@ -93,7 +93,7 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-/* `value` is released. */
+/* Print `value` and release it. */
 static void print_json_value(FILE *out, json_t *value) {
     json_dumpf(value, out, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9));
     json_decref(value);
@@ -157,7 +157,7 @@ static void print_json_head(const batch_form *form, FILE *out) {
     fputs(",\"results\":[\n", out);
 }
 
-/* ---- any --------------------------------------------------------------------------------------------------------- */
+/* ---- any format -------------------------------------------------------------------------------------------------- */
 
 void print_batch_head(const batch_form *form, FILE *out) {
     if (form->format == BATCH_CSV)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm batch - the scores of a list of pairs, in its order. batch_print.c writes the rows, batch_output.c keeps them when
- * the run is stopped.
+ * nqm batch - scores the pairs of a list in the order of the list. batch_print.c formats the rows; batch_output.c
+ * writes them, so that an interrupted run can be resumed.
  */
 #include "nqm/score/batch.h"
 
@@ -22,7 +22,7 @@ typedef struct batch_run {
     nqm_scorer *scorer;
     batch_output *out;
     batch_progress done;
-    size_t n_before; /* rows that an earlier run left */
+    size_t n_before; /* rows that an earlier run wrote */
     double begin_s;
     nqm_score_result results[NQM_SCORE_BLOCK];
     nqm_error errors[NQM_SCORE_BLOCK];
@@ -47,7 +47,7 @@ static batch_format choose_format(const batch_run *run) {
     return run->output && ends_with(run->output, ".json") ? BATCH_JSON : BATCH_CSV;
 }
 
-/* What a run that goes on must have in common with the one before. */
+/* Settings that a resumed run must have in common with the interrupted run. */
 static json_t *make_terms(const batch_run *run) {
     static const char *const formats[] = {"csv", "jsonl", "json"};
     nqm_model_info info = nqm_model_get_info(run->model);
@@ -66,7 +66,8 @@ static int show_speed(const batch_run *run) {
     return show_progress(NULL, "batch", (double)n, (double)(nqm_pair_list_count(run->list) - run->n_before));
 }
 
-/* Write the rows [done, begin + n) of a block that begins at row `begin`; a row that fails ends it unless we keep going. */
+/* Write the rows [done, begin + n) of a block that begins at row `begin`; it stops before the first failed row unless
+ * --keep-going is given. */
 static int write_block(batch_run *run, size_t begin, size_t n) {
     char *text = NULL;
     size_t n_bytes = 0;
@@ -92,7 +93,7 @@ static int write_block(batch_run *run, size_t begin, size_t n) {
     return exit_code;
 }
 
-/* Blocks begin at the same rows in every run, as the last bits of a score depend on its place in the block. */
+/* Blocks begin at the same rows in every run, because the last bits of a score depend on its position in the block. */
 static int score_rows(batch_run *run) {
     size_t n_rows = nqm_pair_list_count(run->list);
     size_t begin = run->done.n_rows - run->done.n_rows % NQM_SCORE_BLOCK;
@@ -115,7 +116,7 @@ static int score_rows(batch_run *run) {
     return EXIT_OK;
 }
 
-/* The text before the first row, or behind the last; free() it. NULL: out of memory. */
+/* The text before the first row or after the last; free() it. NULL: out of memory. */
 static char *frame(const batch_form *form, void (*print)(const batch_form *, FILE *), size_t *n_bytes_ret) {
     char *text = NULL;
     FILE *stream = open_memstream(&text, n_bytes_ret);
@@ -138,7 +139,7 @@ static int write_head(batch_run *run) {
     return exit_code;
 }
 
-/* Say what is left to do, or which rows failed; and the exit code. */
+/* Close the output, report how many rows are written or failed, and return the exit code. */
 static int settle(batch_run *run, int exit_code) {
     size_t n_rows = nqm_pair_list_count(run->list), n_bytes = 0;
     bool complete = exit_code == EXIT_OK;
@@ -148,7 +149,7 @@ static int settle(batch_run *run, int exit_code) {
         report("batch", exit_code, "%zu of %zu rows are in %s; --resume goes on with them", run->done.n_rows, n_rows,
                part);
     char *tail = frame(&run->form, print_batch_tail, &n_bytes);
-    bool close_document = complete || !part; /* what goes to a pipe should be parsed, even when it ends early */
+    bool close_document = complete || !part; /* output to a pipe must be valid JSON even when the run ends early */
     int closed = close_batch_output(run->out, close_document && tail, tail, n_bytes);
     free(tail);
     run->out = NULL;
@@ -159,7 +160,8 @@ static int settle(batch_run *run, int exit_code) {
     return exit_code;
 }
 
-/* Output and journal are named from the working folder, BRDFs from --root. */
+/* Open everything. Paths of list and output are relative to the working folder, paths of BRDFs to --root: the output is
+ * opened before chdir(). */
 static int open_all(batch_run *run) {
     nqm_error err = {0};
     int exit_code = open_model("batch", run->model_name, &run->model);

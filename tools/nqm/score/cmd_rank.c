@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm rank - approximations in the order of how good they look. rank.c orders and prints.
+ * nqm rank - sorts approximations by their JOD. rank.c sorts and prints.
  */
 #include "nqm/score/rank.h"
 
@@ -14,12 +14,12 @@ typedef struct rank_run {
     nqm_model *model;
     nqm_pair_list *list;
     nqm_scorer *scorer;
-    nqm_named_pair *pairs; /* (n) in the order of the arguments, as the next two */
+    nqm_named_pair *pairs; /* (n) in the order of the arguments, like results and errors */
     nqm_score_result *results;
     nqm_error *errors;
 } rank_run;
 
-/* In portions, so that Ctrl-C is heard. */
+/* Score in blocks, so that Ctrl-C is noticed between them. */
 static int score_pairs(rank_run *run, size_t n) {
     nqm_error err = {0};
     for (size_t begin = 0; begin < n; begin += NQM_SCORE_BLOCK) {
@@ -34,7 +34,7 @@ static int score_pairs(rank_run *run, size_t n) {
     return interrupted() ? EXIT_INTERRUPTED : EXIT_OK;
 }
 
-/* Messages of tests without a score, in the order of the arguments; the exit code is that of the first. */
+/* Report the errors of tests without a score, in the order of the arguments. Returns the exit code of the first. */
 static int report_faults(const rank_run *run, size_t n) {
     int exit_code = EXIT_OK;
     for (size_t i = 0; i < n; ++i)
@@ -67,7 +67,7 @@ static int rank_pairs(rank_run *run, size_t n) {
     return exit_code == EXIT_OK ? report_faults(run, n) : exit_code;
 }
 
-/* From the arguments REF TEST..., or from the list. */
+/* Take the pairs from the arguments REF TEST..., or from the list. */
 static int gather_pairs(rank_run *run, int n_arguments, char **arguments, size_t *n_ret) {
     nqm_error err = {0};
     if (run->list_path && nqm_pair_list_load(input_path(run->list_path), &run->list, &err) != NQM_OK)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm score - how good approximations look beside their reference. score_run.c makes the scores, score_print.c prints
- * them.
+ * nqm score - predicts how good approximations look compared with their reference. score_run.c computes the scores,
+ * score_print.c prints them.
  */
 #include "nqm/score/score.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* The first fault of a test decides; then the gate. */
+/* The exit code of the first test without a score; else EXIT_GATE when a JOD is below --fail-under. */
 static int settle_exit_code(const score_run *run, double fail_under) {
     for (size_t i = 0; i < run->n_rows; ++i)
         if (run->rows[i].err.status != NQM_OK)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lists of pairs from CSV and from JSON Lines, with their further columns. A row is a run of cells; texts of a CSV are
- * lent by its reader, those of JSON Lines are owned.
+ * Reads lists of pairs, with any further columns, from CSV and JSON Lines. The cells of a row are contiguous. Texts of
+ * a CSV are borrowed from its reader; texts of JSON Lines are owned by the list.
  */
 #include "nqm/score/pair_list.h"
 
@@ -104,10 +104,10 @@ static nqm_status take_csv(nqm_pair_list *list, const char *name, nqm_error *err
 typedef struct json_line {
     const char *name; /* of the file */
     size_t number;    /* from 1 */
-    int64_t at;       /* byte of its begin */
+    int64_t at;       /* byte offset of its first character */
 } json_line;
 
-/* The column of a name, added when it is new. */
+/* Find the column with a name; add it if it is new. */
 static nqm_status find_column(nqm_pair_list *list, const json_line *line, const char *name, size_t *column_ret,
                               nqm_error *err) {
     for (size_t k = 0; k < list->n_columns; ++k)
@@ -189,7 +189,7 @@ static bool is_blank_text(const char *text, size_t n) {
 
 static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t begin, size_t n_bytes, const char *name,
                                   nqm_error *err) {
-    size_t n_lines = 1, n_members = 0; /* at most as many as there are colons */
+    size_t n_lines = 1, n_members = 0; /* n_members: upper bound, the number of colons */
     for (size_t i = 0; i < n_bytes; ++i) {
         n_lines += text[i] == '\n';
         n_members += text[i] == ':';
@@ -222,7 +222,7 @@ nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *nam
                                nqm_error *err) {
     *list_ret = NULL;
     nqm_pair_list *list = nqm_alloc(1, sizeof *list);
-    char *copy = nqm_alloc(n_bytes + 1, 1); /* ends with NUL, which the scanning of blanks needs */
+    char *copy = nqm_alloc(n_bytes + 1, 1); /* NUL-terminated, which strspn() needs */
     nqm_status status = NQM_OK;
     size_t begin = 0;
     if (!list || !copy) {
@@ -232,7 +232,7 @@ nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *nam
     if (n_bytes)
         memcpy(copy, text, n_bytes);
     if (n_bytes >= 3 && memcmp(copy, "\xef\xbb\xbf", 3) == 0)
-        begin = 3; /* the byte order mark of some editors */
+        begin = 3; /* UTF-8 byte order mark, which some editors write */
     bool json = copy[begin + strspn(copy + begin, " \t\r\n")] == '{';
     status = hash_list(copy, n_bytes, list->sha256, err);
     if (status == NQM_OK && json)

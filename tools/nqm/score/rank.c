@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The order of `nqm rank`, and its forms.
+ * Sorting and output of `nqm rank`.
  */
 #include "nqm/score/rank.h"
 
@@ -8,10 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Scores nearer than this are equal: it is ten times what the grouping of pairs changes by rounding. */
+/* Scores that differ by less share a rank. The limit is ten times the rounding differences between groupings of
+ * pairs. */
 static const double tie_jod = 1e-4;
 
-/* ---- order ------------------------------------------------------------------------------------------------------- */
+/* ---- sorting ----------------------------------------------------------------------------------------------------- */
 
 static bool has_score(const rank_row *row) {
     return row->result.status == NQM_OK;
@@ -46,7 +47,7 @@ static void number_groups(ranking *r) {
     for (size_t i = 0; i < r->n_rows; ++i) {
         bool new_one = i == 0 || strcmp(r->rows[i].pair.ref, r->rows[i - 1].pair.ref) != 0;
         first = new_one ? r->rows[i].order : first;
-        r->rows[i].group = first; /* any number that rises with the first appearance will do */
+        r->rows[i].group = first; /* only the order of the numbers matters */
     }
 }
 
@@ -57,7 +58,7 @@ static bool same_group(const ranking *r, size_t i, size_t k) {
 void rank_rows(ranking *r) {
     number_groups(r);
     qsort(r->rows, r->n_rows, sizeof *r->rows, by_quality);
-    size_t best = 0, leader = 0; /* of the reference; of those with an equal score */
+    size_t best = 0, leader = 0; /* first row of the reference; first row with an equal score */
     for (size_t i = 0; i < r->n_rows; ++i) {
         rank_row *row = &r->rows[i];
         row->over_next = row->best_preferred = (double)NAN;
@@ -76,7 +77,7 @@ void rank_rows(ranking *r) {
     }
 }
 
-/* ---- forms ------------------------------------------------------------------------------------------------------- */
+/* ---- output ------------------------------------------------------------------------------------------------------ */
 
 static void print_percent(double share) {
     if (isfinite(share))

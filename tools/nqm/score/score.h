@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * score.h - what `nqm score` computes and how it prints it, and what `nqm batch` and `nqm rank` share with it.
+ * score.h - computing and printing of the scores of `nqm score`, and functions that `nqm batch` and `nqm rank` use too.
  */
 #ifndef NQM_TOOL_SCORE_H
 #define NQM_TOOL_SCORE_H
@@ -8,7 +8,7 @@
 #include "metric/metric.h"
 #include "nqm/tool.h"
 
-/** A test and its score, or why it has none. */
+/** A test and its score, or the error when it has none. */
 typedef struct score_row {
     const char *name;
     nqm_brdf *brdf; /* NULL: it could not be opened */
@@ -29,7 +29,7 @@ typedef struct score_run {
     score_row *rows; /* (n_rows) in the order of the arguments */
 } score_run;
 
-/** What remarks speak of. */
+/** Settings that remarks refer to. */
 typedef struct remark_terms {
     size_t n_directions;
     nqm_invalid_policy invalid;
@@ -39,22 +39,22 @@ typedef struct remark_terms {
 void remark_on_reference(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
 void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
 
-/** Which metrics --metrics asks for: "all" or names with commas. EXIT_OK, or a usage error that lists the names.
- *  chosen: (NQM_METRIC_COUNT) */
+/** Parse --metrics: "all" or names separated by commas. EXIT_OK, or a usage error that lists the names. chosen:
+ *  (NQM_METRIC_COUNT) */
 int choose_metrics(const char *verb, const char *text, bool *chosen);
-/** The "model" member of results: id, sha256, parameters, and the precision where it is not the usual one. */
+/** The "model" member of results: id, sha256, parameters, and the precision when it is not f32. */
 json_t *model_json(const nqm_model *model, nqm_precision precision);
 
-/** Open the model, the reference and the tests that run->ref_name and run->test_names name, and score them; faults of
- *  single tests stand in their rows. EXIT_OK, or the fault is reported and its exit code returned. free_scores() in any
- *  case. */
+/** Open the model, the reference and the tests that run->ref_name and run->test_names name, and score them; errors of
+ *  single tests are stored in their rows. Returns EXIT_OK; on failure, reports the error and returns its exit code.
+ *  Call free_scores() in both cases. */
 int make_scores(const char *verb, score_run *run, const char *model_name);
-/** Free what make_scores() made. */
+/** Free the results of make_scores(). */
 void free_scores(score_run *run);
 
-/** What `nqm score --json` prints. */
+/** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
-/** Share of people who would say that the reference looks better; 0.5 is guessing. */
+/** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
 double noticed_share(const nqm_score_result *result);
 /** What a score means, in words. */
 const char *verdict_words(const nqm_score_result *result);

@@ -9,7 +9,7 @@
 
 /* ---- remarks ----------------------------------------------------------------------------------------------------- */
 
-/* On standard error, those about the reference once. */
+/* Print remarks on standard error; remarks about the reference are printed once. */
 static void print_remarks(const score_run *run) {
     const remark_terms terms = {run->n_directions, run->options.invalid};
     json_t *remarks = json_array();
@@ -101,7 +101,7 @@ static void print_quiet(const score_run *run) {
 
 /* ---- JSON and CSV ------------------------------------------------------------------------------------------------ */
 
-/* A number of the result; NaN, which becomes null or nothing, when the test has no score. */
+/* `value`, or NaN when the test has no score; NaN is printed as null in JSON and as an empty field in CSV. */
 static double number_of(const score_row *row, double value) {
     return row->err.status == NQM_OK ? value : (double)NAN;
 }
@@ -169,7 +169,7 @@ static void print_scores_csv(const score_run *run) {
 
 int print_scores(const score_run *run) {
     switch (run->format) {
-    case FORMAT_JSON: /* the remarks stand in it */
+    case FORMAT_JSON: /* the document contains the remarks */
         return print_json(json_scores(run));
     case FORMAT_CSV:
         print_scores_csv(run);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * From names of BRDFs to their scores, for the verbs that score one reference and its tests.
+ * Opens a reference and its tests by name and scores them, for the commands that score one reference.
  */
 #include "nqm/score/score.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Why a test that could be opened has no score. */
+/* Set the error of a test that was opened but has no score. */
 static void explain(const score_run *run, score_row *row) {
     const nqm_score_result *r = &row->result;
     row->err.status = r->status;
@@ -22,7 +22,7 @@ static void explain(const score_run *run, score_row *row) {
         snprintf(row->err.message, sizeof row->err.message, "%s: %s", row->name, nqm_status_text(r->status));
 }
 
-/* Open every test, score those that open, leave the reason in the rows of the others. */
+/* Open every test and score those that can be opened; the rows of the others receive the error. */
 static nqm_status score_tests(score_run *run, nqm_error *err) {
     const nqm_brdf **tests = calloc(run->n_rows, sizeof *tests);
     nqm_score_result *results = calloc(run->n_rows, sizeof *results);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the verbs that score share: remarks on values of a pair, the words of --metrics, and the model.
+ * Shared by the commands that score: remarks on the values of a pair, parsing of --metrics, and the model in JSON.
  */
 #include "nqm/score/score.h"
 
@@ -18,7 +18,7 @@ __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, co
     json_array_append_new(remarks, json_string(text));
 }
 
-/* What one BRDF gave cause for. */
+/* Numbers of directions at which one BRDF gives cause for a remark. */
 typedef struct causes {
     const char *who;
     size_t n_clamped, n_invalid, n_unusual;
