@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""nqm's model files for other programs: weights as NumPy arrays, the features of a pair, and the network as an ONNX file in
-float and dynamically quantised to int8. ONNX files are protocol buffers; their messages are written here without a library."""
+"""Reads nqm's model files for other frameworks: weights as NumPy arrays, the features of a pair, and the network as an
+ONNX file in float and dynamically quantised to int8. ONNX files are protocol buffers; this file encodes the messages
+without a library."""
 import json
 import struct
 
@@ -33,7 +34,7 @@ class Model:
         return self.tensors[f"layers.{layer}.norm.weight"], self.tensors[f"layers.{layer}.norm.bias"]
 
     def input(self, ref, test):
-        """The input of the network for samples of f_r (n, 3) of both BRDFs; layout ref_test only."""
+        """The network's input for samples of f_r in 1/sr, (n, 3), of both BRDFs; layout ref_test only."""
         mean, std = self.tensors["whitening.mean"], self.tensors["whitening.std"]
         halves = [(np.log(np.cbrt(f) + 1) - mean) / std for f in (ref, test)]
         return np.concatenate([h.reshape(-1) for h in halves]).astype(np.float32)
@@ -113,7 +114,7 @@ class Graph:
         return self.add("Add", [product, self.constant(bias)])
 
     def gelu(self, x):
-        """In the form that ONNX Runtime recognises and fuses into one operation."""
+        """GELU as the sequence of nodes that ONNX Runtime recognises and fuses into one operation."""
         erf = self.add("Erf", [self.add("Div", [x, self.constant(np.float32(np.sqrt(2)))])])
         half = self.add("Mul", [x, self.add("Add", [erf, self.constant(np.float32(1))])])
         return self.add("Mul", [half, self.constant(np.float32(0.5))])
@@ -130,5 +131,5 @@ def write_onnx(model, path, as_bytes):
             x = g.gelu(g.add("LayerNormalization", [x] + norm, [integer("axis", 1), number("epsilon", 1e-5)]))
     graph = b"".join(field(1, n) for n in g.nodes) + field(2, "nqm") + b"".join(field(5, t) for t in g.tensors)
     graph += field(11, value_info("x", model.sizes[0])) + field(12, value_info(x, 1))
-    with open(path, "wb") as out:  # IR version 8, operators of version 17
+    with open(path, "wb") as out:  # IR version 8, operator set 17
         out.write(field(1, 8) + field(8, field(1, "") + field(2, 17)) + field(7, graph))

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Compares nqm with PyTorch and ONNX Runtime on the same weights and inputs. They are timed in turns, so that other programs
-on the machine disturb all of them alike. ./dev bench peers runs it. Prints Markdown tables; --json FILE stores all values.
+"""Compares nqm with PyTorch and ONNX Runtime on the same weights and inputs. The timings alternate between the
+programs, so that other load on the machine disturbs all of them alike. ./dev bench peers runs it. Prints Markdown
+tables; --json FILE stores all values.
 
-The programs must agree before they are timed: the JOD of a few pairs by PyTorch and ONNX Runtime in float is within 1e-4
-of `nqm score`."""
+Before timing, it checks that the JOD of a few pairs by PyTorch and ONNX Runtime in float is within 1e-4 of `nqm
+score`."""
 import argparse
 import csv
 import io
@@ -48,7 +49,7 @@ class Worker:
 
 
 def bench(tool, *arguments):
-    """The rows of `nqm bench`, without the peaks."""
+    """The rows of `nqm bench`, without those that measure the machine's peak rates."""
     done = subprocess.run([tool, "bench", *arguments, "--json"], check=True, capture_output=True, text=True)
     return [row for row in json.loads(done.stdout)["rows"] if row["bench"] != "peak"]
 
@@ -102,7 +103,7 @@ def race_scores(args, folder):
                                    *(f"{name}={path}" for name, path in files.items())])
     say(f"PyTorch {torch.version}, ONNX Runtime {onnx.version}")
     check_agreement(model, our_scores(args.tool, args.model), [torch, onnx])
-    times = {}  # (batch, precision, who) to seconds of each turn
+    times = {}  # (batch, precision, program) -> list of seconds, one per turn
     for turn in range(args.turns):
         say(f"scoring, turn {turn + 1} of {args.turns}")
         for row in bench(args.tool, "score", "--model", args.model, "--rounds", str(args.rounds)):

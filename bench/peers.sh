@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Compares nqm with PyTorch (Debian's python3-torch, with OpenBLAS) and ONNX Runtime (the npm package onnxruntime-node, fetched
-# into FOLDER) by bench/peers.py. ./dev bench peers runs it.
+# Runs bench/peers.py, which compares nqm with PyTorch (Debian's python3-torch with OpenBLAS) and ONNX Runtime (the npm
+# package onnxruntime-node, downloaded into FOLDER). ./dev bench peers runs it.
 # usage: peers.sh TOOL FOLDER [options of peers.py]
 set -eu
 tool=$1 folder=$2 here=$(dirname "$0")
@@ -17,7 +17,7 @@ command -v npm >/dev/null 2>&1 || {
     exit 1
 }
 mkdir -p "$folder"
-# Without its install script, which would fetch libraries for graphics cards.
+# The package's install script would download GPU libraries.
 [ -d "$folder/node_modules/onnxruntime-node" ] ||
     npm install --prefix "$folder" --ignore-scripts --no-audit --no-fund --save-exact "onnxruntime-node@$onnx_version" >&2
 exec "$python" "$here/peers.py" --tool "$tool" --model "$here/../models/full/paper.safetensors" --packages "$folder" \

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs all benchmarks of nqm and writes them to a folder: tables to report.md, all values to NAME.json. ./dev bench runs it, in
-# about two minutes. The results are valid only while no other program runs.
+# Runs all benchmarks of nqm and writes the results to FOLDER: tables to report.md, all values to NAME.json. ./dev bench
+# runs it; it takes about two minutes. The results are valid only if no other program runs.
 # usage: run.sh TOOL FOLDER [options of nqm bench, such as --quick]
 set -eu
 tool=$1 folder=$2

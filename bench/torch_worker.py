@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """PyTorch for bench/peers.py: answers each line of standard input with a line of JSON.
 
-score MODEL THREADS INPUTS: "check N", "time BATCH ROUNDS SECONDS" as in bench/onnx_worker.mjs, for each implementation of the network
-train THREADS WAY: "epoch" trains one epoch of the paper's run and answers with its seconds; "memory" with the peak in MB
+score MODEL THREADS INPUTS: "check N" and "time BATCH ROUNDS SECONDS" as in bench/onnx_worker.mjs, for each
+implementation of the network
+train THREADS WAY: "epoch" trains one epoch of the paper's run and answers with its time in seconds; "memory" answers
+with the peak memory in MB
 """
 import json
 import os
@@ -19,7 +21,7 @@ warnings.filterwarnings("ignore")
 
 
 def version():
-    """Versions of PyTorch and of its BLAS: the reference BLAS is fifty times slower than OpenBLAS."""
+    """Versions of PyTorch and of its BLAS. The BLAS matters: the reference BLAS is fifty times slower than OpenBLAS."""
     torch.ones(2, 2) @ torch.ones(2, 2)
     with open("/proc/self/maps", encoding="utf-8") as maps:
         libraries = {os.path.basename(line.split()[-1]) for line in maps if "blas" in line}
@@ -27,7 +29,7 @@ def version():
 
 
 class Norm(nn.LayerNorm):
-    """In float, also under autocast: this version of PyTorch cannot mix bfloat16 with float parameters."""
+    """LayerNorm in float, also under autocast: this version of PyTorch cannot mix bfloat16 with float parameters."""
 
     def forward(self, x):
         return super().forward(x.to(self.weight.dtype))
@@ -55,7 +57,8 @@ def with_weights(model):
 
 
 def scoring_ways(model, example):
-    """Name to function of x (n, inputs); those that this build of PyTorch cannot run are skipped."""
+    """Map of name to function of x (n, n_inputs). Implementations that this build of PyTorch cannot run are left
+    out."""
     from torch.utils import mkldnn
 
     def frozen(net, x):
@@ -126,8 +129,9 @@ N_TRAIN, N_VALIDATION, BATCH = 5344, 668, 512
 
 
 class Training:
-    """The paper's run (section 3.2) on random numbers of the paper's sizes. Ways: "authors", simple code with data
-    loaders; "tuned", batches by index from one tensor and the foreach form of Adam; "bf16", the same under autocast."""
+    """The paper's training run (section 3.2) on random data of the paper's sizes. Ways: "authors", simple code with
+    data loaders; "tuned", batches indexed from one tensor and the foreach form of Adam; "bf16", the same under
+    autocast."""
 
     def __init__(self, way):
         torch.manual_seed(1)
@@ -179,7 +183,7 @@ class Training:
 
 def serve_training(way):
     training = Training(way)
-    training.epoch()  # the first call allocates, and is not timed
+    training.epoch()  # the first call is not timed because it allocates
     print(json.dumps({"version": version()}), flush=True)
     for line in sys.stdin:
         if line.strip() == "memory":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-# cmake -DOUTPUT=file.c "-DINPUTS=a.csv;b.csv" -P embed_text.cmake: write the text of each input as C string literals, a line
-# each, in an array of {name, model, doi, text} that ends with NULL; and the names of all rows as "TABLE:ROW". Model and DOI are
-# the words behind "Model" and "DOI" in the comments of the table.
+# cmake -DOUTPUT=file.c "-DINPUTS=a.csv;b.csv" -P embed_text.cmake: write the text of each input as C string literals,
+# one per line, in a NULL-terminated array of {name, model, doi, text}; and the names of all rows as "TABLE:ROW". The
+# model and the DOI are the words that follow "Model" and "DOI" in the comments of the table.
 set(tables "")
 set(names "")
 foreach(input IN LISTS INPUTS)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Turn the tables of presets/ into C: generated/presets_data.c holds every CSV file of the folder as text.
-# The library parses them when a preset is asked for; cmake/embed_text.cmake does the conversion at build time.
+# Embed the tables of presets/: cmake/embed_text.cmake writes every CSV file of the folder as text to
+# generated/presets_data.c at build time. The library parses a table when a preset is requested.
 file(GLOB preset_tables CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/presets/*.csv)
 set(presets_c ${CMAKE_BINARY_DIR}/generated/presets_data.c)
 add_custom_command(OUTPUT ${presets_c}

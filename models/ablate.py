@@ -4,10 +4,10 @@
 
 usage: models/ablate.py DATASET WORK VARIANTS.txt [--seeds 3] [--tool build/nqm] [--by range]
 
-VARIANTS.txt has a line for each variant: a name, a colon, flags of `nqm train` ("no scalars: --no-scalars --dropout 0.2"); '#' begins
-a comment. WORK keeps models and results: what is there already is not trained again. Prints mean (and standard deviation over the
-seeds) of Spearman over all validation pairs, of its mean over materials, of MAE in JOD, and of Spearman in each further table. Test
-pairs are not looked at."""
+VARIANTS.txt has one line per variant: a name, a colon, flags of `nqm train` ("no scalars: --no-scalars --dropout 0.2");
+'#' begins a comment. WORK stores models and results; variants with a model in WORK are not trained again. Prints the
+mean (and the standard deviation over the seeds) of four statistics: Spearman over all validation pairs, its mean over
+materials, the MAE in JOD, and Spearman in each further table. Test pairs are not used."""
 import argparse
 import json
 import os
@@ -23,7 +23,7 @@ def read_variants(path):
 
 
 def results_of(options, name, flags, seed):
-    """Tables of `nqm eval` for one variant and seed: selection -> figures of the model."""
+    """Tables of `nqm eval` for one variant and seed: selection -> statistics of the model."""
     stem = os.path.join(options.work, "{}-{}".format("".join(c if c.isalnum() else "_" for c in name), seed))
     model, judged = stem + ".safetensors", f"{stem}-{options.by}.json"
     if not os.path.exists(model):

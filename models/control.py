@@ -1,16 +1,17 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A control for the networks: boosted trees on the scalar features of a pair, judged beside them.
+"""A control for the networks: boosted trees on the scalar features of a pair, evaluated on the same pairs.
 
 usage: models/control.py PAIRS.csv... [--judge test] [--seeds 3] [--csv OUT.csv] [--json OUT.json] [--pairs OUT.csv]
 
-PAIRS.csv are files of `nqm eval --pairs`; together they hold the training pairs and those to judge on (split `--judge`). The trees
-(histogram boosting, Ke et al. 2017) learn log Delta-E from the columns `scalar:` of the training pairs. Their sizes and number come
-from the validation materials, or from folds of the training materials when the validation materials are those judged on. Each seed
-leaves a random tenth of the training materials out; the control is the mean over the seeds, and each seed is also judged alone.
-Models and metrics in the files are judged on the same pairs, and so are rank averages of the control with each model. Models NAME,
-NAME-seed2, NAME-seed3 are seeds of one recipe: their mean and standard deviation are given too. Intervals are bootstrap percentiles
-over materials, as in `nqm eval`. Needs numpy, scipy and scikit-learn (Debian: python3-sklearn)."""
+PAIRS.csv are files of `nqm eval --pairs`; together they contain the training pairs and the evaluation pairs (split
+`--judge`). The trees (histogram boosting, Ke et al. 2017) learn log Delta-E from the columns `scalar:` of the training
+pairs. Their sizes and number are selected on the validation materials, or on folds of the training materials if the
+validation materials are the evaluation materials. Each seed omits a random tenth of the training materials; the control
+is the mean over the seeds, and each seed is also evaluated by itself. The models and metrics in the files, and rank
+averages of the control with each model, are evaluated on the same pairs. Models NAME, NAME-seed2, NAME-seed3 are seeds
+of one recipe: their mean and standard deviation are also printed. Intervals are bootstrap percentiles over materials,
+as in `nqm eval`. Needs numpy, scipy and scikit-learn (Debian: python3-sklearn)."""
 import argparse
 import csv
 import json
@@ -29,7 +30,7 @@ METRICS = ["rmse", "mae", "rms_crwe", "ma_crwe", "rms_loge", "ma_loge", "rms_log
 
 
 def read(paths):
-    """Rows of all files, each pair once, and the names of the models in the files that hold the pairs to judge on."""
+    """Rows of all files, each pair once, and the names of the models in the files that contain the evaluation pairs."""
     rows = []
     for path in paths:
         with open(path, newline="", encoding="utf-8") as file:
@@ -65,7 +66,7 @@ def boosted(settings, n_trees, x, y):
 
 
 def folds_of(train, seed):
-    """(fit, hold out) masks over the training pairs, by material."""
+    """(fit, held-out) masks over the training pairs, split by material."""
     materials = numpy.random.default_rng(seed).permutation(numpy.unique(train.material))
     for k in range(FOLDS):
         held = numpy.isin(train.material, materials[k::FOLDS])
@@ -78,7 +79,8 @@ def curve_of_errors(settings, fit, held):
 
 
 def choose(train, validation):
-    """The settings and the number of trees with the least mean absolute error of log Delta-E on materials not fitted to."""
+    """The settings and the number of trees with the smallest mean absolute error of log Delta-E on held-out
+    materials."""
     best = None
     for settings in GRID:
         if validation:
@@ -99,7 +101,7 @@ def fit_seed(train, settings, n_trees, seed):
     return boosted(settings, n_trees, train.x[keep], train.target[keep])
 
 
-# ---- judging ---------------------------------------------------------------------------------------------------------
+# ---- evaluation ------------------------------------------------------------------------------------------------------
 
 
 def spearman(a, b):
@@ -144,12 +146,12 @@ def selections(part):
 
 
 def recipe_of(name):
-    """Seeds of one recipe share it: "default-seed2" and "control seed 2" are of "default" and "control"."""
+    """The recipe of a model name: "default" for "default-seed2", "control" for "control seed 2"."""
     return re.sub("[- ]seed ?[0-9]+$", "", name)
 
 
 def predictions_of(part, control, seeds):
-    """name -> (values, higher is better and in JOD)"""
+    """name -> (values, whether the values are in JOD, where higher is better)"""
     out = {}
     models = [name for name in part.rows[0] if name not in FIXED and name not in METRICS and not name.startswith("scalar:")]
     for name in models + METRICS:
@@ -175,7 +177,7 @@ def judge_all(part, predictions, n_bootstrap):
 
 
 def over_seeds(results):
-    """Mean and standard deviation of each figure over the seeds of a recipe, for every selection."""
+    """Mean and standard deviation of each statistic over the seeds of a recipe, for every selection."""
     groups = {}
     for r in results:
         if r["name"] != "control" and "+" not in r["name"]:  # "control" itself is the mean of its seeds

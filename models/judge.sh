@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The judgement on materials never seen, behind what models/make.sh left in WORK: further seeds of both recipes, every model and the
-# boosted-trees control on the test pairs, and the same on the validation materials. Resumable. Results: WORK/judged-*.txt, .csv, .json.
-# (The recipe paper draws its validation pairs over all materials: its figures on the validation materials flatter it.)
+# Evaluation on unseen materials, run after models/make.sh with the same WORK: trains further seeds of both recipes,
+# then evaluates every model and the boosted-trees control on the test pairs and on the validation materials. Resumable.
+# Results: WORK/judged-*.txt, .csv, .json. (The recipe `paper` draws its validation pairs from all materials, so its
+# results on the validation materials are too optimistic.)
 # usage: models/judge.sh WORK [SEEDS [PAPER_SEEDS]]   (default: 3 seeds each; the first is the shipped model)
 set -eu
 work=$(cd "${1:?usage: models/judge.sh WORK [SEEDS [PAPER_SEEDS]]}" && pwd)

@@ -1,20 +1,21 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# How the built-in models were made, from the first command to the last: material list, directions, corpora, training, judging,
-# and the results behind each model's card. Resumable: what is in WORK already is kept. About an hour on two cores.
-# usage: models/make.sh DATA WORK   (DATA: folders rgl, nbrdf, nps, labels, scene; doc/corpus.md says where they come from)
+# Makes the built-in models: material list, directions, corpora, training, evaluation, and the results appended to each
+# model card. Resumable: existing files in WORK are kept. Takes about an hour on two cores.
+# usage: models/make.sh DATA WORK   (DATA: folders rgl, nbrdf, nps, labels, scene; doc/corpus.md lists their sources)
 set -eu
 data=${1:?usage: models/make.sh DATA WORK}
 mkdir -p "${2:?usage: models/make.sh DATA WORK}"
 work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
-# The paper's scene, a rotating bunny under the Pixar Campus light: eight views, by points (doc/labels.md).
+# The paper's scene, a rotating bunny under the Pixar Campus light: eight views, labelled by points (doc/labels.md).
 scene="--light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --frames 8 --points 1536 --lights 128"
 
 NQM_TOOL=$nqm python3 "$here/scan.py" "$data" >"$work/materials.csv"
 
-# learn KIND: the dictionary or hypernetwork of the encodings KIND-*, from training materials only, named relative to DATA.
+# learn KIND: make the dictionary or hypernetwork of the encodings KIND-* from training materials only; the file names
+# them relative to DATA.
 learn() {
     [ ! -f "$here/encoders/$1.safetensors" ] || return 0
     training=$(awk -F, 'NR > 1 && $5 == "train" { print $3 }' "$work/materials.csv")
@@ -31,7 +32,7 @@ if [ "$new_encoders" ]; then
 fi
 
 if [ ! -f "$work/directions.csv" ]; then
-    # The references that decide where energy is: those of the training materials.
+    # The directions are drawn by the energy of the training references only.
     references=$(awk -F, -v data="$data" 'NR > 1 && $5 == "train" { print ($4 == "sgd" ? $3 : data "/" $3) }' "$work/materials.csv")
     # shellcheck disable=SC2086 # neither materials nor folders of the data have blanks in their names
     "$nqm" directions $references -o "$work/directions.csv"
@@ -45,7 +46,7 @@ for part in train test; do
     cp "$work/$part.safetensors.json" "$here/corpus-$part.json"
 done
 
-# judged NAME: what nqm eval says, for the card.
+# judged NAME: the results of nqm eval as Markdown, for the model card.
 judged() {
     echo "## Judged on"
     echo
@@ -69,7 +70,7 @@ judged() {
     cat "$here/notes.md"
 }
 
-# train NAME RECIPE: train under a checkpoint, judge, put the results behind the card.
+# train NAME RECIPE: train with a checkpoint, evaluate, append the results to the model card.
 train() {
     if [ ! -f "$work/$1.safetensors" ]; then
         resume=

@@ -4,10 +4,10 @@
 
 usage: models/scan.py DATA [--seed 1] > materials.csv
 
-The list holds DATA/rgl/*.bsdf, the networks in DATA/nbrdf/*.zip, the materials of DATA/nps/nps_latents.csv and the presets `sgd:`
-of nqm (NQM_TOOL, default build/nqm). Columns: name, group, brdf (relative to DATA), source, split. All forms of one material are
-one group. The materials of DATA/labels/labels_real.csv are the test split; of the other groups, a hash of the group's name and the
-seed puts 15 % into validation. Python's standard library only."""
+The list contains DATA/rgl/*.bsdf, the networks in DATA/nbrdf/*.zip, the materials of DATA/nps/nps_latents.csv and the
+presets `sgd:` of nqm (NQM_TOOL, default build/nqm). Columns: name, group, brdf (relative to DATA), source, split. All
+forms of one material are in one group. The materials of DATA/labels/labels_real.csv are the test split; a hash of the
+group's name and the seed assigns 15 % of the other groups to validation. Needs only Python's standard library."""
 import argparse
 import csv
 import os
@@ -23,14 +23,15 @@ GOLDEN = 0x9E3779B97F4A7C15  # 2^64 / golden ratio
 
 
 def mix(z):
-    """The finaliser of splitmix64, as nqm_hash_mix() of src/base/base.h."""
+    """The finaliser of splitmix64, as nqm_hash_mix() in src/base/base.h."""
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK
     return z ^ (z >> 31)
 
 
 def uniform_of(seed, name):
-    """A number in [0, 1) for a seed and a name: splitmix64 with the FNV-1a hash of the name as its counter."""
+    """A uniform random value in [0, 1) for a seed and a name: splitmix64 with the FNV-1a hash of the name as its
+    counter."""
     counter = 0xCBF29CE484222325
     for byte in name.encode():
         counter = ((counter ^ byte) * 0x100000001B3) & MASK

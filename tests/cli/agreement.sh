@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# doc/agreement.py: correlations, medians and order of known labels, own fits, faults; and, where the shared data are, the table
-# of doc/labels.md: the order of the encodings, and rank correlations no lower than expected.
+# doc/agreement.py: correlations, medians and order of known labels, own fits, errors. With the shared data also the
+# table of doc/labels.md: the order of the encodings, and lower limits for the rank correlations.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 export NQM_TOOL="$tool"
@@ -9,7 +9,7 @@ agree() { python3 "$NQM_SOURCE/doc/agreement.py" "$dir/pairs.csv" --points 64 --
 # expect KEY N VALUE: the N-th value of KEY in the JSON in out.
 expect() { number "$1" "$2" | awk -v e="$3" '{d = $1 - e; exit !(d * d < 1e-12)}' || fail "$1 $2 is $(number "$1" "$2"), not $3"; }
 
-# Brighter copies of grey differ more, and brighter greys are brighter: every order is known beforehand.
+# Greys: the difference grows with the ratio of the albedos, so every rank is known in advance.
 cat >"$dir/pairs.csv" <<'CSV'
 reference,test,encoding,delta_e
 lambert:kd=.1,lambert:kd=.11,ward,3
@@ -22,14 +22,14 @@ CSV
 agree --json >"$dir/out" || fail "--json"
 expect n 1 3 && expect n 2 3 && expect n 3 6
 expect spearman 1 -1 && expect null_luminance 1 -1 && expect spearman 2 0.5 && expect null_luminance 2 0.5
-# The medians of the others: ward 1.5, 2, 2.5; ggx 25, 15, 20. Ranks 1 2 3 6 4 5 against 3 2 1 4 6 5.
+# Medians of the other labels of the encoding: ward 1.5, 2, 2.5; ggx 25, 15, 20. Ranks 1 2 3 6 4 5 against 3 2 1 4 6 5.
 expect pooled_null_encoding 1 "$(awk 'BEGIN {print 1 - 6 * 16 / (6 * 35)}')"
 expect median_theirs 1 2
 expect references 1 0
 agree >"$dir/out" || fail "the table"
 grep -q '^| ward | 3 | -1.00 \[' "$dir/out" || fail "the table: $(cat "$dir/out")"
 
-# The order of the encodings, over the references that have all three.
+# The order of the encodings is computed over the references that have all three.
 cat >"$dir/pairs.csv" <<'CSV'
 delta_e,encoding,reference,test
 1,nbrdf,sgd:nickel,perturb:scale=1.1;of=sgd:nickel
@@ -43,7 +43,7 @@ CSV
 agree --json >"$dir/out" || fail "order"
 expect references 1 2 && expect ours 1 1 && expect theirs 1 2
 
-# Own fits: Ward's model fits itself.
+# Own fits: Ward's model must fit itself with a Delta-E below 1.
 cat >"$dir/pairs.csv" <<'CSV'
 reference,test,encoding,delta_e
 "ward:kd=.1,.1,.1;ks=.05,.05,.05;alpha=.2",fit,ward,1

@@ -1,20 +1,20 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Broken BRDF files of every format, folders and missing files: each is refused with exit code 3 or 4 within a second, in
-# little memory, with a message that names the file and, where bytes are at fault, the byte.
+# Broken BRDF files of every format, folders and missing files: each is refused with exit code 3 or 4 within a second,
+# with limited memory, and with a message that names the file and, for invalid bytes, the byte offset.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/make_brdf_files" "$dir"
 mkdir "$dir/folder.binary"
 
-# The second is one of processor time, which does not depend on what else the machine does; the clock only guards against
-# hanging. Sanitizers map terabytes and start slowly.
+# The limit of one second is processor time, which does not depend on other load; the limit of wall-clock time only ends
+# a tool that hangs. Both limits are relaxed under sanitizers, which map terabytes and start slowly.
 if [ -n "${NQM_SANITIZE:-}" ]; then limit=unlimited cpu=20; else limit=400000 cpu=1; fi
 
-# info FILE: the exit code of `nqm info FILE` is left in $got, the message in $dir/err.
+# info FILE: run `nqm info FILE`; the exit code goes to $got, the message to $dir/err.
 info() {
     got=0
-    # shellcheck disable=SC3045 # dash has both, though POSIX does not ask for them
+    # shellcheck disable=SC3045 # dash has both options, although POSIX does not require them
     (ulimit -v "$limit" && ulimit -t "$cpu" && exec timeout 60 "$tool" info "$1") >"$dir/out" 2>"$dir/err" || got=$?
 }
 

@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm batch: order and columns of the rows, the forms of lists and of results, rows that fail, and runs that are stopped and
-# go on: the finished file must have the bytes of a run that was never stopped. With a model of random weights.
+# nqm batch: order and columns of the rows, the formats of lists and results, rows that fail, and resumed runs, whose
+# file must equal that of an uninterrupted run byte for byte. Uses a model with random weights.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
 "$NQM_BUILD/tests/make_brdf_files" "$dir" >/dev/null
 
-# batch CODE ARGUMENTS...: run with the model; results in out, talk in err.
+# batch CODE ARGUMENTS...: run with the model; standard output goes to out, standard error to err.
 batch() {
     code=$1
     shift
     run "$code" batch --model "$dir/model.safetensors" "$@"
 }
-# says PATTERN: what went to standard error.
+# says PATTERN: standard error must match PATTERN.
 says() { grep -q -- "$1" "$dir/err" || fail "no message '$1'"; }
 
 # ---- order, columns, names with commas, quotes and UTF-8; the same scores as nqm score
@@ -94,7 +94,7 @@ sed -n 3p "$dir/out" | grep -q '"jod":null,.*"error":".*nonsense' || fail "error
 batch 3 "$dir/faulty.csv" --json
 [ "$(tail -n 1 "$dir/out")" = ']}' ] || fail "a document that ends early must end"
 
-# ---- stopped by a fault, and gone on: the same file as in one run
+# ---- stopped by an error and resumed: the same file as in one run
 batch 9 "$dir/faulty.csv" -k -o "$dir/whole.csv"
 batch 3 "$dir/faulty.csv" -o "$dir/parts.csv"
 says '1 of 4 rows are in .*parts.csv.part'
@@ -108,13 +108,13 @@ again() {
     cp "$dir/kept.part" "$dir/parts.csv.part"
     cp "$dir/kept.journal" "$dir/parts.csv.part.journal"
 }
-# Torn records at the end of both files are cut off.
+# Incomplete records at the end of both files are discarded.
 again
 printf 'sgd:nickel,half a re' >>"$dir/parts.csv.part"
 printf '2 0 17' >>"$dir/parts.csv.part.journal"
 batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
 cmp "$dir/whole.csv" "$dir/parts.csv" || fail "torn records"
-# Rows that the part has lost are made again; so is everything when the run ended before its first row.
+# Rows missing from the part file are computed again; so are all rows if the run ended before its first row.
 again
 size=$(wc -c <"$dir/kept.part")
 head -c $((size - 5)) "$dir/kept.part" >"$dir/parts.csv.part"
@@ -125,11 +125,11 @@ again
 head -n 2 "$dir/kept.journal" >"$dir/parts.csv.part.journal"
 batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
 cmp "$dir/whole.csv" "$dir/parts.csv" || fail "an empty part"
-# Without --resume a run begins anew.
+# Without --resume, the run starts from the first row.
 again
 batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" -k
 cmp "$dir/whole.csv" "$dir/parts.csv" || fail "anew"
-# Damage, other lists, models and options are refused, and the part stays.
+# A damaged part file, another list, another model and other options are refused, and the part file is kept.
 again
 sed 's/ward:nickel,/ward:silver,/' "$dir/kept.part" >"$dir/parts.csv.part"
 batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
@@ -156,7 +156,7 @@ says 'another model'
 cmp "$dir/kept.part" "$dir/parts.csv.part" || fail "a refused run changed the part"
 batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
 cmp "$dir/whole.csv" "$dir/parts.csv" || fail "at last"
-# A JSON document goes on, too.
+# A JSON document can also be resumed.
 batch 3 "$dir/faulty.csv" -o "$dir/parts.json"
 batch 9 "$dir/faulty.csv" -o "$dir/parts.json" --resume -k
 batch 9 "$dir/faulty.csv" --json -k
@@ -193,12 +193,12 @@ case $got in
     { [ -e "$dir/stopped.csv.part" ] && [ ! -e "$dir/stopped.csv" ]; } || fail "Ctrl-C: no part"
     batch 9 "$dir/long.csv" -k -o "$dir/stopped.csv" --resume
     ;;
-9) ;; # it was quicker
+9) ;; # the run finished before the signal
 *) fail "exit code $got after Ctrl-C" ;;
 esac
 cmp "$dir/long-whole.csv" "$dir/stopped.csv" || fail "Ctrl-C and gone on: another file"
 
-# ---- the number of threads, the cache
+# ---- the number of threads and the size of the cache
 OMP_NUM_THREADS=1 batch 9 "$dir/long.csv" -k --cache 0
 cmp "$dir/long-whole.csv" "$dir/out" || fail "one thread, no cache: another result"
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm bench at tiny sizes: values exist, are finite and positive, ratios follow from their parts, wrong arguments are refused, Ctrl-C
-# leaves no file. No test requires a speed.
+# nqm bench at tiny sizes: values exist, are finite and positive, ratios equal the quotient of their parts, wrong
+# arguments are refused, Ctrl-C leaves no file. No test requires a speed.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 TMPDIR=$dir
@@ -25,7 +25,7 @@ check_rows() {
                 if (!near(f["times_floor"], f["seconds"] / f["floor_seconds"])) { print "times_floor"; bad = 1 }
             }
             if (("gflop" in f) && !near(f["gflops"], f["gflop"] / f["seconds"])) { print "gflops of " f["name"]; bad = 1 }
-            if (f["bench"] == "train") { # the time of a run holds more than its epochs
+            if (f["bench"] == "train") { # the time of a run includes more than its epochs
                 if (f["seconds"] + 0 < f["epochs"] * f["best_epoch_seconds"]) { print "a run shorter than its epochs"; bad = 1 }
             } else if (f["bench"] != "peak" && f["seconds"] + 0 > f["seconds_worst"] + 0) { print "best above worst"; bad = 1 }
         }
@@ -33,7 +33,7 @@ check_rows() {
         fail "rows of $1"
 }
 
-run 0 bench gemm --quick --precision bf16 --json # oneDNN multiplies bfloat16 on some processors only
+run 0 bench gemm --quick --precision bf16 --json # oneDNN supports bfloat16 only on some processors
 check_rows gemm
 run 0 bench gemm --quick --precision f32 --json
 for word in '"schema": 1' '"cpu":' '"kernels":' '"bench": "peak"' '"name": "forward"' '"name": "weight gradient"' \
@@ -49,7 +49,7 @@ run 0 bench train --quick --epochs 2 --recipe paper --json
 check_rows train
 [ "$(grep -c '"bench": "train"' "$dir/out")" = 2 ] || fail "a row for each precision"
 [ "$(number epochs 1)" = 2 ] || fail "epochs"
-[ "$(number pairs 1)" = 192 ] || fail "pairs" # 120, a fifth for validation, twice
+[ "$(number pairs 1)" = 192 ] || fail "pairs" # 120 pairs minus a fifth for validation, twice
 awk '/"seconds":/ {s = $2 + 0} /"seconds_100_epochs":/ {if ($2 / s < 49.99 || $2 / s > 50.01) bad = 1; ++n}
     END {exit bad || n != 2}' "$dir/out" || fail "extrapolation to 100 epochs"
 for word in max_rss_mb validation_loss floor_f32_seconds cpu_share; do
@@ -75,7 +75,7 @@ mkdir "$dir/empty"
 interrupt() {
     TMPDIR=$dir/empty "$tool" "$@" >"$dir/out" 2>"$dir/err" &
     pid=$!
-    # A background command of a shell without job control ignores the signal until nqm has installed its handler.
+    # A shell without job control starts background commands with SIGINT ignored, until nqm installs its handler.
     while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
     sleep 0.3
     kill -INT $pid

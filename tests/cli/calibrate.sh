@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Intervals on the command line: nqm train and nqm calibrate make them, score, batch and rank show them, nqm eval counts the
-# labels inside; a model without them says so, and where an interval cannot be honest there is none.
+# Prediction intervals: nqm train and nqm calibrate make them, nqm score, batch and rank print them, nqm eval counts the
+# labels inside. A model without intervals reports that; a calibration that would not be valid is refused.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
-OMP_NUM_THREADS=1 # these networks are too small to share
+OMP_NUM_THREADS=1 # these networks are too small to use more threads
 export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors" 1 48
 "$NQM_BUILD/tests/tiny_dataset" "$dir/other.safetensors" 2 48
@@ -13,7 +13,7 @@ export OMP_NUM_THREADS
 
 small="--hidden 32,16 --batch 64 --lr-first 0.001 --epochs 3"
 
-# Training calibrates when the validation materials are new and many.
+# Training calibrates if there are enough validation materials and none is a training material.
 # shellcheck disable=SC2086
 run 0 train "$dir/toy.safetensors" -o "$dir/a.safetensors" $small
 grep -q '^interval    95 %, from 288 pairs of 12 materials' "$dir/out" || fail "train: $(cat "$dir/out")"
@@ -32,7 +32,7 @@ grep -q '^interval    none: not calibrated' "$dir/out" || fail "models show with
 run 0 models show "$dir/pairs.safetensors" --json
 [ "$(number calibration 1)" = null ] || fail "models show --json without"
 
-# Afterwards: the same table, once in the card; what is not honest is refused.
+# Calibration after training: the same table, one section in the card; invalid calibrations are refused.
 run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/b.safetensors" --json
 for word in '"schema": 1' '"materials": 12' '"pairs": 288' '"coverage": 0\.' '"mean_width": '; do
     grep -q "$word" "$dir/out" || fail "JSON lacks $word"
@@ -58,12 +58,12 @@ run 4 calibrate "$dir/a.safetensors" "$dir/a.safetensors" -o "$dir/x.safetensors
 run 3 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/no/such/folder/x"
 "$tool" calibrate --help | grep -q 'nqm calibrate my' || fail "help with an example"
 
-# score, batch, rank: low <= jod <= high; identical pairs are 10 for sure; nothing without a calibration.
+# score, batch, rank: low <= jod <= high; identical pairs have the interval [10, 10]; no interval without a calibration.
 run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors" --json
 low=$(number jod_low 1) jod=$(number jod 1) high=$(number jod_high 1)
 awk -v l="$low" -v j="$jod" -v h="$high" 'BEGIN {exit !(l <= j && j <= h && l < h)}' || fail "interval: $low $jod $high"
 { [ "$(number jod_low 2)" = 10.0 ] && [ "$(number jod_high 2)" = 10.0 ]; } || fail "identical"
-# What is far from the training pairs is said to be; older models cannot tell, and their intervals stay.
+# Pairs far from the training pairs give a warning; models without training pairs have no novelty and give none.
 awk -v n="$(number novelty 1)" 'BEGIN {exit !(n > 1)}' || fail "novelty: $(number novelty 1)"
 [ "$(grep -c 'test: unlike the training pairs: novelty [1-9]' "$dir/out")" = 1 ] || fail "a warning of the novel pair only"
 run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors"
@@ -97,7 +97,7 @@ done
 run 0 batch "$dir/list.csv" -m "$dir/without.safetensors"
 sed -n 2p "$dir/out" | grep -q '^sgd:nickel,ward:nickel,[0-9.]*,,,' || fail "batch without a calibration: $(cat "$dir/out")"
 
-# eval counts.
+# nqm eval counts the labels inside their intervals.
 run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --by range --bootstrap 50
 [ "$(grep -c 'labels inside its 95 % interval: [0-9.]* % \[' "$dir/out")" -ge 2 ] || fail "eval: $(cat "$dir/out")"
 run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --bootstrap 50 --json

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm convert: a table opens as the same BRDF; an interrupted or failed conversion leaves what was there before; exit codes.
+# nqm convert: a table opens as the same BRDF; an interrupted or failed conversion keeps the previous file; exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 
@@ -18,7 +18,7 @@ refuses 2 'arguments' convert -o "$dir/c.binary"
 refuses 3 'missing.bsdf' convert "$dir/missing.bsdf" -o "$dir/c.binary"
 refuses 3 'nowhere' convert lambert:kd=.5 -o "$dir/nowhere/c.binary"
 
-# A slow BRDF, interrupted: the file that was there stays, and nothing else appears.
+# A slow conversion is interrupted: the previous file is unchanged, and there is no new file.
 "${NQM_BUILD:?}/tests/make_brdf_files" "$dir"
 rm -f "$dir"/*-*
 cp "$dir/a.binary" "$dir/kept.binary"
@@ -27,7 +27,7 @@ OMP_NUM_THREADS=1 "$tool" convert "$dir/valid.bin:first" -o "$dir/kept.binary" >
 sleep 1
 kill -INT $!
 sleep 1
-kill -INT $! || true # where starting takes a second the first may come before its handler; the third would cut short
+kill -INT $! || true # the first may precede the handler if starting takes a second; a third one would kill
 got=0
 wait $! || got=$?
 [ "$got" = 130 ] || fail "interrupted: exit code $got: $(cat "$dir/err")"

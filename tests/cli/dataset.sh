@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm dataset: a small corpus from analytic materials is the same for one and two threads and from its work files; test
-# materials go to a file of their own; a data folder becomes a list; bad arguments give the contract's exit codes.
+# nqm dataset: a small corpus of analytic materials is the same for one and two threads and from its work files; test
+# materials go to a separate file; models/scan.py lists a data folder; bad arguments give the documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
@@ -25,7 +25,7 @@ grep -q '"o-ggx"' "$dir/one.safetensors.json" && fail "a test material is in the
 if grep -qF "$dir" "$dir/one.safetensors.json"; then fail "the manifest names a folder"; fi
 [ -z "$(find "$dir" -name '*.part')" ] || fail "left-over files"
 
-# A damaged work file is made again.
+# A damaged work file is computed again.
 for file in "$dir"/groups/*.safetensors; do
     head -c 3000 "$file" >"$dir/cut"
     mv "$dir/cut" "$file"
@@ -33,7 +33,7 @@ done
 make -o "$dir/mended.safetensors" --work "$dir/groups" >/dev/null
 cmp "$dir/one.safetensors" "$dir/mended.safetensors" || fail "a damaged work file changed the result"
 
-# models/scan.py, a data folder: names, groups and splits.
+# models/scan.py: names, groups and splits of a data folder.
 scan() { python3 "$NQM_SOURCE/models/scan.py" "$@"; }
 mkdir -p "$dir/data/labels" "$dir/data/rgl"
 printf 'material,model,level,DeltaE,JOD,class\nbrass_1,ward,0,1,9,1\nfelt_rgb_12,ggx,0,1,9,1\n' >"$dir/data/labels/labels_real.csv"

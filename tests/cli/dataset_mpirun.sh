@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm dataset under mpirun: two ranks write the file that one does, and that a process alone does; with Open MPI's
-# --enable-recovery a killed rank costs only the group that it was at.
+# nqm dataset under mpirun: two ranks, one rank and a single process write the same file; with Open MPI's
+# --enable-recovery, a killed rank loses only the group that it was working on.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 command -v mpirun >/dev/null 2>&1 || exit 77
@@ -12,9 +12,9 @@ b,b,ggx:kd=0.2;alpha=0.2,ggx,validation
 c,c,ggx:kd=0.1;alpha=0.1,ggx,train
 END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
-# Open MPI: as root, and on more ranks than processors.
+# Open MPI: allow root, and more ranks than processors.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
-# Each rank leaves its process id where this test finds it.
+# Each rank writes its process id to a file for this test.
 cat >"$dir/rank.sh" <<'END'
 echo $$ >"$1.$OMPI_COMM_WORLD_RANK"
 shift

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm dataset by several processes that share a folder of work files, told apart as mpirun's variables do: a rank above 0 works
-# and writes no dataset; one that is killed in the middle leaves its group to the others; an interrupted one leaves the same
-# command to go on. The file is the same every time.
+# nqm dataset by several processes with one folder of work files and mpirun's environment variables: a rank above 0
+# computes groups and writes no dataset; the group of a killed process is computed by the others; an interrupted run can
+# be resumed with the same command. The file is the same every time.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
@@ -15,14 +15,14 @@ export OMP_NUM_THREADS=1
 make() {
     "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 "$@"
 }
-# rank R OF ARGUMENTS...
+# rank R N ARGUMENTS...: run `make` as rank R of N.
 rank() (
     export OMPI_COMM_WORLD_RANK="$1" OMPI_COMM_WORLD_SIZE="$2"
     shift 2
     make "$@"
 )
 count() { find "$1" -name "$2" 2>/dev/null | wc -l; }
-# wait_for FOLDER PATTERN: until such a file is there, for a minute at most.
+# wait_for FOLDER PATTERN: wait until a matching file exists, for at most a minute.
 wait_for() {
     tries=0
     until [ "$(count "$1" "$2")" -gt 0 ]; do
@@ -34,7 +34,7 @@ wait_for() {
 
 make -o "$dir/alone.safetensors" >/dev/null 2>"$dir/err"
 
-# A worker makes both groups and no dataset; the first rank only puts them together.
+# A worker computes both groups and writes no dataset; rank 0 only merges the groups.
 rank 1 2 --work "$dir/work" -o "$dir/worker.safetensors" >"$dir/out" 2>"$dir/err" || fail "the worker failed"
 [ ! -s "$dir/out" ] || fail "the worker talks: $(cat "$dir/out")"
 [ "$(count "$dir/work" '*.safetensors')" = 2 ] || fail "the worker has not made two groups"
@@ -45,8 +45,8 @@ grep -q '18 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out"
 cmp "$dir/alone.safetensors" "$dir/first.safetensors" || fail "another file from the worker's groups"
 cmp "$dir/alone.safetensors.json" "$dir/first.safetensors.json" || fail "another manifest"
 
-# Two at once: the second finds the first group claimed, and both wait for each other's. One is killed in its first group.
-# On a busy machine the blow can fall between two groups: then once more.
+# Two processes at once: the second finds the first group claimed, and each waits for the other's group. One process is
+# killed while it has a claim. On a busy machine the signal can arrive between two groups; then the test is repeated.
 claims=0 blows=0
 while [ "$claims" = 0 ]; do
     blows=$((blows + 1))
@@ -70,7 +70,7 @@ rank 0 2 --work "$dir/work" -o "$dir/both.safetensors" >/dev/null 2>"$dir/err" |
 wait $other || fail "the second of two"
 cmp "$dir/alone.safetensors" "$dir/both.safetensors" || fail "another file from two at once"
 
-# Interrupted: exit code 130, and the same command goes on.
+# Interrupted: exit code 130, and the same command resumes the run.
 rm -rf "$dir/work"
 "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
     --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" &

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm eval --human: scores and choices of people against models and metrics, in all forms; further columns of nqm eval; faults.
+# nqm eval --human: human scores and choices against models and metrics, in all formats; further columns of nqm eval;
+# errors.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
@@ -8,19 +9,19 @@ export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 60
 "$NQM_BUILD/tests/tiny_dataset" "$dir/toy.safetensors"
 
-# has PATTERN...: each in out.
+# has PATTERN...: every pattern must match a line of out.
 has() {
     for word in "$@"; do
         grep -q -- "$word" "$dir/out" || fail "no '$word' in: $(cat "$dir/out")"
     done
 }
-# field ROW COLUMN: of the CSV in out.
+# field ROW COLUMN: print a field of the CSV in out.
 field() {
     awk -F, -v row="$1" -v column="$2" 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == column) c = i }
         NR > 1 && $1 == row { print $c }' "$dir/out"
 }
 
-# Scores: people see what the mean absolute difference sees.
+# Scores: made-up human scores in the order of the mean absolute difference.
 cat >"$dir/scores.csv" <<END
 reference,test,score,kind
 lambert:kd=.2,lambert:kd=.21,5,near
@@ -43,7 +44,7 @@ sed 's/,score,/,jod,/' "$dir/scores.csv" >"$dir/jod.csv"
 run 0 eval --human "$dir/jod.csv" --model "$dir/model.safetensors" --by range
 has 'more than 0.25' '^JOD < 9.5: 6 pairs' '^JOD >= 9.5: no pairs'
 
-# Choices: paths below --root; counts.
+# Choices: paths relative to --root; counts.
 printf 'reference,test_a,test_b,n_a,n_b\nref.binary,near.binary,sgd:brass,8,2\nlambert:kd=.5,lambert:kd=.6,lambert:kd=.9,3,1\n' >"$dir/choices.csv"
 run 3 eval --human "$dir/choices.csv" --model none
 says 'choices.csv: row 1: '
@@ -64,7 +65,7 @@ run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.sa
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --bootstrap 0
 has '^mae  *\*\{0,1\}  *0.786  '
 
-# The same further figures for a dataset.
+# The same further statistics for a dataset.
 run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100
 has ' order$' '^[a-z_]* \* ' 'differ by more than 0.25'
 run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --margin 2 --json
@@ -74,7 +75,7 @@ run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of a dataset"
 head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width$' || fail "CSV columns"
 
-# Faults.
+# Errors.
 run 2 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --by kind
 says 'choices'
 run 2 eval --human "$dir/scores.csv" --labels x.csv --model none

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm fit: a model fitted to itself gives its parameters back, the spec it prints is what other verbs take, all output forms
-# agree, and bad arguments give the contract's exit codes.
+# nqm fit: a model fitted to itself recovers its parameters, other commands accept the printed spec, all output formats
+# agree, and bad arguments give the documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 ref='ward:kd=0.3,0.2,0.1;ks=0.05;alpha=0.1'
@@ -22,18 +22,18 @@ grep -qF "\"$spec\"" "$dir/ward.json" || fail "JSON says another spec than -q"
 "$tool" fit "$ref" --model ward --report --loss cube-root | grep -q "(cube-root), 6000 directions" || fail "report"
 "$tool" fit "$ref" --model ward -q --seed 2 >/dev/null
 
-# Several models: a row each, in the order that was asked for, once each.
+# Several models: one row per model, in the order of the arguments, without duplicates.
 "$tool" fit "$ref" --model abc,ward,abc --samples 500 >"$dir/table"
 awk 'NR == 1 && $1 == "model" {ok++} NR == 2 && $1 == "abc" && $5 ~ /^abc:/ {ok++} NR == 3 && $1 == "ward" {ok++}
      END {exit !(ok == 3 && NR == 3)}' "$dir/table" || fail "table: $(cat "$dir/table")"
 "$tool" fit "$ref" --model ward,lafortune,smooth --samples 500 --json | grep -c '"spec": "' | grep -qx 3 || fail "results in JSON"
 
-# Bounds are for the models that have the parameter; starts are a number.
+# Bounds apply only to models that have the parameter; the number of starts must be an integer.
 "$tool" fit "$ref" --model ward,blinn-phong --bounds alpha=.2:.5 --starts 3 --samples 500 -q >"$dir/bounded"
 awk -F'alpha=' '/^ward:/ && $2 >= .2 && $2 < .21 {ok++} /^blinn-phong:/ {ok++} END {exit ok != 2}' "$dir/bounded" ||
     fail "bounds: $(cat "$dir/bounded")"
 
-# A network becomes a file, which is what score takes; without -o there is none, and that is said.
+# A fitted network is written to a file, which nqm score accepts; without -o there is no file, and a message says so.
 "$tool" fit "$ref" --model hyper-low --samples 500 --json >"$dir/hyper.json" 2>"$dir/err"
 grep -q '"spec": null' "$dir/hyper.json" || fail "a spec of a network: $(cat "$dir/hyper.json")"
 grep -q '"note":' "$dir/hyper.json" || fail "no note: $(cat "$dir/hyper.json")"
@@ -47,7 +47,7 @@ cmp "$dir/one.safetensors" "$dir/fits/hyper-low.safetensors" || fail "two runs d
 "$tool" fit "$ref" --model ward --samples 500 -o "$dir/none" >/dev/null 2>"$dir/err"
 { grep -q 'is not written' "$dir/err" && [ ! -e "$dir/none" ]; } || fail "a file for a spec"
 
-# One of several fails: it is named, the others are there, the exit code is its own.
+# One of several fits fails: the message names it, the others are printed, and its error gives the exit code.
 code=0
 "$tool" fit "$ref" --model ggx,lafortune --bounds f0=.1:2 --samples 500 --json >"$dir/out" 2>"$dir/err" || code=$?
 [ "$code" = 2 ] || fail "exit code $code of a failure among others"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # The 20 materials of the human study (Kavoosighafi et al. 2025) are in no training artefact: no reference or group of the
-# manifest of the shipped training corpus names one, no learned encoder has seen one, nor does a list made from the shared data
-# give one to training. The test corpus holds all of them and nothing else, and the kinds of distortion that are kept for it are
-# not in training.
+# manifest of the shipped training corpus names one, no learned encoder was trained on one, and a list made from the
+# shared data assigns none to training. The test corpus contains all of them and no other material, and the kinds of
+# distortion reserved for it are not in the training corpus.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 source=${NQM_SOURCE:?}
@@ -14,7 +14,8 @@ notebook red-metallic-paint silver-metallic-paint2 specular-green-phenolic vch_d
 violet-acrylic'
 checked=0
 
-# absent FILE: no reference of this manifest is a held-out material, by its group, its name (SOURCE-MATERIAL) or its BRDF.
+# absent FILE: no reference of this manifest is a held-out material by its group, its name (SOURCE-MATERIAL) or its
+# BRDF.
 absent() {
     grep -q '"references"' "$1" || fail "$1 is no manifest"
     if grep -q '"split": "test"' "$1"; then fail "$1 holds references of the test split"; fi
@@ -26,7 +27,7 @@ absent() {
     checked=$((checked + 1))
 }
 
-# unseen FILE: no kind of distortion that this manifest calls unseen has pairs in it.
+# unseen FILE: the manifest counts no pairs of the kinds of distortion that it lists as unseen.
 unseen() {
     kinds=$(sed -n '/"unseen_kinds": \[/,/\]/s/^ *"\(.*\)",*$/\1/p' "$1" | grep -v unseen_kinds)
     [ -n "$kinds" ] || fail "$1 names no unseen kinds"
@@ -35,7 +36,7 @@ unseen() {
     done
 }
 
-# learned FILE: a learned encoder names what it has seen, and no held-out material is among it.
+# learned FILE: a learned encoder names its training materials, and no held-out material is among them.
 learned() {
     head -c 1000000 "$1" | tr -c '[:print:]' '\n' | sed -n 's/.*"references":"\[\([^]]*\)\]".*/\1/p' | tr ',' '\n' |
         sed 's/^\\"//; s/\\"$//' >"$dir/seen"

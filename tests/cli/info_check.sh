@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm info and nqm check: text and JSON, the list of presets, verdicts with their exit codes, messages for what is no BRDF.
+# nqm info and nqm check: text and JSON, the list of presets, verdicts and their exit codes, messages for files without
+# a BRDF.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 has() { grep -q -- "$1" "$dir/out" || fail "no '$1' in: $(cat "$dir/out")"; }
@@ -52,7 +53,7 @@ run 1 check lambert:kd=1 lambert:kd=1.1
 has 'lambert:kd=1: plausible'
 has 'lambert:kd=1.1: NOT PLAUSIBLE'
 has 'FAILS.*110.0 %'
-run 1 check 'ggx:ks=30;f0=1;alpha=.0005' --json # a lobe of 0.03 degrees that reflects too much
+run 1 check 'ggx:ks=30;f0=1;alpha=.0005' --json # a lobe 0.03 degrees wide whose albedo exceeds 1
 has '"ok": false'
 has '"energy"'
 run 0 check sgd:nickel --json --seed 5

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm label: greys under a white light give the Delta-E that the PQ curve says; equal BRDFs give exactly 0; the same output for 1
-# and 2 threads; forms of the output; broken lights give the contract's exit codes.
+# nqm label: greys under a white light give the Delta-E computed from the PQ curve; equal BRDFs give exactly 0; the
+# output is the same for 1 and 2 threads; output formats; broken lights give the documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 # label CODE ARGUMENTS...
@@ -11,7 +11,8 @@ label() {
     run "$code" label "$@"
 }
 
-# A white light of 8 x 4 pixels. Lambert at half and quarter show as greys of 100 and 50 cd/m2; ITP of greys is (PQ, 0, 0).
+# A white light of 8 x 4 pixels. Lambert BRDFs of albedo 1/2 and 1/4 are displayed at 100 and 50 cd/m2; the ITP of a
+# grey is (PQ, 0, 0).
 header='#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n'
 # pixels N BYTES
 pixels() {
@@ -32,7 +33,7 @@ awk -v got="$(number delta_e_itp 1)" 'BEGIN {
 [ "$(number delta_e_itp 2)" = 0.0 ] || fail "equal BRDFs differ"
 [ "$(number jod 2)" = 10.0 ] || fail "equal BRDFs have no JOD of 10"
 
-# The same bytes for 1 and 2 threads; text, CSV and bare numbers; a seed that changes little but something.
+# The same bytes for 1 and 2 threads; text, CSV and plain values; another seed changes the result slightly.
 small="--points 200 --lights 100"
 # shellcheck disable=SC2086
 {
@@ -49,13 +50,13 @@ small="--points 200 --lights 100"
     ! cmp -s "$dir/one" "$dir/out" || fail "the seed changes nothing"
 }
 
-# A test that cannot be opened does not stop the others.
+# The other tests are labelled if one cannot be opened.
 label 3 sgd:nickel "$dir/nowhere.bsdf" sgd:nickel --points 50 --lights 50 --json
 [ "$(number delta_e_itp 1)" = null ] || fail "a missing test has a label"
 [ "$(number delta_e_itp 2)" = 0.0 ] || fail "the test behind a missing one has no label"
 grep -q 'nowhere.bsdf' "$dir/err" || fail "the message does not name the file"
 
-# Refusals.
+# Refused arguments.
 label 2 sgd:nickel
 label 2 sgd:nickel ward:nickel --exposure 0
 label 2 sgd:nickel ward:nickel --points 1000000 --lights 60000

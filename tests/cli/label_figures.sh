@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm label: figures with a row a test and with a row a reference, kept renders, groups of references, refusals.
+# nqm label: figures with one row per test and with one row per reference, kept renders, groups of references, refusals.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 # label CODE ARGUMENTS...
@@ -16,7 +16,7 @@ lambert=lambert:kd=.5,.5,.5
     exit 77
 }
 
-# A figure grows by a row with each test, and is the same for 1 and 2 threads.
+# A figure has one row per test and is the same for 1 and 2 threads.
 label 0 sgd:nickel ward:nickel --size 32 --map "$dir/one.png" --json
 grep -q '"delta_e_itp"' "$dir/out" || fail "no label beside the figure"
 label 0 sgd:nickel ward:nickel sgd:nickel sgd:nickel sgd:nickel --size 32 --map "$dir/four.png"
@@ -30,7 +30,7 @@ label 0 sgd:nickel ward:nickel --size 32 --shrink 2 --map "$dir/small.png"
 set -- "$1" $(png_size "$dir/small.png")
 [ "$2" -lt "$1" ] || fail "--shrink shrinks nothing"
 
-# Groups: every test beside its own reference.
+# Groups: every test is compared with its own reference.
 label 0 sgd:nickel ward:nickel + $lambert $lambert lambert:kd=.4,.4,.4 --size 16 --grid "$dir/grid.png" \
     --rows "a metal,a grey" --columns "reference,first,second" --csv
 [ "$(head -n 1 "$dir/out")" = "test,delta_e_itp,jod,error,reference" ] || fail "columns of groups"
@@ -38,7 +38,8 @@ label 0 sgd:nickel ward:nickel + $lambert $lambert lambert:kd=.4,.4,.4 --size 16
 [ "$(sed -n 3p "$dir/out")" = "\"$lambert\",0,10,,\"$lambert\"" ] || fail "a grey beside itself: $(sed -n 3p "$dir/out")"
 [ -s "$dir/grid.png" ] || fail "no grid"
 
-# Kept renders: pictures of every BRDF, differences of the tests; a test that fails has none and stops no other.
+# Kept renders: pictures of every BRDF and difference maps of the tests; a failed test has none, and the others are
+# written.
 label 3 sgd:nickel "$dir/nowhere.bsdf" ward:nickel --size 16 --keep-renders "$dir/keep" --map "$dir/failed.png" -q
 kept=$(cd "$dir/keep" && echo ./*)
 [ "$kept" = "./00-sgd_nickel.exr ./00-sgd_nickel.png ./02-ward_nickel-difference.png ./02-ward_nickel.exr ./02-ward_nickel.png" ] ||

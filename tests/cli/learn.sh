@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm learn: a dictionary from four materials is a file that names them, the same for one and two threads; Ctrl-C leaves
-# nothing; bad arguments give the contract's exit codes.
+# nqm learn: the file of a dictionary lists its four training materials and is the same for one and two threads; Ctrl-C
+# leaves no file; bad arguments give the documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cd "$dir"

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm models and nqm selftest: lists, facts of a file and of whatever is built in, refusals; the self-test passes.
+# nqm models and nqm selftest: lists, properties of a model file and of the built-in models, refusals; the self-test
+# passes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
@@ -11,7 +12,7 @@ for word in '"id": "tiny"' '"parameters": 36033' '"sha256": "[0-9a-f]\{64\}"' '"
 done
 run 0 models show "$dir/model.safetensors"
 { grep -q '4500-8-1' "$dir/out" && grep -q 'Random weights' "$dir/out"; } || fail "text of a model"
-# Notes go behind the card; the copy is another file that passes all checks, and scores the same.
+# Notes are appended to the card; the copy differs as a file, passes all checks, and gives the same scores.
 echo "Judged by nobody." >"$dir/notes.md"
 run 0 models annotate "$dir/model.safetensors" "$dir/notes.md" -o "$dir/annotated.safetensors"
 run 0 models show "$dir/annotated.safetensors"

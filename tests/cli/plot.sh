@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm plot: every drawing in every format, the same bytes again on this machine, sizes and titles, what wrong inputs give.
+# nqm plot: every drawing in every format, equal bytes in two runs, sizes and titles, messages for wrong inputs.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
@@ -37,7 +37,7 @@ awk 'BEGIN {print "epoch,train_loss,validation_loss,lr_first"
     for (i = 1; i <= 20; ++i) printf "%d,%g,%g,%g\n", i, 1 / i, 1.2 / i, i < 11 ? 1e-4 : 1e-5}' >"$dir/log.csv"
 cp "$dir/log.csv" "$dir/second.csv"
 
-# well_formed FILE: every element is closed, in the right order.
+# well_formed FILE: the elements of an XML file are closed in the right order.
 well_formed() {
     head -n 2 "$1" | grep -q '<svg xmlns=' || fail "$1 is no SVG"
     tr '\n' ' ' <"$1" | sed 's/<?[^>]*?>//; s/</\n</g' | awk '
@@ -47,7 +47,7 @@ well_formed() {
     if grep -qi 'nan\|inf"' "$1"; then fail "$1 has numbers that are not finite"; fi
 }
 
-# draw NAME ARGUMENTS...: in all formats, twice each.
+# draw NAME ARGUMENTS...: draw twice in each format.
 draw() {
     name=$1
     shift
@@ -73,7 +73,7 @@ draw slice slice sgd:nickel ward:nickel lambert:kd=0,0,0
 draw attribution attribution sgd:nickel ward:nickel
 draw network network "$dir/model.safetensors"
 
-# The drawing depends on the input; equal BRDFs can be drawn, too.
+# The drawing depends on the input; equal BRDFs can also be drawn.
 { [ "$(grep -c '<symbol' "$dir/slice.svg")" -gt 10 ] && [ "$(grep -c '<symbol' "$dir/slice.svg")" -lt 150 ]; } ||
     fail "an SVG does not hold each glyph once: $(grep -c '<symbol' "$dir/slice.svg")"
 plot 0 attribution sgd:nickel sgd:nickel -o "$dir/same.svg"
@@ -93,7 +93,7 @@ cmp "$dir/piped.svg" "$dir/bars.svg" || fail "standard input"
 plot 0 curve "$dir/labels.csv" --title "" -o "$dir/untitled.svg"
 cmp -s "$dir/untitled.svg" "$dir/curve.svg" && fail "--title '' leaves a title"
 
-# Refusals: there is no file, and the message names the fault.
+# Refusals: no file is written, and the message names the error.
 plot 2 curve "$dir/labels.csv"
 plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
 says "no drawing 'pie'"

@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# --precision and NQM_KERNELS: what they change and what they must not, with the models that are built in. Presets only.
+# --precision and NQM_KERNELS: the permitted and the forbidden differences, for the built-in models and presets only.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 
 ref=sgd:nickel
 tests="ward:nickel cook-torrance:nickel abc:nickel perturb:gloss=0.9;of=sgd:nickel perturb:tint=1.05,1,1;of=sgd:nickel $ref"
 
-# jods PRECISION MODEL: one a line.
+# jods PRECISION MODEL: print the JOD of each test, one per line.
 jods() {
     # shellcheck disable=SC2086
     "$tool" score $ref $tests --precision "$1" --model "$2" -q || fail "score --precision $1"
 }
 
-# Near f32, and not the same; equal BRDFs score the same in all.
+# bf16 and int8 are close to f32, but not equal to it.
 for model in default paper; do
     for precision in f32 bf16 int8; do
         jods $precision $model >"$dir/$precision"
@@ -24,7 +24,7 @@ for model in default paper; do
               if (worst[2] > 0.05 || worst[3] > 0.4 || worst[2] == 0 || worst[3] == 0) exit 1 }' || fail "$model: far from f32"
 done
 
-# Named where it is not the usual one.
+# The output names the precision unless it is the default.
 run 0 score $ref ward:nickel --json
 grep -q precision "$dir/out" && fail "f32 is named"
 run 0 score $ref ward:nickel --json --precision bf16
@@ -39,7 +39,8 @@ for verb in "score $ref $ref" "rank $ref $ref" "batch $dir/list.csv" "eval $dir/
     run 2 $verb --precision f64
 done
 
-# The same bits from all kernels with fused multiply-add, the same digits from plain loops; others are refused.
+# All kernels with fused multiply-add give the same bits, plain loops the same printed digits; unknown names are
+# refused.
 "$tool" score $ref ward:nickel --json >"$dir/best.json" || fail "score"
 for kernels in avx512+bf16 avx512 avx2 scalar; do
     NQM_KERNELS=$kernels "$tool" score $ref ward:nickel --json >"$dir/other.json" 2>"$dir/err" || {

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm rank: order, shared ranks, preferences, forms, lists with several references, tests without a score.
+# nqm rank: order, tied ranks, preferences, output formats, lists with several references, tests without a score.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
 
-# rank CODE ARGUMENTS...: run with the model; results in out, talk in err.
+# rank CODE ARGUMENTS...: run with the model; standard output goes to out, standard error to err.
 rank() {
     code=$1
     shift
@@ -13,7 +13,7 @@ rank() {
 }
 ref=sgd:nickel a=ward:nickel b=lambert:kd=.4 c='perturb:tint=1.5,1,1;of=sgd:nickel'
 
-# The order is that of the scores; equal tests share a rank and the next one is counted on.
+# Tests are sorted by score; equal tests have the same rank, and the next rank counts them all.
 rank 0 $ref $a $b "$c" $b --csv
 head -n 1 "$dir/out" | grep -qx 'reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,error' || fail "header"
 "$tool" score --model "$dir/model.safetensors" $ref $a $b "$c" --csv | sed 1d |
@@ -28,7 +28,8 @@ awk -F, 'NR == FNR {split($0, s, " "); order[++n] = s[2]; jod[s[2]] = s[1]; next
     {last = $4; rank = $2}' "$dir/scores" "$dir/rows" >"$dir/why" || fail "$(cat "$dir/why")"
 [ "$(cut -d, -f2 "$dir/rows" | sort | uniq -d | wc -l)" = 1 ] || fail "equal tests share a rank: $(cat "$dir/rows")"
 
-# Preferences: Phi(0.6745 difference), here by a series good to 1e-6 for small differences; empty where there is no other.
+# Preferences: Phi(0.6745 difference), here by a series accurate to 1e-6 for small differences; empty without a second
+# test.
 awk -F, 'function phi(x,   t, s, k) {t = x; s = x; for (k = 1; k < 60; ++k) {t *= -x * x / (2 * k); s += t / (2 * k + 1)}
         return 0.5 + s / sqrt(2 * 3.14159265358979)}
     function off(a, b) {return a - b > 1e-5 || b - a > 1e-5}
@@ -39,7 +40,7 @@ awk -F, 'function phi(x,   t, s, k) {t = x; s = x; for (k = 1; k < 60; ++k) {t *
             if (i < NR && off(next_[i], phi(0.67448975 * (jod[i] - jod[i + 1])))) {print "row " i " over next"; exit 1}}}' \
     "$dir/rows" >"$dir/why" || fail "$(cat "$dir/why"): $(cat "$dir/rows")"
 
-# Other forms.
+# Other output formats.
 rank 0 $ref $a $b "$c" -q
 cut -d' ' -f2 "$dir/scores" | sed "s|\"tint\"|$c|" | diff - "$dir/out" || fail "names, best first"
 rank 0 $ref $a $b "$c"
@@ -50,7 +51,7 @@ for word in '"schema": 1' '"id": "tiny"' '"reference": "sgd:nickel"' '"rank": 2'
     grep -q "$word" "$dir/out" || fail "JSON lacks $word"
 done
 
-# Lists: a ranking for each reference, by first appearance, wherever its rows stand.
+# Lists: one ranking per reference, in order of first appearance; the rows of a reference need not be contiguous.
 printf '{"reference":"ward:nickel","test":"%s"}\n{"reference":"sgd:nickel","test":"%s"}\n{"reference":"ward:nickel","test":"ward:nickel"}\n' \
     $b $a >"$dir/list.jsonl"
 rank 0 --list "$dir/list.jsonl" --csv
@@ -61,7 +62,7 @@ cp "$dir/out" "$dir/first"
 rank 0 --list - --csv <"$dir/list.jsonl"
 cmp "$dir/first" "$dir/out" || fail "standard input"
 
-# A test without a score stands last without a rank; the exit code is its own.
+# A test without a score is last and has no rank; its error gives the exit code.
 rank 3 $ref "$dir/nowhere.binary" $a --csv
 sed -n 3p "$dir/out" | grep -q '^sgd:nickel,,.*nowhere.binary,,,,.*nowhere.binary: No such' || fail "no score: $(cat "$dir/out")"
 sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,,,$' || fail "nobody to prefer: $(cat "$dir/out")"

@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm regress: made-up scores give their curve back, whatever the order of the columns; bad files give the contract's exit
-# codes; and, where the shared data are, the authors' scores give the paper's coefficients.
+# nqm regress: made-up scores give the coefficients of their curve; bad files give the documented exit codes; with the
+# shared data, the authors' scores give the paper's coefficients.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 # near VALUE EXPECTED TOLERANCE
 near() { awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN {d = a - b; if (d < 0) d = -d; exit !(d <= t)}'; }
 number() { sed -n 's/.*"'"$1"'": *\(-*[0-9.e+-]*\).*/\1/p' "$2"; }
 
-# The paper's formula at b = (-14, -0.47, -0.21), by awk.
+# The paper's formula for b = (-14, -0.47, -0.21), computed by awk.
 {
     echo 'name,jod,deltae'
     awk 'BEGIN {for (i = 1; i <= 40; ++i) {

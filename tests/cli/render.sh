@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm render: pictures of the size and format that were asked for; a Lambert sphere under a white light shows at its albedo times
-# the exposure; frames and their names; the same bytes for 1 and 2 threads; refusals.
+# nqm render: pictures have the requested size and format; a Lambert sphere under a white light has its albedo times the
+# exposure; frames and their names; the same bytes for 1 and 2 threads; refusals.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 # render CODE ARGUMENTS...
@@ -25,7 +25,7 @@ grep -q '"mean": 50\.' "$dir/out" || grep -q '"mean": 49\.99' "$dir/out" || fail
 grep -q "\"$dir/grey.hdr\"" "$dir/out" || fail "the file is not named"
 head -n 1 "$dir/grey.hdr" | grep -q '^#?RADIANCE' || fail "no Radiance HDR"
 grep -a -q '^-Y 24 +X 40$' "$dir/grey.hdr" || fail "not 40 x 24 pixels"
-# What was written is a light map that can be read again.
+# A written picture can be read as a light map.
 render 0 lambert:kd=.5,.5,.5 -o "$dir/grey.exr" --light "$dir/grey.hdr" --size 16
 [ "$(od -A n -t x1 -N 4 "$dir/grey.exr")" = " 76 2f 31 01" ] || fail "no OpenEXR"
 render 0 lambert:kd=.5,.5,.5 -o "$dir/again.png" --light "$dir/grey.exr" --size 16
@@ -39,7 +39,7 @@ render 0 sgd:nickel -o "$dir/black.png" --size 24 --background black
 render 0 sgd:nickel -o "$dir/light.png" --size 24 --background light
 ! cmp -s "$dir/light.png" "$dir/black.png" || fail "the light is black"
 
-# Frames: a number before the ending, or where the name has %d.
+# Frames: the number is inserted before the file extension, or at %d in the name.
 render 0 sgd:nickel -o "$dir/turn.png" --size 8 --frames 2 --supersample 1
 { [ -f "$dir/turn-0001.png" ] && [ -f "$dir/turn-0002.png" ] && [ ! -f "$dir/turn.png" ]; } || fail "names of frames"
 render 0 sgd:nickel -o "$dir/%03d-turn.exr" --size 8 --frames 2 --supersample 1

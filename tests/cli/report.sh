@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm report: the page is well-formed and self-contained, has the numbers of nqm score and nqm label, escapes names, and is the same
-# twice; errors and Ctrl-C leave no file.
+# nqm report: the page is well-formed and self-contained, contains the values of nqm score and nqm label, escapes names,
+# and is the same in two runs; errors and Ctrl-C leave no file.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 command -v xmllint >/dev/null || {
@@ -22,7 +22,7 @@ report() {
 }
 # query XPATH: evaluate it on the page.
 query() { xmllint --xpath "$1" "$page"; }
-# empty: there is no page and no unfinished file.
+# empty: neither a page nor an unfinished file exists.
 empty() { [ -z "$(ls "$dir/pages")" ] || fail "left: $(ls "$dir/pages")"; }
 
 "$tool" plot network "$dir/model.safetensors" -o "$dir/probe.png" 2>"$dir/err" || {
@@ -54,7 +54,7 @@ query 'string(//meta[@http-equiv="Content-Security-Policy"]/@content)' | grep -q
     fail "elements that load or run something"
 ! grep -qiE 'https?:|url\(|@import|<script>' "$page" || fail "an address in the page"
 
-# ---- the numbers are those of nqm score and nqm label for the same arguments
+# ---- the values equal those of nqm score and nqm label for the same arguments
 # same ID FILE: the data block equals the JSON in the file, except for white space.
 same() {
     query "string(//script[@id='$1'])" | sed 's/\\u003c/</g; s/\\u003e/>/g; s/\\u0026/\&/g' | tr -d ' \n' >"$dir/block"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm report in a headless browser without network: it shows the JOD, text and pictures are visible and fit the width of a desktop and
-# of a phone, and it prints on the expected number of sheets.
+# nqm report in a headless browser without network: the page shows the JOD, text and pictures are visible and fit the
+# width of a desktop and of a phone, and printing gives the expected number of sheets.
 # Skipped without Chromium or xmllint, and under sanitizers, where the page has the same bytes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
@@ -30,7 +30,8 @@ grep -q "<strong>$jod</strong>" "$dir/dom.html" || fail "no JOD $jod in the brow
 ! grep -qi 'Content.Security.Policy' "$dir/err" || fail "the page breaks its own policy"
 
 # ---- the screen: the requested size, dark text on white, the colours of pictures and maps
-# colours FILE: number of distinct colours, share of white pixels in percent, white columns at the right.
+# colours FILE: print the number of distinct colours, the percentage of white pixels, and the number of white columns at
+# the right.
 colours() { "${NQM_BUILD:?}/tests/png_colours" "$1"; }
 for width in 1280 400; do
     browse --window-size=$width,3000 --screenshot="$dir/shot.png" >/dev/null || fail "no picture of the screen"
@@ -41,7 +42,7 @@ for width in 1280 400; do
     [ "$3" -ge 12 ] || fail "$width wide: only $3 pixels are free at the right"
 done
 
-# The browser enforces the policy: with one that forbids pictures, few colours are left.
+# The browser enforces the policy: under a policy that forbids pictures, few colours remain.
 cp "$page" "$dir/whole.html"
 sed "s/img-src data:/img-src 'none'/" "$dir/whole.html" >"$page"
 browse --enable-logging=stderr --window-size=400,3000 --screenshot="$dir/shot.png" >/dev/null || fail "no picture of the screen"
@@ -51,7 +52,7 @@ set -- $(colours "$dir/shot.png")
 [ "$1" -lt 500 ] || fail "$1 colours without pictures"
 mv "$dir/whole.html" "$page"
 
-# ---- paper: a sheet for the summary, one or two per test, one or two for the guide
+# ---- printing: one sheet for the summary, one or two per test, one or two for the guide
 browse --no-pdf-header-footer --print-to-pdf="$dir/page.pdf" >/dev/null || fail "no print"
 sheets=$(grep -ac '/Type */Page\>' "$dir/page.pdf")
 { [ "$sheets" -ge 4 ] && [ "$sheets" -le 7 ]; } || fail "$sheets sheets of paper"

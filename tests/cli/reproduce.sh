@@ -1,16 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm reproduce on a made-up study in the authors' layout (tests/tools/authors_folder.c): its numbers are those of regress,
-# train and eval run by hand, every line of the closing table is there, finished and interrupted trainings are gone on with,
-# and what is missing is named.
+# nqm reproduce on a made-up study in the authors' layout (tests/tools/authors_folder.c): its values equal those of
+# separate runs of nqm regress, train and eval, the final table is complete, finished trainings are not repeated,
+# interrupted ones are resumed, and messages name missing inputs.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
 export OMP_NUM_THREADS
 
-# values KEY FILE: one a line, in order.
+# values KEY FILE: print the values of KEY, one per line, in order.
 values() { sed -n 's/^ *"'"$1"'": \([^,[{]*\),*$/\1/p' "$2"; }
-# same KEY FILE: every value of KEY in FILE stands behind KEY in the study, too.
+# same KEY FILE: every value of KEY in FILE is also a value of KEY in the study.
 same() {
     [ -n "$(values "$1" "$2")" ] || fail "$2 has no $1"
     values "$1" "$2" | while read -r value; do
@@ -27,7 +27,7 @@ cmp "$dir/out" "$dir/study/reproduce.json" || fail "--json and reproduce.json di
 [ "$(values published "$dir/study.json" | wc -l)" = 19 ] || fail "19 published figures"
 [ "$(grep -c '"type": "m' "$dir/out")" = 11 ] || fail "a bar a recipe and a metric"
 
-# By hand.
+# The same steps by separate commands.
 train="$dir/data/uniform_rand_500 --labels $dir/data/labels_balanced_train.csv"
 test="$dir/data/test --labels $dir/data/labels_real.csv"
 run 0 regress "$dir/data/labels_real.csv" --json
@@ -51,7 +51,7 @@ for key in spearman spearman_mean_by_material pearson kendall mae rmse r2; do
 done
 [ "$(values spearman "$dir/out" | wc -l)" -ge 11 ] || fail "two models and nine metrics"
 
-# Once more, as text: nothing is trained again, and every line of the table is there.
+# A second run, as text: nothing is trained again, and the table is complete.
 touch "$dir/before"
 run 0 reproduce "$dir/data" --seeds 1 --epochs 2 -o "$dir/study"
 [ -z "$(find "$dir/study" -name '*-1*' -newer "$dir/before")" ] || fail "a finished training was done again"
@@ -80,18 +80,18 @@ line 'training, s' 36 'not comparable: other machine'
 line 'score, ms a pair' 0.04 'not comparable: other machine'
 [ "$(grep -c '^[a-z_]*  *\*  *[0-9.-]* \[' "$dir/out")" = 4 ] || fail "the better of four pairs of baselines"
 
-# The bar chart: a line a recipe and a metric, in the columns of eval.
+# The bar chart: one line per recipe and per metric, with the columns of nqm eval.
 run 0 eval "$dir/data/test" --labels "$dir/data/labels_real.csv" --model none --csv
 head -n 1 "$dir/out" | cut -d, -f1-17 >"$dir/head"
 head -n 1 "$dir/study/bars.csv" | cut -d, -f1-17 | cmp - "$dir/head" || fail "columns of the bars"
 [ "$(wc -l <"$dir/study/bars.csv")" = 12 ] || fail "bars"
 grep -qF "$(grep '^all,all,ma_crwe,' "$dir/out" | cut -d, -f1-13)" "$dir/study/bars.csv" || fail "a bar is not eval's"
 
-# Other options do not overwrite.
+# A run with other options does not overwrite the results.
 run 5 reproduce "$dir/data" --seeds 1 --epochs 3 -o "$dir/study"
 says 'paper-1.json'
 
-# A smaller one: an interrupted training is gone on with, to the same model.
+# A smaller study: an interrupted training is resumed and gives the same model.
 mkdir "$dir/small" "$dir/half" "$dir/long"
 "$NQM_BUILD/tests/authors_folder" "$dir/small" 20
 mkdir "$dir/small/data"
@@ -106,12 +106,12 @@ run 0 reproduce "$dir/small" --recipes notebook --seeds 1 --epochs 2 -o "$dir/ha
 cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "resumed to another model"
 grep -q '^Spearman, all pairs .* not run$' "$dir/out" || fail "a recipe that was not run"
 
-# A further seed: the first is not trained again; means are means.
+# A further seed: the first is not trained again; the mean is that of both seeds.
 run 0 reproduce "$dir/small" --recipes notebook --seeds 2 --epochs 2 -o "$dir/half" --json
 cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "the first seed was trained again"
 {
     values mae "$dir/out" | sed -n 1,2p
-    values mean "$dir/out" | sed -n 5p # behind those of the two targets, of Spearman and of its mean
+    values mean "$dir/out" | sed -n 5p # the first four: two targets, Spearman, its mean over materials
 } | awk '{v[NR] = $1} END {d = (v[1] + v[2]) / 2 - v[3]; exit !(NR == 3 && v[1] != v[2] && d < 1e-7 && d > -1e-7)}' ||
     fail "the mean of two seeds"
 
@@ -125,7 +125,7 @@ for file in "$dir"/long/*.part "$dir"/long/*.csv.*; do
     [ ! -e "$file" ] || fail "unfinished files lie about"
 done
 
-# What is missing is named.
+# Messages name what is missing.
 run 2 reproduce
 run 2 reproduce "$dir/small" --recipes paper,best -o "$dir/x"
 says 'best'

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm directions and nqm sample: files that come back, the same set for the same seed, columns, holes, pipes, refusals.
+# nqm directions and nqm sample: round trip through files, the same set for the same seed, columns, invalid values,
+# pipes, refusals.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 40
@@ -25,7 +26,7 @@ grep -q '"n": 50' "$dir/out" || fail "JSON of directions"
 run 0 directions show "$dir/model.safetensors"
 [ "$(wc -l <"$dir/out")" = 41 ] || fail "directions of a model"
 
-# Samples: one row a direction, in order; lambert is constant.
+# Samples: one row per direction, in order; lambert is constant.
 run 0 sample lambert:kd=.5,.25,.125 --directions "$dir/drawn.csv" --csv
 [ "$(head -n 1 "$dir/out")" = theta_h,theta_d,phi_d,r,g,b ] || fail "columns"
 cut -d, -f1-3 "$dir/out" | diff "$dir/drawn.csv" - || fail "directions of the samples"
@@ -36,7 +37,7 @@ cp "$dir/out" "$dir/lambert.csv"
 run 0 sample sgd:nickel -d "$dir/model.safetensors" --json
 { grep -q '"n": 40' "$dir/out" && [ "$(grep -c '"theta_h"' "$dir/out")" = 40 ]; } || fail "JSON of samples"
 
-# Below the horizon there is no value: an empty field, null, or what the policy says.
+# Below the horizon there is no value: an empty field, null, or the value of the --invalid policy.
 printf 'theta_h,theta_d,phi_d\n10,20,30\n89,80,0\n' >"$dir/horizon.csv"
 run 0 sample lambert:kd=.5,.5,.5 -d "$dir/horizon.csv"
 tail -n 1 "$dir/out" | grep -q '^89,80,0,,,$' || fail "an empty field where there is no value"

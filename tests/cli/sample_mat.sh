@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm sample -o: a MAT file holds what the CSV prints, as SciPy reads it (skipped without python3-scipy); refusals leave no
-# file.
+# nqm sample -o: SciPy reads the same values from the MAT file as from the CSV (skipped without python3-scipy); refusals
+# leave no file.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "$tool" directions -n 30 -o "$dir/d.csv" 2>/dev/null

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm score: order and forms of the results, --metrics, --fail-under, tests that cannot be scored beside those that can, and
-# the exit codes of the contract. With a model of random weights; what the shipped ones score is tested elsewhere.
+# nqm score: order and formats of the results, --metrics, --fail-under, lists in which some tests cannot be scored, and
+# the documented exit codes. Uses a model with random weights; other tests check the scores of the built-in models.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 "${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors"
@@ -17,7 +17,7 @@ ref=sgd:nickel
 ward=ward:nickel
 gloss='perturb:gloss=0.9;of=sgd:nickel'
 
-# Quiet: one number a line, in the order of the arguments, whatever the order.
+# Quiet: one value per line, in the order of the arguments.
 score 0 $ref $ward "$gloss" $ref -q
 [ "$(wc -l <"$dir/out")" = 3 ] || fail "three lines"
 [ ! -s "$dir/err" ] || fail "talk without need"
@@ -27,7 +27,7 @@ sed -n '3p;2p;1p' "$dir/out" | sort >"$dir/a"
 sort "$dir/forward" | diff - "$dir/a" || fail "scores change with the order"
 [ "$(sed -n 1p "$dir/out")" = "$(sed -n 3p "$dir/forward")" ] || fail "the order of the results is not that of the arguments"
 
-# JSON: the contract's members; identical pairs; all metrics unless some are chosen.
+# JSON: the documented members; identical pairs; all metrics unless some are selected.
 score 0 $ref $ward $ref --json
 for word in '"schema": 1' '"name": "nqm"' '"version"' '"id": "tiny"' '"sha256"' '"parameters": 36033' '"results"' '"test": "ward:nickel"' \
     '"warnings"' '"log_diff"' '"rmse"'; do
@@ -40,7 +40,7 @@ done
 score 0 $ref $ward --json --metrics mae,log_diff
 { [ "$(grep -c '"rmse"' "$dir/out")" = 0 ] && grep -q '"mae"' "$dir/out" && grep -q '"log_diff"' "$dir/out"; } || fail "--metrics LIST"
 
-# Text: a row a test, legend; metrics when asked for.
+# Text: one row per test, a legend; metrics on request.
 score 0 $ref $ward $ref --metrics all
 grep -q '^model  *tiny$' "$dir/out" || fail "the text names the model"
 grep -q 'identical  .*sgd:nickel$' "$dir/out" || fail "the text says identical"
@@ -61,7 +61,8 @@ score 0 $ref $ward -q --fail-under "$(awk -v j="$jod" 'BEGIN {print j - 0.01}')"
 score 1 $ref $ward -q --fail-under "$(awk -v j="$jod" 'BEGIN {print j + 0.01}')"
 [ "$(sed -n 1p "$dir/out")" = "$jod" ] || fail "the gate must not swallow the results"
 
-# Tests that cannot be scored: the others are; the exit code is that of the first fault, before that of the gate.
+# If some tests cannot be scored, the others are scored; the exit code is that of the first error and takes precedence
+# over that of --fail-under.
 score 3 $ref "$dir/nowhere.binary" $ward -q
 { [ "$(sed -n 1p "$dir/out")" = nan ] && [ "$(sed -n 2p "$dir/out")" = "$jod" ]; } || fail "faults of one test"
 grep -q 'nowhere.binary' "$dir/err" || fail "the message names the file"
@@ -73,7 +74,8 @@ score 2 $ref 'ggx:nonsense=1' -q
 score 3 "$dir/nowhere.binary" $ward -q
 [ ! -s "$dir/out" ] || fail "results without a reference"
 
-# Too few values: the model looks where this reference, a Lambert that knows angles of incidence below 30 degrees, has none.
+# Too few values: this reference, a Lambert BRDF with values only for angles of incidence below 30 degrees, has no value
+# at most of the model's directions.
 if [ -x "${NQM_BUILD:?}/tests/make_brdf_files" ]; then
     "$NQM_BUILD/tests/make_brdf_files" "$dir" >/dev/null
     score 5 "$dir/valid.binary" $ward -q --min-valid 1
@@ -104,7 +106,7 @@ score 6 $ref $ward --model "$dir/changed.safetensors"
 grep -q 'checksum' "$dir/err" || fail "a damaged model"
 "$tool" score --help | grep -q 'nqm score sgd:nickel ward:nickel' || fail "help with an example"
 
-# A name that is not UTF-8 keeps its row; results that cannot be written are a failure.
+# A test whose name is not UTF-8 still has a row; a failed write of the results is an error.
 score 3 $ref "$(printf 'caf\351.binary')" --json
 [ "$(number test 1)" = '"caf?.binary"' ] || fail "a name in Latin-1 in JSON"
 if [ -c /dev/full ]; then

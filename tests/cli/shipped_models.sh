@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The two models that are built in: what they are, that a BRDF beside itself scores at the top of the range, and that the
-# default model sees more noise as worse. Presets only; shipped_models_rgl.sh does the same on measured files.
+# The two built-in models: their properties, that a BRDF compared with itself scores at the top of the range, and that
+# the default model scores more noise lower. Presets only; shipped_models_rgl.sh does the same on measured files.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 
@@ -25,7 +25,7 @@ awk '{ for (i = 1; i <= NF; ++i) sum[i] += $i }
      END { for (i = 2; i <= 5; ++i) if (!(sum[i] < sum[i - 1])) bad = 1
            for (i = 1; i <= 5; ++i) printf "%.3f ", sum[i] / NR; exit bad }' "$dir/noise" || fail "noise: means do not fall"
 
-# A strong tint and a blunted highlight are worse than slight ones.
+# A strong tint and a strong reduction of the highlight score lower than slight ones.
 slight=$("$tool" score sgd:red-plastic "perturb:tint=1.02,1,1;of=sgd:red-plastic" -q)
 strong=$("$tool" score sgd:red-plastic "perturb:tint=1.6,1,1;of=sgd:red-plastic" -q)
 below "$strong" "$slight" || fail "tint: $strong is not below $slight"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# With the default model every measured RGL file beside itself scores within 0.1 JOD of the top of the range and is reported
-# identical, and against stronger and stronger noise the mean score over the files falls. Needs the measured data.
+# The default model scores every measured RGL file against itself within 0.1 JOD of the top of the range and reports the
+# pair as identical; with increasing noise the mean score over the files decreases. Needs the measured data.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 data=${NQM_DATA:-${NQM_SOURCE:?}/../shared/data}

@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm train and nqm eval, from a small dataset to a model to tables: forms of the results, options of the recipes, interrupted and
-# resumed training, the authors' layout, exit codes of the contract.
+# nqm train and nqm eval on a small dataset: formats of the results, options of the recipes, interrupted and resumed
+# training, the authors' layout, documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 source=${NQM_SOURCE:?}
-OMP_NUM_THREADS=1 # these networks are too small to share
+OMP_NUM_THREADS=1 # these networks are too small to use more threads
 export OMP_NUM_THREADS
 "${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors"
 
-# number KEY: the first value of "KEY" in out.
+# number KEY: print the first value of "KEY" in out.
 number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n 1p; }
 small="--hidden 32,16 --batch 64 --lr-first 0.001 --schedule plateau"
 
@@ -67,7 +67,7 @@ for file in "$dir"/*.part; do
     [ ! -e "$file" ] || fail "unfinished files lie about"
 done
 
-# Recipes: paper and notebook; the card says what happened.
+# Recipes: paper and notebook; the card describes the training.
 # shellcheck disable=SC2086
 run 0 train "$dir/toy.safetensors" -o "$dir/paper.safetensors" --recipe paper $small --epochs 2 --id mine --json
 [ "$(number recipe)" = '"paper"' ] || fail "recipe paper"
@@ -80,7 +80,7 @@ run 0 train "$dir/toy.safetensors" -o "$dir/notebook.safetensors" --recipe=noteb
 run 0 train --recipe paper --help
 grep -q -- '--batch N .*512' "$dir/out" || fail "help shows the recipe's defaults"
 
-# Evaluation: several models beside the metrics, tables by kind and range, JSON, CSV, pairs.
+# Evaluation: several models and the metrics, tables by kind and range, JSON, CSV, pairs.
 run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors,$dir/paper.safetensors" --by both --bootstrap 100 --pairs "$dir/pairs.csv"
 grep -q '^all: 144 pairs of 6 materials' "$dir/out" || fail "text of eval"
 for word in '^nqm  ' '^mine  ' '^log_diff  ' '^gloss: 72' '^JOD < 9.5'; do
@@ -110,13 +110,13 @@ run 0 eval "$dir/toy.safetensors" --model none --split all --csv --bootstrap 0
 [ "$(wc -l <"$dir/out")" = 10 ] || fail "a line a metric"
 grep -q '^all,all,rmse,metric,576,24,0\.' "$dir/out" || fail "CSV"
 
-# The authors' layout: straight into training and judging.
+# The authors' layout can be used directly for training and evaluation.
 run 0 train "$source/tests/vectors/authors" --labels "$source/tests/vectors/authors/labels.csv" --recipe notebook \
     -o "$dir/authors.safetensors" --epochs 2 --hidden 8
 run 0 eval "$source/tests/vectors/authors" --labels "$source/tests/vectors/authors/labels.csv" --model "$dir/authors.safetensors"
 grep -q '^all: 5 pairs of 2 materials' "$dir/out" || fail "eval of the authors' layout"
 
-# Faults.
+# Errors.
 run 2 train "$dir/toy.safetensors"
 says '-o'
 run 2 train "$dir/toy.safetensors" -o "$dir/x" --recipe best

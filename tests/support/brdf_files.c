@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Blobs and scratch files, and BRDF files of fixed layout: MERL tables and the neural processes' decoder.
+ * Blobs and temporary files; BRDF files of fixed layout: MERL tables and the decoder of the neural processes.
  */
 #include "support/brdf_files.h"
 

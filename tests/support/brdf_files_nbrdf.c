@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes NBRDF networks with libhdf5 in the layout that Keras gives them, whole or broken in one place, and zip
- * archives.
+ * Writes NBRDF networks with libhdf5 in the layout of Keras, valid or with one fault, and zip archives.
  */
 #include "support/brdf_files.h"
 
@@ -27,12 +26,12 @@ typedef struct shape {
 
 static const shape shapes[6] = {{"kernel:0", 2, {6, 21}}, {"bias:0", 1, {21, 0}},   {"kernel:0", 2, {21, 21}},
                                 {"bias:0", 1, {21, 0}},   {"kernel:0", 2, {21, 3}}, {"bias:0", 1, {3, 0}}};
-enum { BROKEN = 4 }; /* the one that is made differently */
+enum { BROKEN = 4 }; /* index of the dataset that `kind` changes */
 
 static hid_t creation_list(nbrdf_kind kind, hsize_t n_bytes) {
     hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     const hsize_t chunk[2] = {7, 3};
-    need(H5Pset_obj_track_times(list, false) >= 0, "times"); /* the same bytes at any time */
+    need(H5Pset_obj_track_times(list, false) >= 0, "times"); /* no timestamps: equal bytes in every run */
     if (kind == NBRDF_CHUNKED)
         need(H5Pset_chunk(list, 2, chunk) >= 0 && H5Pset_deflate(list, 1) >= 0, "chunks");
     if (kind == NBRDF_EXTERNAL_STORAGE)

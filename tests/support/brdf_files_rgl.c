@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes RGL materials in the tensor container (layout: src/io/tensor_file.c), whole or with one tensor changed.
+ * Writes RGL materials in the tensor container (layout: src/io/tensor_file.c), valid or with one tensor changed.
  */
 #include "support/brdf_files.h"
 
@@ -15,7 +15,7 @@ typedef struct tensor {
     unsigned type;
     size_t n_dims, dims[6];
     double scale, shift; /* value = scale * noise + shift */
-    const float *values; /* or these */
+    const float *values; /* used instead of noise unless NULL */
 } tensor;
 
 static const float theta_i[4] = {0, 0.6F, 1.1F, 1.5707964F};
@@ -45,7 +45,7 @@ static bool is_changed(const tensor *t, const rgl_change *change) {
     return change && change->name && strcmp(change->name, t->name) == 0;
 }
 
-/* The tensors with the change made; returns how many. */
+/* Apply the change to the list of tensors; returns their number. */
 static size_t choose(const rgl_change *change, tensor *out) {
     size_t n = 0;
     for (size_t i = 0; i < N_VALID; ++i)
@@ -59,7 +59,8 @@ static size_t choose(const rgl_change *change, tensor *out) {
     return n;
 }
 
-/* The two lowest rows of the visible-normal density are empty at the two smallest angles, as measured ones may be. */
+/* The two lowest rows of the visible-normal density are zero at the two smallest angles, as occurs in measured
+ * files. */
 static double value_of(const tensor *t, size_t i) {
     if (t->values)
         return (double)t->values[i];
@@ -78,7 +79,7 @@ static size_t put_data(const tensor *t, unsigned char *at) {
     return t->type == FLOAT32 ? 4 * n : n;
 }
 
-/* The entry of the table of contents; returns its size. */
+/* Write the entry of the table of contents; returns its size in bytes. */
 static size_t put_entry(const tensor *t, size_t offset, unsigned char *at) {
     size_t n_name = strlen(t->name);
     unsigned char *p = at;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes networks and tables as nqm saves them, whole or broken in one place, by way of the safetensors writer alone.
+ * Writes networks and tables in the layout of nqm_brdf_save(), valid or with one fault, using only the safetensors
+ * writer.
  */
 #include "io/io.h"
 #include "support/brdf_files.h"
@@ -61,7 +62,7 @@ blob make_saved(saved_kind kind) {
     if (kind == SAVED_NAN)
         values[200] = NAN;
     if (kind == SAVED_TABLE_NAN)
-        values[31] = NAN; /* channel 1 of a node that has a value */
+        values[31] = NAN; /* channel 1 of a node; its other channels are valid */
     if (kind == SAVED_TABLE)
         values[60] = values[61] = values[62] = NAN; /* no value */
     const nqm_meta meta[] = {{"format", format_of(kind)}, {"schema", kind == SAVED_SCHEMA ? "2" : "1"}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Comparisons, inputs that must be good, and the way to the shared data, for unit tests.
+ * Comparisons, inputs that must be valid, and paths of the shared data, for unit tests.
  */
 #include "support/check.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * check.h - what the unit tests share: comparison of doubles (cmocka compares floats only), numbers of CSV files, BRDFs
- * that must open, and the way to the stored vectors and the shared data. Includes cmocka with what it needs.
+ * check.h - shared by the unit tests: comparison of doubles (cmocka compares only floats), values of CSV files, BRDFs
+ * that must open, and paths of the stored vectors and the shared data. Includes cmocka and the headers that it needs.
  */
 #ifndef NQM_TESTS_CHECK_H
 #define NQM_TESTS_CHECK_H
@@ -25,22 +25,22 @@
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 
-/** For qsort(). */
+/** Comparison for qsort(). */
 int compare_doubles(const void *a, const void *b);
 
-/** The number in a field; fails where there is none. */
+/** The value of a field as a double; fails if the field is not a number. */
 double csv_number(const nqm_csv *csv, size_t row, int column);
 
-/** Open a BRDF; fails with the library's message. */
+/** Open a BRDF; on failure the test fails with the library's message. */
 nqm_brdf *open_brdf(const char *argument);
-/** For classes of BRDFs that own nothing. */
+/** The `free` function of BRDF classes that own no memory. */
 void free_nothing(void *self);
 
-/** The path of a file in the shared data ($NQM_DATA, else ../shared/data beside the source), or NULL when it is absent.
- * Lent until the next call. */
+/** The path of a file in the shared data ($NQM_DATA, or ../shared/data relative to the source), or NULL if it is
+ * absent. Valid until the next call. */
 const char *shared_data(const char *relative_path);
 
-/** The path of a file of tests/vectors. Lent until the next call. */
+/** The path of a file of tests/vectors. Valid until the next call. */
 const char *test_vector(const char *name);
 
 #endif

@@ -1,21 +1,21 @@
 # shellcheck shell=sh
 # SPDX-License-Identifier: MIT
-# What the command-line tests share: the tool under test, a folder that goes away with the test, the way to fail, and
-# running the tool.
+# Shared by the command-line tests: the tool under test, a temporary folder that is removed when the test ends, and
+# functions that run the tool and report failures.
 # Source it first: . "${NQM_SOURCE:?}/tests/support/cli.sh"
 set -eu
 tool=${NQM_TOOL:?}
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 
-# fail MESSAGE: end the test; what the tool said last, if the test kept it in err, says why.
+# fail MESSAGE: end the test and print the message and the tool's last standard error, if the test stored it in err.
 fail() {
     echo "$1"
     [ ! -f "$dir/err" ] || cat "$dir/err"
     exit 1
 }
 
-# run CODE ARGUMENTS...: run the tool, which must end with CODE; what it says is in out and err.
+# run CODE ARGUMENTS...: run the tool, which must exit with CODE; standard output goes to out, standard error to err.
 run() {
     code=$1
     shift
@@ -24,13 +24,13 @@ run() {
     [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
 }
 
-# says PATTERN: the last run said so on standard error, and nothing on standard output.
+# says PATTERN: the standard error of the last run must match PATTERN, and its standard output must be empty.
 says() {
     grep -q -- "$1" "$dir/err" || fail "no '$1' in the message"
     [ ! -s "$dir/out" ] || fail "results on failure"
 }
 
-# refuses CODE PATTERN ARGUMENTS...: run the tool, which must end with CODE and say PATTERN (. is anything).
+# refuses CODE PATTERN ARGUMENTS...: run the tool, which must exit with CODE and a message that matches PATTERN.
 refuses() {
     code=$1 pattern=$2
     shift 2
@@ -38,7 +38,7 @@ refuses() {
     says "$pattern"
 }
 
-# until_written FILE: wait until FILE is there and not empty, for half a minute at most.
+# until_written FILE: wait until FILE exists and is not empty, for at most 30 s.
 until_written() {
     i=0
     while [ ! -s "$1" ] && [ $i -lt 300 ]; do
@@ -47,7 +47,7 @@ until_written() {
     done
 }
 
-# ctrl_c: interrupt the command that was started last, which must end with 130. (A shell without job control starts
+# ctrl_c: interrupt the last background command, which must exit with 130. (A shell without job control starts
 # background commands with SIGINT ignored; the tool installs its handler nevertheless.)
 ctrl_c() {
     kill -INT $! 2>/dev/null || fail "it ended before Ctrl-C"
@@ -56,8 +56,8 @@ ctrl_c() {
     [ "$got" = 130 ] || fail "exit code $got after Ctrl-C"
 }
 
-# number KEY N: the N-th value of "KEY" in the JSON in out.
+# number KEY N: print the N-th value of "KEY" in the JSON in out.
 number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; }
 
-# png_size FILE: "width height" from its header.
+# png_size FILE: print "width height" from the PNG header.
 png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4, $7 * 256 + $8}'; }

@@ -6,17 +6,17 @@
 #ifndef NQM_TESTS_SUPPORT_CORPUS_FILES_H
 #define NQM_TESTS_SUPPORT_CORPUS_FILES_H
 
-/** Setup and teardown of a group of tests: the folder. */
+/** Group fixtures of cmocka: create and remove the temporary folder. */
 int make_folder(void **state);
 int remove_made_folder(void **state);
-/** Remove a folder with its files. */
+/** Remove a folder and its files. */
 void remove_folder(const char *path);
-/** A path in the folder; valid until the next call but one. */
+/** A path in the folder; valid until the second call after this one. */
 const char *in_folder(const char *name);
-/** Write a file in the folder; its path, as in_folder(). */
+/** Write a file in the folder; returns its path as in_folder() does. */
 const char *write_text(const char *name, const char *text);
 
-/** Two groups for training, one of them with two forms, and one for testing. */
+/** A material list: two training groups, one of which has two forms, and one test group. */
 extern const char corpus_materials[];
 
 #endif

@@ -7,11 +7,11 @@
 
 #include <nqm/fit.h>
 
-/** Fit `model` to the BRDF `spec`; fails the test when that fails. */
+/** Fit `model` to the BRDF `spec`; the test fails if the fit fails. */
 nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_options *options);
-/** The values behind "key=" in a spec, up to three; a single value three times. */
+/** The values after "key=" in a spec, up to three; a single value is repeated for all three channels. */
 void spec_values(const char *spec, const char *key, double v[3]);
-/** Every value of `key` in both specs is equal but for `tolerance` times the truth and 1e-4. */
+/** Check that every value of `key` in both specs agrees within `tolerance` times the truth plus 1e-4. */
 void check_spec_values(const char *fitted, const char *truth, const char *key, double tolerance);
 
 #endif

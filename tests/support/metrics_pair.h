@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * metrics_pair.h - the sampled pair of tests/vectors/metrics_pair.csv, which vectors/metrics.py and vectors/scalars.py work on.
+ * metrics_pair.h - the sampled pair of tests/vectors/metrics_pair.csv, the input of vectors/metrics.py and
+ * vectors/scalars.py.
  */
 #ifndef NQM_TESTS_SUPPORT_METRICS_PAIR_H
 #define NQM_TESTS_SUPPORT_METRICS_PAIR_H

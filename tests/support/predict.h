@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * JODs of pairs that a test sampled itself.
+ * Computes the JOD of pairs that a test has sampled itself.
  */
 #ifndef NQM_TEST_PREDICT_H
 #define NQM_TEST_PREDICT_H

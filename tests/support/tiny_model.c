@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A small network of random weights on the layout of our recipe.
+ * A small network with random weights and the layout of the recipe `nqm`.
  */
 #include "support/tiny_model.h"
 #include "percept/percept.h"

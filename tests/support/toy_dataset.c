@@ -49,7 +49,7 @@ static void fill_mask(size_t n_rows, size_t n_directions, nqm_rng *rng, uint8_t 
         used[i] = i % n_directions == 0 || nqm_rng_uniform(rng) > 0.1;
 }
 
-/* Test number p: a copy of the reference's lobe that is scaled (gain) or has another width (gloss). */
+/* Add one test: a copy of the reference's lobe that is scaled (gain) or has another width (gloss). */
 static void add_test(nqm_dataset_builder *b, size_t ref, lobe l, nqm_rng *rng) {
     const nqm_dataset *d = b->dataset;
     const size_t p = d->n_pairs, n = 3 * d->n_directions;

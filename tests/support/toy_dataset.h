@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * toy_dataset.h - a small labelled dataset made from a few formulas, for the tests of datasets, training and
+ * toy_dataset.h - a small labelled dataset computed from a few formulas, for the tests of datasets, training and
  * evaluation.
  */
 #ifndef NQM_TESTS_TOY_DATASET_H
@@ -10,16 +10,16 @@
 
 typedef struct toy_options {
     size_t n_directions, n_groups, pairs_per_ref;
-    bool with_masks; /* a few directions without value */
-    bool splits;     /* groups in all three splits; else all are training groups */
+    bool with_masks; /* a few directions have no value */
+    bool splits;     /* assign groups to all three splits; otherwise all are training groups */
     uint64_t seed;
 } toy_options;
 
-/** 24 materials with two references each, 12 pairs a reference, 16 directions. */
+/** 24 materials with two references each, 12 pairs per reference, 16 directions. */
 toy_options toy_options_default(void);
 
-/** Each reference is a matte floor and a lobe of its own; each test is scaled ("gain") or has another lobe ("gloss"),
- * and its Delta-E grows with the mean difference of the logarithms. Free with nqm_dataset_free(). */
+/** Each reference is a constant diffuse term plus a random lobe; each test is a scaled copy ("gain") or has another
+ * lobe ("gloss"), and its Delta-E increases with the mean difference of the logarithms. Free: nqm_dataset_free(). */
 nqm_dataset *toy_dataset(const toy_options *options);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * authors_folder FOLDER [N]: write a study like that of the paper's authors into an existing folder, in their layout, with
- * N (default 500) directions: uniform_rand_500 (5 materials, a reference a row), test (20 materials, 180 rows, a reference
- * a material) and both CSVs. The encodings are perturbed presets; Delta-E follows from their strength by a formula, JOD by
- * the published curve, so that a regression gives the published coefficients back.
+ * authors_folder FOLDER [N]: write a made-up study in the layout of the paper's authors into an existing folder, with N
+ * (default 500) directions: uniform_rand_500 (5 materials, one reference per row), test (20 materials, 180 rows, one
+ * reference per material) and both CSVs. The encodings are perturbed presets; Delta-E is a function of their strength,
+ * and JOD follows from the published curve, so that a regression gives the published coefficients.
  */
 #include <errno.h>
 #include <nqm/label.h>
@@ -48,7 +48,7 @@ static bool save(const char *spec, const part *p, const char *below, const char 
     return ok;
 }
 
-/* How far encoding e of material m is from its reference: 0.02 to about 0.5, another order in every material. */
+/* Distortion of encoding e of material m: 0.02 to about 0.5; the order of the encodings differs between materials. */
 static double strength(size_t m, size_t e) {
     return 0.02 + 0.05 * (double)((e * (m % 4 + 2) + m) % 11 % N_ENCODINGS) + 0.003 * (double)m;
 }

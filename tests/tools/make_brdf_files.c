@@ -18,7 +18,7 @@ static const char *in_folder(const char *name) {
     return path;
 }
 
-/* The faults that any format can have. n_full: the size that the format asks for, 0 when it asks for none. */
+/* Faults that are possible in every format. n_full: the file size in bytes that the format requires, 0 if none. */
 static void put_common_faults(const char *format, const char *ending, const blob *valid, size_t n_full) {
     char name[64];
     blob b = {valid->data, valid->n_bytes / 2};

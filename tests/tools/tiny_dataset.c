@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * tiny_dataset FILE [SEED [MATERIALS]]: write a small labelled dataset from a few formulas (support/toy_dataset.h), for the
- * command-line tests.
+ * tiny_dataset FILE [SEED [MATERIALS]]: write the small labelled dataset of support/toy_dataset.h, for the command-line
+ * tests.
  */
 #include "support/toy_dataset.h"
 

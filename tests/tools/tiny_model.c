@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * tiny_model FILE [N]: write a model of N (default 500) directions with random weights, so that the command-line tests
- * have a model whatever is built in. What it scores means nothing, except that equal pairs are equal.
+ * tiny_model FILE [N]: write a model with N (default 500) directions and random weights, so that the command-line tests
+ * do not depend on the built-in models. Its scores have no meaning, except that equal BRDFs are reported as identical.
  */
 #include "support/tiny_model.h"
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The base module: allocation limits, atomic output files, mapped input, numbers under a foreign locale, random numbers
- * against published values, SHA-256 against the FIPS 180-4 examples, parallel loops, libraries that are loaded.
+ * The base module: allocation limits, atomic output files, mapped input, number formats under another locale, random
+ * numbers against published values, SHA-256 against the FIPS 180-4 examples, parallel loops, libraries loaded at run
+ * time.
  */
 #include "base/library.h"
 #include "base/memory_test.h"
@@ -67,7 +68,7 @@ static int make_folder(void **state) {
 
 static int remove_folder(void **state) {
     (void)state;
-    return rmdir(folder); /* fails when a test left a file behind: a temporary that was not removed */
+    return rmdir(folder); /* fails if a test has not removed a temporary file */
 }
 
 static void path_in_folder(char *path, size_t n, const char *name) {
@@ -120,13 +121,13 @@ static void test_outfile_in_missing_folder(void **state) {
     assert_null(out.stream);
 }
 
-/* Renaming would put a file in the place of a device: as root that breaks the machine. */
+/* Renaming a file over a device would replace the device, which root is allowed to do. */
 static void test_outfile_writes_pipes_in_place(void **state) {
     (void)state;
     char path[256], text[8] = "";
     path_in_folder(path, sizeof path, "pipe");
     assert_int_equal(mkfifo(path, 0600), 0);
-    int fd = open(path, O_RDWR); /* holds the pipe open for both sides */
+    int fd = open(path, O_RDWR); /* keeps both ends of the pipe open */
     assert_true(fd >= 0);
     write_text(path, "piped");
     assert_int_equal(read(fd, text, sizeof text), 5);
@@ -160,7 +161,7 @@ static void test_map_refuses_what_is_no_file(void **state) {
 
 static void test_numbers_survive_any_locale(void **state) {
     (void)state;
-    /* A comma locale if the machine has one; the round trip must hold either way. */
+    /* A locale with decimal commas, if installed; the round trip must be exact in any locale. */
     (void)(setlocale(LC_ALL, "de_DE.UTF-8") || setlocale(LC_ALL, "fr_FR.UTF-8"));
     const double values[] = {0.1, 1.0 / 3.0, -2.5e-300, 6.02214076e23, 0, 123456789012345678.0};
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
@@ -278,9 +279,9 @@ static void test_ticker(void **state) {
     double begin_s = nqm_clock_s();
     assert_true(nqm_tick(&ticker, "work", 1, 10));
     assert_true(ticker.next_s > begin_s);
-    ticker.next_s = INFINITY;                       /* however slow this machine is, */
-    assert_false(nqm_tick(&ticker, "work", 2, 10)); /* it is too soon */
-    assert_true(nqm_tick(&ticker, "work", 10, 10)); /* the end is always told */
+    ticker.next_s = INFINITY;                       /* so that, on a machine of any speed, */
+    assert_false(nqm_tick(&ticker, "work", 2, 10)); /* the callback is not due */
+    assert_true(nqm_tick(&ticker, "work", 10, 10)); /* the end is always reported */
     assert_int_equal(calls, 2);
     nqm_ticker silent = {0};
     assert_false(nqm_tick(&silent, "work", 1, 1));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gathering of scattered bytes from a file: the right ones, in memory or not, with and without an open file, across
- * borders of pages, and past the end.
+ * Gathering scattered bytes from a file: correct bytes whether or not pages are in memory, with and without an open
+ * file, across page boundaries, and past the end.
  */
 #include "base/base.h"
 #include "support/check.h"
@@ -33,11 +33,11 @@ static int make_file(void **state) {
 
 static void drop_from_memory(void) {
     int fd = open(temp_file, O_RDONLY);
-    (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED); /* where it fails the bytes stay the same */
+    (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED); /* a failure does not change the bytes */
     close(fd);
 }
 
-/* Some at the ends, some over borders of pages, most anywhere. */
+/* Some offsets at the ends of the file, some across page boundaries, most of them uniform. */
 static size_t choose_offset(size_t i, nqm_rng *rng) {
     const size_t special[] = {0, N_BYTES - N_EACH, 4096 - 4, 8192 - 1, 4096, 2 * 65536 - 7};
     return i < 6 ? special[i] : (size_t)nqm_rng_below(rng, N_BYTES - N_EACH + 1);
@@ -78,7 +78,7 @@ static void gathers_from_disk_and_memory(void **state) {
     assert_null(map.data);
 }
 
-/* Part of a file in memory, and not at the begin of a page. */
+/* Gather from memory that does not begin at a page boundary. */
 static void gathers_at_any_alignment(void **state) {
     (void)state;
     unsigned char *data = malloc(N_BYTES + 3);
@@ -107,7 +107,7 @@ static void says_what_is_past_the_end(void **state) {
     const size_t offsets[] = {N_BYTES - N_EACH + 1, N_BYTES, N_BYTES + 10000};
     for (size_t i = 0; i < 3; ++i)
         assert_past_end(&map, offsets[i]);
-    assert_int_equal(truncate(temp_file, 1000), 0); /* after it was opened: a plain map would be fatal */
+    assert_int_equal(truncate(temp_file, 1000), 0); /* after opening: reading a plain mapping would raise SIGBUS */
     assert_past_end(&map, 500000);
     nqm_map_close_file(&map);
     for (size_t i = 1; i < 3; ++i) {

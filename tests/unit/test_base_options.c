@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options described by a table: defaults of recipes, values from text, ranges, words, names, and JSON.
+ * Options described by a table: defaults of recipes, parsing of values, ranges, words, names, and JSON.
  */
 #include "base/options.h"
 #include "io/options_json.h"

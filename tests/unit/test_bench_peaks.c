@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Meters of the machine's peaks, and timings in turns: values exist, are finite, and order runs by their length. No test
- * requires a speed.
+ * Measurement of the machine's peak rates, and alternating timings: values exist and are finite, and a longer run has a
+ * longer time. No test requires a speed.
  */
 #include "bench/bench.h"
 #include "support/check.h"
@@ -42,7 +42,7 @@ static void test_reading(void **state) {
     assert_true(bench->meter[meter].best >= nqm_bench_meter_median(&bench->meter[meter]));
     size_t n_before = bench->meter[meter].n_samples;
     nqm_bench_release_memory(bench);
-    nqm_bench_sample(bench, meter); /* no array, no sample */
+    nqm_bench_sample(bench, meter); /* without the meter's array there is no sample */
     assert_int_equal(bench->meter[meter].n_samples, n_before);
     assert_int_equal(nqm_bench_read_meter(bench, 100, 1), NQM_METER_NONE);
     nqm_bench_free(bench);
@@ -71,8 +71,8 @@ static double number(const nqm_bench_row *row, const char *key) {
     return nqm_bench_number(row, f);
 }
 
-/* A run that takes 10 times as long gets 10 times the seconds, a tenth of the rate, and is 10 times as far from its limit;
- * each row is in the order of the contenders. Other programs make both longer: a factor of 10 leaves room for that. */
+/* A run that takes 10 times as long must have more seconds, a lower rate, and a lower fraction of its limit. Rows keep
+ * the order of the contenders. The factor of 10 tolerates the load of other programs. */
 static void test_race(void **state) {
     (void)state;
     nqm_bench *bench = tiny();
@@ -109,7 +109,7 @@ static void test_race(void **state) {
     nqm_bench_free(bench);
 }
 
-/* Every key once, every member of a row in one field. */
+/* Every key is unique, and every member of a row belongs to one field. */
 static void test_fields(void **state) {
     (void)state;
     size_t n_bytes = 0;

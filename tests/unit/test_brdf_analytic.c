@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The analytic models against their published formulas in 80-bit floats (tests/vectors/analytic.py), and the presets
- * against neural-process reconstructions of the same measurements, where the shared data are.
+ * The analytic models against their published formulas in 80-bit floats (tests/vectors/analytic.py), and, with the
+ * shared data, the presets against neural-process reconstructions of the same measurements.
  */
 #include "io/io.h"
 #include "math/math.h"
@@ -35,7 +35,7 @@ static void test_published_formulas(void **state) {
     nqm_csv_free(csv);
 }
 
-/* The values that a pair below the horizon, and a pair on it, give. */
+/* Pairs with a direction below or on the horizon give zero and the flag NQM_VALUE_HORIZON. */
 static void test_horizon(void **state) {
     (void)state;
     nqm_brdf *brdf = open_brdf("ggx:kd=.5;alpha=.1");
@@ -112,7 +112,7 @@ static void test_sgd_presets_are_the_measurements(void **state) {
 }
 
 /* Ngan's fits have MERL's colours only with the colour scale that presets/make.py applies; Low's have them as printed.
- * A missing constant (1 / pi, 1 / 4) would show at the peaks of the whole table (doc/brdf.md), here in the level. */
+ * A missing constant factor (1 / pi, 1 / 4) would change the level (doc/brdf.md shows the peaks of the whole table). */
 static void test_presets_have_the_colours(void **state) {
     (void)state;
     if (!shared_data("nps/nps_decoder_f32le.bin"))

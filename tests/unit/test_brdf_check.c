@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Albedo and checks: against closed forms and scipy's adaptive quadrature (tests/vectors/analytic.py), on lobes far
- * below a degree, and on made-up BRDFs whose asymmetry, negative values and gaps are known.
+ * Albedo and checks: against closed forms and scipy's adaptive quadrature (tests/vectors/analytic.py), for lobes much
+ * narrower than a degree, and for made-up BRDFs with known asymmetry, negative values and gaps.
  */
 #include "brdf/brdf.h"
 #include "io/io.h"
@@ -106,7 +106,7 @@ static void test_asymmetry_is_measured(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* Red is negative for a high light, there is no value for a low viewer. Every pair counts for one fault at most. */
+/* Red is negative for a high light; a low viewer has no value. Every pair counts as at most one fault. */
 static void eval_faulty(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
     (void)self;
     for (size_t i = 0; i < n; ++i) {
@@ -123,7 +123,7 @@ static void test_faults_are_counted(void **state) {
     check_of(brdf, 3, &r);
     assert_true(r.n_clamped > 0 && r.n_invalid > 0);
     assert_true(r.n_clamped + r.n_invalid < r.n_pairs);
-    assert_true(r.albedo_max[1] > 1.02); /* f_r = 1 reflects pi times the light */
+    assert_true(r.albedo_max[1] > 1.02); /* the albedo of f_r = 1 / sr is pi */
     assert_near(r.albedo_max[1], NQM_PI * (1 - 0.2 * 0.2), 0.01);
     nqm_brdf_free(brdf);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * BRDFs of the caller: callbacks that agree with specs to the bit and in their scores, tables in memory that survive
- * saving, the thread rule, ownership, bad arguments and failing allocations.
+ * BRDFs made by the caller: callbacks give the same bits and scores as specs, tables in memory survive saving, the
+ * thread rule, ownership, invalid arguments and failing allocations.
  */
 #include "base/memory_test.h"
 #include "support/brdf_files.h"
@@ -16,7 +16,7 @@
 
 enum { H = 9, D = 7, P = 6, N = H * D * P };
 
-/* The BRDF behind `user`, through the public interface. */
+/* Evaluate the BRDF `user` through the public interface. */
 static void eval_of_brdf(void *user, size_t n, const double *wi, const double *wo, double *rgb) {
     nqm_brdf_eval(user, n, wi, wo, rgb, NULL);
 }
@@ -179,7 +179,7 @@ static void user_is_freed_once(void **state) {
 
 static void fill(float *rgb) {
     for (uint32_t i = 0; i < 3 * N; ++i)
-        rgb[i] = 0.01f * (float)((i * 37u) % 101u) - 0.02f; /* some are negative */
+        rgb[i] = 0.01f * (float)((i * 37u) % 101u) - 0.02f; /* some values are negative */
     rgb[3 * 40] = NAN;
 }
 
@@ -189,7 +189,7 @@ static void table_equals_saved_table(void **state) {
     fill(rgb);
     nqm_brdf *table;
     assert_int_equal(nqm_brdf_create_table(H, D, P, rgb, NULL, &table, NULL), NQM_OK);
-    memset(rgb, 0, sizeof rgb); /* the table has a copy */
+    memset(rgb, 0, sizeof rgb); /* the table must own a copy */
     const char *path = scratch_path("table.safetensors");
     assert_int_equal(nqm_brdf_save(table, path, NULL), NQM_OK);
     nqm_brdf *again = open_brdf(path);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * How files are read: a sampling of a MERL table loads few of its pages, the first and the later directions get the same
- * numbers, however many files are open; tensors of RGL files may lie at any byte; names in lists find their file.
+ * Loading of files: sampling a MERL table loads few of its pages, and results depend neither on the number of
+ * directions read before nor on the number of open files; tensors of RGL files can have any alignment; names in lists
+ * are resolved to files.
  */
 #include "base/base.h"
 #include "brdf/brdf.h"
@@ -25,7 +26,7 @@ static const char *merl_path(void) {
     return path;
 }
 
-/* n directions in no order, as anyone may ask for them. hd: (n, 3). */
+/* n directions in random order. hd: (n, 3). */
 static void scatter_directions(size_t n, double *hd) {
     nqm_rng rng = nqm_rng_make(7, 0);
     for (size_t i = 0; i < n; ++i) {
@@ -37,7 +38,7 @@ static void scatter_directions(size_t n, double *hd) {
 
 /* ---- MERL -------------------------------------------------------------------------------------------------------- */
 
-/* More than are read from the file itself: at once, one by one, and from the end. */
+/* So many that the table is loaded into memory: in one call, again, and one by one in reverse order. */
 static void gives_the_same_to_early_and_late(void **state) {
     (void)state;
     enum { N = 3000 };
@@ -56,7 +57,7 @@ static void gives_the_same_to_early_and_late(void **state) {
     nqm_brdf_free(other);
 }
 
-/* Pages of the file that are in memory; *n_pages: all. */
+/* Number of pages of the file in the page cache; *n_pages: number of all its pages. */
 static size_t count_resident(const char *path, size_t *n_pages) {
     nqm_map map;
     assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
@@ -72,7 +73,7 @@ static size_t count_resident(const char *path, size_t *n_pages) {
     return n_resident;
 }
 
-/* The file's pages, when the system lets go of them; not on every file system. */
+/* Evict the file from the page cache; false if the file system does not support that. */
 static bool drop_from_memory(const char *path) {
     int fd = open(path, O_RDONLY);
     assert_true(fd >= 0);
@@ -96,7 +97,7 @@ static void loads_only_what_a_sampling_needs(void **state) {
     nqm_brdf *table = open_brdf(path);
     float rgb[3 * N];
     size_t n_pages, n_opened = count_resident(path, &n_pages);
-    assert_true(n_opened <= 40); /* the header, a few cells, and what comes with them */
+    assert_true(n_opened <= 40); /* the header, a few cells, and pages read ahead */
     assert_int_equal(nqm_sample(table, directions, NQM_INVALID_DROP, rgb, NULL, NULL, NULL), NQM_OK);
     size_t n_sampled = count_resident(path, &n_pages);
     print_message("%zu of %zu pages after opening, %zu after %d directions\n", n_opened, n_pages, n_sampled, N);
@@ -106,7 +107,7 @@ static void loads_only_what_a_sampling_needs(void **state) {
     nqm_directions_free(directions);
 }
 
-/* Tables keep their file open, but not so many that nobody else can open one. */
+/* Tables keep their files open, but not so many that the process runs out of file descriptors. */
 static void leaves_files_to_others(void **state) {
     (void)state;
     enum { N_TABLES = 300, N = 30 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * MERL tables: which cell is read, with which scale; what is refused; and a table written from another BRDF.
+ * MERL tables: the cell and the scale of a lookup, refused files, and tables written from another BRDF.
  */
 #include "base/base.h"
 #include "base/memory_test.h"
@@ -25,7 +25,7 @@ static nqm_brdf *open_table(void) {
     return brdf;
 }
 
-/* Any point of a cell, by its edges in the angles: theta_h is spaced by its root. */
+/* A random point of a cell, between its edges in the angles; cells are uniform in sqrt(theta_h). */
 static void point_in_cell(const size_t *cell, nqm_rng *rng, double *hd) {
     double root = ((double)cell[0] + 0.01 + 0.98 * nqm_rng_uniform(rng)) / 90;
     hd[0] = root * root * pi / 2;
@@ -33,7 +33,7 @@ static void point_in_cell(const size_t *cell, nqm_rng *rng, double *hd) {
     hd[2] = ((double)cell[2] + 0.01 + 0.98 * nqm_rng_uniform(rng)) * pi / 180;
 }
 
-/* Above the horizon by a margin? The sines and cosines are those of light and viewer in the half-vector frame. */
+/* Whether both directions are above the horizon by a margin, from light and viewer in the half-vector frame. */
 static bool above_horizon(const double *hd) {
     return cos(hd[0]) * cos(hd[1]) - fabs(sin(hd[0]) * sin(hd[1]) * cos(hd[2])) > 1e-9;
 }
@@ -68,7 +68,7 @@ static void reads_the_nearest_cell(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* The ends of the ranges, and phi_d beyond half a turn. */
+/* The limits of the angles, and phi_d beyond pi. */
 static void reads_at_the_edges(void **state) {
     (void)state;
     nqm_brdf *brdf = open_table();
@@ -100,7 +100,8 @@ static void tells_about_itself(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* Opening must fail with this status, name the file, and point at this byte, in the number and in the words. */
+/* Opening must fail with this status; the error must have this byte offset and the message must give it and the
+ * file. */
 static void expect_refused(const char *path, nqm_status status, int64_t byte_offset) {
     nqm_error err = {0};
     nqm_brdf *brdf = (nqm_brdf *)&err;
@@ -130,7 +131,7 @@ static void refuses_broken_tables(void **state) {
     valid.data[4] = 91; /* 90 x 91 x 180, at the right size */
     blob_save_sparse(&head, MERL_BYTES, path);
     expect_refused(path, NQM_ERR_FORMAT, 0);
-    nqm_store_u32(valid.data, 0x80000000U); /* a claim of 2^31 x 2^31 cells */
+    nqm_store_u32(valid.data, 0x80000000U); /* the header declares 2^31 x 2^31 cells */
     nqm_store_u32(valid.data + 4, 0x80000000U);
     blob_save(&head, path);
     expect_refused(path, NQM_ERR_FORMAT, 0);
@@ -146,7 +147,7 @@ static void refuses_a_table_without_numbers(void **state) {
     expect_refused(path, NQM_ERR_FORMAT, 12);
 }
 
-/* Single cells without a number are no more than invalid. */
+/* A file with single cells that are not finite can be opened; those cells are flagged as invalid. */
 static void flags_cells_that_are_not_finite(void **state) {
     (void)state;
     const char *path = scratch_path("hole.binary");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The two neural formats, NBRDF networks (plain and in zips) and neural processes: values against numpy
+ * The two neural formats, NBRDF networks (as files and in zip archives) and neural processes: values against numpy
  * (tests/vectors/brdf.py), and broken files.
  */
 #include "base/memory_test.h"
@@ -24,7 +24,7 @@ static nqm_brdf *open_ok(const char *argument) {
     return brdf;
 }
 
-/* Compare with values as the network gives them, before clamping. Frees the BRDF. */
+/* Compare with the network's output before clamping. Frees the BRDF. */
 static void compare(nqm_brdf *brdf, const double (*expected)[3], double tolerance) {
     for (size_t i = 0; i < N_PAIRS; ++i) {
         double rgb[3], exchanged[3], by_angles[3], hd[3];
@@ -38,7 +38,7 @@ static void compare(nqm_brdf *brdf, const double (*expected)[3], double toleranc
         for (size_t c = 0; c < 3; ++c) {
             assert_near(rgb[c], fmax(e[c], 0), tolerance * (1 + fabs(e[c])));
             assert_near(by_angles[c], rgb[c], 1e-12);
-            assert_near(exchanged[c], rgb[c], 1e-5); /* equal, but for the rounding of float inputs */
+            assert_near(exchanged[c], rgb[c], 1e-5); /* equal up to the rounding of float inputs */
         }
     }
     nqm_brdf_free(brdf);
@@ -92,12 +92,12 @@ static void zip_faults_are_told(void **state) {
     snprintf(argument, sizeof argument, "%s:gold", path);
     expect(argument, NQM_ERR_IO, "no member 'gold.h5'");
     snprintf(argument, sizeof argument, "%s:steel", path);
-    for (size_t n = 4; n < zip.n_bytes; n += 13) { /* without its last bytes a zip has no directory */
+    for (size_t n = 4; n < zip.n_bytes; n += 13) { /* the central directory of a zip file is at its end */
         blob part = {zip.data, n};
         blob_save(&part, path);
         expect(argument, NQM_ERR_FORMAT, path);
     }
-    zip.data[30 + strlen("steel.h5") + 300] ^= 1; /* inside the packed bytes */
+    zip.data[30 + strlen("steel.h5") + 300] ^= 1; /* inside the compressed data */
     blob_save(&zip, path);
     expect(argument, NQM_ERR_FORMAT, "steel.h5");
     blob_free(&zip);
@@ -119,7 +119,7 @@ static void refuses_a_member_that_is_too_large(void **state) {
     blob_free(&network);
     expect(large_path, NQM_ERR_LIMIT, large_path);
     blob large = blob_load(large_path);
-    blob_put(make_zip("large.h5", &large), path); /* packs to a few kilobytes */
+    blob_put(make_zip("large.h5", &large), path); /* compresses to a few kilobytes */
     blob_free(&large);
     snprintf(argument, sizeof argument, "%s:large", path);
     expect(argument, NQM_ERR_LIMIT, "large.h5");
@@ -187,7 +187,7 @@ static void processes_agree_with_numpy(void **state) {
     assert_string_equal(info.format, "nps");
     assert_string_equal(info.source_doi, "10.1145/3490385");
     assert_int_equal(info.n_values, 808010);
-    compare(brdf, nps_vector, 1e-4); /* float32 in seven layers */
+    compare(brdf, nps_vector, 1e-4); /* seven layers in float32 */
 }
 
 static void process_faults_are_told(void **state) {

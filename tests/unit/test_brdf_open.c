@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What all BRDFs share: how an argument finds its format, clamping and flags, blocks, and the two coordinate systems.
+ * Common to all BRDFs: format detection, clamping and flags, evaluation in blocks, and the two coordinate systems.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -40,7 +40,7 @@ static void expect_format(const char *argument, const char *format) {
     nqm_brdf_free(brdf);
 }
 
-/* Names say nothing: each file is found by its bytes. */
+/* The format is detected from the content, not from the name. */
 static void finds_formats_by_bytes(void **state) {
     (void)state;
     const char *path = scratch_path("file.txt");
@@ -70,11 +70,11 @@ static void refuses_what_is_no_brdf(void **state) {
     blob_save(&text, path);
     expect(path, NQM_ERR_FORMAT, "empty");
     chmod(path, 0);
-    if (access(path, R_OK) != 0) /* root may read everything */
+    if (access(path, R_OK) != 0) /* root can read any file */
         expect(path, NQM_ERR_IO, path);
 }
 
-/* A colon names a member only when what stands before it is a file and the whole is none. */
+/* A colon separates a member only if the part before it is a file and the whole argument is not. */
 static void splits_at_the_last_colon(void **state) {
     (void)state;
     const char *path = scratch_path("a:b.bsdf");
@@ -94,7 +94,7 @@ static void splits_at_the_last_colon(void **state) {
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* f_r = (wi.x, wo.y + 2, 1): red of any sign; not a number where wi.y > 0.5, infinite where wi.y < -0.5. */
+/* f_r = (wi.x, wo.y + 2, 1): red of either sign; NaN where wi.y > 0.5, infinite where wi.y < -0.5. */
 static void ramp_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
     size_t *n_most = *(size_t *const *)self;
     *n_most = n > *n_most ? n : *n_most;
@@ -130,7 +130,7 @@ static void draw_pairs(double *wi, double *wo) {
     for (uint32_t i = 0; i < N; ++i) {
         for (uint32_t side = 0; side < 2; ++side) {
             double *w = (side ? wo : wi) + 3 * i;
-            double z = 1.2 * noise(i, 2 * side) - 0.2, phi = 2 * pi * noise(i, 2 * side + 1); /* a sixth lies below */
+            double z = 1.2 * noise(i, 2 * side) - 0.2, phi = 2 * pi * noise(i, 2 * side + 1); /* a sixth has z < 0 */
             w[0] = sqrt(1 - z * z) * cos(phi);
             w[1] = sqrt(1 - z * z) * sin(phi);
             w[2] = z;
@@ -162,14 +162,14 @@ static void clamps_and_flags(void **state) {
         ++n_of[expected];
     }
     assert_true(n_of[0] > 50 && n_of[1] > 50 && n_of[2] > 50 && n_of[3] > 50);
-    assert_true(n_most > 10 && n_most < N); /* in blocks */
+    assert_true(n_most > 10 && n_most < N); /* evaluated in blocks */
     nqm_brdf_eval(brdf, N, wi, wo, unflagged, NULL);
     assert_memory_equal(unflagged, rgb, sizeof rgb);
     nqm_brdf_eval(brdf, 0, NULL, NULL, NULL, NULL);
     nqm_brdf_free(brdf);
 }
 
-/* Half-vector coordinates keep light and viewer apart over the whole turn of phi_d. */
+/* Half-vector coordinates distinguish light and viewer for phi_d in [0, 2 pi). */
 static void evaluates_half_vector_coordinates(void **state) {
     (void)state;
     size_t n_most = 0;
@@ -198,7 +198,7 @@ static void evaluates_half_vector_coordinates(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* Whatever happens, self is freed once. */
+/* self is freed exactly once, also on failure. */
 static void wrap_owns_self(void **state) {
     (void)state;
     size_t n_most = 0;

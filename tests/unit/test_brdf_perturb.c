@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Perturbations against what doc/brdf.md says each setting does, computed here from the base by other means;
- * reciprocity, finiteness and limits for all of them.
+ * Perturbations against the definitions in doc/brdf.md, computed here from the base independently; reciprocity,
+ * finiteness and limits of all settings.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -22,7 +22,7 @@ static void value_at(const char *spec, double theta_h, double theta_d, double ph
     nqm_brdf_free(brdf);
 }
 
-/* The same of "perturb:SETTINGS;of=BASE". */
+/* The value of "perturb:SETTINGS;of=BASE" at `place`, in degrees. */
 static void perturbed_at(const char *settings, const char *base, const double *place, double *rgb) {
     char spec[512];
     snprintf(spec, sizeof spec, "perturb:%s;of=%s", settings, base);
@@ -54,7 +54,7 @@ static void test_colour_settings(void **state) {
     }
 }
 
-/* theta_h at which the lobe above the base kd / pi falls to half its height. */
+/* theta_h in degrees at which the lobe above the diffuse level kd / pi falls to half its height. */
 static double half_width(const char *spec) {
     double top[3], rgb[3], from = 0, to = 30;
     const double floor_value = 0.1 / NQM_PI;
@@ -82,7 +82,7 @@ static void test_gloss_scales_the_width(void **state) {
     double top[3], rgb[3];
     value_at(glossy, 0, 20, 90, top);
     perturbed_at("gloss=3", glossy, (const double[3]){0, 20, 90}, rgb);
-    assert_memory_equal(top, rgb, sizeof top); /* the height stays */
+    assert_memory_equal(top, rgb, sizeof top); /* the height is unchanged */
 }
 
 static void test_shift_moves_the_lobe(void **state) {
@@ -110,7 +110,7 @@ static void test_peak_and_fresnel(void **state) {
     perturbed_at("peak=0", glossy, place, rgb);
     for (int c = 0; c < 3; ++c)
         assert_relative(rgb[c], off[c], 1e-9);
-    perturbed_at("peak=5", "lambert:kd=.3", place, rgb); /* nothing above the smooth part */
+    perturbed_at("peak=5", "lambert:kd=.3", place, rgb); /* lambert has no lobe to scale */
     assert_relative(rgb[0], 0.3 / NQM_PI, 1e-14);
     for (int theta_d = 0; theta_d <= 80; theta_d += 20) {
         const double where[3] = {2, theta_d, 90};
@@ -152,7 +152,8 @@ static void test_quantise(void **state) {
     assert_true(rgb[0] == 0);
 }
 
-/* No channel above the share of the mirror direction's maximum, which for this lobe lies at theta_d = 60 degrees. */
+/* No channel exceeds the given fraction of the maximum over mirror directions, at theta_d = 60 degrees for this
+ * lobe. */
 static void test_clamp(void **state) {
     (void)state;
     double top[3];
@@ -184,7 +185,8 @@ static void test_ripple(void **state) {
     }
 }
 
-/* A third of a turn exchanges the channels; any turn keeps the sum and the distance from grey; grey stays. */
+/* A rotation by 120 degrees permutes the channels; any rotation preserves the sum, the distance from grey, and
+ * greys. */
 static void test_hue(void **state) {
     (void)state;
     static const char base[] = "lambert:kd=.5,.4,.3", grey[] = "lambert:kd=.3";
@@ -267,7 +269,8 @@ static void log_noise(const char *spec, size_t n, double *z) {
     nqm_brdf_free(brdf);
 }
 
-/* Logarithms: mean 0, deviation sigma, grows in proportion everywhere, differs between seeds and channels. */
+/* The noise in log f_r has mean 0 and deviation sigma, is proportional to sigma, and differs between seeds and
+ * channels. */
 static void test_noise(void **state) {
     (void)state;
     enum { N = 4000 };
@@ -289,7 +292,7 @@ static void test_noise(void **state) {
     assert_near(between_channels / squares, 0, 0.1);
 }
 
-/* Neighbouring pairs have neighbouring noise: also where phi_d turns over and where it has no meaning. */
+/* The noise is continuous, also where phi_d wraps and where phi_d is undefined. */
 static void test_noise_is_continuous(void **state) {
     (void)state;
     nqm_brdf *brdf = open_brdf("perturb:noise=.5;of=lambert:kd=1");
@@ -328,7 +331,8 @@ static const char *const all_settings[] = {"gloss=.05",
                                            "gloss=2;shift=3;smooth=4;clamp=.3;peak=2;fresnel=3;mix=.1;desaturate=.2;"
                                            "hue=30;ripple=.2;noise=.2;seed=7;cells=5;quantise=12;scale=.5"};
 
-/* Finite, not negative, a value for every pair down to the horizon, and the same for light and viewer exchanged. */
+/* Every pair above the horizon has a finite, non-negative value, which is the same when light and viewer are
+ * exchanged. */
 static void test_all_settings_are_sane(void **state) {
     (void)state;
     const uint64_t seed = 12;
@@ -349,7 +353,7 @@ static void test_all_settings_are_sane(void **state) {
             assert_int_equal(flag, NQM_VALUE_OK);
             for (int c = 0; c < 3; ++c) {
                 assert_true(isfinite(rgb[c]) && rgb[c] >= 0);
-                if (!strstr(all_settings[s], "quantise")) /* rounding may tip a step over */
+                if (!strstr(all_settings[s], "quantise")) /* rounding may change the quantisation step */
                     assert_near(swapped[c], rgb[c], 1e-6 * rgb[c]);
             }
         }
@@ -357,7 +361,7 @@ static void test_all_settings_are_sane(void **state) {
     }
 }
 
-/* The order in which pairs are given, and how many at once, changes nothing. */
+/* The result does not depend on the order of the pairs or on the batch size. */
 static void test_batches(void **state) {
     (void)state;
     enum { N = 1000 };
@@ -393,8 +397,8 @@ static void test_nesting(void **state) {
     assert_null(brdf);
 }
 
-/* Where the base has no value there is none; `smooth` takes the mean over the neighbours that have one. The table has
- * no value where its theta_h and theta_d cells sum to more than a limit. */
+/* Where the base has no value, the result has none; `smooth` averages the neighbours with a value. The table has no
+ * value where the sum of its theta_h and theta_d cell indices exceeds a limit. */
 static void test_gaps_of_the_base(void **state) {
     (void)state;
     char spec[4096];

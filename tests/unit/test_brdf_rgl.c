@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * RGL materials: values against numpy (tests/vectors/brdf.py), and every way in which a file can be broken.
+ * RGL materials: values against numpy (tests/vectors/brdf.py), and broken files of every kind.
  */
 #include "base/base.h"
 #include "base/memory_test.h"
@@ -49,7 +49,7 @@ static void agrees_with_numpy(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* A material turned about its normal is the same; half-vector coordinates keep light and viewer apart. */
+/* Rotation about the normal does not change the value; half-vector coordinates distinguish light and viewer. */
 static void is_isotropic(void **state) {
     (void)state;
     nqm_brdf *brdf;
@@ -63,7 +63,8 @@ static void is_isotropic(void **state) {
         }
         nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, NULL);
         nqm_brdf_eval(brdf, 1, turned, turned + 3, turned_rgb, NULL);
-        /* The coordinates fold phi_d by reciprocity, which measured data lack: undo it where the vectors say so. */
+        /* The coordinates reduce phi_d by reciprocity, but measured data are not reciprocal: undo that with the
+         * vectors. */
         double wi[3], wo[3];
         nqm_directions_to_half_diff(pair_vector[i], pair_vector[i] + 3, hd);
         nqm_half_diff_to_directions(hd, wi, wo);
@@ -78,7 +79,7 @@ static void is_isotropic(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* The material must be refused, with the file named and a byte that the message repeats. */
+/* The material must be refused with a byte offset; the message must contain the file and the offset. */
 static void expect_refused(blob b, const char *words) {
     const char *path = save(b);
     nqm_error err = {0};
@@ -129,7 +130,7 @@ static void refuses_unfit_numbers(void **state) {
     expect_refused(make_rgl(&(rgl_change){"vndf", false, 10, 4, {1, 4, 2, 2}, no_density}), "without any density");
 }
 
-/* A change of one number of the header. */
+/* The valid material with one byte changed. */
 static blob with_byte(size_t at, unsigned char value) {
     blob b = make_rgl(NULL);
     b.data[at] = value;
@@ -141,7 +142,7 @@ static void refuses_a_broken_container(void **state) {
     expect_refused(with_byte(5, 'X'), "byte 0");
     expect_refused(with_byte(12, 2), "version 2");
     expect_refused(with_byte(16, 1), "65545 fields");
-    expect_refused(with_byte(14, 200), "byte"); /* more fields than there are: the data are read as entries */
+    expect_refused(with_byte(14, 200), "byte"); /* too many fields: data are parsed as entries */
     expect_refused(with_byte(18, 200), "200 bytes of name");
     const size_t first = 18 + 2 + strlen("description");
     expect_refused(with_byte(first, 9), "9 dimensions");

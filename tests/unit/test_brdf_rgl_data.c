@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * All RGL materials of the shared data: finite, clamped values counted, no more light reflected than came, and near the
- * published NBRDF of the same material where that is well kept. Skipped where the data are absent.
+ * All RGL materials of the shared data: values are finite, clamped values are counted, the albedo does not exceed 1,
+ * and values are close to the published NBRDF of the same material where that is accurate. Skipped without the data.
  */
 #include "base/base.h"
 #include "support/check.h"
@@ -15,7 +15,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* The materials that the published networks keep (README of the shared data). */
+/* The materials that the published networks reproduce well (README of the shared data). */
 static const char *const well_kept[] = {"acrylic_felt_pink_rgb", "acrylic_felt_purple_rgb", "acrylic_felt_white_rgb",
                                         "aurora_white_rgb",      "cardboard_rgb",           "cg_sunflower_rgb",
                                         "cm_toxic_green_rgb",    "colodur_azure_4e_rgb",    "colodur_napoli_4f_rgb",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Networks and tables as files of nqm's own: what is saved is read back to the same values, and broken files are refused
- * in plain words.
+ * Networks and tables in nqm's own file format: saved BRDFs are read back with the same values, and broken files are
+ * refused with a clear message.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -12,7 +12,7 @@
 #include <nqm/brdf.h>
 #include <string.h>
 
-/* Same values and flags at many directions. */
+/* Compare values and flags at many directions. */
 static void assert_same(const nqm_brdf *a, const nqm_brdf *b) {
     enum { N = 500 };
     double hd[3 * N], x[3 * N], y[3 * N];
@@ -77,7 +77,7 @@ static void files_mean_what_is_documented(void **state) {
     for (uint32_t c = 0; c < 3; ++c)
         assert_near(rgb[c], noise(3 * 17 + c, 9), 1e-6);
     nqm_table_node(4, 3, 5, 2, 1, 0, hd);
-    hd[0] *= 0.5625; /* half-way to (1, 1, 0), which has no value: that of (2, 1, 0) alone */
+    hd[0] *= 0.5625; /* halfway to (1, 1, 0), which has no value: only (2, 1, 0) contributes */
     nqm_brdf_eval_half_diff(table, 1, hd, rgb, &flag);
     for (uint32_t c = 0; c < 3; ++c)
         assert_near(rgb[c], noise(3 * 35 + c, 9), 1e-6);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Specs and presets: values and defaults, messages of every kind of mistake, the canonical form that opens the same
- * BRDF to the last bit, the tables of presets.
+ * Specs and presets: values and defaults, messages for every kind of error, the canonical form, which opens a BRDF with
+ * the same bits, and the tables of presets.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -28,7 +28,7 @@ static void test_defaults_and_single_values(void **state) {
     assert_spec("perturb:tint=1,2,3;scale=.5;of=lambert:kd=.1", "perturb:tint=1,2,3;scale=0.5;of=lambert:kd=0.1");
 }
 
-/* Every mistake gives NQM_ERR_ARG and a message with these words. */
+/* Every invalid spec gives NQM_ERR_ARG and a message that contains these words. */
 static void test_mistakes(void **state) {
     (void)state;
     static const struct {
@@ -129,7 +129,7 @@ static void test_canonical_form_reopens(void **state) {
     }
 }
 
-/* What the tables of presets hold. */
+/* The expected content of the preset tables. */
 static const struct {
     const char *table, *model, *doi;
     size_t n_rows, n_values;
@@ -181,7 +181,7 @@ static void test_presets(void **state) {
         assert_int_equal(n_found[t], tables[t].n_rows);
 }
 
-/* Numbers as printed in the publications (Ngan's: green and blue times the colour scale). */
+/* Parameters as printed in the publications (Ngan's: green and blue times the colour scale). */
 static void test_published_numbers(void **state) {
     (void)state;
     assert_spec("ward:nickel", "ward:kd=0.0221,0.02047,0.017762;ks=0.204,0.1771,0.157036;alpha=0.0432");
@@ -198,7 +198,7 @@ static void test_published_numbers(void **state) {
                               "k=354.965,349.356,272.736;theta0=0.526796,0.528469,1.00293");
 }
 
-/* Texts put together from pieces of specs: each opens and can be evaluated, or is refused with a message. */
+/* Strings composed of pieces of specs: each opens and can be evaluated, or is refused with a message. */
 static void test_random_texts(void **state) {
     (void)state;
     static const char *const pieces[] = {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tables over half-vector coordinates: nodes, linear between them, the closed phi_d, missing values, limits.
+ * Tables over half-vector coordinates: values at nodes, linear interpolation, periodic phi_d, missing values, limits.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -25,7 +25,7 @@ static nqm_brdf *make_table(const float *rgb) {
     return brdf;
 }
 
-/* The class's own function: directions below the horizon count, too. */
+/* Call the class's function directly, which does not test for the horizon. */
 static void raw(const nqm_brdf *brdf, double theta_h, double theta_d, double phi_d, double *rgb) {
     brdf->class_->eval_half_diff(brdf->self, 1, (double[3]){theta_h, theta_d, phi_d}, rgb);
 }
@@ -56,7 +56,7 @@ static void nodes_keep_their_values(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* Channels: linear in sqrt(theta_h), in theta_d, in phi_d up to the last node. */
+/* The three channels are linear in sqrt(theta_h), in theta_d, and in phi_d up to the last node. */
 static void linear_between_nodes(void **state) {
     (void)state;
     float values[3 * N];
@@ -93,7 +93,7 @@ static void phi_closes_on_itself(void **state) {
         assert_near(half_way[c], (last[c] + first[c]) / 2, 1e-12);
         assert_near(at_pi[c], first[c], 1e-12);
     }
-    for (uint32_t i = 0; i < 100; ++i) { /* exchanging light and viewer changes nothing */
+    for (uint32_t i = 0; i < 100; ++i) { /* exchange of light and viewer */
         const double hd[3] = {noise(i, 1) * 0.7, noise(i, 2) * 0.7, noise(i, 3) * 6};
         double wi[3], wo[3], there[3], back[3];
         nqm_half_diff_to_directions(hd, wi, wo);
@@ -110,7 +110,7 @@ static void missing_values_are_left_out(void **state) {
     float values[3 * N];
     for (uint32_t i = 0; i < 3 * N; ++i)
         values[i] = (float)noise(i, 1) + 1;
-    size_t row = 3 * D * P; /* of theta_h */
+    size_t row = 3 * D * P; /* values of one theta_h node */
     for (size_t i = 0; i < row; ++i)
         values[5 * row + i] = values[6 * row + i] = NAN;
     nqm_brdf *brdf = make_table(values);
@@ -120,7 +120,7 @@ static void missing_values_are_left_out(void **state) {
     raw(brdf, u * u * NQM_PI / 2, 0.3, 0.2, beside);
     raw(brdf, node * node * NQM_PI / 2, 0.3, 0.2, at_node);
     for (size_t c = 0; c < 3; ++c)
-        assert_near(beside[c], at_node[c], 1e-12); /* the neighbours that have a value */
+        assert_near(beside[c], at_node[c], 1e-12); /* only neighbours with a value contribute */
     const double hd[3] = {gap * gap * NQM_PI / 2, 0.3, 0.2};
     nqm_brdf_eval_half_diff(brdf, 1, hd, between, &flag);
     assert_int_equal(flag, NQM_VALUE_INVALID);

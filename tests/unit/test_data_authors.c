@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The authors' dataset layout: a tiny one by SciPy (tests/vectors/authors.py) is read as it is meant, and what is
- * missing or does not fit is named.
+ * The layout of the authors' dataset: a tiny one written by SciPy (tests/vectors/authors.py) is read correctly, and
+ * messages name what is missing or inconsistent.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -37,7 +37,7 @@ static void reads_the_layout(void **state) {
     assert_int_equal(info.n_directions, 7);
     assert_int_equal(info.n_pairs, 5);
     assert_int_equal(info.n_groups, 2);
-    assert_int_equal(info.n_refs, 3); /* brass_1 and brass_2 are equal, brass_10 is noisy; felt stands once */
+    assert_int_equal(info.n_refs, 3); /* brass_1 and brass_2 are equal, brass_10 is noisy; felt occurs once */
     assert_int_equal(info.n_pairs_in[NQM_SPLIT_TRAIN], 5);
     assert_non_null(strstr(info.manifest, "\"negative_values_read_as_0\": 1"));
     assert_int_equal(strlen(info.sha256), 64);
@@ -82,7 +82,7 @@ static void split_as_asked(void **state) {
     nqm_dataset_free(d);
 }
 
-/* It can be written as a dataset file, and trained on. */
+/* The imported dataset can be used for training. */
 static void goes_on_from_there(void **state) {
     (void)state;
     nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);

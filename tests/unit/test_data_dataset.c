@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Dataset files: what is written is what is read; everything a dataset promises is refused when broken; damage at every
- * place of a file is noticed; splits belong to materials.
+ * Dataset files: written data are read back, datasets that break an invariant are refused, damage at any place of a
+ * file is detected, splits belong to materials.
  */
 #include "base/memory_test.h"
 #include "support/check.h"
@@ -71,7 +71,7 @@ static void round_trip(void **state) {
     nqm_dataset_free(d);
 }
 
-/* As files were written before there were families. */
+/* Files of earlier versions have no families. */
 static void families_may_be_missing(void **state) {
     (void)state;
     nqm_dataset old = *toy, *d;
@@ -82,7 +82,7 @@ static void families_may_be_missing(void **state) {
     nqm_dataset_free(d);
 }
 
-/* Two references of a material, whatever the file says of them, are on the same side. */
+/* All references of a material must be in the same split. */
 static void splits_belong_to_materials(void **state) {
     (void)state;
     for (size_t i = 0; i < toy->n_pairs; ++i)
@@ -93,7 +93,7 @@ static void splits_belong_to_materials(void **state) {
         }
 }
 
-/* A copy of the toy whose arrays can be spoilt one at a time. */
+/* A dataset with one invalid array must be refused with a message that contains `words`. */
 static void refuse(const nqm_dataset *broken, const char *words) {
     nqm_error err = {0};
     nqm_status status = nqm_dataset_validate(broken, "toy", &err);
@@ -149,7 +149,7 @@ static void broken_promises(void **state) {
     refuse(&d, "no pairs");
 }
 
-/* Every byte changed, and the file cut at every byte, must be noticed: the checksum covers all of it. */
+/* A change of any byte and truncation at any byte must be detected: the checksum covers the whole file. */
 static void damage_is_noticed(void **state) {
     (void)state;
     nqm_map map;

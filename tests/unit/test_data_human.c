@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Answers of people: scores become a dataset with the samples of the BRDFs that are named, choices are added up and
- * judged as by hand, and bad files are refused with the row.
+ * Human answers: scores become a dataset with the samples of the named BRDFs, choices are summed and evaluated as by
+ * hand, and invalid files are refused with the row.
  */
 #include "data/human.h"
 #include "math/math.h"
@@ -56,7 +56,7 @@ static void sample(const char *name, float *rgb) {
     nqm_brdf_free(brdf);
 }
 
-/* The rows in another order than that of references and tests; one pair is scored twice. */
+/* The rows are not sorted by reference and test; one pair has two scores. */
 static const char *const scores = "test,ignored,reference,material,kind,score\n"
                                   "lambert:kd=.3,x,lambert:kd=.2,grey,brighter,3\n"
                                   "lambert:kd=.1,x,lambert:kd=.4,grey,darker,1\n"
@@ -120,7 +120,7 @@ static void scores_of_every_kind_are_judged(void **state) {
     assert_near(a.spearman.value, 1, 1e-12);
     assert_near(a.spearman_mean_by_material.value, 1, 1e-12);
     assert_true(a.n == 4 && a.n_materials == 1 && a.n_ordered == 6 && a.order.value == 1 && isnan(a.spearman.ci95[0]));
-    a = judge_mae(GREYS("distance", "1", "2", "4", "3"), &o); /* higher is worse */
+    a = judge_mae(GREYS("distance", "1", "2", "4", "3"), &o); /* a distance: higher is worse */
     assert_near(a.spearman.value, 0.8, 1e-12);
     assert_near(a.order.value, 5.0 / 6, 1e-12);
     a = judge_mae(GREYS("JOD", "9.9", "9", "8", "10.2"), &o);
@@ -128,13 +128,13 @@ static void scores_of_every_kind_are_judged(void **state) {
     o.jod_from = 9.5;
     a = judge_mae(GREYS("jod", "9.9", "9", "8", "10.2"), &o);
     assert_int_equal(a.n, 2);
-    a = judge_mae(GREYS("score", "9.9", "9", "8", "10.2"), &o); /* no JOD: no range of it */
+    a = judge_mae(GREYS("score", "9.9", "9", "8", "10.2"), &o); /* scores without JOD are not selected by range */
     assert_int_equal(a.n, 4);
 }
 
 /* ---- choices ----------------------------------------------------------------------------------------------------- */
 
-/* Against .2: .21 is nearer than .3, .3 than .4. Rows 1, 2 and 5 are about the same three. */
+/* Distance from .2 increases from .21 to .3 to .4. Rows 1, 2 and 5 are the same triplet. */
 static const char *const choices = "reference,test_a,test_b,n_a,n_b\n"
                                    "lambert:kd=.2,lambert:kd=.21,lambert:kd=.3,7,1\n"
                                    "lambert:kd=.2,lambert:kd=.3,lambert:kd=.21,2,6\n"
@@ -150,13 +150,14 @@ static void choices_are_added_up(void **state) {
     assert_true(info.kind == NQM_HUMAN_CHOICE && info.n_rows == 6 && info.n_triplets == 4 && info.n_refs == 3);
     assert_near(info.n_choices, 16 + 4 + 4 + 1, 0);
     assert_near(info.ceiling, (13 + 3 + 2 + 1) / 25.0, 1e-12);
-    /* 13 of 16 follow the others, 3 do not; of 3 and 1 three follow; of 2 and 2 nobody does: 1 against 2. */
+    /* Agreement with the majority of the other people. 13 to 3: 13 agree. 3 to 1: three agree. 2 to 2: nobody agrees,
+     * because each faces 1 against 2. */
     assert_near(info.ceiling_other_people, (13 + 3) / 24.0, 1e-12);
     assert_int_equal(nqm_dataset_get_info(nqm_human_dataset(human)).n_pairs, 3 + 2 + 2);
     nqm_human_free(human);
 }
 
-/* The same answers, a person a row. */
+/* The same kind of data with one row per person. */
 static void single_choices_are_counted(void **state) {
     (void)state;
     nqm_human *human = must_load("reference,test_a,test_b,choice\n"
@@ -168,11 +169,12 @@ static void single_choices_are_counted(void **state) {
     assert_int_equal(info.n_triplets, 2);
     assert_near(info.ceiling, 0.75, 1e-12);
     assert_near(info.ceiling_other_people, 1.0 / 3,
-                1e-12); /* 2 against 1: each of the two sees a draw, the one loses */
+                1e-12); /* 2 to 1: a tie for each of the two (1/2 each), no agreement for the third */
     nqm_human_free(human);
 }
 
-/* Choices met and made by the resample: references are drawn in the order of their names, .2, .5, .7. */
+/* Predicted choices over all choices in one resample; references are indexed in the order of their names, .2, .5,
+ * .7. */
 static double resampled_share(size_t index, const double *met, const double *made) {
     nqm_rng rng = nqm_rng_make(4, index);
     double sum_met = 0, sum_made = 0;
@@ -193,13 +195,14 @@ static void choices_are_judged(void **state) {
     o.n_bootstrap = N_RESAMPLES;
     o.seed = 4;
     assert_int_equal(nqm_human_judge_choices(human, ev, &o, r, NULL), NQM_OK);
-    /* MAE finds .21 nearer than .3, .3 than .4, .6 nearer to .5 than .8. .8 and .6 are as far from .7: rounding decides. */
-    const double *mae = nqm_evaluation_values(ev, NQM_METRIC_MAE); /* pairs in the order of names: .6 is 5, .8 is 6 */
+    /* By MAE, .21 is closer to .2 than .3, .3 than .4, and .6 is closer to .5 than .8. The distances of .8 and .6
+     * from .7 are equal up to rounding. */
+    const double *mae = nqm_evaluation_values(ev, NQM_METRIC_MAE); /* pairs are sorted by name: .6 is 5, .8 is 6 */
     double of_last = mae[6] < mae[5] ? 1 : mae[6] > mae[5] ? 0 : 0.5;
     const double met[3] = {13 + 1, 2, of_last}, made[3] = {20, 4, 1};
     assert_string_equal(r[NQM_METRIC_MAE].name, "mae");
     assert_near(r[NQM_METRIC_MAE].agreement.value, (met[0] + met[1] + met[2]) / 25, 1e-12);
-    assert_near(r[NQM_METRIC_MAE].majority, (1 + 0 + of_last) / 3, 1e-12); /* 2 against 2 has none */
+    assert_near(r[NQM_METRIC_MAE].majority, (1 + 0 + of_last) / 3, 1e-12); /* 2 to 2 has no majority */
     double share[N_RESAMPLES];
     for (size_t i = 0; i < N_RESAMPLES; ++i)
         share[i] = resampled_share(i, met, made);
@@ -220,7 +223,7 @@ static void choices_are_judged(void **state) {
     nqm_human_free(human);
 }
 
-/* ---- faults ------------------------------------------------------------------------------------------------------ */
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 static void faults_name_file_and_row(void **state) {
     (void)state;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Axes of drawings: round ends, ticks and their labels on linear, logarithmic and square-root scales, places of values.
+ * Axes of drawings: rounded limits, ticks and their labels on linear, logarithmic and square-root scales, positions of
+ * values.
  */
 #include "figures/sheet.h"
 #include "support/check.h"
@@ -15,7 +16,7 @@ static nqm_axis held(nqm_scale scale, double a, double b, size_t n_most) {
     return axis;
 }
 
-/* "0 2 4 6": the labels that are not empty, rising, each on its axis. */
+/* The non-empty tick labels joined by blanks ("0 2 4 6"); ticks must increase and be within the axis. */
 static const char *labels(const nqm_axis *axis, size_t n_most) {
     static char text[512];
     nqm_tick_mark ticks[NQM_MAX_TICKS];
@@ -43,11 +44,11 @@ static void linear(void **state) {
     assert_string_equal(labels(&axis, 5), "1234567 1234567.5 1234568 1234568.5 1234569");
     axis = held(NQM_LINEAR, 3, 3, 5); /* one value */
     assert_true(axis.min < 3 && axis.max > 3);
-    axis = held(NQM_LINEAR, (double)NAN, (double)INFINITY, 5); /* none */
+    axis = held(NQM_LINEAR, (double)NAN, (double)INFINITY, 5); /* no finite value */
     assert_true(axis.min < axis.max && isfinite(axis.min) && isfinite(axis.max));
     axis = (nqm_axis){.max = 90, .step = 15};
     assert_string_equal(labels(&axis, 3), "0 15 30 45 60 75 90");
-    for (double top = 1e-7; top < 1e9; top *= 3.7) { /* never crowded, never empty, exact at the ends */
+    for (double top = 1e-7; top < 1e9; top *= 3.7) { /* 3 to 8 ticks, exact at the upper end */
         nqm_tick_mark ticks[NQM_MAX_TICKS];
         axis = held(NQM_LINEAR, 0, top, 6);
         size_t n = nqm_axis_ticks(&axis, 6, ticks);
@@ -64,13 +65,13 @@ static void logarithmic(void **state) {
     assert_string_equal(labels(&axis, 6), "0.001 0.01 0.1 1 10 100 1000");
     nqm_tick_mark ticks[NQM_MAX_TICKS];
     assert_int_equal(nqm_axis_ticks(&axis, 6, ticks), 6 * 9 + 1);
-    axis = held(NQM_LOG, 0.013, 0.41, 6); /* few decades: 1, 2 and 5 have labels */
+    axis = held(NQM_LOG, 0.013, 0.41, 6); /* few decades: labels at 1, 2 and 5 */
     assert_string_equal(labels(&axis, 6), "0.01 0.02 0.05 0.1 0.2 0.5");
-    axis = held(NQM_LOG, 2e-6, 3e5, 4); /* many: powers, every third */
+    axis = held(NQM_LOG, 2e-6, 3e5, 4); /* many decades: labels at every third power */
     assert_string_equal(labels(&axis, 4), "10^{" MINUS "3} 10^{0} 10^{3}");
     axis = (nqm_axis){.scale = NQM_LOG, .min = 1.1, .max = 1.4}; /* within a decade: like a linear axis */
     assert_string_equal(labels(&axis, 4), "1.1 1.2 1.3 1.4");
-    axis = held(NQM_LOG, 0, -1, 5); /* nothing that has a logarithm */
+    axis = held(NQM_LOG, 0, -1, 5); /* no positive value */
     assert_true(axis.min > 0 && axis.min < axis.max);
     assert_near(nqm_axis_place(&(nqm_axis){.scale = NQM_LOG, .min = 0.01, .max = 100}, 1), 0.5, 1e-12);
     assert_true(isnan(nqm_axis_place(&axis, 0)));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures written and read back: OpenEXR to the float, Radiance HDR to its precision, PNG through libpng to the byte;
- * averaging; the tone curve; the colour map; scales; figures.
+ * Pictures written and read back: OpenEXR exact to the float, Radiance HDR to its precision, PNG through libpng exact
+ * to the byte; averaging; the tone curve; the colour map; scales; figures.
  */
 #include "figures/sheet.h"
 #include "support/brdf_files.h"
@@ -38,7 +38,7 @@ static void exr_and_hdr(void **state) {
     (void)state;
     double rgb[3 * WIDTH * HEIGHT];
     make_picture(rgb);
-    const size_t widths[] = {WIDTH, 5}; /* too narrow for runs */
+    const size_t widths[] = {WIDTH, 5}; /* 5 is too narrow for run-length coding */
     for (size_t w = 0; w < 2; ++w) {
         const nqm_picture picture = {.width = widths[w], .height = HEIGHT, .rgb_cdm2 = rgb};
         nqm_image exr = write_and_load("picture.exr", &picture, 1), hdr = write_and_load("picture.HDR", &picture, 1);
@@ -53,7 +53,7 @@ static void exr_and_hdr(void **state) {
     }
 }
 
-/* Rounding that would pass 255, the smallest, the largest, and what is negative. */
+/* Values that would round up to 256, the smallest and the largest values, and negative values. */
 static void hdr_limits(void **state) {
     (void)state;
     const double rgb[] = {255.9, 0, 0, 1e-40, 1e-40, 0, 1e38, 1, 1, -5, 1, -1e-3, 3e38, 3e38, 3e38, 1, .5, .25};
@@ -84,7 +84,7 @@ static unsigned char *read_png(const char *path, size_t *width, size_t *height) 
 
 static void png_bytes(void **state) {
     (void)state;
-    /* Black, half the white, at the shoulder, far above it; then a block to average: the display's light, not cd/m2. */
+    /* Black, half the white, at the shoulder, far above it; then a block whose average is that of displayed light. */
     const double grey[] = {0, 200, 240, 1e6, 0, 1e6, 0, 0, 0, 0, 0, 1e6};
     double rgb[3 * 12];
     for (size_t i = 0; i < 36; ++i)
@@ -155,7 +155,7 @@ static void refusals(void **state) {
     }
 }
 
-/* Rising without an edge, from the identity towards 1. */
+/* The tone curve increases smoothly, is the identity for small values, and approaches 1. */
 static void tone_curve(void **state) {
     (void)state;
     const nqm_tone tone = nqm_tone_default();
@@ -173,8 +173,7 @@ static void tone_curve(void **state) {
         assert_int_equal(nqm_srgb_byte(nqm_srgb_linear(i / 255.0)), i);
 }
 
-/* Perceptually ordered: lightness (CIE L*) rises all along, which every kind of colour vision sees, in steps that
- * differ little. */
+/* Perceptually ordered: lightness (CIE L*), which does not depend on colour vision, increases in nearly equal steps. */
 static void colour_map(void **state) {
     (void)state;
     double before = 0, least = 100, most = 0;
@@ -200,7 +199,7 @@ static void scales(void **state) {
     assert_near(nqm_tick_step(23, 5), 5, 1e-12);
     double map[1000], other[1000], end;
     for (size_t i = 0; i < 1000; ++i) {
-        map[i] = i < 5 ? 1e6 : (double)i / 100; /* a few pixels do not stretch the scale */
+        map[i] = i < 5 ? 1e6 : (double)i / 100; /* a few outliers do not change the scale */
         other[i] = (double)NAN;
     }
     const double *const maps[] = {other, map}, *const nothing[] = {other};
@@ -210,7 +209,7 @@ static void scales(void **state) {
     assert_near(end, 1, 1e-9);
 }
 
-/* A map alone: as many pixels as it has, reduced on request; sizes, scales and names out of range are refused. */
+/* A map without a frame: same size in pixels, reduced on request; invalid sizes, scales and names are refused. */
 static void maps_alone(void **state) {
     (void)state;
     double map[8 * 4];
@@ -239,7 +238,8 @@ static void maps_alone(void **state) {
     assert_int_equal(nqm_map_write("/nonexistent/map.png", 8, 4, map, 1, 40, &err), NQM_ERR_IO);
 }
 
-/* A figure of a grey picture, a map whose left half is empty, and a hole; the panels stand where their pixels say. */
+/* A figure of a grey picture, a map whose left half is NaN, and an empty panel; pixels are tested at panel
+ * positions. */
 static void figures(void **state) {
     (void)state;
     double grey[3 * 40 * 40], map[40 * 40];

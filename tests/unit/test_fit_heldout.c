@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * No embedded encoder was learned from the 20 materials of the human study (Kavoosighafi et al. 2025): each file lists its
- * references, and none of them is one of those materials in any form.
+ * No embedded encoder was learned from the 20 materials of the human study (Kavoosighafi et al. 2025): each file lists
+ * its references, and none of them is one of those materials in any form.
  */
 #include "fit/encoders.h"
 #include "support/check.h"
@@ -30,7 +30,7 @@ static const char *const held_out[] = {"acrylic_felt_green_rgb",
                                        "vch_golden_yellow_rgb",
                                        "violet-acrylic"};
 
-/* Whether the material at the end of "DIR/NAME.bsdf", "ARCHIVE:NAME" or "MODEL:NAME" is held out. */
+/* Whether the material NAME of "DIR/NAME.bsdf", "ARCHIVE:NAME" or "MODEL:NAME" is held out. */
 static bool is_held_out(const char *brdf) {
     const char *slash = strrchr(brdf, '/'), *colon = strrchr(brdf, ':');
     const char *name = slash ? slash + 1 : brdf;

@@ -25,7 +25,7 @@ static double loss_of(const nqm_brdf *ref, const char *model) {
     return report.loss;
 }
 
-/* Geometric means, so that the brightest material does not dominate. */
+/* The losses are compared by their geometric means, so that the brightest material does not dominate. */
 static void more_samples_are_better(void **state) {
     (void)state;
     static const char *const refs[] = {"sgd:pink-fabric",

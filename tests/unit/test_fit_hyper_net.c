@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The hypernetwork as a function: its gradient equals finite differences, the order of the samples does not matter, the sets
- * of a batch are independent; and its file is read back, or refused.
+ * The hypernetwork as a function: its gradient equals finite differences, the order of the samples does not matter, the
+ * sets of a batch are independent; and its file is read back, or refused.
  */
 #include "brdf/brdf.h"
 #include "fit/hyper.h"
@@ -20,7 +20,7 @@ static void fill_random(nqm_rng *rng, size_t n, float *x) {
         x[i] = (float)nqm_rng_normal(rng);
 }
 
-/* A small network with a batch to read. */
+/* A small network and a batch of inputs. */
 typedef struct bench {
     nqm_hyper hyper, gradient;
     nqm_hyper_pass pass;
@@ -45,7 +45,7 @@ static void teardown(bench *b) {
     nqm_free(b->pass.input);
 }
 
-/* The loss whose derivatives by the output are d_out. */
+/* The loss whose gradient with respect to the output is d_out. */
 static double loss_of(bench *b) {
     const float *out = nqm_hyper_forward(&b->hyper, &b->pass);
     double loss = 0;
@@ -73,7 +73,7 @@ static void gradient_is_that_of_differences(void **state) {
             fail_msg("number %zu of %zu: slope %g, gradient %g", i, b.hyper.n, slope, (double)b.gradient.block[i]);
         largest = fmax(largest, fabs(slope));
     }
-    assert_true(largest > 0.5); /* far above the tolerance */
+    assert_true(largest > 0.5); /* gradients are much larger than the tolerance */
     teardown(&b);
 }
 
@@ -90,7 +90,7 @@ static void order_of_samples_does_not_matter(void **state) {
     const float *after = nqm_hyper_forward(&b.hyper, &b.pass);
     for (size_t i = 0; i < N_OUT; ++i)
         assert_near((double)after[i], (double)before[i], 1e-6);
-    first[0] += 1; /* but the samples do */
+    first[0] += 1; /* a changed sample changes the output */
     after = nqm_hyper_forward(&b.hyper, &b.pass);
     assert_true(fabsf(after[0] - before[0]) > 1e-4f);
     teardown(&b);
@@ -144,7 +144,7 @@ static void other_networks_are_refused(void **state) {
     (void)state;
     nqm_hyper written, found;
     nqm_error err = {0};
-    write_network(&small, &written); /* does not predict NBRDFs */
+    write_network(&small, &written); /* its output is not an NBRDF */
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.5.weight"));
     assert_null(found.block);

@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of every further model several lobes: wide and narrow, with much and little Fresnel rise, and bases that are dark. */
+/* Several lobes of every model that other tests do not cover: wide and narrow, strong and weak Fresnel effect, dark
+ * bases. */
 static void every_model_gives_itself_back(void **state) {
     (void)state;
     static const char *const lobes[] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training of a network for one BRDF: its loss on known materials, that the seed determines the result, its directions, and
- * cancellation. Compared with measured materials and the published networks if the shared data are present.
+ * Training of a network for one BRDF: its loss on known materials, that the seed determines the result, its directions,
+ * and cancellation. Compared with measured materials and the published networks if the shared data are present.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -22,7 +22,8 @@ static nqm_fit_report fit(const nqm_brdf *ref, size_t n_directions, uint64_t see
     return report;
 }
 
-/* Mean absolute difference of log(1 + cos(theta_i) f_r) over directions as in MERL's tables, where both have a value. */
+/* Mean absolute difference of log(1 + cos(theta_i) f_r) over directions of MERL cells at which both BRDFs have a
+ * value. */
 static double distance(const nqm_brdf *a, const nqm_brdf *b) {
     enum { N = 8192 };
     nqm_rng rng = nqm_rng_make(77, 0);
@@ -78,7 +79,7 @@ static void a_seed_is_a_result(void **state) {
     nqm_brdf_free(ref);
 }
 
-/* 0.5 where phi_d < pi, and 5 in the other half; no value beyond theta_h = 0.9. */
+/* f_r in 1/sr: 0.5 where phi_d < pi, 5 elsewhere; no value beyond theta_h = 0.9. */
 static void lopsided_eval(const void *self, size_t n, const double *hd, double *rgb) {
     (void)self;
     for (size_t i = 0; i < 3 * n; ++i)

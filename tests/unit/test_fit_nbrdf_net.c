@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The network of an NBRDF for training: its loss against the formula in double with the evaluation of src/brdf, its
- * gradient against central differences of that loss, both against PyTorch (tests/vectors/nbrdf.py).
+ * Training of an NBRDF network: its loss against the formula in double with the evaluation of src/brdf, its gradient
+ * against central differences of that loss, and both against PyTorch (tests/vectors/nbrdf.py).
  */
 #include "fit/nbrdf_net.h"
 #include "math/math.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = 150 }; /* two blocks and a part of a third */
+enum { N = 150 }; /* two blocks and a partial third block */
 
 typedef struct problem {
     float weights[NQM_NBRDF_WEIGHTS], input[6 * N], weight[N], goal[3 * N];
@@ -37,7 +37,7 @@ static nqm_nbrdf_batch batch_of(const problem *p) {
     return (nqm_nbrdf_batch){.n = N, .input = p->input, .weight = p->weight, .goal = p->goal};
 }
 
-/* y (n_out) = b + w^T x, with the ReLU of hidden layers; returns what follows the layer among the weights. */
+/* y (n_out) = b + w^T x, with ReLU for hidden layers; returns a pointer to the weights of the next layer. */
 static const double *layer(const double *w, size_t n_in, size_t n_out, const double *x, bool hidden, double *y) {
     for (size_t j = 0; j < n_out; ++j) {
         y[j] = w[n_in * n_out + j];
@@ -48,7 +48,7 @@ static const double *layer(const double *w, size_t n_in, size_t n_out, const dou
     return w + n_in * n_out + n_out;
 }
 
-/* The loss as it is defined, in double. */
+/* The definition of the loss, in double. */
 static double plain_loss(const double *weights, const problem *p) {
     double sum = 0;
     for (size_t i = 0; i < N; ++i) {
@@ -69,7 +69,7 @@ static void to_double(const problem *p, double *weights) {
         weights[i] = (double)p->weights[i];
 }
 
-/* The loss of a network against itself, as src/brdf evaluates it. */
+/* The loss is almost 0 if the targets are the same network's values, evaluated by src/brdf. */
 static void inputs_are_those_of_evaluation(void **state) {
     (void)state;
     problem p = make_problem(0.2);
@@ -113,7 +113,7 @@ static void gradient_is_the_slope_of_the_loss(void **state) {
     assert_true(with == nqm_nbrdf_loss(p.weights, &batch, NULL));
     to_double(&p, weights);
     for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i) {
-        const double step = 1e-7; /* small, so that few corners of ReLU and |x| lie between */
+        const double step = 1e-7; /* small, so that few kinks of ReLU and |x| are crossed */
         double kept = weights[i];
         weights[i] = kept + step;
         double up = plain_loss(weights, &p);
@@ -123,7 +123,7 @@ static void gradient_is_the_slope_of_the_loss(void **state) {
         assert_near((double)gradient[i], slope, 2e-5);
         largest = fmax(largest, fabs(slope));
     }
-    assert_true(largest > 0.1); /* so that the tolerance says something */
+    assert_true(largest > 0.1); /* gradients are much larger than the tolerance */
 }
 
 static nqm_csv *load_vectors(const char *name, size_t n_rows) {
@@ -175,7 +175,7 @@ static void huge_outputs_stay_finite(void **state) {
         assert_true(isfinite(nqm_nbrdf_loss(p.weights, &batch, gradient)));
         for (size_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
             assert_true(isfinite(gradient[i]));
-        assert_true(sign * (double)gradient[NQM_NBRDF_WEIGHTS - 1] > 0); /* descent leads back */
+        assert_true(sign * (double)gradient[NQM_NBRDF_WEIGHTS - 1] > 0); /* gradient descent reduces the overshoot */
     }
 }
 

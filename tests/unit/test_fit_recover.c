@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fits recover known parameters for every lobe width and loss; a model fitted to another model has its highlight and base;
- * the same seed gives the same spec; bad arguments are refused.
+ * Fits recover known parameters for every lobe width and loss; a model fitted to another model has the same highlight
+ * and base; the same seed gives the same spec; invalid arguments are refused.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -145,7 +145,7 @@ static void bad_arguments_are_refused(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* At the allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
+/* Fails allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
 static void memory_runs_out(void **state) {
     (void)state;
     nqm_brdf *brdf = open_brdf("sgd:nickel");

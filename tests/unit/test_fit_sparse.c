@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sparse encoding: mapping and bases have exact inverses, a table in the span of the atoms is coded exactly, more atoms
- * reduce the loss, cells without a value are filled, and a BRDF without values is refused.
+ * The sparse encoding: mapping and bases have exact inverses, a table in the span of the atoms is coded exactly, more
+ * atoms reduce the loss, cells without a value are filled, and a BRDF without values is refused.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -39,7 +39,7 @@ static void the_mapping_is_undone(void **state) {
     for (size_t i = 0; i < CELLS; ++i)
         typical[i] = 0.01f * (float)(i % 7);
     nqm_sparse_map(&grid, typical, table);
-    /* The first channel is the mean of the logarithms, times the root of 3. */
+    /* The first channel is the mean of the logarithms times sqrt(3). */
     size_t cell = grid.cell[1234];
     double sum = 0;
     for (size_t c = 0; c < 3; ++c)
@@ -73,7 +73,7 @@ static void bases_keep_lengths(void **state) {
     nqm_free(dictionary);
 }
 
-/* A BRDF whose mapped table is the sum of three atoms, as far as light and viewer are above the horizon. */
+/* A BRDF whose mapped table is the sum of three atoms where light and viewer are above the horizon. */
 static nqm_brdf *in_span(const nqm_sparse_dictionary *dictionary, double factor) {
     static double core[3 * CORE];
     static float table[3 * CELLS], rgb[3 * CELLS];
@@ -119,7 +119,7 @@ static void what_lies_in_the_span_is_coded_exactly(void **state) {
     nqm_brdf *brdf = in_span(dictionary, 1), *nothing = in_span(dictionary, 0);
     double few = loss_of(dictionary, brdf, 2), exact = loss_of(dictionary, brdf, 24);
     assert_true(exact < 3e-4 && few > 20 * exact);
-    assert_true(loss_of(dictionary, nothing, 1) < 1e-6); /* the typical material itself */
+    assert_true(loss_of(dictionary, nothing, 1) < 1e-6); /* the typical material needs no atoms */
     nqm_brdf_free(brdf);
     nqm_brdf_free(nothing);
     nqm_free(dictionary);
@@ -152,7 +152,7 @@ static void more_atoms_come_nearer(void **state) {
 
 /* ---- cells without a value --------------------------------------------------------------------------------------- */
 
-/* Grey, but with holes: everything beyond `self` radians in theta_d, and some theta_h. */
+/* A grey BRDF without values for theta_d > `self` and for 0.1 < theta_h < 0.2, in radians. */
 static void holes_eval(const void *self, size_t n, const double *hd, double *rgb) {
     double limit = *(const double *)self;
     for (size_t i = 0; i < n; ++i) {
@@ -179,7 +179,7 @@ static void holes_are_filled(void **state) {
     assert_int_equal(nqm_sparse_encode(dictionary, brdf, 32, &report, &coded, NULL), NQM_OK);
     assert_true(report.loss < 0.01);
     static const double hd[][3] = {
-        {0.05, 0.3, 1}, {0.5, 0.7, 2}, {0.15, 0.3, 1}, {0.05, 1.3, 1}}; /* 2 and 3: in holes */
+        {0.05, 0.3, 1}, {0.5, 0.7, 2}, {0.15, 0.3, 1}, {0.05, 1.3, 1}}; /* 2 and 3 have no value */
     double rgb[3 * 4];
     nqm_brdf_eval_half_diff(coded, 4, hd[0], rgb, NULL);
     for (size_t i = 0; i < 3 * 4; ++i)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Learning a dictionary from four materials: it codes them well, the bytes are the same for one and two threads, another
- * seed is another file, a stopped run leaves no file; and invalid dictionaries are refused.
+ * Learning a dictionary from four materials: it codes them well, the bytes are the same for one and two threads,
+ * another seed gives another file, an interrupted run leaves no file; invalid dictionaries are refused.
  */
 #include "brdf/brdf.h"
 #include "fit/sparse.h"
@@ -37,7 +37,7 @@ static nqm_map learned(uint64_t seed, int threads) {
     if (learn(seed, threads, NULL, &err) != NQM_OK)
         fail_msg("%s", err.message);
     assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
-    assert_int_equal(unlink(path), 0); /* the bytes stay mapped */
+    assert_int_equal(unlink(path), 0); /* the file stays mapped */
     return map;
 }
 
@@ -97,7 +97,7 @@ static void grey_alone_is_nothing_to_learn(void **state) {
 
 /* ---- files that are no dictionaries ------------------------------------------------------------------------------ */
 
-/* A dictionary of two atoms of the length `scale`, with tensor `wrong` spoiled: left out, or of another shape. */
+/* Parse a dictionary of two atoms of norm `scale`, without tensor `left_out` and with tensor `misshapen` reshaped. */
 static nqm_status parse_spoiled(double scale, float typical, size_t left_out, size_t misshapen, nqm_error *err) {
     static float zeros[NQM_SPARSE_CELLS], ref[NQM_SPARSE_CELLS], atoms[2 * CORE];
     const size_t shapes[5][2] = {{NQM_SPARSE_H, NQM_SPARSE_D * NQM_SPARSE_P},
@@ -161,7 +161,7 @@ static int open_all(void **state) {
     return 0;
 }
 
-/* The folder must be empty: no test and no stopped run has left a file. */
+/* The folder must be empty, because tests and interrupted runs must remove their files. */
 static int close_all(void **state) {
     (void)state;
     for (size_t i = 0; i < N; ++i)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Matching pursuit against an independent implementation step by step (tests/vectors/omp.py), and against the closed form for
- * an orthonormal dictionary; a sum of atoms is recovered exactly; linearly dependent atoms are skipped.
+ * Matching pursuit against an independent implementation step by step (tests/vectors/omp.py), and against the closed
+ * form for an orthonormal dictionary; a sum of atoms is recovered exactly; linearly dependent atoms are skipped.
  */
 #include "fit/sparse.h"
 #include "support/check.h"
@@ -21,7 +21,7 @@ static double dot(const double *a, const double *b) {
 typedef struct coded {
     size_t n, index[NQM_OMP_MAX_ATOMS];
     double coefficient[NQM_OMP_MAX_ATOMS];
-    double residual; /* its norm */
+    double residual; /* norm of the residual */
 } coded;
 
 static coded code(size_t n_atoms, const double *atoms, const double *signals, size_t max_atoms) {
@@ -58,7 +58,7 @@ static void every_step_is_that_of_the_definition(void **state) {
         assert_near(c.coefficient[k], omp_coefficient[k], 1e-12);
 }
 
-/* Then the largest products are chosen, and they are the coefficients. */
+/* For orthonormal atoms, the pursuit selects the largest inner products, which are the coefficients. */
 static void orthonormal_atoms_are_sorted(void **state) {
     (void)state;
     double atoms[LENGTH * LENGTH] = {0}, signals[BLOCKS * LENGTH];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The CSV reader: quoting, line ends, comments, ragged rows, numbers with the place of a fault, and every cut of a
- * valid file.
+ * The CSV reader: quoting, line ends, comments, ragged rows, numbers and the position of errors, and truncation at
+ * every byte.
  */
 #include "base/memory_test.h"
 #include "io/io.h"
@@ -107,7 +107,7 @@ static void test_every_cut_is_safe(void **state) {
     (void)state;
     static const char text[] = "a,\"b\"\n1,\"x\"\"y\"\r\n\"2\n\",3\n#\n";
     for (size_t n = 0; n < sizeof text; ++n) {
-        char *cut = nqm_alloc(n, 1); /* no byte behind the end: ASan sees a read there */
+        char *cut = nqm_alloc(n, 1); /* exact size, so that ASan detects a read past the end */
         memcpy(cut, text, n);
         nqm_csv *csv = NULL;
         nqm_status status = nqm_csv_parse(cut, n, "cut", &csv, NULL);
@@ -140,9 +140,9 @@ static void test_open_descriptor(void **state) {
     for (int i = 0; i < ROWS; ++i)
         fprintf(file, "%d\n", i);
     fflush(file);
-    snprintf(path, sizeof path, "/dev/fd/%d", fileno(file)); /* what the tool makes of standard input */
+    snprintf(path, sizeof path, "/dev/fd/%d", fileno(file)); /* the path that the tool uses for standard input */
     nqm_csv *csv;
-    assert_int_equal(nqm_csv_load("-", &csv, NULL), NQM_ERR_IO); /* "-" is a file like any other */
+    assert_int_equal(nqm_csv_load("-", &csv, NULL), NQM_ERR_IO); /* the library treats "-" as a file name */
     assert_int_equal(nqm_csv_load(path, &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), ROWS);
     assert_string_equal(nqm_csv_text(csv, ROWS - 1, 0), "29999");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light maps: small pictures written byte by byte (vectors/images.py) give their pixels back; cut, spoilt and lying
- * ones are refused with a message, without a large allocation.
+ * Light maps: the pixels of small pictures written byte by byte (vectors/images.py) are read correctly; truncated,
+ * damaged and inconsistent files are refused with a message and without a large allocation.
  */
 #include "base/memory_test.h"
 #include "io/io.h"
@@ -65,7 +65,7 @@ static void pixels(void **state) {
     }
 }
 
-/* A file cut anywhere is malformed, never read beyond its end (the copy has exactly its bytes, for ASan). */
+/* A file truncated at any byte is malformed; the copy has the exact size, so that ASan detects a read past the end. */
 static void cut_anywhere(void **state) {
     (void)state;
     for (size_t i = 0; i < N_SAMPLES; ++i)
@@ -96,7 +96,7 @@ static void spoilt_anywhere(void **state) {
             }
 }
 
-/* Find `what` in a copy of the sample and put `with` there. */
+/* Decode a copy of the sample in which `with` replaces `what`; the decoder must return `expected`. */
 static void decode_patched(const sample *s, const void *what, size_t n_what, const void *with, nqm_status expected) {
     unsigned char *copy = malloc(s->n_bytes);
     assert_non_null(copy);
@@ -162,7 +162,7 @@ static void loading(void **state) {
     snprintf(path, sizeof path, "%s/picture", dir);
     nqm_image image;
     nqm_error err;
-    for (size_t i = 0; i < N_SAMPLES; ++i) { /* by the bytes: the name says nothing */
+    for (size_t i = 0; i < N_SAMPLES; ++i) { /* the format is detected from the content, not from the name */
         write_file(path, samples[i].data, samples[i].n_bytes);
         assert_int_equal(load(path, &image, &err), NQM_OK);
         nqm_free(image.rgb);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reading MAT v5 matrices: files of scipy.io.savemat (tests/vectors/authors.py) and of matio; both byte orders and every
- * numeric type, from bytes that are made here; files that are cut off or changed at any byte are refused or read as finite
- * values.
+ * Reading MAT v5 matrices: files of scipy.io.savemat (tests/vectors/authors.py) and of matio; both byte orders and
+ * every numeric type, from bytes written here; files that are truncated or changed at any byte are refused or give
+ * finite values.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -64,7 +64,7 @@ static void write_bytes(const unsigned char *data, size_t n) {
     assert_int_equal(fclose(f), 0);
 }
 
-/* Open and read all; on success the numbers are finite. */
+/* Open the file and read all variables; on success the values must be finite. */
 static nqm_status read_all(void) {
     nqm_mat *mat;
     double v[21];
@@ -97,7 +97,7 @@ static void no_mat_files(void **state) {
     assert_null(mat);
 }
 
-/* A header that claims 2^31 - 1 rows: refused before anything is allocated. */
+/* A header that declares 2^31 - 1 rows is refused before any allocation. */
 static void huge_claims(void **state) {
     (void)state;
     nqm_map map;
@@ -143,26 +143,26 @@ static void cut_and_changed(void **state) {
             memcpy(bytes, map.data, map.n_bytes);
             bytes[at] ^= 0xff;
             write_bytes(bytes, map.n_bytes);
-            nqm_status status = read_all(); /* a changed number may pass, MAT files have no checksum */
+            nqm_status status = read_all(); /* a changed value can pass: MAT files have no checksum */
             assert_true(status == NQM_OK || status == NQM_ERR_FORMAT || status == NQM_ERR_LIMIT);
         }
         for (size_t n = 0; n < map.n_bytes; n += 1 + 2 * i) {
             write_bytes(map.data, n);
             nqm_status status = read_all();
-            assert_true(status == NQM_ERR_FORMAT || (status == NQM_OK && n + 200 > map.n_bytes)); /* behind r is g, b */
+            assert_true(status == NQM_ERR_FORMAT || (status == NQM_OK && n + 200 > map.n_bytes)); /* g and b follow r */
         }
         free(bytes);
         nqm_map_close(&map);
     }
-    struct rusage usage; /* no claim of a damaged file is believed */
+    struct rusage usage; /* sizes that a damaged file declares must not be allocated */
     assert_int_equal(getrusage(RUSAGE_SELF, &usage), 0);
     assert_true(usage.ru_maxrss < 500 * 1024);
     unlink(path);
 }
 
-/* ---- files that are made here ------------------------------------------------------------------------------------ */
+/* ---- files that this test writes --------------------------------------------------------------------------------- */
 
-/* A file in the making, of either byte order. */
+/* A buffer for a MAT file in either byte order. */
 typedef struct maker {
     unsigned char bytes[1024];
     size_t n;
@@ -182,8 +182,8 @@ static maker begin_file(bool big_endian) {
     return m;
 }
 
-/* The matrix "r" of n rows and `cols` columns; `width` bytes each of the values (column by column), which are stored as
- * `type`. flags: class and flag bits. */
+/* Append the matrix "r" (rows, cols), column-major; each value is stored as `type` in `width` bytes. flags: class and
+ * flag bits. */
 static void put_matrix(maker *m, uint32_t flags, uint32_t type, size_t width, size_t rows, size_t cols,
                        const uint64_t *values) {
     size_t n_data = rows * cols * width, begin = m->n;
@@ -232,7 +232,7 @@ static nqm_status read_r(const maker *m, size_t rows, size_t cols, double *out, 
 
 enum { CLASS_STRUCT = 2, CLASS_DOUBLE = 6, CLASS_SINGLE = 7, CLASS_INT8 = 8, CLASS_UINT16 = 11, COMPLEX = 0x800 };
 
-/* -3 and 100 in each type; unsigned types hold 253 and so on. */
+/* -3 and 100 in each type; in unsigned types -3 wraps (253 in 8 bits). */
 static void every_type_and_byte_order(void **state) {
     (void)state;
     static const struct {
@@ -271,7 +271,7 @@ static void every_type_and_byte_order(void **state) {
     maker m = begin_file(true);
     const uint64_t values[6] = {1, 2, 3, 4, 5, 6};
     double v[6];
-    put_matrix(&m, CLASS_UINT16, 4, 2, 3, 2, values); /* column by column in the file, row by row in memory */
+    put_matrix(&m, CLASS_UINT16, 4, 2, 3, 2, values); /* column-major in the file, row-major in memory */
     assert_int_equal(read_r(&m, 3, 2, v, NULL), NQM_OK);
     assert_true(v[0] == 1 && v[1] == 4 && v[2] == 2 && v[5] == 6);
 }
@@ -299,7 +299,7 @@ static void faults_are_named(void **state) {
     refuse_r(&m, "byte 128 has damaged values");
     m.n = 128;
     put_matrix(&m, CLASS_DOUBLE, 9, 8, 2, 2, values);
-    m.bytes[128 + 36] = 1; /* claims 2 x 1 */
+    m.bytes[128 + 36] = 1; /* declares 2 x 1 */
     refuse_r(&m, "damaged values");
     m.n = 128;
     put_matrix(&m, CLASS_SINGLE, 7, 4, 2, 1, (const uint64_t[]){0x7fc00000, 0});
@@ -314,7 +314,7 @@ static void faults_are_named(void **state) {
 }
 
 #ifdef NQM_TEST_MATIO
-/* matio reads what nqm writes, and nqm what matio compresses. */
+/* matio reads nqm's files, and nqm reads matio's compressed files. */
 static void agrees_with_matio(void **state) {
     (void)state;
     double values[6] = {1, -2.5, 1e-300, 4, 0.1, 1e300}, v[6];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * MAT v5 files that nqm writes: read back to the bit, the same bytes for the same numbers, and nothing left behind where
- * they cannot be written.
+ * Writing MAT v5 files: values are read back to the bit, equal values give equal bytes, and a failed write leaves no
+ * file.
  */
 #include "io/io.h"
 #include "support/check.h"
@@ -42,7 +42,7 @@ static void reads_back(void **state) {
     unlink(path);
 }
 
-/* No date, no name of a machine: header, two arrays of known sizes, and nothing else. */
+/* The file contains only the header and two arrays: no date and no host name, so equal input gives equal bytes. */
 static void equal_bytes(void **state) {
     (void)state;
     write_two(path);
@@ -92,7 +92,7 @@ static void refuses(void **state) {
     closedir(folder);
 }
 
-/* The authors' variables. */
+/* The file has the variables of the authors' layout. */
 static void samples_of_a_brdf(void **state) {
     (void)state;
     const double degrees[6] = {0, 10, 20, 30.25, 40, 50};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Meshes: the same octahedron half as text and as bytes of either order, as PLY and OBJ, with polygons, other
- * properties and all forms of indices; normals; broken files are refused with file and place.
+ * Meshes: the same square pyramid as text and as bytes of either order, as PLY and OBJ, with polygons, other properties
+ * and all forms of indices; normals; broken files are refused with file and place.
  */
 #include "base/memory_test.h"
 #include "io/io.h"
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A square pyramid: four corners of a square and a tip; the square is a polygon, the sides are triangles. */
+/* A square pyramid: four base vertices and the apex; the base is a quadrilateral, the sides are triangles. */
 static const float pyramid[5][3] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0.5F}};
 static const unsigned sides[4][3] = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
 
@@ -45,7 +45,7 @@ static void put_float(bytes *b, float value, bool big) {
     put_number(b, nqm_load_u32(little), 4, big);
 }
 
-/* The pyramid in bytes; with a normal per vertex when asked for (its position, so not of unit length). */
+/* The pyramid as binary PLY; `normals` adds one normal per vertex, equal to its position, so not of unit length. */
 static bytes make_binary(bool big, bool normals) {
     bytes b = {0};
     b.n = (size_t)snprintf((char *)b.data, sizeof b.data,
@@ -103,7 +103,8 @@ static void check_normal(const nqm_mesh *mesh, size_t i, double x, double y, dou
     assert_near((double)mesh->normal[3 * i + 2], z / length, 1e-6);
 }
 
-/* Twice the areas: a side has (1, 1, 2)/2 up to signs, half of the base (0, 0, -2). Vertex 1 and 3 are in both halves. */
+/* Cross products: (1, 1, 2)/2 up to signs for a side, (0, 0, -2) for each base triangle. Vertices 1 and 3 are in
+ * both. */
 static void check_area_weighted(const nqm_mesh *mesh) {
     check_normal(mesh, 0, 1, 0, 2 - 2);
     check_normal(mesh, 1, 0, 1, 2 - 4);
@@ -146,7 +147,8 @@ static void normals_of_ply(void **state) {
     }
 }
 
-/* Two triangles that share an edge: where their normals differ the vertices are doubled, where not they are shared. */
+/* Two triangles with a common edge: its vertices are duplicated where the normals differ and shared where they
+ * agree. */
 static void normals_of_obj(void **state) {
     (void)state;
     static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nv 9 9 9\nvn 0 0 3\nvn 1 0 0\nvn 0 -1 0\n"
@@ -163,14 +165,14 @@ static void normals_of_obj(void **state) {
     check_normal(&mesh, 4, 0, -1, 0);
     assert_true(mesh.position[9] == 1 && mesh.position[14] == 1);
     nqm_mesh_free(&mesh);
-    /* One corner without a normal: all are computed. */
+    /* If one corner has no normal, all normals are computed. */
     static const char mixed[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1//1 2//1 3\n";
     assert_int_equal(parse(mixed, sizeof mixed - 1, &mesh, &err), NQM_OK);
     check_normal(&mesh, 0, 0, 0, 1);
     nqm_mesh_free(&mesh);
 }
 
-/* Put `with` in place of the first `what` of a text; the fault must be of this kind and its message name `place`. */
+/* Replace the first `what` of a text by `with`; parsing must fail with a message that contains `place`. */
 static void refuse(const char *text, const char *what, const char *with, const char *place) {
     char changed[1024];
     const char *at = strstr(text, what);
@@ -190,7 +192,7 @@ static void refusals(void **state) {
     refuse(ply_text, "format ascii 1.0\n", "", "names no format");
     refuse(ply_text, "ascii 1.0", "ascii 2.0", "line 2");
     refuse(ply_text, "ascii", "ebcdic", "line 2");
-    refuse(ply_text, "vertex 5", "vertex 6", "a list has"); /* the rows slip by one */
+    refuse(ply_text, "vertex 5", "vertex 6", "a list has"); /* rows are shifted by one */
     refuse(ply_text, "vertex 5", "vertex 99999999999", "claims");
     refuse(ply_text, "vertex 5", "vertex -5", "line 5");
     refuse(ply_text, "element face 5", "element face 6", "ends too early");
@@ -225,11 +227,11 @@ static void refusals(void **state) {
     assert_int_equal(parse(NULL, 0, &mesh, &err), NQM_ERR_FORMAT);
     static const char dots[] =
         "v 0 0 0\nv 0.0000000000000000000000000000000000000000000000000000000000000000001e66 0 0\n";
-    assert_int_equal(parse(dots, sizeof dots - 1, &mesh, &err), NQM_ERR_FORMAT); /* not taken for 0 */
+    assert_int_equal(parse(dots, sizeof dots - 1, &mesh, &err), NQM_ERR_FORMAT); /* must not be parsed as 0 */
     assert_non_null(strstr(err.message, "line 2"));
 }
 
-/* A binary file that is cut anywhere is malformed; a normal that is not a number too. */
+/* A binary file truncated at any byte is malformed, and so is a file with a NaN normal. */
 static void broken_binary(void **state) {
     (void)state;
     const bytes b = make_binary(false, true);
@@ -269,7 +271,7 @@ static void out_of_memory(void **state) {
     }
 }
 
-/* The Stanford bunny: closed but for holes in its base, so normals point away from the middle almost everywhere. */
+/* The Stanford bunny is closed except for holes in its base, so almost all normals point away from its centre. */
 static void bunny(void **state) {
     (void)state;
     const char *path = shared_data("scene/bunny.ply");

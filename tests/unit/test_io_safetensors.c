@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * safetensors files: what is written comes back, aligned and under a checksum that holds; and every way in which a
- * header can lie is refused with a place. tests/unit/test_net_pytorch.c reads a file of another writer.
+ * safetensors files: written data are read back, aligned and with a valid checksum; inconsistent headers of every kind
+ * are refused with a position. tests/unit/test_net_pytorch.c reads a file of another writer.
  */
 #include "base/memory_test.h"
 #include "io/io.h"
@@ -35,7 +35,7 @@ enum { N_TENSORS = sizeof tensors / sizeof *tensors };
 static const nqm_meta meta[] = {{"card", "A \"quoted\" card,\nwith lines and \xc3\xbc. \"sha256\":\"0000\""},
                                 {"id", ""}};
 
-/* A valid file as bytes; nqm_free() them. */
+/* The content of a valid file; free with nqm_free(). */
 static unsigned char *valid_file(size_t *n_bytes, char sha256[65]) {
     nqm_map map;
     assert_int_equal(nqm_safetensors_write(path_of_output(), N_TENSORS, tensors, 2, meta, sha256, NULL), NQM_OK);
@@ -68,7 +68,7 @@ static void round_trip(void **state) {
         assert_ptr_equal(t->data, file + t->byte_offset);
     }
     assert_int_equal(nqm_safetensors_find(st, "weights")->byte_offset % 64, 0);
-    assert_string_equal(nqm_safetensors_at(st, 0)->name, "weights"); /* a multiple of 64 goes first */
+    assert_string_equal(nqm_safetensors_at(st, 0)->name, "weights"); /* sizes that are multiples of 64 come first */
     assert_null(nqm_safetensors_find(st, "none"));
     assert_string_equal(nqm_safetensors_meta(st, "card"), meta[0].value);
     assert_string_equal(nqm_safetensors_meta(st, "id"), "");
@@ -80,7 +80,7 @@ static void round_trip(void **state) {
     nqm_free(file);
 }
 
-/* The checksum is SHA-256 of the file with its own digits as zeros, and notices every changed bit. */
+/* The checksum is the SHA-256 of the file with the checksum's digits set to zeros, and detects a change of any bit. */
 static void checksum(void **state) {
     (void)state;
     size_t n_bytes;
@@ -115,7 +115,7 @@ static void checksum(void **state) {
     nqm_free(file);
 }
 
-/* Cut off anywhere, each copy in a block of exactly its size. */
+/* Truncated at any byte; each copy has the exact size, so that ASan detects a read past the end. */
 static void truncated_anywhere(void **state) {
     (void)state;
     size_t n_bytes;
@@ -134,7 +134,7 @@ static void truncated_anywhere(void **state) {
     nqm_free(file);
 }
 
-/* ---- headers that lie -------------------------------------------------------------------------------------------- */
+/* ---- inconsistent headers ---------------------------------------------------------------------------------------- */
 
 static nqm_status parse_header(const char *json, size_t n_data, nqm_error *err) {
     size_t n_json = strlen(json), n = 8 + n_json + n_data;
@@ -202,7 +202,7 @@ static void false_headers(void **state) {
     assert_int_equal(parse_header("{" A("[1]", "0", "4") "}  ", 4, NULL), NQM_OK);
 }
 
-/* A header length beyond the file or the format's limit must not cost memory: nothing is allocated. */
+/* A header length beyond the file or the format's limit is refused before any allocation. */
 static void claimed_header_lengths(void **state) {
     (void)state;
     static const uint64_t claims[] = {9, 100000001, (uint64_t)1 << 62, UINT64_MAX};
@@ -218,7 +218,7 @@ static void claimed_header_lengths(void **state) {
     }
 }
 
-/* ---- writing what cannot be written ------------------------------------------------------------------------------ */
+/* ---- invalid data for the writer --------------------------------------------------------------------------------- */
 
 static void refused_contents(void **state) {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Judging: every figure against SciPy (tests/vectors/train_agreement.py), the bootstrap and its contrasts against one
- * that repeats the pairs for real, and the evaluation of models and metrics on a dataset against single predictions.
+ * Evaluation: every statistic against SciPy (tests/vectors/train_agreement.py), the bootstrap and its contrasts against
+ * one that copies the resampled pairs, and models and metrics on a dataset against single predictions.
  */
 #include "io/io.h"
 #include "judge/agreement.h"
@@ -79,10 +79,10 @@ static void figures_are_scipys(void **state) {
     nqm_csv_free(csv);
 }
 
-/* The figures of one resample, in the order of `figures_of`. */
+/* The statistics of one resample, in the order of `figures_of`. */
 enum { POOLED, BY_GROUP, PEARSON, KENDALL, MAE, RMSE, R2, ORDER, N_FIGURES };
 
-/* Share of the pairs in x, y [begin, end) with labels apart that are in order. */
+/* Count the pairs of elements in x, y [begin, end) whose labels differ, and those of them in the correct order. */
 static void add_orders(const double *x, const double *y, size_t begin, size_t end, double *right, double *n) {
     for (size_t i = begin; i < end; ++i)
         for (size_t k = begin; k < end; ++k)
@@ -132,7 +132,7 @@ static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double f
 
 enum { N_RESAMPLES = 101 };
 
-/* By figure, over the resamples. */
+/* All resamples: figures (N_FIGURES, N_RESAMPLES). */
 static void repeat_all(size_t predictor, double figures[N_FIGURES][N_RESAMPLES]) {
     for (size_t i = 0; i < N_RESAMPLES; ++i) {
         double one[N_FIGURES];
@@ -175,7 +175,7 @@ static void check_difference(const nqm_difference *d, double value, const double
     assert_near(d->ci95[1], nqm_quantile(N_RESAMPLES, difference, 0.975), 1e-9);
 }
 
-/* Both predictors on the same resamples, one less the other; against itself a predictor wins nothing. */
+/* A contrast is the difference of two predictors on the same resamples; that of a predictor with itself is 0. */
 static void contrasts_are_paired(void **state) {
     (void)state;
     nqm_agreement a[N_PREDICTORS];
@@ -200,7 +200,7 @@ static void contrasts_are_paired(void **state) {
     assert_near(c[0].spearman.value, a[0].spearman.value - a[1].spearman.value, 1e-12);
 }
 
-/* Without variance there is no correlation, and without two labels apart no order. */
+/* Correlations are undefined without variance, and the order is undefined if no labels differ. */
 static void figures_that_do_not_exist(void **state) {
     (void)state;
     const double flat[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, rising[6] = {1, 2, 3, 4, 5, 6};
@@ -220,7 +220,7 @@ static void figures_that_do_not_exist(void **state) {
     assert_true(isnan(a.pearson.value));
     assert_int_equal(a.n_ordered, 6);
     assert_near(a.order.value, 0.5, 0); /* ties count half */
-    j.order_margin = 1;                 /* more than that, not as much */
+    j.order_margin = 1;                 /* labels must differ by more than the margin */
     assert_int_equal(nqm_judge(&j, 0, 1, &a, NULL), NQM_OK);
     assert_int_equal(a.n_ordered, 2);
 }
@@ -235,7 +235,7 @@ static void best_variants(void **state) {
     nqm_mark_best(metrics);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
         assert_int_equal(metrics[m].best_of_family, of_family[m]);
-        assert_int_equal(metrics[m].best_baseline, m == NQM_METRIC_RMS_CRWE); /* log_diff is none of the eight */
+        assert_int_equal(metrics[m].best_baseline, m == NQM_METRIC_RMS_CRWE); /* log_diff is not a baseline */
     }
 }
 
@@ -309,7 +309,7 @@ static const char *class_of(double near, double far, const float colour[3]) {
     for (size_t k = 0; k < 3; ++k) {
         rgb[k] = (float)near;
         rgb[3 + k] = (float)far * colour[k];
-        rgb[6 + k] = 1e4f; /* grazing: does not count */
+        rgb[6 + k] = 1e4f; /* grazing angles are ignored */
     }
     nqm_dataset d = {.n_directions = 3, .n_refs = 1, .directions_deg = degrees[0], .ref_rgb = rgb};
     return nqm_material_class_name(nqm_dataset_ref_class(&d, 0));
@@ -323,14 +323,14 @@ static void classes_of_materials(void **state) {
     assert_string_equal(class_of(1, 0.1, warm), "satin grey");
     assert_string_equal(class_of(5, 0.1, red), "glossy coloured");
     assert_string_equal(class_of(50, 0.1, grey), "mirror-like grey");
-    assert_string_equal(class_of(1, 0, grey), "mirror-like grey"); /* a black body has no colour */
+    assert_string_equal(class_of(1, 0, grey), "mirror-like grey"); /* black has no hue */
     const double degrees[3] = {1, 10, 0};
     nqm_dataset no_body = {.n_directions = 1, .n_refs = 1, .directions_deg = degrees, .ref_rgb = grey};
     assert_string_equal(nqm_material_class_name(nqm_dataset_ref_class(&no_body, 0)), "unclassified");
     assert_null(nqm_material_class_name(NQM_MATERIAL_CLASS_COUNT));
 }
 
-/* The contrasts of an evaluation go with its results. */
+/* The contrasts of an evaluation are consistent with its results. */
 static void check_contrasts(const nqm_model *model, const nqm_dataset *d, const nqm_eval_options *o,
                             const nqm_agreement *a) {
     nqm_evaluation *ev;
@@ -363,20 +363,20 @@ static void selections(void **state) {
     assert_int_equal(a[0].n, 576);
     assert_int_equal(a[0].n_materials, 24);
     for (size_t i = 0; i < 1 + NQM_METRIC_COUNT; ++i) {
-        assert_true(a[i].spearman.value > 0.3 && a[i].spearman.value <= 1); /* distances are turned round */
+        assert_true(a[i].spearman.value > 0.3 && a[i].spearman.value <= 1); /* distances are negated */
         assert_true(a[i].spearman.ci95[0] <= a[i].spearman.ci95[1]);
         assert_true(isnan(a[i].mae.value) == (i > 0));
     }
     check_contrasts(model, d, &o, a);
     assert_true(a[1 + NQM_METRIC_LOG_DIFF].spearman.value >
-                0.97); /* the toy's label is that metric, but for the masks */
+                0.97); /* the toy's label is that metric except for the masks */
     o.split = NQM_SPLIT_TEST;
     o.kind = "gloss";
     assert_int_equal(evaluate(model, d, &o, a, NULL), NQM_OK);
     assert_int_equal(a[0].n, 576 / 4 / 2);
     assert_int_equal(a[0].n_materials, 6);
     o.kind = NULL;
-    o.family = "perturbation"; /* of the kind "gain" */
+    o.family = "perturbation"; /* the family of the kind "gain" */
     assert_int_equal(evaluate(model, d, &o, a, NULL), NQM_OK);
     assert_int_equal(a[0].n, 576 / 4 / 2);
     o.kind = "gloss";
@@ -422,7 +422,7 @@ static void selections(void **state) {
 }
 
 int main(void) {
-    omp_set_num_threads(1); /* these networks are too small to share */
+    omp_set_num_threads(1); /* these networks are too small to use more threads */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(figures_are_scipys),   cmocka_unit_test(bootstrap_repeats_groups),
         cmocka_unit_test(contrasts_are_paired), cmocka_unit_test(figures_that_do_not_exist),

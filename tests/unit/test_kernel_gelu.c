@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * GELU and its slope against erf and exp of the C library in double, over the whole range, at its ends, in place; exp,
- * log and the fused multiply-add in float against the C library's; the description of the build.
+ * GELU and its derivative against erf and exp of the C library in double, over the whole range, at its limits, in
+ * place; exp, log and fused multiply-add in float against the C library; the description of the build.
  */
 #include "kernel/exp_log.h"
 #include "kernel/kernel.h"
@@ -29,7 +29,7 @@ static void whole_range(void **state) {
     double worst = 0;
     for (size_t i = 0; i < N; ++i) {
         double at = (double)x[i], expected = at * distribution(at);
-        /* the distribution within 3e-7, and the rounding of the product */
+        /* error of the normal distribution (3e-7) plus rounding of the product */
         assert_near((double)y[i], expected, 3e-7 * fabs(at) + 1e-7 * fabs(expected));
         assert_near((double)slope[i], distribution(at) + at * density(at), 6e-7);
         worst = fmax(worst, fabs((double)y[i] - expected));
@@ -76,7 +76,7 @@ static void exponential_and_logarithm(void **state) {
     assert_true(nqm_exp_core(0) == 1 && nqm_log_core(1) == 0);
 }
 
-/* Rounded once, also under cancellation and for denormal and infinite results. */
+/* The result is rounded once, also with cancellation and for denormal and infinite results. */
 static void fused_by_hand(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(1, 0);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Matrix products: the scalar reference against hand-made products, every variant against the reference within the
- * bound of rounding (k eps sum |a| |b|), on shapes with tails, transposes and gaps between rows; and the same bits for
- * one and two threads.
+ * Matrix products: the scalar reference against hand-computed products, every variant against the reference within the
+ * rounding bound (k eps sum |a| |b|), for shapes with tails, transposes and padded rows; the same bits for one and two
+ * threads.
  */
 #include "kernel/kernel.h"
 #include "support/check.h"
@@ -31,7 +31,7 @@ static void reference_by_hand(void **state) {
     }
 }
 
-/* A random problem; rows of all three matrices are `gap` longer than they need be. */
+/* A random problem; the row strides of all three matrices exceed the row lengths by `gap` elements. */
 typedef struct problem {
     nqm_gemm g;
     float *a, *b, *c, *initial;
@@ -57,7 +57,7 @@ static problem make_problem(nqm_rng *rng, size_t m, size_t n, size_t k, int vari
     p.b = random_block(rng, (p.g.trans_b ? n : k) * p.g.ldb);
     p.c = nqm_alloc(p.n_c, sizeof *p.c);
     p.initial = random_block(rng, p.n_c);
-    if (p.g.beta == 0) /* what C holds must not matter */
+    if (p.g.beta == 0) /* the initial content of C must be ignored */
         p.initial[0] = NAN;
     p.g.a = p.a, p.g.b = p.b, p.g.c = p.c;
     return p;
@@ -78,7 +78,7 @@ static float *solve(const problem *p, void (*gemm)(const nqm_gemm *)) {
     return result;
 }
 
-/* sum over k of |a| |b| for one element, and what was kept of C. */
+/* sum over k of |a| |b| for one element, plus the initial |C| unless beta is 0. */
 static double magnitude(const problem *p, size_t i, size_t j) {
     const nqm_gemm *g = &p->g;
     double sum = 0;
@@ -91,13 +91,13 @@ static double magnitude(const problem *p, size_t i, size_t j) {
 static void check_problem(const problem *p) {
     const nqm_gemm *g = &p->g;
     float *expected = solve(p, nqm_kernels_scalar.gemm), *actual = solve(p, nqm_gemm_onednn);
-    size_t step = g->m * g->n > 10000 ? 97 : 1; /* of large products a sample */
+    size_t step = g->m * g->n > 10000 ? 97 : 1; /* check a sample of the elements of large products */
     for (size_t e = 0; e < g->m * g->n; e += step) {
         size_t i = e / g->n, j = e % g->n, at = i * g->ldc + j;
         double bound = (double)(g->k + 2) * 0x1p-24 * magnitude(p, i, j);
         assert_near((double)actual[at], (double)expected[at], bound);
     }
-    for (size_t i = 0; i < g->m; ++i) /* the gaps between rows are not C's */
+    for (size_t i = 0; i < g->m; ++i) /* the padding between rows must not change */
         assert_memory_equal(actual + i * g->ldc + g->n, p->initial + i * g->ldc + g->n,
                             (g->ldc - g->n) * sizeof(float));
     nqm_free(expected);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Every table of kernels that this processor can run against the plain loops: products and weight gradients in float,
- * bfloat16 and bytes within the bound of rounding, bytes exactly, rows of hidden layers and Adam; equal bits from
- * tables with fused multiply-add, for any number of rows and threads.
+ * Every kernel table that this processor supports against the plain loops: products and weight gradients in float and
+ * bfloat16 within the rounding bound, in int8 exactly, rows of hidden layers and Adam; equal bits from tables with
+ * fused multiply-add, for any number of rows and threads.
  */
 #include "kernel/panel.h"
 #include "support/check.h"
@@ -116,7 +116,7 @@ static void products_of_every_table(void **state) {
     assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
 }
 
-/* The plain loops against x w^T computed by hand, with the rounding of each precision. */
+/* The plain loops against hand-computed values of x w^T with the rounding of each precision. */
 static void the_definition_by_hand(void **state) {
     (void)state;
     const float x[] = {1, -2, 0.25f, 253}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
@@ -186,7 +186,7 @@ static void the_same_bits(void **state) {
     omp_set_num_threads(threads);
 }
 
-/* One panel at a time, also where rows are no multiples of the sizes that are transposed together. */
+/* Panels are packed one at a time, also if the number of rows is not a multiple of the transposed block. */
 static void panels_packed_one_by_one(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 6);
@@ -266,7 +266,8 @@ static void collect(void *user, size_t strip, size_t n_strips, size_t panel, con
                NQM_PANEL * sizeof *tiles);
 }
 
-/* x (m, n) as a factor of a gradient, in a block of exactly the required size, so that sanitizers see reads beyond it. */
+/* x (m, n) as a factor of a gradient, in a block of exactly the required size, so that sanitizers see reads beyond
+ * it. */
 static nqm_columns factor_of(nqm_precision precision, size_t m, size_t n, size_t width, const float *x) {
     const size_t words = nqm_words(precision, m), n_groups = (n + width - 1) / width;
     const bool rounded = precision == NQM_PRECISION_BF16;
@@ -336,7 +337,7 @@ static void gradients_of_every_table(void **state) {
 
 enum { N = 501 };
 
-/* The forward and backward pass of one hidden row by a table. */
+/* The results of the forward and backward pass of one hidden row with one kernel table. */
 typedef struct row_result {
     float x[N], y[N], slope[N], dy[N], dbias[N], dgamma[N], dbeta[N], rstd;
 } row_result;
@@ -498,7 +499,7 @@ static void choice_by_name(void **state) {
     nqm_error err = {0};
     assert_int_equal(nqm_kernels_select("abacus", &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "abacus"));
-    assert_ptr_equal(nqm_kernels_get(), &nqm_kernels_scalar); /* a refused choice changes nothing */
+    assert_ptr_equal(nqm_kernels_get(), &nqm_kernels_scalar); /* a refused selection has no effect */
     assert_int_equal(nqm_kernels_select(NULL, NULL), NQM_OK);
     assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
     assert_string_equal(nqm_precision_name(NQM_PRECISION_BF16), "bf16");

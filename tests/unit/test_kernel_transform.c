@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Roots and logarithms of samples, rounding of rows and products of one row: every table against the plain loops and, bit
- * for bit, against each other.
+ * Roots and logarithms of samples, rounding of rows and products of one row: every table against the plain loops and,
+ * bit for bit, against the other tables.
  */
 #include "kernel/panel.h"
 #include "support/check.h"
@@ -13,7 +13,7 @@ static const uint64_t seed = 3;
 
 enum { N = 501 };
 
-/* From 1e-26 to 1e34, uniform in the logarithm. */
+/* Random values from 1e-26 to 1e34, uniform in the logarithm. */
 static void spread(nqm_rng *rng, float *x) {
     for (size_t i = 0; i < N; ++i)
         x[i] = (float)exp(-60 + 138 * nqm_rng_uniform(rng));
@@ -83,7 +83,7 @@ static void roots_and_logarithms(void **state) {
     }
 }
 
-/* The values of bytes are within half a step of x, 0 is exact, and the whole range 0..255 is used. */
+/* Quantised values are within half a step of x, 0 is exact, and the whole range 0..255 is used. */
 static void rows_of_bytes(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 2);

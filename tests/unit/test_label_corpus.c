@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Corpora: a small one of analytic materials, made, interrupted, resumed and read back; failed tests; claims.
+ * Corpora: a small one of analytic materials is made, interrupted, resumed and read back; failed tests; claims.
  */
 #include "label/corpus.h"
 #include "support/check.h"
@@ -47,7 +47,7 @@ static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
     return dataset;
 }
 
-/* The training part, made once. */
+/* The training part of the corpus, computed once. */
 static nqm_dataset *training_part(void) {
     nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
     nqm_dataset *dataset;
@@ -63,7 +63,7 @@ static void parts_hold_their_splits(void **state) {
     nqm_dataset_info info = nqm_dataset_get_info(training);
     assert_int_equal(info.n_groups, 2);
     assert_int_equal(info.n_refs, 3);
-    assert_int_equal(info.n_pairs, 3 * (2 + 3) + 2); /* and each of the two forms of a as a test of the other */
+    assert_int_equal(info.n_pairs, 3 * (2 + 3) + 2); /* the two forms of `a` are also tests of each other */
     assert_int_equal(info.n_pairs_in[NQM_SPLIT_TEST], 0);
     assert_int_equal(info.n_pairs_in[NQM_SPLIT_VALIDATION], 2 + 3);
     assert_non_null(strstr(info.manifest, "\"unseen_kinds\""));
@@ -98,7 +98,8 @@ static void a_fit_of_its_own_model_is_near_perfect(void **state) {
 
 enum { N_HAND = 7 }; /* tests of the corpus below: ward, ggx, and five perturbed copies */
 
-/* A corpus of one group whose test t has samples of t and a Delta-E of t; those whose bit is in `failed` failed. */
+/* A corpus of one group; test t has samples equal to t and a Delta-E of t, or has failed if bit t of `failed` is
+ * set. */
 static void write_by_hand(unsigned failed, const char *path) {
     static nqm_corpus_item item;
     static float ref_rgb[3 * 50], test_rgb[N_HAND][3 * 50];
@@ -179,7 +180,7 @@ static void failed_tests_are_left_out_and_named(void **state) {
     nqm_dataset_free(d);
 }
 
-/* A claim keeps others off until it is released or its process ends. */
+/* A claim excludes other processes until it is released or its process ends. */
 static void claims_exclude(void **state) {
     (void)state;
     char path[256];
@@ -206,8 +207,8 @@ static void claims_exclude(void **state) {
     assert_int_equal(nqm_corpus_claim("/nowhere/x", &second, NULL), NQM_ERR_IO);
 }
 
-/* Stops in the second group. A ticker is silent for 0.2 s after a call began: waiting longer makes it call for every test,
- * however quick the machine. */
+/* Stops in the second group. A ticker makes no call for 0.2 s after the last one; a longer wait here makes it call for
+ * every test on a machine of any speed. */
 static int stop_in_second_group(void *user, const char *stage, double done, double total) {
     (void)user;
     (void)stage;
@@ -249,7 +250,7 @@ static void an_interrupted_corpus_goes_on(void **state) {
     nqm_directions_free(d);
 
     options.progress = NULL;
-    for (int round = 0; round < 2; ++round) { /* the second takes all from the work files */
+    for (int round = 0; round < 2; ++round) { /* the second round reads all groups from the work files */
         nqm_dataset *resumed = build(&options, "resumed.safetensors");
         assert_string_equal(nqm_dataset_get_info(resumed).sha256, sha256);
         nqm_dataset_free(resumed);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lists and plans of corpora: invalid lists are refused; plans have no unseen kinds in training and depend on the seed and the
- * names only; folded and tabulated forms.
+ * Lists and plans of corpora: invalid lists are refused; plans have no unseen kinds in training and depend only on the
+ * seed and the names; folded and tabulated forms.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -58,7 +58,7 @@ static void paths_start_at_the_root(void **state) {
     assert_null(list.refs);
 }
 
-/* Other latents beside the same decoder are other references. */
+/* The hash of a reference covers the latents as well as the decoder. */
 static void a_decoder_is_hashed_with_its_latents(void **state) {
     (void)state;
     enum { N_BYTES = 808003 * 4 };
@@ -153,7 +153,7 @@ static void every_kind_gets_its_turn(void **state) {
     for (size_t i = 0; i < nqm_brdf_preset_count(); ++i)
         n_presets += strcmp(strchr(nqm_brdf_preset_name(i), ':'), ":nickel") == 0;
     assert_true(n_presets >= 2);
-    assert_int_equal(plan.n_forms, n_presets); /* the reference is one of them */
+    assert_int_equal(plan.n_forms, n_presets); /* including the reference */
     assert_int_equal(plan.n_tests, count_models() + n_presets - 1 + 26);
     for (size_t k = 0; nqm_fit_model(k); ++k)
         assert_int_equal(count_kind(&plan, nqm_fit_model(k), NQM_FAMILY_ENCODING), 1);
@@ -172,7 +172,7 @@ static void every_kind_gets_its_turn(void **state) {
     nqm_corpus_plan_free(&plan);
 }
 
-/* Highlights that are weakened a little, nearly gone and gone, all in one stream of tests. */
+/* Highlights that are slightly weakened, nearly removed and removed, all in one sequence of tests. */
 static void models_are_chosen_by_name(void **state) {
     (void)state;
     nqm_corpus_models models;
@@ -225,7 +225,7 @@ static void a_seed_is_a_plan(void **state) {
         assert_string_equal(a.tests[t].perturbation[1], b.tests[t].perturbation[1]);
         n_different += strcmp(a.tests[t].perturbation[0], c.tests[t].perturbation[0]) != 0;
     }
-    assert_true(n_different > 40); /* of 2 x 26 */
+    assert_true(n_different > 40); /* out of 2 x 26 */
     nqm_corpus_plan_free(&a);
     nqm_corpus_plan_free(&b);
     nqm_corpus_plan_free(&c);
@@ -244,7 +244,7 @@ static void a_table_reads_like_its_source(void **state) {
         double u = nqm_rng_uniform(&rng), a[3], b[3], wi[3], wo[3];
         const double hd[3] = {1.3 * u * u, 1.3 * nqm_rng_uniform(&rng), 6.28 * nqm_rng_uniform(&rng) - 3.14};
         nqm_half_diff_to_directions(hd, wi, wo);
-        if (fmin(wi[2], wo[2]) < cos(75 * acos(-1) / 180)) /* beyond, f_r rises too steeply for the nodes */
+        if (fmin(wi[2], wo[2]) < cos(75 * acos(-1) / 180)) /* at larger angles f_r is too steep for the nodes */
             continue;
         nqm_brdf_eval_half_diff(source, 1, hd, a, NULL);
         nqm_brdf_eval_half_diff(table, 1, hd, b, NULL);
@@ -257,7 +257,7 @@ static void a_table_reads_like_its_source(void **state) {
     nqm_brdf_free(source);
 }
 
-/* f_r = z of the light: not reciprocal. */
+/* f_r = z component of wi, which is not reciprocal. */
 static void lopsided_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
     (void)self;
     (void)wo;
@@ -278,7 +278,7 @@ static void folding_makes_reciprocal(void **state) {
         nqm_half_diff_to_directions(hd, wi, wo);
         nqm_brdf_eval(folded, 1, wi, wo, forth, NULL);
         nqm_brdf_eval(folded, 1, wo, wi, back, NULL);
-        assert_near(forth[0], wi[2], 1e-9); /* phi_d in [0, pi): the half that is read */
+        assert_near(forth[0], wi[2], 1e-9); /* phi_d in [0, pi) is the stored half */
         assert_near(back[0], forth[0], 1e-9);
     }
     nqm_brdf_free(folded);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Eigenvectors: the second difference, whose eigenvalues are known in closed form, and a random matrix from its vectors.
+ * Eigenvectors: the second-difference matrix, whose eigenvalues are known in closed form, and a random matrix rebuilt
+ * from its eigenvectors.
  */
 #include "math/math.h"
 #include "support/check.h"

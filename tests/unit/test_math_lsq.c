@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Least squares on problems with known answers: Rosenbrock's valley, and two of the NIST Statistical Reference Datasets
- * (itl.nist.gov/div898/strd/nls) with their certified values; and the ways in which it must stop.
+ * Least squares on problems with known solutions: Rosenbrock's valley, and two of the NIST Statistical Reference
+ * Datasets (itl.nist.gov/div898/strd/nls) with their certified values; and every stopping condition.
  */
 #include "math/math.h"
 #include "support/check.h"
@@ -25,7 +25,7 @@ static void rosenbrock_valley(void **state) {
     assert_near(rms, 0, 1e-8);
 }
 
-/* y, x */
+/* (y, x) */
 static const double misra1a[14][2] = {{10.07, 77.6},  {14.73, 114.9}, {17.94, 141.1}, {23.93, 190.8}, {29.61, 239.9},
                                       {35.18, 289.0}, {40.02, 332.8}, {44.82, 378.4}, {50.76, 434.8}, {55.05, 477.3},
                                       {61.01, 536.8}, {66.40, 593.1}, {75.47, 689.1}, {81.78, 760.0}};
@@ -75,7 +75,7 @@ static void nist_mgh09_with_absolute_steps(void **state) {
     assert_relative(rms * rms * 11, 3.0750560385e-04, 1e-9);
 }
 
-/* Residuals that are rounded to float: steps of sqrt(eps) of double find no slope. */
+/* Residuals rounded to float: finite differences with the step sqrt(eps) of double give a zero slope. */
 static int rounded_exponential(void *user, const double *x, double *residual) {
     (void)user;
     for (int i = 0; i < 5; ++i)
@@ -98,7 +98,7 @@ static void absolute_steps_bridge_rounding(void **state) {
 
 typedef struct stopper {
     int n_calls, stop_at;
-    double value_at_stop; /* 0: stop; else the residual from then on */
+    double value_at_stop; /* 0: stop; otherwise the residual after that call */
 } stopper;
 
 static int stopping(void *user, const double *x, double *residual) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Ranks, correlations and quantiles against SciPy and NumPy (tests/vectors/stats.py; ties included), against the
- * definition of Kendall's tau by all pairs, and where there is nothing to correlate.
+ * definition of Kendall's tau over all pairs, and for input without variance.
  */
 #include "io/io.h"
 #include "math/math.h"
@@ -71,7 +71,7 @@ static void test_against_scipy(void **state) {
     nqm_csv_free(expected);
 }
 
-/* tau-b by its definition: all pairs. */
+/* tau-b by its definition, over all pairs. */
 static double kendall_by_pairs(size_t n) {
     double s = 0, n_x = 0, n_y = 0;
     for (size_t i = 0; i < n; ++i)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Vectors and half-vector coordinates: against the rotations that define them (tests/vectors/coordinates.py), and round
- * trips at random pairs and at the corners: mirror, retro-reflection, grazing, highlights of a thousandth of a degree.
+ * trips for random pairs and limiting cases: mirror direction, retroreflection, grazing angles, theta_h of a thousandth
+ * of a degree.
  */
 #include "io/io.h"
 #include "math/math.h"
@@ -21,7 +22,7 @@ static void test_coordinates_by_rotation(void **state) {
         nqm_half_diff_from_pair(v, v + 3, hd);
         assert_near(hd[0], v[6], 1e-15);
         assert_near(hd[1], v[7], 1e-15);
-        /* the azimuth loses its meaning with sin(theta_d); pi and 0 are the same azimuth */
+        /* the azimuth is ill-conditioned for small sin(theta_d); pi and 0 are the same azimuth */
         double turn = fabs(hd[2] - v[8]);
         assert_near(fmin(turn, NQM_PI - turn) * sin(hd[1]), 0, 1e-15);
     }
@@ -36,7 +37,7 @@ static void check_pair(const double *hd) {
     for (int k = 0; k < 3; ++k)
         h[k] = wi[k] + wo[k];
     nqm_normalize3(h);
-    if (hd[1] < 1.5) { /* at 90 degrees of theta_d light and viewer are opposite: no half vector */
+    if (hd[1] < 1.5) { /* at theta_d = 90 degrees, light and viewer are opposite and have no half vector */
         assert_near(h[0], sin(hd[0]), 1e-14);
         assert_near(h[1], 0, 1e-14);
         assert_near(nqm_dot3(wi, h), cos(hd[1]), 1e-14);
@@ -57,7 +58,7 @@ static void test_round_trip(void **state) {
         nqm_half_diff_from_pair(wi, wo, back);
         nqm_half_diff_from_pair(wo, wi, swapped);
         double cos_d = cos(hd[1]), sin_d = sin(hd[1]), turn = fabs(back[2] - hd[2]);
-        /* near 90 degrees of theta_d the half vector is the difference of almost opposite vectors */
+        /* near theta_d = 90 degrees the half vector suffers from cancellation */
         assert_near(back[0], hd[0], 1e-15 / cos_d);
         assert_near(back[1], hd[1], 1e-15 / cos_d);
         assert_near(fmin(turn, NQM_PI - turn) * sin_d * cos_d * sin(hd[0]), 0, 2e-15);
@@ -80,16 +81,16 @@ static void test_corners(void **state) {
     double wi[3], wo[3];
     nqm_spherical(0.9, 0.4, wi);
     nqm_spherical(0.9, 0.4 + NQM_PI, wo);
-    nqm_half_diff_from_pair(wi, wo, hd); /* mirror */
+    nqm_half_diff_from_pair(wi, wo, hd); /* mirror direction */
     assert_near(hd[0], 0, 1e-15);
     assert_near(hd[1], 0.9, 1e-15);
-    nqm_half_diff_from_pair(wi, wi, hd); /* back to the light */
+    nqm_half_diff_from_pair(wi, wi, hd); /* retroreflection */
     assert_near(hd[0], 0.9, 1e-15);
     assert_near(hd[1], 0, 1e-15);
     const double tiny[3] = {1e-5, 0.6, 1.1};
     nqm_half_diff_to_pair(tiny, wi, wo);
     nqm_half_diff_from_pair(wi, wo, hd);
-    assert_near(hd[0], 1e-5, 1e-15); /* acos would have kept five digits */
+    assert_near(hd[0], 1e-5, 1e-15); /* acos would give only five digits */
     assert_near(hd[1], 0.6, 1e-15);
     assert_near(hd[2], 1.1, 1e-10);
 }

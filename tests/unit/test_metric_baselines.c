@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The nine scalar metrics against NumPy (tests/vectors/metrics.py), with and without dropped directions, and at the
- * corners.
+ * The nine scalar metrics against NumPy (tests/vectors/metrics.py), with and without dropped directions, and for
+ * limiting cases.
  */
 #include "io/io.h"
 #include "sample/sample.h"

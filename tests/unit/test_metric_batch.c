@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pairs that are named: the same scores as nqm_score() gives, the same bits whatever was scored before or fails beside
- * them, how often BRDFs are opened, faults of single pairs, running out of memory; and JOD as preferences.
+ * Named pairs: the same scores as nqm_score(), the same bits whatever was scored before and whichever pairs fail, the
+ * number of times that BRDFs are opened, errors of single pairs, lack of memory; and JOD as preferences.
  */
 #include "base/memory_test.h"
 #include "metric/metric.h"
@@ -30,7 +30,7 @@ static const char *const names[] = {"ggx:kd=.2,.1,.05;alpha=.1", "ggx:kd=.2,.1,.
                                     "ward:kd=.05;ks=.4;alpha=.05", "perturb:tint=1.2,1,1;of=lambert:kd=.5"};
 enum { N_NAMES = sizeof names / sizeof *names };
 
-/* Mixed references, repeated names, equal pairs. */
+/* The list mixes references, repeats names and contains pairs of equal BRDFs. */
 static nqm_named_pair pair_at(size_t i) {
     return (nqm_named_pair){names[i / 7 % N_NAMES], names[i % N_NAMES]};
 }
@@ -43,7 +43,7 @@ static nqm_scorer *make_scorer(size_t cache_bytes) {
     return scorer;
 }
 
-/* (MANY) results of the list; free with nqm_free(). */
+/* The results (MANY) of the list; free with nqm_free(). */
 static nqm_score_result *score_many(nqm_scorer *scorer, const nqm_named_pair *pairs) {
     nqm_score_result *results = nqm_alloc(MANY, sizeof *results);
     assert_non_null(results);
@@ -82,7 +82,7 @@ static bool same_bits(const nqm_score_result *a, const nqm_score_result *b) {
            memcmp(a->metrics, b->metrics, sizeof a->metrics) == 0 && a->identical == b->identical;
 }
 
-/* What resuming leans on: a block gives the same bits alone, without a cache, and beside pairs that fail. */
+/* Resuming depends on this: a block gives the same bits alone, without a cache, and together with pairs that fail. */
 static void test_same_bits(void **state) {
     (void)state;
     nqm_named_pair pairs[MANY];
@@ -92,7 +92,7 @@ static void test_same_bits(void **state) {
     nqm_score_result *whole = score_many(kept, pairs), *again = score_many(kept, pairs);
     nqm_score_result *fresh = score_many(forgetful, pairs);
     assert_int_equal(nqm_scorer_n_opened(kept), N_NAMES);
-    assert_int_equal(nqm_scorer_n_opened(forgetful), 3 * N_NAMES); /* once a block */
+    assert_int_equal(nqm_scorer_n_opened(forgetful), 3 * N_NAMES); /* once per block */
     pairs[NQM_SCORE_BLOCK + 3].test = "lambert:nonsense=1";
     pairs[NQM_SCORE_BLOCK + 9].ref = "nowhere.binary";
     nqm_score_result *beside = score_many(kept, pairs);
@@ -168,7 +168,7 @@ static void test_out_of_memory(void **state) {
         nqm_alloc_fail_after(-1);
         scored = status == NQM_OK && results[0].status == NQM_OK && results[1].status == NQM_OK;
         assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
-        if (scorer) { /* what failed for want of memory is tried again */
+        if (scorer) { /* pairs that failed for lack of memory are retried */
             assert_int_equal(nqm_scorer_run_named(scorer, 2, pairs, results, NULL, NULL), NQM_OK);
             assert_int_equal(results[0].status, NQM_OK);
             assert_int_equal(results[1].status, NQM_OK);

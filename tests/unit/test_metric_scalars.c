@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar features against NumPy (tests/vectors/scalars.py), at the corners, and as inputs of the network.
+ * The scalar features against NumPy (tests/vectors/scalars.py), for limiting cases, and as inputs of the network.
  */
 #include "metric/metric.h"
 #include "support/check.h"
@@ -29,7 +29,7 @@ static void against_numpy(void **state) {
     assert_null(nqm_scalar_name(NQM_SCALAR_COUNT));
 }
 
-/* Nothing of a difference is left for a perfect copy, to the bit. */
+/* For equal members every difference is exactly 0, or the logarithm of the floor of its feature. */
 static void equal_members(void **state) {
     (void)state;
     double same[NQM_SCALAR_COUNT];

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * From BRDFs to JOD with small models of known weights: the whole chain against a plain computation in double, both
- * layouts, policies for directions without a value, identical pairs, batches, faults of single tests, running out of
- * memory.
+ * From BRDFs to JOD with small models of known weights: all steps against a plain computation in double, both layouts,
+ * policies for directions without a value, identical pairs, batches, errors of single tests, lack of memory.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -45,7 +44,7 @@ static struct nqm_model *make_model(nqm_layout layout, nqm_target target) {
     return model;
 }
 
-/* The paper's formulas, in double. */
+/* The paper's formulas in double. */
 static double expected_jod(const struct nqm_model *model, const float *ref, const float *test, const uint8_t *used) {
     double x[9 * N];
     size_t n = 3 * N;
@@ -79,12 +78,12 @@ static double expected_jod(const struct nqm_model *model, const float *ref, cons
     return model->target == NQM_TARGET_JOD ? target : nqm_curve_jod(&model->curve, exp(target));
 }
 
-/* ---- BRDFs whose values and holes the tests choose --------------------------------------------------------------- */
+/* ---- BRDFs with values and holes chosen by the tests ------------------------------------------------------------- */
 
 typedef struct fake {
     double level;
-    double hole_below_deg; /* of theta_h: no data */
-    double dip_above_deg;  /* of theta_h: channel 0 negative */
+    double hole_below_deg; /* no value for theta_h below this, in degrees */
+    double dip_above_deg;  /* channel 0 is negative for theta_h above this, in degrees */
 } fake;
 
 static void eval_fake(const void *self, size_t n, const double *hd, double *rgb) {
@@ -113,7 +112,7 @@ static int setup(void **state) {
     (void)state;
     double degrees[N][3];
     for (size_t i = 0; i < N; ++i) {
-        degrees[i][0] = 0.3 * (double)(i * i); /* 0 to 36.3; four lie below 4 degrees, three above 20 */
+        degrees[i][0] = 0.3 * (double)(i * i); /* 0 to 36.3 degrees; four are below 4, three above 20 */
         degrees[i][1] = 4 * (double)i;
         degrees[i][2] = 13 * (double)i;
     }
@@ -200,7 +199,7 @@ static void test_reference_with_holes(void **state) {
     nqm_score_options options = {.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.5, .metrics = 1};
     nqm_score_result results[2];
     assert_int_equal(nqm_score(model, b_holed, 2, tests, &options, results, NULL), NQM_OK);
-    assert_int_equal(results[0].identical, 1); /* equal wherever both have a value */
+    assert_int_equal(results[0].identical, 1); /* equal at all directions where both have a value */
     assert_near(results[0].metrics[NQM_METRIC_RMSE], 0, 0);
     assert_int_equal(results[0].n_invalid_ref, 4);
     assert_int_equal(results[1].identical, 0);

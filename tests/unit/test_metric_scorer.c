@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scorer that is used again and again: the bits of nqm_score() whatever is scored together, with however many threads and
- * kernels; no allocation after the first run; samples of the caller; each precision near f32; a fresh model in several threads at once.
+ * Repeated use of a scorer: the same bits as nqm_score() for any batch, number of threads and kernels; no allocation
+ * after the first run; samples from the caller; each precision close to f32; a new model used by several threads at
+ * once.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -19,7 +20,7 @@ enum { N_DIRECTIONS = 30, N_TESTS = 40 };
 
 static nqm_model *model;
 static nqm_brdf *refs[2], *tests[N_TESTS];
-static nqm_score_result expected[2][N_TESTS]; /* each test alone */
+static nqm_score_result expected[2][N_TESTS]; /* results of scoring each test alone */
 
 static nqm_score_result score_alone(const nqm_brdf *ref, const nqm_brdf *test, nqm_precision precision) {
     nqm_score_options options = nqm_score_options_default();
@@ -75,7 +76,7 @@ static void check_same(const nqm_score_result *actual, const nqm_score_result *w
     }
 }
 
-/* Kernels with fused multiply-add, or the only ones with vectors. */
+/* Whether these kernels give the same bits: those with fused multiply-add, or the only vector kernels. */
 static bool same_bits(const nqm_kernels *kernels) {
 #if defined __aarch64__
     return kernels != &nqm_kernels_scalar;
@@ -96,7 +97,7 @@ static void the_same_bits(void **state) {
         for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
             omp_set_num_threads((int)(b + t) % 3 + 1);
             nqm_scorer *scorer = make_scorer();
-            for (size_t r = 0; r < 4; ++r) { /* the references by turns, and the last again */
+            for (size_t r = 0; r < 4; ++r) { /* alternate the references, then repeat the last */
                 for (size_t first = 0; first < N_TESTS; first += batches[b])
                     run(scorer, r % 2, first, nqm_smaller(batches[b], N_TESTS - first), results + first);
                 check_same(results, expected[r % 2], N_TESTS);
@@ -128,7 +129,7 @@ static void sample(const nqm_brdf *brdf, float rgb[3 * N_DIRECTIONS]) {
                      NQM_OK);
 }
 
-/* What a caller samples gets the same full result as the BRDF, for either reference, in any order. */
+/* Samples from the caller give the same complete result as the BRDF, for both references, in any order. */
 static void samples_of_the_caller(void **state) {
     (void)state;
     static float ref[2][3 * N_DIRECTIONS], test[N_TESTS][3 * N_DIRECTIONS];
@@ -153,7 +154,7 @@ static void samples_of_the_caller(void **state) {
     memset(used, 1, sizeof used);
     used[7] = 0;
     memcpy(test[0], ref[0], sizeof ref[0]);
-    test[0][3 * 7] += 1; /* where it is not used */
+    test[0][3 * 7] += 1; /* at an unused direction */
     pairs[0].used = used;
     assert_int_equal(nqm_scorer_run_samples(scorer, 1, pairs, results, NULL), NQM_OK);
     assert_int_equal(results[0].identical, 1);

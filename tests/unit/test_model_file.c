@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Model files: what is written comes back and is used in place; every tensor that is missing, surplus, misshapen or not
- * finite is refused by name, every damage by the checksum; and what a raw output means in JOD.
+ * Model files: written data are read back and used in place; the message names every missing, extra, misshapen or
+ * non-finite tensor, the checksum detects all damage; and the meaning of the raw output in JOD.
  */
 #include "base/memory_test.h"
 #include "io/io.h"
@@ -59,7 +59,7 @@ static struct nqm_model *make_model(void) {
     return model;
 }
 
-/* The bytes of a file, freed with nqm_free(). */
+/* The content of a file; free with nqm_free(). */
 static unsigned char *read_file(const char *path, size_t *n_bytes) {
     nqm_map map;
     assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
@@ -99,7 +99,7 @@ static void round_trip(void **state) {
     unsigned char *file = read_file(path_of_output(), &n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(model->params.n, made->params.n);
-    assert_null(model->params.block); /* in place */
+    assert_null(model->params.block); /* weights are used in place */
     assert_true((const unsigned char *)model->params.layer[0].w > file);
     assert_int_equal((uintptr_t)model->params.layer[0].w % 64, 0);
     assert_true(output_of(model) == output_of(made));
@@ -135,7 +135,7 @@ static void round_trip(void **state) {
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         assert_string_equal(texts[i][0], texts[i][1]);
     assert_int_equal(strlen(model->sha256), 64);
-    /* the same model gives the same file, bit for bit */
+    /* saving again must give the same bytes */
     assert_int_equal(nqm_model_save(model, path_of_output(), NULL), NQM_OK);
     unsigned char *again = read_file(path_of_output(), &n_again);
     assert_int_equal(n_again, n);
@@ -146,7 +146,7 @@ static void round_trip(void **state) {
     nqm_free(file);
 }
 
-/* At an odd address floats cannot be used in place: they are copied and mean the same. */
+/* At an odd address floats cannot be used in place; the copy must have the same values. */
 static void unaligned_bytes(void **state) {
     (void)state;
     size_t n;
@@ -163,7 +163,7 @@ static void unaligned_bytes(void **state) {
     nqm_free(file);
 }
 
-/* Every value of 16 bits is a float that becomes the same 16 bits; ties go to the even neighbour. */
+/* Each of the 2^16 halves survives conversion to float and back; ties round to even. */
 static void half_values(void **state) {
     (void)state;
     for (uint32_t bits = 0; bits < 0x10000; ++bits) {
@@ -201,7 +201,7 @@ static void half_values(void **state) {
     }
 }
 
-/* A file with weights in 16 bits gives the rounded weights at any address, and is written in 16 bits again. */
+/* A file with 16-bit weights gives the rounded weights at any address and is saved with 16-bit weights again. */
 static void weights_in_half(void **state) {
     (void)state;
     size_t n_whole, n, n_again;
@@ -222,7 +222,7 @@ static void weights_in_half(void **state) {
     memcpy(shifted + 1, file, n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(nqm_model_parse(shifted + 1, n, "f", true, &odd, NULL), NQM_OK);
-    nqm_params_free(&copy->params); /* the model must not need it */
+    nqm_params_free(&copy->params); /* the loaded model must not depend on it */
     nqm_model_free(copy);
     assert_int_equal(nqm_model_copy(odd, &copy, NULL), NQM_OK);
     assert_true(output_of(model) == output_of(odd) && output_of(copy) == output_of(odd));
@@ -250,7 +250,7 @@ static void damage(void **state) {
     assert_int_equal(nqm_model_parse(file, n, "my.model", true, &model, &err), NQM_ERR_MODEL);
     assert_null(model);
     assert_non_null(strstr(err.message, "my.model: checksum"));
-    assert_int_equal(nqm_model_parse(file, n, "f", false, &model, NULL), NQM_OK); /* not asked to verify */
+    assert_int_equal(nqm_model_parse(file, n, "f", false, &model, NULL), NQM_OK); /* without verification */
     nqm_model_free(model);
     file[n - 1] ^= 1;
     for (size_t cut = 0; cut < n; ++cut) {
@@ -263,9 +263,9 @@ static void damage(void **state) {
     nqm_free(file);
 }
 
-/* ---- files with the wrong contents, under a right checksum ------------------------------------------------------- */
+/* ---- files with invalid content and a valid checksum ------------------------------------------------------------- */
 
-/* The contents of a valid file, to be changed and written again. */
+/* The content of a valid file, which tests change and write again. */
 typedef struct contents {
     unsigned char *file;
     nqm_safetensors *st;
@@ -297,7 +297,7 @@ static void close_contents(contents *c) {
     nqm_free(c->file);
 }
 
-/* Write and parse; must be refused with a message that holds `says`. */
+/* Write and parse; the file must be refused with a message that contains `says`. */
 static void must_refuse(const contents *c, const char *says) {
     size_t n;
     struct nqm_model *model;
@@ -321,20 +321,20 @@ static void each_tensor_is_checked(void **state) {
         const char *name = saved.name;
         unsigned char *values = nqm_alloc(saved.n_bytes + 8, 1);
         memcpy(values, saved.data, saved.n_bytes);
-        /* the last number becomes NaN or infinite */
+        /* the last value becomes NaN or infinite */
         c.tensors[i].data = values;
         if (saved.dtype == NQM_F64)
             nqm_store_f64(values + saved.n_bytes - 8, (double)NAN);
         else
             nqm_store_f32(values + saved.n_bytes - 4, i % 2 ? INFINITY : NAN);
         must_refuse(&c, name);
-        /* one more number */
+        /* one extra value */
         memcpy(values, saved.data, saved.n_bytes);
         c.tensors[i].n_dims = 1;
         c.tensors[i].dims[0] = saved.n_bytes / (saved.dtype == NQM_F64 ? 8 : 4) + 1;
         c.tensors[i].n_bytes += saved.dtype == NQM_F64 ? 8 : 4;
         must_refuse(&c, name);
-        /* not there: of another name, so that this one is surplus */
+        /* missing: renamed, so that the renamed tensor is an extra one */
         c.tensors[i] = saved;
         c.tensors[i].name = "layers.7.weigth";
         must_refuse(&c, name);
@@ -353,7 +353,7 @@ static void each_text_is_checked(void **state) {
     for (size_t i = 0; i < c.n_meta; ++i) {
         nqm_meta saved = c.meta[i];
         c.meta[i].key = "other";
-        bool scalars = strcmp(saved.key, "scalars") == 0; /* without, the input is too wide */
+        bool scalars = strcmp(saved.key, "scalars") == 0; /* without scalars the input is too wide */
         must_refuse(&c, i == 0 ? "not an nqm model" : scalars ? "does not fit the layout" : saved.key);
         c.meta[i] = saved;
     }
@@ -412,7 +412,7 @@ static void out_of_memory(void **state) {
     nqm_free(file);
 }
 
-/* ---- what an output means ---------------------------------------------------------------------------------------- */
+/* ---- the meaning of the output ----------------------------------------------------------------------------------- */
 
 static void jod_of_an_output(void **state) {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Models from files and from the library: opening, refusals that name the file, golden scores, the self-test.
+ * Models from files and built-in models: opening, refusals that name the file, golden scores, the self-test.
  */
 #include "metric/metric.h"
 #include "percept/percept.h"
@@ -64,7 +64,7 @@ static void test_file_round_trip(void **state) {
     nqm_model_free(model);
 }
 
-/* A model from memory is that of the file, whatever becomes of the bytes. */
+/* A model from memory equals that of the file and does not depend on the buffer after loading. */
 static void test_from_memory(void **state) {
     (void)state;
     struct nqm_model *model = make_model();
@@ -102,7 +102,7 @@ static void test_golden_scores(void **state) {
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
     assert_non_null(strstr(loaded->golden, "\"jod\":"));
-    /* the check must see a change of anything in the chain */
+    /* the check must detect a change of any step from samples to JOD */
     loaded->std[1] *= 1.05f;
     assert_int_equal(nqm_golden_check(loaded, &err), NQM_ERR_NUMERIC);
     assert_non_null(strstr(err.message, "stored is"));
@@ -131,7 +131,7 @@ static void test_refusals_name_the_file(void **state) {
     nqm_model_free(bad);
 }
 
-/* A model of scalar features that this library does not make is refused. */
+/* A model with scalar features unknown to this library is refused. */
 static void test_other_scalars(void **state) {
     (void)state;
     struct nqm_model *model = make_model();

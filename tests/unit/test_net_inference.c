@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Inference: against plain loops in double, in each precision; equal bits for any batch size and number of threads, with and
- * without shared references, before and after packing; packing once for each model; failing allocations.
+ * Inference: against plain loops in double, in each precision; equal bits for any batch size and number of threads,
+ * with and without common references, before and after packing; weights are packed once per model; failing allocations.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -56,7 +56,7 @@ static double forward(const float *row) {
     return from[0];
 }
 
-/* Rows that share their reference in runs of 1 to 5. */
+/* Runs of 1 to 5 consecutive rows have the same reference. */
 static int setup(void **state) {
     (void)state;
     const nqm_net_shape shape = {4, {WIDTH, 100, 64, 33, 1}};
@@ -145,7 +145,7 @@ static void outputs_by_the_formulas(void **state) {
     inputs.test_itself = false;
 }
 
-/* Tables that give equal bits: fused multiply-add is the same everywhere, and sums of bytes are exact. */
+/* Tables that give equal bits: fused multiply-add is the same everywhere, and sums of int8 products are exact. */
 static bool same_bits(const nqm_kernels *kernels, int precision) {
 #if defined __aarch64__
     const bool fused = true;
@@ -253,7 +253,7 @@ static void kernels_change(void **state) {
     nqm_inference_run(s.work, 1, x, STRIDE, &after);
     nqm_inference_run(fresh.work, 1, x, STRIDE, &expected_after);
     nqm_kernels_use(NULL);
-    assert_true(before != expected_after); /* else the test has no effect */
+    assert_true(before != expected_after); /* otherwise the test has no effect */
     assert_true(after == expected_after);
     end(&s);
     end(&fresh);

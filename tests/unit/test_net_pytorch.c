@@ -215,7 +215,7 @@ static void schedule(void **state) {
             assert_relative(lr[k], rates[i][k], 1e-12);
         }
     }
-    assert_true(lr[0] < 1e-7); /* the rate was reduced to PyTorch's lower limit */
+    assert_true(lr[0] < 1e-7); /* the rate has reached PyTorch's lower limit */
 }
 
 static void parameter_count(void **state) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training: gradients against central differences, dropout masks from the hash, equal bits for one and two threads, a stable
- * loss, He-uniform initial weights, refused shapes, failing allocations.
+ * Training: gradients against central differences, dropout masks from the hash, equal bits for one and two threads, a
+ * stable loss, He-uniform initial weights, refused shapes, failing allocations.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -69,9 +69,9 @@ static double train_step(trainee *t, uint64_t step) {
     return loss;
 }
 
-/* Along random directions in the space of all parameters. The forward pass rounds to float, so a central
- * difference over 2h has a rounding error of about 1e-6/h; h = 0.02 balances that with the truncation error. The derivatives
- * are around 0.03. */
+/* Along random directions in the space of all parameters. The forward pass rounds to float, so a central difference
+ * over 2h has a rounding error of about 1e-6/h; h = 0.02 balances that with the truncation error. The derivatives are
+ * around 0.03. */
 static void gradients_by_differences(void **state) {
     (void)state;
     trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, 1}}, 20, NQM_PRECISION_F32);
@@ -200,7 +200,7 @@ static void training_learns(void **state) {
     }
 }
 
-/* In bfloat16, outputs and gradients differ from those in float by the rounding of factors to 8 bits only. */
+/* In bfloat16, outputs and gradients differ from those in float only by the rounding of factors to 8 bits. */
 static void bfloat16_near_float(void **state) {
     (void)state;
     const nqm_net_shape shape = {4, {300, 120, 70, 33, 1}};
@@ -274,7 +274,7 @@ static void dropout_by_hash(void **state) {
         for (size_t k = 0; k < i; ++k) /* step, seed and layer give independent masks */
             assert_near(fraction(kept[i], kept[k]), (1 - p) * (1 - p), 5 * sigma);
     }
-    for (size_t lag = 1; lag <= 4; ++lag) { /* and so do neighbours, which share a hash, and rows */
+    for (size_t lag = 1; lag <= 4; ++lag) { /* neighbours, which use the same hash, and rows are independent too */
         double both = 0, below = 0;
         for (size_t i = 0; i + lag * WIDTH < ROWS * WIDTH; ++i) {
             both += kept[0][i] && kept[0][i + lag];

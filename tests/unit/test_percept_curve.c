@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The curve from Delta-E to JOD: the authors' published rows, the ends of the range.
+ * The curve from Delta-E to JOD: published rows of the authors, the limits of the range.
  */
 #include "math/math.h"
 #include "percept/percept.h"

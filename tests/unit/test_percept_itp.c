@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * ITP and Delta-E ITP against values in 50 digits written from the recommendations (vectors/percept.py), and against
- * the published signals of the PQ curve.
+ * ITP and Delta-E ITP against values with 50 digits computed from the recommendations (vectors/percept.py), and against
+ * published values of the PQ curve.
  */
 #include "percept/percept.h"
 #include "support/check.h"
@@ -15,7 +15,7 @@ static void pq_signals(void **state) {
     (void)state;
     for (size_t i = 0; i < N_PQ; ++i)
         assert_relative(nqm_pq_from_luminance(pq_vector[i][0]), pq_vector[i][1], 1e-13);
-    assert_near(nqm_pq_from_luminance(100), 0.508078421517399, 1e-15); /* as the literature prints it */
+    assert_near(nqm_pq_from_luminance(100), 0.508078421517399, 1e-15); /* value from the literature */
     assert_true(nqm_pq_from_luminance(10000) == 1);
     assert_true(nqm_pq_from_luminance(1e9) == 1);
     assert_near(nqm_pq_from_luminance(0), 7.3095590257839665e-07, 1e-18); /* c1^m2 */
@@ -38,7 +38,7 @@ static void differences(void **state) {
         const double *last = itp_vector[(i + N_ITP - 1) % N_ITP];
         double delta_e = nqm_delta_e_itp(last, itp_vector[i]);
         assert_near(delta_e, itp_vector[i][6], 1e-10);
-        assert_near(delta_e, itp_vector[i][7], 0.02); /* four digits in the matrix cost less than a visible step */
+        assert_near(delta_e, itp_vector[i][7], 0.02); /* four digits in the matrix change Delta-E invisibly little */
         assert_true(nqm_delta_e_itp(itp_vector[i], itp_vector[i]) == 0);
         assert_true(nqm_delta_e_itp(itp_vector[i], last) == delta_e);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Regression of the JOD curve: exact scores give their curve back, made-up noisy ones give what scipy finds
- * (vectors/percept.py), hopeless ones are refused.
+ * Regression of the JOD curve: exact scores give the coefficients of their curve, made-up noisy scores give scipy's
+ * result (vectors/percept.py), scores that cannot be fitted are refused.
  */
 #include "percept/percept.h"
 #include "support/check.h"

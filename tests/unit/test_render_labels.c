@@ -75,7 +75,7 @@ static void seeds(void **state) {
     o.seed = 2;
     label_all(&o, two);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        assert_near(two[i], one[i], 0.02 * fmax(one[i], 1)); /* below 1 nothing is visible */
+        assert_near(two[i], one[i], 0.02 * fmax(one[i], 1)); /* differences below 1 are not visible */
 }
 
 static void width_of_the_light(void **state) {
@@ -83,7 +83,7 @@ static void width_of_the_light(void **state) {
     double filtered[N_PAIRS], full[N_PAIRS];
     nqm_scene_options o = small_scene("blob");
     label_all(&o, filtered);
-    o.light_width = 512; /* as the built-in sky is drawn */
+    o.light_width = 512; /* the resolution of the built-in sky */
     label_all(&o, full);
     for (size_t i = 0; i < N_PAIRS; ++i)
         assert_near(full[i], filtered[i], 0.03 * fmax(filtered[i], 1));

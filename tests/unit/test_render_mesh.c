@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Scenes with meshes: shadows and interreflection in a bowl against the closed form, the edge of a shadow, normals that
- * disagree with the triangles, the pixels of a picture, and the same invariants as for the sphere: equal BRDFs give
- * exactly 0, one and two threads give the same bits.
+ * differ from those of the triangles, the pixels of a picture, and the same invariants as for the sphere: equal BRDFs
+ * give exactly 0, one and two threads give the same bits.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -30,7 +30,7 @@ static FILE *make_file(char *path) {
     return f;
 }
 
-/* Half a sphere that opens towards +z, with exact normals. */
+/* A hemisphere that is open towards +z, with exact normals. */
 static void write_bowl(void) {
     enum { RINGS = 60, SECTORS = 200 };
     FILE *f = make_file(bowl_path);
@@ -48,7 +48,7 @@ static void write_bowl(void) {
     fclose(f);
 }
 
-/* A floor of 2 x 2 at height 0 and a roof of 1 x 1 at height 1 over its middle. */
+/* A floor of 2 x 2 at height 0 and a roof of 1 x 1 at height 1 above its centre. */
 static void write_roof(void) {
     FILE *f = make_file(roof_path);
     fputs("v -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -.5 1 -.5\nv -.5 1 .5\nv .5 1 .5\nv .5 1 -.5\n"
@@ -57,7 +57,7 @@ static void write_roof(void) {
     fclose(f);
 }
 
-/* A Radiance file, 8 x 4 or larger: all pixels alike, or all black but one. */
+/* A Radiance file of 8 x 4 pixels or more: all pixels equal, or all black except one. */
 static void write_map(char *path, int width, int bright) {
     FILE *f = make_file(path);
     int height = width / 2;
@@ -75,7 +75,7 @@ static int make_files(void **state) {
     write_bowl();
     write_roof();
     write_map(white_path, 4, -1);
-    write_map(lamp_path, 256, 0); /* straight above */
+    write_map(lamp_path, 256, 0); /* at the zenith */
     return 0;
 }
 
@@ -116,8 +116,8 @@ static nqm_scene_options small_scene(const char *shape) {
 
 /* ---- closed forms ------------------------------------------------------------------------------------------------ */
 
-/* Every point of a sphere sees every other under the same form factor, so in half a sphere half of the sky is hidden at
- * every point, and the other half of a white bowl sends back half of the half that it received. */
+/* The form factor between any two points of a sphere is the same, so every point of a hemisphere sees half of the sky,
+ * and one interreflection in a white bowl adds half of the direct irradiance. */
 static void bowl_of_white(void **state) {
     (void)state;
     for (int bounce = 0; bounce < 2; ++bounce) {
@@ -149,8 +149,8 @@ static void white_furnace_with_a_mesh(void **state) {
     nqm_scene_free(scene);
 }
 
-/* A lamp straight above: the roof is lit, its square of the floor dark, the rest of the floor lit. The viewer is 45
- * degrees high and sees under the roof. */
+/* A lamp at the zenith: the roof is lit, the floor below it is dark, the rest of the floor is lit. The viewer's
+ * elevation is 45 degrees, so the floor below the roof is visible. */
 static void shadow_of_a_roof(void **state) {
     (void)state;
     nqm_scene_options o = small_scene(roof_path);
@@ -169,7 +169,7 @@ static void shadow_of_a_roof(void **state) {
         double from_middle = fmax(fabs(p[0]), fabs(p[2])) / half;
         bool floor = p[1] < top - 0.1;
         if (floor && fabs(from_middle - 0.5) < 0.04)
-            continue; /* the lamp is 3 degrees wide */
+            continue; /* penumbra: the lamp is 3 degrees wide */
         bool dark = floor && from_middle < 0.5;
         assert_true(dark ? rgb[3 * i] == 0 : fabs(rgb[3 * i] - 100) < 2);
         n_dark += dark;
@@ -236,7 +236,7 @@ static void threads_change_nothing(void **state) {
     omp_set_num_threads(n_threads);
 }
 
-/* Pixels are those whose middle ray meets the shape: for the sphere a disc of nine tenths of the picture. */
+/* A pixel is covered if its centre ray hits the shape; the sphere is a disc of 90 % of the picture's width. */
 static void pictures_cover_the_shape(void **state) {
     (void)state;
     nqm_scene_options o = small_scene("sphere");
@@ -252,7 +252,7 @@ static void pictures_cover_the_shape(void **state) {
             continue;
         assert_true(n < scene->seen.n);
         assert_int_equal(pixel[n], i);
-        const double *normal = scene->seen.point[n].frame + 6; /* bent back beyond 85 degrees */
+        const double *normal = scene->seen.point[n].frame + 6; /* bent towards the viewer beyond 85 degrees */
         if (hypot(x, y) < 17.9) {
             assert_near(normal[0], x / 18, 1e-9);
             assert_near(normal[1], y / 18, 1e-9);
@@ -263,7 +263,7 @@ static void pictures_cover_the_shape(void **state) {
     nqm_scene_free(scene);
 }
 
-/* The second of four frames is the first of a scene that begins a quarter turn later. */
+/* Frame 2 of 4 equals frame 1 of a scene that starts a quarter turn later. */
 static void turntable_and_points(void **state) {
     (void)state;
     nqm_scene_options o = small_scene("blob");
@@ -286,7 +286,7 @@ static void turntable_and_points(void **state) {
     nqm_scene_free(second);
 }
 
-/* All visible normals occur on a closed smooth shape; none faces away, however coarse the triangles. */
+/* On a closed smooth shape all visible normals occur, and none faces away, also with coarse triangles. */
 static void frames_are_sound(void **state) {
     (void)state;
     nqm_scene_options o = small_scene("blob");
@@ -311,7 +311,7 @@ static void frames_are_sound(void **state) {
     nqm_scene_free(scene);
 }
 
-/* Incident light that is not stored is computed again for every picture. */
+/* Stored incident light and light that is computed again for every picture give the same result. */
 static void kept_or_not_is_the_same(void **state) {
     (void)state;
     nqm_scene_options o = mode(2);

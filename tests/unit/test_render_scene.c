@@ -19,9 +19,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- BRDFs of our own -------------------------------------------------------------------------------------------- */
+/* ---- BRDFs of this test ------------------------------------------------------------------------------------------ */
 
-/* A white-ish Lambert part and a GGX lobe (Smith, separate shadowing and masking; Schlick with f0 = 0.5). */
+/* A grey Lambert term plus a GGX lobe (Smith, separate shadowing and masking; Schlick with f0 = 0.5). */
 typedef struct gloss {
     double albedo, specular, alpha;
 } gloss;
@@ -57,7 +57,7 @@ static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
 
 /* ---- lights and scenes ------------------------------------------------------------------------------------------- */
 
-/* A light of one grey, with n_cells from first_cell on of another. */
+/* A uniform grey light, except for n_cells cells from first_cell on, which have another grey. */
 enum { WIDTH = NQM_LIGHT_WIDTH, HEIGHT = WIDTH / 2, CELLS = WIDTH * HEIGHT };
 
 static nqm_light make_light(float grey, size_t first_cell, size_t n_cells, float bright) {
@@ -85,7 +85,7 @@ static nqm_scene *make_scene(const char *path, size_t n_points, size_t n_lights,
     return scene;
 }
 
-/* A Radiance file of 8 x 4 equal pixels (flat: rows are shorter than the new coding needs). */
+/* A Radiance file of 8 x 4 equal pixels (uncompressed, because rows are too short for run-length coding). */
 static void write_constant_map(char *path, unsigned char mantissa) {
     int fd = mkstemp(path);
     assert_true(fd >= 0);
@@ -123,7 +123,7 @@ static void cells_and_directions(void **state) {
         double w[3], rgb[3];
         nqm_light_direction(&light, cell, (double)(cell % 7) / 7.1, (double)(cell % 11) / 11.1, w);
         assert_near(nqm_dot3(w, w), 1, 1e-12);
-        if (cell % 7 && cell % 11) /* off the cell's edges */
+        if (cell % 7 && cell % 11) /* not at the edges of the cell */
             assert_int_equal(nqm_light_eval(&light, w, rgb), cell);
         nqm_light_eval(&light, w, rgb);
         assert_near(rgb[1], 2, 1e-12);
@@ -133,8 +133,7 @@ static void cells_and_directions(void **state) {
     assert_near(sphere, 4 * NQM_PI, 1e-10);
     assert_near(power, 8 * NQM_PI, 1e-10);
     nqm_free(light.rgb);
-    /* The axes as the header states them: middle of the map is -z, up is +y, the right edge of the middle row's centre
-     * +x. */
+    /* The axes are those of the header: the centre of the map is -z, up is +y, +x is at 3/4 of the width. */
     double w[3];
     nqm_map_direction(0.5, 0.5, w);
     assert_near(w[2], -1, 1e-12);
@@ -210,10 +209,10 @@ static void white_furnace(void **state) {
 
 static void sphere_under_a_small_lamp(void **state) {
     (void)state;
-    nqm_scene *scene = make_scene(NULL, 200, 16, 1); /* lends its points */
-    size_t cell = 40 * WIDTH + 30;                   /* high, to the left, behind the viewer */
+    nqm_scene *scene = make_scene(NULL, 200, 16, 1); /* owns the surface points */
+    size_t cell = 40 * WIDTH + 30;                   /* high, left of and behind the viewer */
     nqm_light lamp = make_light(0, cell, 1, 1000);
-    double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but keeps its light */
+    double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but preserves its flux */
     nqm_light_direction(&lamp, cell, 0.5, 0.5, towards);
     for (size_t i = 0; i < scene->seen.n; ++i) {
         double wi[3 * 384], weight[3 * 384], sum = 0;
@@ -275,7 +274,7 @@ static void microfacets_under_constant_light(void **state) {
     nqm_free(white.rgb);
 }
 
-/* Light reflected by the BRDF, as a plain sum over the map with every cell split. */
+/* The reflected radiance as a direct sum over the map with subdivided cells. */
 static double dense_sum(const nqm_light *light, const nqm_surface_point *point, const nqm_brdf *brdf) {
     enum { SPLIT = 6 };
     double sum = 0;
@@ -302,7 +301,7 @@ static void microfacets_under_the_sky(void **state) {
     assert_int_equal(nqm_sky_draw(&image, NULL), NQM_OK);
     assert_int_equal(nqm_light_create(&image, WIDTH, &sky, NULL), NQM_OK);
     nqm_free(image.rgb);
-    nqm_scene *scene = make_scene(NULL, 40, 16, 1); /* lends its points */
+    nqm_scene *scene = make_scene(NULL, 40, 16, 1); /* owns the surface points */
     static const double alphas[] = {0.02, 0.06, 0.2};
     for (size_t a = 0; a < 3; ++a) {
         nqm_brdf *brdf = make_gloss(0.1, 1, alphas[a]);
@@ -318,7 +317,7 @@ static void microfacets_under_the_sky(void **state) {
     nqm_scene_free(scene);
 }
 
-/* The largest fraction of a point's light in one of 384 directions. */
+/* The largest fraction of a point's light that one of 384 directions carries. */
 static double largest_share(const nqm_light *light, const nqm_surface_point *point, uint64_t seed) {
     double wi[3 * 384], weight[3 * 384], sum = 0, max = 0;
     nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
@@ -330,8 +329,8 @@ static double largest_share(const nqm_light *light, const nqm_surface_point *poi
     return max / sum;
 }
 
-/* None may carry much, not even where a bright light stands on the horizon: here a ring of cells whose centres lie just
- * below it, and their upper edges above. */
+/* No direction may carry a large fraction, not even with a bright light at the horizon: here a ring of cells whose
+ * centres are just below the horizon and whose upper edges are above it. */
 static void no_fireflies(void **state) {
     (void)state;
     nqm_light light = make_light(1, 64 * WIDTH, WIDTH, 1000);
@@ -372,7 +371,7 @@ static void labels_repeat(void **state) {
         assert_true(delta_e > 2);
         assert_relative(label(second, ref, test), delta_e, 0.02);
         assert_relative(label(finer, ref, test), delta_e,
-                        p[2] < 0.01 ? 0.05 : 0.02); /* a mirror's picture keeps noise */
+                        p[2] < 0.01 ? 0.05 : 0.02); /* the picture of a mirror is noisy */
         nqm_brdf_free(ref);
         nqm_brdf_free(test);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Direction sets: bounds, density, seeds, the pull of references, identity by SHA-256, CSV round trip and refusals.
+ * Direction sets: bounds, density, seeds, the influence of references, identity by SHA-256, CSV round trip and
+ * refusals.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -44,12 +45,12 @@ static void test_default_set(void **state) {
     }
     assert_near(mean_phi_d, 90, 3);
     assert_true(mean_theta_d > 25 && mean_theta_d < 37.5);
-    /* theta_h = 75 u^2 puts at least sqrt(3/75) = 20 % of all below 3 degrees, more as large angles are refused */
+    /* theta_h = 75 u^2 puts at least sqrt(3/75) = 20 % below 3 degrees, more because large angles are rejected */
     assert_true(n_near_normal > 100);
     nqm_directions_free(directions);
 }
 
-/* Where nothing is refused (small angles), u = sqrt(theta_h / max) must be uniform: Kolmogorov-Smirnov distance. */
+/* At small angles nothing is rejected, so u = sqrt(theta_h / max) must be uniform: Kolmogorov-Smirnov distance. */
 static void test_theta_h_density(void **state) {
     (void)state;
     nqm_directions_options options = nqm_directions_options_default();
@@ -94,7 +95,7 @@ static void *ask(void *directions) {
     return (void *)(uintptr_t)nqm_directions_id(directions);
 }
 
-/* Computed at the first call, whoever makes it. */
+/* The identity is computed at the first call, which can be in any thread. */
 static void test_identity_for_threads(void **state) {
     (void)state;
     enum { N_THREADS = 8 };
@@ -112,7 +113,7 @@ static void test_identity_for_threads(void **state) {
     nqm_directions_free(directions);
 }
 
-/* A material that reflects only where phi_d is below 90 degrees, plus a matte floor. */
+/* A material with a lobe only where phi_d < 90 degrees, plus a constant. */
 static void eval_half_space(const void *self, size_t n, const double *hd, double *rgb) {
     (void)self;
     for (size_t i = 0; i < n; ++i)
@@ -143,11 +144,11 @@ static void test_references_attract(void **state) {
     for (size_t i = 0; i < options.n; ++i) {
         n_bright += d[3 * i + 2] < 90;
         n_duplicates += i > 0 && memcmp(d + 3 * i, d + 3 * i - 3, 3 * sizeof *d) == 0;
-        /* strata keep the density in theta_h: quantiles of both sets agree within the width of a stratum */
+        /* strata preserve the density in theta_h: quantiles of both sets agree within the width of a stratum */
         if (i < options.n - 40) /* the last strata are wide */
             assert_near(sqrt(d[3 * i] / 75), sqrt(p[3 * i] / 75), 0.02);
     }
-    /* weights 3 and 1: three quarters, a little less for drawing without replacement */
+    /* weights 3 and 1: three quarters, slightly less because sampling is without replacement */
     assert_near((double)n_bright / (double)options.n, 0.75, 0.04);
     assert_int_equal(n_duplicates, 0);
     nqm_directions_free(plain);

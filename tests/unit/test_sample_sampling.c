@@ -13,7 +13,8 @@
 
 enum { N = 6 };
 
-/* theta_h names the case: below 10 degrees plain values, from 10 a negative channel, from 20 none, from 30 infinite. */
+/* theta_h selects the case, in degrees: below 10 valid, from 10 a negative channel, from 20 no value, from 30
+ * infinite. */
 static const double degrees[N][3] = {{1, 20, 90}, {12, 10, 0}, {22, 10, 30}, {2, 60, 10}, {31, 5, 5}, {89, 80, 0}};
 
 static void eval_cases(const void *self, size_t n, const double *hd, double *rgb) {
@@ -78,10 +79,10 @@ static void test_nearest(void **state) {
     assert_int_equal(nqm_sample(brdf, directions, NQM_INVALID_NEAREST, &rgb[0][0], flag, NULL, NULL), NQM_OK);
     assert_memory_equal(rgb[2], rgb[1], sizeof rgb[1]);
     assert_memory_equal(rgb[4], rgb[1], sizeof rgb[1]);
-    assert_int_equal(flag[2], NQM_VALUE_INVALID); /* the flag still tells */
+    assert_int_equal(flag[2], NQM_VALUE_INVALID); /* the flag still marks the value as invalid */
 }
 
-/* Light and viewer exchanged is the same place: a hole at phi_d 179 is filled from phi_d 0, not from phi_d 90. */
+/* phi_d is periodic with pi by reciprocity: a hole at 179 degrees is filled from 0, not from 90. */
 static void eval_by_azimuth(const void *self, size_t n, const double *hd, double *rgb) {
     (void)self;
     for (size_t i = 0; i < n; ++i) {

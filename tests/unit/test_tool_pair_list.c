@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lists of pairs: both forms, further columns and their types, order, faults with their places, running out of memory.
+ * Lists of pairs: both formats, further columns and their types, order, errors with their positions, lack of memory.
  */
 #include "base/memory_test.h"
 #include "nqm/score/pair_list.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Class balancing, splits, noise, whitening and the gathering of batches; the paper's numbers on the authors' own
+ * Class balancing, splits, noise, whitening and the gathering of batches; the paper's counts for the authors' own
  * labels.
  */
 #include "io/io.h"
@@ -19,7 +19,7 @@ static nqm_train_options recipe(const char *name) {
     return o;
 }
 
-/* Rows one below the other. */
+/* Position at which the next row is written. */
 typedef struct place {
     float *x;
     size_t width;
@@ -37,7 +37,7 @@ static void gather(const nqm_examples *e, size_t n, const size_t *index, float *
 
 static void fills_every_bin(void **state) {
     (void)state;
-    /* Range 0..7: bins of width 1. Counts 1, 2, 0, 3, 0, 0, 1: the four filled bins come to 3 each. */
+    /* Range 0..7, bins of width 1. Counts 1, 2, 0, 3, 0, 0, 1: the four non-empty bins are filled up to 3 each. */
     const double label[] = {0, 1.1, 1.2, 3.1, 3.2, 3.3, 7};
     const uint32_t expected[] = {2, 1, 0, 0, 0, 0, 2};
     uint32_t copies[7];
@@ -47,7 +47,7 @@ static void fills_every_bin(void **state) {
     assert_int_equal(nqm_balance(3, equal, copies), 0);
 }
 
-/* The 1,242 distinct pairs of the authors' label file come to 7 bins of 477, 3,339 rows, as in that file. */
+/* The 1,242 distinct pairs of the authors' label file are balanced to 7 bins of 477, 3,339 rows, as in that file. */
 static void authors_counts(void **state) {
     (void)state;
     const char *path = shared_data("labels/labels_balanced_train.csv");
@@ -77,7 +77,7 @@ static void authors_counts(void **state) {
     assert_int_equal(n, 1242);
     assert_int_equal(n + nqm_balance(n, label, copies), 3339);
     size_t count[7] = {0};
-    for (size_t i = 0; i < n; ++i) /* their own bins */
+    for (size_t i = 0; i < n; ++i) /* bins of the original rows */
         count[bin[i]] += 1 + copies[i];
     for (size_t k = 0; k < 7; ++k)
         assert_int_equal(count[k], 477);
@@ -112,7 +112,8 @@ static void noise_keeps_the_difference(void **state) {
     free(v);
 }
 
-/* No material on both sides; no test pair anywhere; every other pair once, with its copies. */
+/* No material is in both training and validation, no test pair is used, every other pair occurs once plus its
+ * copies. */
 static void group_splits(void **state) {
     (void)state;
     for (int own_split = 0; own_split < 2; ++own_split) {
@@ -222,7 +223,7 @@ static void whitening(void **state) {
     nqm_dataset_free(d);
 }
 
-/* Back from an input to reflectance: the scaled copy is the reflectance times one factor, for both members. */
+/* Invert an input to reflectance: the scaled copy is the reflectance times one factor, the same for both members. */
 static double reflectance(const nqm_examples *e, float x, size_t channel) {
     double t = (double)x * (double)e->features.std[channel] + (double)e->features.mean[channel];
     return pow(expm1(t), 3);
@@ -279,7 +280,7 @@ static void scaled_by_element(void **state) {
     nqm_dataset_free(d);
 }
 
-/* A dropped direction is the mean in both members; log Delta-E targets are clamped below. */
+/* A dropped direction is replaced by the mean in both members; log Delta-E targets have a lower limit. */
 static void masks_and_log_targets(void **state) {
     (void)state;
     toy_options toy = toy_options_default();
@@ -312,8 +313,8 @@ static void masks_and_log_targets(void **state) {
     nqm_dataset_free(d);
 }
 
-/* Scalar features of examples are those of the samples; of a scaled copy, those of the scaled samples; whitened by the
- * training examples. */
+/* The scalar features of examples are computed from the samples, those of a scaled copy from the scaled samples;
+ * both are whitened with the statistics of the training examples. */
 static void scalars_of_examples(void **state) {
     (void)state;
     toy_options t = toy_options_default();
@@ -352,7 +353,7 @@ static void scalars_of_examples(void **state) {
             if (r != 1)
                 assert_near(got, (double)expected[k], 1e-3);
         }
-        /* the copy is brighter or darker by up to 5 %, its ratios are the same but for the floor */
+        /* the copy is scaled by up to 5 %; its ratios are equal except for the floor */
         if (r == 1) {
             double level = (double)x[r * e.width + 3 * n + NQM_SCALAR_REF_LEVEL];
             double step = (level - (double)expected[NQM_SCALAR_REF_LEVEL]) / o.input.scalar_scale *
@@ -415,7 +416,7 @@ static void options_out_of_range(void **state) {
 }
 
 int main(void) {
-    omp_set_num_threads(1); /* a few numbers at a time are too little to share */
+    omp_set_num_threads(1); /* the tasks are too small to use more threads */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fills_every_bin),
         cmocka_unit_test(authors_counts),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Models with intervals: the model file, scores, training that calibrates, models that are calibrated afterwards, and the
- * count of labels inside.
+ * Models with intervals: the model file, scores, calibration by training and after training, and the number of labels
+ * inside.
  */
 #include "io/io.h"
 #include "judge/evaluate.h"
@@ -46,7 +46,7 @@ static void tables_are_interpolated_and_stored(void **state) {
         assert_interval(m, 8, 6, 9);
         assert_interval(m, 4, 3, 6);
         assert_interval(m, 9, 7.75, 9.5);
-        assert_interval(m, 10.5, 9.5, 10.5); /* predictions beyond the table stay inside */
+        assert_interval(m, 10.5, 9.5, 10.5); /* the interval contains predictions beyond the table */
         assert_interval(m, -1, -1, 3);
         assert_string_equal(nqm_model_get_info(m).calibration, "{\"materials\":12}");
     }
@@ -74,10 +74,10 @@ static void models_without_have_none(void **state) {
 static void broken_tables_are_refused(void **state) {
     (void)state;
     const double breaks[][2] = {
-        {3, 0},  /* a prediction twice */
-        {4, 9},  /* a low end above its prediction */
-        {5, 2},  /* a high end below */
-        {7, 5},  /* low ends fall */
+        {3, 0},  /* a duplicate prediction */
+        {4, 9},  /* a lower bound above its prediction */
+        {5, 2},  /* an upper bound below its prediction */
+        {7, 5},  /* lower bounds decrease */
         {4, -1}, /* likewise */
     };
     for (size_t i = 0; i < sizeof breaks / sizeof *breaks; ++i) {
@@ -99,7 +99,7 @@ static void broken_tables_are_refused(void **state) {
 /* Change the one occurrence of a name in the header to another of the same length. */
 static void rename_in_header(nqm_map *map, unsigned char *copy, const char *from, const char *to) {
     memcpy(copy, map->data, map->n_bytes);
-    char *at = strstr((char *)copy + sizeof(uint64_t), from); /* behind the length */
+    char *at = strstr((char *)copy + sizeof(uint64_t), from); /* after the header length */
     assert_non_null(at);
     memcpy(at, to, strlen(to));
 }
@@ -142,13 +142,13 @@ static void scores_have_intervals(void **state) {
     nqm_brdf_free(test);
 }
 
-/* ---- training and afterwards ------------------------------------------------------------------------------------- */
+/* ---- calibration by training and later --------------------------------------------------------------------------- */
 
 static nqm_dataset *dataset; /* 12 validation materials */
 static nqm_model *trained;
 static nqm_train_report report;
 
-/* Calibrate, and write temp_file. */
+/* Calibrate and save the model to temp_file. */
 static nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
                                   nqm_calibration *calibration, nqm_error *err) {
     nqm_model *calibrated;
@@ -226,7 +226,7 @@ static void existing_models_are_calibrated(void **state) {
     assert_int_equal(save_calibrated(trained, dataset, 0, &c, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     assert_int_equal(read->n_interval, trained->n_interval);
-    for (size_t i = 0; i < 3 * read->n_interval; ++i) /* predictions of other batches differ by rounding */
+    for (size_t i = 0; i < 3 * read->n_interval; ++i) /* another batch size changes the rounding of predictions */
         assert_near(read->interval[i], trained->interval[i], 1e-3);
     assert_near(c.coverage, report.calibration.coverage, 0.02);
     assert_int_equal(count_in(nqm_model_get_info(read).card, "## Interval"), 1);
@@ -306,7 +306,7 @@ static void labels_inside_are_counted(void **state) {
     assert_int_equal(c.ranges[NQM_COVERAGE_RANGES - 1].n, n_high);
     assert_int_equal(c.n_materials, 12);
     assert_near(c.inside.value, (double)n_inside / (double)n, 1e-12);
-    assert_near(c.by_material.value, c.inside.value, 1e-12); /* as many pairs each */
+    assert_near(c.by_material.value, c.inside.value, 1e-12); /* every material has the same number of pairs */
     assert_near(c.inside.value + c.below + c.above, 1, 1e-12);
     assert_near(c.mean_width, width / (double)n, 1e-12);
     assert_true(c.inside.value > 0.7 && c.lowest <= c.inside.value && c.lowest_material != NULL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The fit of intervals to residuals of a known law, in which materials have effects of their own: coverage on fresh
- * materials over many repetitions, what the fit says about itself, and the shape of its table.
+ * The fit of intervals to residuals of a known distribution with random effects of materials: coverage on new materials
+ * over many repetitions, the coverage that the fit reports, and the shape of its table.
  */
 #include "support/check.h"
 #include "train/calibrate.h"
@@ -10,8 +10,8 @@
 
 enum { N_MATERIALS = 24, PAIRS_EACH = 40, MAX = N_MATERIALS * PAIRS_EACH };
 
-/* Residuals on the logit of JOD / 10: wider in the middle than at the top, skewed, each material with a bias and a
- * spread of its own. */
+/* Residuals in logit(JOD / 10): wider in the middle of the range than at the top, skewed, with a random bias and spread
+ * per material. */
 typedef struct material {
     double bias, spread;
 } material;
@@ -46,7 +46,7 @@ static void draw_residuals(nqm_rng *rng) {
     }
 }
 
-/* Shares of fresh pairs inside, each of a material of its own: below 9.5 JOD predicted, and above. */
+/* Coverage of new pairs, one per material, for predictions below 9.5 JOD and above. */
 enum { N_ZONES = 2, N_FRESH = 4000 };
 
 static double fresh_coverage(const double *table, nqm_rng *rng, double inside[N_ZONES], double n[N_ZONES]) {
@@ -80,7 +80,8 @@ static void new_materials_are_covered(void **state) {
         said += c.coverage / N_REPEATS;
         n_short += coverage < 0.95;
     }
-    /* A limit of 95 % confidence: at most one calibration in 20 should fall short, and three for luck. */
+    /* The limit has 95 % confidence: at most 1 calibration in 20 (2 of 40) should fall short; allow three more by
+     * chance. */
     assert_in_range(n_short, 0, 5);
     assert_true(mean > 0.95 && mean < 0.985);
     assert_near(said, mean, 0.01);
@@ -88,7 +89,7 @@ static void new_materials_are_covered(void **state) {
         assert_near(inside[z] / n[z], mean, 0.02);
 }
 
-/* Were pairs taken for independent, biased materials would be missed: few materials must widen the interval. */
+/* Pairs of a material are not independent, because materials are biased: few materials must widen the interval. */
 static void materials_are_the_sample(void **state) {
     (void)state;
     enum { N_REPEATS = 20 };
@@ -120,7 +121,7 @@ static void tables_keep_their_promises(void **state) {
     double table[3 * NQM_INTERVAL_ROWS], again[3 * NQM_INTERVAL_ROWS], last_low = 0, last_high = 0;
     nqm_calibration c;
     draw_residuals(&rng);
-    label[0] = 10.3; /* human labels may pass 10 */
+    label[0] = 10.3; /* human labels can exceed 10 */
     predicted[1] = 0;
     label[2] = 0;
     assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
@@ -151,7 +152,7 @@ static void right_predictions_have_narrow_intervals(void **state) {
     assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
     assert_true(c.mean_width < 0.3 && c.coverage_lowest == 1);
     assert_near(c.coverage, 1, 1e-12);
-    for (size_t i = 0; i < MAX; ++i) /* and a network that always says the same has a wide one */
+    for (size_t i = 0; i < MAX; ++i) /* a network with constant output has a wide interval */
         predicted[i] = 8;
     assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
     assert_true(c.mean_width > 4 && c.coverage > 0.9);
@@ -161,7 +162,7 @@ static void right_predictions_have_narrow_intervals(void **state) {
 
 static double novelty[MAX];
 
-/* Errors that grow by exp(true_growth v). */
+/* Residuals whose deviation is proportional to exp(true_growth novelty). */
 static void draw_novel_residuals(nqm_rng *rng, double true_growth) {
     for (size_t i = 0; i < MAX; ++i) {
         group[i] = (uint32_t)(i / PAIRS_EACH);
@@ -172,7 +173,7 @@ static void draw_novel_residuals(nqm_rng *rng, double true_growth) {
     }
 }
 
-/* Shares of the same law inside, for pairs near and far. */
+/* Coverage of new pairs from the same distribution, for novelty <= 1 and > 1. */
 static void novel_coverage(const double *table, double growth, double true_growth, nqm_rng *rng, double inside[2]) {
     double n[2] = {0};
     inside[0] = inside[1] = 0;
@@ -201,7 +202,7 @@ static void intervals_grow_with_novelty(void **state) {
     assert_true(without.novelty_growth == 0);
     nqm_rng same = rng;
     novel_coverage(table, 0, 1.25, &same, inside);
-    assert_true(inside[1] < 0.85); /* else there is nothing to mend */
+    assert_true(inside[1] < 0.85); /* otherwise there is nothing to correct */
     rng = nqm_rng_make(12, 0);
     draw_novel_residuals(&rng, 1.25);
     assert_int_equal(nqm_interval_fit(&r, table, &with, NULL), NQM_OK);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training: it learns what can be learnt, repeats itself to the bit - again, on other threads, resumed -, refuses
- * checkpoints of others, stops when told to, and notices divergence.
+ * Training: the loss on a learnable problem, equal bits in repeated runs, with other threads and after resuming,
+ * refusal of checkpoints of other runs, cancellation, and detection of divergence.
  */
 #include "base/memory_test.h"
 #include "support/check.h"
@@ -22,7 +22,7 @@ static int make_toy(void **state) {
     (void)state;
     toy_options o = toy_options_default();
     toy = toy_dataset(&o);
-    omp_set_num_threads(1); /* these networks are too small to share */
+    omp_set_num_threads(1); /* these networks are too small to use more threads */
     return 0;
 }
 
@@ -34,7 +34,7 @@ static int drop_toy(void **state) {
     return 0;
 }
 
-/* A small network that trains in a blink. */
+/* Options of a network that is small enough to train quickly. */
 static nqm_train_options small(const char *recipe) {
     nqm_train_options o;
     assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
@@ -55,7 +55,7 @@ static nqm_model *train(const nqm_train_options *o, nqm_train_report *report) {
     return model;
 }
 
-/* The bytes of the file that a model makes; free(). */
+/* The content of a model's file; free with free(). */
 static unsigned char *model_bytes(const nqm_model *model, size_t *n_ret) {
     nqm_map map;
     assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
@@ -77,7 +77,7 @@ static void assert_same_model(const nqm_model *a, const nqm_model *b) {
     free(bytes_b);
 }
 
-/* On materials never seen: far better than guessing the mean, whose log-cosh is near 0.37. */
+/* On unseen materials the loss is much smaller than that of predicting the mean, a log-cosh of about 0.37. */
 static void learns(void **state) {
     (void)state;
     const char *const recipes[] = {"paper", "notebook", "nqm"};
@@ -101,7 +101,7 @@ static void learns(void **state) {
     }
 }
 
-/* A saved and loaded model predicts the same; a perfect copy gets the top of the range from our recipe. */
+/* A saved and loaded model gives the same predictions; with our recipe, equal BRDFs score at the top of the range. */
 static void saved_and_loaded(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
@@ -132,7 +132,7 @@ static void repeats_itself_on_any_threads(void **state) {
     for (size_t i = 0; i < 2; ++i) {
         nqm_train_options o = small(recipes[i]);
         o.network.n_hidden = 1;
-        o.network.hidden[0] = 512; /* large enough that the work is shared out */
+        o.network.hidden[0] = 512; /* large enough for more than one thread */
         o.optimiser.batch = 256;
         o.optimiser.epochs = 1;
         nqm_model *one = train(&o, NULL);
@@ -163,7 +163,7 @@ static void note_losses(void *user, size_t epoch, double train_loss, double vali
     memcpy(l->value[l->n++], value, sizeof value);
 }
 
-/* Stops the work at the n-th call. */
+/* Stops at the n-th call. */
 static int stop_at(void *user, const char *stage, double done, double total) {
     int *calls_left = user;
     assert_string_equal(stage, "train");
@@ -174,7 +174,7 @@ static int stop_at(void *user, const char *stage, double done, double total) {
 static void stop_during(nqm_train_options *o) {
     nqm_model *model;
     nqm_error err = {0};
-    int calls_left = 2; /* calls are thinned by time: the second one comes in the last step at the latest */
+    int calls_left = 2; /* calls are limited in rate: the second is made in the last step at the latest */
     o->run.progress = stop_at;
     o->run.progress_user = &calls_left;
     assert_int_equal(nqm_train(toy, o, &model, NULL, &err), NQM_ERR_CANCELLED);
@@ -190,7 +190,7 @@ static void resumes_to_the_same_bits(void **state) {
         losses whole = {0}, parts = {0};
         o.optimiser.epochs = 9;
         o.optimiser.schedule = NQM_SCHEDULE_PLATEAU;
-        o.optimiser.plateau_patience = 0; /* so that the schedule acts within a few epochs */
+        o.optimiser.plateau_patience = 0; /* so that the schedule reduces the rate within a few epochs */
         o.optimiser.lr_deeper = 0.02;
         o.run.epoch_done = note_losses;
         o.run.epoch_user = &whole;
@@ -215,7 +215,7 @@ static void resumes_to_the_same_bits(void **state) {
         assert_true(whole.value[8][2] < whole.value[0][2]);
         nqm_model_free(resumed);
         parts.n = 0;
-        resumed = train(&o, NULL); /* nothing left to do: the model at once */
+        resumed = train(&o, NULL); /* training is complete: returns the model without an epoch */
         assert_same_model(uninterrupted, resumed);
         nqm_model_free(uninterrupted);
         nqm_model_free(resumed);
@@ -231,7 +231,7 @@ static void refuse(const nqm_dataset *d, const nqm_train_options *o, nqm_status 
         fail_msg("'%s' is not in '%s'", words, err.message);
 }
 
-/* Rates on half a cosine; stopped and resumed, they go on there, but only towards the same end. */
+/* The rate follows half a cosine; a resumed run continues it and must have the same number of epochs. */
 static void cosine_schedule(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
@@ -275,7 +275,7 @@ static void stopped_and_resumed(void **state) {
 static void checkpoints_of_others(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
-    o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* which alone lets epochs differ */
+    o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* only this schedule permits another number of epochs */
     o.run.checkpoint = checkpoint;
     nqm_model_free(train(&o, NULL));
     o.run.resume = 1;
@@ -306,11 +306,11 @@ static void checkpoints_of_others(void **state) {
     refuse(toy, &o, NQM_ERR_FORMAT, "SHA-256");
 }
 
-/* ---- trouble ----------------------------------------------------------------------------------------------------- */
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 static void divergence_is_noticed(void **state) {
     (void)state;
-    nqm_dataset broken = *toy; /* as no loader would let it pass */
+    nqm_dataset broken = *toy; /* loaders would refuse it */
     double *jod = malloc(toy->n_pairs * sizeof *jod);
     assert_non_null(jod);
     float *rgb = malloc(toy->n_pairs * 48 * sizeof *rgb);

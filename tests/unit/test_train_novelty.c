@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How novel a pair is to a model: the points among its training pairs, the measure, its file, and what scores and intervals
- * make of it.
+ * The novelty of a pair with respect to a model: the stored training points, the measure, its file, and its effect on
+ * scores and intervals.
  */
 #include "io/io.h"
 #include "judge/evaluate.h"
@@ -18,7 +18,7 @@
 static nqm_dataset *dataset; /* 24 training materials, 12 validation materials */
 static nqm_model *trained;
 
-/* Calibrate, and write temp_file. */
+/* Calibrate and save the model to temp_file. */
 static nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
                                   nqm_calibration *calibration, nqm_error *err) {
     nqm_model *calibrated;
@@ -49,7 +49,7 @@ static nqm_dataset *some_pairs(size_t pairs_per_ref) {
 static int begin(void **state) {
     dataset = some_pairs(12);
     nqm_train_options o = quick("nqm");
-    /* saving predicts: copies then share what a model makes at its first prediction */
+    /* saving predicts, so copies share the data that the first prediction creates */
     return make_temp_file(state) || nqm_train(dataset, &o, &trained, NULL, NULL) != NQM_OK ||
            nqm_model_save(trained, temp_file, NULL) != NQM_OK;
 }
@@ -101,7 +101,7 @@ static double distance(const nqm_model *m, size_t p, const double *x) {
 
 /* ---- points and measure ------------------------------------------------------------------------------------------ */
 
-/* Over the training pairs the features have no correlation, and a variance of 1 where it is not next to nothing. */
+/* Over the training pairs the features are uncorrelated and have variance 1, unless their variance is negligible. */
 static void features_are_uncorrelated(void **state) {
     (void)state;
     enum { N = NQM_SCALAR_COUNT };
@@ -123,11 +123,11 @@ static void features_are_uncorrelated(void **state) {
         for (size_t l = 0; l < N; ++l)
             if (k != l)
                 assert_near(product[k * N + l], 0, 1e-3);
-    assert_true(product[0] > 0.99 && product[0] < 1);                    /* the strongest */
-    assert_true(product[N * N - 1] < 0.5 && product[(N + 1) * 3] > 0.9); /* the weakest, and another */
+    assert_true(product[0] > 0.99 && product[0] < 1);                    /* the strongest feature */
+    assert_true(product[N * N - 1] < 0.5 && product[(N + 1) * 3] > 0.9); /* the weakest, and the fourth */
 }
 
-/* When all points but the last few are taken, no training pair may be farther from them than the next point is. */
+/* Farthest-point order: no training pair is farther from the first n points than point n + 1 is. */
 static void points_are_far_apart(void **state) {
     (void)state;
     size_t n_points = trained->n_novelty * NQM_NOVELTY_BLOCK, n_train = 0;
@@ -162,7 +162,7 @@ static void training_pairs_are_not_novel(void **state) {
         for (size_t p = 0; p < trained->n_novelty * NQM_NOVELTY_BLOCK; ++p)
             nearest = fmin(nearest, distance(trained, p, x));
         assert_near(novelty, nearest / trained->novelty_unit, 1e-4);
-        if (nqm_dataset_pair_split(dataset, pair) == NQM_SPLIT_TRAIN) /* there are fewer than the points at most */
+        if (nqm_dataset_pair_split(dataset, pair) == NQM_SPLIT_TRAIN) /* there are at most as many as points */
             assert_near(novelty, 0, 1e-4);
         if (nqm_dataset_pair_split(dataset, pair) != NQM_SPLIT_VALIDATION)
             continue;
@@ -229,7 +229,7 @@ static void broken_measures_are_refused(void **state) {
         if (i < sizeof scales / sizeof *scales) {
             broken.novelty_unit = scales[i][0], broken.novelty_growth = scales[i][1];
         } else if (i == sizeof scales / sizeof *scales) {
-            broken.interval = NULL; /* a measure without an interval */
+            broken.interval = NULL; /* novelty without an interval */
         } else {
             points = calloc(trained->n_novelty, NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof *points);
             points[5] = INFINITY;

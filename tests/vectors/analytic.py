@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The analytic BRDFs and presets from their published formulas, in 80-bit floats and in angles (the library works from vectors).
+"""The analytic BRDFs and presets from their published formulas, in 80-bit floats and in angles (the library uses
+vectors).
 analytic.csv: spec, wi, wo, r, g, b. analytic_albedo.csv: directional albedos by adaptive quadrature: spec, theta_deg, albedo."""
 import csv
 import pathlib
@@ -15,7 +16,7 @@ rng = numpy.random.default_rng(SEED)
 
 
 def angles(wi, wo):
-    """theta_h, theta_d, theta_i, theta_o of float vectors, and these with unit length."""
+    """theta_h, theta_d, theta_i, theta_o of two float vectors, and the vectors with unit length."""
     wi, wo = wi.astype(real), wo.astype(real)
     wi, wo = wi / numpy.sqrt(wi @ wi), wo / numpy.sqrt(wo @ wo)
     h = wi + wo
@@ -61,7 +62,7 @@ def sgd(a, kd, ks, alpha, p, f0, f1, K, lam, c, k, theta0):
 
 
 def ward_duer(a, kd, ks, alpha):
-    """Ngan et al. 2005, supplement: Ward with cos theta_i cos theta_o in place of its root."""
+    """Ngan et al. 2005, supplement: Ward with cos theta_i cos theta_o instead of its square root."""
     theta_h, _, theta_i, theta_o, *_ = a
     lobe = numpy.exp(-numpy.tan(theta_h)**2 / alpha**2) / (4 * pi * alpha**2)
     return kd / pi + ks * lobe / (numpy.cos(theta_i) * numpy.cos(theta_o))
@@ -122,7 +123,7 @@ def low_ashikhmin_shirley(a, kd, ks, n, eta):
 
 
 def abc(a, kd, ks, b, c, eta):
-    """Low et al. 2012, equations 15 and 16, over pi."""
+    """Low et al. 2012, equations 15 and 16, divided by pi."""
     s = 1 / (1 + b * (1 - numpy.cos(a[0])))**c
     return kd / pi + ks / pi * s * grooves(a) * dielectric(eta, a[1])
 
@@ -200,7 +201,8 @@ with open("analytic.csv", "w") as out:
 
 
 def albedo(lobe, width, theta):
-    """Integral of f_r cos(theta_o) over the viewer's hemisphere, by half vectors: dwo = 4 cos(theta_d) dwh."""
+    """Integral of f_r cos(theta_o) over the viewer's hemisphere in half-vector coordinates: dwo = 4 cos(theta_d)
+    dwh."""
     wi = direction(theta, 0)
 
     def integrand(log_tan, phi):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A tiny dataset in the layout of the paper's authors, by SciPy: authors/labels.csv, authors/ref/NAME.mat, authors/model/NAME.mat,
-and authors_expected.csv with what they hold. Plain and compressed files, doubles and singles, columns and rows, a negative value,
-equal references of one material, and a reference that is stored once for its material."""
+"""A tiny dataset in the layout of the paper's authors, written by SciPy: authors/labels.csv, authors/ref/NAME.mat,
+authors/model/NAME.mat, and authors_expected.csv with their values. Plain and compressed files, doubles and singles,
+columns and rows, a negative value, equal references of one material, and a reference that is stored once for its
+material."""
 import pathlib
 
 import numpy

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""f_r of the made-up materials of tests/support/brdf_files*.c, computed by numpy from the formats' papers: RGL (Dupuy and
-Jakob 2018) by building the warp's integrals of the mixed density for each pair, NBRDF (Sztrajman et al. 2021) and neural
-processes (Zheng et al. 2021) as matrix products in float64. The materials' numbers are made by the same rule as there.
-Writes brdf_vectors.h beside itself. Usage: python3 brdf.py"""
+"""f_r of the made-up materials of tests/support/brdf_files*.c, computed by numpy from the papers of the formats: RGL
+(Dupuy and Jakob 2018) by integrating the interpolated density of the warp for each pair, NBRDF (Sztrajman et al. 2021)
+and neural processes (Zheng et al. 2021) as matrix products in float64. The material data use the same noise function as
+the C files. Writes brdf_vectors.h to the folder of this script. Usage: python3 brdf.py"""
 import os
 import sys
 
@@ -10,7 +10,7 @@ import numpy as np
 
 SEED = 20250612
 N = 60
-# The other direction must stay clear of the horizon: the stored cosine is divided out.
+# The other direction must not be near the horizon, because the result is divided by its cosine.
 MIN_COS = 0.05
 
 
@@ -23,7 +23,7 @@ def noise(n, row, start=0):
 
 
 def pairs(rng):
-    """Unit vectors over the hemisphere."""
+    """Random unit vectors in the upper hemisphere."""
     w = []
     while len(w) < 2 * N:
         v = rng.normal(size=3)
@@ -151,7 +151,7 @@ def main():
     wi[0], wo[0] = [0, 0, 1], [0.6, 0, 0.8]  # light along the normal
     wi[1], wo[1] = [0.6, 0, 0.8], [0, 0, 1]  # viewer along the normal
     wi[2], wo[2] = [0.6, 0, 0.8], [-0.28, 0, 0.96]  # in one plane, on both sides of the normal
-    wi[3], wo[3] = [0.6, 0, 0.8], [0.8, 0, 0.6]  # almost back to the light
+    wi[3], wo[3] = [0.6, 0, 0.8], [0.8, 0, 0.6]  # almost retroreflection
     hd = half_diff(wi, wo)
     rgl = Rgl()
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "brdf_vectors.h"), "w") as out:

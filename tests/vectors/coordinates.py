@@ -25,7 +25,7 @@ with open("coordinates.csv", "w") as out:
     out.write("wix,wiy,wiz,wox,woy,woz,theta_h,theta_d,phi_d\n")
     pi = numpy.arctan2(real(0), real(-1))
     for theta_i, phi_i, theta_o, phi_o in pairs:
-        # what the test reads are doubles: start from them
+        # the test reads doubles, so start from doubles
         wi = unit(theta_i, phi_i).astype(float).astype(real)
         wo = unit(theta_o, phi_o).astype(float).astype(real)
         h = wi + wo

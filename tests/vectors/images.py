@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Small high-dynamic-range pictures, byte by byte from the formats' descriptions (PNG: ISO 15948; Radiance: Ward, Graphics Gems
-II; OpenEXR: openexr.com/en/latest/OpenEXRFileLayout.html), and the pixels they hold. Writes images_vectors.h beside itself.
-Usage: python3 images.py"""
+"""Small high-dynamic-range pictures, encoded byte by byte from the format specifications (PNG: ISO 15948; Radiance:
+Ward, Graphics Gems II; OpenEXR: openexr.com/en/latest/OpenEXRFileLayout.html), and their pixels. Writes
+images_vectors.h to the folder of this script. Usage: python3 images.py"""
 import os
 import struct
 import sys
@@ -77,7 +77,7 @@ def hdr_older(rgbe):
 
 
 def exr_picture():
-    """(HEIGHT, WIDTH, 3) of values that a half holds exactly."""
+    """(HEIGHT, WIDTH, 3) of values that half precision represents exactly."""
     x, y = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
     return np.stack([0.25 * x + y, 2.0 ** (y - x), np.where(x > 6, 0.0, 1024.0 + 2 * y)], -1)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The nine scalar metrics and the network's input for one synthetic pair, by NumPy in double: metrics_pair.csv (directions,
-samples, which ones count), metrics_expected.csv, features_expected.csv."""
+samples, flags of the directions in use), metrics_expected.csv, features_expected.csv."""
 import numpy
 
 SEED = 11
@@ -22,7 +22,7 @@ def unit(theta, phi):
 
 
 def cosine_product(theta_h, theta_d, phi_d):
-    """Light and viewer, mirrored at the half vector, from the definition."""
+    """cos(theta_i) cos(theta_o) by definition: rotate the difference vector, then mirror it at the half vector."""
     d = unit(theta_d, phi_d)
     turn = numpy.array([[numpy.cos(theta_h), 0, numpy.sin(theta_h)], [0, 1, 0], [-numpy.sin(theta_h), 0, numpy.cos(theta_h)]])
     wi = turn @ d

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Vectors of the training of an NBRDF from PyTorch: writes nbrdf_batch.csv and nbrdf_weights.csv beside this script.
+"""Test vectors of NBRDF training from PyTorch: writes nbrdf_batch.csv and nbrdf_weights.csv to the folder of this
+script.
 
-A network 6-21-21-3 with random weights, a batch of directions (theta_h, theta_d, phi_d in radians) with goals log(1 + c f_r); the
-loss |log(1 + c (exp(x) - 1)) - goal| of each direction, c = cos(theta_i), and the gradient of their mean by autograd, in float64
-from values that floats hold exactly. Weights lie kernel (in, out) before bias, layer by layer.
+A network 6-21-21-3 with random weights, a batch of directions (theta_h, theta_d, phi_d in radians) with goals
+log(1 + c f_r); the loss |log(1 + c (exp(x) - 1)) - goal| of each direction, c = cos(theta_i), and the gradient of their
+mean by autograd, in float64 from values that float32 represents exactly. Weights are stored layer by layer: kernel
+(in, out), then bias.
 """
 import pathlib
 import sys
@@ -23,7 +25,7 @@ def representable(array):
     return torch.tensor(np.asarray(array, dtype=np.float32).astype(np.float64))
 
 
-# Above the horizon, in Python's own words: rotate the difference vector by theta_h about y.
+# Above the horizon, by a separate derivation: rotate the difference vector by theta_h about y.
 angles = rng.uniform(size=(20 * N, 3)) * [np.pi / 2, np.pi / 2, np.pi]
 h, d, p = angles.T
 cos_i = -np.sin(h) * np.sin(d) * np.cos(p) + np.cos(h) * np.cos(d)

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Vectors of the network's mathematics from PyTorch: writes net.safetensors beside this script.
+"""Test vectors of the network and its training from PyTorch: writes net.safetensors to the folder of this script.
 
 A reduced MLP (30-16-11-8-1: LayerNorm, erf GELU, dropout) with random parameters; one forward pass, every gradient and ten
-Adam steps, without dropout, with given masks, and with the first LayerNorm left out of the optimiser; a learning-rate
-schedule; the parameter count of the paper's network. PyTorch computes in float64 from values that floats hold exactly, so that
-the comparison shows nqm's rounding only. The file is written by the few lines at the end, header unpadded and data therefore
-unaligned, as other writers may do.
+Adam steps, without dropout, with given masks, and with the first LayerNorm excluded from the optimiser; a learning-rate
+schedule; the parameter count of the paper's network. PyTorch computes in float64 from values that float32 represents
+exactly, so that differences are nqm's rounding only. The lines at the end write the file with an unpadded header, so
+the data are unaligned, which the format permits.
 """
 import json
 import struct
@@ -38,7 +38,7 @@ class Mlp(torch.nn.Module):
     def forward(self, x, masks=None):
         for layer, (linear, norm) in enumerate(zip(self.linear, self.norm)):
             x = torch.nn.functional.gelu(norm(linear(x)))
-            if masks is not None:  # torch.nn.Dropout with its mask given
+            if masks is not None:  # torch.nn.Dropout with a given mask
                 x = x * masks[layer] / (1 - DROPOUT)
         return self.linear[-1](x)[:, 0]
 
@@ -108,7 +108,7 @@ group = torch.optim.SGD([{"params": [torch.zeros(1)], "lr": 1e-4}, {"params": [t
 plateau = torch.optim.lr_scheduler.ReduceLROnPlateau(group, factor=0.1, patience=3)
 rng = np.random.default_rng(7)
 losses = np.concatenate([1 / np.arange(1, 12) + 0.01 * rng.standard_normal(11),
-                         0.1 * (1 - 0.99e-4 * np.arange(8)),  # each within the threshold of the first, not of it all
+                         0.1 * (1 - 0.99e-4 * np.arange(8)),  # each step is within the threshold, the sum is not
                          0.09 + 0.01 * rng.standard_normal(61)])
 rates = []
 for value in losses:

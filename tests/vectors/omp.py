@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Orthogonal matching pursuit by its definition: two signals side by side in one dictionary, every step solved by dense least
-squares over the chosen columns. Writes omp_vectors.h. Needs python3-numpy."""
+"""Orthogonal matching pursuit by its definition: two concatenated signals in a block-diagonal dictionary; every step
+solves a dense least-squares problem over the selected columns. Writes omp_vectors.h. Needs python3-numpy."""
 
 import numpy as np
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""ITP of colours in 50 digits (mpmath), written from ITU-R BT.2087, BT.2100 and BT.2124; and Delta-E of neighbours with the
-BT.709 to BT.2020 matrix derived from the primaries instead of the rounded one; and a JOD curve fitted by scipy to made-up scores. Writes percept_vectors.h beside itself.
-Usage: python3 percept.py"""
+"""ITP of colours with 50 digits (mpmath) from ITU-R BT.2087, BT.2100 and BT.2124; Delta-E of consecutive colours with
+the BT.709 to BT.2020 matrix derived from the primaries instead of the rounded one; and a JOD curve fitted by scipy to
+made-up scores. Writes percept_vectors.h to the folder of this script. Usage: python3 percept.py"""
 import os
 import random
 import sys
@@ -55,7 +55,7 @@ def c(x):
 
 
 def scores(rng):
-    """Scores (Delta-E, JOD) about a curve that is not the published one, and the best of many scipy fits."""
+    """Scores (Delta-E, JOD) with noise around a curve other than the published one, and the best of many scipy fits."""
     truth = np.array([-9.0, -0.42, -0.3])
     x = np.array([round(rng.uniform(1, 70), 2) for _ in range(30)])
 
@@ -69,7 +69,7 @@ def scores(rng):
     return x, y, best.x, np.sqrt(2 * best.cost / len(x)), scipy.stats.spearmanr(x, y).correlation
 
 
-np.seterr(over="ignore")  # wild trial steps of the fits
+np.seterr(over="ignore")  # large trial steps of the fits overflow
 
 
 def main():

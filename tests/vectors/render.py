@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Directional albedo of a microfacet BRDF (GGX, Smith's G with separate shadowing and masking, Schlick's Fresnel term with
-f0 = 0.5) by midpoint sums over half vectors. Writes render_vectors.h beside itself.
+f0 = 0.5) by the midpoint rule over half vectors. Writes render_vectors.h to the folder of this script.
 Usage: python3 render.py"""
 import os
 import sys
@@ -22,7 +22,7 @@ def albedo(alpha, theta):
     tan = alpha * np.sqrt(u / (1 - u))  # D(h) cos(theta_h) is even over (u, v)
     cos_h = 1 / np.sqrt(1 + tan**2)
     sin_h = tan * cos_h
-    phi = np.pi * v  # half of it: the other is its mirror image
+    phi = np.pi * v  # half of the range: the other half is its mirror image
     h = np.stack([sin_h * np.cos(phi), sin_h * np.sin(phi), cos_h])
     wo = np.array([np.sin(theta), 0, np.cos(theta)])
     d = np.tensordot(wo, h, 1)

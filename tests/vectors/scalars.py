@@ -24,7 +24,7 @@ def turned(axis, angle):
 
 
 def cosines(theta_h, theta_d, phi_d):
-    """cos(theta_i) cos(theta_o): the difference vector, turned to the half vector, and its mirror image about that."""
+    """cos(theta_i) cos(theta_o) of the rotated difference vector and its mirror image about the half vector."""
     up = numpy.array([0, 0, 1])
     half = turned("y", theta_h) @ up
     wi = turned("y", theta_h) @ turned("z", phi_d) @ turned("y", theta_d) @ up
@@ -52,7 +52,7 @@ def rms(x):
 
 
 def ratio(weight, a, b):
-    """Log ratio of weighted sums: of luminance, and the opponents of that of the channels."""
+    """Log ratios of weighted sums: that of luminance, and the opponent combinations of those of the channels."""
     if not weight.sum() > 0:
         return 0.0, 0.0, 0.0
     mean_a, mean_b = weight @ a / weight.sum(), weight @ b / weight.sum()

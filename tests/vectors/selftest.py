@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Golden values of the self-test by NumPy, from the formulas of the cited papers and the tables of presets/: writes
-src/metric/selftest_golden.h. Independent of the library: directions come from a rotation matrix, angles from arccos."""
+src/metric/selftest_golden.h. Independent of the library: directions are computed by a rotation matrix, angles by
+arccos."""
 import csv
 import math
 

@@ -31,7 +31,7 @@ with open("stats_data.csv", "w") as data, open("stats_expected.csv", "w") as exp
         for row in zip(x, y, ranks):
             data.write(name + "," + ",".join(repr(float(v)) for v in row) + "\n")
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # no variance: NaN is what is wanted
+            warnings.simplefilter("ignore")  # without variance the expected value is NaN
             if len(x) > 1:
                 r = [scipy.stats.pearsonr(x, y)[0], scipy.stats.spearmanr(x, y)[0], scipy.stats.kendalltau(x, y)[0]]
             else:

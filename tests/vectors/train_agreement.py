@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Agreement of two predictors with labels of pairs in groups, by SciPy: train_agreement.csv (the pairs, sorted by group) and
-train_agreement_expected.csv (over all pairs, Spearman as the mean over groups of three pairs and more, and how many of the pairs of
-one group whose labels differ by more than MARGIN are in the order of the labels)."""
+train_agreement_expected.csv (correlations over all pairs, the mean Spearman over groups of at least three pairs, and
+the fraction of label pairs within a group, differing by more than MARGIN, that the predictor orders correctly)."""
 import itertools
 
 import numpy
