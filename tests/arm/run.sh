@@ -10,7 +10,7 @@ mkdir -p "$out"
 cc="aarch64-linux-gnu-gcc -std=c17 -D_XOPEN_SOURCE=700 -D_DEFAULT_SOURCE -ffp-contract=off -fno-math-errno -fno-trapping-math
 -Wall -Wextra -Wconversion -Wno-psabi -Wno-unknown-pragmas -Werror -ffunction-sections -Isrc -Iinclude -Itests -I/usr/include"
 objects=
-for name in isa_generic scalar kernels panel panel_pack; do
+for name in isa_generic scalar kernels half panel panel_pack; do
     # shellcheck disable=SC2086 # a command with its options. No OpenMP: threads are slow under the emulator
     $cc -O3 -fopenmp-simd -c "src/kernel/$name.c" -o "$out/$name.o"
     objects="$objects $out/$name.o"
