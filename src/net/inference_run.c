@@ -262,9 +262,15 @@ static void run_rows(const rows *r) {
     for (size_t l = 0; l < net->n_layers; ++l) {
         const nqm_panels *panels = &net->layer[l].segment[0].panels;
         const size_t n_blocks = count_blocks(r, r->n, panels);
+        if (r->n == 1) { /* a thread reads the same weights in every call: its caches may still have them */
+#pragma omp for schedule(static)
+            for (size_t i = 0; i < n_blocks; ++i)
+                multiply_layer_block(r, l, block_at(r, i, 1, panels));
+        } else {
 #pragma omp for schedule(dynamic, 1)
-        for (size_t i = 0; i < n_blocks; ++i)
-            multiply_layer_block(r, l, block_at(r, i, r->n, panels));
+            for (size_t i = 0; i < n_blocks; ++i)
+                multiply_layer_block(r, l, block_at(r, i, r->n, panels));
+        }
 #pragma omp for schedule(static)
         for (size_t i = 0; i < r->n; ++i)
             finish_row(r, l, i);
