@@ -14,10 +14,11 @@
 typedef struct judging {
     const nqm_judgement *j;
     size_t n_resamples;
-    double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT) */
+    double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT); one block holds all four */
     size_t *occurring; /* (n_occurring) indices of the groups with pairs */
     size_t n_occurring;
     double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
+    double *scratch;    /* (n_resamples) */
 } judging;
 
 /* ---- sums of a group --------------------------------------------------------------------------------------------- */
@@ -60,21 +61,18 @@ static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double
 
 /* ---- preparation ------------------------------------------------------------------------------------------------- */
 
-static void release(judging *w) {
-    nqm_free(w->sums);
-    nqm_free(w->occurring);
-    nqm_free(w->statistics);
-}
-
 static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_error *err) {
     const nqm_judgement *j = w->j;
     if (j->n_groups < 2)
         w->n_resamples = 0; /* every resample of one material is equal: an interval of width 0 would be misleading */
-    w->sums = nqm_alloc(j->n_predictors, j->n_groups * NQM_SUM_COUNT * sizeof *w->sums);
-    w->occurring = nqm_alloc(j->n_groups, sizeof *w->occurring);
-    w->statistics = nqm_alloc(j->n_predictors * NQM_STATISTIC_COUNT, (w->n_resamples + 1) * sizeof *w->statistics);
-    if (!w->sums || !w->occurring || !w->statistics)
-        return nqm_fail_nomem(err, j->n_predictors * (j->n_groups + w->n_resamples) * NQM_SUM_COUNT * sizeof(double));
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&w->sums, j->n_predictors * j->n_groups, NQM_SUM_COUNT * sizeof *w->sums},
+                   {&w->occurring, j->n_groups, sizeof *w->occurring},
+                   {&w->statistics, j->n_predictors * NQM_STATISTIC_COUNT, w->n_resamples * sizeof *w->statistics},
+                   {&w->scratch, w->n_resamples, sizeof *w->scratch}),
+        err);
+    if (status != NQM_OK)
+        return status;
     for (size_t g = 0; g < j->n_groups; ++g)
         if (j->group_begin[g + 1] > j->group_begin[g])
             w->occurring[w->n_occurring++] = g;
@@ -147,7 +145,7 @@ nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, 
     nqm_status status = begin(&w, seed, false, err);
     for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p)
         fill_agreement(&w, p, &results[p]);
-    release(&w);
+    nqm_free(w.sums);
     return status;
 }
 
@@ -169,32 +167,28 @@ nqm_difference nqm_difference_of(double value, size_t n, const double *first, co
     return d;
 }
 
-static void fill_contrast(const judging *w, size_t first, size_t second, double *scratch, nqm_contrast *c) {
+static void fill_contrast(const judging *w, nqm_contrast *c) {
     double a[NQM_STATISTIC_COUNT], b[NQM_STATISTIC_COUNT];
-    plain_statistics(w, first, a);
-    plain_statistics(w, second, b);
-    const struct {
-        int statistic;
-        nqm_difference *difference;
-    } places[] = {{NQM_STATISTIC_SPEARMAN, &c->spearman},
-                  {NQM_STATISTIC_BY_GROUP, &c->spearman_mean_by_material},
-                  {NQM_STATISTIC_ORDER, &c->order}};
-    for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
-        int f = places[i].statistic;
-        *places[i].difference =
-            nqm_difference_of(a[f] - b[f], w->n_resamples, resampled(w, first, f), resampled(w, second, f), scratch);
-    }
+    plain_statistics(w, c->first, a);
+    plain_statistics(w, c->second, b);
+    nqm_difference *const differences[NQM_STATISTIC_COUNT] = {
+        [NQM_STATISTIC_SPEARMAN] = &c->spearman,
+        [NQM_STATISTIC_BY_GROUP] = &c->spearman_mean_by_material,
+        [NQM_STATISTIC_ORDER] = &c->order,
+    };
+    for (int f = 0; f < NQM_STATISTIC_COUNT; ++f)
+        if (differences[f])
+            *differences[f] = nqm_difference_of(a[f] - b[f], w->n_resamples, resampled(w, c->first, f),
+                                                resampled(w, c->second, f), w->scratch);
 }
 
 nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, size_t n_contrasts,
                                nqm_contrast *contrasts, nqm_error *err) {
     judging w = {.j = j, .n_resamples = n_bootstrap};
-    double *scratch = nqm_alloc(n_bootstrap, sizeof *scratch);
-    nqm_status status = scratch ? begin(&w, seed, true, err) : nqm_fail_nomem(err, n_bootstrap * sizeof *scratch);
+    nqm_status status = begin(&w, seed, true, err);
     for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i)
-        fill_contrast(&w, contrasts[i].first, contrasts[i].second, scratch, &contrasts[i]);
-    nqm_free(scratch);
-    release(&w);
+        fill_contrast(&w, &contrasts[i]);
+    nqm_free(w.sums);
     return status;
 }
 

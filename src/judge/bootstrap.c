@@ -40,7 +40,8 @@ void nqm_statistics_of_sums(const double *s, double statistics[NQM_STATISTIC_COU
 /* Data shared by all resamples. In arrays with 1 + n_predictors rows, row 0 is for the labels. */
 typedef struct shared {
     const nqm_bootstrap *b;
-    uint32_t *level;    /* (1 + n_predictors, n) distinct values in ascending order have levels 0, 1, ... */
+    uint32_t *
+        level; /* (1 + n_predictors, n), owns the block of all four; distinct values in ascending order have levels 0, 1, ... */
     size_t *n_levels;   /* (1 + n_predictors) */
     uint32_t *order;    /* (n_predictors, n) pairs by ascending prediction */
     uint32_t *group_of; /* (n) */
@@ -60,25 +61,28 @@ static size_t find_levels(size_t n, const double *x, double *rank, size_t *order
 
 static nqm_status prepare(shared *s, nqm_error *err) {
     const nqm_judgement *j = s->b->judgement;
-    double *rank = nqm_alloc(j->n, sizeof *rank);
-    size_t *order = nqm_alloc(j->n, sizeof *order);
-    s->level = nqm_alloc(1 + j->n_predictors, j->n * sizeof *s->level);
-    s->n_levels = nqm_alloc(1 + j->n_predictors, sizeof *s->n_levels);
-    s->order = nqm_alloc(j->n_predictors, j->n * sizeof *s->order);
-    s->group_of = nqm_alloc(j->n, sizeof *s->group_of);
-    bool ok = rank && order && s->level && s->n_levels && s->order && s->group_of;
-    for (size_t g = 0; ok && g < j->n_groups; ++g)
+    double *rank = NULL;
+    size_t *order;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s->level, 1 + j->n_predictors, j->n * sizeof *s->level},
+                                                    {&s->n_levels, 1 + j->n_predictors, sizeof *s->n_levels},
+                                                    {&s->order, j->n_predictors, j->n * sizeof *s->order},
+                                                    {&s->group_of, j->n, sizeof *s->group_of}),
+                                         err);
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(NQM_ARRAYS({&rank, j->n, sizeof *rank}, {&order, j->n, sizeof *order}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t g = 0; g < j->n_groups; ++g)
         for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
             s->group_of[i] = (uint32_t)g;
-    for (size_t r = 0; ok && r <= j->n_predictors; ++r) {
+    for (size_t r = 0; r <= j->n_predictors; ++r) {
         const double *x = r ? j->prediction + (r - 1) * j->n : j->label;
         s->n_levels[r] = find_levels(j->n, x, rank, order, s->level + r * j->n);
         for (size_t k = 0; r && k < j->n; ++k)
             s->order[(r - 1) * j->n + k] = (uint32_t)order[k];
     }
     nqm_free(rank);
-    nqm_free(order);
-    return ok ? NQM_OK : nqm_fail_nomem(err, (1 + 2 * j->n_predictors) * j->n * sizeof *s->level);
+    return NQM_OK;
 }
 
 /* ---- one resample ------------------------------------------------------------------------------------------------ */
@@ -215,20 +219,15 @@ static void fill_resample(shared *sh, size_t index, resample *s) {
 static void run_resample(void *user, size_t index) {
     shared *sh = user;
     const nqm_judgement *j = sh->b->judgement;
-    resample s = {.weight = nqm_alloc(j->n_groups, sizeof(double)),
-                  .label_rank = nqm_alloc(j->n, sizeof(double)),
-                  .rank = nqm_alloc(j->n, sizeof(double)),
-                  .level_weight = nqm_alloc(j->n, sizeof(double)),
-                  .tree = nqm_alloc(j->n + 1, sizeof(double))};
-    if (s.weight && s.label_rank && s.rank && s.level_weight && s.tree)
+    resample s = {0};
+    if (nqm_alloc_arrays(NQM_ARRAYS({&s.weight, j->n_groups, sizeof(double)}, {&s.label_rank, j->n, sizeof(double)},
+                                    {&s.rank, j->n, sizeof(double)}, {&s.level_weight, j->n, sizeof(double)},
+                                    {&s.tree, j->n + 1, sizeof(double)}),
+                         NULL) == NQM_OK)
         fill_resample(sh, index, &s);
     else
         atomic_store(&sh->out_of_memory, true);
     nqm_free(s.weight);
-    nqm_free(s.label_rank);
-    nqm_free(s.rank);
-    nqm_free(s.level_weight);
-    nqm_free(s.tree);
 }
 
 nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *statistics, nqm_error *err) {
@@ -242,8 +241,5 @@ nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *statistics,
             status = nqm_fail_nomem(err, 4 * bootstrap->judgement->n * sizeof(double));
     }
     nqm_free(sh.level);
-    nqm_free(sh.n_levels);
-    nqm_free(sh.order);
-    nqm_free(sh.group_of);
     return status;
 }

@@ -15,11 +15,12 @@ typedef struct tally {
     const nqm_human *human;
     const nqm_evaluation *ev;
     size_t n_groups, n_resamples, n_occurring;
-    size_t *occurring; /* (n_occurring) indices of the groups with choices */
+    size_t *occurring; /* (n_occurring) indices of the groups with choices; owns the block of all arrays */
     double *choices;   /* (n_groups) number of choices */
     double *met;       /* (n_predictors, n_groups) number of choices that the predictor reproduces */
     double *weight;    /* (n_groups) scratch */
     double *share;     /* (n_predictors, n_resamples) fraction of choices reproduced */
+    double *scratch;   /* (n_resamples) */
 } tally;
 
 /* 1: the predictor rates a better; 0: b; 0.5: both equal. */
@@ -87,13 +88,15 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
         return status;
     w->n_groups = w->human->dataset->n_groups;
     w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* no interval for a single group, as in nqm_judge() */
-    w->occurring = nqm_alloc(w->n_groups, sizeof *w->occurring);
-    w->choices = nqm_alloc(w->n_groups, sizeof *w->choices);
-    w->weight = nqm_alloc(w->n_groups, sizeof *w->weight);
-    w->met = nqm_alloc(w->ev->n_predictors, w->n_groups * sizeof *w->met);
-    w->share = nqm_alloc(w->ev->n_predictors, (w->n_resamples + 1) * sizeof *w->share);
-    if (!w->occurring || !w->choices || !w->weight || !w->met || !w->share)
-        return nqm_fail_nomem(err, w->ev->n_predictors * (w->n_groups + w->n_resamples) * sizeof(double));
+    status = nqm_alloc_arrays(NQM_ARRAYS({&w->occurring, w->n_groups, sizeof *w->occurring},
+                                         {&w->choices, w->n_groups, sizeof *w->choices},
+                                         {&w->met, w->ev->n_predictors, w->n_groups * sizeof *w->met},
+                                         {&w->weight, w->n_groups, sizeof *w->weight},
+                                         {&w->share, w->ev->n_predictors, w->n_resamples * sizeof *w->share},
+                                         {&w->scratch, w->n_resamples, sizeof *w->scratch}),
+                              err);
+    if (status != NQM_OK)
+        return status;
     for (size_t i = 0; i < w->human->n_triplets; ++i) {
         const nqm_triplet *t = &w->human->triplets[i];
         w->choices[t->group] += t->n_a + t->n_b;
@@ -105,14 +108,6 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
             w->occurring[w->n_occurring++] = g;
     resample(w, o.seed);
     return NQM_OK;
-}
-
-static void release(tally *w) {
-    nqm_free(w->occurring);
-    nqm_free(w->choices);
-    nqm_free(w->weight);
-    nqm_free(w->met);
-    nqm_free(w->share);
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
@@ -139,7 +134,7 @@ nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation 
     }
     if (status == NQM_OK)
         mark_best(ev->n_models, results);
-    release(&w);
+    nqm_free(w.occurring);
     return status;
 }
 
@@ -148,14 +143,11 @@ nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluati
     if (first >= ev->n_predictors || second >= ev->n_predictors)
         return nqm_fail(err, NQM_ERR_ARG, -1, "contrast: there are %zu predictors", ev->n_predictors);
     tally w = {.human = human, .ev = ev};
-    double *scratch = NULL;
     nqm_status status = begin(&w, options, err);
-    if (status == NQM_OK && !(scratch = nqm_alloc(w.n_resamples, sizeof *scratch)))
-        status = nqm_fail_nomem(err, w.n_resamples * sizeof *scratch);
     if (status == NQM_OK)
-        *difference_ret = nqm_difference_of(share_of(&w, first, NULL) - share_of(&w, second, NULL), w.n_resamples,
-                                            w.share + first * w.n_resamples, w.share + second * w.n_resamples, scratch);
-    nqm_free(scratch);
-    release(&w);
+        *difference_ret =
+            nqm_difference_of(share_of(&w, first, NULL) - share_of(&w, second, NULL), w.n_resamples,
+                              w.share + first * w.n_resamples, w.share + second * w.n_resamples, w.scratch);
+    nqm_free(w.occurring);
     return status;
 }

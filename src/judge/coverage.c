@@ -78,16 +78,18 @@ static nqm_status resample(const nqm_eval_options *o, size_t n_groups, const tal
         c->inside.ci95[k] = c->by_material.ci95[k] = NAN;
     if (o->n_bootstrap == 0 || c->n_materials < 2)
         return NQM_OK;
-    size_t *occurring = nqm_alloc(c->n_materials, sizeof *occurring), n_occurring = 0;
-    double *weight = nqm_alloc(n_groups, sizeof *weight);
-    double *inside = nqm_alloc(o->n_bootstrap, sizeof *inside), *mean = nqm_alloc(o->n_bootstrap, sizeof *mean);
-    nqm_status status = occurring && weight && inside && mean
-                            ? NQM_OK
-                            : nqm_fail_nomem(err, (o->n_bootstrap + n_groups) * 2 * sizeof *inside);
-    for (size_t g = 0; status == NQM_OK && g < n_groups; ++g)
+    size_t *occurring, n_occurring = 0;
+    double *weight, *inside, *mean;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&occurring, c->n_materials, sizeof *occurring}, {&weight, n_groups, sizeof *weight},
+                   {&inside, o->n_bootstrap, sizeof *inside}, {&mean, o->n_bootstrap, sizeof *mean}),
+        err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t g = 0; g < n_groups; ++g)
         if (t->n[g] > 0)
             occurring[n_occurring++] = g;
-    for (size_t i = 0; status == NQM_OK && i < o->n_bootstrap; ++i) {
+    for (size_t i = 0; i < o->n_bootstrap; ++i) {
         memset(weight, 0, n_groups * sizeof *weight);
         nqm_bootstrap_draw(o->seed, i, n_occurring, occurring, weight);
         double n = 0, n_inside = 0, shares = 0;
@@ -100,15 +102,10 @@ static nqm_status resample(const nqm_eval_options *o, size_t n_groups, const tal
         inside[i] = n_inside / n;
         mean[i] = shares / (double)n_occurring;
     }
-    if (status == NQM_OK) {
-        nqm_interval95(o->n_bootstrap, inside, c->inside.ci95);
-        nqm_interval95(o->n_bootstrap, mean, c->by_material.ci95);
-    }
+    nqm_interval95(o->n_bootstrap, inside, c->inside.ci95);
+    nqm_interval95(o->n_bootstrap, mean, c->by_material.ci95);
     nqm_free(occurring);
-    nqm_free(weight);
-    nqm_free(inside);
-    nqm_free(mean);
-    return status;
+    return NQM_OK;
 }
 
 nqm_status nqm_evaluation_coverage(const nqm_evaluation *ev, const nqm_eval_options *options, size_t model,
@@ -124,16 +121,15 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *ev, const nqm_eval_opti
     if (status != NQM_OK)
         return status;
     *coverage_ret = (nqm_coverage){0};
-    tally t = {nqm_alloc(d->n_groups, sizeof *t.n), nqm_alloc(d->n_groups, sizeof *t.inside)};
-    if (!t.n || !t.inside)
-        status = nqm_fail_nomem(err, d->n_groups * 2 * sizeof *t.n);
+    tally t;
+    status =
+        nqm_alloc_arrays(NQM_ARRAYS({&t.n, d->n_groups, sizeof *t.n}, {&t.inside, d->n_groups, sizeof *t.inside}), err);
     if (status == NQM_OK) {
         count(ev, &s, model, &t, coverage_ret);
         finish(d, &s, &t, coverage_ret);
         status = resample(&o, d->n_groups, &t, coverage_ret, err);
     }
     nqm_free(t.n);
-    nqm_free(t.inside);
     nqm_selection_free(&s);
     return status;
 }

@@ -122,50 +122,41 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
                                  const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
     *evaluation_ret = NULL;
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    nqm_status status = NQM_OK;
-    nqm_evaluation *ev = nqm_alloc(1, sizeof *ev);
-    if (!ev)
-        return nqm_fail_nomem(err, sizeof *ev);
-    ev->dataset = dataset;
-    ev->n_models = n_models;
-    ev->models = models;
-    ev->split = o.split;
-    ev->precision = o.precision;
-    ev->n_predictors = n_models + NQM_METRIC_COUNT;
-    ev->values = nqm_alloc(ev->n_predictors, dataset->n_pairs * sizeof *ev->values);
-    ev->scalars = nqm_alloc(dataset->n_pairs, NQM_SCALAR_COUNT * sizeof *ev->scalars);
-    ev->ref_class = nqm_alloc(dataset->n_refs, sizeof *ev->ref_class);
-    ev->names = nqm_alloc(ev->n_predictors, sizeof *ev->names);
-    if (!ev->values || !ev->scalars || !ev->ref_class || !ev->names) {
-        status = nqm_fail_nomem(err, ev->n_predictors * dataset->n_pairs * sizeof *ev->values);
-        goto fail;
-    }
-    for (size_t i = 0; i < ev->n_predictors * dataset->n_pairs; ++i)
+    const size_t n_predictors = n_models + NQM_METRIC_COUNT;
+    nqm_evaluation made = {.dataset = dataset,
+                           .n_models = n_models,
+                           .n_predictors = n_predictors,
+                           .models = models,
+                           .split = o.split,
+                           .precision = o.precision};
+    nqm_evaluation *ev;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
+                   {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},
+                   {&made.ref_class, dataset->n_refs, sizeof *made.ref_class},
+                   {&made.names, n_predictors, sizeof *made.names}),
+        err);
+    if (status != NQM_OK)
+        return status;
+    *ev = made;
+    for (size_t i = 0; i < n_predictors * dataset->n_pairs; ++i)
         ev->values[i] = NAN;
     for (size_t i = 0; i < NQM_SCALAR_COUNT * dataset->n_pairs; ++i)
         ev->scalars[i] = NAN;
     for (size_t i = 0; i < dataset->n_refs; ++i)
         ev->ref_class[i] = nqm_dataset_ref_class(dataset, i);
-    for (size_t i = 0; i < ev->n_predictors; ++i)
+    for (size_t i = 0; i < n_predictors; ++i)
         ev->names[i] = i < n_models ? models[i]->id : nqm_metric_name((nqm_metric)(i - n_models));
     status = predict_all(ev, &o, err);
-    if (status != NQM_OK)
-        goto fail;
-    *evaluation_ret = ev;
-    return NQM_OK;
-fail:
-    nqm_evaluation_free(ev);
+    if (status == NQM_OK)
+        *evaluation_ret = ev;
+    else
+        nqm_evaluation_free(ev);
     return status;
 }
 
 void nqm_evaluation_free(nqm_evaluation *ev) {
-    if (!ev)
-        return;
-    nqm_free(ev->values);
-    nqm_free(ev->scalars);
-    nqm_free(ev->ref_class);
-    nqm_free(ev->names);
-    nqm_free(ev);
+    nqm_free(ev); /* one block */
 }
 
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {

@@ -11,16 +11,18 @@
 /* Input arrays of one judgement. */
 typedef struct chosen {
     nqm_selection pairs;
-    double *label;      /* (n) */
+    double *label;      /* (n); owns the block of both */
     double *prediction; /* (n_predictors, n) */
 } chosen;
 
 static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
-    c->label = nqm_alloc(c->pairs.n, sizeof *c->label);
-    c->prediction = nqm_alloc(ev->n_predictors, c->pairs.n * sizeof *c->prediction);
-    if (!c->label || !c->prediction)
-        return nqm_fail_nomem(err, ev->n_predictors * c->pairs.n * sizeof *c->prediction);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&c->label, c->pairs.n, sizeof *c->label},
+                                    {&c->prediction, ev->n_predictors, c->pairs.n * sizeof *c->prediction}),
+                         err);
+    if (status != NQM_OK)
+        return status;
     for (size_t k = 0; k < c->pairs.n; ++k)
         c->label[k] = d->jod[c->pairs.pairs[k]];
     for (size_t i = 0; i < ev->n_predictors; ++i) {
@@ -51,7 +53,6 @@ static nqm_status begin(const nqm_evaluation *ev, const nqm_eval_options *o, cho
 static void release(chosen *c) {
     nqm_selection_free(&c->pairs);
     nqm_free(c->label);
-    nqm_free(c->prediction);
 }
 
 /* Metrics are distances, and human scores may be on any scale: errors in JOD are not defined for them. */

@@ -1,12 +1,21 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm reproduce on a made-up study in the authors' layout (tests/tools/authors_folder.c): its values equal those of
+# models/reproduce.py on a made-up study in the authors' layout (tests/tools/authors_folder.c): its values equal those of
 # separate runs of nqm regress, train and eval, the final table is complete, finished trainings are not repeated,
 # interrupted ones are resumed, and messages name missing inputs.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
 export OMP_NUM_THREADS
+script="${NQM_SOURCE:?}/models/reproduce.py"
+# study CODE ARGUMENTS...: as run, of the script.
+study() {
+    code=$1
+    shift
+    got=0
+    python3 "$script" "$@" >"$dir/out" 2>"$dir/err" || got=$?
+    [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
+}
 
 # values KEY FILE: print the values of KEY, one per line, in order.
 values() { sed -n 's/^ *"'"$1"'": \([^,[{]*\),*$/\1/p' "$2"; }
@@ -21,7 +30,7 @@ same() {
 # The whole study: two recipes, one seed, two epochs.
 mkdir "$dir/data"
 "${NQM_BUILD:?}/tests/authors_folder" "$dir/data"
-run 0 reproduce "$dir/data" --seeds 1 --epochs 2 -o "$dir/study" --json
+study 0 "$dir/data" --seeds 1 --epochs 2 -o "$dir/study" --json
 cp "$dir/out" "$dir/study.json"
 cmp "$dir/out" "$dir/study/reproduce.json" || fail "--json and reproduce.json differ"
 [ "$(values published "$dir/study.json" | wc -l)" = 19 ] || fail "19 published figures"
@@ -53,7 +62,7 @@ done
 
 # A second run, as text: nothing is trained again, and the table is complete.
 touch "$dir/before"
-run 0 reproduce "$dir/data" --seeds 1 --epochs 2 -o "$dir/study"
+study 0 "$dir/data" --seeds 1 --epochs 2 -o "$dir/study"
 [ -z "$(find "$dir/study" -name '*-1*' -newer "$dir/before")" ] || fail "a finished training was done again"
 # line NAME PUBLISHED VERDICT
 line() {
@@ -88,7 +97,7 @@ head -n 1 "$dir/study/bars.csv" | cut -d, -f1-17 | cmp - "$dir/head" || fail "co
 grep -qF "$(grep '^all,all,ma_crwe,' "$dir/out" | cut -d, -f1-13)" "$dir/study/bars.csv" || fail "a bar is not eval's"
 
 # A run with other options does not overwrite the results.
-run 5 reproduce "$dir/data" --seeds 1 --epochs 3 -o "$dir/study"
+study 5 "$dir/data" --seeds 1 --epochs 3 -o "$dir/study"
 says 'paper-1.json'
 
 # A smaller study: an interrupted training is resumed and gives the same model.
@@ -102,12 +111,12 @@ small="$dir/small/uniform_rand_500 --labels $dir/small/data/labels_balanced_trai
 run 0 train $small --epochs 2 -o "$dir/whole.safetensors"
 # shellcheck disable=SC2086
 run 0 train $small --epochs 1 -o "$dir/unused.safetensors" --checkpoint "$dir/half/notebook-1.checkpoint"
-run 0 reproduce "$dir/small" --recipes notebook --seeds 1 --epochs 2 -o "$dir/half"
+study 0 "$dir/small" --recipes notebook --seeds 1 --epochs 2 -o "$dir/half"
 cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "resumed to another model"
 grep -q '^Spearman, all pairs .* not run$' "$dir/out" || fail "a recipe that was not run"
 
 # A further seed: the first is not trained again; the mean is that of both seeds.
-run 0 reproduce "$dir/small" --recipes notebook --seeds 2 --epochs 2 -o "$dir/half" --json
+study 0 "$dir/small" --recipes notebook --seeds 2 --epochs 2 -o "$dir/half" --json
 cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "the first seed was trained again"
 {
     values mae "$dir/out" | sed -n 1,2p
@@ -116,7 +125,7 @@ cmp "$dir/whole.safetensors" "$dir/half/notebook-1.safetensors" || fail "the fir
     fail "the mean of two seeds"
 
 # Ctrl-C.
-"$tool" reproduce "$dir/small" --recipes paper --epochs 100000 -o "$dir/long" >"$dir/out" 2>"$dir/err" &
+python3 "$script" "$dir/small" --recipes paper --epochs 100000 -o "$dir/long" >"$dir/out" 2>"$dir/err" &
 until_written "$dir/long/paper-1.checkpoint"
 ctrl_c
 says 'same command again'
@@ -126,23 +135,23 @@ for file in "$dir"/long/*.part "$dir"/long/*.csv.*; do
 done
 
 # Messages name what is missing.
-run 2 reproduce
-run 2 reproduce "$dir/small" --recipes paper,best -o "$dir/x"
+study 2
+study 2 "$dir/small" --recipes paper,best -o "$dir/x"
 says 'best'
-run 2 reproduce "$dir/small" --recipes paper,paper -o "$dir/x"
+study 2 "$dir/small" --recipes paper,paper -o "$dir/x"
 says 'twice'
-run 3 reproduce "$dir/nowhere" -o "$dir/x"
+study 3 "$dir/nowhere" -o "$dir/x"
 says 'nowhere'
-run 3 reproduce "$dir/small" -o "$dir/no/such/folder"
+study 3 "$dir/small" -o "$dir/no/such/folder"
 says 'no/such/folder'
-run 5 reproduce "$dir/small" --train "$dir/small/test" --train-labels "$dir/small/data/labels_real.csv" -o "$dir/x"
+study 5 "$dir/small" --train "$dir/small/test" --train-labels "$dir/small/data/labels_real.csv" -o "$dir/x"
 says 'is in both'
 file=$(find "$dir/small/test/model" -name '*_3.mat' | sort | head -n 1)
 rm "$file"
-run 3 reproduce "$dir/small" -o "$dir/x"
+study 3 "$dir/small" -o "$dir/x"
 says "$(basename "$file")"
 mv "$dir/small/test/ref" "$dir/small/test/references"
 rm "$dir/small/data/labels_balanced_train.csv"
-run 3 reproduce "$dir/small" -o "$dir/x"
+study 3 "$dir/small" -o "$dir/x"
 says 'small/test/ref: no such folder'
 says 'labels_balanced_train.csv: no such file'

@@ -29,7 +29,7 @@ import tempfile
 import time
 
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
-WORDS = ("nqm", "models/scan.py", "./dev", "build/nqm", "sh", "cc", "python3", "/usr/bin/python3", "cmake", "mpirun", "sed")
+WORDS = ("nqm", "models/scan.py", "models/reproduce.py", "./dev", "build/nqm", "sh", "cc", "python3", "/usr/bin/python3", "cmake", "mpirun", "sed")
 COMMAND = re.compile(r"(?:%s)(?: |$)" % "|".join(re.escape(w) for w in WORDS))
 NUMBER = re.compile(r"[-+]?(?:\d[\d,]*\d|\d)?\.?\d+(?:[eE][-+]?\d+)?")
 failures = []
@@ -170,7 +170,9 @@ def check_options(lines, environment):
     def tool(*arguments):
         return subprocess.run(["nqm", *arguments], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).stdout
     verbs = sorted(set(re.findall(r"(?m)^  ([a-z]+)\b", tool("--help"))))
-    known = set(re.findall(r"--[a-z][a-z0-9-]*", tool("--help") + "".join(tool(v, "--help") for v in verbs)))
+    with open(SOURCE + "/models/reproduce.py") as script:
+        helps = [tool("--help"), *(tool(v, "--help") for v in verbs), script.read()]
+    known = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(helps)))
     for number, line in enumerate(lines, 1):
         for code in re.findall(r"`([^`]*)`", line):
             if not code.startswith(("-", "nqm ")):  # options of other programs are named with the program

@@ -32,7 +32,6 @@ static const verb verbs[] = {
     {"train", cmd_train, "train a model on a dataset"},
     {"calibrate", cmd_calibrate, "calibrate the intervals around the JOD of a model"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
-    {"reproduce", cmd_reproduce, "repeat the paper's study on its authors' data and compare the results"},
     {"report", cmd_report, "write a page with pictures, scores and differences"},
     {"plot", cmd_plot, "draw labels, evaluations, trainings, models and BRDFs"},
     {"models", cmd_models, "list and describe the built-in models"},

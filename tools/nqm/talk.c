@@ -170,36 +170,6 @@ void print_csv_number(FILE *out, double value) {
         fprintf(out, "%.9g", value);
 }
 
-void print_csv_numbers(FILE *out, size_t n, const double *values) {
-    for (size_t i = 0; i < n; ++i) {
-        fputc(',', out);
-        print_csv_number(out, values[i]);
-    }
-}
-
-const char agreement_columns[] = "by,selection,name,type,n,n_materials,spearman,ci95_low,ci95_high,"
-                                 "spearman_mean_by_material,mean_ci95_low,mean_ci95_high,pearson,kendall,mae,rmse,r2";
-
-void print_csv_agreement(FILE *out, const char *by, const char *selection, const char *type, const nqm_agreement *a) {
-    fprintf(out, "%s,", by);
-    print_csv_text(out, selection);
-    fputc(',', out);
-    print_csv_text(out, a->name);
-    fprintf(out, ",%s,%zu,%zu", type, a->n, a->n_materials);
-    const double values[] = {a->spearman.value,
-                             a->spearman.ci95[0],
-                             a->spearman.ci95[1],
-                             a->spearman_mean_by_material.value,
-                             a->spearman_mean_by_material.ci95[0],
-                             a->spearman_mean_by_material.ci95[1],
-                             a->pearson.value,
-                             a->kendall.value,
-                             a->mae.value,
-                             a->rmse.value,
-                             a->r2.value};
-    print_csv_numbers(out, sizeof values / sizeof *values, values);
-}
-
 const char *jod_words(double jod) {
     if (jod >= 9.5)
         return "practically the same";

@@ -152,11 +152,6 @@ const char *interval_text(const nqm_score_result *result, char text[INTERVAL_TEX
 void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing if it is not finite. */
 void print_csv_number(FILE *out, double value);
-/** n numbers, each after a comma. */
-void print_csv_numbers(FILE *out, size_t n, const double *values);
-/** Begin a row about a predictor, with the columns of agreement_columns. */
-void print_csv_agreement(FILE *out, const char *by, const char *selection, const char *type, const nqm_agreement *a);
-extern const char agreement_columns[];
 
 /* ---- output files ----------------------------------------------------------------------------- */
 
@@ -200,7 +195,6 @@ int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_render(int argc, char **argv);
 int cmd_report(int argc, char **argv);
-int cmd_reproduce(int argc, char **argv);
 int cmd_sample(int argc, char **argv);
 int cmd_score(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);

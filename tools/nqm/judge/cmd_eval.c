@@ -41,64 +41,39 @@ static int open_models(eval_run *run, char *list) {
     return exit_code;
 }
 
-/* ---- tables ------------------------------------------------------------------------------------------------------ */
+/* ---- selections -------------------------------------------------------------------------------------------------- */
 
-/* Compare every model with the best of the eight baselines on these pairs, and with the log difference. */
-static nqm_status contrast(const eval_run *run, const nqm_eval_options *o, eval_table *table, nqm_error *err) {
-    size_t log_diff = run->n_models + NQM_METRIC_LOG_DIFF, n = run->n_models * N_RIVALS;
-    for (size_t i = 0; i < n; ++i) {
-        nqm_contrast *c = &table->contrasts[i];
-        c->first = c->second = i / N_RIVALS;
-        if (i % N_RIVALS == RIVAL_LOG_DIFF)
-            c->second = log_diff;
-        for (size_t m = run->n_models; i % N_RIVALS == RIVAL_BASELINE && m < run->n_predictors; ++m)
-            if (table->results[m].best_baseline)
-                c->second = m;
-    }
-    return n ? nqm_evaluation_contrast(run->evaluation, o, n, table->contrasts, err) : NQM_OK;
-}
-
-static void release_table(eval_table *table) {
-    free(table->results);
-    free(table->contrasts);
-    free(table->coverage);
-}
-
-/* Judge one selection. Without pairs, its results are NULL; for the selection of all pairs this is an error. */
-static nqm_status judge(eval_run *run, const nqm_eval_options *o, const char *by, const char *name, nqm_error *err) {
-    eval_table *table = &run->tables[run->n_tables++];
-    table->by = by;
-    snprintf(table->name, sizeof table->name, "%s", name);
-    table->results = calloc(run->n_predictors, sizeof *table->results);
-    table->contrasts = calloc(run->n_models * N_RIVALS + 1, sizeof *table->contrasts);
-    table->coverage = calloc(run->n_models + 1, sizeof *table->coverage);
-    if (!table->results || !table->contrasts || !table->coverage)
-        return err->status = NQM_ERR_NOMEM;
-    nqm_status status = nqm_evaluation_judge(run->evaluation, o, table->results, err);
-    if (status == NQM_OK)
-        status = contrast(run, o, table, err);
-    if (status == NQM_OK)
-        status = judge_coverage(run, o, table, err);
-    if (status == NQM_ERR_INCOMPATIBLE && run->n_tables > 1) {
-        free(table->results);
-        table->results = NULL;
+/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A selection without pairs has
+ * no rows; a class without pairs is left out. */
+static nqm_status judge_selection(eval_run *run, const nqm_eval_options *o, const char *by, const char *name,
+                                  nqm_error *err) {
+    json_t *rows = json_array(), *key = json_name(name);
+    nqm_status status = judge_pairs(run, o, rows, err);
+    const bool is_empty = status == NQM_ERR_INCOMPATIBLE;
+    if (is_empty)
         status = NQM_OK;
-    }
+    if (!json_object_get(run->selections, by))
+        json_object_set_new(run->selections, by, json_object());
+    if (!is_empty || !o->material_class)
+        json_object_set(json_object_get(run->selections, by), json_string_value(key), rows);
+    json_decref(rows);
+    json_decref(key);
     return status;
 }
 
-/* Judge each family of the dataset's kinds. */
-static nqm_status judge_families(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
+/* Judge each kind, or each family of kinds. */
+static nqm_status judge_kinds(eval_run *run, const nqm_eval_options *options, bool families, nqm_error *err) {
     nqm_status status = NQM_OK;
-    size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds;
-    for (size_t i = 0; status == NQM_OK && i < n_kinds; ++i) {
+    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
+        const nqm_dataset_kind kind = nqm_dataset_get_kind(run->dataset, i);
         nqm_eval_options o = *options;
-        o.family = nqm_dataset_get_kind(run->dataset, i).family;
         size_t first = 0;
-        while (strcmp(nqm_dataset_get_kind(run->dataset, first).family, o.family) != 0)
+        while (families && strcmp(nqm_dataset_get_kind(run->dataset, first).family, kind.family) != 0)
             ++first;
-        if (first == i && *o.family) /* "": unknown */
-            status = judge(run, &o, "family", o.family, err);
+        if (families && (first < i || !*kind.family)) /* judged already, or unknown */
+            continue;
+        *(families ? &o.family : &o.kind) = families ? kind.family : kind.name;
+        status = judge_selection(run, &o, families ? "by_family" : "by_kind", families ? kind.family : kind.name, err);
     }
     return status;
 }
@@ -108,19 +83,7 @@ static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, 
     for (size_t i = 0; status == NQM_OK && i < NQM_MATERIAL_CLASS_COUNT; ++i) {
         nqm_eval_options o = *options;
         o.material_class = nqm_material_class_name(i);
-        status = judge(run, &o, "class", o.material_class, err);
-        if (status == NQM_OK && !run->tables[run->n_tables - 1].results) /* the class has no pairs */
-            release_table(&run->tables[--run->n_tables]);
-    }
-    return status;
-}
-
-static nqm_status judge_kinds(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
-        nqm_eval_options o = *options;
-        o.kind = nqm_dataset_get_kind(run->dataset, i).name;
-        status = judge(run, &o, "kind", o.kind, err);
+        status = judge_selection(run, &o, "by_class", o.material_class, err);
     }
     return status;
 }
@@ -132,34 +95,28 @@ static nqm_status judge_ranges(eval_run *run, const nqm_eval_options *options, n
         char name[40];
         *(high ? &o.jod_from : &o.jod_to) = range_edge;
         snprintf(name, sizeof name, "JOD %s %.1f", high ? ">=" : "<", range_edge);
-        status = judge(run, &o, "range", name, err);
+        status = judge_selection(run, &o, "by_range", name, err);
     }
     return status;
 }
 
 static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
-    enum { N_RANGES = 2 };
-    size_t n_kinds = nqm_dataset_get_info(run->dataset).n_kinds; /* also the maximum number of families */
-    run->tables = calloc(1 + 2 * n_kinds + NQM_MATERIAL_CLASS_COUNT + N_RANGES, sizeof *run->tables);
-    if (!run->tables)
-        return err->status = NQM_ERR_NOMEM;
-    nqm_status status = judge(run, options, "all", "all", err);
+    nqm_status status =
+        run->is_choice ? judge_choices(run, options, run->results, err) : judge_pairs(run, options, run->results, err);
     if (status == NQM_OK && (by & BY_FAMILY))
-        status = judge_families(run, options, err);
+        status = judge_kinds(run, options, true, err);
     if (status == NQM_OK && (by & BY_KIND))
-        status = judge_kinds(run, options, err);
+        status = judge_kinds(run, options, false, err);
     if (status == NQM_OK && (by & BY_CLASS))
         status = judge_classes(run, options, err);
-    bool in_jod = !run->human || nqm_human_get_info(run->human).kind == NQM_HUMAN_JOD;
-    if (status == NQM_OK && (by & BY_RANGE) && in_jod)
+    if (status == NQM_OK && (by & BY_RANGE) && run->is_jod)
         status = judge_ranges(run, options, err);
     return status;
 }
 
 static void release(eval_run *run) {
-    for (size_t i = 0; i < run->n_tables; ++i)
-        release_table(&run->tables[i]);
-    free(run->tables);
+    json_decref(run->results);
+    json_decref(run->selections);
     nqm_evaluation_free(run->evaluation);
     for (size_t i = 0; i < run->n_models; ++i)
         nqm_model_free(run->models[i]);
@@ -175,14 +132,35 @@ typedef struct eval_arguments {
     nqm_eval_options options;
 } eval_arguments;
 
+/* Read answers of people, and sample their BRDFs at the directions of the first model. */
+static int open_human(eval_run *run, const char *root) {
+    nqm_error err = {0};
+    nqm_human_options o = nqm_human_options_default();
+    o.root = root;
+    o.progress = show_progress;
+    if (run->n_models)
+        o.directions = nqm_model_get_info(run->models[0]).directions;
+    if (nqm_human_load(run->dataset_path, &o, &run->human, &err) != NQM_OK) {
+        end_progress();
+        return report_error("eval", &err);
+    }
+    const nqm_human_kind kind = nqm_human_get_info(run->human).kind;
+    run->dataset = nqm_human_dataset(run->human);
+    run->is_jod = kind == NQM_HUMAN_JOD;
+    run->is_choice = kind == NQM_HUMAN_CHOICE;
+    return EXIT_OK;
+}
+
 static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *o) {
     int exit_code = a->human ? open_human(run, a->root)
                              : open_dataset("eval", run->dataset_path, a->labels, NQM_SPLIT_TEST, &run->owned);
     if (exit_code != EXIT_OK)
         return exit_code;
-    if (!a->human)
+    if (!a->human) {
         run->dataset = run->owned;
-    else if (nqm_human_get_info(run->human).kind != NQM_HUMAN_JOD)
+        run->is_jod = true;
+    }
+    if (!run->is_jod)
         o->order_margin = 0; /* the scale is unknown */
     if (!isnan(a->margin))
         o->order_margin = a->margin;
@@ -192,21 +170,22 @@ static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *
 
 static int evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
     nqm_error err = {0};
-    result_format format = a->json ? FORMAT_JSON : a->csv ? FORMAT_CSV : FORMAT_TEXT;
-    bool choices = run->human && nqm_human_get_info(run->human).kind == NQM_HUMAN_CHOICE;
-    if (choices && by)
+    if (run->is_choice && by)
         return report("eval", EXIT_USAGE, "--by: choices have one table only");
     run->n_predictors = run->n_models + NQM_METRIC_COUNT;
+    run->results = json_array();
+    run->selections = json_object();
     nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o,
                                               &run->evaluation, &err);
-    if (status == NQM_OK && !choices)
+    if (status == NQM_OK)
         status = judge_all(run, o, by, &err);
     if (status != NQM_OK)
         return report_error("eval", &err);
     int exit_code = a->pairs ? write_pairs(run, a->pairs) : EXIT_OK;
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    return choices ? evaluate_choices(run, o, format) : print_evaluation(run, format);
+    return exit_code == EXIT_OK ? print_evaluation(run, a->json  ? FORMAT_JSON
+                                                        : a->csv ? FORMAT_CSV
+                                                                 : FORMAT_TEXT)
+                                : exit_code;
 }
 
 static int run_eval(const eval_arguments *a, const char *dataset_path) {

@@ -1,257 +1,325 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tables of `nqm eval` as text, JSON and CSV.
+ * nqm eval - prints rows as text, JSON and CSV.
  */
 #include "nqm/judge/eval.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-static bool is_model(const eval_run *run, size_t predictor) {
-    return predictor < run->n_models;
+/* ---- values of a row --------------------------------------------------------------------------------------------- */
+
+/* The value at a path of keys, as "interval.ci95.0". A key of a list is an index, or a word that selects the object
+ * whose "with" it is, or in which it is true. NULL: none. */
+static const json_t *value_at(const json_t *json, const char *path) {
+    char key[40];
+    while (json && *path) {
+        const size_t n = strcspn(path, ".");
+        snprintf(key, sizeof key, "%.*s", (int)n, path);
+        path += n + (path[n] == '.');
+        if (!json_is_array(json)) {
+            json = json_object_get(json, key);
+        } else if (isdigit((unsigned char)*key)) {
+            json = json_array_get(json, (size_t)atoi(key));
+        } else {
+            const json_t *list = json;
+            json = NULL;
+            for (size_t i = 0; !json && i < json_array_size(list); ++i) {
+                const json_t *entry = json_array_get(list, i);
+                const char *with = json_string_value(json_object_get(entry, "with"));
+                if ((with && strcmp(with, key) == 0) || json_is_true(json_object_get(entry, key)))
+                    json = entry;
+            }
+        }
+    }
+    return json;
 }
 
-const char *predictor_name(const eval_run *run, size_t predictor) {
-    return is_model(run, predictor) ? nqm_model_get_info(run->models[predictor]).id
-                                    : nqm_metric_name((nqm_metric)(predictor - run->n_models));
+/* NaN: none. */
+static double number_at(const json_t *json, const char *path) {
+    const json_t *value = value_at(json, path);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+static const char *text_at(const json_t *json, const char *key) {
+    return json_string_value(json_object_get(json, key));
+}
+
+/* Call `print` for every table: the results, then the selections. */
+static void print_tables(const eval_run *run,
+                         void (*print)(const eval_run *run, const char *by, const char *name, const json_t *rows)) {
+    const char *by, *name;
+    json_t *selections, *rows;
+    print(run, "all", "all", run->results);
+    json_object_foreach(run->selections, by, selections) {
+        json_object_foreach(selections, name, rows) {
+            print(run, by + strlen("by_"), name, rows);
+        }
+    }
 }
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
-/* "0.943 [0.921, 0.960]", or "-" for NaN. */
-void print_interval(const nqm_estimate *e) {
-    char text[64] = "-";
-    if (isfinite(e->value) && isfinite(e->ci95[0]))
-        snprintf(text, sizeof text, "%.3f [%.3f, %.3f]", e->value, e->ci95[0], e->ci95[1]);
-    else if (isfinite(e->value))
-        snprintf(text, sizeof text, "%.3f", e->value);
-    printf("  %-22s", text);
-}
+typedef struct text_column {
+    const char *heading, *key, *interval; /* interval NULL: a number */
+} text_column;
 
-void print_number(double value) {
-    if (isfinite(value))
-        printf(" %7.3f", value);
+static const text_column pair_text[] = {{"Spearman [95 %]", "spearman", "ci95"},
+                                        {"mean by material", "spearman_mean_by_material", "ci95_mean_by_material"},
+                                        {"Pearson", "pearson", NULL},
+                                        {"Kendall", "kendall", NULL},
+                                        {"MAE", "mae", NULL},
+                                        {"RMSE", "rmse", NULL},
+                                        {"R2", "r2", NULL},
+                                        {"order", "order", NULL},
+                                        {0}};
+static const text_column choice_text[] = {
+    {"agreement [95 %]", "agreement", "ci95"}, {"majority", "majority", NULL}, {0}};
+
+/* "0.943 [0.921, 0.960]", with `factor` and `digits`; "-" for a value that does not exist. */
+static const char *estimate_text(const json_t *row, const char *key, const char *interval, double factor,
+                                 const char *unit, int digits, char text[64]) {
+    const double value = factor * number_at(row, key);
+    const json_t *ci95 = json_object_get(row, interval);
+    if (!isfinite(value))
+        return "-";
+    if (json_is_array(ci95))
+        snprintf(text, 64, "%.*f%s [%.*f, %.*f]", digits, value, unit, digits, factor * number_at(ci95, "0"), digits,
+                 factor * number_at(ci95, "1"));
     else
-        printf(" %7s", "-");
+        snprintf(text, 64, "%.*f%s", digits, value, unit);
+    return text;
 }
 
 /* "+0.063 [+0.041, +0.088], below 0 in 0.1 % of the resamples" */
-void print_difference(const nqm_difference *d) {
-    if (!isfinite(d->value))
+static void print_difference(const json_t *d) {
+    const double value = number_at(d, "difference"), low = number_at(d, "ci95.0");
+    if (!isfinite(value))
         printf("-");
-    else if (!isfinite(d->ci95[0]))
-        printf("%+.3f", d->value);
+    else if (!isfinite(low))
+        printf("%+.3f", value);
     else
-        printf("%+.3f [%+.3f, %+.3f], below 0 in %.1f %% of the resamples", d->value, d->ci95[0], d->ci95[1],
-               100 * d->share_below_0);
+        printf("%+.3f [%+.3f, %+.3f], below 0 in %.1f %% of the resamples", value, low, number_at(d, "ci95.1"),
+               100 * number_at(d, "share_below_0"));
 }
 
-static void print_contrasts(const eval_run *run, const eval_table *table) {
-    for (size_t i = 0; i < run->n_models * N_RIVALS; ++i) {
-        const nqm_contrast *c = &table->contrasts[i];
-        if (c->first == c->second)
-            continue;
-        printf("%.40s less %s%s: ", predictor_name(run, c->first), predictor_name(run, c->second),
-               i % N_RIVALS == RIVAL_BASELINE ? ", best of the eight" : "");
-        print_difference(&c->spearman);
-        printf("; mean by material ");
-        print_difference(&c->spearman_mean_by_material);
+static void print_contrasts(const json_t *row) {
+    const json_t *list = json_object_get(row, "contrasts");
+    for (size_t i = 0; i < json_array_size(list); ++i) {
+        const json_t *c = json_array_get(list, i), *agreement = json_object_get(c, "agreement");
+        printf("%.40s less %s%s: ", text_at(row, "name"), text_at(c, "with"),
+               json_is_true(json_object_get(c, "best_baseline")) ? ", best of the eight" : "");
+        print_difference(agreement ? agreement : json_object_get(c, "spearman"));
+        if (!agreement) {
+            printf("; mean by material ");
+            print_difference(json_object_get(c, "spearman_mean_by_material"));
+        }
         putchar('\n');
     }
 }
 
-static void print_table(const eval_run *run, const eval_table *table) {
-    const nqm_agreement *first = table->results;
+static void print_coverage(const json_t *row) {
+    const json_t *c = json_object_get(row, "interval"), *ranges = json_object_get(c, "by_predicted_jod");
+    char inside[64], by_material[64];
+    if (!json_is_object(c))
+        return;
+    printf("%.40s, labels inside its 95 %% interval: %s; mean by material %s, lowest %.1f %% (%.60s); %.1f %% below, "
+           "%.1f %% above\n  by predicted JOD:",
+           text_at(row, "name"), estimate_text(c, "inside", "ci95", 100, " %", 1, inside),
+           estimate_text(c, "by_material", "ci95_by_material", 100, " %", 1, by_material), 100 * number_at(c, "lowest"),
+           text_at(c, "lowest_material"), 100 * number_at(c, "below"), 100 * number_at(c, "above"));
+    for (size_t i = 0; i < json_array_size(ranges); ++i) {
+        const json_t *r = json_array_get(ranges, i);
+        if (number_at(r, "n") > 0)
+            printf(" from %g: %.1f %% of %.0f, width %.2g;", number_at(r, "from"), 100 * number_at(r, "inside"),
+                   number_at(r, "n"), number_at(r, "mean_width"));
+    }
+    printf(" in all: width %.2f\n", number_at(c, "mean_width"));
+}
+
+static void print_cell(const text_column *column, const char *text) {
+    if (column->interval)
+        printf("  %-22s", text);
+    else
+        printf(" %*s", (int)nqm_larger(7, strlen(column->heading)), text);
+}
+
+static void print_rows(const json_t *rows, const text_column *columns) {
+    printf("%-14s", "");
+    for (const text_column *c = columns; c->heading; ++c)
+        print_cell(c, c->heading);
+    putchar('\n');
+    for (size_t i = 0; i < json_array_size(rows); ++i) {
+        const json_t *row = json_array_get(rows, i);
+        char text[64];
+        snprintf(text, sizeof text, "%.40s%s", text_at(row, "name"),
+                 json_is_true(json_object_get(row, "best_of_family")) ? " *" : "");
+        printf("%-14s", text);
+        for (const text_column *c = columns; c->heading; ++c)
+            print_cell(c, estimate_text(row, c->key, c->interval, 1, "", 3, text));
+        putchar('\n');
+    }
+    for (size_t i = 0; i < json_array_size(rows); ++i)
+        print_contrasts(json_array_get(rows, i));
+    for (size_t i = 0; i < json_array_size(rows); ++i)
+        print_coverage(json_array_get(rows, i));
+}
+
+static void print_pairs_table(const eval_run *run, const char *by, const char *name, const json_t *rows) {
+    (void)run, (void)by;
+    const json_t *first = json_array_get(rows, 0);
     if (!first) {
-        printf("\n%s: no pairs\n", table->name);
+        printf("\n%s: no pairs\n", name);
         return;
     }
-    printf("\n%s: %zu pairs of %zu materials\n", table->name, first->n, first->n_materials);
-    printf("%-14s  %-22s  %-22s %7s %7s %7s %7s %7s %7s\n", "", "Spearman [95 %]", "mean by material", "Pearson",
-           "Kendall", "MAE", "RMSE", "R2", "order");
-    for (size_t i = 0; i < run->n_predictors; ++i) {
-        const nqm_agreement *a = &table->results[i];
-        char name[48];
-        snprintf(name, sizeof name, "%.40s%s", a->name, a->best_of_family ? " *" : "");
-        printf("%-14s", name);
-        print_interval(&a->spearman);
-        print_interval(&a->spearman_mean_by_material);
-        print_number(a->pearson.value);
-        print_number(a->kendall.value);
-        print_number(a->mae.value);
-        print_number(a->rmse.value);
-        print_number(a->r2.value);
-        print_number(a->order.value);
-        putchar('\n');
-    }
-    print_contrasts(run, table);
-    print_coverage(run, table);
+    printf("\n%s: %.0f pairs of %.0f materials\n", name, number_at(first, "n"), number_at(first, "n_materials"));
+    print_rows(rows, pair_text);
 }
 
-static int print_text(const eval_run *run) {
-    end_progress();
+static void print_pairs_text(const eval_run *run) {
     const char *label = run->human ? nqm_human_get_info(run->human).kind_name : "JOD";
     if (run->human)
         printf("human    %s, column: %s\n", run->dataset_path, label);
     else
         printf("dataset  %s, split: %s\n", run->dataset_path, run->split_name);
-    for (size_t i = 0; i < run->n_tables; ++i)
-        print_table(run, &run->tables[i]);
+    print_tables(run, print_pairs_table);
     printf(
         "\nCorrelations with the labels (%s), signed so that higher is better. Intervals: bootstrap over materials.\n"
         "The mean by material counts materials with at least 3 pairs. MAE, RMSE in JOD. * best of its family.\n"
         "Order: share in the right order of the tests of one material whose labels differ by more than %g.\n",
         label, run->order_margin);
-    return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
+}
+
+static void print_choices_text(const eval_run *run) {
+    nqm_human_info info = nqm_human_get_info(run->human);
+    printf("choices  %s: %.0f between %zu pairs of tests, %zu references of %zu materials\n\n", run->dataset_path,
+           info.n_choices, info.n_triplets, info.n_refs, info.n_groups);
+    print_rows(run->results, choice_text);
+    printf("\nThe best possible predictor reaches %.3f; most of the other people predict a person in ", info.ceiling);
+    if (isfinite(info.ceiling_other_people))
+        printf("%.3f", info.ceiling_other_people);
+    else
+        printf("- (one choice each)");
+    puts(" of the choices.\n"
+         "Agreement: share of the choices for the test that the predictor finds better; ties count half, 0.5 is "
+         "guessing.\n"
+         "Majority: share of the pairs of tests in which it sides with most people. * best of its family.\n"
+         "Intervals: bootstrap over materials.");
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-json_t *interval_json(const double ci95[2]) {
-    return isfinite(ci95[0]) ? json_pack("[o,o]", json_number(ci95[0]), json_number(ci95[1])) : json_null();
+static json_t *human_json(const nqm_human *human) {
+    nqm_human_info info = nqm_human_get_info(human);
+    json_t *json = json_pack("{s:s,s:I,s:I,s:I}", "kind", info.kind_name, "rows", (json_int_t)info.n_rows, "references",
+                             (json_int_t)info.n_refs, "materials", (json_int_t)info.n_groups);
+    if (info.kind == NQM_HUMAN_CHOICE)
+        json_object_update_new(json, json_pack("{s:I,s:f,s:o,s:o}", "triplets", (json_int_t)info.n_triplets, "choices",
+                                               info.n_choices, "ceiling", json_number(info.ceiling),
+                                               "ceiling_other_people", json_number(info.ceiling_other_people)));
+    return json;
 }
 
-json_t *difference_json(const nqm_difference *d) {
-    return json_pack("{s:o,s:o,s:o}", "difference", json_number(d->value), "ci95", interval_json(d->ci95),
-                     "share_below_0", json_number(d->share_below_0));
-}
-
-static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts) {
-    json_t *list = json_array();
-    for (size_t i = 0; i < N_RIVALS; ++i) {
-        const nqm_contrast *c = &contrasts[i];
-        if (c->first != c->second)
-            json_array_append_new(list, json_pack("{s:s,s:b,s:o,s:o,s:o}", "with", predictor_name(run, c->second),
-                                                  "best_baseline", i == RIVAL_BASELINE, "spearman",
-                                                  difference_json(&c->spearman), "spearman_mean_by_material",
-                                                  difference_json(&c->spearman_mean_by_material), "order",
-                                                  difference_json(&c->order)));
-    }
-    return list;
-}
-
-static const struct {
-    const char *name, *interval;
-    size_t offset; /* of the nqm_estimate in nqm_agreement */
-} statistics[N_STATISTICS] = {
-    {"spearman", "ci95", offsetof(nqm_agreement, spearman)},
-    {"spearman_mean_by_material", "ci95_mean_by_material", offsetof(nqm_agreement, spearman_mean_by_material)},
-    {"pearson", "ci95_pearson", offsetof(nqm_agreement, pearson)},
-    {"kendall", "ci95_kendall", offsetof(nqm_agreement, kendall)},
-    {"mae", "ci95_mae", offsetof(nqm_agreement, mae)},
-    {"rmse", "ci95_rmse", offsetof(nqm_agreement, rmse)},
-    {"r2", "ci95_r2", offsetof(nqm_agreement, r2)},
-    {"order", "ci95_order", offsetof(nqm_agreement, order)},
-};
-
-nqm_estimate *statistic_of(nqm_agreement *a, size_t i) {
-    return (nqm_estimate *)((char *)a + statistics[i].offset);
-}
-
-json_t *agreement_json(const nqm_agreement *a) {
-    json_t *row = json_pack("{s:s,s:I,s:I,s:I}", "name", a->name, "n", (json_int_t)a->n, "n_materials",
-                            (json_int_t)a->n_materials, "n_ordered", (json_int_t)a->n_ordered);
-    for (size_t i = 0; i < N_STATISTICS; ++i) {
-        const nqm_estimate *e = (const nqm_estimate *)((const char *)a + statistics[i].offset);
-        json_object_set_new(row, statistics[i].name, json_number(e->value));
-        json_object_set_new(row, statistics[i].interval, interval_json(e->ci95));
-    }
-    return row;
-}
-
-static json_t *row_json(const eval_run *run, const eval_table *table, size_t predictor) {
-    const nqm_agreement *a = &table->results[predictor];
-    json_t *row = agreement_json(a);
-    json_object_set_new(row, "type", json_string(is_model(run, predictor) ? "model" : "metric"));
-    if (is_model(run, predictor)) {
-        json_object_set_new(row, "contrasts", contrasts_json(run, table->contrasts + predictor * N_RIVALS));
-        json_object_set_new(row, "interval", coverage_json(table, predictor));
-    } else {
-        json_object_set_new(row, "best_of_family", json_boolean(a->best_of_family));
-        json_object_set_new(row, "best_baseline", json_boolean(a->best_baseline));
-    }
-    return row;
-}
-
-static json_t *table_json(const eval_run *run, const eval_table *table) {
-    json_t *list = json_array();
-    for (size_t i = 0; table->results && i < run->n_predictors; ++i)
-        json_array_append_new(list, row_json(run, table, i));
-    return list;
-}
-
-json_t *models_json(const eval_run *run) {
+static int print_json_results(const eval_run *run) {
     json_t *models = json_array();
     for (size_t i = 0; i < run->n_models; ++i)
         json_array_append_new(models, model_json(run->models[i], run->precision));
-    return models;
-}
-
-static int print_json_tables(const eval_run *run) {
-    json_t *selections = json_object(); /* "by_kind": {"ggx": [..], ..} */
-    for (size_t i = 1; i < run->n_tables; ++i) {
-        const eval_table *table = &run->tables[i];
-        char key[24];
-        snprintf(key, sizeof key, "by_%s", table->by);
-        if (!json_object_get(selections, key))
-            json_object_set_new(selections, key, json_object());
-        json_object_set_new(json_object_get(selections, key), table->name, table_json(run, table));
+    json_t *json = json_pack("{s:i,s:o,s:{s:o,s:s}}", "schema", 1, "tool", json_tool(), "dataset", "path",
+                             json_name(run->dataset_path), "sha256", nqm_dataset_get_info(run->dataset).sha256);
+    if (!run->is_choice) {
+        json_object_set_new(json_object_get(json, "dataset"), "split", json_string(run->split_name));
+        json_object_set_new(json, "order_margin", json_real(run->order_margin));
     }
-    nqm_dataset_info info = nqm_dataset_get_info(run->dataset);
-    json_t *json =
-        json_pack("{s:i,s:o,s:{s:o,s:s,s:s},s:f,s:o,s:o}", "schema", 1, "tool", json_tool(), "dataset", "path",
-                  json_name(run->dataset_path), "sha256", info.sha256, "split", run->split_name, "order_margin",
-                  run->order_margin, "models", models_json(run), "results", table_json(run, &run->tables[0]));
+    json_object_set_new(json, "models", models);
+    json_object_set(json, "results", run->results);
     if (run->human)
         json_object_set_new(json, "human", human_json(run->human));
-    json_object_update(json, selections);
-    json_decref(selections);
+    json_object_update(json, run->selections);
     return print_json(json);
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
-void print_csv_difference(const char *rival, const nqm_difference *difference) {
-    nqm_difference d = {NAN, {NAN, NAN}, NAN};
-    if (difference)
-        d = *difference;
-    printf(",%s", rival ? rival : "");
-    print_csv_numbers(stdout, 4, (const double[]){d.value, d.ci95[0], d.ci95[1], d.share_below_0});
+/* Columns: headings, each with the path of the value in a row if that is not the heading. */
+static const char pair_columns[] =
+    "by,selection,name,type,n,n_materials,spearman,ci95_low=ci95.0,ci95_high=ci95.1,spearman_mean_by_material,"
+    "mean_ci95_low=ci95_mean_by_material.0,mean_ci95_high=ci95_mean_by_material.1,pearson,kendall,mae,rmse,r2,"
+    "pearson_low=ci95_pearson.0,pearson_high=ci95_pearson.1,kendall_low=ci95_kendall.0,kendall_high=ci95_kendall.1,"
+    "mae_low=ci95_mae.0,mae_high=ci95_mae.1,rmse_low=ci95_rmse.0,rmse_high=ci95_rmse.1,r2_low=ci95_r2.0,"
+    "r2_high=ci95_r2.1,order,order_low=ci95_order.0,order_high=ci95_order.1,n_ordered,best_of_family,best_baseline,"
+    "rival=contrasts.best_baseline.with,difference=contrasts.best_baseline.spearman.difference,"
+    "difference_low=contrasts.best_baseline.spearman.ci95.0,difference_high=contrasts.best_baseline.spearman.ci95.1,"
+    "share_below_0=contrasts.best_baseline.spearman.share_below_0,"
+    "rival_2=contrasts.log_diff.with,difference_2=contrasts.log_diff.spearman.difference,"
+    "difference_2_low=contrasts.log_diff.spearman.ci95.0,difference_2_high=contrasts.log_diff.spearman.ci95.1,"
+    "share_2_below_0=contrasts.log_diff.spearman.share_below_0,"
+    "coverage=interval.inside,coverage_low=interval.ci95.0,coverage_high=interval.ci95.1,"
+    "coverage_by_material=interval.by_material,coverage_by_material_low=interval.ci95_by_material.0,"
+    "coverage_by_material_high=interval.ci95_by_material.1,coverage_lowest=interval.lowest,"
+    "interval_width=interval.mean_width";
+static const char choice_columns[] =
+    "name,type,triplets,choices,agreement,ci95_low=ci95.0,ci95_high=ci95.1,majority,ceiling,ceiling_other_people,"
+    "best_of_family,best_baseline,"
+    "rival=contrasts.best_baseline.with,difference=contrasts.best_baseline.agreement.difference,"
+    "difference_low=contrasts.best_baseline.agreement.ci95.0,difference_high=contrasts.best_baseline.agreement.ci95.1,"
+    "share_below_0=contrasts.best_baseline.agreement.share_below_0,"
+    "rival_2=contrasts.log_diff.with,difference_2=contrasts.log_diff.agreement.difference,"
+    "difference_2_low=contrasts.log_diff.agreement.ci95.0,difference_2_high=contrasts.log_diff.agreement.ci95.1,"
+    "share_2_below_0=contrasts.log_diff.agreement.share_below_0";
+
+static void print_csv_value(const json_t *value) {
+    if (json_is_string(value))
+        print_csv_text(stdout, json_string_value(value));
+    else if (json_is_boolean(value))
+        putchar(json_is_true(value) ? '1' : '0');
+    else if (json_is_number(value))
+        print_csv_number(stdout, json_number_value(value));
 }
 
-static void print_csv_row(const eval_run *run, const eval_table *table, size_t predictor) {
-    const nqm_agreement *a = &table->results[predictor];
-    const nqm_contrast *contrasts = is_model(run, predictor) ? table->contrasts + predictor * N_RIVALS : NULL;
-    print_csv_agreement(stdout, table->by, table->name, is_model(run, predictor) ? "model" : "metric", a);
-    const double numbers[] = {a->pearson.ci95[0], a->pearson.ci95[1], a->kendall.ci95[0], a->kendall.ci95[1],
-                              a->mae.ci95[0],     a->mae.ci95[1],     a->rmse.ci95[0],    a->rmse.ci95[1],
-                              a->r2.ci95[0],      a->r2.ci95[1],      a->order.value,     a->order.ci95[0],
-                              a->order.ci95[1]};
-    print_csv_numbers(stdout, sizeof numbers / sizeof *numbers, numbers);
-    printf(",%zu,%d,%d", a->n_ordered, a->best_of_family, a->best_baseline);
-    for (size_t i = 0; i < N_RIVALS; ++i) {
-        const nqm_contrast *c = contrasts ? &contrasts[i] : NULL;
-        bool there = c && c->first != c->second;
-        print_csv_difference(there ? predictor_name(run, c->second) : NULL, there ? &c->spearman : NULL);
+/* A line of values, from `row` or else from `facts`; row NULL: of the headings. */
+static void print_csv_line(const char *columns, const json_t *row, const json_t *facts) {
+    for (size_t n; *columns; columns += n + (columns[n] == ',')) {
+        char heading[120];
+        n = strcspn(columns, ",");
+        snprintf(heading, sizeof heading, "%.*s", (int)n, columns);
+        char *path = strchr(heading, '=');
+        if (path)
+            *path++ = '\0';
+        const json_t *value = value_at(row, path ? path : heading);
+        if (row)
+            print_csv_value(value ? value : value_at(facts, heading));
+        else
+            printf("%s", heading);
+        putchar(columns[n] == ',' ? ',' : '\n');
     }
-    print_csv_coverage(is_model(run, predictor) ? &table->coverage[predictor] : NULL);
-    putchar('\n');
 }
 
-static int print_csv(const eval_run *run) {
-    end_progress();
-    printf("%s,pearson_low,pearson_high,kendall_low,kendall_high,mae_low,"
-           "mae_high,rmse_low,rmse_high,r2_low,r2_high,order,order_low,order_high,n_ordered,best_of_family,"
-           "best_baseline,rival,difference,difference_low,difference_high,share_below_0,rival_2,difference_2,"
-           "difference_2_low,difference_2_high,share_2_below_0,%s\n",
-           agreement_columns, coverage_columns);
-    for (size_t i = 0; i < run->n_tables * run->n_predictors; ++i)
-        if (run->tables[i / run->n_predictors].results)
-            print_csv_row(run, &run->tables[i / run->n_predictors], i % run->n_predictors);
-    return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
+static void print_csv_table(const eval_run *run, const char *by, const char *name, const json_t *rows) {
+    json_t *facts =
+        json_pack("{s:s,s:s,s:b,s:b}", "by", by, "selection", name, "best_of_family", 0, "best_baseline", 0);
+    if (run->human)
+        json_object_update_new(facts, human_json(run->human));
+    for (size_t i = 0; i < json_array_size(rows); ++i)
+        print_csv_line(run->is_choice ? choice_columns : pair_columns, json_array_get(rows, i), facts);
+    json_decref(facts);
 }
+
+/* ---- all --------------------------------------------------------------------------------------------------------- */
 
 int print_evaluation(const eval_run *run, result_format format) {
-    return format == FORMAT_JSON ? print_json_tables(run) : format == FORMAT_CSV ? print_csv(run) : print_text(run);
+    if (format == FORMAT_JSON)
+        return print_json_results(run);
+    end_progress();
+    if (format == FORMAT_CSV) {
+        print_csv_line(run->is_choice ? choice_columns : pair_columns, NULL, NULL);
+        print_tables(run, print_csv_table);
+    } else if (run->is_choice) {
+        print_choices_text(run);
+    } else {
+        print_pairs_text(run);
+    }
+    return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
 }

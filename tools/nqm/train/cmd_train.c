@@ -3,7 +3,7 @@
  * nqm train - trains a model on a dataset. The recipe sets the defaults of the options, so that --help shows its
  * values.
  */
-#include "nqm/train/train_tool.h"
+#include "nqm/tool.h"
 #include "train/recipes.h"
 
 #include <errno.h>
@@ -76,31 +76,33 @@ static void on_epoch(void *user, size_t epoch, double train_loss, double validat
     fflush(log->stream);
 }
 
-int train_and_save(const char *verb, const nqm_dataset *dataset, const nqm_train_options *options, const char *path,
-                   const char *log_path, nqm_model **model_ret, nqm_train_report *report_ret) {
+/* Train with progress on the terminal, write the losses of each epoch (a->log) and the model, and load the written file
+ * (*model_ret; NULL if it is standard output). Reports errors; returns an exit code. */
+static int train_and_save(const train_arguments *a, const nqm_dataset *dataset, const char *card, nqm_model **model_ret,
+                          nqm_train_report *report_ret) {
     nqm_error err = {0};
     nqm_model *trained = NULL;
-    nqm_train_options o = *options;
+    nqm_train_options o = a->options;
     output_file log = {0};
-    int exit_code = log_path ? open_output(verb, log_path, &log) : EXIT_OK;
-    *model_ret = NULL;
+    int exit_code = a->log ? open_output("train", a->log, &log) : EXIT_OK;
     if (exit_code != EXIT_OK)
         return exit_code;
     if (log.stream)
         fputs("epoch,train_loss,validation_loss,lr_first\n", log.stream);
     epoch_log epochs = {o.id, log.stream};
+    o.card = card;
     o.run.progress = show_progress;
     o.run.epoch_done = on_epoch;
     o.run.epoch_user = &epochs;
     nqm_status status = nqm_train(dataset, &o, &trained, report_ret, &err);
     if (status == NQM_OK)
-        status = nqm_model_save(trained, output_path(path), &err);
-    if (status == NQM_OK && strcmp(path, "-") != 0)
-        status = nqm_model_load(path, model_ret, &err);
+        status = nqm_model_save(trained, output_path(a->output), &err);
+    if (status == NQM_OK && strcmp(a->output, "-") != 0)
+        status = nqm_model_load(a->output, model_ret, &err);
     if (status != NQM_OK)
-        exit_code = report_error(verb, &err);
+        exit_code = report_error("train", &err);
     nqm_model_free(trained);
-    int log_code = close_output(verb, &log, exit_code == EXIT_OK);
+    int log_code = close_output("train", &log, exit_code == EXIT_OK);
     if (exit_code == EXIT_OK && log_code != EXIT_OK) {
         nqm_model_free(*model_ret);
         *model_ret = NULL;
@@ -138,7 +140,6 @@ static int print_report(const train_arguments *a, const nqm_train_report *r, con
 }
 
 static int run_training(const train_arguments *a, const char *dataset_path) {
-    nqm_train_options o = a->options;
     nqm_dataset *dataset = NULL;
     nqm_model *model = NULL;
     nqm_train_report training;
@@ -148,9 +149,8 @@ static int run_training(const train_arguments *a, const char *dataset_path) {
         exit_code = read_text("train", a->card, &card);
     if (exit_code == EXIT_OK)
         exit_code = open_dataset("train", dataset_path, a->labels, NQM_SPLIT_ALL, &dataset);
-    o.card = card;
     if (exit_code == EXIT_OK)
-        exit_code = train_and_save("train", dataset, &o, a->output, a->log, &model, &training);
+        exit_code = train_and_save(a, dataset, card, &model, &training);
     if (model) { /* otherwise standard output contains the model */
         nqm_model_info info = nqm_model_get_info(model);
         exit_code = print_report(a, &training, &info);

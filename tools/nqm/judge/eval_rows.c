@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm eval - judges predictors and makes a row of each result.
+ */
+#include "nqm/judge/eval.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The two metrics with which each model is compared. */
+enum { RIVAL_BASELINE, RIVAL_LOG_DIFF, N_RIVALS };
+
+const char *predictor_name(const eval_run *run, size_t predictor) {
+    return predictor < run->n_models ? nqm_model_get_info(run->models[predictor]).id
+                                     : nqm_metric_name((nqm_metric)(predictor - run->n_models));
+}
+
+/* ---- parts of a row ---------------------------------------------------------------------------------------------- */
+
+static json_t *interval_json(const double ci95[2]) {
+    return isfinite(ci95[0]) ? json_pack("[o,o]", json_number(ci95[0]), json_number(ci95[1])) : json_null();
+}
+
+static void set_estimate(json_t *row, const char *key, const char *interval_key, const nqm_estimate *e) {
+    json_object_set_new(row, key, json_number(e->value));
+    json_object_set_new(row, interval_key, interval_json(e->ci95));
+}
+
+static json_t *difference_json(const nqm_difference *d) {
+    return json_pack("{s:o,s:o,s:o}", "difference", json_number(d->value), "ci95", interval_json(d->ci95),
+                     "share_below_0", json_number(d->share_below_0));
+}
+
+static void set_agreement(json_t *row, const nqm_agreement *a) {
+    const struct {
+        const char *key, *interval;
+        const nqm_estimate *estimate;
+    } statistics[] = {
+        {"spearman", "ci95", &a->spearman},
+        {"spearman_mean_by_material", "ci95_mean_by_material", &a->spearman_mean_by_material},
+        {"pearson", "ci95_pearson", &a->pearson},
+        {"kendall", "ci95_kendall", &a->kendall},
+        {"mae", "ci95_mae", &a->mae},
+        {"rmse", "ci95_rmse", &a->rmse},
+        {"r2", "ci95_r2", &a->r2},
+        {"order", "ci95_order", &a->order},
+    };
+    json_object_update_new(row, json_pack("{s:I,s:I,s:I}", "n", (json_int_t)a->n, "n_materials",
+                                          (json_int_t)a->n_materials, "n_ordered", (json_int_t)a->n_ordered));
+    for (size_t i = 0; i < sizeof statistics / sizeof *statistics; ++i)
+        set_estimate(row, statistics[i].key, statistics[i].interval, statistics[i].estimate);
+}
+
+static json_t *coverage_json(const nqm_coverage *c) {
+    json_t *json = json_object(), *ranges = json_array();
+    set_estimate(json, "inside", "ci95", &c->inside);
+    set_estimate(json, "by_material", "ci95_by_material", &c->by_material);
+    for (const nqm_coverage_range *r = c->ranges; r < c->ranges + NQM_COVERAGE_RANGES; ++r)
+        json_array_append_new(ranges, json_pack("{s:f,s:I,s:o,s:o}", "from", r->from, "n", (json_int_t)r->n, "inside",
+                                                json_number(r->inside), "mean_width", json_number(r->mean_width)));
+    json_object_update_new(json, json_pack("{s:o,s:o,s:o,s:o,s:o,s:o}", "lowest", json_number(c->lowest),
+                                           "lowest_material", json_name(c->lowest_material), "below",
+                                           json_number(c->below), "above", json_number(c->above), "mean_width",
+                                           json_number(c->mean_width), "by_predicted_jod", ranges));
+    return json;
+}
+
+/* Append a row with its name, its type and, of a metric, its marks; the caller adds the values. NULL: out of memory. */
+static json_t *append_row(const eval_run *run, json_t *rows, int best_of_family, int best_baseline) {
+    const size_t i = json_array_size(rows);
+    const bool is_model = i < run->n_models;
+    json_t *row = json_pack("{s:s,s:s}", "name", predictor_name(run, i), "type", is_model ? "model" : "metric");
+    if (!is_model)
+        json_object_update_new(
+            row, json_pack("{s:b,s:b}", "best_of_family", best_of_family, "best_baseline", best_baseline));
+    return json_array_append_new(rows, row) == 0 ? row : NULL;
+}
+
+/* The metric with which contrast `i` of a model compares it: a predictor, or the model itself if there is none. */
+static size_t rival_of(const eval_run *run, size_t model, size_t i, size_t best_baseline) {
+    if (i == RIVAL_LOG_DIFF)
+        return run->n_models + NQM_METRIC_LOG_DIFF;
+    return best_baseline < run->n_predictors ? best_baseline : model;
+}
+
+/* ---- selections of pairs ----------------------------------------------------------------------------------------- */
+
+static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < N_RIVALS; ++i) {
+        const nqm_contrast *c = &contrasts[i];
+        if (c->first != c->second)
+            json_array_append_new(list, json_pack("{s:s,s:b,s:o,s:o,s:o}", "with", predictor_name(run, c->second),
+                                                  "best_baseline", i == RIVAL_BASELINE, "spearman",
+                                                  difference_json(&c->spearman), "spearman_mean_by_material",
+                                                  difference_json(&c->spearman_mean_by_material), "order",
+                                                  difference_json(&c->order)));
+    }
+    return list;
+}
+
+/* The coverage of a model's intervals; null if it has none, or if labels are not JODs. */
+static nqm_status set_coverage(const eval_run *run, const nqm_eval_options *o, size_t model, json_t *row,
+                               nqm_error *err) {
+    nqm_coverage coverage;
+    nqm_status status = NQM_OK;
+    json_t *json = NULL;
+    if (run->is_jod && *nqm_model_get_info(run->models[model]).calibration) {
+        status = nqm_evaluation_coverage(run->evaluation, o, model, &coverage, err);
+        json = status == NQM_OK ? coverage_json(&coverage) : NULL;
+    }
+    json_object_set_new(row, "interval", json ? json : json_null());
+    return status;
+}
+
+nqm_status judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows, nqm_error *err) {
+    const size_t n_contrasts = run->n_models * N_RIVALS;
+    size_t best = run->n_predictors;
+    nqm_agreement *results = calloc(run->n_predictors, sizeof *results);
+    nqm_contrast *contrasts = calloc(n_contrasts + 1, sizeof *contrasts);
+    nqm_status status = results && contrasts ? nqm_evaluation_judge(run->evaluation, o, results, err)
+                                             : nqm_fail_nomem(err, n_contrasts * sizeof *contrasts);
+    for (size_t i = run->n_models; status == NQM_OK && i < run->n_predictors; ++i)
+        if (results[i].best_baseline)
+            best = i;
+    for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i) {
+        contrasts[i].first = i / N_RIVALS;
+        contrasts[i].second = rival_of(run, i / N_RIVALS, i % N_RIVALS, best);
+    }
+    if (status == NQM_OK && n_contrasts)
+        status = nqm_evaluation_contrast(run->evaluation, o, n_contrasts, contrasts, err);
+    for (size_t i = 0; status == NQM_OK && i < run->n_predictors; ++i) {
+        json_t *row = append_row(run, rows, results[i].best_of_family, results[i].best_baseline);
+        set_agreement(row, &results[i]);
+        if (i < run->n_models) {
+            json_object_set_new(row, "contrasts", contrasts_json(run, contrasts + i * N_RIVALS));
+            status = set_coverage(run, o, i, row, err);
+        }
+    }
+    free(results);
+    free(contrasts);
+    return status;
+}
+
+/* ---- choices ----------------------------------------------------------------------------------------------------- */
+
+static nqm_status set_choice_contrasts(const eval_run *run, const nqm_eval_options *o, size_t model, size_t best,
+                                       json_t *row, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    json_t *list = json_array();
+    for (size_t k = 0; k < N_RIVALS && status == NQM_OK; ++k) {
+        const size_t rival = rival_of(run, model, k, best);
+        nqm_difference difference;
+        if (rival == model)
+            continue;
+        status = nqm_human_contrast_choices(run->human, run->evaluation, o, model, rival, &difference, err);
+        if (status == NQM_OK)
+            json_array_append_new(list, json_pack("{s:s,s:b,s:o}", "with", predictor_name(run, rival), "best_baseline",
+                                                  k == RIVAL_BASELINE, "agreement", difference_json(&difference)));
+    }
+    json_object_set_new(row, "contrasts", list);
+    return status;
+}
+
+nqm_status judge_choices(const eval_run *run, const nqm_eval_options *o, json_t *rows, nqm_error *err) {
+    size_t best = run->n_predictors;
+    nqm_choice_agreement *results = calloc(run->n_predictors, sizeof *results);
+    nqm_status status = results ? nqm_human_judge_choices(run->human, run->evaluation, o, results, err)
+                                : nqm_fail_nomem(err, run->n_predictors * sizeof *results);
+    for (size_t i = run->n_models; status == NQM_OK && i < run->n_predictors; ++i)
+        if (results[i].best_baseline)
+            best = i;
+    for (size_t i = 0; status == NQM_OK && i < run->n_predictors; ++i) {
+        json_t *row = append_row(run, rows, results[i].best_of_family, results[i].best_baseline);
+        set_estimate(row, "agreement", "ci95", &results[i].agreement);
+        json_object_set_new(row, "majority", json_number(results[i].majority));
+        if (i < run->n_models)
+            status = set_choice_contrasts(run, o, i, best, row, err);
+    }
+    free(results);
+    return status;
+}
