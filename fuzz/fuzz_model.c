@@ -48,10 +48,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 blob fuzz_seed(void) {
     enum { N_DIRECTIONS = 2 };
     static const char path[] = "fuzz_model.tmp";
-    double directions[3 * N_DIRECTIONS] = {0};
-    struct nqm_model model = {.n_directions = N_DIRECTIONS, .directions_deg = directions, .target_std = 1, .out_hi = 1};
-    static char scalar_names[] = "a";
-    model.scalar_names = scalar_names;
+    const double degrees[3 * N_DIRECTIONS] = {0};
+    struct nqm_model model = {.output = {.std = 1, .hi = 1}, .scalar_names = nqm_scalar_names()};
+    if (!model.scalar_names || nqm_directions_from_degrees(N_DIRECTIONS, degrees, &model.directions, NULL) != NQM_OK)
+        abort();
     double interval[6] = {0, 0, 1, 10, 9, 10};
     static char calibration[] = "{}";
     model.interval = interval;
@@ -61,11 +61,11 @@ blob fuzz_seed(void) {
     model.n_novelty = 1;
     model.novelty_points = points;
     model.novelty_unit = model.novelty_growth = 1;
-    model.scalar_scale = 1;
+    model.scalars.scale = 1;
     for (size_t i = 0; i < 3; ++i)
-        model.std[i] = 1;
+        model.features.std[i] = 1;
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-        model.scalar_std[i] = 1;
+        model.scalars.std[i] = 1;
     if (nqm_params_create(&(nqm_net_shape){2, {6 * N_DIRECTIONS + NQM_SCALAR_COUNT, 3, 1}}, &model.params, NULL) !=
         NQM_OK)
         abort();
@@ -73,6 +73,8 @@ blob fuzz_seed(void) {
     if (nqm_model_save(&model, path, NULL) != NQM_OK)
         abort();
     nqm_params_free(&model.params);
+    nqm_directions_free(model.directions);
+    nqm_free(model.scalar_names);
     blob b = blob_load(path);
     unlink(path);
     return b;

@@ -7,6 +7,7 @@
 
 #include "base/base.h"
 #include "base/names.h"
+#include "io/io.h"
 #include "sample/sample.h"
 #include <nqm/data.h>
 #include <nqm/model.h>
@@ -18,18 +19,19 @@
  */
 struct nqm_dataset {
     size_t n_directions, n_refs, n_groups, n_kinds, n_pairs;
-    nqm_directions *directions;   /* owned */
-    const double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
-    const float *ref_rgb;         /* (n_refs, n_directions, 3) f_r in 1/sr, finite, >= 0 */
-    const float *test_rgb;        /* (n_pairs, n_directions, 3) */
-    const uint8_t *ref_used;      /* (n_refs, n_directions) 0: no value, 1: used; NULL: all are used */
-    const uint8_t *test_used;     /* (n_pairs, n_directions) as ref_used */
-    const uint32_t *pair_ref;     /* (n_pairs) index of the reference */
-    const uint32_t *pair_kind;    /* (n_pairs) index of the kind of distortion */
-    const double *delta_e;        /* (n_pairs) Delta-E ITP, >= 0 */
-    const double *jod;            /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
-    const uint32_t *ref_group;    /* (n_refs) index of the material group */
-    const uint8_t *group_split;   /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
+    nqm_directions *directions; /* owned */
+    /* Arrays, listed in dataset.c; only the code that builds a dataset writes to them. */
+    double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
+    float *ref_rgb;         /* (n_refs, n_directions, 3) f_r in 1/sr, finite, >= 0 */
+    float *test_rgb;        /* (n_pairs, n_directions, 3) */
+    uint8_t *ref_used;      /* (n_refs, n_directions) 0: no value, 1: used; NULL: all are used */
+    uint8_t *test_used;     /* (n_pairs, n_directions) as ref_used */
+    uint32_t *pair_ref;     /* (n_pairs) index of the reference */
+    uint32_t *pair_kind;    /* (n_pairs) index of the kind of distortion */
+    double *delta_e;        /* (n_pairs) Delta-E ITP, >= 0 */
+    double *jod;            /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
+    uint32_t *ref_group;    /* (n_refs) index of the material group */
+    uint8_t *group_split;   /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
     nqm_names ref_names, group_names;
     nqm_names kind_names;    /* "ggx", "ward", "noise", ... */
     nqm_names kind_families; /* (n_kinds) "encoding", "published", ...; empty: unknown */
@@ -44,15 +46,10 @@ struct nqm_dataset {
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */
 
 /** A dataset under construction: call nqm_dataset_begin(), nqm_dataset_add_...() and nqm_dataset_finish(). The caller
- *  writes the samples into ref_rgb and test_rgb before nqm_dataset_finish(). */
+ *  writes the samples into ref_rgb and test_rgb, and the masks, before nqm_dataset_finish(). */
 typedef struct nqm_dataset_builder {
-    nqm_dataset *dataset; /* its counts are those of the rows added so far */
-    size_t max_refs, max_pairs;
-    float *ref_rgb, *test_rgb;     /* (max_refs, n_directions, 3), (max_pairs, n_directions, 3) f_r, zeroed */
-    uint8_t *ref_used, *test_used; /* (max_refs, n_directions), (max_pairs, n_directions); NULL: without masks */
-    uint32_t *pair_ref, *pair_kind, *ref_group;
-    double *delta_e, *jod;
-    uint8_t *group_split;
+    nqm_dataset *dataset;       /* its counts are those of the rows added so far; its arrays are zeroed */
+    size_t max_refs, max_pairs; /* rows of its arrays; there is room for max_refs groups */
 } nqm_dataset_builder;
 
 /** Sizes for which a builder allocates memory. */
@@ -61,7 +58,7 @@ typedef struct nqm_dataset_limits {
     const double *directions_deg; /* (n_directions, 3), copied */
     size_t max_refs, max_pairs;   /* references and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
-    bool borrows_samples;         /* ref_rgb and test_rgb (and masks) stay NULL: the caller sets them to its own memory,
+    bool borrows_samples;         /* ref_rgb and test_rgb stay NULL: the caller sets them (and masks) to its own memory,
                                      which must outlive the dataset */
 } nqm_dataset_limits;
 
@@ -86,6 +83,14 @@ NQM_MUST_CHECK nqm_status nqm_dataset_add_pair(nqm_dataset_builder *builder, uin
  */
 NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_status status, const char *manifest,
                                              const char *name, nqm_dataset **dataset_ret, nqm_error *err);
+
+/* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
+
+enum { NQM_DATASET_ARRAYS = 11 };
+/** The i-th array as a tensor of the dataset file: name, type, shape and values (NULL: the dataset does not have it). */
+nqm_tensor nqm_dataset_array(const nqm_dataset *dataset, size_t i);
+/** Set the values of the i-th array. */
+void nqm_dataset_set_array(nqm_dataset *dataset, size_t i, const void *values);
 
 /* ---- files and checks -------------------------------------------------------------------------------------------- */
 

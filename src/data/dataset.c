@@ -7,6 +7,51 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- arrays ------------------------------------------------------------------------------------------------------ */
+
+#define FIELD(member) offsetof(nqm_dataset, member)
+
+/* Their order is that of the file and of nqm_dataset_hash(). */
+static const struct {
+    const char *name;
+    nqm_dtype dtype;
+    size_t offset, n_offset; /* of the pointer, and of the number of rows */
+    size_t n_dims;
+    bool is_rgb; /* the last dimension is 3; a dimension between the first and that is n_directions */
+} arrays[NQM_DATASET_ARRAYS] = {
+    {"directions_deg", NQM_F64, FIELD(directions_deg), FIELD(n_directions), 2, true},
+    {"ref_rgb", NQM_F32, FIELD(ref_rgb), FIELD(n_refs), 3, true},
+    {"test_rgb", NQM_F32, FIELD(test_rgb), FIELD(n_pairs), 3, true},
+    {"ref_used", NQM_U8, FIELD(ref_used), FIELD(n_refs), 2, false},
+    {"test_used", NQM_U8, FIELD(test_used), FIELD(n_pairs), 2, false},
+    {"pair_ref", NQM_U32, FIELD(pair_ref), FIELD(n_pairs), 1, false},
+    {"pair_kind", NQM_U32, FIELD(pair_kind), FIELD(n_pairs), 1, false},
+    {"delta_e", NQM_F64, FIELD(delta_e), FIELD(n_pairs), 1, false},
+    {"jod", NQM_F64, FIELD(jod), FIELD(n_pairs), 1, false},
+    {"ref_group", NQM_U32, FIELD(ref_group), FIELD(n_refs), 1, false},
+    {"group_split", NQM_U8, FIELD(group_split), FIELD(n_groups), 1, false},
+};
+
+nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {
+    const char *fields = (const char *)d;
+    nqm_tensor t = {.name = arrays[i].name, .dtype = arrays[i].dtype, .n_dims = arrays[i].n_dims};
+    t.n_bytes = nqm_dtype_size(t.dtype);
+    memcpy(&t.data, fields + arrays[i].offset, sizeof t.data);
+    memcpy(&t.dims[0], fields + arrays[i].n_offset, sizeof t.dims[0]);
+    for (size_t k = 0; k < t.n_dims; ++k) {
+        if (k > 0)
+            t.dims[k] = arrays[i].is_rgb && k + 1 == t.n_dims ? 3 : d->n_directions;
+        t.n_bytes *= t.dims[k];
+    }
+    return t;
+}
+
+void nqm_dataset_set_array(nqm_dataset *d, size_t i, const void *values) {
+    memcpy((char *)d + arrays[i].offset, &values, sizeof values);
+}
+
+/* ---- validation -------------------------------------------------------------------------------------------------- */
+
 static const double max_jod = 11; /* human scores of the paper's study reach 10.26 */
 
 static nqm_status check_counts(const nqm_dataset *d, const char *name, nqm_error *err) {
@@ -107,25 +152,19 @@ nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_erro
     return status;
 }
 
+/* ---- facts ------------------------------------------------------------------------------------------------------- */
+
 nqm_status nqm_dataset_hash(const nqm_dataset *d, char sha256_ret[65], nqm_error *err) {
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
         return nqm_fail_nomem(err, sizeof sha);
     const uint64_t counts[] = {d->n_directions, d->n_refs, d->n_groups, d->n_kinds, d->n_pairs};
     nqm_sha256_add(&sha, counts, sizeof counts);
-    nqm_sha256_add(&sha, d->directions_deg, d->n_directions * 3 * sizeof *d->directions_deg);
-    nqm_sha256_add(&sha, d->ref_rgb, d->n_refs * d->n_directions * 3 * sizeof *d->ref_rgb);
-    nqm_sha256_add(&sha, d->test_rgb, d->n_pairs * d->n_directions * 3 * sizeof *d->test_rgb);
-    if (d->ref_used)
-        nqm_sha256_add(&sha, d->ref_used, d->n_refs * d->n_directions);
-    if (d->test_used)
-        nqm_sha256_add(&sha, d->test_used, d->n_pairs * d->n_directions);
-    nqm_sha256_add(&sha, d->pair_ref, d->n_pairs * sizeof *d->pair_ref);
-    nqm_sha256_add(&sha, d->pair_kind, d->n_pairs * sizeof *d->pair_kind);
-    nqm_sha256_add(&sha, d->delta_e, d->n_pairs * sizeof *d->delta_e);
-    nqm_sha256_add(&sha, d->jod, d->n_pairs * sizeof *d->jod);
-    nqm_sha256_add(&sha, d->ref_group, d->n_refs * sizeof *d->ref_group);
-    nqm_sha256_add(&sha, d->group_split, d->n_groups);
+    for (size_t i = 0; i < NQM_DATASET_ARRAYS; ++i) {
+        const nqm_tensor t = nqm_dataset_array(d, i);
+        if (t.data)
+            nqm_sha256_add(&sha, t.data, t.n_bytes);
+    }
     nqm_sha256_end(&sha, sha256_ret);
     return NQM_OK;
 }

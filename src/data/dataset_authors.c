@@ -104,9 +104,10 @@ static nqm_status read_rgb(reader *r, const char *path, float *rgb, nqm_error *e
 static nqm_status find_reference(reader *r, const char *name, uint32_t group, uint32_t *ref_ret, nqm_error *err) {
     const nqm_dataset_builder *b = &r->builder;
     const size_t n_columns = 3 * r->n_directions, n_refs = b->dataset->n_refs;
-    const float *rgb = b->ref_rgb + n_refs * n_columns;
+    const float *rgb = b->dataset->ref_rgb + n_refs * n_columns;
     for (size_t i = n_refs; i-- > 0;)
-        if (b->ref_group[i] == group && memcmp(b->ref_rgb + i * n_columns, rgb, n_columns * sizeof *rgb) == 0) {
+        if (b->dataset->ref_group[i] == group &&
+            memcmp(b->dataset->ref_rgb + i * n_columns, rgb, n_columns * sizeof *rgb) == 0) {
             *ref_ret = (uint32_t)i;
             return NQM_OK;
         }
@@ -128,11 +129,11 @@ static nqm_status read_row(reader *r, size_t row, nqm_error *err) {
     if (status == NQM_OK)
         status = find_file(r, "ref", name, n_material, path, err);
     if (status == NQM_OK)
-        status = read_rgb(r, path, b->ref_rgb + b->dataset->n_refs * n_columns, err);
+        status = read_rgb(r, path, b->dataset->ref_rgb + b->dataset->n_refs * n_columns, err);
     if (status == NQM_OK)
         status = find_file(r, "model", name, strlen(name), path, err);
     if (status == NQM_OK)
-        status = read_rgb(r, path, b->test_rgb + row * n_columns, err);
+        status = read_rgb(r, path, b->dataset->test_rgb + row * n_columns, err);
     if (status == NQM_OK)
         status = nqm_dataset_add_group(b, name, n_material, r->split, &group, err);
     if (status == NQM_OK)

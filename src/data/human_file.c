@@ -126,9 +126,9 @@ static nqm_status add_reference(reader *r, size_t first) {
     nqm_status status = nqm_dataset_add_group(&r->builder, name, strlen(name), NQM_SPLIT_TEST, &group, r->err);
     if (status == NQM_OK)
         status = nqm_dataset_add_reference(&r->builder, e->ref, group, r->err);
-    return status == NQM_OK
-               ? sample_brdf(r, e->ref, e->row, r->builder.ref_rgb + 3 * n * ref, r->builder.ref_used + n * ref)
-               : status;
+    return status == NQM_OK ? sample_brdf(r, e->ref, e->row, r->builder.dataset->ref_rgb + 3 * n * ref,
+                                          r->builder.dataset->ref_used + n * ref)
+                            : status;
 }
 
 static nqm_status add_pair(reader *r, size_t i) {
@@ -136,8 +136,8 @@ static nqm_status add_pair(reader *r, size_t i) {
     const nqm_dataset *d = r->builder.dataset;
     const size_t n = d->n_directions, ref = d->n_refs - 1;
     const double value = r->answers.n_slots == 1 ? r->answers.values[e->row] : (double)NAN;
-    float *rgb = r->builder.test_rgb + 3 * n * d->n_pairs;
-    uint8_t *used = r->builder.test_used + n * d->n_pairs;
+    float *rgb = r->builder.dataset->test_rgb + 3 * n * d->n_pairs;
+    uint8_t *used = r->builder.dataset->test_used + n * d->n_pairs;
     uint32_t kind = 0;
     nqm_status status = NQM_OK;
     if (repeats_pair(r, i)) { /* another score for the same test */
@@ -147,7 +147,7 @@ static nqm_status add_pair(reader *r, size_t i) {
         status = sample_brdf(r, e->test, e->row, rgb, used);
     }
     if (status == NQM_OK)
-        status = check_valid(r, e, r->builder.ref_used + n * ref, used);
+        status = check_valid(r, e, r->builder.dataset->ref_used + n * ref, used);
     if (status == NQM_OK)
         status = nqm_dataset_add_kind(
             &r->builder,

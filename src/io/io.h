@@ -13,6 +13,8 @@
 
 typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U32, NQM_F16 } nqm_dtype;
 enum { NQM_MAX_DIMS = 5 };
+/** Bytes of one value. */
+size_t nqm_dtype_size(nqm_dtype dtype);
 
 typedef struct nqm_tensor {
     const char *name;

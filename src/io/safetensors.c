@@ -31,6 +31,10 @@ static const struct {
 
 static const char sha_key[] = "\"sha256\":\"";
 
+size_t nqm_dtype_size(nqm_dtype dtype) {
+    return dtypes[dtype].n_bytes;
+}
+
 static bool tensor_size(nqm_dtype dtype, size_t n_dims, const size_t *dims, size_t *n_bytes) {
     size_t n = dtypes[dtype].n_bytes;
     for (size_t i = 0; i < n_dims; ++i)

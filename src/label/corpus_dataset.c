@@ -106,10 +106,10 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     nqm_status status = nqm_dataset_begin(&limits, &b, err);
     if (status == NQM_OK) {
         size_t test = 0;
-        b.ref_rgb = c->ref_rgb;
-        b.ref_used = c->ref_used;
-        b.test_rgb = c->test_rgb;
-        b.test_used = c->test_used;
+        b.dataset->ref_rgb = c->ref_rgb;
+        b.dataset->ref_used = c->ref_used;
+        b.dataset->test_rgb = c->test_rgb;
+        b.dataset->test_used = c->test_used;
         status = add_kinds(c, &b, err);
         for (size_t i = 0; status == NQM_OK && i < c->n_items; ++i)
             status = add_item(c, i, &test, &b, err);

@@ -11,7 +11,6 @@
 
 struct nqm_predictor {
     const nqm_model *model;
-    nqm_features features;
     size_t samples_width; /* number of inputs that come from samples */
     size_t stride;        /* floats from one row of x to the next */
     nqm_inference_work *work;
@@ -27,39 +26,29 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     nqm_status status = nqm_model_inference(model, precision, &net, err);
     if (status != NQM_OK)
         return status;
-    nqm_predictor *p = nqm_alloc(1, sizeof *p);
-    if (!p)
-        return nqm_fail_nomem(err, sizeof *p);
-    p->model = model;
-    p->features = (nqm_features){.layout = model->layout, .difference_scale = model->difference_scale};
-    for (size_t k = 0; k < 3; ++k) {
-        p->features.mean[k] = model->mean[k];
-        p->features.std[k] = model->std[k];
-    }
-    p->samples_width = nqm_features_width(model->layout, model->n_directions);
-    p->stride = nqm_row_stride(p->samples_width + nqm_model_n_scalars(model));
-    p->t = nqm_alloc(max_batch, 6 * model->n_directions * sizeof *p->t);
-    p->x = nqm_alloc(max_batch, p->stride * sizeof *p->x);
-    p->z = nqm_alloc(max_batch, sizeof *p->z);
-    if (!p->t || !p->x || !p->z)
-        status = nqm_fail_nomem(err, max_batch * (6 * model->n_directions + p->stride + 1) * sizeof(float));
-    else
-        status = nqm_inference_work_create(net, max_batch, &p->work, err);
-    if (status != NQM_OK) {
-        nqm_predictor_free(p);
+    const size_t n_directions = model->directions->n;
+    const size_t samples_width = nqm_features_width(model->features.layout, n_directions);
+    const size_t stride = nqm_row_stride(samples_width + nqm_model_n_scalars(model));
+    nqm_predictor *p;
+    float *t, *x, *z;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, max_batch, 6 * n_directions * sizeof *t},
+                                         {&x, max_batch, stride * sizeof *x}, {&z, max_batch, sizeof *z}),
+                              err);
+    if (status != NQM_OK)
         return status;
-    }
-    *predictor_ret = p;
-    return NQM_OK;
+    *p = (nqm_predictor){.model = model, .samples_width = samples_width, .stride = stride, .t = t, .x = x, .z = z};
+    status = nqm_inference_work_create(net, max_batch, &p->work, err);
+    if (status == NQM_OK)
+        *predictor_ret = p;
+    else
+        nqm_free(p);
+    return status;
 }
 
 void nqm_predictor_free(nqm_predictor *predictor) {
     if (!predictor)
         return;
     nqm_inference_work_free(predictor->work);
-    nqm_free(predictor->t);
-    nqm_free(predictor->x);
-    nqm_free(predictor->z);
     nqm_free(predictor);
 }
 
@@ -73,23 +62,22 @@ typedef struct compose_job {
 
 /* Compute the inputs of pair i that come from samples; ref_t: its transformed reference. */
 static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t i, const float *ref_t) {
-    const size_t n_directions = p->model->n_directions;
+    const size_t n_directions = p->model->directions->n;
     float *test_t = p->t + (2 * i + 1) * 3 * n_directions;
     nqm_features_transform(3 * n_directions, pairs->test[i], test_t);
-    nqm_features_compose(&p->features, n_directions, ref_t, test_t, pairs->used ? pairs->used + n_directions * i : NULL,
-                         p->x + p->stride * i);
+    nqm_features_compose(&p->model->features, n_directions, ref_t, test_t,
+                         pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);
 }
 
 /* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
 static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
     const nqm_model *m = p->model;
     const bool with_scalars = nqm_model_n_scalars(m) > 0;
-    const nqm_scalar_whitening whitening = {m->scalar_mean, m->scalar_std, m->scalar_scale};
     const nqm_comparison c = {.directions = m->directions,
                               .ref = pairs->ref[begin],
                               .n = end - begin,
                               .test = pairs->test + begin,
-                              .used = pairs->used ? pairs->used + m->n_directions * begin : NULL};
+                              .used = pairs->used ? pairs->used + m->directions->n * begin : NULL};
     double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
     for (size_t i = begin; pairs->novelty && i < end; ++i)
         pairs->novelty[i] = NAN;
@@ -99,7 +87,7 @@ static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
                         with_scalars ? scalars : NULL);
     for (size_t i = begin; with_scalars && i < end; ++i) {
         const double *own = scalars + (i - begin) * NQM_SCALAR_COUNT;
-        nqm_scalars_whiten(&whitening, own, p->x + p->stride * i + p->samples_width);
+        nqm_scalars_whiten(&m->scalars, own, p->x + p->stride * i + p->samples_width);
         if (pairs->novelty)
             pairs->novelty[i] = nqm_model_novelty(m, own);
     }
@@ -110,7 +98,7 @@ static void compose(void *user, size_t piece) {
     const compose_job *job = user;
     nqm_predictor *p = job->predictor;
     const nqm_sampled_pairs *pairs = job->pairs;
-    const size_t n = 3 * p->model->n_directions, last = (piece + 1) * job->n_at_once;
+    const size_t n = 3 * p->model->directions->n, last = (piece + 1) * job->n_at_once;
     const size_t end = last < pairs->n ? last : pairs->n;
     for (size_t begin = piece * job->n_at_once, next; begin < end; begin = next) {
         float *ref_t = p->t + 2 * begin * n;

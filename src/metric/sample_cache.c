@@ -12,22 +12,19 @@ enum { N_BUCKETS = 1 << 14 };
 struct nqm_sample_cache {
     const nqm_model *model;
     nqm_invalid_policy policy;
-    nqm_cached **bucket;         /* (N_BUCKETS) */
     nqm_cached *newest, *oldest; /* by last use */
     size_t n_bytes, n_opened;
+    nqm_cached *bucket[N_BUCKETS];
 };
 
 nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy, nqm_sample_cache **cache_ret,
                                    nqm_error *err) {
     *cache_ret = NULL;
     nqm_sample_cache *cache = nqm_alloc(1, sizeof *cache);
-    nqm_cached **bucket = nqm_alloc(N_BUCKETS, sizeof(nqm_cached *));
-    if (!cache || !bucket) {
-        nqm_free(cache);
-        nqm_free(bucket);
-        return nqm_fail_nomem(err, N_BUCKETS * sizeof(nqm_cached *));
-    }
-    *cache = (nqm_sample_cache){.model = model, .policy = policy, .bucket = bucket};
+    if (!cache)
+        return nqm_fail_nomem(err, sizeof *cache);
+    cache->model = model;
+    cache->policy = policy;
     *cache_ret = cache;
     return NQM_OK;
 }
@@ -88,7 +85,7 @@ nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name) {
     if (entry) {
         unlink_use(cache, entry);
     } else {
-        entry = make_entry(name, cache->model->n_directions);
+        entry = make_entry(name, cache->model->directions->n);
         if (!entry)
             return NULL;
         entry->next_in_bucket = *bucket;
@@ -108,7 +105,6 @@ void nqm_sample_cache_free(nqm_sample_cache *cache) {
     if (!cache)
         return;
     nqm_sample_cache_trim(cache, 0);
-    nqm_free(cache->bucket);
     nqm_free(cache);
 }
 

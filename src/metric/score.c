@@ -23,14 +23,14 @@ struct nqm_scorer {
     nqm_sample_cache *cache;   /* of nqm_scorer_run_named(), created by its first call */
     nqm_predictor *predictor;  /* for batches of at most `room` pairs */
     size_t room;               /* capacity of the arrays, pairs */
-    unsigned char *memory;     /* one block that contains all arrays */
-    nqm_member *member;        /* (room, 2) reference and test of each pair of the block */
+    nqm_member *member;        /* (room, 2) reference and test of each pair of the block; owns all arrays */
     size_t *place;             /* (room) index of each pair in the following arrays, which are grouped by reference */
     const float **ref, **test; /* (room) samples for the network */
     uint8_t *used;             /* (room, n_directions) */
     double *jod, *delta_e, *novelty; /* (room) */
     double *metrics;                 /* (room, NQM_METRIC_COUNT) */
-    /* Of nqm_scorer_run() only; NULL before its first call: */
+    /* Of nqm_scorer_run() only: */
+    bool has_samples;             /* it was called: rgb and flag have room for samples */
     float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
     uint8_t *flag;                /* (1 + room, n_directions) */
     const nqm_brdf *const *brdfs; /* tests of the block; NULL: the members are already sampled */
@@ -63,51 +63,26 @@ nqm_score_options nqm_score_options_default(void) {
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-/* An array of n items of `size` bytes at byte *at of the block; advances *at. */
-static void *place_array(unsigned char *block, size_t *at, size_t n, size_t size) {
-    enum { CACHE_LINE = 64 };
-    unsigned char *array = block ? block + *at : NULL;
-    *at += nqm_ceil_div(n * size, CACHE_LINE) * CACHE_LINE;
-    return array;
-}
-
-/* Set the array pointers for n pairs; returns the size of the block in bytes. block NULL: compute the size only. */
-static size_t lay_out(nqm_scorer *s, size_t n, bool with_samples, unsigned char *block) {
-    const size_t n_directions = s->model->n_directions;
-    size_t at = 0;
-    s->member = place_array(block, &at, n, 2 * sizeof *s->member);
-    s->place = place_array(block, &at, n, sizeof *s->place);
-    s->ref = place_array(block, &at, n, sizeof *s->ref);
-    s->test = place_array(block, &at, n, sizeof *s->test);
-    s->used = place_array(block, &at, n, n_directions);
-    s->jod = place_array(block, &at, n, sizeof *s->jod);
-    s->delta_e = place_array(block, &at, n, sizeof *s->delta_e);
-    s->novelty = place_array(block, &at, n, sizeof *s->novelty);
-    s->metrics = place_array(block, &at, n, NQM_METRIC_COUNT * sizeof *s->metrics);
-    s->rgb = NULL;
-    if (with_samples) {
-        s->rgb = place_array(block, &at, 1 + n, 3 * n_directions * sizeof *s->rgb);
-        s->flag = place_array(block, &at, 1 + n, n_directions);
-    }
-    return at;
-}
-
 /* Grow the workspace for calls with n_pairs pairs. */
 static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_error *err) {
-    const size_t n = nqm_larger(nqm_smaller(n_pairs, NQM_SCORE_BLOCK), s->room);
-    if (n == s->room && (s->rgb || !with_samples))
+    const size_t n = nqm_larger(nqm_smaller(n_pairs, NQM_SCORE_BLOCK), s->room), n_directions = s->model->directions->n;
+    if (n == s->room && (s->has_samples || !with_samples))
         return NQM_OK;
-    with_samples = with_samples || s->rgb;
+    s->has_samples = s->has_samples || with_samples;
+    const size_t n_samples = s->has_samples ? 1 + n : 0;
     nqm_predictor_free(s->predictor);
-    nqm_free(s->memory);
+    nqm_free(s->member);
     s->predictor = NULL;
     s->room = 0;
-    const size_t n_bytes = lay_out(s, n, with_samples, NULL);
-    s->memory = nqm_alloc(n_bytes, 1);
-    if (!s->memory)
-        return nqm_fail_nomem(err, n_bytes);
-    lay_out(s, n, with_samples, s->memory);
-    nqm_status status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&s->member, n, 2 * sizeof *s->member}, {&s->place, n, sizeof *s->place},
+                   {&s->ref, n, sizeof *s->ref}, {&s->test, n, sizeof *s->test}, {&s->used, n, n_directions},
+                   {&s->jod, n, sizeof *s->jod}, {&s->delta_e, n, sizeof *s->delta_e},
+                   {&s->novelty, n, sizeof *s->novelty}, {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics},
+                   {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
+        err);
+    if (status == NQM_OK)
+        status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
     if (status == NQM_OK)
         s->room = n;
     return status;
@@ -134,7 +109,7 @@ void nqm_scorer_free(nqm_scorer *scorer) {
         return;
     nqm_sample_cache_free(scorer->cache);
     nqm_predictor_free(scorer->predictor);
-    nqm_free(scorer->memory);
+    nqm_free(scorer->member);
     nqm_free(scorer);
 }
 
@@ -151,11 +126,11 @@ static nqm_score_result no_score(nqm_status status) {
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
     float limit[3]; /* limits in reflectance: the transform is monotone, so the samples need not be transformed */
     for (size_t k = 0; k < 3; ++k) {
-        float root = expm1f(model->mean[k] + unusual_sigma * model->std[k]);
+        float root = expm1f(model->features.mean[k] + unusual_sigma * model->features.std[k]);
         limit[k] = root * root * root;
     }
     size_t n_unusual = 0;
-    for (size_t i = 0; i < model->n_directions; ++i, rgb += 3)
+    for (size_t i = 0; i < model->directions->n; ++i, rgb += 3)
         n_unusual += rgb[0] > limit[0] || rgb[1] > limit[1] || rgb[2] > limit[2];
     return n_unusual;
 }
@@ -167,7 +142,7 @@ static bool holds_value(const nqm_member *member, size_t direction) {
 /* Set `used` and the parts of the result that need no network: counts, equality, status. */
 static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *ref, const nqm_member *test,
                                         uint8_t *used) {
-    const size_t n = s->model->n_directions;
+    const size_t n = s->model->directions->n;
     if (ref->status != NQM_OK)
         return no_score(ref->status);
     nqm_score_result result = no_score(test->status);
@@ -199,7 +174,7 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
 }
 
 static void sample_test(const nqm_scorer *s, size_t i) {
-    const size_t n = s->model->n_directions;
+    const size_t n = s->model->directions->n;
     float *rgb = s->rgb + 3 * n * (1 + i);
     uint8_t *flag = s->flag + n * (1 + i);
     nqm_member *test = &s->member[2 * i + 1];
@@ -219,7 +194,7 @@ static void compare(void *user, size_t i) {
     const score_job *job = user;
     nqm_scorer *s = job->scorer;
     const nqm_member *ref = &s->member[2 * i], *test = &s->member[2 * i + 1];
-    const size_t n = s->model->n_directions, place = s->place[i];
+    const size_t n = s->model->directions->n, place = s->place[i];
     uint8_t *used = s->used + n * place;
     if (s->brdfs)
         sample_test(s, i);
@@ -338,8 +313,8 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
         (void)nqm_fail(
             &why, result->status, -1,
             "%s: it and its reference both hold a value at only %zu of %zu directions (at least %.0f are needed)", test,
-            result->n_valid, s->model->n_directions,
-            ceil(s->options.min_valid_fraction * (double)s->model->n_directions));
+            result->n_valid, s->model->directions->n,
+            ceil(s->options.min_valid_fraction * (double)s->model->directions->n));
     else if (result->status != NQM_OK)
         (void)nqm_fail(&why, result->status, -1, "%s: %s", test, nqm_status_text(result->status));
     return why;
@@ -350,7 +325,7 @@ static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_named_pair *pairs, 
     for (size_t i = 0; i < 2 * n; ++i) {
         entry[i] = nqm_sample_cache_get(s->cache, i % 2 ? pairs[i / 2].test : pairs[i / 2].ref);
         if (!entry[i])
-            return nqm_fail_nomem(err, 3 * s->model->n_directions * sizeof(float));
+            return nqm_fail_nomem(err, 3 * s->model->directions->n * sizeof(float));
     }
     nqm_status status = nqm_sample_cache_fill(s->cache, 2 * n, entry, err);
     for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
@@ -380,7 +355,7 @@ nqm_status nqm_scorer_run_named(nqm_scorer *s, size_t n_pairs, const nqm_named_p
 
 static nqm_status check_samples(const nqm_model *model, size_t pair, const char *member, const float *rgb,
                                 nqm_error *err) {
-    for (size_t i = 0; i < 3 * model->n_directions; ++i)
+    for (size_t i = 0; i < 3 * model->directions->n; ++i)
         if (!(rgb[i] >= 0 && rgb[i] <= FLT_MAX))
             return nqm_fail(err, NQM_ERR_ARG, -1,
                             "pair %zu: the %s is %g at direction %zu (from 0): samples must be finite and not negative",

@@ -188,8 +188,6 @@ static void check_model(session *s, const nqm_embedded_file *embedded) {
     /* verify: opening a built-in model skips the checksum and the search for non-finite weights */
     nqm_status status =
         nqm_model_parse(embedded->begin, (size_t)(embedded->end - embedded->begin), embedded->name, true, &model, &err);
-    if (status == NQM_OK)
-        status = nqm_model_attach_directions(model, &err);
     snprintf(name, sizeof name, "model %s: checksum and tensors", embedded->name);
     settle(s, name, status, &err);
     if (status == NQM_OK) {

@@ -14,20 +14,27 @@
 
 enum { NQM_NOVELTY_BLOCK = 16, NQM_NOVELTY_MAX_GROWTH = 10 };
 
+/** Conversion of scalar features to inputs: (value - mean) / std, clamped to [-5, 5], times scale. Clamping keeps the
+ *  inputs of unusual pairs near the range of the training pairs. */
+typedef struct nqm_scalar_whitening {
+    float mean[NQM_SCALAR_COUNT], std[NQM_SCALAR_COUNT];
+    double scale;
+} nqm_scalar_whitening;
+
+/** Conversion of the network's output z to the predicted quantity: mean + std (lo + (hi - lo) sigmoid(z)). */
+typedef struct nqm_output_range {
+    double mean, std; /* of the training targets */
+    double lo, hi;    /* normalised target at sigmoid 0 and 1 */
+} nqm_output_range;
+
 /** A trained metric. Immutable after creation; it owns its blocks and strings (nqm_alloc). */
 struct nqm_model {
     /* Plain values. They precede `params`, because nqm_model_copy() copies them with one memcpy. */
-    size_t n_directions;
-    float mean[3], std[3]; /* whitening of log(cbrt(f_r) + 1), per channel */
-    nqm_layout layout;
-    double difference_scale;
-    /* Scalar features follow the samples in the input: (value - mean) / std, clamped, times scale. */
-    float scalar_mean[NQM_SCALAR_COUNT], scalar_std[NQM_SCALAR_COUNT];
-    double scalar_scale;
+    nqm_features features;        /* from samples to inputs; mean and std are those of the training references */
+    nqm_scalar_whitening scalars; /* the scalar features follow the samples in the input */
     nqm_target target;
-    double target_mean, target_std; /* mean and standard deviation of the training targets */
-    double out_lo, out_hi;          /* normalised target at output sigmoid 0 and 1 */
-    nqm_curve curve;                /* for NQM_TARGET_LOG_DELTA_E */
+    nqm_output_range output;
+    nqm_curve curve; /* for NQM_TARGET_LOG_DELTA_E */
     size_t n_interval;
     size_t n_novelty; /* blocks of NQM_NOVELTY_BLOCK training pairs for novelty.c; 0: none */
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
@@ -38,17 +45,16 @@ struct nqm_model {
     char sha256[65];       /* checksum of its file; "" when it was not read from a file */
     /* Owned blocks. */
     nqm_params params;
-    double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
+    nqm_directions *directions;
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *novelty_points; /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
     char *scalar_names;    /* of its scalar inputs, separated by commas; NULL: it has none */
     char *id, *recipe, *card, *licence, *manifest_sha256;
-    char *training;             /* JSON: options and report of the training */
-    char *golden;               /* JSON: pairs of specs and the JOD of each when the model was created; NULL: none */
-    char *calibration;          /* JSON: data and coverage of `interval`; NULL if and only if that is NULL */
-    nqm_directions *directions; /* created from directions_deg */
-    nqm_map *file;              /* of nqm_alloc(): the mapped file that contains the parameters; NULL: none */
-    unsigned char *memory;      /* of nqm_alloc(): a buffer that contains the parameters instead; NULL: none */
+    char *training;        /* JSON: options and report of the training */
+    char *golden;          /* JSON: pairs of specs and the JOD of each when the model was created; NULL: none */
+    char *calibration;     /* JSON: data and coverage of `interval`; NULL if and only if that is NULL */
+    nqm_map file;          /* the mapped file that contains the parameters; zeroed: none */
+    unsigned char *memory; /* of nqm_alloc(): a buffer that contains the parameters instead; NULL: none */
     /* Packed networks, created at their first use; NULL before that. */
     struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT];
 };
@@ -61,10 +67,12 @@ struct nqm_model {
  * @param verify   false skips the checks that read every byte (checksum, search for non-finite parameters); for
  * embedded models, which the tests check
  * @return NQM_ERR_FORMAT: not safetensors; NQM_ERR_MODEL: not a model, wrong checksum, or a tensor missing, surplus,
- * misshapen or not finite
+ * misshapen or not finite, or scalar features that are not those of this version
  */
 NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
                                           struct nqm_model **model_ret, nqm_error *err);
+/** The words of nqm_layout and of nqm_target, NULL-terminated. */
+extern const char *const nqm_layout_words[], *const nqm_target_words[];
 /** Number of scalar features in the model's input. */
 static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
     return model->scalar_names ? NQM_SCALAR_COUNT : 0;
@@ -87,19 +95,10 @@ NQM_MUST_CHECK nqm_status nqm_model_round_to_half(nqm_model *model, nqm_error *e
 /** JOD for the network's raw output z; *delta_e_ret (NULL allowed) receives the predicted Delta-E (NaN: none). */
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
 
-/** Create the direction set of a model from its directions_deg; nqm_model_free() frees it. */
-NQM_MUST_CHECK nqm_status nqm_model_attach_directions(nqm_model *model, nqm_error *err);
-
 /** The names of all scalar features, separated by commas, as stored in model files; NULL when out of memory. Free with
  *  nqm_free(). */
 char *nqm_scalar_names(void);
 
-/** Conversion of scalar features to inputs: (value - mean) / std, clamped to [-5, 5], times scale. Clamping keeps the
- *  inputs of unusual pairs near the range of the training pairs. */
-typedef struct nqm_scalar_whitening {
-    const float *mean, *std; /* (NQM_SCALAR_COUNT) */
-    double scale;
-} nqm_scalar_whitening;
 /** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
 void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
 

@@ -3,7 +3,7 @@
  * Copies of a model, for changes to it: calibration, text of its card, weights in float16.
  */
 #include "kernel/half.h"
-#include "model/model.h"
+#include "model/model_file.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,29 +26,25 @@ static nqm_status copy_params(const nqm_params *from, nqm_params *to, nqm_error 
     return status;
 }
 
-/* Copy a block of n_bytes; NULL gives NULL. false when out of memory. */
-static bool copy_block(const void *from, size_t n_bytes, void **to) {
-    *to = from ? nqm_alloc(n_bytes, 1) : NULL;
-    if (*to)
-        memcpy(*to, from, n_bytes);
-    return *to || !from;
-}
-
-static bool copy_text(const char *from, char **to) {
-    *to = from ? nqm_strdup(from) : NULL;
-    return *to || !from;
+/* Copy the block of n_bytes whose address is at `offset`; NULL gives NULL. false when out of memory. */
+static bool copy_block(const nqm_model *from, size_t offset, size_t n_bytes, nqm_model *to) {
+    const void *block = *nqm_model_block(from, offset);
+    void *copy = *nqm_model_block(to, offset) = block ? nqm_alloc(n_bytes, 1) : NULL;
+    if (copy)
+        memcpy(copy, block, n_bytes);
+    return copy || !block;
 }
 
 static bool copy_blocks(const nqm_model *from, nqm_model *to) {
-    const size_t row = 3 * sizeof(double), block = NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof(float);
-    return copy_block(from->directions_deg, from->n_directions * row, (void **)&to->directions_deg) &&
-           copy_block(from->interval, from->n_interval * row, (void **)&to->interval) &&
-           copy_block(from->novelty_points, from->n_novelty * block, (void **)&to->novelty_points) &&
-           copy_text(from->scalar_names, &to->scalar_names) && copy_text(from->id, &to->id) &&
-           copy_text(from->recipe, &to->recipe) && copy_text(from->card, &to->card) &&
-           copy_text(from->licence, &to->licence) && copy_text(from->manifest_sha256, &to->manifest_sha256) &&
-           copy_text(from->training, &to->training) && copy_text(from->golden, &to->golden) &&
-           copy_text(from->calibration, &to->calibration);
+    bool ok = true;
+    for (const nqm_model_text *t = nqm_model_texts; ok && t < nqm_model_texts + NQM_MODEL_TEXTS; ++t) {
+        const char *text = t->words ? NULL : *nqm_model_block(from, t->offset);
+        ok = !text || copy_block(from, t->offset, strlen(text) + 1, to);
+    }
+    for (const nqm_model_array *a = nqm_model_arrays; ok && a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a)
+        ok = !a->n_offset ||
+             copy_block(from, a->offset, nqm_model_rows(from, a) * a->cols * nqm_dtype_size(a->dtype), to);
+    return ok;
 }
 
 nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_error *err) {
@@ -59,9 +55,9 @@ nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_erro
     memcpy(copy, model, offsetof(struct nqm_model, params));
     nqm_status status = copy_params(&model->params, &copy->params, err);
     if (status == NQM_OK && !copy_blocks(model, copy))
-        status = nqm_fail_nomem(err, model->n_directions * 3 * sizeof(double));
+        status = nqm_fail_nomem(err, sizeof *copy);
     if (status == NQM_OK)
-        status = nqm_model_attach_directions(copy, err);
+        status = nqm_directions_from_degrees(model->directions->n, model->directions->degrees, &copy->directions, err);
     if (status == NQM_OK)
         *copy_ret = copy;
     else

@@ -1,19 +1,65 @@
 /* SPDX-License-Identifier: MIT
  *
- * model_file.h - names used by both the reader and the writer of model files. doc/files.md describes the format.
+ * model_file.h - what a model file contains, for its reader, its writer and copies of models. doc/files.md describes the
+ * format.
  */
 #ifndef NQM_SRC_MODEL_FILE_H
 #define NQM_SRC_MODEL_FILE_H
 
+#include "io/io.h"
+#include "model/model.h"
+
 #define NQM_MODEL_FORMAT "nqm-model"
 #define NQM_MODEL_SCHEMA "1"
 
-enum { NQM_LAYER_TENSORS = 4, NQM_LAYOUT_COUNT = 2, NQM_TARGET_COUNT = 2, NQM_TENSOR_NAME_MAX = 32 };
+enum { NQM_LAYER_TENSORS = 4, NQM_MODEL_TEXTS = 11, NQM_MODEL_ARRAYS = 12, NQM_TENSOR_NAME_MAX = 32 };
 /** Suffixes of tensor names "layers.N.SUFFIX", in the order of nqm_layer: w, b, gamma, beta; the last layer has only
  *  the first two. */
 extern const char *const nqm_layer_suffixes[NQM_LAYER_TENSORS];
-/** Names of nqm_layout and nqm_target in the metadata, indexed by value. */
-extern const char *const nqm_layout_names[NQM_LAYOUT_COUNT];
-extern const char *const nqm_target_names[NQM_TARGET_COUNT];
+
+/** Parts of a model that not every file has. */
+typedef enum nqm_model_part {
+    NQM_PART_ALWAYS,
+    NQM_PART_GOLDEN,
+    NQM_PART_SCALARS,
+    NQM_PART_INTERVAL,
+    NQM_PART_NOVELTY,
+    NQM_PART_COUNT
+} nqm_model_part;
+
+/** A member of struct nqm_model that is stored in the metadata: a string, or an enum with a word for each value. */
+typedef struct nqm_model_text {
+    const char *key;
+    nqm_model_part part;
+    size_t offset;
+    const char *const *words; /* NULL-terminated; NULL: the member is an owned string */
+} nqm_model_text;
+extern const nqm_model_text nqm_model_texts[NQM_MODEL_TEXTS];
+
+/** Members of struct nqm_model that are stored as one tensor, beside the network and the directions. */
+typedef struct nqm_model_array {
+    const char *name;
+    nqm_model_part part;
+    nqm_dtype dtype;
+    size_t rows, cols; /* rows 0: a vector of length `cols` */
+    size_t offset;     /* of the first value */
+    size_t
+        n_offset; /* if it is not 0, the values are in an owned block, whose address is at `offset`, and the number of
+                          rows (a size_t) is at n_offset */
+} nqm_model_array;
+extern const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS];
+
+/** The address of a member. */
+static inline void *nqm_model_at(const nqm_model *model, size_t offset) {
+    return (char *)(uintptr_t)model + offset;
+}
+/** A member that is a pointer: to a string or to an owned block. */
+static inline void **nqm_model_block(const nqm_model *model, size_t offset) {
+    return nqm_model_at(model, offset);
+}
+/** The number of rows of an array; 0: a vector. */
+static inline size_t nqm_model_rows(const nqm_model *model, const nqm_model_array *array) {
+    return array->n_offset ? *(const size_t *)nqm_model_at(model, array->n_offset) : array->rows;
+}
 
 #endif

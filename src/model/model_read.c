@@ -3,8 +3,6 @@
  * Reads a model file (doc/files.md). A missing or surplus tensor, a wrong type or shape, a value that is not finite or
  * a wrong checksum is an error; for a tensor the message gives its name.
  */
-#include "io/io.h"
-#include "model/model.h"
 #include "model/model_file.h"
 
 #include <string.h>
@@ -50,22 +48,6 @@ static nqm_status get(reader *r, const expectation *e, const nqm_tensor **tensor
     r->used[tensor - nqm_safetensors_at(r->st, 0)] = true;
     *tensor_ret = tensor;
     return NQM_OK;
-}
-
-static nqm_status get_doubles(reader *r, const char *name, size_t n, double *out) {
-    const nqm_tensor *tensor;
-    nqm_status status = get(r, &(expectation){.name = name, .dtype = NQM_F64, .cols = n}, &tensor);
-    if (status == NQM_OK)
-        memcpy(out, tensor->data, tensor->n_bytes);
-    return status;
-}
-
-static nqm_status get_floats(reader *r, const char *name, size_t n, float *out) {
-    const nqm_tensor *tensor;
-    nqm_status status = get(r, &(expectation){.name = name, .dtype = NQM_F32, .cols = n}, &tensor);
-    if (status == NQM_OK)
-        memcpy(out, tensor->data, tensor->n_bytes);
-    return status;
 }
 
 /* ---- the network ------------------------------------------------------------------------------------------------- */
@@ -184,151 +166,117 @@ static nqm_status check_header(const reader *r) {
     return NQM_OK;
 }
 
-static nqm_status read_text(const reader *r, const char *key, char **text_ret) {
-    const char *value = nqm_safetensors_meta(r->st, key);
-    if (!value)
-        return nqm_fail(r->err, NQM_ERR_MODEL, 8, "%s: metadata '%s' is missing (byte 8)", r->name, key);
-    *text_ret = nqm_strdup(value);
-    return *text_ret ? NQM_OK : nqm_fail_nomem(r->err, strlen(value));
-}
-
-static nqm_status read_texts(const reader *r, struct nqm_model *model) {
-    const struct {
-        const char *key;
-        char **text;
-    } texts[] = {{"id", &model->id},     {"recipe", &model->recipe},     {"licence", &model->licence},
-                 {"card", &model->card}, {"training", &model->training}, {"manifest_sha256", &model->manifest_sha256}};
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < sizeof texts / sizeof *texts; ++i)
-        status = read_text(r, texts[i].key, texts[i].text);
-    if (status == NQM_OK && nqm_safetensors_meta(r->st, "golden"))
-        status = read_text(r, "golden", &model->golden);
-    if (status == NQM_OK && nqm_safetensors_meta(r->st, "scalars")) /* absent in models without scalar inputs */
-        status = read_text(r, "scalars", &model->scalar_names);
-    if (status == NQM_OK && nqm_safetensors_meta(r->st, "calibration"))
-        status = read_text(r, "calibration", &model->calibration);
-    const char *sha256 = nqm_safetensors_meta(r->st, "sha256");
-    snprintf(model->sha256, sizeof model->sha256, "%s", sha256 ? sha256 : "");
-    return status;
-}
-
-/* The index in `names` of the value of metadata `key`. */
-static nqm_status read_choice(const reader *r, const char *key, size_t n_names, const char *const *names, int *ret) {
-    const char *value = nqm_safetensors_meta(r->st, key);
-    for (size_t i = 0; value && i < n_names; ++i)
-        if (strcmp(value, names[i]) == 0) {
-            *ret = (int)i;
+static nqm_status read_text(const reader *r, const nqm_model_text *t, struct nqm_model *model) {
+    const char *value = nqm_safetensors_meta(r->st, t->key);
+    if (!value && t->part != NQM_PART_ALWAYS)
+        return NQM_OK;
+    if (value && !t->words) {
+        void **text = nqm_model_block(model, t->offset);
+        *text = nqm_strdup(value);
+        return *text ? NQM_OK : nqm_fail_nomem(r->err, strlen(value));
+    }
+    for (int i = 0; value && t->words[i]; ++i)
+        if (strcmp(value, t->words[i]) == 0) {
+            *(int *)nqm_model_at(model, t->offset) = i;
             return NQM_OK;
         }
-    return nqm_fail(r->err, NQM_ERR_MODEL, 8, "%s: metadata '%s' is missing or unknown (byte 8)", r->name, key);
+    return nqm_fail(r->err, NQM_ERR_MODEL, 8, "%s: metadata '%s' is missing or unknown (byte 8)", r->name, t->key);
+}
+
+/* A model can be used only if its scalar features are those that this version computes. */
+static nqm_status check_scalars(const reader *r, const struct nqm_model *model) {
+    if (!model->scalar_names)
+        return NQM_OK;
+    char *ours = nqm_scalar_names();
+    if (!ours)
+        return nqm_fail_nomem(r->err, strlen(model->scalar_names));
+    bool same = strcmp(ours, model->scalar_names) == 0;
+    nqm_free(ours);
+    return same ? NQM_OK
+                : nqm_fail(r->err, NQM_ERR_MODEL, -1,
+                           "%s: the model's scalar features (metadata 'scalars') are not those of this version",
+                           r->name);
 }
 
 static nqm_status read_directions(reader *r, struct nqm_model *model) {
     size_t width = model->params.shape.sizes[0], n_scalars = nqm_model_n_scalars(model);
-    size_t per_direction = model->layout == NQM_LAYOUT_REF_TEST ? 6 : 9; /* RGB of two or three members */
+    size_t per_direction = nqm_features_width(model->features.layout, 1);
     size_t n = width > n_scalars ? (width - n_scalars) / per_direction : 0;
     if (n == 0 || n * per_direction + n_scalars != width)
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.0.weight': input of %zu does not fit the layout",
                         r->name, width);
     const nqm_tensor *tensor;
+    nqm_error inner = {0};
     nqm_status status =
         get(r, &(expectation){.name = "directions_deg", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
     if (status != NQM_OK)
         return status;
-    model->n_directions = n;
-    model->directions_deg = nqm_alloc(n, 3 * sizeof(double));
-    if (!model->directions_deg)
+    double *degrees = nqm_alloc(n, 3 * sizeof *degrees); /* aligned */
+    if (!degrees)
         return nqm_fail_nomem(r->err, tensor->n_bytes);
-    memcpy(model->directions_deg, tensor->data, tensor->n_bytes);
+    memcpy(degrees, tensor->data, tensor->n_bytes);
+    status = nqm_directions_from_degrees(n, degrees, &model->directions, &inner);
+    nqm_free(degrees);
+    if (status == NQM_OK)
+        return NQM_OK;
+    status = status == NQM_ERR_ARG ? NQM_ERR_MODEL : status; /* the fault is in the file, not in an argument */
+    return nqm_fail(r->err, status, -1, "%s: %s", r->name, inner.message);
+}
+
+static nqm_status read_array(reader *r, const nqm_model_array *a, struct nqm_model *model) {
+    const nqm_tensor *tensor = nqm_safetensors_find(r->st, a->name);
+    expectation e = {.name = a->name, .dtype = a->dtype, .rows = a->rows, .cols = a->cols};
+    if (a->n_offset) /* any number of rows but 0 */
+        e.rows = tensor && tensor->n_dims == 2 && tensor->dims[0] > 0 ? tensor->dims[0] : 1;
+    nqm_status status = get(r, &e, &tensor);
+    if (status != NQM_OK)
+        return status;
+    void *values = nqm_model_at(model, a->offset);
+    if (a->n_offset) {
+        values = *nqm_model_block(model, a->offset) = nqm_alloc(tensor->n_bytes, 1);
+        if (!values)
+            return nqm_fail_nomem(r->err, tensor->n_bytes);
+        *(size_t *)nqm_model_at(model, a->n_offset) = e.rows;
+    }
+    memcpy(values, tensor->data, tensor->n_bytes);
     return NQM_OK;
 }
 
-static nqm_status read_scalar_whitening(reader *r, struct nqm_model *model) {
-    if (!model->scalar_names)
-        return NQM_OK;
-    nqm_status status = get_floats(r, "scalars.mean", NQM_SCALAR_COUNT, model->scalar_mean);
-    if (status == NQM_OK)
-        status = get_floats(r, "scalars.std", NQM_SCALAR_COUNT, model->scalar_std);
-    if (status == NQM_OK)
-        status = get_doubles(r, "scalars.scale", 1, &model->scalar_scale);
-    for (size_t i = 0; status == NQM_OK && i < NQM_SCALAR_COUNT; ++i)
-        if (!(model->scalar_std[i] > 0))
-            status = nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'scalars.std' is not positive", r->name);
+static nqm_status read_arrays(reader *r, struct nqm_model *model) {
+    const nqm_tensor *interval = nqm_safetensors_find(r->st, "interval");
+    const nqm_tensor *points = nqm_safetensors_find(r->st, "novelty.points");
+    const bool has[NQM_PART_COUNT] = {[NQM_PART_ALWAYS] = true,
+                                      [NQM_PART_SCALARS] = model->scalar_names,
+                                      [NQM_PART_INTERVAL] = model->calibration,
+                                      [NQM_PART_NOVELTY] = points};
+    if (interval && !model->calibration)
+        return refuse(r, interval, "needs the metadata 'calibration'");
+    if (points && !(model->calibration && model->scalar_names))
+        return refuse(r, points, "needs an interval and scalar features");
+    nqm_status status = NQM_OK;
+    for (const nqm_model_array *a = nqm_model_arrays; status == NQM_OK && a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a)
+        if (has[a->part])
+            status = read_array(r, a, model);
     return status;
 }
 
-static nqm_status read_interval(reader *r, struct nqm_model *model) {
-    const nqm_tensor *tensor = nqm_safetensors_find(r->st, "interval");
-    if (!model->calibration && !tensor)
-        return NQM_OK;
-    if (!model->calibration)
-        return refuse(r, tensor, "needs the metadata 'calibration'");
-    size_t n = tensor && tensor->n_dims == 2 ? tensor->dims[0] : 1;
-    nqm_status status = get(r, &(expectation){.name = "interval", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
-    if (status != NQM_OK)
-        return status;
-    model->n_interval = n;
-    model->interval = nqm_alloc(n, 3 * sizeof(double));
-    if (!model->interval)
-        return nqm_fail_nomem(r->err, tensor->n_bytes);
-    memcpy(model->interval, tensor->data, tensor->n_bytes);
-    const char *fault = nqm_interval_table_fault(n, model->interval);
-    return fault ? refuse(r, tensor, fault) : NQM_OK;
-}
-
-static nqm_status read_novelty(reader *r, struct nqm_model *model) {
-    const nqm_tensor *points = nqm_safetensors_find(r->st, "novelty.points"), *map;
-    const size_t width = NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK;
-    size_t n = points && points->n_dims == 2 && points->dims[0] > 0 ? points->dims[0] : 1;
-    double scale[2];
-    if (!points)
-        return NQM_OK;
-    if (!model->interval || !model->scalar_names)
-        return refuse(r, points, "needs an interval and scalar features");
-    nqm_status status =
-        get(r, &(expectation){.name = "novelty.points", .dtype = NQM_F32, .rows = n, .cols = width}, &points);
-    if (status == NQM_OK)
-        status = get(
-            r,
-            &(expectation){.name = "novelty.map", .dtype = NQM_F32, .rows = NQM_SCALAR_COUNT, .cols = NQM_SCALAR_COUNT},
-            &map);
-    if (status == NQM_OK)
-        status = get_doubles(r, "novelty.scale", 2, scale);
-    if (status != NQM_OK)
-        return status;
-    if (!(scale[0] > 0 && scale[1] >= 0 && scale[1] <= NQM_NOVELTY_MAX_GROWTH))
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'novelty.scale' is out of range", r->name);
-    model->novelty_points = nqm_alloc(n, width * sizeof(float));
-    if (!model->novelty_points)
-        return nqm_fail_nomem(r->err, points->n_bytes);
-    memcpy(model->novelty_points, points->data, points->n_bytes);
-    memcpy(model->novelty_map, map->data, map->n_bytes);
-    model->n_novelty = n;
-    model->novelty_unit = scale[0], model->novelty_growth = scale[1];
-    return NQM_OK;
-}
-
-static nqm_status read_numbers(reader *r, struct nqm_model *model) {
-    double target[4], curve[3];
-    nqm_status status = get_floats(r, "whitening.mean", 3, model->mean);
-    if (status == NQM_OK)
-        status = get_floats(r, "whitening.std", 3, model->std);
-    if (status == NQM_OK)
-        status = get_doubles(r, "difference_scale", 1, &model->difference_scale);
-    if (status == NQM_OK)
-        status = get_doubles(r, "target", 4, target);
-    if (status == NQM_OK)
-        status = get_doubles(r, "jod_curve", 3, curve);
-    if (status != NQM_OK)
-        return status;
-    model->target_mean = target[0], model->target_std = target[1];
-    model->out_lo = target[2], model->out_hi = target[3];
-    model->curve = (nqm_curve){curve[0], curve[1], curve[2]};
-    if (!(model->std[0] > 0 && model->std[1] > 0 && model->std[2] > 0))
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'whitening.std' is not positive", r->name);
-    if (!(model->target_std > 0 && model->out_lo < model->out_hi))
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'target': deviation or range is empty", r->name);
-    return NQM_OK;
+static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
+    const float *std = model->features.std;
+    const char *bad = NULL,
+               *fault = model->interval ? nqm_interval_table_fault(model->n_interval, model->interval) : NULL;
+    if (fault)
+        return refuse(r, nqm_safetensors_find(r->st, "interval"), fault);
+    if (!(std[0] > 0 && std[1] > 0 && std[2] > 0))
+        bad = "whitening.std";
+    if (!(model->output.std > 0 && model->output.lo < model->output.hi))
+        bad = "target";
+    for (size_t i = 0; model->scalar_names && i < NQM_SCALAR_COUNT; ++i)
+        if (!(model->scalars.std[i] > 0))
+            bad = "scalars.std";
+    if (model->n_novelty &&
+        !(model->novelty_unit > 0 && model->novelty_growth >= 0 && model->novelty_growth <= NQM_NOVELTY_MAX_GROWTH))
+        bad = "novelty.scale";
+    return bad ? nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor '%s' is out of range", r->name, bad) : NQM_OK;
 }
 
 static nqm_status refuse_surplus(const reader *r) {
@@ -339,27 +287,22 @@ static nqm_status refuse_surplus(const reader *r) {
 }
 
 static nqm_status read_model(reader *r, struct nqm_model *model) {
-    nqm_status status = read_texts(r, model);
-    int layout = 0, target = 0;
-    if (status == NQM_OK)
-        status = read_choice(r, "layout", NQM_LAYOUT_COUNT, nqm_layout_names, &layout);
-    if (status == NQM_OK)
-        status = read_choice(r, "target", NQM_TARGET_COUNT, nqm_target_names, &target);
-    model->layout = (nqm_layout)layout;
-    model->target = (nqm_target)target;
+    nqm_status status = check_header(r);
+    for (size_t i = 0; status == NQM_OK && i < NQM_MODEL_TEXTS; ++i)
+        status = read_text(r, &nqm_model_texts[i], model);
     if (status == NQM_OK)
         status = read_network(r, model);
     if (status == NQM_OK)
         status = read_directions(r, model);
     if (status == NQM_OK)
-        status = read_numbers(r, model);
+        status = read_arrays(r, model);
     if (status == NQM_OK)
-        status = read_scalar_whitening(r, model);
+        status = check_arrays(r, model);
     if (status == NQM_OK)
-        status = read_interval(r, model);
-    if (status == NQM_OK)
-        status = read_novelty(r, model);
-    return status == NQM_OK ? refuse_surplus(r) : status;
+        status = refuse_surplus(r);
+    const char *sha256 = nqm_safetensors_meta(r->st, "sha256");
+    snprintf(model->sha256, sizeof model->sha256, "%s", sha256 ? sha256 : "");
+    return status == NQM_OK ? check_scalars(r, model) : status;
 }
 
 nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
@@ -372,10 +315,7 @@ nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char
     reader r = {.st = st, .name = name, .verify = verify, .err = err};
     r.used = nqm_alloc(nqm_safetensors_count(st), sizeof *r.used);
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
-    if (!r.used || !model)
-        status = nqm_fail_nomem(err, sizeof *model);
-    else if ((status = check_header(&r)) == NQM_OK)
-        status = read_model(&r, model);
+    status = r.used && model ? read_model(&r, model) : nqm_fail_nomem(err, sizeof *model);
     if (status == NQM_OK) {
         *model_ret = model;
         model = NULL;

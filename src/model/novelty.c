@@ -27,7 +27,8 @@ static void square_distances(const float *points, const float *y, lanes square[N
 }
 
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y) {
-    const nqm_scalar_whitening whitening = {model->scalar_mean, model->scalar_std, 1};
+    nqm_scalar_whitening whitening = model->scalars;
+    whitening.scale = 1;
     float x[NQM_SCALAR_COUNT];
     nqm_scalars_whiten(&whitening, scalars, x);
     memset(y, 0, sizeof x);

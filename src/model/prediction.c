@@ -9,8 +9,9 @@
 #include <stdatomic.h>
 
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret) {
-    double normalised = model->out_lo + (model->out_hi - model->out_lo) * nqm_sigmoid(z);
-    double target = model->target_mean + model->target_std * normalised;
+    const nqm_output_range *o = &model->output;
+    double normalised = o->lo + (o->hi - o->lo) * nqm_sigmoid(z);
+    double target = o->mean + o->std * normalised;
     double delta_e = model->target == NQM_TARGET_LOG_DELTA_E ? exp(target) : (double)NAN;
     if (delta_e_ret)
         *delta_e_ret = delta_e;
@@ -18,11 +19,11 @@ double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_re
 }
 
 static nqm_input_groups input_groups(const struct nqm_model *model) {
-    nqm_input_groups inputs = {.n_groups = model->layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
+    nqm_input_groups inputs = {.n_groups = model->features.layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
                                .n_scalars = nqm_model_n_scalars(model),
-                               .test_itself = model->layout == NQM_LAYOUT_REF_TEST};
+                               .test_itself = model->features.layout == NQM_LAYOUT_REF_TEST};
     for (size_t i = 0; i < inputs.n_groups; ++i)
-        inputs.width[i] = 3 * model->n_directions;
+        inputs.width[i] = 3 * model->directions->n;
     return inputs;
 }
 

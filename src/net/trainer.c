@@ -64,10 +64,9 @@ static void set_gradient(nqm_trainer *t, size_t n, nqm_factor *f) {
 static void set_layer(nqm_trainer *t, size_t l) {
     nqm_trainer_layer *layer = &t->layer[l];
     const size_t out = t->shape.sizes[l + 1], batch = t->options.max_batch;
-    nqm_layer_values *const values[] = {&layer->value, &layer->m, &layer->v};
     layer->in = t->shape.sizes[l], layer->out = out, layer->ld = nqm_row_stride(out);
-    for (size_t i = 0; i < 3 * NQM_VECTORS; ++i)
-        values[i / NQM_VECTORS]->vector[i % NQM_VECTORS] = next_floats(t, out);
+    for (size_t i = 0; i < NQM_STORED_VALUES * NQM_VECTORS; ++i)
+        layer->stored[i / NQM_VECTORS].vector[i % NQM_VECTORS] = next_floats(t, out);
     layer->xhat = next_floats(t, batch * layer->ld);
     set_gradient(t, out, &layer->dz);
     if (l + 1 < t->n_hidden)
@@ -81,9 +80,8 @@ static void set_layer(nqm_trainer *t, size_t l) {
 static void set_output(nqm_trainer *t) {
     nqm_trainer_output *output = &t->output;
     output->n = t->shape.sizes[t->n_hidden];
-    output->value = next_floats(t, output->n + 1);
-    output->m = next_floats(t, output->n + 1);
-    output->v = next_floats(t, output->n + 1);
+    for (size_t i = 0; i < NQM_STORED_VALUES; ++i)
+        output->stored[i] = next_floats(t, output->n + 1);
     output->sums = next_floats(t, nqm_row_blocks(t->options.max_batch) * output->n);
 }
 
@@ -116,10 +114,9 @@ static void set_views(nqm_trainer *t) {
 
 static nqm_status create_panels(nqm_trainer *t, size_t l, nqm_error *err) {
     nqm_trainer_layer *layer = &t->layer[l];
-    nqm_panels *const values[] = {&layer->value.w, &layer->m.w, &layer->v.w};
     nqm_status status = NQM_OK;
-    for (size_t i = 0; i < 3 && status == NQM_OK; ++i)
-        status = nqm_panels_create(NQM_PRECISION_F32, layer->in, layer->out, values[i], err);
+    for (size_t i = 0; i < NQM_STORED_VALUES && status == NQM_OK; ++i)
+        status = nqm_panels_create(NQM_PRECISION_F32, layer->in, layer->out, &layer->stored[i].w, err);
     if (status == NQM_OK && is_rounded(t))
         status = nqm_panels_create(t->options.precision, layer->in, layer->out, &layer->rounded, err);
     if (status == NQM_OK && (l > 0 || t->options.input_gradient))
@@ -165,9 +162,10 @@ void nqm_trainer_free(nqm_trainer *t) {
         return;
     for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
-        nqm_panels *panels[] = {&layer->value.w, &layer->m.w, &layer->v.w, &layer->rounded, &layer->backward};
-        for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i)
-            nqm_panels_free(panels[i]);
+        for (size_t i = 0; i < NQM_STORED_VALUES; ++i)
+            nqm_panels_free(&layer->stored[i].w);
+        nqm_panels_free(&layer->rounded);
+        nqm_panels_free(&layer->backward);
     }
     nqm_free_pages(t->block, t->n_block, sizeof *t->block);
     nqm_free(t);
@@ -189,62 +187,42 @@ static void store_layer(const nqm_layer_values *values, const nqm_layer *layer) 
         memcpy(vectors[i], values->vector[i], values->w.n * sizeof(float));
 }
 
-static void clear_values(nqm_layer_values *values) {
+static void clear_layer(nqm_layer_values *values) {
     memset(values->w.data, 0, values->w.n_panels * values->w.stride * NQM_PANEL * sizeof *values->w.data);
     for (size_t i = 0; i < NQM_VECTORS; ++i)
         memset(values->vector[i], 0, values->w.n * sizeof(float));
 }
 
-static void load_output(size_t n, float *values, const nqm_layer *layer) {
-    memcpy(values, layer->w, n * sizeof *values);
-    values[n] = layer->b[0];
-}
-
-static void store_output(size_t n, const float *values, const nqm_layer *layer) {
-    memcpy(layer->w, values, n * sizeof *values);
-    layer->b[0] = values[n];
-}
-
 void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *adam) {
-    for (size_t l = 0; l < t->n_hidden; ++l) {
-        nqm_trainer_layer *layer = &t->layer[l];
-        load_layer(&layer->value, &params->layer[l]);
-        if (adam) {
-            load_layer(&layer->m, &adam->m.layer[l]);
-            load_layer(&layer->v, &adam->v.layer[l]);
-        } else {
-            clear_values(&layer->m);
-            clear_values(&layer->v);
+    const nqm_params *const from[NQM_STORED_VALUES] = {params, adam ? &adam->m : NULL, adam ? &adam->v : NULL};
+    const size_t n = t->output.n;
+    for (size_t i = 0; i < NQM_STORED_VALUES; ++i) {
+        float *output = memset(t->output.stored[i], 0, (n + 1) * sizeof *output);
+        for (size_t l = 0; l < t->n_hidden; ++l)
+            if (from[i])
+                load_layer(&t->layer[l].stored[i], &from[i]->layer[l]);
+            else
+                clear_layer(&t->layer[l].stored[i]);
+        if (from[i]) {
+            memcpy(output, from[i]->layer[t->n_hidden].w, n * sizeof *output);
+            output[n] = from[i]->layer[t->n_hidden].b[0];
         }
-    }
-    const nqm_trainer_output *output = &t->output;
-    load_output(output->n, output->value, &params->layer[t->n_hidden]);
-    if (adam) {
-        load_output(output->n, output->m, &adam->m.layer[t->n_hidden]);
-        load_output(output->n, output->v, &adam->v.layer[t->n_hidden]);
-    } else {
-        memset(output->m, 0, (output->n + 1) * sizeof *output->m);
-        memset(output->v, 0, (output->n + 1) * sizeof *output->v);
     }
     t->n_steps = adam ? adam->step : 0;
     nqm_trainer_refresh(t);
 }
 
 void nqm_trainer_store(const nqm_trainer *t, nqm_params *params, nqm_adam *adam) {
-    for (size_t l = 0; l < t->n_hidden; ++l) {
-        store_layer(&t->layer[l].value, &params->layer[l]);
-        if (adam) {
-            store_layer(&t->layer[l].m, &adam->m.layer[l]);
-            store_layer(&t->layer[l].v, &adam->v.layer[l]);
-        }
+    nqm_params *const to[NQM_STORED_VALUES] = {params, adam ? &adam->m : NULL, adam ? &adam->v : NULL};
+    const size_t n = t->output.n;
+    for (size_t i = 0; i < NQM_STORED_VALUES && to[i]; ++i) {
+        for (size_t l = 0; l < t->n_hidden; ++l)
+            store_layer(&t->layer[l].stored[i], &to[i]->layer[l]);
+        memcpy(to[i]->layer[t->n_hidden].w, t->output.stored[i], n * sizeof(float));
+        to[i]->layer[t->n_hidden].b[0] = t->output.stored[i][n];
     }
-    const nqm_trainer_output *output = &t->output;
-    store_output(output->n, output->value, &params->layer[t->n_hidden]);
-    if (!adam)
-        return;
-    store_output(output->n, output->m, &adam->m.layer[t->n_hidden]);
-    store_output(output->n, output->v, &adam->v.layer[t->n_hidden]);
-    adam->step = t->n_steps;
+    if (adam)
+        adam->step = t->n_steps;
 }
 
 uint64_t nqm_trainer_steps(const nqm_trainer *t) {
@@ -255,9 +233,9 @@ void nqm_trainer_refresh(nqm_trainer *t) {
     for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
         if (is_rounded(t))
-            nqm_panels_round(&layer->value.w, &layer->rounded);
+            nqm_panels_round(&layer->stored[NQM_VALUE].w, &layer->rounded);
         if (layer->backward.data)
-            nqm_panels_transpose(&layer->value.w, &layer->backward);
+            nqm_panels_transpose(&layer->stored[NQM_VALUE].w, &layer->backward);
     }
 }
 
@@ -295,9 +273,9 @@ void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, si
 static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, const nqm_dropout *dropout) {
     const nqm_trainer_layer *layer = &t->layer[l];
     nqm_hidden_row r = {.n = layer->out,
-                        .bias = layer->value.vector[NQM_BIAS],
-                        .gamma = layer->value.vector[NQM_GAMMA],
-                        .beta = layer->value.vector[NQM_BETA],
+                        .bias = layer->stored[NQM_VALUE].vector[NQM_BIAS],
+                        .gamma = layer->stored[NQM_VALUE].vector[NQM_GAMMA],
+                        .beta = layer->stored[NQM_VALUE].vector[NQM_BETA],
                         .x = layer->xhat + row * layer->ld,
                         .y = row_at(&layer->y, row),
                         .slope = layer->slope + row * layer->ld,
@@ -312,6 +290,7 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
 static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dropout *dropout, float *z) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_trainer_output *output = &t->output;
+    const float *w = output->stored[NQM_VALUE];
     nqm_trainer_layer *layer = &t->layer[l];
 #pragma omp parallel for schedule(static) if (batch * layer->out >= NQM_MIN_PARALLEL)
     for (size_t first = 0; first < batch; first += 2) {
@@ -320,7 +299,7 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
             nqm_hidden_row r = hidden_row_at(t, l, i, dropout);
             kernels->hidden_row(&r);
             if (l + 1 == t->n_hidden)
-                z[i] = kernels->dot(output->n, output->value, r.y) + output->value[output->n];
+                z[i] = kernels->dot(output->n, w, r.y) + w[output->n];
         }
         if (l + 1 < t->n_hidden)
             nqm_factor_rows_done(t, &layer->y, first, n, row_at(&layer->y, first));
@@ -335,8 +314,8 @@ void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropou
     for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
         const nqm_factor *x = l > 0 ? &t->layer[l - 1].y : &t->input;
-        nqm_multiply(is_rounded(t) ? &layer->rounded : &layer->value.w, batch, x->rows, x->ld_rows, false, layer->xhat,
-                     layer->ld);
+        nqm_multiply(is_rounded(t) ? &layer->rounded : &layer->stored[NQM_VALUE].w, batch, x->rows, x->ld_rows, false,
+                     layer->xhat, layer->ld);
         hidden_forward(t, l, batch, dropout, z);
     }
 }

@@ -26,17 +26,18 @@ static size_t tile_at(const nqm_panels *w, size_t strip, size_t panel) {
 
 static void prefetch_for_step(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]) {
     const sink *s = user;
-    const nqm_panels *const values[NQM_PREFETCH] = {&s->layer->value.w, &s->layer->m.w, &s->layer->v.w};
+    const nqm_layer_values *stored = s->layer->stored;
     for (size_t i = 0; i < NQM_PREFETCH; ++i)
-        prefetch[i] = (const float *)values[i]->data + tile_at(values[i], strip, panel);
+        prefetch[i] = (const float *)stored[i].w.data + tile_at(&stored[i].w, strip, panel);
 }
 
 static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
     const sink *s = user;
-    const nqm_panels *w = &s->layer->value.w;
+    const nqm_layer_values *stored = s->layer->stored;
+    const nqm_panels *w = &stored[NQM_VALUE].w;
     const size_t at = tile_at(w, strip, panel);
-    float *value = (float *)w->data + at, *m = (float *)s->layer->m.w.data + at, *v = (float *)s->layer->v.w.data + at;
-    nqm_adam_update(n_strips * TILE, &s->rate, tiles, m, v, value);
+    float *value = (float *)w->data + at, *m = (float *)stored[NQM_MOMENT1].w.data + at;
+    nqm_adam_update(n_strips * TILE, &s->rate, tiles, m, (float *)stored[NQM_MOMENT2].w.data + at, value);
     if (s->layer->backward.data) /* the product with the old weights is done */
         nqm_panels_transpose_rows(w, &s->layer->backward, strip * NQM_STRIP, n_strips * NQM_STRIP, panel);
     if (!s->layer->rounded.data)
@@ -72,12 +73,13 @@ static void weight_gradient(const nqm_trainer *t, sink *s, size_t batch, const n
 
 static void vector_gradient(const sink *s, size_t which, const float *gradient) {
     const size_t n = s->layer->out;
-    float *const stored[] = {s->out ? s->out->b : NULL, s->out ? s->out->gamma : NULL, s->out ? s->out->beta : NULL};
+    const nqm_layer_values *stored = s->layer->stored;
+    float *const out[] = {s->out ? s->out->b : NULL, s->out ? s->out->gamma : NULL, s->out ? s->out->beta : NULL};
     if (s->out)
-        memcpy(stored[which], gradient, n * sizeof *gradient);
+        memcpy(out[which], gradient, n * sizeof *gradient);
     else
-        nqm_adam_update(n, which == NQM_BIAS ? &s->rate : &s->norm, gradient, s->layer->m.vector[which],
-                        s->layer->v.vector[which], s->layer->value.vector[which]);
+        nqm_adam_update(n, which == NQM_BIAS ? &s->rate : &s->norm, gradient, stored[NQM_MOMENT1].vector[which],
+                        stored[NQM_MOMENT2].vector[which], stored[NQM_VALUE].vector[which]);
 }
 
 /* Round rows in pairs; the last row of an odd number by itself. */
@@ -102,7 +104,7 @@ static void block_back(nqm_trainer *t, size_t l, size_t block, size_t batch) {
     const size_t end = nqm_smaller((block + 1) * NQM_ROW_BLOCK, batch);
     for (size_t row = block * NQM_ROW_BLOCK; row < end; ++row) {
         kernels->hidden_row_back(&(nqm_hidden_row_back){.n = layer->out,
-                                                        .gamma = layer->value.vector[NQM_GAMMA],
+                                                        .gamma = layer->stored[NQM_VALUE].vector[NQM_GAMMA],
                                                         .xhat = layer->xhat + row * layer->ld,
                                                         .slope = layer->slope + row * layer->ld,
                                                         .rstd = layer->rstd[row],
@@ -166,7 +168,7 @@ static void output_block_back(nqm_trainer *t, const backward *pass, size_t block
     const nqm_trainer_layer *layer = &t->layer[t->n_hidden - 1];
     const size_t n = t->output.n, first = block * NQM_ROW_BLOCK;
     const size_t end = nqm_smaller(first + NQM_ROW_BLOCK, pass->batch);
-    const float *w = t->output.value;
+    const float *w = t->output.stored[NQM_VALUE];
     float *sums = memset(t->output.sums + block * n, 0, n * sizeof *sums);
     for (size_t row = first; row < end; ++row) {
         const float dz = pass->dz[row], *y = layer->y.x + row * layer->ld;
@@ -198,8 +200,9 @@ static void output_back(nqm_trainer *t, const backward *pass) {
         return;
     }
     const nqm_adam_rate rate = nqm_adam_rate_at(pass->rates->lr_deeper, pass->rates->weight_decay, t->n_steps);
-    nqm_adam_update(n, &rate, sums, output->m, output->v, output->value);
-    nqm_adam_update(1, &rate, &bias, output->m + n, output->v + n, output->value + n);
+    float *value = output->stored[NQM_VALUE], *m = output->stored[NQM_MOMENT1], *v = output->stored[NQM_MOMENT2];
+    nqm_adam_update(n, &rate, sums, m, v, value);
+    nqm_adam_update(1, &rate, &bias, m + n, v + n, value + n);
 }
 
 /* Overwrites the inputs with their gradient. */

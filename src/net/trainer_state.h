@@ -11,7 +11,10 @@
 /** Bias and LayerNorm of a hidden layer: (out) each. */
 enum { NQM_BIAS, NQM_GAMMA, NQM_BETA, NQM_VECTORS };
 
-/** One value for each parameter of a hidden layer: the parameter itself, or one of Adam's moments. */
+/** What is stored of each parameter: its value, and Adam's moments of it. */
+enum { NQM_VALUE, NQM_MOMENT1, NQM_MOMENT2, NQM_STORED_VALUES };
+
+/** One of these for each parameter of a hidden layer. */
 typedef struct nqm_layer_values {
     nqm_panels w; /**< (in, out), NQM_PRECISION_F32 */
     float *vector[NQM_VECTORS];
@@ -33,7 +36,7 @@ typedef struct nqm_factor {
 /** A hidden layer and its activations for a batch. */
 typedef struct nqm_trainer_layer {
     size_t in, out, ld; /**< ld: floats from row to row of the activations */
-    nqm_layer_values value, m, v;
+    nqm_layer_values stored[NQM_STORED_VALUES];
     nqm_panels rounded; /**< the weights in NQM_PRECISION_BF16, for the forward product; else empty */
     nqm_panels
         backward;  /**< (out, in) the transposed weights, for the gradient of the input; empty if that is not needed */
@@ -46,9 +49,9 @@ typedef struct nqm_trainer_layer {
 
 /** The output layer, which has one output and is float in every precision. */
 typedef struct nqm_trainer_output {
-    size_t n;             /**< inputs */
-    float *value, *m, *v; /**< (n + 1) weights, then the bias, and their moments */
-    float *sums;          /**< (row blocks, n) gradients of the weights */
+    size_t n;                         /**< inputs */
+    float *stored[NQM_STORED_VALUES]; /**< (n + 1) of the weights, then of the bias */
+    float *sums;                      /**< (row blocks, n) gradients of the weights */
 } nqm_trainer_output;
 
 struct nqm_trainer {

@@ -40,37 +40,29 @@ nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_direc
             return nqm_fail(err, NQM_ERR_ARG, -1,
                             "direction %zu: theta_h %g, theta_d %g, phi_d %g degrees: outside 0..90, 0..90, -360..360",
                             i + 1, hd_deg[3 * i], hd_deg[3 * i + 1], hd_deg[3 * i + 2]);
-    nqm_directions *directions = nqm_alloc(1, sizeof *directions);
-    if (!directions)
-        return nqm_fail_nomem(err, sizeof *directions);
-    directions->n = n;
-    directions->degrees = nqm_alloc(n, 3 * sizeof(double));
-    directions->hd = nqm_alloc(n, 3 * sizeof(double));
-    directions->cosines = nqm_alloc(n, sizeof(double));
-    if (!directions->degrees || !directions->hd || !directions->cosines)
-        goto fail;
+    nqm_directions *directions;
+    double *degrees, *hd, *cosines;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&directions, 1, sizeof *directions}, {&degrees, n, 3 * sizeof *degrees},
+                                    {&hd, n, 3 * sizeof *hd}, {&cosines, n, sizeof *cosines}),
+                         err);
+    if (status != NQM_OK)
+        return status;
+    *directions = (nqm_directions){.n = n, .degrees = degrees, .hd = hd, .cosines = cosines};
     for (size_t i = 0; i < 3 * n; ++i) {
-        directions->degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0, so that equal directions have equal bytes */
-        directions->hd[i] = hd_deg[i] * (NQM_PI / 180);
+        degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0, so that equal directions have equal bytes */
+        hd[i] = hd_deg[i] * (NQM_PI / 180);
     }
     for (size_t i = 0; i < n; ++i) {
         double wi[3], wo[3];
-        nqm_half_diff_to_pair(directions->hd + 3 * i, wi, wo);
-        directions->cosines[i] = fmax(wi[2], 0) * fmax(wo[2], 0);
+        nqm_half_diff_to_pair(hd + 3 * i, wi, wo);
+        cosines[i] = fmax(wi[2], 0) * fmax(wo[2], 0);
     }
     *directions_ret = directions;
     return NQM_OK;
-fail:
-    nqm_directions_free(directions);
-    return nqm_fail_nomem(err, 7 * n * sizeof(double));
 }
 
 void nqm_directions_free(nqm_directions *directions) {
-    if (!directions)
-        return;
-    nqm_free(directions->degrees);
-    nqm_free(directions->hd);
-    nqm_free(directions->cosines);
     nqm_free(directions);
 }
 

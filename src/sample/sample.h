@@ -9,6 +9,7 @@
 #include "base/options.h"
 #include <nqm/samples.h>
 
+/** One block of memory. */
 struct nqm_directions {
     size_t n;
     double *degrees; /* (n, 3) theta_h, theta_d, phi_d */

@@ -42,27 +42,24 @@ static void find_moments(nqm_examples *e, const double *scalars) {
         for (size_t i = 0; i < e->n_train; ++i)
             squares += pow(scalars[i * NQM_SCALAR_COUNT + k] - sum / n, 2);
         double std = sqrt(squares / n);
-        e->scalar_mean[k] = (float)(sum / n);
-        e->scalar_std[k] = std > 1e-6 ? (float)std : 1;
+        e->scalar_whitening.mean[k] = (float)(sum / n);
+        e->scalar_whitening.std[k] = std > 1e-6 ? (float)std : 1;
     }
 }
 
 nqm_status nqm_examples_find_scalars(nqm_examples *e, nqm_error *err) {
     size_t n = e->n_train + e->rows.n_validation;
     double *scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *scalars);
-    e->scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *e->scalars);
-    if (!scalars || !e->scalars) {
-        nqm_free(scalars);
+    if (!scalars)
         return nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *scalars);
-    }
     for (size_t first = 0; first < n; first += e->max_batch) {
         scalar_job job = {e, first, scalars};
-        nqm_parallel_for(n - first < e->max_batch ? n - first : e->max_batch, example_scalars, &job);
+        nqm_parallel_for(nqm_smaller(n - first, e->max_batch), example_scalars, &job);
     }
     find_moments(e, scalars);
-    const nqm_scalar_whitening whitening = {e->scalar_mean, e->scalar_std, e->options->input.scalar_scale};
+    e->scalar_whitening.scale = e->options->input.scalar_scale;
     for (size_t i = 0; i < n; ++i)
-        nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, e->scalars + i * NQM_SCALAR_COUNT);
+        nqm_scalars_whiten(&e->scalar_whitening, scalars + i * NQM_SCALAR_COUNT, e->scalars + i * NQM_SCALAR_COUNT);
     nqm_free(scalars);
     return NQM_OK;
 }

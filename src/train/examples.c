@@ -114,7 +114,7 @@ static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
     if (!sums)
         return nqm_fail_nomem(err, e->max_batch * 9 * sizeof *sums);
     for (size_t first = 0; first < e->n_train; first += e->max_batch) {
-        size_t n = e->n_train - first < e->max_batch ? e->n_train - first : e->max_batch;
+        size_t n = nqm_smaller(e->n_train - first, e->max_batch);
         moment_job job = {e, first, sums};
         nqm_parallel_for(n, row_moments, &job);
         for (size_t i = 0; i < n * 9; ++i)
@@ -145,27 +145,25 @@ static double raw_target(const nqm_examples *e, size_t row) {
     return log(fmax(e->dataset->delta_e[pair], e->options->labels.min_delta_e));
 }
 
-/* Normalise targets to z-scores of the training examples; [out_lo, out_hi], the range of the sigmoid output, is their
- * range. */
+/* Normalise targets to z-scores of the training examples, whose range becomes that of the sigmoid output. */
 static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
     size_t n_base = e->rows.n_train, n_rows = n_base + e->rows.n_validation;
     double copies = (double)e->n_train / (double)n_base, sum = 0, squares = 0, lo = INFINITY, hi = -INFINITY;
     for (size_t i = 0; i < n_base; ++i)
         sum += raw_target(e, i);
-    e->target_mean = sum / (double)n_base;
+    const double mean = sum / (double)n_base;
     for (size_t i = 0; i < n_base; ++i) {
-        double d = raw_target(e, i) - e->target_mean;
+        double d = raw_target(e, i) - mean;
         squares += d * d;
         lo = fmin(lo, d);
         hi = fmax(hi, d);
     }
-    e->target_std = sqrt(copies * squares / ((double)e->n_train - 1));
-    if (!(e->target_std > 1e-9))
+    const double std = sqrt(copies * squares / ((double)e->n_train - 1));
+    if (!(std > 1e-9))
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the training labels do not differ: nothing can be learnt");
-    e->out_lo = lo / e->target_std;
-    e->out_hi = hi / e->target_std;
+    e->output = (nqm_output_range){.mean = mean, .std = std, .lo = lo / std, .hi = hi / std};
     for (size_t i = 0; i < n_rows; ++i)
-        e->target[i] = (float)((raw_target(e, i) - e->target_mean) / e->target_std);
+        e->target[i] = (float)((raw_target(e, i) - mean) / std);
     return NQM_OK;
 }
 
@@ -176,17 +174,16 @@ static nqm_status allocate(nqm_examples *e, nqm_error *err) {
     size_t n = n_columns(e), n_rows = e->rows.n_train + e->rows.n_validation;
     double noise_bytes = (double)e->rows.n_noisy * 2 * (double)n * sizeof(float);
     if (noise_bytes > max_noise_bytes)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "balancing asks for %zu noisy copies, %.1f GB: train without balancing",
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "balancing needs %zu noisy copies, %.1f GB: train without balancing",
                         e->rows.n_noisy, noise_bytes * 1e-9);
-    e->ref_t = nqm_alloc(d->n_refs, n * sizeof(float));
-    e->test_t = nqm_alloc(d->n_pairs, n * sizeof(float));
-    e->noisy_t = nqm_alloc(e->rows.n_noisy, 2 * n * sizeof(float));
-    e->target = nqm_alloc(n_rows, sizeof(float));
-    e->scratch = nqm_alloc(e->max_batch, 2 * n * sizeof(float));
-    e->used_scratch = nqm_alloc(e->max_batch, d->n_directions);
-    if (e->ref_t && e->test_t && e->noisy_t && e->target && e->scratch && e->used_scratch)
-        return NQM_OK;
-    return nqm_fail_nomem(err, (d->n_refs + d->n_pairs + 2 * e->rows.n_noisy) * n * sizeof(float));
+    return nqm_alloc_arrays(
+        NQM_ARRAYS({&e->ref_t, d->n_refs, n * sizeof(float)}, {&e->test_t, d->n_pairs, n * sizeof(float)},
+                   {&e->noisy_t, e->rows.n_noisy, 2 * n * sizeof(float)}, {&e->target, n_rows, sizeof(float)},
+                   {&e->scalars, e->options->input.scalars ? n_rows - e->rows.n_train + e->n_train : 0,
+                    NQM_SCALAR_COUNT * sizeof(float)},
+                   {&e->scratch, e->max_batch, 2 * n * sizeof(float)},
+                   {&e->used_scratch, e->max_batch, d->n_directions}),
+        err);
 }
 
 nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o, size_t max_batch, nqm_examples *e,
@@ -196,10 +193,10 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
     e->samples_width = nqm_features_width(o->input.layout, d->n_directions);
     e->width = e->samples_width + (o->input.scalars ? NQM_SCALAR_COUNT : 0);
     nqm_status status = nqm_rows_create(d, o, &e->rows, err);
+    e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE ? 1 : 2);
     if (status == NQM_OK)
         status = allocate(e, err);
     if (status == NQM_OK) {
-        e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE ? 1 : 2);
         nqm_parallel_for(d->n_refs, transform_ref, e);
         nqm_parallel_for(d->n_pairs, transform_test, e);
         nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
@@ -217,12 +214,6 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
 void nqm_examples_free(nqm_examples *e) {
     nqm_rows_free(&e->rows);
     nqm_free(e->ref_t);
-    nqm_free(e->test_t);
-    nqm_free(e->noisy_t);
-    nqm_free(e->scalars);
-    nqm_free(e->target);
-    nqm_free(e->scratch);
-    nqm_free(e->used_scratch);
     *e = (nqm_examples){0};
 }
 
@@ -262,7 +253,7 @@ static void gather_row(const gather_job *job, size_t r) {
     const uint8_t *used =
         nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
-    if (e->scalars)
+    if (e->options->input.scalars)
         memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
                NQM_SCALAR_COUNT * sizeof *x);
     job->to->target[r] = e->target[row];
@@ -274,7 +265,7 @@ enum { ROWS_AT_ONCE = 8 };
 
 static void gather_rows(void *user, size_t i) {
     const gather_job *job = user;
-    const size_t first = ROWS_AT_ONCE * i, end = first + ROWS_AT_ONCE < job->n ? first + ROWS_AT_ONCE : job->n;
+    const size_t first = ROWS_AT_ONCE * i, end = nqm_smaller(first + ROWS_AT_ONCE, job->n);
     for (size_t r = first; r < end; ++r) {
         if (r + 1 < end)
             ask_for_row(job, r + 1);

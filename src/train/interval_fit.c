@@ -64,7 +64,7 @@ static int by_value(const void *a, const void *b) {
 typedef struct fit {
     const nqm_residuals *r;
     size_t n_materials;
-    size_t *count;  /* (n_groups) pairs */
+    size_t *count;  /* (n_groups) pairs; owns all arrays */
     double *y;      /* (n) y of the prediction */
     double *error;  /* (n) y of the label minus y of the prediction */
     double *times;  /* (n) exp(growth v) of step 5, by which errors are divided; 1 without novelty */
@@ -222,26 +222,15 @@ static size_t best_growth(const fit *f, const double *loss, size_t left_out) {
 /* ---- fit --------------------------------------------------------------------------------------------------------- */
 
 static nqm_status make_room(fit *f, nqm_error *err) {
-    size_t n = f->r->n;
-    double **const numbers[] = {&f->y, &f->error, &f->times, &f->down, &f->up, &f->score};
-    item **const items[] = {&f->sorted, &f->window, &f->by_score};
-    f->count = nqm_alloc(f->r->n_groups, sizeof *f->count);
-    f->inside = nqm_alloc(f->r->n_groups, sizeof *f->inside);
-    f->kept = nqm_alloc(n, sizeof *f->kept);
-    f->loss = nqm_alloc(f->r->n_groups, N_GROWTHS * sizeof *f->loss);
-    bool ok = f->count && f->inside && f->kept && f->loss;
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
-        ok = (*numbers[i] = nqm_alloc(n, sizeof(double))) && ok;
-    for (size_t i = 0; i < sizeof items / sizeof *items; ++i)
-        ok = (*items[i] = nqm_alloc(n, sizeof(item))) && ok;
-    return ok ? NQM_OK : nqm_fail_nomem(err, n * 3 * (sizeof(item) + 2 * sizeof(double)));
-}
-
-static void release(fit *f) {
-    void *blocks[] = {f->count, f->inside, f->kept,  f->loss,   f->y,      f->error,   f->times,
-                      f->down,  f->up,     f->score, f->sorted, f->window, f->by_score};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
-        nqm_free(blocks[i]);
+    const size_t n = f->r->n, n_groups = f->r->n_groups;
+    return nqm_alloc_arrays(
+        NQM_ARRAYS({&f->count, n_groups, sizeof *f->count}, {&f->inside, n_groups, sizeof *f->inside},
+                   {&f->loss, n_groups, N_GROWTHS * sizeof *f->loss}, {&f->y, n, sizeof *f->y},
+                   {&f->error, n, sizeof *f->error}, {&f->times, n, sizeof *f->times}, {&f->down, n, sizeof *f->down},
+                   {&f->up, n, sizeof *f->up}, {&f->score, n, sizeof *f->score}, {&f->sorted, n, sizeof *f->sorted},
+                   {&f->window, n, sizeof *f->window}, {&f->by_score, n, sizeof *f->by_score},
+                   {&f->kept, n, sizeof *f->kept}),
+        err);
 }
 
 static void prepare(fit *f) {
@@ -333,6 +322,6 @@ nqm_status nqm_interval_fit(const nqm_residuals *residuals, double *table, nqm_c
         fill_table(&f, table);
         measure_width(&f, table, report);
     }
-    release(&f);
+    nqm_free(f.count);
     return status;
 }

@@ -37,16 +37,13 @@ static void pair_scalars(void *user, size_t r) {
 static nqm_status find_scalars(const nqm_dataset *d, size_t n, const size_t *pairs, double **scalars_ret,
                                nqm_error *err) {
     scalar_job job = {.dataset = d, .pairs = pairs};
-    job.used = nqm_alloc(SCALAR_BATCH, d->n_directions);
-    job.scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *job.scalars);
-    bool ok = job.used && job.scalars;
-    for (; ok && job.first < n; job.first += SCALAR_BATCH)
-        nqm_parallel_for(n - job.first < SCALAR_BATCH ? n - job.first : SCALAR_BATCH, pair_scalars, &job);
-    nqm_free(job.used);
-    if (!ok)
-        nqm_free(job.scalars);
-    *scalars_ret = ok ? job.scalars : NULL;
-    return ok ? NQM_OK : nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *job.scalars);
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&job.scalars, n, NQM_SCALAR_COUNT * sizeof *job.scalars},
+                                                    {&job.used, SCALAR_BATCH, d->n_directions}),
+                                         err);
+    for (; status == NQM_OK && job.first < n; job.first += SCALAR_BATCH)
+        nqm_parallel_for(nqm_smaller(n - job.first, SCALAR_BATCH), pair_scalars, &job);
+    *scalars_ret = job.scalars;
+    return status;
 }
 
 /* ---- farthest-point selection ------------------------------------------------------------------------------------ */
@@ -73,7 +70,7 @@ enum { SPREAD_PIECE = 512 };
 
 static void update_piece(void *user, size_t piece) {
     const spread *s = user;
-    size_t end = (piece + 1) * SPREAD_PIECE < s->n ? (piece + 1) * SPREAD_PIECE : s->n;
+    size_t end = nqm_smaller((piece + 1) * SPREAD_PIECE, s->n);
     for (size_t i = piece * SPREAD_PIECE; i < end; ++i) {
         double d = square_distance(s->x + i * NQM_SCALAR_COUNT, s->x + s->last * NQM_SCALAR_COUNT);
         s->nearest[i] = fmin(s->nearest[i], d);
@@ -144,7 +141,8 @@ static void find_map(struct nqm_model *model, size_t n, const float *x) {
 }
 
 static void choose_points_of(struct nqm_model *model, spread *s, size_t n_points, const double *scalars, float *x) {
-    const nqm_scalar_whitening whitening = {model->scalar_mean, model->scalar_std, 1};
+    nqm_scalar_whitening whitening = model->scalars;
+    whitening.scale = 1;
     for (size_t i = 0; i < s->n; ++i)
         nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, x + i * NQM_SCALAR_COUNT);
     find_map(model, s->n, x);
@@ -155,12 +153,15 @@ static void choose_points_of(struct nqm_model *model, spread *s, size_t n_points
 
 static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
                                nqm_error *err) {
-    size_t n_blocks = (n < NQM_NOVELTY_MAX_POINTS ? n : NQM_NOVELTY_MAX_POINTS) / NQM_NOVELTY_BLOCK;
-    double *scalars, *nearest = nqm_alloc(n, sizeof *nearest);
-    float *x = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *x);
+    const size_t n_blocks = nqm_smaller(n, NQM_NOVELTY_MAX_POINTS) / NQM_NOVELTY_BLOCK;
+    double *scalars, *nearest = NULL;
+    float *x;
     model->novelty_points = nqm_alloc(n_blocks, NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof *model->novelty_points);
     nqm_status status = find_scalars(d, n, pairs, &scalars, err);
-    if (status == NQM_OK && !(nearest && x && model->novelty_points))
+    if (status == NQM_OK)
+        status =
+            nqm_alloc_arrays(NQM_ARRAYS({&nearest, n, sizeof *nearest}, {&x, n, NQM_SCALAR_COUNT * sizeof *x}), err);
+    if (status == NQM_OK && !model->novelty_points)
         status = nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *x);
     if (status == NQM_OK) {
         choose_points_of(model, &(spread){.n = n, .x = x, .nearest = nearest}, n_blocks * NQM_NOVELTY_BLOCK, scalars,
@@ -173,7 +174,6 @@ static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, si
     }
     nqm_free(scalars);
     nqm_free(nearest);
-    nqm_free(x);
     return status;
 }
 

@@ -11,8 +11,6 @@
 #define FIELD(member) .offset = offsetof(nqm_train_options, member)
 
 static const char *const recipe_names[] = {"paper", "notebook", "nqm", NULL};
-static const char *const layout_words[] = {"ref_test", "ref_diff_absdiff", NULL};
-static const char *const target_words[] = {"jod", "log_delta_e", NULL};
 static const char *const whitening_words[] = {"channel", "scalar", NULL};
 static const char *const scale_copy_words[] = {"pair_reflectance", "element_transformed", "none", NULL};
 static const char *const split_words[] = {"group", "pair", NULL};
@@ -28,7 +26,7 @@ static const nqm_option rows[] = {
     {"licence", FIELD(licence), .kind = NQM_OPTION_TEXT, .metavar = "SPDX", .storage = NQM_NOT_STORED,
      .help = "licence of the model"},
 
-    {"layout", FIELD(input.layout), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = layout_words,
+    {"layout", FIELD(input.layout), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_layout_words,
      .help = "samples in the input", .values = {"ref_test", NULL, "ref_diff_absdiff"}},
     {"difference_scale", FIELD(input.difference_scale), .metavar = "S", .help = "factor of the differences in the input",
      .min = 1e-6, .max = 1e6, .values = {"3"}},
@@ -38,7 +36,7 @@ static const nqm_option rows[] = {
      .min = 1e-6, .max = 1e6, .values = {"1", NULL, "8"}},
     {"hidden", FIELD(network.n_hidden), .kind = NQM_OPTION_SIZES, .metavar = "LIST", .max_sizes = NQM_TRAIN_MAX_HIDDEN,
      .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501"}},
-    {"target", FIELD(labels.target), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = target_words,
+    {"target", FIELD(labels.target), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_target_words,
      .help = "what the network predicts", .values = {"jod", NULL, "log_delta_e"}},
     {"min_delta_e", FIELD(labels.min_delta_e), .metavar = "E", .unit = "Delta-E ITP",
      .help = "smaller labels are raised to this value (log_delta_e)", .min = 1e-6, .max = 10, .values = {"0.05"}},

@@ -21,7 +21,7 @@ typedef struct run {
     nqm_examples examples;
     nqm_training state;
     nqm_trainer *trainer;
-    size_t *order; /* (n_train) */
+    size_t *order; /* (n_train); owns the arrays below and state.history */
     float *target; /* (batch) */
     float *z, *dz; /* (batch) */
     nqm_ticker ticker;
@@ -48,15 +48,13 @@ static nqm_status allocate(run *r, nqm_error *err) {
         status = nqm_trainer_create(&shape, &options, &r->trainer, err);
     if (status != NQM_OK)
         return status;
-    r->order = nqm_alloc(r->examples.n_train, sizeof *r->order);
-    r->target = nqm_alloc(o->optimiser.batch, sizeof(float));
-    r->z = nqm_alloc(o->optimiser.batch, sizeof(float));
-    r->dz = nqm_alloc(o->optimiser.batch, sizeof(float));
-    r->state.history = nqm_alloc(o->optimiser.epochs, sizeof *r->state.history);
+    const size_t batch = o->optimiser.batch;
     r->state.max_epochs = o->optimiser.epochs;
-    if (r->order && r->target && r->z && r->dz && r->state.history)
-        return NQM_OK;
-    return nqm_fail_nomem(err, r->examples.n_train * sizeof *r->order);
+    return nqm_alloc_arrays(NQM_ARRAYS({&r->order, r->examples.n_train, sizeof *r->order},
+                                       {&r->target, batch, sizeof(float)}, {&r->z, batch, sizeof(float)},
+                                       {&r->dz, batch, sizeof(float)},
+                                       {&r->state.history, r->state.max_epochs, sizeof *r->state.history}),
+                            err);
 }
 
 static void release(run *r) {
@@ -64,11 +62,7 @@ static void release(run *r) {
     nqm_params_free(&r->state.params);
     nqm_adam_free(&r->state.adam);
     nqm_trainer_free(r->trainer);
-    nqm_free(r->state.history);
     nqm_free(r->order);
-    nqm_free(r->target);
-    nqm_free(r->z);
-    nqm_free(r->dz);
 }
 
 static void begin_state(run *r) {
@@ -115,7 +109,7 @@ static double step(run *r, size_t n, const size_t *index) {
     const nqm_batch_inputs to = inputs_of(r);
     nqm_examples_gather(&r->examples, n, index, &to);
     nqm_trainer_forward(r->trainer, n, &dropout, r->z);
-    double loss = nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, r->dz);
+    double loss = nqm_logcosh_loss(n, r->z, r->target, r->examples.output.lo, r->examples.output.hi, r->dz);
     nqm_trainer_step(r->trainer, n, r->dz, &rates);
     return loss;
 }
@@ -125,7 +119,7 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
     double sum = 0;
     shuffle(r);
     for (size_t first = 0, k = 1; first < n_train; first += batch, ++k) {
-        size_t n = n_train - first < batch ? n_train - first : batch;
+        size_t n = nqm_smaller(n_train - first, batch);
         double loss = step(r, n, r->order + first);
         if (!isfinite(loss))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1,
@@ -148,10 +142,10 @@ static double validate(run *r, float *z_ret) {
     double sum = 0;
     const nqm_batch_inputs to = inputs_of(r);
     for (size_t first = 0; first < n_validation; first += batch) {
-        size_t n = n_validation - first < batch ? n_validation - first : batch;
+        size_t n = nqm_smaller(n_validation - first, batch);
         nqm_examples_gather_validation(&r->examples, first, n, &to);
         nqm_trainer_forward(r->trainer, n, NULL, r->z);
-        sum += (double)n * nqm_logcosh_loss(n, r->z, r->target, r->examples.out_lo, r->examples.out_hi, NULL);
+        sum += (double)n * nqm_logcosh_loss(n, r->z, r->target, r->examples.output.lo, r->examples.output.hi, NULL);
         if (z_ret)
             memcpy(z_ret + first, r->z, n * sizeof *z_ret);
     }
@@ -215,32 +209,19 @@ static nqm_status run_epochs(run *r, nqm_error *err) {
 /* Set all members of the model except the texts. The parameters are moved from the run to the model. */
 static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     const nqm_examples *e = &r->examples;
-    size_t n = r->dataset->n_directions;
+    const nqm_directions *directions = r->dataset->directions;
     nqm_trainer_store(r->trainer, &r->state.params, NULL);
     m->params = r->state.params;
     r->state.params = (nqm_params){0};
-    m->n_directions = n;
-    m->directions_deg = nqm_alloc(3 * n, sizeof(double));
-    if (!m->directions_deg)
-        return nqm_fail_nomem(err, 3 * n * sizeof(double));
-    memcpy(m->directions_deg, r->dataset->directions_deg, 3 * n * sizeof(double));
-    memcpy(m->mean, e->features.mean, sizeof m->mean);
-    memcpy(m->std, e->features.std, sizeof m->std);
-    m->layout = (int)r->options->input.layout;
-    m->difference_scale = r->options->input.difference_scale;
-    memcpy(m->scalar_mean, e->scalar_mean, sizeof m->scalar_mean);
-    memcpy(m->scalar_std, e->scalar_std, sizeof m->scalar_std);
-    m->scalar_scale = r->options->input.scalar_scale;
+    m->features = e->features;
+    m->scalars = e->scalar_whitening;
+    m->target = r->options->labels.target;
+    m->output = e->output;
+    m->curve = nqm_curve_published;
     m->scalar_names = r->options->input.scalars ? nqm_scalar_names() : NULL;
     if (r->options->input.scalars && !m->scalar_names)
         return nqm_fail_nomem(err, NQM_SCALAR_COUNT);
-    m->target = (int)r->options->labels.target;
-    m->target_mean = e->target_mean;
-    m->target_std = e->target_std;
-    m->out_lo = e->out_lo;
-    m->out_hi = e->out_hi;
-    m->curve = nqm_curve_published;
-    return nqm_model_attach_directions(m, err);
+    return nqm_directions_from_degrees(directions->n, directions->degrees, &m->directions, err);
 }
 
 /* Evaluate the outputs z of the validation examples without noisy copies: Spearman of the predicted JOD with the
@@ -249,14 +230,15 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
                                    nqm_error *err) {
     const nqm_rows *rows = &r->examples.rows;
     const nqm_dataset *d = r->dataset;
-    double *values = nqm_alloc(rows->n_validation, sizeof *values);
-    double *labels = nqm_alloc(rows->n_validation, sizeof *labels);
-    uint32_t *group = nqm_alloc(rows->n_validation, sizeof *group);
-    size_t *pairs = nqm_alloc(rows->n_validation, sizeof *pairs);
+    const size_t n = rows->n_validation;
+    double *values, *labels;
+    uint32_t *group;
+    size_t *pairs;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&values, n, sizeof *values}, {&labels, n, sizeof *labels},
+                                                    {&group, n, sizeof *group}, {&pairs, n, sizeof *pairs}),
+                                         err);
     nqm_residuals residuals = {.n_groups = d->n_groups, .predicted = values, .label = labels, .group = group};
-    bool ok = values && labels && group && pairs;
-    nqm_status status = ok ? NQM_OK : nqm_fail_nomem(err, rows->n_validation * 2 * sizeof *values);
-    for (size_t i = 0; status == NQM_OK && i < rows->n_validation; ++i) {
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         const nqm_row *row = &rows->row[rows->n_train + i];
         if (row->copy)
             continue;
@@ -269,10 +251,7 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
         report->validation_spearman = nqm_spearman(residuals.n, values, labels);
     if (status == NQM_OK && !r->options->split.by_pair && nqm_residuals_suffice(&residuals, NULL))
         status = nqm_model_set_interval(m, d, true, &residuals, pairs, &report->calibration, err);
-    nqm_free(pairs);
     nqm_free(values);
-    nqm_free(labels);
-    nqm_free(group);
     return status;
 }
 

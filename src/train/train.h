@@ -67,12 +67,12 @@ typedef struct nqm_examples {
     const nqm_train_options *options;
     nqm_rows rows;
     size_t n_train;        /* training examples including the scaled copies, which follow the unscaled ones */
-    float *ref_t, *test_t; /* (n_refs, n_directions, 3), (n_pairs, n_directions, 3) */
+    float *ref_t, *test_t; /* (n_refs, n_directions, 3), (n_pairs, n_directions, 3); ref_t owns all arrays here */
     float *noisy_t;        /* (n_noisy, 2, n_directions, 3) reference and test of each noisy copy */
     nqm_features features;
-    float *scalars; /* (n_train + rows.n_validation, NQM_SCALAR_COUNT) whitened; NULL: not used */
-    float scalar_mean[NQM_SCALAR_COUNT], scalar_std[NQM_SCALAR_COUNT];
-    double target_mean, target_std, out_lo, out_hi;
+    float *scalars; /* (n_train + rows.n_validation, NQM_SCALAR_COUNT) whitened; options->input.scalars 0: not used */
+    nqm_scalar_whitening scalar_whitening;
+    nqm_output_range output;
     float *target;                          /* (rows.n_train + rows.n_validation) normalised, in the order of `rows` */
     float *scratch;                         /* (max_batch, 2, n_directions, 3) */
     uint8_t *used_scratch;                  /* (max_batch, n_directions) */
@@ -99,7 +99,7 @@ void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, 
 /** Get the transformed samples of row i of e->rows, or of its scaled copy, stored in `scratch` (2, n_directions, 3). */
 void nqm_examples_samples(const nqm_examples *examples, size_t i, bool scaled, float *scratch, const float **ref_t,
                           const float **test_t);
-/** Compute `scalars` and their whitening (example_scalars.c). */
+/** Compute `scalars` and their whitening, for options with scalars (example_scalars.c). */
 NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
 
 /* ---- the state of a training, and its file (checkpoint.c) -------------------------------------------------------- */

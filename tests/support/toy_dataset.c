@@ -62,8 +62,8 @@ static void add_test(nqm_dataset_builder *b, size_t ref, lobe l, nqm_rng *rng) {
         l.width *= amount;
     for (size_t k = 0; k < 3; ++k)
         l.albedo[k] *= is_gloss ? 1 : amount;
-    sample_lobe(d, &l, b->test_rgb + p * n);
-    const double delta_e = label_delta_e(n, b->ref_rgb + ref * n, b->test_rgb + p * n);
+    sample_lobe(d, &l, b->dataset->test_rgb + p * n);
+    const double delta_e = label_delta_e(n, b->dataset->ref_rgb + ref * n, b->dataset->test_rgb + p * n);
     must(nqm_dataset_add_kind(b, is_gloss ? "gloss" : "gain", is_gloss ? "encoding" : "perturbation", &kind, NULL));
     must(nqm_dataset_add_pair(b, (uint32_t)ref, name, kind, delta_e, nqm_curve_jod(&nqm_curve_published, delta_e),
                               NULL));
@@ -101,15 +101,15 @@ nqm_dataset *toy_dataset(const toy_options *o) {
                                    &group, NULL));
         snprintf(name, sizeof name, "reference %zu", r);
         lobes[r] = random_lobe(&rng);
-        sample_lobe(b.dataset, &lobes[r], b.ref_rgb + r * 3 * o->n_directions);
+        sample_lobe(b.dataset, &lobes[r], b.dataset->ref_rgb + r * 3 * o->n_directions);
         must(nqm_dataset_add_reference(&b, name, group, NULL));
     }
     for (size_t r = 0; r < n_refs; ++r)
         for (size_t i = 0; i < o->pairs_per_ref; ++i)
             add_test(&b, r, lobes[r], &rng);
     if (o->with_masks) {
-        fill_mask(n_refs, o->n_directions, &rng, b.ref_used);
-        fill_mask(b.max_pairs, o->n_directions, &rng, b.test_used);
+        fill_mask(n_refs, o->n_directions, &rng, b.dataset->ref_used);
+        fill_mask(b.max_pairs, o->n_directions, &rng, b.dataset->test_used);
     }
     must(nqm_dataset_finish(&b, NQM_OK, "{\"made_by\": \"toy_dataset\"}", NULL, &dataset, NULL));
     nqm_free(degrees);

@@ -134,7 +134,7 @@ static void broken_promises(void **state) {
     d = *toy;
     d.delta_e = label;
     refuse(&d, "Delta-E of pair 3");
-    const uint8_t split[4] = {0, 1, 3, 0};
+    uint8_t split[4] = {0, 1, 3, 0};
     d = *toy;
     d.group_split = split;
     refuse(&d, "group_split[2]");

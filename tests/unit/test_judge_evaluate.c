@@ -304,7 +304,7 @@ static void predictions_are_those_of_single_pairs(void **state) {
 
 /* A reference of two directions: at the mirror direction, and far from it. */
 static const char *class_of(double near, double far, const float colour[3]) {
-    const double degrees[3][3] = {{1, 10, 0}, {30, 20, 0}, {1, 70, 0}};
+    double degrees[3][3] = {{1, 10, 0}, {30, 20, 0}, {1, 70, 0}};
     float rgb[9];
     for (size_t k = 0; k < 3; ++k) {
         rgb[k] = (float)near;
@@ -317,14 +317,15 @@ static const char *class_of(double near, double far, const float colour[3]) {
 
 static void classes_of_materials(void **state) {
     (void)state;
-    const float grey[3] = {1, 1, 1}, warm[3] = {1.2f, 1, 0.9f}, red[3] = {2, 0.5f, 0.5f};
+    float grey[3] = {1, 1, 1};
+    const float warm[3] = {1.2f, 1, 0.9f}, red[3] = {2, 0.5f, 0.5f};
     assert_string_equal(class_of(0.2, 0.1, grey), "matte grey");
     assert_string_equal(class_of(0.2, 0.1, red), "matte coloured");
     assert_string_equal(class_of(1, 0.1, warm), "satin grey");
     assert_string_equal(class_of(5, 0.1, red), "glossy coloured");
     assert_string_equal(class_of(50, 0.1, grey), "mirror-like grey");
     assert_string_equal(class_of(1, 0, grey), "mirror-like grey"); /* black has no hue */
-    const double degrees[3] = {1, 10, 0};
+    double degrees[3] = {1, 10, 0};
     nqm_dataset no_body = {.n_directions = 1, .n_refs = 1, .directions_deg = degrees, .ref_rgb = grey};
     assert_string_equal(nqm_material_class_name(nqm_dataset_ref_class(&no_body, 0)), "unclassified");
     assert_null(nqm_material_class_name(NQM_MATERIAL_CLASS_COUNT));

@@ -60,13 +60,14 @@ static void no_direction_and_extremes(void **state) {
 
 static void as_inputs(void **state) {
     (void)state;
-    float mean[NQM_SCALAR_COUNT], std[NQM_SCALAR_COUNT], x[NQM_SCALAR_COUNT];
+    nqm_scalar_whitening whitening = {.scale = 2};
+    float x[NQM_SCALAR_COUNT];
     double scalars[NQM_SCALAR_COUNT] = {3, 1e30, -1e30, (double)NAN};
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-        mean[i] = 1;
-        std[i] = 4;
+        whitening.mean[i] = 1;
+        whitening.std[i] = 4;
     }
-    nqm_scalars_whiten(&(nqm_scalar_whitening){mean, std, 2}, scalars, x);
+    nqm_scalars_whiten(&whitening, scalars, x);
     assert_near((double)x[0], 1, 0);
     assert_near((double)x[1], 10, 0);
     assert_near((double)x[2], -10, 0);

@@ -26,21 +26,19 @@ static struct nqm_model *make_model(nqm_layout layout, nqm_target target) {
     assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
     nqm_params_init(&model->params, 4);
     model->params.layer[1].b[0] = 0.2f;
-    model->n_directions = N;
-    model->directions_deg = nqm_alloc(N, 3 * sizeof(double));
-    memcpy(model->directions_deg, nqm_directions_degrees(directions), N * 3 * sizeof(double));
+    assert_int_equal(nqm_directions_from_degrees(N, nqm_directions_degrees(directions), &model->directions, NULL),
+                     NQM_OK);
     for (size_t k = 0; k < 3; ++k) {
-        model->mean[k] = 0.3f + 0.1f * (float)k;
-        model->std[k] = 0.5f - 0.1f * (float)k;
+        model->features.mean[k] = 0.3f + 0.1f * (float)k;
+        model->features.std[k] = 0.5f - 0.1f * (float)k;
     }
-    model->layout = (int)layout;
-    model->difference_scale = 3;
+    model->features.layout = (int)layout;
+    model->features.difference_scale = 3;
     model->target = (int)target;
-    model->target_mean = target == NQM_TARGET_JOD ? 7 : 2;
-    model->target_std = 1.5;
-    model->out_lo = -3, model->out_hi = 1.8;
+    model->output.mean = target == NQM_TARGET_JOD ? 7 : 2;
+    model->output.std = 1.5;
+    model->output.lo = -3, model->output.hi = 1.8;
     model->curve = nqm_curve_published;
-    assert_int_equal(nqm_model_attach_directions(model, NULL), NQM_OK);
     return model;
 }
 
@@ -49,13 +47,13 @@ static double expected_jod(const struct nqm_model *model, const float *ref, cons
     double x[9 * N];
     size_t n = 3 * N;
     for (size_t i = 0; i < n; ++i) {
-        double mean = (double)model->mean[i % 3], std = (double)model->std[i % 3];
+        double mean = (double)model->features.mean[i % 3], std = (double)model->features.std[i % 3];
         bool counts = !used || used[i / 3];
         double r = counts ? (log(cbrt((double)ref[i]) + 1) - mean) / std : 0;
         double t = counts ? (log(cbrt((double)test[i]) + 1) - mean) / std : 0;
         x[i] = r;
-        x[n + i] = model->layout == NQM_LAYOUT_REF_TEST ? t : 3 * (t - r);
-        if (model->layout == NQM_LAYOUT_REF_DIFF_ABSDIFF)
+        x[n + i] = model->features.layout == NQM_LAYOUT_REF_TEST ? t : 3 * (t - r);
+        if (model->features.layout == NQM_LAYOUT_REF_DIFF_ABSDIFF)
             x[2 * n + i] = 3 * fabs(t - r);
     }
     const nqm_layer *first = &model->params.layer[0], *last = &model->params.layer[1];
@@ -73,8 +71,8 @@ static double expected_jod(const struct nqm_model *model, const float *ref, cons
         double v = (h[j] - mean) / sqrt(variance + 1e-5);
         z += (double)last->w[j] * v * 0.5 * erfc(-v / sqrt(2));
     }
-    double target =
-        model->target_mean + model->target_std * (model->out_lo + (model->out_hi - model->out_lo) / (1 + exp(-z)));
+    double target = model->output.mean +
+                    model->output.std * (model->output.lo + (model->output.hi - model->output.lo) / (1 + exp(-z)));
     return model->target == NQM_TARGET_JOD ? target : nqm_curve_jod(&model->curve, exp(target));
 }
 

@@ -33,25 +33,25 @@ static struct nqm_model *make_model(void) {
     const nqm_net_shape shape = {3, {6 * N_DIRECTIONS + (with_scalars ? NQM_SCALAR_COUNT : 0), 16, 5, 1}};
     assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
     nqm_params_init(&model->params, 3);
-    model->n_directions = N_DIRECTIONS;
-    model->directions_deg = nqm_alloc(3 * N_DIRECTIONS, sizeof(double));
+    double degrees[3 * N_DIRECTIONS];
     for (size_t i = 0; i < 3 * N_DIRECTIONS; ++i)
-        model->directions_deg[i] = 1.5 * (double)i;
+        degrees[i] = 1.5 * (double)i;
+    assert_int_equal(nqm_directions_from_degrees(N_DIRECTIONS, degrees, &model->directions, NULL), NQM_OK);
     for (size_t i = 0; i < 3; ++i) {
-        model->mean[i] = 0.1f * (float)i;
-        model->std[i] = 1 + (float)i;
+        model->features.mean[i] = 0.1f * (float)i;
+        model->features.std[i] = 1 + (float)i;
     }
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-        model->scalar_mean[i] = 0.5f * (float)i;
-        model->scalar_std[i] = 2 + (float)i;
+        model->scalars.mean[i] = 0.5f * (float)i;
+        model->scalars.std[i] = 2 + (float)i;
     }
-    model->scalar_scale = 1.5;
-    model->scalar_names = with_scalars ? nqm_strdup("a,b") : NULL;
-    model->layout = NQM_LAYOUT_REF_TEST;
+    model->scalars.scale = 1.5;
+    model->scalar_names = with_scalars ? nqm_scalar_names() : NULL;
+    model->features.layout = NQM_LAYOUT_REF_TEST;
     model->target = NQM_TARGET_JOD;
-    model->difference_scale = 3;
-    model->target_mean = 5, model->target_std = 2;
-    model->out_lo = -2, model->out_hi = 1.5;
+    model->features.difference_scale = 3;
+    model->output.mean = 5, model->output.std = 2;
+    model->output.lo = -2, model->output.hi = 1.5;
     model->curve = nqm_curve_published;
     model->id = nqm_strdup("test"), model->recipe = nqm_strdup("paper"), model->licence = nqm_strdup("MIT");
     model->card = nqm_strdup("# Card\n\"quoted\""), model->training = nqm_strdup("{\"epochs\":1}");
@@ -103,24 +103,24 @@ static void round_trip(void **state) {
     assert_true((const unsigned char *)model->params.layer[0].w > file);
     assert_int_equal((uintptr_t)model->params.layer[0].w % 64, 0);
     assert_true(output_of(model) == output_of(made));
-    assert_int_equal(model->n_directions, N_DIRECTIONS);
-    assert_memory_equal(model->directions_deg, made->directions_deg, 3 * N_DIRECTIONS * sizeof(double));
-    assert_memory_equal(model->mean, made->mean, sizeof made->mean);
-    assert_memory_equal(model->std, made->std, sizeof made->std);
+    assert_int_equal(model->directions->n, N_DIRECTIONS);
+    assert_memory_equal(model->directions->degrees, made->directions->degrees, 3 * N_DIRECTIONS * sizeof(double));
+    assert_memory_equal(model->features.mean, made->features.mean, sizeof made->features.mean);
+    assert_memory_equal(model->features.std, made->features.std, sizeof made->features.std);
     assert_int_equal(nqm_model_n_scalars(model), with_scalars ? NQM_SCALAR_COUNT : 0);
     if (with_scalars) {
-        assert_memory_equal(model->scalar_mean, made->scalar_mean, sizeof made->scalar_mean);
-        assert_memory_equal(model->scalar_std, made->scalar_std, sizeof made->scalar_std);
-        assert_near(model->scalar_scale, 1.5, 0);
-        assert_string_equal(model->scalar_names, "a,b");
+        assert_memory_equal(model->scalars.mean, made->scalars.mean, sizeof made->scalars.mean);
+        assert_memory_equal(model->scalars.std, made->scalars.std, sizeof made->scalars.std);
+        assert_near(model->scalars.scale, 1.5, 0);
+        assert_string_equal(model->scalar_names, made->scalar_names);
     }
-    assert_int_equal(model->layout, made->layout);
+    assert_int_equal(model->features.layout, made->features.layout);
     assert_int_equal(model->target, made->target);
-    const double values[][2] = {{model->difference_scale, made->difference_scale},
-                                {model->target_mean, made->target_mean},
-                                {model->target_std, made->target_std},
-                                {model->out_lo, made->out_lo},
-                                {model->out_hi, made->out_hi},
+    const double values[][2] = {{model->features.difference_scale, made->features.difference_scale},
+                                {model->output.mean, made->output.mean},
+                                {model->output.std, made->output.std},
+                                {model->output.lo, made->output.lo},
+                                {model->output.hi, made->output.hi},
                                 {model->curve.b1, made->curve.b1},
                                 {model->curve.b2, made->curve.b2},
                                 {model->curve.b3, made->curve.b3}};
@@ -423,8 +423,8 @@ static void jod_of_an_output(void **state) {
     assert_near(nqm_model_jod(model, 1e9, NULL), 5 + 2 * 1.5, 1e-12);
     assert_near(nqm_model_jod(model, -1e9, NULL), 5 - 2 * 2, 1e-12);
     model->target = NQM_TARGET_LOG_DELTA_E;
-    model->target_mean = log(11.0372467041016), model->out_lo = -1,
-    model->out_hi = 1; /* a row of the authors' labels */
+    model->output.mean = log(11.0372467041016), model->output.lo = -1,
+    model->output.hi = 1; /* a row of the authors' labels */
     assert_near(nqm_model_jod(model, 0, &delta_e), 8.50837750985371, 1e-9);
     assert_relative(delta_e, 11.0372467041016, 1e-12);
     assert_true(nqm_model_jod(model, -1, NULL) > nqm_model_jod(model, 1, NULL));

@@ -21,23 +21,17 @@ static struct nqm_model *make_model(void) {
     nqm_params_init(&model->params, 8);
     nqm_directions_options options = nqm_directions_options_default();
     options.n = N;
-    nqm_directions *directions;
-    assert_int_equal(nqm_directions_create(&options, 0, NULL, &directions, NULL), NQM_OK);
-    model->n_directions = N;
-    model->directions_deg = nqm_alloc(N, 3 * sizeof(double));
-    memcpy(model->directions_deg, nqm_directions_degrees(directions), N * 3 * sizeof(double));
-    nqm_directions_free(directions);
+    assert_int_equal(nqm_directions_create(&options, 0, NULL, &model->directions, NULL), NQM_OK);
     for (size_t k = 0; k < 3; ++k) {
-        model->mean[k] = 0.4f;
-        model->std[k] = 0.3f;
+        model->features.mean[k] = 0.4f;
+        model->features.std[k] = 0.3f;
     }
-    model->layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
-    model->difference_scale = 3;
-    model->target_mean = 8, model->target_std = 1;
-    model->out_lo = -4, model->out_hi = 2;
+    model->features.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
+    model->features.difference_scale = 3;
+    model->output.mean = 8, model->output.std = 1;
+    model->output.lo = -4, model->output.hi = 2;
     model->curve = nqm_curve_published;
     model->id = nqm_strdup("small");
-    assert_int_equal(nqm_model_attach_directions(model, NULL), NQM_OK);
     return model;
 }
 
@@ -103,12 +97,12 @@ static void test_golden_scores(void **state) {
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
     assert_non_null(strstr(loaded->golden, "\"jod\":"));
     /* the check must detect a change of any step from samples to JOD */
-    loaded->std[1] *= 1.05f;
+    loaded->features.std[1] *= 1.05f;
     assert_int_equal(nqm_golden_check(loaded, &err), NQM_ERR_NUMERIC);
     assert_non_null(strstr(err.message, "stored is"));
-    loaded->std[1] = model->std[1];
+    loaded->features.std[1] = model->features.std[1];
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
-    loaded->difference_scale = 3.1;
+    loaded->features.difference_scale = 3.1;
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_ERR_NUMERIC);
     nqm_model_free(loaded);
     nqm_model_free(model);
@@ -122,7 +116,7 @@ static void test_refusals_name_the_file(void **state) {
     assert_non_null(strstr(err.message, "/nowhere/m.safetensors"));
     assert_null(model);
     struct nqm_model *bad = make_model();
-    bad->directions_deg[4] = 95;
+    bad->directions->degrees[4] = 95;
     assert_int_equal(nqm_model_save(bad, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &model, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, temp_file));
@@ -139,8 +133,8 @@ static void test_other_scalars(void **state) {
     assert_int_equal(nqm_params_create(&(nqm_net_shape){2, {9 * N + NQM_SCALAR_COUNT, 5, 1}}, &model->params, NULL),
                      NQM_OK);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-        model->scalar_std[i] = 1;
-    model->scalar_scale = 1;
+        model->scalars.std[i] = 1;
+    model->scalars.scale = 1;
     model->scalar_names = nqm_scalar_names();
     nqm_model *loaded;
     nqm_error err = {0};

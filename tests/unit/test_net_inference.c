@@ -269,8 +269,9 @@ static void packed_once(void **state) {
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
     const nqm_net_shape shape = {2, {9 * 7, 300, 1}};
     assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
-    model->n_directions = 7;
-    model->layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
+    const double degrees[3 * 7] = {0};
+    assert_int_equal(nqm_directions_from_degrees(7, degrees, &model->directions, NULL), NQM_OK);
+    model->features.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF;
     nqm_alloc_fail_after(3);
     assert_null(find(model));
     nqm_alloc_fail_after(-1);

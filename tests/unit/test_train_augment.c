@@ -215,8 +215,8 @@ static void whitening(void **state) {
             assert_near(squares[k] / n, 1, 1e-3);
         }
         assert_near(target_sum / (double)e.n_train, 0, 1e-5);
-        assert_near(lo, e.out_lo, 1e-6);
-        assert_near(hi, e.out_hi, 1e-6);
+        assert_near(lo, e.output.lo, 1e-6);
+        assert_near(hi, e.output.hi, 1e-6);
         free(x);
         nqm_examples_free(&e);
     }
@@ -296,13 +296,13 @@ static void masks_and_log_targets(void **state) {
         delta_e[i] = 0;
     assert_int_equal(nqm_examples_create(&with_identity, &o, 1, &e, NULL), NQM_OK);
     assert_int_equal(e.width, 9 * 16 + NQM_SCALAR_COUNT);
-    assert_near(e.target_mean + e.target_std * e.out_lo, log(0.05), 1e-9);
+    assert_near(e.output.mean + e.output.std * e.output.lo, log(0.05), 1e-9);
     for (size_t i = 0; i < e.rows.n_train; ++i) {
         float x[9 * 16 + NQM_SCALAR_COUNT], target;
         uint8_t used[16];
         gather(&e, 1, &i, x, &target);
         uint32_t pair = e.rows.row[i].pair;
-        assert_near(e.target_mean + e.target_std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
+        assert_near(e.output.mean + e.output.std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
         assert_non_null(nqm_dataset_pair_used(d, pair, used));
         for (size_t k = 0; k < 48; ++k)
             if (!used[k / 3])
@@ -339,7 +339,6 @@ static void scalars_of_examples(void **state) {
     place third = {x + 2 * e.width, e.width};
     nqm_examples_gather_validation(&e, 7, 1, &(nqm_batch_inputs){.row = row_at, .user = &third, .target = target + 2});
     const size_t rows[3] = {5, 5, e.rows.n_train + 7};
-    const nqm_scalar_whitening whitening = {e.scalar_mean, e.scalar_std, o.input.scalar_scale};
     for (size_t r = 0; r < 3; ++r) {
         uint8_t used[16];
         size_t pair = e.rows.row[rows[r]].pair;
@@ -347,7 +346,7 @@ static void scalars_of_examples(void **state) {
         float expected[NQM_SCALAR_COUNT];
         nqm_scalars_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
                             nqm_dataset_pair_used(d, pair, used), scalars);
-        nqm_scalars_whiten(&whitening, scalars, expected);
+        nqm_scalars_whiten(&e.scalar_whitening, scalars, expected);
         for (size_t k = 0; k < n_columns; ++k) {
             double got = (double)x[r * e.width + 3 * n + k];
             if (r != 1)
@@ -357,7 +356,7 @@ static void scalars_of_examples(void **state) {
         if (r == 1) {
             double level = (double)x[r * e.width + 3 * n + NQM_SCALAR_REF_LEVEL];
             double step = (level - (double)expected[NQM_SCALAR_REF_LEVEL]) / o.input.scalar_scale *
-                          (double)e.scalar_std[NQM_SCALAR_REF_LEVEL];
+                          (double)e.scalar_whitening.std[NQM_SCALAR_REF_LEVEL];
             assert_true(fabs(step) > 1e-4 && fabs(step) < 0.052);
         }
     }

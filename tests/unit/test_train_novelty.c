@@ -81,7 +81,7 @@ static void features(const nqm_model *m, size_t pair, double *y) {
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         y[i] = 0;
     for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
-        double z = fmin(5, fmax(-5, (x[k] - (double)m->scalar_mean[k]) / (double)m->scalar_std[k]));
+        double z = fmin(5, fmax(-5, (x[k] - (double)m->scalars.mean[k]) / (double)m->scalars.std[k]));
         for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
             y[i] += z * (double)m->novelty_map[k * NQM_SCALAR_COUNT + i];
     }

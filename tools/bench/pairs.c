@@ -66,7 +66,7 @@ static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng,
     char name[NAME_BYTES];
     uint32_t group = 0, kind = 0;
     snprintf(name, sizeof name, "material %zu", ref);
-    nqm_status status = sample_material(&m, d->directions, b->ref_rgb + ref * width, err);
+    nqm_status status = sample_material(&m, d->directions, d->ref_rgb + ref * width, err);
     if (status == NQM_OK)
         status = nqm_dataset_add_group(b, name, strlen(name), NQM_SPLIT_TRAIN, &group, err);
     if (status == NQM_OK)
@@ -75,12 +75,12 @@ static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng,
         status = nqm_dataset_add_kind(b, "random", NULL, &kind, err);
     for (size_t i = ref * TESTS_PER_REF; i < (ref + 1) * TESTS_PER_REF && status == NQM_OK; ++i) {
         const material changed = change(&m, rng);
-        float *test_rgb = b->test_rgb + i * width;
+        float *test_rgb = d->test_rgb + i * width;
         status = sample_material(&changed, d->directions, test_rgb, err);
         snprintf(name, sizeof name, "copy %zu", i);
         if (status == NQM_OK)
             status = nqm_dataset_add_pair(b, (uint32_t)ref, name, kind,
-                                          label_delta_e(width, b->ref_rgb + ref * width, test_rgb), 0, err);
+                                          label_delta_e(width, d->ref_rgb + ref * width, test_rgb), 0, err);
     }
     return status;
 }
@@ -111,6 +111,6 @@ nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_
     for (size_t ref = 0; ref < n_refs && status == NQM_OK; ++ref)
         status = add_material(&b, ref, &rng, err);
     if (status == NQM_OK)
-        status = spread_jods(b.dataset, b.jod, err);
+        status = spread_jods(b.dataset, b.dataset->jod, err);
     return nqm_dataset_finish(&b, status, "{\"made_by\": \"nqm bench\"}", NULL, dataset_ret, err);
 }

@@ -77,7 +77,7 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
         return status;
     const size_t n_in = model->params.shape.sizes[0];
     *p = (material_pairs){
-        .n = MAX_BATCH + TURNS * TESTS_PER_REF, .n_values = 3 * model->n_directions, .stride = nqm_row_stride(n_in)};
+        .n = MAX_BATCH + TURNS * TESTS_PER_REF, .n_values = 3 * model->directions->n, .stride = nqm_row_stride(n_in)};
     p->x = nqm_alloc(2 * p->n, (p->stride + p->n_values) * sizeof *p->x);
     if (!p->x) {
         status = nqm_fail_nomem(err, 2 * p->n * (p->stride + p->n_values) * sizeof *p->x);
@@ -118,7 +118,7 @@ static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const 
         n_weights += (double)shape->sizes[l] * (double)shape->sizes[l + 1];
     double mac = n_weights * (double)j->batch;
     const size_t n_refs = j->is_shared ? (j->batch + TESTS_PER_REF - 1) / TESTS_PER_REF : j->batch;
-    mac -= (double)(j->batch - n_refs) * (double)(3 * model->n_directions) * (double)shape->sizes[1];
+    mac -= (double)(j->batch - n_refs) * (double)(3 * model->directions->n) * (double)shape->sizes[1];
     nqm_bench_entry entry = nqm_bench_entry_make("score", name);
     entry.row.model = id;
     entry.row.size.batch = j->batch;
