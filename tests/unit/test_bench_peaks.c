@@ -11,9 +11,7 @@
 
 static nqm_bench *tiny(void) {
     nqm_bench_options options = nqm_bench_options_default();
-    options.rounds = 2;
-    options.round_s = 1e-4;
-    options.memory_mb = 2;
+    options.quick = 1;
     nqm_bench *bench;
     assert_int_equal(nqm_bench_create(&options, &bench, NULL), NQM_OK);
     return bench;
@@ -85,11 +83,11 @@ static void test_race(void **state) {
         entries[i].row.size.batch = 4;
     }
     entries[1].alternative = 1;
-    const nqm_bench_contender contenders[2] = {{run_short, &n_short}, {run_long, &n_long}};
+    const nqm_bench_contender contenders[2] = {{run_short, &n_short, NULL}, {run_long, &n_long, NULL}};
     assert_int_equal(nqm_bench_race(bench, 2, contenders, entries, NULL), NQM_OK);
     assert_true(n_short >= 9 && n_long >= 9); /* a warm-up and the rounds */
     assert_int_equal(nqm_bench_finish(bench, NULL), NQM_OK);
-    const nqm_bench_row a = nqm_bench_get_row(bench, 0), b = nqm_bench_get_row(bench, 1);
+    const nqm_bench_row a = bench->entry[0].row, b = bench->entry[1].row;
     assert_string_equal(a.name, "short");
     assert_string_equal(b.name, "long");
     assert_true(number(&a, "seconds") >= 1e-3 && number(&b, "seconds") >= 10e-3);
@@ -103,9 +101,9 @@ static void test_race(void **state) {
     }
     assert_true(number(&b, "times_alternative") < 0.5 && number(&a, "ratio") < 1);
     assert_true(isnan(number(&a, "train_loss")) && isnan(number(&a, "times_alternative")));
-    for (size_t i = 2; i < nqm_bench_count(bench); ++i)
-        assert_string_equal(nqm_bench_get_row(bench, i).bench, "peak");
-    assert_true(nqm_bench_count(bench) > 2);
+    for (size_t i = 2; i < bench->n_entries; ++i)
+        assert_string_equal(bench->entry[i].row.bench, "peak");
+    assert_true(bench->n_entries > 2);
     nqm_bench_free(bench);
 }
 
@@ -131,15 +129,14 @@ static void test_refusals(void **state) {
     nqm_bench *bench;
     nqm_error err = {0};
     nqm_bench_options options = nqm_bench_options_default();
-    options.memory_mb = 1;
+    options.quick = 1;
     options.rounds = 0;
     assert_int_equal(nqm_bench_create(&options, &bench, &err), NQM_ERR_ARG);
     assert_null(bench);
     options.rounds = 1;
-    options.precisions = 8;
+    options.precision = 8;
     assert_int_equal(nqm_bench_create(&options, &bench, &err), NQM_ERR_ARG);
-    options.precisions = 1;
-    options.quick = 1;
+    options.precision = NQM_PRECISION_F32;
     options.progress = stop;
     assert_int_equal(nqm_bench_create(&options, &bench, &err), NQM_OK);
     assert_int_equal(nqm_bench_gemm(bench, &err), NQM_ERR_CANCELLED);

@@ -11,33 +11,50 @@
 #include <string.h>
 #include <time.h>
 
-nqm_bench_options nqm_bench_options_default(void) {
-    return (nqm_bench_options){
-        .rounds = 7, .round_s = 0.01, .precisions = (1U << NQM_PRECISION_COUNT) - 1, .memory_mb = 256};
-}
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
-static nqm_status check_options(const nqm_bench_options *o, nqm_error *err) {
-    if (o->rounds < 1 || o->rounds > 1000)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "rounds must be 1 to 1000, not %zu", o->rounds);
-    if (!(o->round_s >= 1e-4 && o->round_s <= 10))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "seconds per round must be 0.0001 to 10, not %g", o->round_s);
-    if (!(o->memory_mb >= 1 && o->memory_mb <= 65536))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "megabytes of memory must be 1 to 65536, not %g", o->memory_mb);
-    if (o->precisions == 0 || o->precisions >> NQM_PRECISION_COUNT)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "precisions: there is none, or an unknown one");
-    return NQM_OK;
+#define OPTION(name) .key = #name, .offset = offsetof(nqm_bench_options, name)
+
+static const char *const precision_words[] = {"f32", "bf16", "int8", "all", NULL}; /* nqm_precision, and its count */
+
+/* clang-format off */
+static const nqm_option options_rows[] = {
+    {OPTION(precision), .kind = NQM_OPTION_ENUM, .metavar = "P", .words = precision_words, .values = {"all"},
+     .help = "precision of the arithmetic"},
+    {OPTION(kernels), .kind = NQM_OPTION_TEXT, .metavar = "NAME",
+     .help = "kernels by name, or `all` except `scalar`, which is slow [default: the best]"},
+    {OPTION(rounds), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 1000, .values = {"7"},
+     .help = "timings of each result"},
+    {OPTION(recipe), .kind = NQM_OPTION_TEXT, .metavar = "NAME", .values = {"paper"},
+     .help = "train: paper, notebook or nqm"},
+    {OPTION(seeds), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 100, .values = {"1"},
+     .help = "train: repeat with seeds 1 to N"},
+    {OPTION(model), .kind = NQM_OPTION_TEXT, .metavar = "MODEL",
+     .help = "score: a built-in model or a file [default: all built-in ones]"},
+    {OPTION(quick), .kind = NQM_OPTION_BOOL, .off_name = "",
+     .help = "fewer and smaller problems: tests the benchmarks, does not measure"},
+};
+/* clang-format on */
+
+const nqm_option_table nqm_bench_option_table = {options_rows, sizeof options_rows / sizeof *options_rows, NULL};
+
+nqm_bench_options nqm_bench_options_default(void) {
+    nqm_bench_options options = {0};
+    (void)!nqm_options_begin(&nqm_bench_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
+    return options;
 }
 
 nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err) {
     *bench_ret = NULL;
-    const nqm_bench_options o = options ? *options : nqm_bench_options_default();
-    nqm_status status = check_options(&o, err);
+    nqm_status status = nqm_options_check(&nqm_bench_option_table, options, err);
     if (status != NQM_OK)
         return status;
     nqm_bench *bench = nqm_alloc(1, sizeof *bench);
     if (!bench)
         return nqm_fail_nomem(err, sizeof *bench);
-    bench->options = o;
+    bench->options = *options;
+    if (options->quick)
+        bench->options.rounds = nqm_smaller(options->rounds, 2);
     status = nqm_bench_take_memory(bench, err);
     if (status != NQM_OK) {
         nqm_bench_free(bench);
@@ -56,9 +73,7 @@ void nqm_bench_free(nqm_bench *bench) {
         return;
     nqm_bench_release_memory(bench);
     nqm_free(bench->entry);
-    for (size_t i = 0; i < bench->n_texts; ++i)
-        nqm_free(bench->text[i]);
-    nqm_free(bench->text);
+    nqm_model_free(bench->model);
     nqm_free(bench);
 }
 
@@ -145,38 +160,19 @@ void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_
     entry->read = nqm_bench_read_meter(bench, n_bytes, (size_t)omp_get_max_threads());
 }
 
-/* Make room for an element after the n of an array (first NULL), doubling its size at powers of two. NULL: out of
- * memory. */
-static void *grow(void *array, size_t n, size_t size) {
-    if (n & (n - 1) || (n == 0 && array))
-        return array;
-    void *larger = nqm_alloc(n ? 2 * n : 1, size);
-    if (!larger)
-        return NULL;
-    if (n)
-        memcpy(larger, array, n * size);
-    nqm_free(array);
-    return larger;
-}
-
 nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err) {
-    void *entries = grow(bench->entry, bench->n_entries, sizeof *entry);
-    if (!entries)
-        return nqm_fail_nomem(err, 2 * bench->n_entries * sizeof *entry);
-    bench->entry = entries;
+    const size_t n = bench->n_entries;
+    if ((n & (n - 1)) == 0) { /* full: double the size */
+        nqm_bench_entry *larger = nqm_alloc(nqm_larger(1, 2 * n), sizeof *entry);
+        if (!larger)
+            return nqm_fail_nomem(err, 2 * n * sizeof *entry);
+        if (n)
+            memcpy(larger, bench->entry, n * sizeof *entry);
+        nqm_free(bench->entry);
+        bench->entry = larger;
+    }
     bench->entry[bench->n_entries++] = *entry;
     return NQM_OK;
-}
-
-const char *nqm_bench_keep_text(nqm_bench *bench, const char *text) {
-    char *copy = nqm_strdup(text);
-    void *texts = copy ? grow(bench->text, bench->n_texts, sizeof *bench->text) : NULL;
-    if (!texts) {
-        nqm_free(copy);
-        return NULL;
-    }
-    bench->text = texts;
-    return bench->text[bench->n_texts++] = copy;
 }
 
 /* Derive rates, limits and ratios from the times, the work and the peaks. */
@@ -242,14 +238,6 @@ nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err) {
     return status;
 }
 
-size_t nqm_bench_count(const nqm_bench *bench) {
-    return bench->n_entries;
-}
-
-nqm_bench_row nqm_bench_get_row(const nqm_bench *bench, size_t i) {
-    return bench->entry[i].row;
-}
-
 /* ---- timing ------------------------------------------------------------------------------------------------------ */
 
 nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err) {
@@ -267,8 +255,11 @@ double nqm_bench_process_clock_s(void) {
 }
 
 /* Mean seconds of a call in a round. */
-static double time_calls(const nqm_bench_contender *c, double round_s, double *cpu_s) {
+static double time_calls(const nqm_bench_contender *c, bool quick, double *cpu_s) {
+    const double round_s = c->prepare ? 0 : quick ? 1e-3 : 1e-2; /* shortest time of a round */
     size_t n = 0;
+    if (c->prepare)
+        c->prepare(c->user);
     double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s(), now;
     do {
         c->run(c->user);
@@ -279,8 +270,9 @@ static double time_calls(const nqm_bench_contender *c, double round_s, double *c
     return (now - begin) / (double)n;
 }
 
-nqm_status nqm_bench_add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds, double cpu_s,
-                               nqm_error *err) {
+/* Add an entry with the seconds (n) of its rounds, which are sorted, and their total processor time. */
+static nqm_status add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds, double cpu_s,
+                            nqm_error *err) {
     nqm_bench_entry timed = *entry;
     nqm_bench_row *row = &timed.row;
     row->size.rounds = n;
@@ -303,14 +295,14 @@ nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender 
         contenders[i].run(contenders[i].user); /* warm up */
     for (size_t round = 0; round < rounds && status == NQM_OK; ++round) {
         for (size_t i = 0; i < n; ++i) {
-            seconds[i * rounds + round] = time_calls(&contenders[i], bench->options.round_s, &cpu_s[i]);
+            seconds[i * rounds + round] = time_calls(&contenders[i], bench->options.quick, &cpu_s[i]);
             nqm_bench_sample(bench, entries[i].peak);
             nqm_bench_sample(bench, entries[i].read);
         }
         status = nqm_bench_step(bench, entries[0].row.bench, err);
     }
     for (size_t i = 0; i < n && status == NQM_OK; ++i)
-        status = nqm_bench_add_times(bench, &entries[i], rounds, seconds + i * rounds, cpu_s[i], err);
+        status = add_times(bench, &entries[i], rounds, seconds + i * rounds, cpu_s[i], err);
     nqm_free(seconds);
     return status;
 }

@@ -9,27 +9,15 @@
 #ifndef NQM_BENCH_BENCH_H
 #define NQM_BENCH_BENCH_H
 
-#include "base/base.h"
+#include "base/options.h"
 #include "kernel/kernel.h"
 
 #include <nqm/train.h>
 
 /* ---- the machine (machine.c) ------------------------------------------------------------------------------------- */
 
-/** Properties of the machine; strings are static. 0 or "": unknown. */
-typedef struct nqm_bench_machine {
-    const char *cpu;     /* model name of the processor */
-    const char *system;  /* operating system and release */
-    size_t cores;        /* available to this process */
-    size_t threads;      /* used by this process */
-    double mhz;          /* clock according to the system */
-    size_t cache_kib[3]; /* data caches: first and second level of a core, shared third level */
-    double memory_mb;    /* 1e6 bytes */
-    double load;         /* load average of the last minute; above 0.1, other programs disturb the timings */
-} nqm_bench_machine;
-/** Not thread-safe. */
-nqm_bench_machine nqm_bench_get_machine(void);
-
+/** The value of the first line "key : value" of a file of the system; "" when there is none. */
+void nqm_bench_read_value(const char *path, const char *key, char *value, size_t n_value);
 /** Restart the measurement of the largest resident memory, where the system can (Linux). */
 void nqm_bench_reset_peak_memory(void);
 /** Largest resident memory since then, or since the process began, 1e6 bytes; NaN: unknown. */
@@ -39,8 +27,8 @@ double nqm_bench_process_clock_s(void);
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-/** One result. Fields that do not apply are NULL, 0 (counts), NaN (numbers) or -1 (precision). Strings belong to the
- *  benchmark. */
+/** One result. Fields that do not apply are NULL, 0 (counts), NaN (numbers) or -1 (precision). Strings are static or
+ *  belong to the options. */
 typedef struct nqm_bench_row {
     const char *bench;   /* "peak", "gemm", "train", "score", "load" */
     const char *name;    /* what was timed: "layer 1 forward" */
@@ -77,7 +65,7 @@ typedef struct nqm_bench_row {
         double peak_median_gflops;
         double peak_gb_per_s;     /* best rate of reading an array of that size */
         double floor_seconds;     /* the longer of gflop / peak_gflops and megabytes / peak_gb_per_s */
-        double floor_f32_seconds; /* gflop at the float peak; shorter than floor_seconds if bf16 is slower than float */
+        double floor_f32_seconds; /* bf16: gflop at the float peak, shorter if bf16 is slower than float */
         double ratio;             /* floor_seconds / best; 1: at the limit of the machine */
         double times_floor;       /* best / floor_seconds */
     } limits;
@@ -99,21 +87,29 @@ const char *nqm_bench_text(const nqm_bench_row *row, const nqm_bench_field *fiel
 /* ---- benchmarks -------------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_bench_options {
-    size_t rounds;       /* timings of each result; 1 to 1000; default 7 */
-    double round_s;      /* shortest time of a round; 1e-4 to 10 s; default 0.01 */
-    bool quick;          /* fewer and smaller problems, which test the benchmarks but do not measure; default false */
-    unsigned precisions; /* bits 1 << nqm_precision; default all */
-    double memory_mb;    /* size of the array for reading rates, larger than all caches; 1 to 65536; default 256 */
+    size_t rounds;         /* timings of each result; 1 to 1000; default 7 */
+    int quick;             /* 1: fewer and smaller problems and rounds, which test the benchmarks but do not measure */
+    int precision;         /* an nqm_precision; default NQM_PRECISION_COUNT: all */
+    const char *kernels;   /* nqm_kernels_name(), or "all" but the scalar ones; NULL: the best */
+    const char *recipe;    /* train: default "paper" */
+    size_t seeds;          /* train: repeat with seeds 1 to this; 1 to 100; default 1 */
+    size_t epochs;         /* train: 0: the recipe's */
+    const char *model;     /* score: a built-in model or a file; NULL: all built-in models */
+    const char *temporary; /* load: folder for a MERL table, which is loaded too; NULL: no table */
+    size_t n_files;        /* load */
+    const char *const *files; /* (n_files) arguments for nqm_brdf_open() */
     nqm_progress_fn progress;
     void *progress_user;
 } nqm_bench_options;
 /** The defaults above. */
 nqm_bench_options nqm_bench_options_default(void);
+/** The options of the command line. */
+extern const nqm_option_table nqm_bench_option_table;
 
 /** Meters of the machine's peaks, and result rows. Use it from one thread only. */
 typedef struct nqm_bench nqm_bench;
 
-/** Create, and measure the peaks for the first time. options NULL: the defaults. NQM_ERR_ARG, NQM_ERR_NOMEM,
+/** Create, and measure the peaks for the first time. NQM_ERR_ARG (an option outside its range), NQM_ERR_NOMEM,
  *  NQM_ERR_CANCELLED. */
 NQM_MUST_CHECK nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err);
 /** NULL is allowed. */
@@ -128,43 +124,27 @@ NQM_MUST_CHECK nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err);
 
 /**
  * nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe
- * "paper". One row for each seed (1 to n_seeds) and precision (float, bfloat16). Median and worst time are those of
- * the epochs times their number. Quick: a thirtieth of the pairs.
- *
- * @param recipe  "paper", "notebook", "nqm"
- * @param epochs  0: the recipe's
- * @return as nqm_train()
+ * "paper". One row for each seed and precision (float, bfloat16). Median and worst time are those of the epochs times
+ * their number. Quick: a thirtieth of the pairs. Fails as nqm_train().
  */
-NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, size_t n_seeds,
-                                          nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, nqm_error *err);
 
 /**
  * Scoring of 1, 9, 180 and 512 pairs in each precision: the network alone, and everything from samples to JOD; with a
  * reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1
- * and 9 pairs. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
+ * and 9 pairs. Fails as nqm_model_load(); NQM_ERR_CANCELLED.
  */
-NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err);
 
 /**
- * From a file to samples at `directions` - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in memory
- * ("warm") and after they were dropped ("cold"; files on a disk only).
- *
- * @param folder  for a temporary MERL table, which is loaded, too; NULL: no table
- * @param files   (n_files) arguments for nqm_brdf_open()
- * @return as those functions, and NQM_ERR_CANCELLED
+ * From a file to samples at the default directions - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in
+ * memory ("warm") and after they were dropped ("cold"; files on a disk only); and commands of this program from their
+ * start to their end. Fails as those functions; NQM_ERR_CANCELLED.
  */
-NQM_MUST_CHECK nqm_status nqm_bench_load(nqm_bench *bench, const nqm_directions *directions, const char *folder,
-                                         size_t n_files, const char *const *files, nqm_error *err);
-/** A command from its start to its end, with standard output to /dev/null. argv: path of the program, arguments, NULL.
- *  NQM_ERR_IO if it cannot be run or does not exit with 0; NQM_ERR_CANCELLED. */
-NQM_MUST_CHECK nqm_status nqm_bench_command(nqm_bench *bench, const char *name, const char *const *argv,
-                                            nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_bench_load(nqm_bench *bench, nqm_error *err);
 
-/** Measure the peaks for the last time and complete all rows. NQM_ERR_NOMEM. */
+/** Measure the peaks for the last time, add them as rows after the timings, and complete all rows. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);
-/** The rows after nqm_bench_finish(): the timings in their order, then the peaks. */
-size_t nqm_bench_count(const nqm_bench *bench);
-nqm_bench_row nqm_bench_get_row(const nqm_bench *bench, size_t i);
 
 /* ==== shared by the benchmarks ==================================================================================== */
 
@@ -211,8 +191,7 @@ struct nqm_bench {
     size_t memory_bytes;
     nqm_bench_entry *entry; /* (n_entries) */
     size_t n_entries;
-    char **text; /* (n_texts), strings of rows */
-    size_t n_texts;
+    nqm_model *model;   /* loaded from options.model */
     double done, total; /* progress of the current benchmark */
 };
 
@@ -236,6 +215,7 @@ void nqm_bench_release_memory(nqm_bench *bench);
 typedef struct nqm_bench_contender {
     void (*run)(void *user);
     void *user;
+    void (*prepare)(void *user); /* called before each timing, which then is of one call; NULL: none */
 } nqm_bench_contender;
 
 /** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all
@@ -248,17 +228,12 @@ nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name);
 void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop);
 /** Set the bytes that each call must read, and the meter of reading. */
 void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes);
-/** A copy of `text` that lives as long as the rows; NULL when out of memory. */
-const char *nqm_bench_keep_text(nqm_bench *bench, const char *text);
-/** Add an entry with the seconds (n) of its rounds, which are sorted, and their total processor time. NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_bench_add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds,
-                                              double cpu_s, nqm_error *err);
 /** Add an entry with its times. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err);
 /** Report one more of bench->total steps; NQM_ERR_CANCELLED when the user cancels. */
 NQM_MUST_CHECK nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err);
 static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision precision) {
-    return bench->options.precisions >> precision & 1;
+    return bench->options.precision == NQM_PRECISION_COUNT || bench->options.precision == (int)precision;
 }
 
 /* ---- pairs for training and scoring (pairs.c) -------------------------------------------------------------------- */

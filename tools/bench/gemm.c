@@ -177,7 +177,7 @@ static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch,
                 {"onednn sgemm", j->onednn && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
         if (ways[i].run) {
-            contenders[n] = (nqm_bench_contender){ways[i].run, ways[i].user};
+            contenders[n] = (nqm_bench_contender){ways[i].run, ways[i].user, NULL};
             entries[n] = entry;
             entries[n++].row.by = ways[i].by;
         }

@@ -4,7 +4,6 @@
  * commands.
  */
 #include "bench/bench.h"
-#include "math/math.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -37,42 +36,21 @@ static void run_load(void *user) {
     nqm_brdf_free(brdf);
 }
 
-/* One call per round, each after its pages were dropped, which is not timed. */
-static nqm_status race_cold(nqm_bench *bench, load_job *job, const nqm_bench_entry *entry, nqm_error *err) {
-    const size_t rounds = bench->options.rounds;
-    double *seconds = nqm_alloc(rounds, sizeof *seconds);
-    if (!seconds)
-        return nqm_fail_nomem(err, rounds * sizeof *seconds);
-    nqm_status status = NQM_OK;
-    double cpu_s = 0;
-    for (size_t i = 0; i < rounds && status == NQM_OK; ++i) {
-        posix_fadvise(job->fd, 0, 0, POSIX_FADV_DONTNEED);
-        double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s();
-        run_load(job);
-        seconds[i] = nqm_clock_s() - begin;
-        cpu_s += nqm_bench_process_clock_s() - cpu_begin;
-        status = nqm_bench_step(bench, "load", err);
-    }
-    if (status == NQM_OK)
-        status = nqm_bench_add_times(bench, entry, rounds, seconds, cpu_s, err);
-    nqm_free(seconds);
-    return status;
+static void drop_pages(void *user) {
+    posix_fadvise(((const load_job *)user)->fd, 0, 0, POSIX_FADV_DONTNEED);
 }
 
 static nqm_status bench_file(nqm_bench *bench, load_job *job, const char *name, nqm_error *err) {
     struct stat facts;
-    nqm_bench_entry entry = nqm_bench_entry_make("load", "warm");
-    entry.row.size.threads = 1;
-    entry.row.subject = nqm_bench_keep_text(bench, name);
-    if (!entry.row.subject)
-        return nqm_fail_nomem(err, strlen(name));
-    if (job->fd >= 0 && fstat(job->fd, &facts) == 0)
-        entry.row.work.megabytes = 1e-6 * (double)facts.st_size;
-    const nqm_bench_contender contender = {run_load, job};
-    nqm_status status = nqm_bench_race(bench, 1, &contender, &entry, err);
-    entry.row.name = "cold";
-    if (status == NQM_OK && job->fd >= 0 && job->status == NQM_OK)
-        status = race_cold(bench, job, &entry, err);
+    nqm_bench_entry entries[2] = {nqm_bench_entry_make("load", "warm"), nqm_bench_entry_make("load", "cold")};
+    const nqm_bench_contender contenders[2] = {{run_load, job, NULL}, {run_load, job, drop_pages}};
+    for (size_t i = 0; i < 2; ++i) {
+        entries[i].row.size.threads = 1;
+        entries[i].row.subject = name;
+        if (job->fd >= 0 && fstat(job->fd, &facts) == 0)
+            entries[i].row.work.megabytes = 1e-6 * (double)facts.st_size;
+    }
+    nqm_status status = nqm_bench_race(bench, job->fd >= 0 ? 2 : 1, contenders, entries, err);
     if (status == NQM_OK && job->status != NQM_OK) {
         status = job->status;
         if (err)
@@ -122,20 +100,17 @@ static nqm_status bench_merl(nqm_bench *bench, const load_job *like, const char 
     return status;
 }
 
-nqm_status nqm_bench_load(nqm_bench *bench, const nqm_directions *directions, const char *folder, size_t n_files,
-                          const char *const *files, nqm_error *err) {
-    load_job job = {.directions = directions};
-    bench->done = 0;
-    bench->total = (double)(2 * bench->options.rounds * (n_files + 1));
-    job.rgb = nqm_alloc(nqm_directions_count(directions), 3 * sizeof *job.rgb);
+static nqm_status bench_files(nqm_bench *bench, const nqm_directions *directions, nqm_error *err) {
+    const nqm_bench_options *o = &bench->options;
+    load_job job = {.directions = directions, .rgb = nqm_alloc(nqm_directions_count(directions), 3 * sizeof *job.rgb)};
     if (!job.rgb)
         return nqm_fail_nomem(err, nqm_directions_count(directions) * 3 * sizeof *job.rgb);
-    nqm_status status = folder ? bench_merl(bench, &job, folder, err) : NQM_OK;
-    for (size_t i = 0; i < n_files && status == NQM_OK; ++i) {
-        const char *slash = strrchr(files[i], '/');
-        job.path = files[i];
-        job.fd = open(files[i], O_RDONLY | O_CLOEXEC);
-        status = bench_file(bench, &job, slash ? slash + 1 : files[i], err);
+    nqm_status status = o->temporary ? bench_merl(bench, &job, o->temporary, err) : NQM_OK;
+    for (size_t i = 0; i < o->n_files && status == NQM_OK; ++i) {
+        const char *slash = strrchr(o->files[i], '/');
+        job.path = o->files[i];
+        job.fd = open(job.path, O_RDONLY | O_CLOEXEC);
+        status = bench_file(bench, &job, slash ? slash + 1 : job.path, err);
         if (job.fd >= 0)
             close(job.fd);
     }
@@ -146,7 +121,7 @@ nqm_status nqm_bench_load(nqm_bench *bench, const nqm_directions *directions, co
 /* ---- commands ---------------------------------------------------------------------------------------------------- */
 
 typedef struct command_job {
-    const char *const *argv;
+    const char *argv[6]; /* without the program; a NULL ends them */
     bool failed;
 } command_job;
 
@@ -158,22 +133,38 @@ static void run_command(void *user) {
     int how;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    bool ok = posix_spawn(&child, j->argv[0], &actions, NULL, (char *const *)(uintptr_t)j->argv, environ) == 0;
+    bool ok = posix_spawn(&child, "/proc/self/exe", &actions, NULL, (char *const *)(uintptr_t)j->argv, environ) == 0;
     posix_spawn_file_actions_destroy(&actions);
     while (ok && waitpid(child, &how, 0) < 0 && errno == EINTR)
         ;
     j->failed = j->failed || !ok || !WIFEXITED(how) || WEXITSTATUS(how) != 0;
 }
 
-nqm_status nqm_bench_command(nqm_bench *bench, const char *name, const char *const *argv, nqm_error *err) {
-    command_job job = {.argv = argv};
-    nqm_bench_entry entry = nqm_bench_entry_make("load", "start to end");
-    entry.row.subject = nqm_bench_keep_text(bench, name);
-    if (!entry.row.subject)
-        return nqm_fail_nomem(err, strlen(name));
-    const nqm_bench_contender contender = {run_command, &job};
-    nqm_status status = nqm_bench_race(bench, 1, &contender, &entry, err);
-    if (status == NQM_OK && job.failed)
-        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be run, or failed", argv[0]);
+/* The start of this program, and a first score; not on a system without /proc. */
+static nqm_status bench_commands(nqm_bench *bench, nqm_error *err) {
+    command_job jobs[] = {{.argv = {"nqm", "--version"}},
+                          {.argv = {"nqm", "score", "sgd:nickel", "ward:nickel", "-q"}}};
+    static const char *const names[] = {"nqm --version", "nqm score sgd:nickel ward:nickel"};
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; i < 2 && status == NQM_OK && access("/proc/self/exe", X_OK) == 0; ++i) {
+        nqm_bench_entry entry = nqm_bench_entry_make("load", "start to end");
+        const nqm_bench_contender contender = {run_command, &jobs[i], NULL};
+        entry.row.subject = names[i];
+        status = nqm_bench_race(bench, 1, &contender, &entry, err);
+        if (status == NQM_OK && jobs[i].failed)
+            status = nqm_fail(err, NQM_ERR_IO, -1, "%s: this command failed", names[i]);
+    }
     return status;
+}
+
+nqm_status nqm_bench_load(nqm_bench *bench, nqm_error *err) {
+    nqm_directions *directions;
+    bench->done = 0;
+    bench->total = (double)(bench->options.rounds * (bench->options.n_files + 3));
+    nqm_status status = nqm_directions_create(NULL, 0, NULL, &directions, err);
+    if (status != NQM_OK)
+        return status;
+    status = bench_files(bench, directions, err);
+    nqm_directions_free(directions);
+    return status == NQM_OK ? bench_commands(bench, err) : status;
 }

@@ -38,12 +38,9 @@ static material change(const material *from, nqm_rng *rng) {
 }
 
 static nqm_status sample_material(const material *m, const nqm_directions *directions, float *rgb, nqm_error *err) {
-    char spec[SPEC_BYTES], number[5][32];
-    const double values[5] = {m->diffuse[0], m->diffuse[1], m->diffuse[2], m->specular, m->alpha};
-    for (size_t i = 0; i < 5; ++i)
-        nqm_format_double(number[i], sizeof number[i], values[i]);
-    snprintf(spec, sizeof spec, "ggx:kd=%s,%s,%s;ks=%s;alpha=%s;f0=.5", number[0], number[1], number[2], number[3],
-             number[4]);
+    char spec[SPEC_BYTES];
+    snprintf(spec, sizeof spec, "ggx:kd=%.17g,%.17g,%.17g;ks=%.17g;alpha=%.17g;f0=.5", m->diffuse[0], m->diffuse[1],
+             m->diffuse[2], m->specular, m->alpha);
     nqm_brdf *brdf;
     nqm_status status = nqm_brdf_open(spec, &brdf, err);
     if (status == NQM_OK)

@@ -127,18 +127,15 @@ static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const 
     return entry;
 }
 
-static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const material_pairs *pairs, size_t batch,
-                              nqm_precision precision, nqm_error *err) {
+static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const char *id, const material_pairs *pairs,
+                              size_t batch, nqm_precision precision, nqm_error *err) {
     job own = {.pairs = pairs, .batch = batch}, shared = {.pairs = pairs, .batch = batch, .is_shared = true};
     nqm_status status = make_job(&own, model, precision, err);
     if (status == NQM_OK)
         status = make_job(&shared, model, precision, err);
-    const char *id = nqm_bench_keep_text(bench, model->id); /* rows outlive the model */
-    if (status == NQM_OK && !id)
-        status = nqm_fail_nomem(err, strlen(model->id));
     if (status == NQM_OK) {
         const nqm_bench_contender contenders[] = {
-            {run_network, &own}, {run_all, &own}, {run_network, &shared}, {run_all, &shared}};
+            {run_network, &own, NULL}, {run_all, &own, NULL}, {run_network, &shared, NULL}, {run_all, &shared, NULL}};
         nqm_bench_entry entries[] = {
             describe(bench, model, &own, precision, "network", id),
             describe(bench, model, &own, precision, "samples to JOD", id),
@@ -154,7 +151,8 @@ static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const ma
     return status;
 }
 
-nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *err) {
+/* id: in the rows, which outlive the model. */
+static nqm_status bench_model(nqm_bench *bench, const nqm_model *model, const char *id, nqm_error *err) {
     static const size_t batches[] = {1, TESTS_PER_REF, 180, MAX_BATCH};
     const size_t n_batches = bench->options.quick ? 2 : 4;
     material_pairs pairs;
@@ -168,7 +166,26 @@ nqm_status nqm_bench_score(nqm_bench *bench, const nqm_model *model, nqm_error *
     for (size_t b = 0; b < n_batches; ++b)
         for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p)
             if (nqm_bench_has_precision(bench, p))
-                status = bench_batch(bench, model, &pairs, batches[b], p, err);
+                status = bench_batch(bench, model, id, &pairs, batches[b], p, err);
     nqm_free(pairs.x);
+    return status;
+}
+
+nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err) {
+    const char *name = bench->options.model;
+    nqm_status status = NQM_OK;
+    if (name && strchr(name, '.')) { /* a file */
+        if (!bench->model)
+            status = nqm_model_load(name, &bench->model, err);
+        return status == NQM_OK ? bench_model(bench, bench->model, bench->model->id, err) : status;
+    }
+    for (size_t i = 0; i < (name ? 1 : nqm_model_builtin_count()) && status == NQM_OK; ++i) {
+        const char *id = name ? name : nqm_model_builtin_name(i);
+        nqm_model *model;
+        status = nqm_model_builtin(id, &model, err);
+        if (status == NQM_OK)
+            status = bench_model(bench, model, id, err);
+        nqm_model_free(model);
+    }
     return status;
 }

@@ -104,24 +104,25 @@ static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_t
     return status;
 }
 
-nqm_status nqm_bench_train(nqm_bench *bench, const char *recipe, size_t epochs, size_t n_seeds, nqm_error *err) {
+nqm_status nqm_bench_train(nqm_bench *bench, nqm_error *err) {
+    const nqm_bench_options *options = &bench->options;
     nqm_train_options o;
     nqm_directions *directions;
     nqm_dataset *dataset = NULL;
-    nqm_status status = nqm_train_options_recipe(recipe, &o, err);
+    nqm_status status = nqm_train_options_recipe(options->recipe, &o, err);
     if (status == NQM_OK)
         status = nqm_directions_create(NULL, 0, NULL, &directions, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_bench_pairs(bench->options.quick ? N_REFS_QUICK : N_REFS, directions, &dataset, err);
+    status = nqm_bench_pairs(options->quick ? N_REFS_QUICK : N_REFS, directions, &dataset, err);
     nqm_directions_free(directions);
     if (status != NQM_OK)
         return status;
     o.augmentation.balance = 0;
-    o.optimiser.epochs = epochs ? epochs : o.optimiser.epochs;
-    o.run.progress = bench->options.progress;
-    o.run.progress_user = bench->options.progress_user;
-    for (o.optimiser.seed = 1; o.optimiser.seed <= n_seeds && status == NQM_OK; ++o.optimiser.seed)
+    o.optimiser.epochs = options->epochs ? options->epochs : o.optimiser.epochs;
+    o.run.progress = options->progress;
+    o.run.progress_user = options->progress_user;
+    for (o.optimiser.seed = 1; o.optimiser.seed <= options->seeds && status == NQM_OK; ++o.optimiser.seed)
         for (o.optimiser.precision = NQM_PRECISION_F32; o.optimiser.precision <= NQM_PRECISION_BF16 && status == NQM_OK;
              ++o.optimiser.precision)
             if (nqm_bench_has_precision(bench, o.optimiser.precision))

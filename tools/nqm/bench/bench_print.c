@@ -5,8 +5,11 @@
 #include "nqm/bench/bench_print.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
@@ -22,15 +25,32 @@ static json_t *openmp_json(void) {
     return openmp;
 }
 
+/* Facts about the machine from the operating system, where it provides them; 0 or "": unknown. */
 static json_t *machine_json(void) {
-    const nqm_bench_machine m = nqm_bench_get_machine();
+    static const int cache_names[] = {_SC_LEVEL1_DCACHE_SIZE, _SC_LEVEL2_CACHE_SIZE, _SC_LEVEL3_CACHE_SIZE};
+    char cpu[200], mhz_text[40], system_text[200] = "";
+    const char *end;
+    double mhz, load;
+    struct utsname names;
     json_t *caches = json_array();
-    for (size_t i = 0; i < sizeof m.cache_kib / sizeof *m.cache_kib; ++i)
-        json_array_append_new(caches, json_integer((json_int_t)m.cache_kib[i]));
-    return json_pack("{s:o,s:o,s:I,s:I,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_name(m.cpu), "system",
-                     json_name(m.system), "cores", (json_int_t)m.cores, "threads", (json_int_t)m.threads, "mhz", m.mhz,
-                     "cache_kib", caches, "memory_mb", m.memory_mb, "load_average", m.load, "kernels",
-                     nqm_kernels_selected(), "build", nqm_build_info(), "openmp", openmp_json());
+    nqm_bench_read_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    nqm_bench_read_value("/proc/cpuinfo", "cpu MHz", mhz_text, sizeof mhz_text);
+    if (!nqm_parse_double(mhz_text, &end, &mhz))
+        mhz = 0;
+    if (uname(&names) == 0)
+        snprintf(system_text, sizeof system_text, "%.60s %.60s %.60s", names.sysname, names.release, names.machine);
+    for (size_t i = 0; i < sizeof cache_names / sizeof *cache_names; ++i) {
+        const long n_bytes = sysconf(cache_names[i]);
+        json_array_append_new(caches, json_integer(n_bytes > 0 ? n_bytes / 1024 : 0));
+    }
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    if (getloadavg(&load, 1) != 1)
+        load = 0;
+    return json_pack("{s:o,s:o,s:i,s:i,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_name(cpu), "system",
+                     json_name(system_text), "cores", omp_get_num_procs(), "threads", omp_get_max_threads(), "mhz", mhz,
+                     "cache_kib", caches, "memory_mb", pages > 0 && page > 0 ? 1e-6 * (double)pages * (double)page : 0,
+                     "load_average", load, "kernels", nqm_kernels_selected(), "build", nqm_build_info(), "openmp",
+                     openmp_json());
 }
 
 static json_t *row_json(const nqm_bench_row *row) {
@@ -51,10 +71,8 @@ static json_t *row_json(const nqm_bench_row *row) {
 
 json_t *bench_json(const nqm_bench *bench) {
     json_t *rows = json_array();
-    for (size_t i = 0; i < nqm_bench_count(bench); ++i) {
-        const nqm_bench_row row = nqm_bench_get_row(bench, i);
-        json_array_append_new(rows, row_json(&row));
-    }
+    for (size_t i = 0; i < bench->n_entries; ++i)
+        json_array_append_new(rows, row_json(&bench->entry[i].row));
     return json_pack("{s:i,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "machine", machine_json(), "rows", rows);
 }
 
@@ -185,41 +203,43 @@ static bool belongs_to(const nqm_bench_row *row, const table *t) {
     return strcmp(row->bench, t->bench) == 0 && is_reading == (strcmp(t->title, "Peaks of reading memory") == 0);
 }
 
-static void print_machine(void) {
-    const nqm_bench_machine m = nqm_bench_get_machine();
-    printf("%s, %zu cores, %zu threads, caches %zu / %zu / %zu KiB, %.0f GB; %s; load average %.1f\n"
-           "nqm %s, kernels %s; %s\n",
-           m.cpu, m.cores, m.threads, m.cache_kib[0], m.cache_kib[1], m.cache_kib[2], m.memory_mb / 1000, m.system,
-           m.load, nqm_version(), nqm_kernels_selected(), nqm_build_info());
-    json_t *openmp = openmp_json();
+static void print_machine(const json_t *machine) {
     const char *name;
     json_t *value;
-    json_object_foreach(openmp, name, value) printf("%s=%s\n", name, json_string_value(value));
-    json_decref(openmp);
+    printf("nqm %s", nqm_version());
+    json_object_foreach((json_t *)(uintptr_t)machine, name, value) {
+        char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(6));
+        printf("; %s %s", name, text ? text : "");
+        free(text);
+    }
+    putchar('\n');
 }
 
-void print_bench_tables(const nqm_bench *bench) {
+static void print_headings(const table *t) {
+    printf("\n### %s\n\n|", t->title);
+    for (const column *c = t->columns; c->heading; ++c)
+        printf(" %s |", c->heading);
+    printf("\n|");
+    for (const column *c = t->columns; c->heading; ++c)
+        printf("---|");
+    putchar('\n');
+}
+
+void print_bench_tables(const nqm_bench *bench, const json_t *machine) {
     end_progress();
-    print_machine();
+    print_machine(machine);
     for (const table *t = tables; t < tables + sizeof tables / sizeof *tables; ++t) {
         bool has_begun = false;
-        for (size_t i = 0; i < nqm_bench_count(bench); ++i) {
-            const nqm_bench_row row = nqm_bench_get_row(bench, i);
-            if (!belongs_to(&row, t))
+        for (size_t i = 0; i < bench->n_entries; ++i) {
+            const nqm_bench_row *row = &bench->entry[i].row;
+            if (!belongs_to(row, t))
                 continue;
-            if (!has_begun) {
-                printf("\n### %s\n\n|", t->title);
-                for (const column *c = t->columns; c->heading; ++c)
-                    printf(" %s |", c->heading);
-                printf("\n|");
-                for (const column *c = t->columns; c->heading; ++c)
-                    printf("---|");
-                putchar('\n');
-            }
+            if (!has_begun)
+                print_headings(t);
             has_begun = true;
             putchar('|');
             for (const column *c = t->columns; c->heading; ++c)
-                print_cell(&row, c);
+                print_cell(row, c);
             putchar('\n');
         }
     }

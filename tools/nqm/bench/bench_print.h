@@ -10,7 +10,7 @@
 
 /** Rows as {"machine", "rows"}: fields that do not apply are omitted. */
 json_t *bench_json(const nqm_bench *bench);
-/** Print a table for each benchmark, the peaks first. */
-void print_bench_tables(const nqm_bench *bench);
+/** Print the machine and a table for each benchmark, the peaks first. */
+void print_bench_tables(const nqm_bench *bench, const json_t *machine);
 
 #endif
