@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "fuzz.hdr"};
     nqm_image image;
     nqm_error err = {0};
-    nqm_status status = nqm_image_decode_hdr(&map, &image, &err);
+    nqm_status status = nqm_image_parse(&map, &image, &err);
     if ((status == NQM_OK) != (image.rgb != NULL) || (status != NQM_OK && !err.message[0]) || status == NQM_ERR_NOMEM)
         abort();
     nqm_free(image.rgb);

@@ -46,6 +46,9 @@ NQM_MUST_CHECK nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arr
 void *nqm_alloc_pages(size_t n, size_t size);
 /** Free a block returned by nqm_alloc_pages() for the same n and size; NULL allowed. */
 void nqm_free_pages(void *block, size_t n, size_t size);
+/** Enlarge a block of *max_n elements, if necessary, to at least n elements, and return it; *max_n at least doubles, so that
+ *  appending is O(1) amortised. NULL when out of memory: the block is unchanged. */
+void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
 static inline size_t nqm_smaller(size_t a, size_t b) {
@@ -129,6 +132,16 @@ NQM_LITTLE_ENDIAN(u32, uint32_t)
 NQM_LITTLE_ENDIAN(u64, uint64_t)
 NQM_LITTLE_ENDIAN(f32, float)
 NQM_LITTLE_ENDIAN(f64, double)
+
+/** An unsigned integer of n_bytes (1 to 8) in either byte order. */
+uint64_t nqm_load_integer(const unsigned char *p, size_t n_bytes, bool big_endian);
+/** The type of a number in a file: a signed ('i') or unsigned ('u') integer of 1 to 8 bytes, or an IEEE float ('f') of 4 or
+ *  8 bytes. */
+typedef struct nqm_number_type {
+    char kind;
+    unsigned char n_bytes;
+} nqm_number_type;
+double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_endian);
 
 /* ---- locale-independent number conversion ------------------------------------------------------------------------ */
 

@@ -92,6 +92,21 @@ void nqm_free_pages(void *block, size_t n, size_t size) {
         munmap(block, n * size);
 }
 
+void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size) {
+    enum { MIN_ELEMENTS = 64 };
+    if (n <= *max_n)
+        return block;
+    const size_t max = nqm_larger(nqm_larger(n, 2 * *max_n), MIN_ELEMENTS);
+    void *larger = nqm_alloc(max, size);
+    if (!larger)
+        return NULL;
+    if (block)
+        memcpy(larger, block, *max_n * size);
+    nqm_free(block);
+    *max_n = max;
+    return larger;
+}
+
 char *nqm_strdup(const char *text) {
     size_t n = strlen(text) + 1;
     char *copy = nqm_alloc(n, 1);

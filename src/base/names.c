@@ -6,30 +6,13 @@
 
 #include <string.h>
 
-/* Grow *block to a capacity of at least n elements; *max_n is its capacity. Doubling makes appending O(1) amortised. */
-static bool reserve(void **block, size_t *max_n, size_t n, size_t size) {
-    if (n <= *max_n)
-        return true;
-    const size_t max = nqm_larger(n, 2 * *max_n);
-    void *larger = nqm_alloc(max, size);
-    if (!larger)
-        return false;
-    if (*block)
-        memcpy(larger, *block, *max_n * size);
-    nqm_free(*block);
-    *block = larger;
-    *max_n = max;
-    return true;
-}
-
 nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err) {
-    void *start = names->start, *text = names->text;
-    const bool ok = reserve(&start, &names->max_n, names->n + 1, sizeof *names->start) &&
-                    reserve(&text, &names->max_text, names->n_text + n_bytes + 1, 1);
-    names->start = start;
-    names->text = text;
-    if (!ok)
+    size_t *start = nqm_grow(names->start, &names->max_n, names->n + 1, sizeof *start);
+    names->start = start ? start : names->start;
+    char *text = start ? nqm_grow(names->text, &names->max_text, names->n_text + n_bytes + 1, 1) : NULL;
+    if (!text)
         return nqm_fail_nomem(err, n_bytes);
+    names->text = text;
     names->start[names->n++] = names->n_text;
     memcpy(names->text + names->n_text, name, n_bytes);
     names->text[names->n_text + n_bytes] = '\0';

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Locale-independent number conversion: the calling thread uses the "C" locale during the conversion.
+ * Numbers in files. Text is converted in the "C" locale, which the calling thread uses during the conversion.
  */
 #include "base/base.h"
 
@@ -19,6 +19,23 @@ static void make_c_locale(void) {
 static locale_t enter_c_locale(void) {
     pthread_once(&once, make_c_locale);
     return uselocale(c_locale);
+}
+
+uint64_t nqm_load_integer(const unsigned char *p, size_t n_bytes, bool big_endian) {
+    uint64_t bits = 0;
+    for (size_t k = 0; k < n_bytes; ++k)
+        bits = bits << 8 | p[big_endian ? k : n_bytes - 1 - k];
+    return bits;
+}
+
+double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_endian) {
+    const uint64_t bits = nqm_load_integer(p, type.n_bytes, big_endian);
+    const int n_unused = 64 - 8 * type.n_bytes;
+    unsigned char little[8];
+    nqm_store_u64(little, bits);
+    if (type.kind == 'f')
+        return type.n_bytes == 8 ? nqm_load_f64(little) : (double)nqm_load_f32(little);
+    return type.kind == 'i' ? (double)((int64_t)(bits << n_unused) >> n_unused) : (double)bits;
 }
 
 bool nqm_parse_double(const char *text, const char **end, double *value) {

@@ -10,6 +10,7 @@
 #include <limits.h>
 #include <string.h>
 
+/* One block; the arrays follow the struct. */
 struct nqm_csv {
     char *name;    /* for messages */
     char *text;    /* the file, split into fields */
@@ -132,32 +133,27 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
     if (nul)
         return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file", name,
                         (size_t)(nul - text));
-    size_t n_separators = 0, n_lines = 0;
+    size_t n_separators = 0, n_lines = 0, n_name = strlen(name) + 1;
     for (size_t i = 0; i < n_bytes; ++i) {
         n_separators += text[i] == ',' || text[i] == '\n';
         n_lines += text[i] == '\n';
     }
-    nqm_status status;
-    nqm_csv *csv = nqm_alloc(1, sizeof *csv);
-    if (!csv)
-        return nqm_fail_nomem(err, sizeof *csv);
-    csv->name = nqm_strdup(name);
-    csv->text = nqm_alloc(n_bytes + 1, 1);
-    csv->field = nqm_alloc(n_separators + 1, sizeof *csv->field);
-    csv->line = nqm_alloc(n_lines + 1, sizeof *csv->line);
-    if (!csv->name || !csv->text || !csv->field || !csv->line) {
-        status = nqm_fail_nomem(err, n_bytes + (n_separators + n_lines) * sizeof(size_t));
-        goto fail;
-    }
+    nqm_csv *csv, arrays = {0};
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&csv, 1, sizeof *csv}, {&arrays.name, n_name, 1}, {&arrays.text, n_bytes + 1, 1},
+                   {&arrays.field, n_separators + 1, sizeof(size_t)}, {&arrays.line, n_lines + 1, sizeof(size_t)}),
+        err);
+    if (status != NQM_OK)
+        return status;
+    *csv = arrays;
+    memcpy(csv->name, name, n_name);
     if (n_bytes)
         memcpy(csv->text, text, n_bytes);
     status = cut_all(csv, n_bytes, err);
-    if (status != NQM_OK)
-        goto fail;
-    *csv_ret = csv;
-    return NQM_OK;
-fail:
-    nqm_csv_free(csv);
+    if (status == NQM_OK)
+        *csv_ret = csv;
+    else
+        nqm_csv_free(csv);
     return status;
 }
 
@@ -173,12 +169,6 @@ nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
 }
 
 void nqm_csv_free(nqm_csv *csv) {
-    if (!csv)
-        return;
-    nqm_free(csv->name);
-    nqm_free(csv->text);
-    nqm_free(csv->field);
-    nqm_free(csv->line);
     nqm_free(csv);
 }
 

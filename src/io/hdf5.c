@@ -14,13 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-struct nqm_hdf5 {
-    const unsigned char *data;
-    size_t n_bytes;
-    const char *name;
-    uint64_t root; /* address of the root group's object header */
-};
-
 /* Pointer to n bytes at an address of the file; NULL when they are not all inside the file. */
 static const unsigned char *bytes_at(const nqm_hdf5 *f, uint64_t address, uint64_t n) {
     if (address > f->n_bytes || n > f->n_bytes - address)
@@ -30,49 +23,31 @@ static const unsigned char *bytes_at(const nqm_hdf5 *f, uint64_t address, uint64
 
 /* ---- superblock -------------------------------------------------------------------------------------------------- */
 
-static nqm_status read_superblock(nqm_hdf5 *f, nqm_error *err) {
+nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 *f, nqm_error *err) {
     static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
-    const unsigned char *p = f->data;
-    if (f->n_bytes < 100 || memcmp(p, signature, sizeof signature) != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no complete HDF5 superblock", f->name);
+    const unsigned char *p = data;
+    *f = (nqm_hdf5){.data = data, .n_bytes = n_bytes, .name = name};
+    if (n_bytes < 100 || memcmp(p, signature, sizeof signature) != 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no complete HDF5 superblock", name);
     unsigned version = p[8];
     if (version > 1)
         return nqm_fail(
             err, NQM_ERR_FORMAT, 8,
-            "%s: superblock version %u (byte 8) is not read, only 0 and 1, which h5py and Keras write by default",
-            f->name, version);
+            "%s: superblock version %u (byte 8) is not read, only 0 and 1, which h5py and Keras write by default", name,
+            version);
     if (p[13] != 8 || p[14] != 8)
-        return nqm_fail(err, NQM_ERR_FORMAT, 13, "%s: addresses and lengths must have 8 bytes (byte 13)", f->name);
+        return nqm_fail(err, NQM_ERR_FORMAT, 13, "%s: addresses and lengths must have 8 bytes (byte 13)", name);
     size_t base_at = version == 0 ? 24 : 28; /* version 1 has four additional bytes before this field */
     uint64_t base = nqm_load_u64(p + base_at), end = nqm_load_u64(p + base_at + 16);
     if (base != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)base_at, "%s: the base address at byte %zu is not 0", f->name,
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)base_at, "%s: the base address at byte %zu is not 0", name,
                         base_at);
-    if (end > f->n_bytes)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)f->n_bytes,
-                        "%s: ends at byte %zu, but its superblock claims %llu bytes (byte %zu)", f->name, f->n_bytes,
+    if (end > n_bytes)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes,
+                        "%s: ends at byte %zu, but its superblock claims %llu bytes (byte %zu)", name, n_bytes,
                         (unsigned long long)end, base_at + 16);
     f->root = nqm_load_u64(p + base_at + 40);
     return NQM_OK;
-}
-
-nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 **file_ret,
-                         nqm_error *err) {
-    *file_ret = NULL;
-    nqm_hdf5 file = {.data = data, .n_bytes = n_bytes, .name = name};
-    nqm_status status = read_superblock(&file, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_hdf5 *f = nqm_alloc(1, sizeof *f);
-    if (!f)
-        return nqm_fail_nomem(err, sizeof *f);
-    *f = file;
-    *file_ret = f;
-    return NQM_OK;
-}
-
-void nqm_hdf5_close(nqm_hdf5 *file) {
-    nqm_free(file);
 }
 
 /* ---- object headers ---------------------------------------------------------------------------------------------- */
@@ -228,11 +203,11 @@ static const char *read_dataset(const nqm_hdf5 *f, uint64_t object, size_t n_dim
     const unsigned char *layout = find_message(f, object, MESSAGE_LAYOUT, 18);
     if (!layout || layout[0] != LAYOUT_VERSION || layout[1] != CONTIGUOUS ||
         find_message(f, object, MESSAGE_EXTERNAL, 0))
-        return "is packed or lies in another file";
+        return "is compressed, chunked or stored in another file";
     uint64_t address = nqm_load_u64(layout + 2);
     const unsigned char *p = bytes_at(f, address, 4 * n);
     if (!p || nqm_load_u64(layout + 10) != 4 * n)
-        return "lies outside the file";
+        return "extends beyond the end of the file";
     for (size_t i = 0; i < n; ++i) {
         out[i] = nqm_load_f32(p + 4 * i);
         *at_ret = address + 4 * i;

@@ -13,8 +13,9 @@ nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, 
     if (width < 1 || height < 1)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the picture is empty", map->path);
     if ((double)width * (double)height > per_byte * (double)map->n_bytes)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header claims %llu x %llu pixels, which %zu bytes cannot hold",
-                        map->path, (unsigned long long)width, (unsigned long long)height, map->n_bytes);
+        return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                        "%s: the header claims %llu x %llu pixels, more than %zu bytes can store", map->path,
+                        (unsigned long long)width, (unsigned long long)height, map->n_bytes);
     if (width > NQM_IMAGE_MAX_WIDTH || height > NQM_IMAGE_MAX_HEIGHT)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %llu x %llu pixels; at most %d x %d are read", map->path,
                         (unsigned long long)width, (unsigned long long)height, (int)NQM_IMAGE_MAX_WIDTH,
@@ -43,30 +44,34 @@ static bool begins(const nqm_map *map, const char *magic, size_t n) {
     return map->n_bytes >= n && memcmp(map->data, magic, n) == 0;
 }
 
-static nqm_status decode(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
+static nqm_status decode(const nqm_map *map, nqm_image *image, nqm_error *err) {
     if (begins(map, "\x89PNG", 4))
-        return nqm_image_decode_png(map, image_ret, err);
+        return nqm_image_decode_png(map, image, err);
     if (begins(map, "\x76\x2f\x31\x01", 4))
-        return nqm_image_decode_exr(map, image_ret, err);
+        return nqm_image_decode_exr(map, image, err);
     if (begins(map, "#?", 2))
-        return nqm_image_decode_hdr(map, image_ret, err);
+        return nqm_image_decode_hdr(map, image, err);
     return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: neither OpenEXR, Radiance HDR nor PNG", map->path);
+}
+
+nqm_status nqm_image_parse(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
+    *image_ret = (nqm_image){0};
+    nqm_status status = decode(map, image_ret, err);
+    if (status == NQM_OK)
+        status = check_values(map->path, image_ret, err);
+    if (status != NQM_OK) {
+        nqm_free(image_ret->rgb);
+        *image_ret = (nqm_image){0};
+    }
+    return status;
 }
 
 nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err) {
     nqm_map map;
     *image_ret = (nqm_image){0};
     nqm_status status = nqm_map_open(path, &map, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_image image = {0};
-    status = decode(&map, &image, err);
+    if (status == NQM_OK)
+        status = nqm_image_parse(&map, image_ret, err);
     nqm_map_close(&map);
-    if (status == NQM_OK)
-        status = check_values(path, &image, err);
-    if (status == NQM_OK)
-        *image_ret = image;
-    else
-        nqm_free(image.rgb);
     return status;
 }

@@ -98,7 +98,7 @@ static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const ex
     bool inside = x >= 0 && y >= 0 && chunk->width >= 0 && chunk->height >= 0 &&
                   x + chunk->width <= (int64_t)image->width && y + chunk->height <= (int64_t)image->height;
     if (!inside)
-        return fail_exr(file, "a chunk lies outside the data window");
+        return fail_exr(file, "a chunk extends beyond the data window");
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
     if (exr_decoding_initialize(file->context, 0, chunk, &pipeline) != EXR_ERR_SUCCESS)
         return fail_exr(file, "a chunk cannot be read");
@@ -176,10 +176,8 @@ static nqm_status read_picture(exr_file *file, nqm_image *image) {
     return status;
 }
 
-nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
+nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image, nqm_error *err) {
     exr_file file = {.map = map, .err = err};
-    nqm_image image = {0};
-    *image_ret = (nqm_image){0};
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = on_error;
     start.alloc_fn = limited_malloc;
@@ -190,11 +188,7 @@ nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_er
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     if (exr_start_read(&file.context, map->path, &start) != EXR_ERR_SUCCESS)
         return fail_exr(&file, "the header is damaged");
-    nqm_status status = read_picture(&file, &image);
+    nqm_status status = read_picture(&file, image);
     exr_finish(&file.context);
-    if (status == NQM_OK)
-        *image_ret = image;
-    else
-        nqm_free(image.rgb);
     return status;
 }

@@ -44,14 +44,11 @@ static nqm_status read_line(hdr_file *file, char *line, size_t n_line) {
 static nqm_status read_header(hdr_file *file) {
     char line[128];
     nqm_status status = read_line(file, line, sizeof line);
-    bool known = status == NQM_OK && (strcmp(line, "#?RADIANCE") == 0 || strcmp(line, "#?RGBE") == 0);
-    if (status == NQM_OK && !known)
+    if (status == NQM_OK && strcmp(line, "#?RADIANCE") != 0 && strcmp(line, "#?RGBE") != 0)
         return fail_at(file, "the first line is neither #?RADIANCE nor #?RGBE");
-    while (status == NQM_OK) {
+    while (status == NQM_OK && line[0]) {
         status = read_line(file, line, sizeof line);
-        if (status != NQM_OK || !line[0])
-            break;
-        if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
+        if (status == NQM_OK && strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
             return fail_at(file, "only FORMAT=32-bit_rle_rgbe is read");
     }
     return status;
@@ -132,35 +129,29 @@ static nqm_status read_row(hdr_file *file, unsigned char *row, size_t width) {
     return status;
 }
 
-nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
+nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error *err) {
     hdr_file file = {.map = map, .err = err};
-    nqm_image image = {0};
-    unsigned char *row = NULL; /* (width, 4) */
     uint64_t width, height;
-    *image_ret = (nqm_image){0};
     nqm_status status = read_header(&file);
     if (status == NQM_OK)
         status = read_resolution(&file, &width, &height);
     if (status == NQM_OK)
-        status = nqm_image_alloc(map, width, height, max_pixels_per_byte, &image, err);
+        status = nqm_image_alloc(map, width, height, max_pixels_per_byte, image, err);
     if (status != NQM_OK)
         return status;
-    row = nqm_alloc(image.width, 4);
+    unsigned char *row = nqm_alloc(image->width, 4); /* (width, 4) */
     if (!row)
-        status = nqm_fail_nomem(err, image.width * 4);
-    for (size_t y = 0; status == NQM_OK && y < image.height; ++y) {
-        status = read_row(&file, row, image.width);
-        for (size_t x = 0; status == NQM_OK && x < image.width; ++x) {
+        return nqm_fail_nomem(err, image->width * 4);
+    float *rgb = image->rgb;
+    for (size_t y = 0; status == NQM_OK && y < image->height; ++y) {
+        status = read_row(&file, row, image->width);
+        for (size_t x = 0; status == NQM_OK && x < image->width; ++x) {
             double unit = row[4 * x + 3] ? ldexp(1.0 / 256, row[4 * x + 3] - 128) : 0;
             for (size_t k = 0; k < 3; ++k)
-                image.rgb[3 * (y * image.width + x) + k] = (float)(row[4 * x + k] * unit);
+                *rgb++ = (float)(row[4 * x + k] * unit);
         }
     }
     nqm_free(row);
-    if (status == NQM_OK)
-        *image_ret = image;
-    else
-        nqm_free(image.rgb);
     return status;
 }
 

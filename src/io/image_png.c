@@ -33,7 +33,7 @@ typedef struct png_file {
     const nqm_map *map;
     size_t position;
     char message[MESSAGE_SIZE];
-    nqm_image image;
+    nqm_image *image;
     unsigned char *rgba; /* (height, width, 4) */
     nqm_status status;
     nqm_error *err;
@@ -63,11 +63,11 @@ static void read_png(png_structp png, png_infop info, png_file *file) {
     if (png_get_bit_depth(png, info) != 8 || png_get_color_type(png, info) != PNG_COLOR_TYPE_RGB_ALPHA) {
         file->status =
             nqm_fail(file->err, NQM_ERR_FORMAT, 24,
-                     "%s: a light map in a PNG holds RGBE in 8-bit RGBA; this one does not", file->map->path);
+                     "%s: a light map in a PNG has RGBE pixels in 8-bit RGBA; this one has not", file->map->path);
         return;
     }
     size_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
-    file->status = nqm_image_alloc(file->map, width, height, max_pixels_per_byte, &file->image, file->err);
+    file->status = nqm_image_alloc(file->map, width, height, max_pixels_per_byte, file->image, file->err);
     if (file->status != NQM_OK)
         return;
     file->rgba = nqm_alloc(width * height, 4);
@@ -83,9 +83,8 @@ static void read_png(png_structp png, png_infop info, png_file *file) {
     png_read_end(png, NULL);
 }
 
-nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
-    *image_ret = (nqm_image){0};
-    png_file file = {.map = map, .err = err};
+nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image, nqm_error *err) {
+    png_file file = {.map = map, .image = image, .err = err};
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, file.message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info) {
@@ -95,15 +94,10 @@ nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_er
         file.status = nqm_fail_nomem(err, sizeof(void *));
     }
     png_destroy_read_struct(&png, &info, NULL);
-    if (file.status == NQM_OK) {
-        for (size_t i = 0; i < file.image.width * file.image.height; ++i) {
-            double unit = ldexp(1.0 / 255, file.rgba[4 * i + 3] - 128);
-            for (size_t k = 0; k < 3; ++k)
-                file.image.rgb[3 * i + k] = (float)(file.rgba[4 * i + k] * unit);
-        }
-        *image_ret = file.image;
-    } else {
-        nqm_free(file.image.rgb);
+    for (size_t i = 0; file.status == NQM_OK && i < image->width * image->height; ++i) {
+        double unit = ldexp(1.0 / 255, file.rgba[4 * i + 3] - 128);
+        for (size_t k = 0; k < 3; ++k)
+            image->rgb[3 * i + k] = (float)(file.rgba[4 * i + k] * unit);
     }
     nqm_free(file.rgba);
     return file.status;

@@ -27,7 +27,8 @@ typedef struct nqm_tensor {
 
 /** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_safetensors nqm_safetensors;
-/** Parse and check (offsets in range, no overlap, shapes match bytes, header at most 100 MB). */
+/** Parse and check (offsets in range, no overlap, shapes match bytes, header at most 100 MB). `name` is for messages and
+ *  must outlive the result. */
 NQM_MUST_CHECK nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                 nqm_safetensors **st_ret, nqm_error *err);
 void nqm_safetensors_free(nqm_safetensors *st);
@@ -36,6 +37,10 @@ size_t nqm_safetensors_count(const nqm_safetensors *st);
 const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);
 /** Find a tensor by name; NULL when there is none. */
 const nqm_tensor *nqm_safetensors_find(const nqm_safetensors *st, const char *tensor_name);
+/** Find a tensor of float32 with the name and dimensions of `expected` (dimension 0: any size >= 1); fail with the status
+ *  `failure` when it is missing or of another type or shape. Its data may be misaligned. */
+NQM_MUST_CHECK nqm_status nqm_safetensors_floats(const nqm_safetensors *st, const nqm_tensor *expected,
+                                                 nqm_status failure, const nqm_tensor **tensor_ret, nqm_error *err);
 /** A value of __metadata__, or NULL. */
 const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key);
 /** false when a tensor of floats (F16, F32, F64) contains a value that is not finite. */
@@ -44,6 +49,9 @@ bool nqm_tensor_all_finite(const nqm_tensor *tensor);
  *  those 64 digits replaced by '0'. false when the file stores no checksum. *matches: the recomputed checksum equals
  *  the stored one. */
 bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);
+/** Fail with the status `failure` unless metadata "schema" is `schema` and the checksum is stored and correct. */
+NQM_MUST_CHECK nqm_status nqm_safetensors_verify(const nqm_safetensors *st, const char *schema, nqm_status failure,
+                                                 nqm_error *err);
 
 typedef struct nqm_meta {
     const char *key, *value;
@@ -58,10 +66,9 @@ NQM_MUST_CHECK nqm_status nqm_safetensors_write(const char *path, size_t n_tenso
 
 /** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_tensor_file nqm_tensor_file;
-/** Parse and check that all offsets and shapes are inside the bytes. `name` is for messages. */
+/** Parse and check that all offsets and shapes are inside the bytes. `name` is for messages. Free with nqm_free(). */
 NQM_MUST_CHECK nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                 nqm_tensor_file **file_ret, nqm_error *err);
-void nqm_tensor_file_free(nqm_tensor_file *file);
 /** Find a tensor by name; NULL when there is none, or nqm_dtype does not have its type. */
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name);
 
@@ -95,21 +102,23 @@ NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member,
 NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text,
                                            nqm_error *err);
 
-/** Call `visit` with the last path component of each member that ends in `suffix`, in the order of the archive. */
-NQM_MUST_CHECK nqm_status nqm_zip_each(const char *zip_path, const char *suffix,
-                                       void (*visit)(void *user, const char *name), void *user, nqm_error *err);
-
 /* ---- HDF5 float datasets (as h5py and Keras write them) ---------------------------------------------------------- */
 
-typedef struct nqm_hdf5 nqm_hdf5;
-/** Open an HDF5 image in memory; the bytes and `name`, which is for messages, must outlive it. */
-NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name,
-                                        nqm_hdf5 **file_ret, nqm_error *err);
+/** An HDF5 image in memory. It owns nothing. */
+typedef struct nqm_hdf5 {
+    const unsigned char *data;
+    size_t n_bytes;
+    const char *name; /**< for messages */
+    uint64_t root;    /**< address of the root group's object header */
+} nqm_hdf5;
+
+/** Begin to read an HDF5 image; the bytes and `name` must outlive the result. */
+NQM_MUST_CHECK nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 *file_ret,
+                                        nqm_error *err);
 /** Read a float32 dataset of exactly these dimensions into out (product of dims); values that are not finite are
  *  refused. */
 NQM_MUST_CHECK nqm_status nqm_hdf5_read_f32(const nqm_hdf5 *file, const char *path, size_t n_dims, const size_t *dims,
                                             float *out, nqm_error *err);
-void nqm_hdf5_close(nqm_hdf5 *file);
 
 /* ---- MAT v5 ------------------------------------------------------------------------------------------------------ */
 
@@ -150,10 +159,13 @@ enum { NQM_IMAGE_MAX_WIDTH = 8192, NQM_IMAGE_MAX_HEIGHT = 4096 };
  *  finite is refused. */
 NQM_MUST_CHECK nqm_status nqm_image_load(const char *path, nqm_image *image_ret, nqm_error *err);
 
-/** The decoders of nqm_image_load(), for a file whose format is known. */
-NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
+/** The same from mapped bytes. */
+NQM_MUST_CHECK nqm_status nqm_image_parse(const nqm_map *map, nqm_image *image_ret, nqm_error *err);
+
+/** The decoders. They fill a zeroed image, whose pixels the caller frees, also on failure; values are not checked. */
+NQM_MUST_CHECK nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error *err);
 /** Check the width and height of a header, and allocate the pixels. NQM_ERR_FORMAT: one is 0, or there are more than
  *  `per_byte` pixels per byte of the file; NQM_ERR_LIMIT: larger than NQM_IMAGE_MAX_WIDTH x NQM_IMAGE_MAX_HEIGHT. */
 NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,

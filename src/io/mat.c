@@ -18,10 +18,7 @@ enum {
     TYPE_INT8 = 1,
     TYPE_INT32 = 5,
     TYPE_UINT32 = 6,
-    TYPE_SINGLE = 7,
     TYPE_DOUBLE = 9,
-    TYPE_INT64 = 12,
-    TYPE_UINT64 = 13,
     TYPE_MATRIX = 14,
     TYPE_COMPRESSED = 15,
     CLASS_DOUBLE = 6,
@@ -62,22 +59,15 @@ typedef struct matrix {
     bool is_complex;
 } matrix;
 
-static uint64_t load(const unsigned char *p, size_t n_bytes, bool big_endian) {
-    uint64_t bits = 0;
-    for (size_t k = 0; k < n_bytes; ++k)
-        bits = bits << 8 | p[big_endian ? k : n_bytes - 1 - k];
-    return bits;
-}
-
 /* Read the element at the cursor and move past its padding; false when it is truncated. Up to four bytes of data may be
  * stored inside the tag. */
 static bool take(cursor *c, element *e) {
     if (c->n < TAG_BYTES)
         return false;
-    uint32_t first = (uint32_t)load(c->p, 4, c->big_endian);
+    uint32_t first = (uint32_t)nqm_load_integer(c->p, 4, c->big_endian);
     bool is_small = first >> 16 != 0;
     e->type = first & 0xffff;
-    e->n = is_small ? first >> 16 : (size_t)load(c->p + 4, 4, c->big_endian);
+    e->n = is_small ? first >> 16 : (size_t)nqm_load_integer(c->p + 4, 4, c->big_endian);
     e->data = c->p + (is_small ? 4 : TAG_BYTES);
     if (e->n > (is_small ? 4 : c->n - TAG_BYTES))
         return false;
@@ -109,15 +99,15 @@ static const char *parse_head(cursor *c, matrix *m) {
     m->name[0] = 0;
     if (!take(c, &e) || e.type != TYPE_UINT32 || e.n != 8)
         return "has damaged flags";
-    uint32_t flags = (uint32_t)load(e.data, 4, c->big_endian);
+    uint32_t flags = (uint32_t)nqm_load_integer(e.data, 4, c->big_endian);
     if ((flags & 0xff) < CLASS_DOUBLE || (flags & 0xff) > CLASS_UINT64)
         return NULL;
     m->is_complex = (flags & FLAG_COMPLEX) != 0;
     if (!take(c, &e) || e.type != TYPE_INT32 || e.n % 4 != 0 || e.n < 8 || e.n > 4 * MAX_DIMENSIONS)
         return "has damaged dimensions";
     m->n_dims = e.n / 4;
-    m->rows = (size_t)load(e.data, 4, c->big_endian);
-    m->cols = (size_t)load(e.data + 4, 4, c->big_endian);
+    m->rows = (size_t)nqm_load_integer(e.data, 4, c->big_endian);
+    m->cols = (size_t)nqm_load_integer(e.data + 4, 4, c->big_endian);
     if (!take(c, &e) || e.type != TYPE_INT8 || e.n > MAX_NAME_BYTES)
         return "has a damaged name";
     memcpy(m->name, e.data, e.n);
@@ -141,7 +131,7 @@ static const char *next_variable(const nqm_mat *mat, size_t *at, matrix *m) {
     if (m->packed.type != TYPE_COMPRESSED)
         return "is of an unknown type";
     inner.p = head, inner.n = unpack(&m->packed, head, sizeof head, false);
-    if (inner.n < TAG_BYTES || load(head, 4, mat->big_endian) != TYPE_MATRIX)
+    if (inner.n < TAG_BYTES || nqm_load_integer(head, 4, mat->big_endian) != TYPE_MATRIX)
         return "is no intact compressed matrix";
     inner.p += TAG_BYTES, inner.n -= TAG_BYTES;
     return parse_head(&inner, m);
@@ -208,7 +198,7 @@ static nqm_status find_variable(const nqm_mat *mat, const char *variable, matrix
                         variable, m->at);
     if (!nqm_mul_size(m->rows, m->cols, &n) || n / MAX_INFLATION > m->packed.n)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m->at,
-                        "%s: variable '%s' (byte %zu) claims %zu x %zu elements, which %zu bytes cannot hold", path,
+                        "%s: variable '%s' (byte %zu) claims %zu x %zu elements, more than %zu bytes can store", path,
                         variable, m->at, m->rows, m->cols, m->packed.n);
     if (n > MAX_ELEMENTS)
         return nqm_fail(err, NQM_ERR_LIMIT, (int64_t)m->at,
@@ -227,44 +217,27 @@ nqm_status nqm_mat_shape(const nqm_mat *mat, const char *variable, size_t *rows_
     return status;
 }
 
-/* Bytes per value of an element type; 0 when the type is not numeric. */
-static size_t width_of(uint32_t type) {
-    static const unsigned char width[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
-    return type < sizeof width ? width[type] : 0;
-}
-
-static double number_at(const unsigned char *p, uint32_t type, bool big_endian) {
-    size_t n_bytes = width_of(type);
-    uint64_t bits = load(p, n_bytes, big_endian);
-    if (type == TYPE_DOUBLE) {
-        double v;
-        memcpy(&v, &bits, sizeof v);
-        return v;
-    }
-    if (type == TYPE_SINGLE) {
-        uint32_t low = (uint32_t)bits;
-        float v;
-        memcpy(&v, &low, sizeof v);
-        return (double)v;
-    }
-    unsigned unused = 64 - 8 * (unsigned)n_bytes;
-    if (type == TYPE_INT64 || (type < TYPE_SINGLE && type % 2 == 1)) /* signed: extend the sign */
-        return (double)((int64_t)(bits << unused) >> unused);
-    return (double)bits;
+/* The number type of an element type; 0 bytes: not numeric. */
+static nqm_number_type type_of(uint32_t type) {
+    static const nqm_number_type types[] = {{0, 0},   {'i', 1}, {'u', 1}, {'i', 2}, {'u', 2}, {'i', 4}, {'u', 4},
+                                            {'f', 4}, {0, 0},   {'f', 8}, {0, 0},   {0, 0},   {'i', 8}, {'u', 8}};
+    return types[type < sizeof types / sizeof *types ? type : 0];
 }
 
 /* Convert the column-major values of a matrix to row-major doubles. body: flags, dimensions, name, values. */
 static nqm_status convert(const nqm_mat *mat, cursor body, double *out, nqm_error *err, matrix *m) {
-    element values;
+    element values = {0};
     const char *fault = parse_head(&body, m);
-    if (!fault && (!take(&body, &values) || values.n != m->rows * m->cols * width_of(values.type) ||
-                   (values.n == 0 && m->rows * m->cols > 0)))
+    const size_t n = m->rows * m->cols;
+    const bool is_whole = !fault && take(&body, &values);
+    const nqm_number_type type = type_of(values.type);
+    if (!fault && (!is_whole || values.n != n * type.n_bytes || (values.n == 0 && n > 0)))
         fault = "has damaged values, or is cut off";
     if (fault)
         return fail_at(mat, m, fault, err);
     for (size_t i = 0; i < m->rows; ++i)
         for (size_t k = 0; k < m->cols; ++k) {
-            double v = number_at(values.data + (k * m->rows + i) * width_of(values.type), values.type, mat->big_endian);
+            double v = nqm_load_number(values.data + (k * m->rows + i) * type.n_bytes, type, mat->big_endian);
             if (!isfinite(v))
                 return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)m->at,
                                 "%s: '%s' (byte %zu) at row %zu, column %zu is not finite", mat->map.path, m->name,
@@ -321,41 +294,24 @@ static nqm_status check_variable(const nqm_mat_variable *v, nqm_error *err) {
     return NQM_OK;
 }
 
-static void put_words(FILE *stream, size_t n, const size_t *words) {
-    for (size_t i = 0; i < n; ++i) {
-        unsigned char bytes[4];
-        nqm_store_u32(bytes, (uint32_t)words[i]);
-        fwrite(bytes, 1, sizeof bytes, stream);
-    }
-}
-
 static void put_variable(FILE *stream, const nqm_mat_variable *v) {
     size_t n_name = strlen(v->name), n_data = v->rows * v->cols * sizeof(double);
     bool is_small = n_name <= 4; /* stored inside its tag, with the size in the upper half of the first word */
     size_t n_name_element = is_small ? 8 : 8 + (n_name + 7) / 8 * 8;
-    const size_t head[] = {TYPE_MATRIX,
-                           16 + 16 + n_name_element + 8 + n_data,
-                           TYPE_UINT32,
-                           8,
-                           CLASS_DOUBLE,
-                           0,
-                           TYPE_INT32,
-                           8,
-                           v->rows,
-                           v->cols,
-                           is_small ? n_name << 16 | TYPE_INT8 : TYPE_INT8,
-                           n_name};
+    const uint32_t rows = (uint32_t)v->rows, cols = (uint32_t)v->cols, n_text = (uint32_t)n_name;
+    const uint32_t n_matrix = (uint32_t)(16 + 16 + n_name_element + 8 + n_data);
+    const uint32_t matrix_flags[] = {TYPE_MATRIX, n_matrix, TYPE_UINT32, 8, CLASS_DOUBLE, 0};
+    const uint32_t size_name[] = {TYPE_INT32, 8, rows, cols, is_small ? n_text << 16 | TYPE_INT8 : TYPE_INT8, n_text};
+    const uint32_t values[] = {TYPE_DOUBLE, (uint32_t)n_data};
     char name[MAX_NAME_BYTES + 9] = {0};
     memcpy(name, v->name, n_name);
-    put_words(stream, sizeof head / sizeof *head - is_small, head);
+    fwrite(matrix_flags, 1, sizeof matrix_flags, stream);
+    fwrite(size_name, sizeof *size_name, is_small ? 5 : 6, stream);
     fwrite(name, 1, n_name_element - (is_small ? 4 : 8), stream);
-    put_words(stream, 2, (const size_t[]){TYPE_DOUBLE, n_data});
+    fwrite(values, 1, sizeof values, stream);
     for (size_t k = 0; k < v->cols; ++k)
-        for (size_t i = 0; i < v->rows; ++i) {
-            unsigned char bytes[8];
-            nqm_store_f64(bytes, v->data[i * v->cols + k]);
-            fwrite(bytes, 1, sizeof bytes, stream);
-        }
+        for (size_t i = 0; i < v->rows; ++i)
+            fwrite(&v->data[i * v->cols + k], sizeof *v->data, 1, stream);
 }
 
 nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err) {

@@ -12,18 +12,11 @@
 enum { ROW_BYTES = 12 };
 
 bool nqm_mesh_rows_add(nqm_mesh_rows *rows, const void *row) {
-    if (rows->n == rows->room) {
-        size_t room = rows->room ? 2 * rows->room : 256;
-        void *data = nqm_alloc(room, ROW_BYTES);
-        if (!data)
-            return false;
-        if (rows->n)
-            memcpy(data, rows->data, rows->n * ROW_BYTES);
-        nqm_free(rows->data);
-        rows->data = data;
-        rows->room = room;
-    }
-    memcpy((unsigned char *)rows->data + rows->n++ * ROW_BYTES, row, ROW_BYTES);
+    void *data = nqm_grow(rows->data, &rows->max_n, rows->n + 1, ROW_BYTES);
+    if (!data)
+        return false;
+    rows->data = data;
+    memcpy((unsigned char *)data + rows->n++ * ROW_BYTES, row, ROW_BYTES);
     return true;
 }
 

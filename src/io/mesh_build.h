@@ -10,7 +10,7 @@
 
 /** A growing array of rows; a row is three 4-byte values. */
 typedef struct nqm_mesh_rows {
-    size_t n, room;
+    size_t n, max_n;
     void *data; /* (n, 3) float or uint32_t; nqm_free */
 } nqm_mesh_rows;
 

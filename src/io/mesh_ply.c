@@ -11,14 +11,11 @@
 
 enum { MAX_ELEMENTS = 32, MAX_PROPERTIES = 256 };
 
-typedef enum ply_type { PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY_F64, PLY_TYPES } ply_type;
-static const size_t type_bytes[PLY_TYPES] = {1, 1, 2, 2, 4, 4, 4, 8};
-
 typedef enum ply_role { ROLE_SKIP, ROLE_X, ROLE_Y, ROLE_Z, ROLE_NX, ROLE_NY, ROLE_NZ, ROLE_CORNERS } ply_role;
 
 typedef struct ply_property {
     bool is_list;
-    ply_type count_type, type;
+    nqm_number_type count_type, type;
     ply_role role;
 } ply_property;
 
@@ -40,13 +37,16 @@ typedef struct ply_file {
 
 /* ---- header ------------------------------------------------------------------------------------------------------ */
 
-static bool find_type(const char *word, ply_type *type) {
-    static const char *const names[2][PLY_TYPES] = {
-        {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"},
-        {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"}};
-    for (int i = 0; i < 2 * PLY_TYPES; ++i)
-        if (strcmp(word, names[i / PLY_TYPES][i % PLY_TYPES]) == 0) {
-            *type = (ply_type)(i % PLY_TYPES);
+static bool find_type(const char *word, nqm_number_type *type) {
+    static const struct {
+        const char *names[2];
+        nqm_number_type type;
+    } types[] = {{{"char", "int8"}, {'i', 1}},     {{"uchar", "uint8"}, {'u', 1}},   {{"short", "int16"}, {'i', 2}},
+                 {{"ushort", "uint16"}, {'u', 2}}, {{"int", "int32"}, {'i', 4}},     {{"uint", "uint32"}, {'u', 4}},
+                 {{"float", "float32"}, {'f', 4}}, {{"double", "float64"}, {'f', 8}}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
+        if (strcmp(word, types[i].names[0]) == 0 || strcmp(word, types[i].names[1]) == 0) {
+            *type = types[i].type;
             return true;
         }
     return false;
@@ -107,8 +107,8 @@ static nqm_status read_property(ply_file *ply) {
     bool good = nqm_mesh_word(ply->r, word);
     property.is_list = good && strcmp(word, "list") == 0;
     if (property.is_list)
-        good = nqm_mesh_word(ply->r, word) && find_type(word, &property.count_type) && property.count_type < PLY_F32 &&
-               nqm_mesh_word(ply->r, word);
+        good = nqm_mesh_word(ply->r, word) && find_type(word, &property.count_type) &&
+               property.count_type.kind != 'f' && nqm_mesh_word(ply->r, word);
     good = good && find_type(word, &property.type) && nqm_mesh_word(ply->r, name);
     if (!good)
         return nqm_mesh_fail(ply->r, "a property needs a type and a name");
@@ -136,7 +136,7 @@ static nqm_status check_elements(ply_file *ply) {
         double row = 0;
         for (size_t k = e->first; k < e->first + e->n_properties; ++k) {
             const ply_property *p = &ply->property[k];
-            row += ply->encoding == PLY_ASCII ? 2 : (double)type_bytes[p->is_list ? p->count_type : p->type];
+            row += ply->encoding == PLY_ASCII ? 2 : (double)(p->is_list ? p->count_type : p->type).n_bytes;
         }
         if (row == 0 && e->count)
             return nqm_mesh_fail(ply->r, "an element has no properties");
@@ -184,36 +184,8 @@ static nqm_status read_header(ply_file *ply) {
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-static uint64_t load_bytes(const unsigned char *p, size_t n, bool big) {
-    uint64_t value = 0;
-    for (size_t i = 0; i < n; ++i)
-        value |= (uint64_t)p[i] << 8 * (big ? n - 1 - i : i);
-    return value;
-}
-
-static double decode(const unsigned char *p, ply_type type, bool big) {
-    uint64_t bits = load_bytes(p, type_bytes[type], big);
-    unsigned char little[8];
-    switch (type) {
-    case PLY_I8:
-        return (int8_t)bits;
-    case PLY_I16:
-        return (int16_t)bits;
-    case PLY_I32:
-        return (int32_t)bits;
-    case PLY_F32:
-        nqm_store_u32(little, (uint32_t)bits);
-        return (double)nqm_load_f32(little);
-    case PLY_F64:
-        nqm_store_u64(little, bits);
-        return nqm_load_f64(little);
-    default:
-        return (double)bits;
-    }
-}
-
 /* Read the next value; `value` NULL: skip it. */
-static nqm_status next_value(ply_file *ply, ply_type type, double *value) {
+static nqm_status next_value(ply_file *ply, nqm_number_type type, double *value) {
     nqm_mesh_reader *r = ply->r;
     if (ply->encoding == PLY_ASCII) {
         char word[NQM_MESH_TOKEN];
@@ -225,15 +197,15 @@ static nqm_status next_value(ply_file *ply, ply_type type, double *value) {
             return nqm_mesh_fail(r, "'%.20s' is no finite number", word);
         return NQM_OK;
     }
-    if (r->map->n_bytes - r->position < type_bytes[type])
+    if (r->map->n_bytes - r->position < type.n_bytes)
         return nqm_mesh_fail(r, "the file ends too early");
     if (value)
-        *value = decode(r->map->data + r->position, type, ply->encoding == PLY_BIG);
-    r->position += type_bytes[type];
+        *value = nqm_load_number(r->map->data + r->position, type, ply->encoding == PLY_BIG);
+    r->position += type.n_bytes;
     return NQM_OK;
 }
 
-static nqm_status read_corner(ply_file *ply, ply_type type, nqm_fan *fan) {
+static nqm_status read_corner(ply_file *ply, nqm_number_type type, nqm_fan *fan) {
     double index = 0;
     nqm_status status = next_value(ply, type, &index);
     if (status != NQM_OK)

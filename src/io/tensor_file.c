@@ -22,7 +22,7 @@ typedef struct field {
 
 struct nqm_tensor_file {
     size_t n_fields;
-    field *fields; /* (n_fields) */
+    field fields[]; /* (n_fields) */
 };
 
 /** A read position in the file. */
@@ -115,29 +115,19 @@ nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, cons
     if (n_fields > MAX_FIELDS)
         return nqm_fail(err, NQM_ERR_FORMAT, 14, "%s: claims %zu fields (byte 14), at most %d are read", name, n_fields,
                         MAX_FIELDS);
-    nqm_tensor_file *file = nqm_alloc(1, sizeof *file);
+    const size_t n_file = sizeof(nqm_tensor_file) + n_fields * sizeof(field);
+    nqm_tensor_file *file = nqm_alloc(n_file, 1);
     if (!file)
-        return nqm_fail_nomem(err, sizeof *file);
+        return nqm_fail_nomem(err, n_file);
     nqm_status status = NQM_OK;
     file->n_fields = n_fields;
-    file->fields = nqm_alloc(n_fields, sizeof *file->fields);
-    if (!file->fields)
-        status = nqm_fail_nomem(err, n_fields * sizeof *file->fields);
     for (size_t i = 0; i < n_fields && status == NQM_OK; ++i)
         status = read_field(&c, file->fields + i, err);
-    if (status != NQM_OK) {
-        nqm_tensor_file_free(file);
-        return status;
-    }
-    *file_ret = file;
-    return NQM_OK;
-}
-
-void nqm_tensor_file_free(nqm_tensor_file *file) {
-    if (!file)
-        return;
-    nqm_free(file->fields);
-    nqm_free(file);
+    if (status == NQM_OK)
+        *file_ret = file;
+    else
+        nqm_free(file);
+    return status;
 }
 
 const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *tensor_name) {

@@ -82,19 +82,6 @@ nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text
     return NQM_OK;
 }
 
-nqm_status nqm_zip_each(const char *zip_path, const char *suffix, void (*visit)(void *user, const char *name),
-                        void *user, nqm_error *err) {
-    archive a;
-    nqm_status status = archive_open(zip_path, &a, err);
-    if (status != NQM_OK)
-        return status;
-    for (zip_uint64_t i = 0, n = member_count(&a); i < n; ++i)
-        if (has_suffix(base_name(&a, i), suffix))
-            visit(user, base_name(&a, i));
-    archive_close(&a);
-    return NQM_OK;
-}
-
 /* Read all of an opened member. Reading past its end makes libzip verify the checksum. */
 static bool read_exactly(zip_file_t *file, unsigned char *data, size_t n_bytes) {
     for (size_t done = 0; done < n_bytes;) {

@@ -163,26 +163,26 @@ static void false_headers(void **state) {
         {"[]", 0, "not an object"},
         {"{\"a\":", 0, "header"},
         {"{} x", 0, "header"},
-        {"{\"a\":3}", 0, "not an object"},
-        {"{\"a\":{}}", 0, "no dtype"},
-        {"{\"a\":{\"dtype\":\"F8\",\"shape\":[4],\"data_offsets\":[0,4]}}", 4, "other than"},
-        {"{" A("3", "0", "4") "}", 4, "list of sizes"},
-        {"{" A("[1,1,1,1,1,1]", "0", "4") "}", 4, "list of sizes"},
-        {"{" A("[-1]", "0", "4") "}", 4, "not a size"},
-        {"{" A("[1.0]", "0", "4") "}", 4, "not a size"},
+        {"{\"a\":3}", 0, "dtype is none of"},
+        {"{\"a\":{}}", 0, "dtype is none of"},
+        {"{\"a\":{\"dtype\":\"F8\",\"shape\":[4],\"data_offsets\":[0,4]}}", 4, "dtype is none of"},
+        {"{" A("3", "0", "4") "}", 4, "list of at most 5 sizes"},
+        {"{" A("[1,1,1,1,1,1]", "0", "4") "}", 4, "list of at most 5 sizes"},
+        {"{" A("[-1]", "0", "4") "}", 4, "list of at most 5 sizes"},
+        {"{" A("[1.0]", "0", "4") "}", 4, "list of at most 5 sizes"},
         {"{" A("[1]", "-4", "0") "}", 4, "two sizes"},
         {"{\"a\":{\"dtype\":\"F32\",\"shape\":[1],\"data_offsets\":[0]}}", 4, "two sizes"},
         {"{\"a\":{\"dtype\":\"F32\",\"shape\":[1]}}", 4, "two sizes"},
-        {"{" A("[1]", "4", "0") "}", 4, "outside"},
-        {"{" A("[2]", "0", "8") "}", 4, "outside"},
-        {"{" A("[1]", "9223372036854775803", "9223372036854775807") "}", 4, "outside"},
+        {"{" A("[1]", "4", "0") "}", 4, "beyond the end"},
+        {"{" A("[2]", "0", "8") "}", 4, "beyond the end"},
+        {"{" A("[1]", "9223372036854775803", "9223372036854775807") "}", 4, "beyond the end"},
         {"{" A("[2]", "0", "4") "}", 4, "shape does not match"},
         {"{" A("[2147483648,2147483648]", "0", "4") "}", 4, "shape does not match"},
         {"{" A("[4611686018427387905]", "0", "4") "}", 4, "shape does not match"}, /* 4 n wraps to 4 */
         {"{" A("[1]", "0", "4") "," A("[1]", "4", "8") "}", 8, "header"},          /* the same name twice */
         {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[2],\"data_offsets\":[3,5]}}", 5, "overlaps"},
-        {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[1],\"data_offsets\":[5,6]}}", 6, "hole"},
-        {"{" A("[1]", "1", "5") "}", 5, "hole"},
+        {"{" A("[1]", "0", "4") ",\"b\":{\"dtype\":\"U8\",\"shape\":[1],\"data_offsets\":[5,6]}}", 6, "gap"},
+        {"{" A("[1]", "1", "5") "}", 5, "gap"},
         {"{" A("[1]", "0", "4") "}", 5, "after the last"},
         {"{}", 1, "after the last"},
         {"{\"__metadata__\":[]}", 0, "not an object"},
@@ -241,12 +241,10 @@ static void out_of_memory(void **state) {
     (void)state;
     size_t n_bytes;
     unsigned char *file = valid_file(&n_bytes, NULL);
-    for (long n = 0; n < 3; ++n) {
-        nqm_safetensors *st;
-        nqm_alloc_fail_after(n);
-        assert_int_equal(nqm_safetensors_parse(file, n_bytes, "f", &st, NULL), NQM_ERR_NOMEM);
-        assert_null(st);
-    }
+    nqm_safetensors *st;
+    nqm_alloc_fail_after(0);
+    assert_int_equal(nqm_safetensors_parse(file, n_bytes, "f", &st, NULL), NQM_ERR_NOMEM);
+    assert_null(st);
     for (long n = 0; n < 3; ++n) {
         nqm_alloc_fail_after(n);
         assert_int_equal(nqm_safetensors_write(path_of_output(), N_TENSORS, tensors, 2, meta, NULL, NULL),
