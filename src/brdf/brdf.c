@@ -24,23 +24,25 @@ static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open},
                                       {nqm_nbrdf_probe, nqm_nbrdf_open},
                                       {nqm_saved_probe, nqm_saved_open}};
 
-nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
-                         const char *layout, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
-    nqm_brdf *brdf = nqm_alloc(1, sizeof *brdf);
-    if (!brdf) {
+nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info, nqm_brdf **brdf_ret,
+                         nqm_error *err) {
+    nqm_brdf_info copy = *info;
+    const char **texts[] = {&copy.name, &copy.spec, &copy.layout};
+    nqm_array arrays[4] = {{brdf_ret, 1, sizeof(nqm_brdf)}};
+    char *texts_of_copy[3];
+    for (size_t i = 0; i < 3; ++i)
+        arrays[1 + i] = (nqm_array){&texts_of_copy[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
+    nqm_status status = nqm_alloc_arrays(4, arrays, err);
+    if (status != NQM_OK) {
         class_->free(self);
-        return nqm_fail_nomem(err, sizeof *brdf);
+        return status;
     }
-    *brdf = (nqm_brdf){.class_ = class_, .self = self};
-    brdf->name = nqm_strdup(name);
-    brdf->spec = spec ? nqm_strdup(spec) : NULL;
-    brdf->layout = layout ? nqm_strdup(layout) : NULL;
-    if (!brdf->name || (spec && !brdf->spec) || (layout && !brdf->layout)) {
-        nqm_brdf_free(brdf);
-        return nqm_fail_nomem(err, strlen(name) + 1);
-    }
-    *brdf_ret = brdf;
+    for (size_t i = 0; i < 3; ++i)
+        if (*texts[i])
+            *texts[i] = memcpy(texts_of_copy[i], *texts[i], arrays[1 + i].n);
+    copy.format = class_->format;
+    copy.reciprocal = class_->reciprocal;
+    **brdf_ret = (nqm_brdf){class_, self, copy};
     return NQM_OK;
 }
 
@@ -50,60 +52,52 @@ static bool is_zip(const nqm_map *map) {
 }
 
 /* Fail for an archive without the name of a material; the message lists some of its materials. */
-static nqm_status ask_for_member(const char *path, nqm_error *err) {
+static nqm_status request_material(const char *path, nqm_error *err) {
     char examples[256];
     nqm_status status = nqm_zip_examples(path, ".h5", examples, sizeof examples, err);
     if (status != NQM_OK)
         return status;
     if (!*examples)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) holds no NBRDF .h5 file", path);
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) contains no NBRDF .h5 file", path);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", path, path,
                     examples);
 }
 
-static nqm_status open_file(const char *path, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_map map = {0};
-    nqm_status status = nqm_map_open_sparse(path, &map, err);
-    if (status != NQM_OK)
-        return status;
-    if (map.n_bytes == 0) {
-        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
-        goto done;
-    }
-    if (is_zip(&map)) {
-        status = ask_for_member(path, err);
-        goto done;
-    }
-    if (nqm_nps_probe(&map)) {
-        status = nqm_fail(err, NQM_ERR_ARG, -1,
-                          "%s: name one material of this decoder's nps_latents.csv, '%s:MATERIAL'", path, path);
-        goto done;
-    }
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
-        if (formats[i].probe(&map)) {
-            status = formats[i].open(&map, name, brdf_ret, err);
-            goto done;
-        }
-    }
-    status = nqm_fail(err, NQM_ERR_FORMAT, 0,
-                      "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, "
-                      "nqm's own .safetensors, zip",
-                      path);
-done:
-    if (status != NQM_OK)
-        nqm_map_close(&map);
-    return status;
+/* On success the BRDF owns the map. */
+static nqm_status open_map(nqm_map *map, nqm_brdf **brdf_ret, nqm_error *err) {
+    const char *path = map->path;
+    if (map->n_bytes == 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
+    if (is_zip(map))
+        return request_material(path, err);
+    if (nqm_nps_probe(map))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this decoder's nps_latents.csv, '%s:MATERIAL'",
+                        path, path);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
+        if (formats[i].probe(map))
+            return formats[i].open(map, path, brdf_ret, err);
+    return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                    "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, "
+                    "nqm's own .safetensors, zip",
+                    path);
 }
 
-/* `path` is a file that contains several materials; `name` is the whole argument. */
-static nqm_status open_member(const char *path, const char *material, const char *name, nqm_brdf **brdf_ret,
-                              nqm_error *err) {
+/* Open a file, or a material of a file that contains several; `name` is the whole argument. material NULL: the file
+ * contains one. */
+static nqm_status open_file(const char *path, const char *material, const char *name, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
     nqm_map map = {0};
     nqm_status status = nqm_map_open_sparse(path, &map, err);
-    if (status != NQM_OK)
+    if (status == NQM_OK && !material) {
+        status = open_map(&map, brdf_ret, err);
+        if (status != NQM_OK)
+            nqm_map_close(&map);
         return status;
+    }
     bool zip = is_zip(&map), decoder = nqm_nps_probe(&map);
     nqm_map_close(&map);
+    if (status != NQM_OK)
+        return status;
     if (zip)
         return nqm_nbrdf_zip_open(path, material, name, brdf_ret, err);
     if (decoder)
@@ -123,13 +117,13 @@ nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_erro
         return nqm_spec_open(path_or_spec, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
     if (!colon || exists(path_or_spec))
-        return open_file(path_or_spec, path_or_spec, brdf_ret, err);
+        return open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
     char *path = nqm_strdup(path_or_spec);
     if (!path)
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
     path[colon - path_or_spec] = 0;
-    nqm_status status = exists(path) ? open_member(path, colon + 1, path_or_spec, brdf_ret, err)
-                                     : open_file(path_or_spec, path_or_spec, brdf_ret, err);
+    nqm_status status = exists(path) ? open_file(path, colon + 1, path_or_spec, brdf_ret, err)
+                                     : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
     nqm_free(path);
     return status;
 }
@@ -155,24 +149,13 @@ nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_b
 }
 
 void nqm_brdf_free(nqm_brdf *brdf) {
-    if (!brdf)
-        return;
-    brdf->class_->free(brdf->self);
-    nqm_free(brdf->name);
-    nqm_free(brdf->spec);
-    nqm_free(brdf->layout);
+    if (brdf)
+        brdf->class_->free(brdf->self);
     nqm_free(brdf);
 }
 
 nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
-    return (nqm_brdf_info){.format = brdf->class_->format,
-                           .name = brdf->name,
-                           .spec = brdf->spec,
-                           .source_doi = brdf->source_doi,
-                           .layout = brdf->layout,
-                           .n_values = brdf->n_values,
-                           .n_bytes = brdf->n_bytes,
-                           .reciprocal = brdf->class_->reciprocal};
+    return brdf->info;
 }
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */

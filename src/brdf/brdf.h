@@ -29,21 +29,17 @@ typedef struct nqm_brdf_class {
     void (*free)(void *self);
 } nqm_brdf_class;
 
+/* One block; the texts of `info`, except the DOI, follow the struct. */
 struct nqm_brdf {
     const nqm_brdf_class *class_;
     void *self;
-    char *name;             /* owned */
-    char *spec;             /* owned or NULL */
-    char *layout;           /* owned or NULL */
-    const char *source_doi; /* static or NULL */
-    size_t n_values;
-    size_t n_bytes;
+    nqm_brdf_info info;
 };
 
-/** Create a BRDF object that owns `self`; `self` is freed on failure too. `spec` and `layout` are copied and may be
- * NULL. */
-NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const char *name, const char *spec,
-                                        const char *layout, nqm_brdf **brdf_ret, nqm_error *err);
+/** Create a BRDF object that owns `self`; `self` is freed on failure too. The name, spec and layout of `info` are copied,
+ *  the DOI is not; format and reciprocity are those of the class. */
+NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info,
+                                        nqm_brdf **brdf_ret, nqm_error *err);
 
 /* ---- BRDFs that a list names ------------------------------------------------------------------------------------- */
 

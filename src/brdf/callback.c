@@ -47,8 +47,8 @@ nqm_status nqm_brdf_create(const nqm_brdf_callbacks *callbacks, nqm_brdf **brdf_
     c->user = callbacks->user;
     pthread_mutex_init(&c->mutex, NULL);
     c->lock = callbacks->serialize ? &c->mutex : NULL;
-    nqm_status status = nqm_brdf_wrap(&classes[callbacks->reciprocal != 0], c,
-                                      callbacks->name ? callbacks->name : "callback", NULL, NULL, brdf_ret, err);
+    const nqm_brdf_info info = {.name = callbacks->name ? callbacks->name : "callback"};
+    nqm_status status = nqm_brdf_wrap(&classes[callbacks->reciprocal != 0], c, &info, brdf_ret, err);
     if (status == NQM_OK) /* only now: on failure the caller keeps `user` */
         c->free = callbacks->free;
     return status;

@@ -79,5 +79,5 @@ nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_
         return nqm_fail_nomem(err, sizeof *f);
     }
     *f = (fold){brdf, owned};
-    return nqm_brdf_wrap(&fold_class, f, nqm_brdf_get_info(brdf).name, NULL, NULL, folded_ret, err);
+    return nqm_brdf_wrap(&fold_class, f, &(nqm_brdf_info){.name = brdf->info.name}, folded_ret, err);
 }

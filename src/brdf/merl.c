@@ -131,14 +131,13 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
     table->map = *map;
     table->gathered = map->has_fd ? N_GATHERED : 0;
     table->gather_left = &table->gathered;
-    nqm_status status = nqm_brdf_wrap(&merl_class, table, name, NULL, "90 x 90 x 180 cells", brdf_ret, err);
     *map = (nqm_map){0};
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->source_doi = "10.1145/882262.882343";
-    (*brdf_ret)->n_values = 3 * (size_t)N_CELLS;
-    (*brdf_ret)->n_bytes = FILE_BYTES;
-    return NQM_OK;
+    const nqm_brdf_info info = {.name = name,
+                                .source_doi = "10.1145/882262.882343",
+                                .layout = "90 x 90 x 180 cells",
+                                .n_values = 3 * (size_t)N_CELLS,
+                                .n_bytes = FILE_BYTES};
+    return nqm_brdf_wrap(&merl_class, table, &info, brdf_ret, err);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
@@ -171,21 +170,6 @@ static void fill_line(void *user, size_t i) {
     }
 }
 
-static nqm_status write_cells(const double *cells, const char *path, nqm_error *err) {
-    nqm_outfile out = {0};
-    nqm_status status = nqm_outfile_open(path, &out, err);
-    if (status != NQM_OK)
-        return status;
-    fwrite(header, 1, sizeof header, out.stream);
-    unsigned char line[8 * N_PHI_D];
-    for (size_t i = 0; i < 3 * (size_t)N_CELLS; i += N_PHI_D) {
-        for (size_t p = 0; p < N_PHI_D; ++p)
-            nqm_store_f64(line + 8 * p, cells[i + p]);
-        fwrite(line, 1, sizeof line, out.stream);
-    }
-    return nqm_outfile_commit(&out, err); /* checks the stream's error flag */
-}
-
 nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress, void *progress_user,
                                nqm_error *err) {
     enum { LINES_A_STEP = N_LINES / 15 }; /* lines between two calls of the progress callback */
@@ -193,6 +177,7 @@ nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progr
     if (!cells)
         return nqm_fail_nomem(err, 3 * (size_t)N_CELLS * sizeof *cells);
     nqm_ticker ticker = {.fn = progress, .user = progress_user};
+    nqm_outfile out;
     nqm_status status = NQM_OK;
     for (size_t line = 0; line < N_LINES && status == NQM_OK; line += LINES_A_STEP) {
         fill_job job = {.brdf = brdf, .cells = cells, .first_line = line};
@@ -201,7 +186,12 @@ nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progr
             status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "%s: interrupted, nothing was written", path);
     }
     if (status == NQM_OK)
-        status = write_cells(cells, path, err);
+        status = nqm_outfile_open(path, &out, err);
+    if (status == NQM_OK) {
+        fwrite(header, 1, sizeof header, out.stream);
+        fwrite(cells, sizeof *cells, 3 * (size_t)N_CELLS, out.stream);
+        status = nqm_outfile_commit(&out, err); /* checks the stream's error flag */
+    }
     nqm_free(cells);
     return status;
 }

@@ -81,12 +81,9 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
         for (size_t j = 0; j < l->n_out; ++j)
             b[j] = (double)*weights++;
     }
-    nqm_status status = nqm_brdf_wrap(&nbrdf_class, net, name, NULL, "network 6-21-21-3", brdf_ret, err);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->source_doi = "10.1111/cgf.14335";
-    (*brdf_ret)->n_values = NQM_NBRDF_WEIGHTS;
-    return NQM_OK;
+    const nqm_brdf_info info = {
+        .name = name, .source_doi = "10.1111/cgf.14335", .layout = "network 6-21-21-3", .n_values = NQM_NBRDF_WEIGHTS};
+    return nqm_brdf_wrap(&nbrdf_class, net, &info, brdf_ret, err);
 }
 
 void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights) {
@@ -107,17 +104,16 @@ static nqm_status read_keras(const unsigned char *data, size_t n_bytes, const ch
     if (n_bytes > MAX_FILE_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, MAX_FILE_BYTES, "%s: %zu bytes are too many for an NBRDF (limit: byte %d)",
                         name, n_bytes, MAX_FILE_BYTES);
-    nqm_hdf5 *file;
+    nqm_hdf5 file;
     nqm_status status = nqm_hdf5_open(data, n_bytes, name, &file, err);
     for (const layer *l = layers; l < layers + N_LAYERS && status == NQM_OK; ++l) {
         const size_t dims[2] = {l->n_in, l->n_out};
-        status = nqm_hdf5_read_f32(file, l->kernel, 2, dims, weights, err);
+        status = nqm_hdf5_read_f32(&file, l->kernel, 2, dims, weights, err);
         weights += l->n_in * l->n_out;
         if (status == NQM_OK)
-            status = nqm_hdf5_read_f32(file, l->bias, 1, dims + 1, weights, err);
+            status = nqm_hdf5_read_f32(&file, l->bias, 1, dims + 1, weights, err);
         weights += l->n_out;
     }
-    nqm_hdf5_close(file);
     return status;
 }
 
@@ -128,7 +124,7 @@ static nqm_status open_bytes(const unsigned char *data, size_t n_bytes, const ch
     if (status == NQM_OK)
         status = nqm_nbrdf_create(weights, name, brdf_ret, err);
     if (status == NQM_OK)
-        (*brdf_ret)->n_bytes = n_bytes;
+        (*brdf_ret)->info.n_bytes = n_bytes;
     return status;
 }
 

@@ -152,11 +152,10 @@ nqm_status nqm_nps_open(const char *decoder_path, const char *material, const ch
         nps_free(net);
         return status;
     }
-    status = nqm_brdf_wrap(&nps_class, net, name, NULL, "7 latents, shared decoder 11-400x6-3", brdf_ret, err);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->source_doi = "10.1145/3490385";
-    (*brdf_ret)->n_values = N_NUMBERS + N_LATENTS;
-    (*brdf_ret)->n_bytes = (size_t)N_NUMBERS * 4;
-    return NQM_OK;
+    const nqm_brdf_info info = {.name = name,
+                                .source_doi = "10.1145/3490385",
+                                .layout = "7 latents, shared decoder 11-400x6-3",
+                                .n_values = N_NUMBERS + N_LATENTS,
+                                .n_bytes = (size_t)N_NUMBERS * 4};
+    return nqm_brdf_wrap(&nps_class, net, &info, brdf_ret, err);
 }

@@ -14,26 +14,9 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    SHIFT,
-    GLOSS,
-    SMOOTH,
-    CLAMP,
-    PEAK,
-    FRESNEL,
-    MIX,
-    DESATURATE,
-    HUE,
-    TINT,
-    SCALE,
-    RIPPLE,
-    BANDS,
-    NOISE,
-    SEED,
-    CELLS,
-    QUANTISE,
-    N_KEYS
-};
+enum { SHIFT, GLOSS, SMOOTH, FIRST_VALUE_KEY };
+enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE, RIPPLE, BANDS, NOISE, SEED, CELLS };
+enum { QUANTISE = CELLS + 1, N_KEYS };
 
 static const nqm_spec_schema schema = {
     "perturb",
@@ -63,18 +46,15 @@ enum { SMOOTH_TAPS = 27 };
 /** One distortion with its constants. */
 typedef struct perturbation {
     nqm_brdf *base;
-    double shift_rad, gloss, smooth_rad, peak, fresnel, mix, desaturate;
+    double v[N_KEYS];  /* settings (their first values); `shift` and `smooth` in radians */
     double ceiling;    /* upper limit of every channel of the base; HUGE_VAL: off */
     double hue[3];     /* first row of the circulant matrix that rotates colours about the grey axis; 1,0,0: off */
     double colour[3];  /* tint * scale */
     double lambert[3]; /* f_r of the Lambert BRDF that `mix` mixes in */
-    double ripple, bands;
-    double quantise; /* steps per decade; 0: off */
-    double sigma;    /* standard deviation of the noise of log f_r */
-    size_t n_cells;
-    float *lattice; /* (n_cells + 1, n_cells + 1, n_cells + 1, 3) standard normal draws; NULL without noise */
-    size_t n_taps;  /* evaluations of the base that are averaged: 1, or SMOOTH_TAPS */
-    size_t n_rows;  /* n_taps, and one off the highlight when `peak` is not 1 */
+    size_t n_cells;    /* of the noise; 0: off */
+    float *lattice;    /* (n_cells + 1, n_cells + 1, n_cells + 1, 3) standard normal draws, in the same block */
+    size_t n_taps;     /* evaluations of the base that are averaged: 1, or SMOOTH_TAPS */
+    size_t n_rows;     /* n_taps, and one off the highlight when `peak` is not 1 */
 } perturbation;
 
 enum { MAX_ROWS = 9 * (SMOOTH_TAPS + 1) /* evaluations of the base in one call */ };
@@ -90,11 +70,11 @@ static double largest_theta_h(const double *hd) {
  * u -> g u / (1 + (g - 1) u) with u = theta_h over its largest value. */
 static double warp(const perturbation *self, double theta_h, double largest) {
     double t = theta_h;
-    if (self->shift_rad != 0) /* at most the pair's own theta_h, or 95 % of the largest */
-        t = fmin(fabs(theta_h - self->shift_rad), fmax(theta_h, 0.95 * largest));
-    if (self->gloss != 1) {
+    if (self->v[SHIFT] != 0) /* at most the pair's own theta_h, or 95 % of the largest */
+        t = fmin(fabs(theta_h - self->v[SHIFT]), fmax(theta_h, 0.95 * largest));
+    if (self->v[GLOSS] != 1) {
         double u = t / largest;
-        t = largest * self->gloss * u / (1 + (self->gloss - 1) * u);
+        t = largest * self->v[GLOSS] * u / (1 + (self->v[GLOSS] - 1) * u);
     }
     return t;
 }
@@ -136,10 +116,10 @@ static void smooth_taps(double centre, double sigma, double largest, double *the
 /* Coordinates at which the base is evaluated for the value at hd. rows: (n_rows, 3); weight: (n_taps). */
 static void place_rows(const perturbation *self, const double *hd, double *rows, double *weight) {
     double theta_h[SMOOTH_TAPS + 1];
-    bool moves = self->n_rows > 1 || self->shift_rad != 0 || self->gloss != 1;
+    bool moves = self->n_rows > 1 || self->v[SHIFT] != 0 || self->v[GLOSS] != 1;
     double largest = moves ? largest_theta_h(hd) : 0;
     if (self->n_taps > 1) {
-        smooth_taps(hd[0], self->smooth_rad, largest, theta_h, weight);
+        smooth_taps(hd[0], self->v[SMOOTH], largest, theta_h, weight);
     } else {
         theta_h[0] = hd[0];
         weight[0] = 1;
@@ -214,30 +194,30 @@ static void turn_hue(const double *row, double *rgb) {
 /* Apply the settings that change the value. rgb: the averaged base, changed in place; off: the base off the highlight,
  * or NULL when there is no such value. */
 static void distort_value(const perturbation *self, const double *hd, const double *off, double *rgb) {
-    double m = 1 - cos(hd[1]), grazing = 1 + (self->fresnel - 1) * (m * m * m * m * m);
+    double m = 1 - cos(hd[1]), grazing = 1 + (self->v[FRESNEL] - 1) * (m * m * m * m * m);
     for (size_t c = 0; c < 3; ++c) {
         rgb[c] = fmin(rgb[c], self->ceiling);
         if (off)
-            rgb[c] += (self->peak - 1) * fmax(0, rgb[c] - fmin(off[c], self->ceiling));
+            rgb[c] += (self->v[PEAK] - 1) * fmax(0, rgb[c] - fmin(off[c], self->ceiling));
         rgb[c] *= grazing;
-        rgb[c] += self->mix * (self->lambert[c] - rgb[c]);
+        rgb[c] += self->v[MIX] * (self->lambert[c] - rgb[c]);
     }
     double grey = nqm_luminance(rgb);
     for (size_t c = 0; c < 3; ++c)
-        rgb[c] = fmax(0, rgb[c] + self->desaturate * (grey - rgb[c]));
+        rgb[c] = fmax(0, rgb[c] + self->v[DESATURATE] * (grey - rgb[c]));
     if (self->hue[0] != 1)
         turn_hue(self->hue, rgb);
     double z[3] = {0, 0, 0}, wave = 1;
-    if (self->lattice)
+    if (self->n_cells)
         noise_at(self, hd, z);
-    if (self->ripple > 0)
-        wave += self->ripple * sin(2 * NQM_PI * self->bands * sqrt(hd[0] / (0.5 * NQM_PI)));
+    if (self->v[RIPPLE] > 0)
+        wave += self->v[RIPPLE] * sin(2 * NQM_PI * self->v[BANDS] * sqrt(hd[0] / (0.5 * NQM_PI)));
     for (size_t c = 0; c < 3; ++c) {
         rgb[c] *= self->colour[c] * wave;
-        if (self->lattice)
-            rgb[c] *= exp(self->sigma * z[c]);
-        if (self->quantise > 0 && rgb[c] > 0)
-            rgb[c] = pow(10, nearbyint(log10(rgb[c]) * self->quantise) / self->quantise);
+        if (self->n_cells)
+            rgb[c] *= exp(self->v[NOISE] * z[c]);
+        if (self->v[QUANTISE] > 0 && rgb[c] > 0)
+            rgb[c] = pow(10, nearbyint(log10(rgb[c]) * self->v[QUANTISE]) / self->v[QUANTISE]);
     }
 }
 
@@ -266,23 +246,12 @@ static void perturb_eval(const void *state, size_t n, const double *hd, double *
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 static void perturb_free(void *state) {
-    perturbation *self = state;
-    nqm_brdf_free(self->base);
-    nqm_free(self->lattice);
-    nqm_free(self);
+    nqm_brdf_free(((perturbation *)state)->base);
+    nqm_free(state);
 }
 
 static const nqm_brdf_class perturb_class = {
     .format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free};
-
-static float *make_lattice(size_t n_cells, uint64_t seed) {
-    size_t n = 3 * (n_cells + 1) * (n_cells + 1) * (n_cells + 1);
-    float *lattice = nqm_alloc(n, sizeof *lattice);
-    nqm_rng rng = nqm_rng_make(seed, 0);
-    for (size_t i = 0; lattice && i < n; ++i)
-        lattice[i] = (float)nqm_rng_normal(&rng);
-    return lattice;
-}
 
 /* Reference value of `clamp`: the largest channel of the base in the mirror direction for theta_d = 0 to 60 degrees. */
 static double mirror_maximum(const nqm_brdf *base) {
@@ -305,38 +274,38 @@ static void hue_row(double angle, double row[3]) {
     row[2] = (1 - c) / 3 + s;
 }
 
-static nqm_status prepare(perturbation *self, const nqm_spec_values *values, nqm_error *err) {
+/* A perturbation of `base`, which it owns only if this succeeds. */
+static nqm_status create(const nqm_spec_values *values, nqm_brdf *base, perturbation **self_ret, nqm_error *err) {
     const double degree = NQM_PI / 180;
-    self->shift_rad = values->v[SHIFT][0] * degree;
-    self->gloss = values->v[GLOSS][0];
-    self->smooth_rad = values->v[SMOOTH][0] * degree;
-    self->n_taps = self->smooth_rad > 0 ? SMOOTH_TAPS : 1;
-    self->peak = values->v[PEAK][0];
-    self->n_rows = self->n_taps + (self->peak != 1);
-    self->fresnel = values->v[FRESNEL][0];
-    self->mix = values->v[MIX][0];
-    self->desaturate = values->v[DESATURATE][0];
-    double largest = values->v[CLAMP][0] > 0 ? mirror_maximum(self->base) : 0;
-    self->ceiling = largest > 0 ? values->v[CLAMP][0] * largest : HUGE_VAL;
-    hue_row(values->v[HUE][0] * degree, self->hue);
-    self->ripple = values->v[RIPPLE][0];
-    self->bands = values->v[BANDS][0];
-    self->quantise = values->v[QUANTISE][0];
-    self->sigma = values->v[NOISE][0];
-    for (size_t c = 0; c < 3; ++c)
-        self->colour[c] = values->v[TINT][c] * values->v[SCALE][0];
-    if (self->mix > 0) {
-        /* 45 degrees halves the hemisphere's projected solid angle. */
-        nqm_brdf_albedo(self->base, NQM_PI / 4, 1, self->lambert);
-        for (size_t c = 0; c < 3; ++c)
-            self->lambert[c] /= NQM_PI;
+    const size_t n_cells = values->v[NOISE][0] > 0 ? (size_t)values->v[CELLS][0] : 0;
+    const size_t n_lattice = n_cells ? 3 * (n_cells + 1) * (n_cells + 1) * (n_cells + 1) : 0;
+    float *lattice;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({self_ret, 1, sizeof(perturbation)}, {&lattice, n_lattice, sizeof *lattice}), err);
+    if (status != NQM_OK)
+        return status;
+    perturbation *self = *self_ret;
+    for (size_t k = 0; k < N_KEYS; ++k)
+        self->v[k] = values->v[k][0];
+    self->base = base;
+    self->v[SHIFT] *= degree;
+    self->v[SMOOTH] *= degree;
+    self->n_taps = self->v[SMOOTH] > 0 ? SMOOTH_TAPS : 1;
+    self->n_rows = self->n_taps + (self->v[PEAK] != 1);
+    double largest = self->v[CLAMP] > 0 ? mirror_maximum(base) : 0;
+    self->ceiling = largest > 0 ? self->v[CLAMP] * largest : HUGE_VAL;
+    hue_row(self->v[HUE] * degree, self->hue);
+    if (self->v[MIX] > 0) /* 45 degrees halves the hemisphere's projected solid angle */
+        nqm_brdf_albedo(base, NQM_PI / 4, 1, self->lambert);
+    for (size_t c = 0; c < 3; ++c) {
+        self->lambert[c] /= NQM_PI;
+        self->colour[c] = values->v[TINT][c] * self->v[SCALE];
     }
-    if (self->sigma > 0) {
-        self->n_cells = (size_t)values->v[CELLS][0];
-        self->lattice = make_lattice(self->n_cells, (uint64_t)values->v[SEED][0]);
-        if (!self->lattice)
-            return nqm_fail_nomem(err, 12 * (self->n_cells + 1) * (self->n_cells + 1) * (self->n_cells + 1));
-    }
+    self->n_cells = n_cells;
+    self->lattice = lattice;
+    nqm_rng rng = nqm_rng_make((uint64_t)self->v[SEED], 0);
+    for (size_t i = 0; i < n_lattice; ++i)
+        lattice[i] = (float)nqm_rng_normal(&rng);
     return NQM_OK;
 }
 
@@ -362,7 +331,7 @@ static nqm_status parse(const char *settings, const char **base, nqm_spec_values
 /* The canonical spec: the settings, then the spec of the base, or its name when the base is a file. nqm_free(); NULL
  * when out of memory. */
 static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *base) {
-    const char *of = base->spec ? base->spec : base->name;
+    const char *of = base->info.spec ? base->info.spec : base->info.name;
     char *own = nqm_spec_format(&schema, values);
     size_t n = own ? strlen(own) + strlen(";of=") + strlen(of) + 1 : 0;
     char *spec = own ? nqm_alloc(n, 1) : NULL;
@@ -385,30 +354,19 @@ static size_t nested_levels(const char *base) {
 static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char *name, nqm_brdf **brdf_ret,
                        nqm_error *err) {
     char layout[128];
-    char *spec = NULL;
-    perturbation *self = nqm_alloc(1, sizeof *self);
-    if (!self) {
+    perturbation *self = NULL;
+    char *spec = canonical_spec(values, base);
+    nqm_status status = spec ? create(values, base, &self, err) : nqm_fail_nomem(err, strlen(base->info.name));
+    if (status == NQM_OK) {
+        const nqm_brdf_info info = {
+            .name = name ? name : spec, .spec = spec, .source_doi = base->info.source_doi, .layout = layout};
+        snprintf(layout, sizeof layout, "over %s, %.100s", base->info.format,
+                 base->info.layout ? base->info.layout : "");
+        status = nqm_brdf_wrap(&perturb_class, self, &info, brdf_ret, err);
+    } else {
         nqm_brdf_free(base);
-        return nqm_fail_nomem(err, sizeof *self);
     }
-    self->base = base;
-    nqm_status status = prepare(self, values, err);
-    if (status != NQM_OK)
-        goto fail;
-    spec = canonical_spec(values, base);
-    if (!spec) {
-        status = nqm_fail_nomem(err, strlen(base->name));
-        goto fail;
-    }
-    const char *doi = base->source_doi;
-    snprintf(layout, sizeof layout, "over %s, %.100s", base->class_->format, base->layout ? base->layout : "");
-    status = nqm_brdf_wrap(&perturb_class, self, name ? name : spec, spec, layout, brdf_ret, err);
     nqm_free(spec);
-    if (status == NQM_OK)
-        (*brdf_ret)->source_doi = doi;
-    return status;
-fail:
-    perturb_free(self);
     return status;
 }
 
@@ -430,9 +388,8 @@ nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brd
     *brdf_ret = NULL;
     nqm_spec_values values;
     nqm_status status = nqm_spec_parse(&schema, settings, &values, err);
-    if (status != NQM_OK) {
-        nqm_brdf_free(base);
-        return status;
-    }
-    return wrap(&values, base, NULL, brdf_ret, err);
+    if (status == NQM_OK)
+        return wrap(&values, base, NULL, brdf_ret, err);
+    nqm_brdf_free(base);
+    return status;
 }

@@ -368,7 +368,7 @@ nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm
     nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
     if (status == NQM_OK)
         status = read_material(file, map->path, m, err);
-    nqm_tensor_file_free(file);
+    nqm_free(file);
     if (status != NQM_OK) {
         rgl_free(m);
         return status;
@@ -378,15 +378,13 @@ nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm
              m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
     size_t n_values = m->n_theta * (3 * m->rgb.height * m->rgb.width + m->vndf.height * m->vndf.width) +
                       m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
-    size_t n_bytes = map->n_bytes;
+    const nqm_brdf_info info = {.name = name,
+                                .source_doi = "10.1145/3272127.3275059",
+                                .layout = layout,
+                                .n_values = n_values,
+                                .n_bytes = map->n_bytes};
     nqm_map_close_file(map);
     m->map = *map;
     *map = (nqm_map){0};
-    status = nqm_brdf_wrap(&rgl_class, m, name, NULL, layout, brdf_ret, err);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->source_doi = "10.1145/3272127.3275059";
-    (*brdf_ret)->n_values = n_values;
-    (*brdf_ret)->n_bytes = n_bytes;
-    return NQM_OK;
+    return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
 }

@@ -72,55 +72,30 @@ static nqm_status refuse(const char *name, const nqm_tensor *tensor, size_t at, 
     return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: tensor '%.64s' %s (byte %lld)", name, tensor->name, what, byte);
 }
 
-static nqm_status refuse_file(const char *name, const char *what, nqm_error *err) {
-    return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: %s (header at byte 8)", name, what);
-}
-
-/* Find a float tensor with these dimensions; an expected dimension of 0 means any size >= 1. */
-static nqm_status find(const nqm_safetensors *st, const char *name, const nqm_tensor *expected,
-                       const nqm_tensor **tensor_ret, nqm_error *err) {
-    const nqm_tensor *tensor = nqm_safetensors_find(st, expected->name);
-    if (!tensor)
-        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: tensor '%s' is missing (header at byte 8)", name, expected->name);
-    bool fits = tensor->dtype == NQM_F32 && tensor->n_dims == expected->n_dims;
-    for (size_t i = 0; fits && i < expected->n_dims; ++i)
-        fits = expected->dims[i] ? tensor->dims[i] == expected->dims[i] : tensor->dims[i] > 0;
-    if (!fits)
-        return refuse(name, tensor, 0, "has the wrong type or shape", err);
-    *tensor_ret = tensor;
-    return NQM_OK;
-}
-
 static nqm_status refuse_value(const char *name, const nqm_tensor *tensor, size_t i, nqm_error *err) {
-    return refuse(name, tensor, i * sizeof(float), "holds a value that is not finite", err);
-}
-
-/* Copy the floats of a tensor, which may be misaligned in files of other writers. */
-static nqm_status copy(const char *name, const nqm_tensor *tensor, float *values, nqm_error *err) {
-    size_t n = count(tensor);
-    memcpy(values, tensor->data, n * sizeof *values);
-    for (size_t i = 0; i < n; ++i)
-        if (!isfinite(values[i]))
-            return refuse_value(name, tensor, i, err);
-    return NQM_OK;
+    return refuse(name, tensor, i * sizeof(float), "contains a value that is not finite", err);
 }
 
 static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     float weights[NQM_NBRDF_WEIGHTS], *next = weights;
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; i < N_NETWORK && status == NQM_OK; ++i) {
+    for (size_t t = 0; t < N_NETWORK; ++t) {
         const nqm_tensor *tensor;
-        status = find(st, name, &network_tensors[i], &tensor, err);
-        if (status == NQM_OK)
-            status = copy(name, tensor, next, err);
-        next += count(&network_tensors[i]);
+        nqm_status status = nqm_safetensors_floats(st, &network_tensors[t], NQM_ERR_FORMAT, &tensor, err);
+        if (status != NQM_OK)
+            return status;
+        const size_t n = count(tensor);
+        memcpy(next, tensor->data, n * sizeof *next); /* files of other writers may be misaligned */
+        for (size_t i = 0; i < n; ++i)
+            if (!isfinite(next[i]))
+                return refuse_value(name, tensor, i, err);
+        next += n;
     }
-    return status == NQM_OK ? nqm_nbrdf_create(weights, name, brdf_ret, err) : status;
+    return nqm_nbrdf_create(weights, name, brdf_ret, err);
 }
 
 static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     const nqm_tensor expected = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}}, *tensor;
-    nqm_status status = find(st, name, &expected, &tensor, err);
+    nqm_status status = nqm_safetensors_floats(st, &expected, NQM_ERR_FORMAT, &tensor, err);
     if (status != NQM_OK)
         return status;
     if (tensor->dims[0] < 2 || tensor->dims[1] < 2)
@@ -131,24 +106,20 @@ static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_br
     return nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err);
 }
 
-/* Check format, schema, number of tensors and checksum. *network: the file is a network, not a table. */
-static nqm_status check_file(const nqm_safetensors *st, const char *name, bool *network, nqm_error *err) {
-    const char *format = nqm_safetensors_meta(st, "format"), *schema = nqm_safetensors_meta(st, "schema");
-    char digits[65];
-    bool matches;
-    if (!format)
-        return refuse_file(name, "a safetensors file that does not say what it holds; no BRDF", err);
-    *network = strcmp(format, NETWORK_FORMAT) == 0;
-    if (!*network && strcmp(format, TABLE_FORMAT) != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: a file of the kind '%.40s', no BRDF (header at byte 8)", name,
-                        format);
-    if (!schema || strcmp(schema, SCHEMA) != 0)
-        return refuse_file(name, "this version of nqm reads schema " SCHEMA " only", err);
-    if (!nqm_safetensors_checksum(st, digits, &matches) || !matches)
-        return refuse_file(name, "the checksum is absent or does not match", err);
-    if (nqm_safetensors_count(st) > (*network ? N_NETWORK : 1))
-        return refuse_file(name, "holds more tensors than belong in it", err);
-    return NQM_OK;
+/* Check the format, and open the network or table of the file. */
+static nqm_status open_any(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    const char *format = nqm_safetensors_meta(st, "format");
+    const bool is_network = format && strcmp(format, NETWORK_FORMAT) == 0;
+    if (!is_network && (!format || strcmp(format, TABLE_FORMAT) != 0))
+        return nqm_fail(err, NQM_ERR_FORMAT, 8,
+                        "%s: a safetensors file of the format '%.40s', no BRDF (header at byte 8)", name,
+                        format ? format : "");
+    nqm_status status = nqm_safetensors_verify(st, SCHEMA, NQM_ERR_FORMAT, err);
+    if (status != NQM_OK)
+        return status;
+    if (nqm_safetensors_count(st) > (is_network ? N_NETWORK : 1))
+        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: has more tensors than its format (header at byte 8)", name);
+    return (is_network ? open_network : open_table)(st, name, brdf_ret, err);
 }
 
 bool nqm_saved_probe(const nqm_map *map) {
@@ -157,18 +128,14 @@ bool nqm_saved_probe(const nqm_map *map) {
 
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_safetensors *st;
-    bool network = false;
     nqm_map_expect(map, true);
     nqm_status status = nqm_safetensors_parse(map->data, map->n_bytes, name, &st, err);
-    if (status != NQM_OK)
-        return status;
-    status = check_file(st, name, &network, err);
     if (status == NQM_OK)
-        status = (network ? open_network : open_table)(st, name, brdf_ret, err);
+        status = open_any(st, name, brdf_ret, err);
     nqm_safetensors_free(st);
     if (status != NQM_OK)
         return status;
-    (*brdf_ret)->n_bytes = map->n_bytes;
+    (*brdf_ret)->info.n_bytes = map->n_bytes;
     nqm_map_close(map);
     return NQM_OK;
 }

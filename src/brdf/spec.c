@@ -157,13 +157,10 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
         return nqm_fail_nomem(err, model->state_size);
     }
     model->prepare(values, state);
-    nqm_status status = nqm_brdf_wrap(&model->class_, state, name, spec, layout, brdf_ret, err);
+    const nqm_brdf_info info = {.name = name, .spec = spec, .source_doi = doi, .layout = layout, .n_values = n_values};
+    nqm_status status = nqm_brdf_wrap(&model->class_, state, &info, brdf_ret, err);
     nqm_free(spec);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->n_values = n_values;
-    (*brdf_ret)->source_doi = doi;
-    return NQM_OK;
+    return status;
 }
 
 bool nqm_spec_probe(const char *text) {
@@ -172,42 +169,28 @@ bool nqm_spec_probe(const char *text) {
                               strncmp(text, perturb_prefix, strlen(perturb_prefix)) == 0);
 }
 
-/* spec: "MODEL:" and then `settings`; n_name: length of the model's name. */
-static nqm_status open_parameters(const char *spec, size_t n_name, const char *settings, nqm_brdf **brdf_ret,
-                                  nqm_error *err) {
-    const nqm_analytic_model *model = find_model(spec, n_name);
-    if (!model)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: names presets, and takes no parameters; %s: does", (int)n_name,
-                        spec, nqm_preset_table_find(spec, n_name)->model);
-    nqm_spec_values values;
-    nqm_status status = nqm_spec_parse(&model->schema, settings, &values, err);
-    if (status == NQM_OK)
-        status = open_analytic(model, &values, spec, model->doi, brdf_ret, err);
-    return status;
-}
-
-static nqm_status open_preset(const char *spec, size_t n_name, const char *material, nqm_brdf **brdf_ret,
-                              nqm_error *err) {
-    const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
-    if (!table)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: needs parameters, %.*s:key=value;..., not '%.80s'", (int)n_name,
-                        spec, (int)n_name, spec, material);
-    const nqm_analytic_model *model = find_model(table->model, strlen(table->model));
-    nqm_spec_values values;
-    nqm_status status = nqm_preset_find(table, &model->schema, material, &values, err);
-    if (status == NQM_OK)
-        status = open_analytic(model, &values, spec, table->doi, brdf_ret, err);
-    return status;
-}
-
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (strncmp(spec, perturb_prefix, strlen(perturb_prefix)) == 0)
         return nqm_perturb_open(spec + strlen(perturb_prefix), spec, brdf_ret, err);
     if (!nqm_spec_probe(spec))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
-    size_t n_name = strcspn(spec, ":");
+    const size_t n_name = strcspn(spec, ":");
     const char *settings = spec + n_name + 1;
-    return strchr(settings, '=') ? open_parameters(spec, n_name, settings, brdf_ret, err)
-                                 : open_preset(spec, n_name, settings, brdf_ret, err);
+    const bool is_preset = !strchr(settings, '=');
+    const nqm_analytic_model *model = find_model(spec, n_name);
+    const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
+    if (is_preset && !table)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: needs parameters, %.*s:key=value;..., not '%.80s'", (int)n_name,
+                        spec, (int)n_name, spec, settings);
+    if (!is_preset && !model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: names presets, and takes no parameters; %s: does", (int)n_name,
+                        spec, table->model);
+    nqm_spec_values values;
+    if (is_preset)
+        model = find_model(table->model, strlen(table->model));
+    nqm_status status = is_preset ? nqm_preset_find(table, &model->schema, settings, &values, err)
+                                  : nqm_spec_parse(&model->schema, settings, &values, err);
+    return status == NQM_OK ? open_analytic(model, &values, spec, is_preset ? table->doi : model->doi, brdf_ret, err)
+                            : status;
 }

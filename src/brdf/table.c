@@ -14,7 +14,7 @@ enum { MAX_NODES = 1 << 24 }; /* eleven times a MERL table */
 typedef struct table {
     size_t n_h, n_d, n_p;
     double per_h, per_d, per_p; /* nodes per unit of sqrt(theta_h), theta_d, phi_d */
-    float *rgb;                 /* (n_h, n_d, n_p, 3); channel 0 is NaN where there is no value */
+    float rgb[];                /* (n_h, n_d, n_p, 3); channel 0 is NaN where there is no value */
 } table;
 
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd) {
@@ -68,13 +68,8 @@ static void table_eval_half_diff(const void *self, size_t n, const double *hd, d
         interpolate(self, hd + 3 * i, rgb + 3 * i);
 }
 
-static void table_free(void *self) {
-    nqm_free(((table *)self)->rgb);
-    nqm_free(self);
-}
-
 static const nqm_brdf_class table_class = {
-    .format = "table", .reciprocal = 1, .eval_half_diff = table_eval_half_diff, .free = table_free};
+    .format = "table", .reciprocal = 1, .eval_half_diff = table_eval_half_diff, .free = nqm_free};
 
 const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims) {
     const table *t = brdf->self;
@@ -93,23 +88,20 @@ nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb,
         n_nodes > MAX_NODES)
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: a table of %zu x %zu x %zu nodes (2 x 2 x 1 to %d in all)", name,
                         n_h, n_d, n_p, MAX_NODES);
-    table *t = nqm_alloc(1, sizeof *t);
+    const size_t n_bytes = 3 * n_nodes * sizeof(float);
+    table *t = nqm_alloc(sizeof *t + n_bytes, 1);
     if (!t)
-        return nqm_fail_nomem(err, sizeof *t);
-    *t = (table){.n_h = n_h, .n_d = n_d, .n_p = n_p, .rgb = nqm_alloc(3 * n_nodes, sizeof(float))};
-    if (!t->rgb) {
-        table_free(t);
-        return nqm_fail_nomem(err, 3 * n_nodes * sizeof(float));
-    }
-    t->per_h = (double)(n_h - 1) / sqrt(NQM_PI / 2);
-    t->per_d = (double)(n_d - 1) / (NQM_PI / 2);
-    t->per_p = (double)n_p / NQM_PI;
-    memcpy(t->rgb, rgb, 3 * n_nodes * sizeof *t->rgb);
+        return nqm_fail_nomem(err, sizeof *t + n_bytes);
+    *t = (table){.n_h = n_h,
+                 .n_d = n_d,
+                 .n_p = n_p,
+                 .per_h = (double)(n_h - 1) / sqrt(NQM_PI / 2),
+                 .per_d = (double)(n_d - 1) / (NQM_PI / 2),
+                 .per_p = (double)n_p / NQM_PI};
+    memcpy(t->rgb, rgb, n_bytes);
     snprintf(layout, sizeof layout, "%zux%zux%zu nodes", n_h, n_d, n_p);
-    nqm_status status = nqm_brdf_wrap(&table_class, t, name, NULL, layout, brdf_ret, err);
-    if (status == NQM_OK)
-        (*brdf_ret)->n_values = 3 * n_nodes;
-    return status;
+    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_nodes};
+    return nqm_brdf_wrap(&table_class, t, &info, brdf_ret, err);
 }
 
 size_t nqm_table_first_bad(size_t n_nodes, const void *rgb) {
@@ -125,19 +117,17 @@ size_t nqm_table_first_bad(size_t n_nodes, const void *rgb) {
 
 nqm_status nqm_brdf_create_table(size_t n_theta_h, size_t n_theta_d, size_t n_phi_d, const float *rgb, const char *name,
                                  nqm_brdf **brdf_ret, nqm_error *err) {
-    size_t dims[3];
     name = name ? name : "table";
     *brdf_ret = NULL;
     if (!rgb)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_create_table: `rgb` is NULL", name);
     nqm_status status = nqm_table_create(n_theta_h, n_theta_d, n_phi_d, rgb, name, brdf_ret, err);
-    if (status != NQM_OK)
-        return status;
-    const float *copy = nqm_table_values(*brdf_ret, dims);
-    size_t n_nodes = n_theta_h * n_theta_d * n_phi_d, bad = nqm_table_first_bad(n_nodes, copy);
-    if (bad == 3 * n_nodes)
-        return NQM_OK;
-    nqm_brdf_free(*brdf_ret);
-    *brdf_ret = NULL;
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: channel %zu of node %zu is not finite", name, bad % 3, bad / 3);
+    const size_t n_nodes = n_theta_h * n_theta_d * n_phi_d,
+                 bad = status == NQM_OK ? nqm_table_first_bad(n_nodes, rgb) : 0;
+    if (status == NQM_OK && bad < 3 * n_nodes) {
+        nqm_brdf_free(*brdf_ret);
+        *brdf_ret = NULL;
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: channel %zu of node %zu is not finite", name, bad % 3, bad / 3);
+    }
+    return status;
 }

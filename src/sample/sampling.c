@@ -67,10 +67,10 @@ static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *direc
     if (counts.n_invalid == 0)
         return NQM_OK;
     if (counts.n_invalid == counts.n)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at any of the %zu directions", brdf->name,
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at any of the %zu directions", brdf->info.name,
                         counts.n);
     if (policy == NQM_INVALID_ERROR)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at %zu of %zu directions", brdf->name,
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at %zu of %zu directions", brdf->info.name,
                         counts.n_invalid, counts.n);
     return policy == NQM_INVALID_NEAREST ? fill_from_nearest(directions, flag, rgb, err) : NQM_OK;
 }

@@ -84,7 +84,7 @@ static void test_plausible_brdf(void **state) {
 
 static nqm_brdf *wrap(const nqm_brdf_class *class_) {
     nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_wrap(class_, NULL, "made up", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(class_, NULL, &(nqm_brdf_info){.name = "made up"}, &brdf, NULL), NQM_OK);
     return brdf;
 }
 

@@ -127,10 +127,13 @@ static void refuses_a_member_that_is_too_large(void **state) {
 
 static void refuses_broken_networks(void **state) {
     (void)state;
-    static const char *const words[NBRDF_KINDS] = {
-        [NBRDF_MISSING] = "missing",        [NBRDF_SHAPE] = "shape",    [NBRDF_DOUBLE] = "float32",
-        [NBRDF_NAN] = "not finite",         [NBRDF_CHUNKED] = "packed", [NBRDF_EXTERNAL_LINK] = "missing",
-        [NBRDF_EXTERNAL_STORAGE] = "packed"};
+    static const char *const words[NBRDF_KINDS] = {[NBRDF_MISSING] = "missing",
+                                                   [NBRDF_SHAPE] = "shape",
+                                                   [NBRDF_DOUBLE] = "float32",
+                                                   [NBRDF_NAN] = "not finite",
+                                                   [NBRDF_CHUNKED] = "compressed, chunked",
+                                                   [NBRDF_EXTERNAL_LINK] = "missing",
+                                                   [NBRDF_EXTERNAL_STORAGE] = "compressed, chunked"};
     const char *path = scratch_path("broken.h5");
     for (int kind = NBRDF_MISSING; kind < NBRDF_KINDS; ++kind) {
         blob_put(make_nbrdf((nbrdf_kind)kind), path);

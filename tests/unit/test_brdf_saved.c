@@ -109,11 +109,11 @@ static void faults_are_told(void **state) {
         [SAVED_EXTRA] = "more tensors",
         [SAVED_SHAPE] = "'layers.0.kernel' has the wrong type or shape",
         [SAVED_DOUBLE] = "'layers.0.bias' has the wrong type or shape",
-        [SAVED_NAN] = "'layers.1.kernel' holds a value that is not finite",
+        [SAVED_NAN] = "'layers.1.kernel' contains a value that is not finite",
         [SAVED_FORMAT] = "'nqm-model', no BRDF",
         [SAVED_SCHEMA] = "schema 1 only",
         [SAVED_CHECKSUM] = "checksum",
-        [SAVED_TABLE_NAN] = "'rgb' holds a value that is not finite",
+        [SAVED_TABLE_NAN] = "'rgb' contains a value that is not finite",
         [SAVED_TABLE_FLAT] = "fewer than two nodes",
     };
     const char *path = scratch_path("broken.safetensors");

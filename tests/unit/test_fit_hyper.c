@@ -85,7 +85,7 @@ static void brdfs_without_values_are_refused(void **state) {
     nqm_fit_report report;
     nqm_error err = {0};
     static int self;
-    assert_int_equal(nqm_brdf_wrap(&empty_class, &self, "nothing", NULL, NULL, &empty, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&empty_class, &self, &(nqm_brdf_info){.name = "nothing"}, &empty, NULL), NQM_OK);
     assert_int_equal(nqm_fit(empty, "hyper-low", NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "nothing"));
     const nqm_brdf *refs[] = {empty};

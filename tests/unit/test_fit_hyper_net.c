@@ -12,8 +12,8 @@
 #include <string.h>
 
 enum { N_SETS = 3, N_SAMPLES = 5, N_OUT = 4 };
-static const nqm_hyper_shape small = {.sample = {7, 6, 5}, .set = {6, 5}, .n_out = N_OUT};
-static const nqm_hyper_shape narrow = {.sample = {2, 2, 2}, .set = {2, 2}, .n_out = NQM_NBRDF_WEIGHTS};
+static const nqm_hyper_shape small = {{7, 6, 5, 6, 5, N_OUT}};
+static const nqm_hyper_shape narrow = {{2, 2, 2, 2, 2, NQM_NBRDF_WEIGHTS}};
 
 static void fill_random(nqm_rng *rng, size_t n, float *x) {
     for (size_t i = 0; i < n; ++i)

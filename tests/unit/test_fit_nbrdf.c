@@ -100,12 +100,12 @@ static void missing_values_are_left_out(void **state) {
     nqm_brdf *ref, *brdf;
     nqm_fit_report report;
     nqm_error err = {0};
-    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, "lopsided", NULL, NULL, &ref, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, &(nqm_brdf_info){.name = "lopsided"}, &ref, NULL), NQM_OK);
     report = fit(ref, 200, 1, &brdf);
     assert_true(report.loss < 0.01 && distance(ref, brdf) < 0.02);
     nqm_brdf_free(brdf);
     nqm_brdf_free(ref);
-    assert_int_equal(nqm_brdf_wrap(&nothing, NULL, "nothing", NULL, NULL, &ref, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&nothing, NULL, &(nqm_brdf_info){.name = "nothing"}, &ref, NULL), NQM_OK);
     assert_int_equal(nqm_fit(ref, "nbrdf", NULL, &report, &brdf, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "nothing"));
     assert_null(brdf);

@@ -119,7 +119,7 @@ static void a_brdf_without_values_is_refused(void **state) {
     nqm_brdf *brdf;
     nqm_error err = {0};
     nqm_fit_report report = {.loss = -1};
-    assert_int_equal(nqm_brdf_wrap(&nothing, NULL, "nothing.bsdf", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&nothing, NULL, &(nqm_brdf_info){.name = "nothing.bsdf"}, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_fit(brdf, "ward", NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "nothing.bsdf"));
     assert_true(report.loss == -1);

@@ -165,7 +165,8 @@ static void holes_eval(const void *self, size_t n, const double *hd, double *rgb
 static nqm_brdf *with_holes(const double *limit) {
     static const nqm_brdf_class class_ = {.format = "holes", .eval_half_diff = holes_eval, .free = free_nothing};
     nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_wrap(&class_, (void *)(uintptr_t)limit, "holes.bsdf", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(
+        nqm_brdf_wrap(&class_, (void *)(uintptr_t)limit, &(nqm_brdf_info){.name = "holes.bsdf"}, &brdf, NULL), NQM_OK);
     return brdf;
 }
 

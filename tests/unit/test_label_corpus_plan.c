@@ -269,7 +269,7 @@ static void folding_makes_reciprocal(void **state) {
     (void)state;
     static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = free_nothing};
     nqm_brdf *brdf, *folded;
-    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, "lopsided", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, &(nqm_brdf_info){.name = "lopsided"}, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_fold(brdf, true, &folded, NULL), NQM_OK);
     nqm_rng rng = nqm_rng_make(3, 0);
     for (int i = 0; i < 200; ++i) {

@@ -98,7 +98,7 @@ static const nqm_brdf_class fake_class = {.format = "fake", .eval_half_diff = ev
 
 static nqm_brdf *wrap(fake *f) {
     nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_wrap(&fake_class, f, "fake", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&fake_class, f, &(nqm_brdf_info){.name = "fake"}, &brdf, NULL), NQM_OK);
     return brdf;
 }
 

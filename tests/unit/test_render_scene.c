@@ -51,7 +51,7 @@ static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
     assert_non_null(g);
     *g = (gloss){albedo, specular, alpha};
     nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_wrap(&gloss_class, g, "gloss", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&gloss_class, g, &(nqm_brdf_info){.name = "gloss"}, &brdf, NULL), NQM_OK);
     return brdf;
 }
 

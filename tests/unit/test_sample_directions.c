@@ -125,7 +125,7 @@ static const nqm_brdf_class half_space = {.format = "test", .eval_half_diff = ev
 
 static nqm_brdf *wrap(const nqm_brdf_class *class_) {
     nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_wrap(class_, NULL, "test", NULL, NULL, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(class_, NULL, &(nqm_brdf_info){.name = "test"}, &brdf, NULL), NQM_OK);
     return brdf;
 }
 

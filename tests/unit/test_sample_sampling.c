@@ -35,8 +35,8 @@ static int setup(void **state) {
     (void)state;
     static bool full = false, empty = true;
     assert_int_equal(nqm_directions_from_degrees(N, &degrees[0][0], &directions, NULL), NQM_OK);
-    assert_int_equal(nqm_brdf_wrap(&cases, &full, "cases", NULL, NULL, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_brdf_wrap(&cases, &empty, "empty", NULL, NULL, &empty_brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&cases, &full, &(nqm_brdf_info){.name = "cases"}, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&cases, &empty, &(nqm_brdf_info){.name = "empty"}, &empty_brdf, NULL), NQM_OK);
     return 0;
 }
 
@@ -99,7 +99,7 @@ static void test_nearest_knows_reciprocity(void **state) {
     nqm_directions *three;
     nqm_brdf *azimuth;
     assert_int_equal(nqm_directions_from_degrees(3, &places[0][0], &three, NULL), NQM_OK);
-    assert_int_equal(nqm_brdf_wrap(&by_azimuth, NULL, "azimuth", NULL, NULL, &azimuth, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(&by_azimuth, NULL, &(nqm_brdf_info){.name = "azimuth"}, &azimuth, NULL), NQM_OK);
     float rgb[3][3];
     assert_int_equal(nqm_sample(azimuth, three, NQM_INVALID_NEAREST, &rgb[0][0], NULL, NULL, NULL), NQM_OK);
     assert_near(rgb[1][0], 0, 0);
