@@ -50,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 
 blob fuzz_seed(void) {
     static const char path[] = "fuzz_hyper.tmp", *const names[] = {"sgd:nickel"};
-    const nqm_hyper_shape shape = {.sample = {1, 1, 1}, .set = {1, 1}, .n_out = NQM_NBRDF_WEIGHTS};
+    const nqm_hyper_shape shape = {{1, 1, 1, 1, 1, NQM_NBRDF_WEIGHTS}};
     const float mean[NQM_NBRDF_WEIGHTS] = {0};
     nqm_learn_options options = nqm_learn_options_default();
     nqm_hyper hyper;

@@ -55,53 +55,28 @@ nqm_status nqm_encoder_write(const char *path, const char *kind, size_t n_refs, 
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-static bool meta_is(const nqm_safetensors *st, const char *key, const char *value) {
-    const char *found = nqm_safetensors_meta(st, key);
-    return found && strcmp(found, value) == 0;
-}
-
 static nqm_status check(const nqm_safetensors *st, const char *name, const char *kind, nqm_error *err) {
-    if (!meta_is(st, "format", format) || !meta_is(st, "schema", schema) || !meta_is(st, "kind", kind))
-        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: a safetensors file, but not an encoder '%s' of schema %s (byte 8)",
-                        name, kind, schema);
-    char hex[65];
-    bool matches;
-    if (!nqm_safetensors_checksum(st, hex, &matches) || !matches)
-        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: the checksum is missing or wrong: the file was changed or damaged",
-                        name);
-    for (size_t i = 0; i < nqm_safetensors_count(st); ++i) {
+    const char *found_format = nqm_safetensors_meta(st, "format"), *found_kind = nqm_safetensors_meta(st, "kind");
+    if (!found_format || strcmp(found_format, format) != 0 || !found_kind || strcmp(found_kind, kind) != 0)
+        return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: a safetensors file, but not an encoder '%s' (byte 8)", name, kind);
+    nqm_status status = nqm_safetensors_verify(st, schema, NQM_ERR_MODEL, err);
+    for (size_t i = 0; status == NQM_OK && i < nqm_safetensors_count(st); ++i) {
         const nqm_tensor *tensor = nqm_safetensors_at(st, i);
         if (!nqm_tensor_all_finite(tensor))
-            return nqm_fail(err, NQM_ERR_MODEL, tensor->byte_offset,
-                            "%s: tensor '%.64s' holds a value that is not finite", name, tensor->name);
+            status = nqm_fail(err, NQM_ERR_MODEL, tensor->byte_offset,
+                              "%s: tensor '%.64s' contains a value that is not finite", name, tensor->name);
     }
-    return NQM_OK;
+    return status;
 }
 
 nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name, const char *kind,
                              nqm_safetensors **st_ret, nqm_error *err) {
     nqm_status status = nqm_safetensors_parse(data, n_bytes, name, st_ret, err);
-    if (status != NQM_OK)
-        return status;
-    status = check(*st_ret, name, kind, err);
+    if (status == NQM_OK)
+        status = check(*st_ret, name, kind, err);
     if (status != NQM_OK) {
         nqm_safetensors_free(*st_ret);
         *st_ret = NULL;
     }
     return status;
-}
-
-nqm_status nqm_encoder_tensor(const nqm_safetensors *st, const char *name, const char *tensor_name, size_t n_dims,
-                              const size_t *dims, const nqm_tensor **tensor_ret, nqm_error *err) {
-    const nqm_tensor *tensor = nqm_safetensors_find(st, tensor_name);
-    if (!tensor)
-        return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: tensor '%s' is missing", name, tensor_name);
-    bool fits = tensor->dtype == NQM_F32 && tensor->n_dims == n_dims && (uintptr_t)tensor->data % 4 == 0;
-    for (size_t i = 0; fits && i < n_dims; ++i)
-        fits = dims[i] ? tensor->dims[i] == dims[i] : tensor->dims[i] > 0;
-    if (!fits)
-        return nqm_fail(err, NQM_ERR_MODEL, tensor->byte_offset, "%s: tensor '%s' has the wrong type or shape", name,
-                        tensor_name);
-    *tensor_ret = tensor;
-    return NQM_OK;
 }

@@ -28,10 +28,4 @@ NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const char *kind, 
 NQM_MUST_CHECK nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                             const char *kind, nqm_safetensors **st_ret, nqm_error *err);
 
-/** A tensor of float32 with these dimensions (0: any, at least 1); NQM_ERR_MODEL if it is missing or of another type or
- *  shape. Its data are 4-byte aligned. */
-NQM_MUST_CHECK nqm_status nqm_encoder_tensor(const nqm_safetensors *st, const char *name, const char *tensor_name,
-                                             size_t n_dims, const size_t *dims, const nqm_tensor **tensor_ret,
-                                             nqm_error *err);
-
 #endif

@@ -19,10 +19,9 @@ enum {
 
 /* ---- the network ------------------------------------------------------------------------------------------------- */
 
-/** Widths of the hidden layers: three for each sample, two after the pooling. */
+/** Widths of the layers: three for each sample, two after the pooling, the predicted weights (NQM_NBRDF_WEIGHTS). */
 typedef struct nqm_hyper_shape {
-    size_t sample[3], set[2];
-    size_t n_out; /* predicted weights: NQM_NBRDF_WEIGHTS, fewer in tests */
+    size_t n_out[NQM_HYPER_N_LAYERS];
 } nqm_hyper_shape;
 
 /** y = GELU(x W + b), linear in the last layer. */

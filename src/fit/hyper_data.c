@@ -12,25 +12,6 @@
 
 /* ---- sampling the references ------------------------------------------------------------------------------------- */
 
-/* A wrapper that does not own its BRDF, because a perturbation frees its base. */
-static void borrowed_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
-    uint8_t flag[256];
-    for (size_t from = 0; from < n; from += sizeof flag) {
-        size_t count = n - from < sizeof flag ? n - from : sizeof flag;
-        nqm_brdf_eval_half_diff(self, count, hd + 3 * from, rgb + 3 * from, flag);
-        for (size_t i = 0; i < count; ++i)
-            if (flag[i] == NQM_VALUE_INVALID)
-                rgb[3 * (from + i)] = (double)NAN;
-    }
-}
-
-static void keep(void *self) {
-    (void)self;
-}
-
-static const nqm_brdf_class borrowed_class = {
-    .format = "borrowed", .eval_half_diff = borrowed_eval_half_diff, .free = keep};
-
 /* `ref` with a lobe of another width and height. */
 static nqm_status perturb(const nqm_brdf *ref, uint64_t seed, size_t i, nqm_brdf **brdf_ret, nqm_error *err) {
     const double range = 0.5; /* of the logarithm */
@@ -40,9 +21,9 @@ static nqm_status perturb(const nqm_brdf *ref, uint64_t seed, size_t i, nqm_brdf
     nqm_format_double(number[0], sizeof number[0], nqm_round_digits(gloss, 3));
     nqm_format_double(number[1], sizeof number[1], nqm_round_digits(peak, 3));
     snprintf(settings, sizeof settings, "gloss=%s;peak=%s", number[0], number[1]);
-    nqm_brdf *borrowed;
-    nqm_status status = nqm_brdf_wrap(&borrowed_class, (void *)(uintptr_t)ref, "borrowed", NULL, NULL, &borrowed, err);
-    return status == NQM_OK ? nqm_perturb_wrap(settings, borrowed, brdf_ret, err) : status;
+    nqm_brdf *folded; /* a perturbation frees its base; this one does not free `ref` */
+    nqm_status status = nqm_brdf_fold((nqm_brdf *)(uintptr_t)ref, false, &folded, err);
+    return status == NQM_OK ? nqm_perturb_wrap(settings, folded, brdf_ret, err) : status;
 }
 
 /* Values of `brdf` at hd (n, 3). At least three quarters must be valid, because examples are drawn by rejection. */

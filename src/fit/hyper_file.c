@@ -10,70 +10,49 @@
 
 enum { N_TENSORS = 2 * NQM_HYPER_N_LAYERS, NAME_MAX_BYTES = 24 };
 static const char kind[] = "hyper";
-static const char *const suffixes[2] = {"weight", "bias"};
 
-static void tensor_name(size_t layer, size_t part, char name[NAME_MAX_BYTES]) {
-    snprintf(name, NAME_MAX_BYTES, "layers.%zu.%s", layer, suffixes[part]);
+/* Tensor i of the file, part of `layer`: its weights if i is even, otherwise its biases. */
+static nqm_tensor describe(size_t i, const nqm_hyper_layer *layer, char name[NAME_MAX_BYTES]) {
+    const bool is_bias = i % 2 != 0;
+    const size_t n_in = is_bias ? 1 : layer->n_in;
+    nqm_tensor tensor = {.name = name,
+                         .dtype = NQM_F32,
+                         .n_dims = is_bias ? 1 : 2,
+                         .n_bytes = n_in * layer->n_out * sizeof(float),
+                         .data = is_bias ? layer->b : layer->w};
+    tensor.dims[0] = n_in;
+    tensor.dims[tensor.n_dims - 1] = layer->n_out;
+    snprintf(name, NAME_MAX_BYTES, "layers.%zu.%s", i / 2, is_bias ? "bias" : "weight");
+    return tensor;
 }
 
 nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *names, const nqm_learn_options *options,
                            const char *path, nqm_error *err) {
     char name[N_TENSORS][NAME_MAX_BYTES];
     nqm_tensor tensor[N_TENSORS];
-    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
-        const nqm_hyper_layer *layer = &hyper->layer[l];
-        tensor_name(l, 0, name[2 * l]);
-        tensor_name(l, 1, name[2 * l + 1]);
-        tensor[2 * l] = (nqm_tensor){.name = name[2 * l],
-                                     .dtype = NQM_F32,
-                                     .n_dims = 2,
-                                     .dims = {layer->n_in, layer->n_out},
-                                     .n_bytes = layer->n_in * layer->n_out * sizeof(float),
-                                     .data = layer->w};
-        tensor[2 * l + 1] = (nqm_tensor){.name = name[2 * l + 1],
-                                         .dtype = NQM_F32,
-                                         .n_dims = 1,
-                                         .dims = {layer->n_out},
-                                         .n_bytes = layer->n_out * sizeof(float),
-                                         .data = layer->b};
-    }
+    for (size_t i = 0; i < N_TENSORS; ++i)
+        tensor[i] = describe(i, &hyper->layer[i / 2], name[i]);
     return nqm_encoder_write(path, kind, n, names, options, N_TENSORS, tensor, err);
 }
 
 /* Find all tensors; the file determines the widths of the hidden layers. */
-static nqm_status find_tensors(const nqm_safetensors *st, const char *name, const nqm_tensor **tensor, nqm_error *err) {
-    size_t n_in = NQM_HYPER_FEATURES;
-    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
-        char parts[2][NAME_MAX_BYTES];
-        tensor_name(l, 0, parts[0]);
-        tensor_name(l, 1, parts[1]);
-        n_in = l == NQM_HYPER_POOLED ? 2 * n_in + 1 : n_in;
-        size_t dims[2] = {n_in, l + 1 == NQM_HYPER_N_LAYERS ? NQM_NBRDF_WEIGHTS : 0};
-        nqm_status status = nqm_encoder_tensor(st, name, parts[0], 2, dims, &tensor[2 * l], err);
+static nqm_status find_tensors(const nqm_safetensors *st, const char *file, const nqm_tensor **tensor, nqm_error *err) {
+    nqm_hyper_layer layer = {.n_out = NQM_HYPER_FEATURES};
+    for (size_t i = 0; i < N_TENSORS; ++i) {
+        char name[NAME_MAX_BYTES];
+        if (i % 2 == 0) {
+            layer.n_in = i == 2 * NQM_HYPER_POOLED ? 2 * layer.n_out + 1 : layer.n_out;
+            layer.n_out = i == N_TENSORS - 2 ? NQM_NBRDF_WEIGHTS : 0; /* 0: any */
+        }
+        const nqm_tensor expected = describe(i, &layer, name);
+        nqm_status status = nqm_safetensors_floats(st, &expected, NQM_ERR_MODEL, &tensor[i], err);
         if (status != NQM_OK)
             return status;
-        n_in = tensor[2 * l]->dims[1];
-        status = nqm_encoder_tensor(st, name, parts[1], 1, &n_in, &tensor[2 * l + 1], err);
-        if (status != NQM_OK)
-            return status;
+        layer.n_out = tensor[i]->dims[tensor[i]->n_dims - 1];
     }
     if (nqm_safetensors_count(st) != N_TENSORS)
-        return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: %zu tensors instead of %d", name, nqm_safetensors_count(st),
+        return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: %zu tensors instead of %d", file, nqm_safetensors_count(st),
                         N_TENSORS);
-    return NQM_OK;
-}
-
-static nqm_status copy_tensors(const nqm_tensor *const *tensor, nqm_hyper *hyper, nqm_error *err) {
-    nqm_hyper_shape shape = {.sample = {tensor[0]->dims[1], tensor[2]->dims[1], tensor[4]->dims[1]},
-                             .set = {tensor[6]->dims[1], tensor[8]->dims[1]},
-                             .n_out = tensor[10]->dims[1]};
-    nqm_status status = nqm_hyper_create(&shape, hyper, err);
-    if (status != NQM_OK)
-        return status;
-    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
-        memcpy(hyper->layer[l].w, tensor[2 * l]->data, tensor[2 * l]->n_bytes);
-        memcpy(hyper->layer[l].b, tensor[2 * l + 1]->data, tensor[2 * l + 1]->n_bytes);
-    }
     return NQM_OK;
 }
 
@@ -81,13 +60,20 @@ nqm_status nqm_hyper_read(const unsigned char *data, size_t n_bytes, const char 
                           nqm_error *err) {
     nqm_safetensors *st;
     const nqm_tensor *tensor[N_TENSORS];
+    nqm_hyper_shape shape;
     *hyper_ret = (nqm_hyper){0};
     nqm_status status = nqm_encoder_parse(data, n_bytes, name, kind, &st, err);
-    if (status != NQM_OK)
-        return status;
-    status = find_tensors(st, name, tensor, err);
     if (status == NQM_OK)
-        status = copy_tensors(tensor, hyper_ret, err);
+        status = find_tensors(st, name, tensor, err);
+    for (size_t l = 0; status == NQM_OK && l < NQM_HYPER_N_LAYERS; ++l)
+        shape.n_out[l] = tensor[2 * l]->dims[1];
+    if (status == NQM_OK)
+        status = nqm_hyper_create(&shape, hyper_ret, err);
+    float *next = hyper_ret->block;
+    for (size_t i = 0; status == NQM_OK && i < N_TENSORS; ++i) {
+        memcpy(next, tensor[i]->data, tensor[i]->n_bytes);
+        next += tensor[i]->n_bytes / sizeof *next;
+    }
     nqm_safetensors_free(st);
     return status;
 }

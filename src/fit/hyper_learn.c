@@ -13,7 +13,7 @@
 #include <string.h>
 
 enum { N_SETS = 16, N_QUERIES = 512, N_PLACES = 4096, MIN_SAMPLES = 8, MAX_SAMPLES = 512, DEFAULT_STEPS = 16000 };
-static const nqm_hyper_shape default_shape = {.sample = {128, 128, 192}, .set = {384, 384}, .n_out = NQM_NBRDF_WEIGHTS};
+static const nqm_hyper_shape default_shape = {{128, 128, 192, 384, 384, NQM_NBRDF_WEIGHTS}};
 
 /* The state of learning. */
 typedef struct learner {

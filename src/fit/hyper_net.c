@@ -11,23 +11,15 @@
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-/* Sizes of the layers; the input of layer NQM_HYPER_POOLED is the pooled vector. */
-static void set_sizes(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
-    const size_t out[NQM_HYPER_N_LAYERS] = {shape->sample[0], shape->sample[1], shape->sample[2],
-                                            shape->set[0],    shape->set[1],    shape->n_out};
-    size_t n_in = NQM_HYPER_FEATURES;
-    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
-        if (l == NQM_HYPER_POOLED)
-            n_in = 2 * n_in + 1;
-        hyper->layer[l] = (nqm_hyper_layer){.n_in = n_in, .n_out = out[l]};
-        hyper->n += (n_in + 1) * out[l];
-        n_in = out[l];
-    }
-}
-
 nqm_status nqm_hyper_create(const nqm_hyper_shape *shape, nqm_hyper *hyper_ret, nqm_error *err) {
     *hyper_ret = (nqm_hyper){0};
-    set_sizes(shape, hyper_ret);
+    size_t n_in = NQM_HYPER_FEATURES;
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        n_in = l == NQM_HYPER_POOLED ? 2 * n_in + 1 : n_in; /* the pooled vector */
+        hyper_ret->layer[l] = (nqm_hyper_layer){.n_in = n_in, .n_out = shape->n_out[l]};
+        hyper_ret->n += (n_in + 1) * shape->n_out[l];
+        n_in = shape->n_out[l];
+    }
     float *next = hyper_ret->block = nqm_alloc(hyper_ret->n, sizeof *next);
     if (!next)
         return nqm_fail_nomem(err, hyper_ret->n * sizeof *next);

@@ -27,11 +27,24 @@ nqm_status nqm_sparse_dictionary_create(size_t n_atoms, nqm_sparse_dictionary **
     return status;
 }
 
+static nqm_tensor matrix(const char *name, size_t rows, size_t cols, const float *data) {
+    const size_t n_bytes = rows * cols * sizeof *data;
+    return (nqm_tensor){.name = name, .n_dims = 2, .dims = {rows, cols}, .n_bytes = n_bytes, .data = data};
+}
+
+void nqm_sparse_tensors(const nqm_sparse_dictionary *d, nqm_tensor tensors[NQM_SPARSE_TENSORS]) {
+    tensors[0] = matrix("typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical);
+    tensors[1] = matrix("basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h);
+    tensors[2] = matrix("basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d);
+    tensors[3] = matrix("basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p);
+    tensors[4] = matrix("atoms", d->n_atoms, CORE, d->atoms);
+}
+
 /* The mapping takes the logarithm of `typical`; matching pursuit needs atoms of unit length. */
 static nqm_status check_values(const nqm_sparse_dictionary *dictionary, const char *name, nqm_error *err) {
     for (size_t i = 0; i < CELLS; ++i)
         if (dictionary->typical[i] < 0)
-            return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: tensor 'typical' holds a negative value", name);
+            return nqm_fail(err, NQM_ERR_MODEL, -1, "%s: tensor 'typical' contains a negative value", name);
     for (size_t k = 0; k < dictionary->n_atoms; ++k) {
         const float *atom = dictionary->atoms + k * CORE;
         double sum = 0;
@@ -45,8 +58,8 @@ static nqm_status check_values(const nqm_sparse_dictionary *dictionary, const ch
 
 static nqm_status read_all(const nqm_safetensors *st, const char *name, nqm_sparse_dictionary **dictionary_ret,
                            nqm_error *err) {
-    const nqm_tensor *atoms;
-    nqm_status status = nqm_encoder_tensor(st, name, "atoms", 2, (size_t[]){0, CORE}, &atoms, err);
+    const nqm_tensor any_atoms = {.name = "atoms", .n_dims = 2, .dims = {0, CORE}}, *atoms;
+    nqm_status status = nqm_safetensors_floats(st, &any_atoms, NQM_ERR_MODEL, &atoms, err);
     if (status != NQM_OK)
         return status;
     size_t n_atoms = atoms->dims[0];
@@ -56,24 +69,15 @@ static nqm_status read_all(const nqm_safetensors *st, const char *name, nqm_spar
     status = nqm_sparse_dictionary_create(n_atoms, dictionary_ret, err);
     if (status != NQM_OK)
         return status;
-    nqm_sparse_dictionary *d = *dictionary_ret;
-    const struct {
-        const char *name;
-        size_t rows, cols;
-        float *out;
-    } tensors[] = {{"typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical},
-                   {"basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h},
-                   {"basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d},
-                   {"basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p},
-                   {"atoms", n_atoms, CORE, d->atoms}};
-    for (size_t i = 0; status == NQM_OK && i < sizeof tensors / sizeof *tensors; ++i) {
+    nqm_tensor tensors[NQM_SPARSE_TENSORS];
+    nqm_sparse_tensors(*dictionary_ret, tensors);
+    for (size_t i = 0; status == NQM_OK && i < NQM_SPARSE_TENSORS; ++i) {
         const nqm_tensor *tensor;
-        status = nqm_encoder_tensor(st, name, tensors[i].name, 2, (size_t[]){tensors[i].rows, tensors[i].cols}, &tensor,
-                                    err);
+        status = nqm_safetensors_floats(st, &tensors[i], NQM_ERR_MODEL, &tensor, err);
         if (status == NQM_OK)
-            memcpy(tensors[i].out, tensor->data, tensor->n_bytes);
+            memcpy((void *)(uintptr_t)tensors[i].data, tensor->data, tensor->n_bytes);
     }
-    return status == NQM_OK ? check_values(d, name, err) : status;
+    return status == NQM_OK ? check_values(*dictionary_ret, name, err) : status;
 }
 
 nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes, const char *name,

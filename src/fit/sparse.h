@@ -88,6 +88,9 @@ typedef struct nqm_sparse_dictionary {
 /** A dictionary of zeros; free with nqm_free(). */
 NQM_MUST_CHECK nqm_status nqm_sparse_dictionary_create(size_t n_atoms, nqm_sparse_dictionary **dictionary_ret,
                                                        nqm_error *err);
+/** The tensors of a dictionary's file; their data are those of the dictionary. */
+enum { NQM_SPARSE_TENSORS = 5 };
+void nqm_sparse_tensors(const nqm_sparse_dictionary *dictionary, nqm_tensor tensors[NQM_SPARSE_TENSORS]);
 /** Read the bytes of an encoder file; NQM_ERR_MODEL if they are not a dictionary. Free with nqm_free(). */
 NQM_MUST_CHECK nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                       nqm_sparse_dictionary **dictionary_ret, nqm_error *err);

@@ -99,27 +99,6 @@ static void analyse_one(void *user, size_t t) {
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
-static nqm_tensor matrix(const char *name, size_t rows, size_t cols, const float *data) {
-    return (nqm_tensor){.name = name,
-                        .dtype = NQM_F32,
-                        .n_dims = 2,
-                        .dims = {rows, cols},
-                        .n_bytes = rows * cols * sizeof *data,
-                        .data = data};
-}
-
-static nqm_status write_dictionary(const nqm_sparse_dictionary *d, size_t n, const char *const *names,
-                                   const nqm_learn_options *options, const char *path, nqm_error *err) {
-    const nqm_tensor tensors[] = {
-        matrix("typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical),
-        matrix("basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h),
-        matrix("basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d),
-        matrix("basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p),
-        matrix("atoms", d->n_atoms, CORE, d->atoms),
-    };
-    return nqm_encoder_write(path, "sparse", n, names, options, sizeof tensors / sizeof *tensors, tensors, err);
-}
-
 /* Bases and atoms of the sampled tables. */
 static nqm_status learn(learning *l, const nqm_learn_options *options, nqm_ticker *ticker, nqm_error *err) {
     nqm_sparse_dictionary *d = l->dictionary;
@@ -151,8 +130,11 @@ nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *c
         status = sample_all(&l, &ticker, err);
     if (status == NQM_OK)
         status = learn(&l, &used, &ticker, err);
-    if (status == NQM_OK)
-        status = write_dictionary(l.dictionary, n, names, &used, path, err);
+    if (status == NQM_OK) {
+        nqm_tensor tensors[NQM_SPARSE_TENSORS];
+        nqm_sparse_tensors(l.dictionary, tensors);
+        status = nqm_encoder_write(path, "sparse", n, names, &used, NQM_SPARSE_TENSORS, tensors, err);
+    }
     release(&l);
     return status;
 }
