@@ -16,7 +16,7 @@ run 0 info list --json
 
 run 0 info sgd:nickel
 has 'format *sgd'
-has 'doi:10.1111/j.1467-8659.2012.03147.x'
+has 'source_doi *10.1111/j.1467-8659.2012.03147.x'
 run 0 info 'lambert:kd=.5,.25,.125' --json
 has '"kind": "brdf"'
 has '"format": "lambert"'

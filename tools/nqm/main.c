@@ -50,17 +50,6 @@ static void print_usage(FILE *out) {
           out);
 }
 
-/* Results that cannot be written (a full disk) are a failure of any verb. */
-static int finish(int exit_code) {
-    bool arrived = exit_code != EXIT_OK || flush_output_path();
-    if (arrived && fflush(stdout) == 0 && !ferror(stdout))
-        return exit_code;
-    if (exit_code != EXIT_OK)
-        return exit_code; /* the verb has reported the reason */
-    fputs("nqm: standard output: cannot write\n", stderr);
-    return EXIT_OPEN;
-}
-
 /* NQM_KERNELS=NAME selects the kernels, instead of the best ones, for tests and comparisons. */
 static int choose_kernels(void) {
     nqm_error err = {0};
@@ -96,8 +85,10 @@ int main(int argc, char **argv) {
         return EXIT_OK;
     }
     for (const verb *v = verbs; v->name; ++v)
-        if (strcmp(argv[1], v->name) == 0)
+        if (strcmp(argv[1], v->name) == 0) {
+            set_verb(v->name);
             return finish(v->run(argc - 1, argv + 1));
+        }
     fprintf(stderr, "nqm: there is no verb '%s'; `nqm --help` lists them\n", argv[1]);
     return EXIT_USAGE;
 }

@@ -6,30 +6,32 @@
 
 #include <string.h>
 
-int open_output(const char *verb, const char *path, output_file *out) {
+static output_file *open_outputs; /* linked by `next` */
+
+void open_output(const char *path, output_file *out) {
     nqm_error err = {0};
-    *out = (output_file){0};
-    if (strcmp(path, "-") == 0) {
-        out->stream = stdout;
-        return EXIT_OK;
-    }
-    if (nqm_outfile_open(path, &out->file, &err) != NQM_OK)
-        return report_error(verb, &err);
+    *out = (output_file){.stream = stdout};
+    if (strcmp(path, "-") == 0)
+        return;
+    must(nqm_outfile_open(path, &out->file, &err), &err);
     out->stream = out->file.stream;
-    return EXIT_OK;
+    out->next = open_outputs;
+    open_outputs = out;
 }
 
-int close_output(const char *verb, output_file *out, bool keep) {
+void close_output(output_file *out) {
     nqm_error err = {0};
-    nqm_status status = NQM_OK;
-    if (out->stream == stdout)
-        status = fflush(stdout) == 0 && !ferror(stdout)
-                     ? NQM_OK
-                     : nqm_fail(&err, NQM_ERR_IO, -1, "standard output: cannot write");
-    else if (out->stream && keep)
-        status = nqm_outfile_commit(&out->file, &err);
-    else
-        nqm_outfile_abort(&out->file);
+    output_file **link = &open_outputs;
+    while (*link && *link != out)
+        link = &(*link)->next;
+    if (*link) {
+        *link = out->next;
+        must(nqm_outfile_commit(&out->file, &err), &err);
+    }
     *out = (output_file){0};
-    return status == NQM_OK || !keep ? EXIT_OK : report_error(verb, &err);
+}
+
+void abandon_outputs(void) {
+    for (; open_outputs; open_outputs = open_outputs->next)
+        nqm_outfile_abort(&open_outputs->file);
 }

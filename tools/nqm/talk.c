@@ -9,9 +9,9 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
+static const char *verb = "";
 static volatile sig_atomic_t interrupt_count;
 static bool progress_shown;
 static char progress_note[100];
@@ -30,7 +30,11 @@ int exit_code_of(nqm_status status) {
     return codes[-status];
 }
 
-int report_error(const char *verb, const nqm_error *err) {
+void set_verb(const char *name) {
+    verb = name;
+}
+
+int report_error(const nqm_error *err) {
     const char *message = err->message[0] ? err->message : nqm_status_text(err->status);
     size_t n_prefix;
     const char *stream = stream_name(message, &n_prefix);
@@ -39,16 +43,50 @@ int report_error(const char *verb, const nqm_error *err) {
     return exit_code_of(err->status);
 }
 
-#undef report /* the macro of tool.h for clang-tidy */
-int report(const char *verb, int exit_code, const char *format, ...) {
+static void print_message(const char *format, va_list args) {
     end_progress();
     fprintf(stderr, "nqm %s: ", verb);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+}
+
+int report(int exit_code, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    vfprintf(stderr, format, args);
+    print_message(format, args);
     va_end(args);
-    fputc('\n', stderr);
     return exit_code;
+}
+
+/* Without the handlers of exit(): leak checkers would report the memory that is left to the system. */
+static _Noreturn void leave(int exit_code) {
+    abandon_outputs();
+    _exit(finish(exit_code));
+}
+
+void stop(int exit_code, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    print_message(format, args);
+    va_end(args);
+    leave(exit_code);
+}
+
+void stop_error(const nqm_error *err) {
+    leave(report_error(err));
+}
+
+void must(nqm_status status, const nqm_error *err) {
+    if (status != NQM_OK)
+        stop_error(err);
+}
+
+int finish(int exit_code) {
+    bool has_arrived = exit_code != EXIT_OK || flush_output_path();
+    has_arrived = fflush(stdout) == 0 && !ferror(stdout) && has_arrived;
+    if (has_arrived || exit_code > EXIT_GATE) /* otherwise the reason has been reported */
+        return exit_code;
+    return report(EXIT_OPEN, "standard output: cannot write");
 }
 
 static void on_interrupt(int signal_number) {
@@ -77,9 +115,7 @@ int show_progress(void *user, const char *stage, double done, double total) {
     static char last_stage[64];
     (void)user;
     if (isatty(STDERR_FILENO)) {
-        struct timespec t;
-        clock_gettime(CLOCK_MONOTONIC, &t);
-        double now = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+        double now = nqm_clock_s();
         if (strncmp(last_stage, stage, sizeof last_stage - 1) != 0) {
             snprintf(last_stage, sizeof last_stage, "%s", stage);
             begin_s = now;
@@ -112,17 +148,56 @@ void end_progress(void) {
 
 int print_json(json_t *value) {
     end_progress();
-    if (!value) {
-        fputs("nqm: cannot write JSON: a name is not UTF-8, or out of memory\n", stderr);
-        return EXIT_LIMIT;
-    }
-    int bad = json_dumpf(value, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0;
+    if (!value)
+        stop(EXIT_LIMIT, "cannot write JSON: a name is not UTF-8, or out of memory");
+    json_dumpf(value, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)); /* finish() notices a failure */
     json_decref(value);
     putchar('\n');
-    bad = fflush(stdout) != 0 || bad;
-    if (bad)
-        fputs("nqm: standard output: cannot write\n", stderr);
-    return bad ? EXIT_OPEN : EXIT_OK;
+    return EXIT_OK;
+}
+
+int print_document(json_t *members) {
+    json_t *document = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
+    if (json_object_update_new(document, members) != 0) {
+        json_decref(document);
+        document = NULL;
+    }
+    return print_json(document);
+}
+
+static void print_value(const json_t *value) {
+    const char *key, *comma = "";
+    size_t i;
+    json_t *item;
+    if (json_is_string(value))
+        fputs(json_string_value(value), stdout);
+    else if (json_is_boolean(value))
+        fputs(json_is_true(value) ? "yes" : "no", stdout);
+    else if (json_is_number(value))
+        printf("%.9g", json_number_value(value));
+    json_array_foreach(value, i, item) {
+        fputs(i ? ", " : "", stdout);
+        print_value(item);
+    }
+    json_object_foreach((json_t *)(uintptr_t)value, key, item) {
+        printf("%s%s ", comma, key);
+        print_value(item);
+        comma = ", ";
+    }
+}
+
+int print_members(json_t *members) {
+    const char *key;
+    json_t *value;
+    json_object_foreach(members, key, value) {
+        if (json_is_null(value) || (json_is_string(value) && !*json_string_value(value)))
+            continue;
+        printf("%-14s ", key);
+        print_value(value);
+        putchar('\n');
+    }
+    json_decref(members);
+    return EXIT_OK;
 }
 
 json_t *json_name(const char *text) {
@@ -168,6 +243,13 @@ void print_csv_text(FILE *out, const char *text) {
 void print_csv_number(FILE *out, double value) {
     if (isfinite(value))
         fprintf(out, "%.9g", value);
+}
+
+void print_csv_numbers(FILE *out, size_t n, const double *values) {
+    for (size_t i = 0; i < n; ++i) {
+        fputc(',', out);
+        print_csv_number(out, values[i]);
+    }
 }
 
 const char *jod_words(double jod) {

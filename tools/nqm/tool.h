@@ -34,9 +34,14 @@ enum {
 typedef enum option_kind {
     OPTION_FLAG,   /* target: bool */
     OPTION_TEXT,   /* target: const char * */
+    OPTION_NEEDED, /* as OPTION_TEXT; must be given */
     OPTION_NUMBER, /* target: double, within [min, max] */
-    OPTION_COUNT   /* target: uint64_t, within [min, max] */
+    OPTION_COUNT,  /* target: uint64_t, within [min, max] */
+    OPTION_FORMAT  /* target: result_format, which becomes `min`; at most one of these may be given */
 } option_kind;
+
+/** The format of results: --json, --csv, --quiet, or none of them. */
+typedef enum result_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_QUIET } result_format;
 
 typedef struct option {
     const char *name; /* without "--"; NULL ends the table */
@@ -59,46 +64,44 @@ typedef struct command {
     int min_arguments, max_arguments; /* positional; max < 0: any number */
 } command;
 
-/** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns true with *n_arguments, or
- *  false with *exit_code after printing help or a usage error. */
-bool parse_arguments(const command *cmd, int argc, char **argv, int *n_arguments, int *exit_code);
-/** Set the option `key` of a table that is not the command's own, from text. EXIT_OK, or reports a usage error. */
-int set_option(const char *verb, const nqm_option_table *table, const char *key, void *target, const char *text);
-
-/* ---- inputs ------------------------------------------------------------------------------------------------------ */
-
-/** Open a built-in model by name, or a model file; NULL: "default". EXIT_OK, or reports the error and returns its exit code. */
-int open_model(const char *verb, const char *name_or_path, nqm_model **model_ret);
-/** Open n BRDFs (0 is allowed); close_brdfs() them. On failure none is open. As open_model(). */
-int open_brdfs(const char *verb, int n, char **arguments, nqm_brdf ***brdfs_ret);
-void close_brdfs(int n, nqm_brdf **brdfs);
-/** A text file of at most 1 MiB; free() it. As open_model(). */
-int read_text(const char *verb, const char *path, char **text_ret);
-/** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
- *  default ones if there is no such model. As open_model(). */
-int open_directions(const char *verb, const char *name_or_path, nqm_directions **directions_ret);
-
-/** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
- *  `split`. As open_model(). */
-int open_dataset(const char *verb, const char *path, const char *labels, nqm_split split, nqm_dataset **dataset_ret);
-
-/** Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). As open_model(). */
-int regress_csv(const char *verb, const char *path, nqm_regress_report *report_ret);
+/** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns n; prints help or a usage error
+ *  and exits where that is due. */
+int parse_arguments(const command *cmd, int argc, char **argv);
+/** Set the option `key` of a table that is not the command's own, from text. */
+void set_option(const nqm_option_table *table, const char *key, void *target, const char *text);
 
 /** A word of an option and its value; a NULL name ends the list. */
 typedef struct choice {
     const char *name;
     int value;
 } choice;
-/** The value of `word`, or a usage error that lists the choices. EXIT_OK or EXIT_USAGE. */
-int choose(const char *verb, const char *option_name, const choice *choices, const char *word, int *value_ret);
+/** The value of `word`. */
+int choose(const char *option_name, const choice *choices, const char *word);
 /** The name of a value. */
 const char *choice_name(const choice *choices, int value);
 
-/** The format of results: --json, --csv, --quiet, or none of them. */
-typedef enum result_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_QUIET } result_format;
-/** EXIT_OK, or a usage error for more than one. */
-int choose_result_format(const char *verb, bool json, bool csv, bool quiet, result_format *format_ret);
+/* ---- inputs: on failure, these report the error and exit --------------------------------------------------------- */
+
+/** Zeroed memory; free() it. */
+void *allocate(size_t n, size_t size);
+/** Open a built-in model by name, or a model file; NULL: "default". */
+nqm_model *open_model(const char *name_or_path);
+nqm_brdf *open_brdf(const char *argument);
+/** Open n BRDFs (0 is allowed); close_brdfs() them. */
+nqm_brdf **open_brdfs(int n, char **arguments);
+void close_brdfs(int n, nqm_brdf **brdfs);
+/** Whether a file begins with eight bytes of length and a JSON object. */
+bool looks_like_safetensors(const char *path);
+/** A text file of at most 1 MiB; free() it. */
+char *read_text(const char *path);
+/** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
+ *  default ones if there is no such model. */
+nqm_directions *open_directions(const char *name_or_path);
+/** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
+ *  `split`. */
+nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split);
+/** Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). */
+nqm_regress_report regress_csv(const char *path);
 
 /* ---- several processes ------------------------------------------------------------------------------------------- */
 
@@ -110,11 +113,20 @@ ranks my_ranks(void);
 
 /* ---- messages ----------------------------------------------------------------------------------------------------- */
 
+/** Name the verb in all messages (main does). */
+void set_verb(const char *name);
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
-int report_error(const char *verb, const nqm_error *err);
+int report_error(const nqm_error *err);
 /** The same for an error that the tool found; returns exit_code. */
-__attribute__((format(printf, 3, 4))) int report(const char *verb, int exit_code, const char *format, ...);
+__attribute__((format(printf, 2, 3))) int report(int exit_code, const char *format, ...);
 int exit_code_of(nqm_status status);
+/** The same, then exit: unfinished output files are removed, memory is left to the system. */
+_Noreturn void stop_error(const nqm_error *err);
+__attribute__((format(printf, 2, 3))) _Noreturn void stop(int exit_code, const char *format, ...);
+/** stop_error() unless the status is NQM_OK. */
+void must(nqm_status status, const nqm_error *err);
+/** Write what is buffered for standard output. Returns exit_code, or reports a failure and returns EXIT_OPEN. */
+int finish(int exit_code);
 
 /** A progress callback: a line on standard error, if that is a terminal. Returns nonzero after Ctrl-C. */
 int show_progress(void *user, const char *stage, double done, double total);
@@ -127,8 +139,13 @@ void catch_interrupt(void);
 /** Whether Ctrl-C was pressed. */
 bool interrupted(void);
 
-/** Print a JSON value with a final newline, and release it. Store numbers that may be NaN with json_number(). */
+/** Print a JSON value with a final newline, and release it. Returns EXIT_OK. Store numbers that may be NaN with
+ *  json_number(). */
 int print_json(json_t *value);
+/** The same for an object whose first members become "schema" and "tool". */
+int print_document(json_t *members);
+/** Print the members of an object for people, one per line, without null and empty ones, and release it. Returns EXIT_OK. */
+int print_members(json_t *members);
 /** A JSON string of a file name or a message. In texts that are not UTF-8, bytes that are not ASCII become '?'. */
 json_t *json_name(const char *text);
 /** A JSON real, or null when not finite. */
@@ -139,27 +156,34 @@ json_t *json_tool(void);
 const char *tool_build_info(void);
 /** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *jod_words(double jod);
-/** Print two lines about the intervals of a model, from a new calibration or from its file; the same as JSON, null without
- *  intervals. */
+/** Print two lines about the intervals of a model; the same as JSON, null without intervals. */
 void print_calibration(const nqm_calibration *calibration);
-void print_stored_calibration(const nqm_model_info *info);
 json_t *calibration_json(const nqm_calibration *calibration);
-json_t *stored_calibration_json(const nqm_model_info *info);
-enum { INTERVAL_TEXT = 32, INTERVAL_WIDTH = 14 };
-/** "[3.62, 4.47]", at most INTERVAL_WIDTH characters, for a result with an interval. */
-const char *interval_text(const nqm_score_result *result, char text[INTERVAL_TEXT]);
+/** All properties of a model as JSON, and as text with its card. */
+json_t *json_model(const nqm_model *model);
+void print_model_text(const nqm_model *model);
 /** A CSV field, quoted if necessary. */
 void print_csv_text(FILE *out, const char *text);
 /** A number with 9 digits, or nothing if it is not finite. */
 void print_csv_number(FILE *out, double value);
+/** n numbers, each after a comma. */
+void print_csv_numbers(FILE *out, size_t n, const double *values);
 
-/* ---- output files ----------------------------------------------------------------------------- */
+/* ---- output files ------------------------------------------------------------------------------------------------ */
 
 /** A file that gets its final name when it is complete; zeroed: none. */
 typedef struct output_file {
     FILE *stream;
     nqm_outfile file; /* zeroed: standard output */
+    struct output_file *next;
 } output_file;
+
+/** Open; "-" is standard output. On failure, report the error and exit. */
+void open_output(const char *path, output_file *out);
+/** Close, and rename to the final name; a zeroed file is allowed. On failure, report the error and exit. */
+void close_output(output_file *out);
+/** Remove the temporary files of all open outputs (stop() does). */
+void abandon_outputs(void);
 
 /** Paths for the library, which does not know "-": as an input "-" gives a file with what standard input holds, as an output
  *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */
@@ -169,11 +193,6 @@ const char *output_path(const char *path);
 bool flush_output_path(void);
 /** For messages that begin with such a path: the stream's name, and the length of the path. "" and 0 for others. */
 const char *stream_name(const char *message, size_t *n_prefix);
-
-/** Open; "-" is standard output. As open_model(). */
-int open_output(const char *verb, const char *path, output_file *out);
-/** Close, and rename to the final name or, without `keep`, remove. A zeroed file is allowed. */
-int close_output(const char *verb, output_file *out, bool keep);
 
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
@@ -199,10 +218,5 @@ int cmd_sample(int argc, char **argv);
 int cmd_score(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);
 int cmd_train(int argc, char **argv);
-
-/* clang-tidy sees one file at a time: tell it that this never returns EXIT_OK. */
-#ifdef __clang_analyzer__
-#define report(verb, exit_code, ...) (report((verb), (exit_code), __VA_ARGS__), (exit_code))
-#endif
 
 #endif

@@ -33,20 +33,19 @@ static nqm_status run_with_kernels(nqm_bench *bench, run_fn *run, nqm_error *err
 }
 
 /* Print JSON or tables to standard output, and write JSON to `output` if it is open. */
-static int print_rows(const nqm_bench *bench, bool json, const char *path, output_file *output) {
+static void print_rows(const nqm_bench *bench, bool json, const char *path, output_file *output) {
     json_t *results = bench_json(bench);
     if (output->stream) {
-        if (!results || json_dumpf(results, output->stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0) {
-            json_decref(results);
-            return report("bench", EXIT_OPEN, "%s: cannot write", path);
-        }
+        if (!results || json_dumpf(results, output->stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0)
+            stop(EXIT_OPEN, "%s: cannot write", path);
         fputc('\n', output->stream);
     }
-    if (json)
-        return print_json(results);
+    if (json) {
+        print_json(results);
+        return;
+    }
     print_bench_tables(bench, json_object_get(results, "machine"));
     json_decref(results);
-    return EXIT_OK;
 }
 
 /* which: name of the benchmark; NULL: all. */
@@ -54,19 +53,17 @@ static int run_benches(const nqm_bench_options *options, const char *which, bool
     nqm_bench *bench = NULL;
     nqm_error err = {0};
     output_file output = {0};
-    int exit_code = path ? open_output("bench", path, &output) : EXIT_OK;
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    nqm_status status = nqm_bench_create(options, &bench, &err);
-    for (size_t i = 0; i < N_BENCHES && status == NQM_OK; ++i)
+    if (path)
+        open_output(path, &output);
+    must(nqm_bench_create(options, &bench, &err), &err);
+    for (size_t i = 0; i < N_BENCHES; ++i)
         if (!which || strcmp(which, benches[i].name) == 0)
-            status = run_with_kernels(bench, benches[i].run, &err);
-    if (status == NQM_OK)
-        status = nqm_bench_finish(bench, &err);
-    exit_code = status == NQM_OK ? print_rows(bench, json, path, &output) : report_error("bench", &err);
-    int closed = close_output("bench", &output, exit_code == EXIT_OK);
+            must(run_with_kernels(bench, benches[i].run, &err), &err);
+    must(nqm_bench_finish(bench, &err), &err);
+    print_rows(bench, json, path, &output);
+    close_output(&output);
     nqm_bench_free(bench);
-    return exit_code == EXIT_OK ? closed : exit_code;
+    return EXIT_OK;
 }
 
 int cmd_bench(int argc, char **argv) {
@@ -99,11 +96,9 @@ int cmd_bench(int argc, char **argv) {
         .min_arguments = 0,
         .max_arguments = -1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (n_arguments > 1 && strcmp(argv[0], "load") != 0)
-        return report("bench", EXIT_USAGE, "%s: only `load` has file arguments", argv[1]);
+        stop(EXIT_USAGE, "%s: only `load` has file arguments", argv[1]);
     o.epochs = (size_t)epochs;
     o.temporary = folder && *folder ? folder : "/tmp";
     o.n_files = n_arguments > 1 ? (size_t)n_arguments - 1 : 0;
@@ -112,5 +107,5 @@ int cmd_bench(int argc, char **argv) {
     for (size_t i = 0; i < N_BENCHES; ++i)
         if (n_arguments == 0 || strcmp(argv[0], benches[i].name) == 0)
             return run_benches(&o, n_arguments ? argv[0] : NULL, json, output);
-    return report("bench", EXIT_USAGE, "there is no benchmark '%s'; choose gemm, train, score or load", argv[0]);
+    stop(EXIT_USAGE, "there is no benchmark '%s'; choose gemm, train, score or load", argv[0]);
 }

@@ -35,17 +35,14 @@ int cmd_selftest(int argc, char **argv) {
         .min_arguments = 0,
         .max_arguments = 0,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
+    parse_arguments(&cmd, argc, argv);
     check_output t = {.checks = json ? json_array() : NULL};
     double begin = nqm_clock_s();
     nqm_error err = {0};
     nqm_status status = nqm_selftest(add_check, &t, &err);
-    exit_code = status == NQM_OK ? EXIT_OK : report_error("selftest", &err);
+    const int exit_code = status == NQM_OK ? EXIT_OK : report_error(&err);
     if (json)
-        print_json(json_pack("{s:i,s:o,s:i,s:i,s:o}", "schema", 1, "tool", json_tool(), "passed", t.n_passed, "failed",
-                             t.n_failed, "checks", t.checks));
+        print_document(json_pack("{s:i,s:i,s:o}", "passed", t.n_passed, "failed", t.n_failed, "checks", t.checks));
     else
         printf("\n%d passed, %d failed, %.1f s; nqm %s, %s\n", t.n_passed, t.n_failed, nqm_clock_s() - begin,
                nqm_version(), nqm_build_info());

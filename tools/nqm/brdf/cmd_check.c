@@ -75,31 +75,21 @@ static json_t *to_json(const char *name, const verdict *v) {
     return item;
 }
 
-static int check_one(const char *argument, uint64_t seed, verdict *v) {
-    nqm_brdf *brdf = NULL;
+static verdict check_one(const char *argument, uint64_t seed) {
+    nqm_brdf *brdf = open_brdf(argument);
     nqm_error err = {0};
     nqm_brdf_check_report r;
-    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
-    if (status == NQM_OK)
-        status = nqm_brdf_check(brdf, seed, &r, &err);
+    must(nqm_brdf_check(brdf, seed, &r, &err), &err);
     nqm_brdf_free(brdf);
-    if (status != NQM_OK)
-        return report_error("check", &err);
-    *v = judge(&r);
-    return EXIT_OK;
+    return judge(&r);
 }
 
 int cmd_check(int argc, char **argv) {
     bool json = false;
     uint64_t seed = 1;
-    const option options[] = {
-        {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the results as JSON"},
-        {.name = "seed",
-         .kind = OPTION_COUNT,
-         .target = &seed,
-         .metavar = "N",
-         .help = "seed of the random directions"},
-        {0}};
+    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+                              {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
+                              {0}};
     const command cmd = {
         .name = "check",
         .usage = "BRDF... [options]",
@@ -112,18 +102,13 @@ int cmd_check(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = -1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
     bool all_pass = true;
-    json_t *results = json_array();
+    json_t *results = json ? json_array() : NULL;
     for (int i = 0; i < n_arguments; ++i) {
-        verdict v = {.energy_fails = false};
-        exit_code = interrupted() ? EXIT_INTERRUPTED : check_one(argv[i], seed, &v);
-        if (exit_code != EXIT_OK) {
-            json_decref(results);
-            return exit_code;
-        }
+        if (interrupted())
+            return EXIT_INTERRUPTED;
+        const verdict v = check_one(argv[i], seed);
         all_pass = all_pass && passes(&v);
         if (json)
             json_array_append_new(results, to_json(argv[i], &v));
@@ -131,7 +116,6 @@ int cmd_check(int argc, char **argv) {
             print_text(argv[i], &v);
     }
     if (json)
-        exit_code = print_json(json_pack("{s:i,s:o,s:O}", "schema", 1, "tool", json_tool(), "results", results));
-    json_decref(results);
-    return exit_code != EXIT_OK ? exit_code : all_pass ? EXIT_OK : EXIT_GATE;
+        print_document(json_pack("{s:o}", "results", results));
+    return all_pass ? EXIT_OK : EXIT_GATE;
 }

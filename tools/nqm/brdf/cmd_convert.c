@@ -6,27 +6,12 @@
 
 #include <string.h>
 
-static int print_result(const nqm_brdf_info *info, const char *output, bool json) {
-    if (json) {
-        json_t *root = json_pack("{s:i,s:o,s:s,s:s,s:s,s:s}", "schema", 1, "tool", json_tool(), "brdf", info->name,
-                                 "from", info->format, "output", output, "layout", "90 x 90 x 180 cells");
-        return print_json(root);
-    }
-    printf("%s: %s as 90 x 90 x 180 cells\n", output, info->name);
-    return EXIT_OK;
-}
-
 int cmd_convert(int argc, char **argv) {
     bool json = false;
     const char *output = NULL;
     const option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .kind = OPTION_TEXT,
-         .target = &output,
-         .metavar = "FILE",
-         .help = "the table to write, 35 MB; - is standard output (required)"},
-        {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the result as JSON"},
+        {"output", 'o', OPTION_NEEDED, &output, "FILE", "the table to write, 35 MB; - is standard output", 0, 0},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {0}};
     const command cmd = {
         .name = "convert",
@@ -42,22 +27,17 @@ int cmd_convert(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    if (!output)
-        return report("convert", EXIT_USAGE, "-o FILE is missing: where shall the table go?");
+    parse_arguments(&cmd, argc, argv);
     nqm_error err = {0};
-    nqm_brdf *brdf;
-    if (nqm_brdf_open(argv[0], &brdf, &err) != NQM_OK)
-        return report_error("convert", &err);
-    if (nqm_brdf_write_merl(brdf, output_path(output), show_progress, NULL, &err) == NQM_OK) {
-        end_progress();
-        nqm_brdf_info info = nqm_brdf_get_info(brdf);
-        exit_code = strcmp(output, "-") == 0 ? EXIT_OK : print_result(&info, output, json);
-    } else {
-        exit_code = report_error("convert", &err);
-    }
+    nqm_brdf *brdf = open_brdf(argv[0]);
+    const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    must(nqm_brdf_write_merl(brdf, output_path(output), show_progress, NULL, &err), &err);
+    end_progress();
+    if (json && strcmp(output, "-") != 0)
+        print_document(json_pack("{s:s,s:s,s:s,s:s}", "brdf", info.name, "from", info.format, "output", output,
+                                 "layout", "90 x 90 x 180 cells"));
+    else if (strcmp(output, "-") != 0)
+        printf("%s: %s as 90 x 90 x 180 cells\n", output, info.name);
     nqm_brdf_free(brdf);
-    return exit_code;
+    return EXIT_OK;
 }

@@ -7,40 +7,14 @@
 
 #include <string.h>
 
-static int make_directions(const nqm_directions_options *options, int n_refs, char **names,
-                           nqm_directions **directions) {
-    nqm_error err = {0};
-    nqm_brdf **refs;
-    int exit_code = open_brdfs("directions", n_refs, names, &refs);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    if (nqm_directions_create(options, (size_t)n_refs, (const nqm_brdf *const *)refs, directions, &err) != NQM_OK)
-        exit_code = report_error("directions", &err);
-    close_brdfs(n_refs, refs);
-    return exit_code;
-}
-
-static int print_directions_json(const nqm_directions *directions) {
+static void print_directions(const nqm_directions *directions) {
     const double *degrees = nqm_directions_degrees(directions);
     size_t n = nqm_directions_count(directions);
     json_t *rows = json_array();
     for (size_t i = 0; i < n; ++i)
         json_array_append_new(rows, json_pack("[f,f,f]", degrees[3 * i], degrees[3 * i + 1], degrees[3 * i + 2]));
-    return print_json(json_pack("{s:i,s:o,s:s,s:I,s:[s,s,s],s:o}", "schema", 1, "tool", json_tool(), "id",
-                                nqm_directions_id(directions), "n", (json_int_t)n, "columns", "theta_h", "theta_d",
-                                "phi_d", "degrees", rows));
-}
-
-static int put_out(const nqm_directions *directions, const char *path, bool json) {
-    if (json)
-        return print_directions_json(directions);
-    nqm_error err = {0};
-    if (nqm_directions_save_csv(directions, output_path(path), &err) != NQM_OK)
-        return report_error("directions", &err);
-    if (strcmp(path, "-") != 0)
-        fprintf(stderr, "nqm directions: %s: %zu directions, id %s\n", path, nqm_directions_count(directions),
-                nqm_directions_id(directions));
-    return EXIT_OK;
+    print_document(json_pack("{s:s,s:I,s:[s,s,s],s:o}", "id", nqm_directions_id(directions), "n", (json_int_t)n,
+                             "columns", "theta_h", "theta_d", "phi_d", "degrees", rows));
 }
 
 int cmd_directions(int argc, char **argv) {
@@ -67,22 +41,28 @@ int cmd_directions(int argc, char **argv) {
         .min_arguments = 0,
         .max_arguments = -1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    nqm_directions *directions = NULL;
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    nqm_directions *directions;
+    nqm_error err = {0};
     if (n_arguments > 0 && strcmp(argv[0], "show") == 0) {
         if (n_arguments != 2)
-            return report("directions", EXIT_USAGE, "show needs one model or file");
-        exit_code = open_directions("directions", argv[1], &directions);
+            stop(EXIT_USAGE, "show needs one model or file");
+        directions = open_directions(argv[1]);
     } else {
         make.n = (size_t)n;
         make.progress = show_progress;
-        exit_code = make_directions(&make, n_arguments, argv, &directions);
+        nqm_brdf **refs = open_brdfs(n_arguments, argv);
+        must(nqm_directions_create(&make, (size_t)n_arguments, (const nqm_brdf *const *)refs, &directions, &err), &err);
+        close_brdfs(n_arguments, refs);
         end_progress();
     }
-    if (exit_code == EXIT_OK)
-        exit_code = put_out(directions, path, json);
+    if (json)
+        print_directions(directions);
+    else
+        must(nqm_directions_save_csv(directions, output_path(path), &err), &err);
+    if (!json && strcmp(path, "-") != 0)
+        report(EXIT_OK, "%s: %zu directions, id %s", path, nqm_directions_count(directions),
+               nqm_directions_id(directions));
     nqm_directions_free(directions);
-    return exit_code;
+    return EXIT_OK;
 }

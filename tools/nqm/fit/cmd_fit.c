@@ -9,13 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
-
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* The metrics of `test` against `ref`, at the directions where `ref` has values. */
 static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_directions *directions, double *metrics,
@@ -50,15 +43,13 @@ typedef struct output {
     bool folder;
 } output;
 
-static int prepare_output(const char *path, size_t n_models, output *out) {
-    *out = (output){.path = path};
-    if (!path)
-        return EXIT_OK;
-    size_t n = strlen(path);
-    out->folder = n_models > 1 || (n && path[n - 1] == '/') || is_folder(path);
-    if (out->folder && !is_folder(path) && mkdir(path, 0777) != 0)
-        return report("fit", EXIT_OPEN, "%s: cannot create this folder", path);
-    return EXIT_OK;
+static output prepare_output(const char *path, size_t n_models) {
+    output out = {.path = path};
+    size_t n = path ? strlen(path) : 0;
+    out.folder = n > 0 && (n_models > 1 || path[n - 1] == '/' || is_folder(path));
+    if (out.folder && !is_folder(path) && mkdir(path, 0777) != 0)
+        stop(EXIT_OPEN, "%s: cannot create this folder", path);
+    return out;
 }
 
 static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *f, nqm_error *err) {
@@ -78,9 +69,9 @@ static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *
 static nqm_status fit_one(const nqm_brdf *ref, const nqm_fit_options *options, const nqm_directions *directions,
                           const output *out, fitted *f, nqm_error *err) {
     nqm_brdf *brdf = NULL;
-    double begin = now_s();
+    double begin = nqm_clock_s();
     nqm_status status = nqm_fit(ref, f->model, options, &f->fit, &brdf, err);
-    f->seconds = now_s() - begin;
+    f->seconds = nqm_clock_s() - begin;
     if (status == NQM_OK)
         status = measure(ref, brdf, directions, f->metrics, err);
     if (status == NQM_OK && out->path && !f->fit.spec[0])
@@ -108,8 +99,8 @@ static int fit_all(const nqm_brdf *ref, const fit_request *request, const nqm_fi
         f[i].err = err;
         int code = exit_code_of(err.status);
         if (code == EXIT_INTERRUPTED || request->n_models == 1)
-            return report_error("fit", &err);
-        report("fit", code, "%s: %s", f[i].model, err.message);
+            stop_error(&err);
+        report(code, "%s: %s", f[i].model, err.message);
         worst = code > worst ? code : worst;
     }
     return worst;
@@ -124,9 +115,9 @@ static void print_arguments(size_t n, const fitted *f) {
 static void warn_unwritten(const fit_request *request, const output *out, const fitted *f) {
     for (size_t i = 0; i < request->n_models; ++i)
         if (f[i].err.status == NQM_OK && !fitted_argument(&f[i]))
-            fprintf(stderr, "nqm fit: %s: the result is a file, not a spec: write it with -o FILE\n", f[i].model);
+            report(EXIT_OK, "%s: the result is a file, not a spec: write it with -o FILE", f[i].model);
     if (out->path && !out->folder && f[0].fit.spec[0])
-        fprintf(stderr, "nqm fit: the result is a spec: %s is not written\n", out->path);
+        report(EXIT_OK, "the result is a spec: %s is not written", out->path);
 }
 
 int cmd_fit(int argc, char **argv) {
@@ -161,46 +152,26 @@ int cmd_fit(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
+    parse_arguments(&cmd, argc, argv);
     fit_request request = {0};
-    exit_code = choose_models(model, &request);
-    if (exit_code == EXIT_OK)
-        exit_code = choose_bounds(bounds, &request);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-
-    nqm_directions *directions = NULL;
-    nqm_brdf **ref = NULL;
-    output out = {0};
-    fitted *results = calloc(request.n_models, sizeof *results);
-    if (!results)
-        return report("fit", EXIT_LIMIT, "out of memory");
-    exit_code = open_directions("fit", directions_name, &directions);
-    if (exit_code == EXIT_OK)
-        exit_code = open_brdfs("fit", 1, argv, &ref);
-    if (exit_code == EXIT_OK)
-        exit_code = prepare_output(path, request.n_models, &out);
-    if (exit_code != EXIT_OK)
-        goto done;
-    exit_code = fit_all(*ref, &request, &fit, directions, &out, results);
+    choose_models(model, &request);
+    choose_bounds(bounds, &request);
+    fitted *results = allocate(request.n_models, sizeof *results);
+    nqm_directions *directions = open_directions(directions_name);
+    nqm_brdf *ref = open_brdf(argv[0]);
+    const output out = prepare_output(path, request.n_models);
+    const int exit_code = fit_all(ref, &request, &fit, directions, &out, results);
     end_progress();
-    if (exit_code == EXIT_INTERRUPTED || (exit_code != EXIT_OK && request.n_models == 1))
-        goto done;
     warn_unwritten(&request, &out, results);
-    if (json) {
-        int printed = print_fits_as_json(request.n_models, results, fit.loss);
-        exit_code = exit_code == EXIT_OK ? printed : exit_code;
-    } else if (quiet)
+    if (json)
+        print_fits_as_json(request.n_models, results, fit.loss);
+    else if (quiet)
         print_arguments(request.n_models, results);
     else if (full)
         print_fit_report(request.n_models, results, fit.loss);
     else
         print_fits_as_table(request.n_models, results);
-done:
-    if (ref)
-        close_brdfs(1, ref);
+    nqm_brdf_free(ref);
     nqm_directions_free(directions);
     free(results);
     return exit_code;

@@ -34,17 +34,12 @@ static json_t *to_json(const fitted *f, nqm_fit_loss loss) {
     return row;
 }
 
-int print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss) {
-    json_t *root = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
-    if (n == 1) {
-        json_object_update_new(root, to_json(f, loss));
-        return print_json(root);
-    }
+void print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss) {
     json_t *results = json_array();
     for (size_t i = 0; i < n; ++i)
         json_array_append_new(results, to_json(&f[i], loss));
-    json_object_set_new(root, "results", results);
-    return print_json(root);
+    print_document(n == 1 ? json_incref(json_array_get(results, 0)) : json_pack("{s:O}", "results", results));
+    json_decref(results);
 }
 
 void print_fits_as_table(size_t n, const fitted *f) {

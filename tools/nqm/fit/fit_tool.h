@@ -18,10 +18,10 @@ typedef struct fit_request {
     size_t n_bounds;
 } fit_request;
 
-/** "all", "encodings", or names separated by commas. Returns EXIT_OK, or reports the error and returns its exit code. */
-int choose_models(const char *text, fit_request *request);
-/** "KEY=LOW:HIGH,..."; NULL: none. Each key must belong to one of the models. As above. */
-int choose_bounds(const char *text, fit_request *request);
+/** "all", "encodings", or names separated by commas. */
+void choose_models(const char *text, fit_request *request);
+/** "KEY=LOW:HIGH,..."; NULL: none. Each key must belong to one of the models. */
+void choose_bounds(const char *text, fit_request *request);
 
 /** The result of one model. */
 typedef struct fitted {
@@ -36,7 +36,7 @@ typedef struct fitted {
 /** The BRDF argument of the result; NULL if the model failed, or its result is a network or table that was not written. */
 const char *fitted_argument(const fitted *f);
 
-int print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss);
+void print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss);
 /** A table with one row per model. */
 void print_fits_as_table(size_t n, const fitted *f);
 /** All results of each model. */

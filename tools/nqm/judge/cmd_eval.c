@@ -25,20 +25,14 @@ static const double range_edge = 9.5;
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* Open a list like "default,my.safetensors"; "none": only the scalar metrics. Modifies the list. */
-static int open_models(eval_run *run, char *list) {
+static void open_models(eval_run *run, char *list) {
     size_t n = 1;
     for (const char *p = list; *p; ++p)
         n += *p == ',';
-    run->models = calloc(n, sizeof *run->models);
-    if (!run->models)
-        return report("eval", EXIT_LIMIT, "out of memory");
-    int exit_code = EXIT_OK;
-    for (char *name = strtok(list, ","); exit_code == EXIT_OK && name; name = strtok(NULL, ","))
-        if (strcmp(name, "none") != 0) {
-            exit_code = open_model("eval", name, &run->models[run->n_models]);
-            run->n_models += exit_code == EXIT_OK;
-        }
-    return exit_code;
+    run->models = allocate(n, sizeof *run->models);
+    for (char *name = strtok(list, ","); name; name = strtok(NULL, ","))
+        if (strcmp(name, "none") != 0)
+            run->models[run->n_models++] = open_model(name);
 }
 
 /* ---- selections -------------------------------------------------------------------------------------------------- */
@@ -127,36 +121,32 @@ static void release(eval_run *run) {
 
 typedef struct eval_arguments {
     const char *models, *labels, *by, *pairs, *root;
-    bool human, json, csv;
+    bool human;
+    result_format format;
     double margin; /* NaN: the default */
     nqm_eval_options options;
 } eval_arguments;
 
 /* Read answers of people, and sample their BRDFs at the directions of the first model. */
-static int open_human(eval_run *run, const char *root) {
+static void open_human(eval_run *run, const char *root) {
     nqm_error err = {0};
     nqm_human_options o = nqm_human_options_default();
     o.root = root;
     o.progress = show_progress;
     if (run->n_models)
         o.directions = nqm_model_get_info(run->models[0]).directions;
-    if (nqm_human_load(run->dataset_path, &o, &run->human, &err) != NQM_OK) {
-        end_progress();
-        return report_error("eval", &err);
-    }
+    must(nqm_human_load(run->dataset_path, &o, &run->human, &err), &err);
     const nqm_human_kind kind = nqm_human_get_info(run->human).kind;
     run->dataset = nqm_human_dataset(run->human);
     run->is_jod = kind == NQM_HUMAN_JOD;
     run->is_choice = kind == NQM_HUMAN_CHOICE;
-    return EXIT_OK;
 }
 
-static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *o) {
-    int exit_code = a->human ? open_human(run, a->root)
-                             : open_dataset("eval", run->dataset_path, a->labels, NQM_SPLIT_TEST, &run->owned);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    if (!a->human) {
+static void open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *o) {
+    if (a->human) {
+        open_human(run, a->root);
+    } else {
+        run->owned = open_dataset(run->dataset_path, a->labels, NQM_SPLIT_TEST);
         run->dataset = run->owned;
         run->is_jod = true;
     }
@@ -165,47 +155,22 @@ static int open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *
     if (!isnan(a->margin))
         o->order_margin = a->margin;
     run->order_margin = o->order_margin;
-    return EXIT_OK;
 }
 
-static int evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
+static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
     nqm_error err = {0};
     if (run->is_choice && by)
-        return report("eval", EXIT_USAGE, "--by: choices have one table only");
+        stop(EXIT_USAGE, "--by: choices have one table only");
     run->n_predictors = run->n_models + NQM_METRIC_COUNT;
     run->results = json_array();
     run->selections = json_object();
-    nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o,
-                                              &run->evaluation, &err);
-    if (status == NQM_OK)
-        status = judge_all(run, o, by, &err);
-    if (status != NQM_OK)
-        return report_error("eval", &err);
-    int exit_code = a->pairs ? write_pairs(run, a->pairs) : EXIT_OK;
-    return exit_code == EXIT_OK ? print_evaluation(run, a->json  ? FORMAT_JSON
-                                                        : a->csv ? FORMAT_CSV
-                                                                 : FORMAT_TEXT)
-                                : exit_code;
-}
-
-static int run_eval(const eval_arguments *a, const char *dataset_path) {
-    eval_run run = {.dataset_path = dataset_path, .split_name = nqm_split_words[a->options.split]};
-    nqm_eval_options o = a->options;
-    int by = 0;
-    int exit_code = choose("eval", "by", bys, a->by, &by);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    o.progress = show_progress;
-    run.precision = o.precision;
-    char *list = strdup(a->models);
-    exit_code = list ? open_models(&run, list) : report("eval", EXIT_LIMIT, "out of memory");
-    free(list);
-    if (exit_code == EXIT_OK)
-        exit_code = open_pairs(&run, a, &o);
-    if (exit_code == EXIT_OK)
-        exit_code = evaluate(&run, a, &o, by);
-    release(&run);
-    return exit_code;
+    must(nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o, &run->evaluation,
+                               &err),
+         &err);
+    must(judge_all(run, o, by, &err), &err);
+    if (a->pairs)
+        write_pairs(run, a->pairs);
+    print_evaluation(run, a->format);
 }
 
 int cmd_eval(int argc, char **argv) {
@@ -230,8 +195,8 @@ int cmd_eval(int argc, char **argv) {
          0, 1e9},
         {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
          0},
-        {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
-        {"csv", 0, OPTION_FLAG, &a.csv, NULL, "print CSV", 0, 0},
+        {"json", 0, OPTION_FORMAT, &a.format, NULL, "print JSON", FORMAT_JSON, 0},
+        {"csv", 0, OPTION_FORMAT, &a.format, NULL, "print CSV", FORMAT_CSV, 0},
         {0}};
     const command cmd = {
         .name = "eval",
@@ -252,12 +217,19 @@ int cmd_eval(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    if (a.json && a.csv)
-        return report("eval", EXIT_USAGE, "--json and --csv exclude each other");
+    parse_arguments(&cmd, argc, argv);
     if (a.human ? a.labels != NULL : a.root != NULL)
-        return report("eval", EXIT_USAGE, a.human ? "--labels does not go with --human" : "--root goes with --human");
-    return run_eval(&a, argv[0]);
+        stop(EXIT_USAGE, a.human ? "--labels does not go with --human" : "--root goes with --human");
+    eval_run run = {
+        .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
+    const int by = choose("by", bys, a.by);
+    char *list = allocate(strlen(a.models) + 1, 1);
+    strcpy(list, a.models);
+    open_models(&run, list);
+    free(list);
+    a.options.progress = show_progress;
+    open_pairs(&run, &a, &a.options);
+    evaluate(&run, &a, &a.options, by);
+    release(&run);
+    return EXIT_OK;
 }

@@ -28,10 +28,10 @@ typedef struct eval_run {
 nqm_status judge_pairs(const eval_run *run, const nqm_eval_options *options, json_t *rows, nqm_error *err);
 nqm_status judge_choices(const eval_run *run, const nqm_eval_options *options, json_t *rows, nqm_error *err);
 
-/** Print results and selections; returns an exit code. */
-int print_evaluation(const eval_run *run, result_format format);
+/** Print results and selections. */
+void print_evaluation(const eval_run *run, result_format format);
 /** Write label, predictions and scalar features of every pair that was judged, as CSV. */
-int write_pairs(const eval_run *run, const char *path);
+void write_pairs(const eval_run *run, const char *path);
 
 /** Id of a model or name of a metric. */
 const char *predictor_name(const eval_run *run, size_t predictor);

@@ -45,15 +45,13 @@ static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     fputc('\n', out);
 }
 
-int write_pairs(const eval_run *run, const char *path) {
+void write_pairs(const eval_run *run, const char *path) {
     output_file out;
-    int exit_code = open_output("eval", path, &out);
-    if (exit_code != EXIT_OK)
-        return exit_code;
+    open_output(path, &out);
     write_head(run, out.stream);
     size_t n_pairs = nqm_dataset_get_info(run->dataset).n_pairs;
     for (size_t pair = 0; pair < n_pairs; ++pair)
         if (!isnan(nqm_evaluation_values(run->evaluation, run->n_models)[pair]))
             write_pair(run, pair, out.stream);
-    return close_output("eval", &out, true);
+    close_output(&out);
 }

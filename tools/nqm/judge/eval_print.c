@@ -5,7 +5,6 @@
 #include "nqm/judge/eval.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -223,7 +222,7 @@ static json_t *human_json(const nqm_human *human) {
     return json;
 }
 
-static int print_json_results(const eval_run *run) {
+static void print_json_results(const eval_run *run) {
     json_t *models = json_array();
     for (size_t i = 0; i < run->n_models; ++i)
         json_array_append_new(models, model_json(run->models[i], run->precision));
@@ -238,7 +237,7 @@ static int print_json_results(const eval_run *run) {
     if (run->human)
         json_object_set_new(json, "human", human_json(run->human));
     json_object_update(json, run->selections);
-    return print_json(json);
+    print_json(json);
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
@@ -309,11 +308,11 @@ static void print_csv_table(const eval_run *run, const char *by, const char *nam
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-int print_evaluation(const eval_run *run, result_format format) {
-    if (format == FORMAT_JSON)
-        return print_json_results(run);
+void print_evaluation(const eval_run *run, result_format format) {
     end_progress();
-    if (format == FORMAT_CSV) {
+    if (format == FORMAT_JSON) {
+        print_json_results(run);
+    } else if (format == FORMAT_CSV) {
         print_csv_line(run->is_choice ? choice_columns : pair_columns, NULL, NULL);
         print_tables(run, print_csv_table);
     } else if (run->is_choice) {
@@ -321,5 +320,4 @@ int print_evaluation(const eval_run *run, result_format format) {
     } else {
         print_pairs_text(run);
     }
-    return fflush(stdout) == 0 ? EXIT_OK : report("eval", EXIT_OPEN, "standard output: %s", strerror(errno));
 }

@@ -10,12 +10,6 @@
 #include <time.h>
 #include <unistd.h>
 
-typedef struct arguments {
-    const char *output, *directions;
-    bool json;
-    size_t count; /* of processes */
-} arguments;
-
 /* Report the tests that failed; the dataset is valid without them. */
 static void print_failures(const json_t *manifest) {
     const char *kind;
@@ -25,59 +19,23 @@ static void print_failures(const json_t *manifest) {
         (size_t)json_integer_value(json_object_get(row, "pairs")), json_string_value(json_object_get(row, "message")));
 }
 
-static int print_summary(const char *path, const arguments *a) {
+static void print_summary(const char *path, bool json) {
     nqm_error err = {0};
     nqm_dataset *dataset;
-    if (nqm_dataset_load(path, &dataset, &err) != NQM_OK)
-        return report_error("dataset", &err);
-    nqm_dataset_info info = nqm_dataset_get_info(dataset);
-    end_progress();
+    must(nqm_dataset_load(path, &dataset, &err), &err);
+    const nqm_dataset_info info = nqm_dataset_get_info(dataset);
     json_t *manifest = json_loads(info.manifest, 0, NULL);
+    end_progress();
     print_failures(manifest);
-    if (a->json) {
-        json_t *root = json_pack("{s:i,s:o,s:s,s:s,s:o}", "schema", 1, "tool", json_tool(), "path", path, "sha256",
-                                 info.sha256, "manifest", manifest ? manifest : json_null());
-        nqm_dataset_free(dataset);
-        return print_json(root);
-    }
+    if (json)
+        print_document(json_pack("{s:s,s:s,s:O?}", "path", path, "sha256", info.sha256, "manifest", manifest));
+    else
+        printf("%s: %zu pairs of %zu references in %zu material groups (train %zu, validation %zu, test %zu pairs)\n"
+               "sha256 %s\n",
+               path, info.n_pairs, info.n_refs, info.n_groups, info.n_pairs_in[NQM_SPLIT_TRAIN],
+               info.n_pairs_in[NQM_SPLIT_VALIDATION], info.n_pairs_in[NQM_SPLIT_TEST], info.sha256);
     json_decref(manifest);
-    printf("%s: %zu pairs of %zu references in %zu material groups (train %zu, validation %zu, test %zu pairs)\n", path,
-           info.n_pairs, info.n_refs, info.n_groups, info.n_pairs_in[NQM_SPLIT_TRAIN],
-           info.n_pairs_in[NQM_SPLIT_VALIDATION], info.n_pairs_in[NQM_SPLIT_TEST]);
-    printf("sha256 %s\n", info.sha256);
     nqm_dataset_free(dataset);
-    return EXIT_OK;
-}
-
-static int build(const char *materials, const arguments *a, const nqm_corpus_options *corpus) {
-    nqm_error err = {0};
-    nqm_directions *directions;
-    if (nqm_directions_load_csv(input_path(a->directions), &directions, &err) != NQM_OK)
-        return report_error("dataset", &err);
-    nqm_status status = nqm_corpus_build(materials, directions, corpus, a->output, &err);
-    nqm_directions_free(directions);
-    if (status == NQM_ERR_CANCELLED && corpus->checkpoint)
-        return report("dataset", EXIT_INTERRUPTED, "stopped; the same command continues from %s", corpus->checkpoint);
-    if (status != NQM_OK)
-        return report_error("dataset", &err);
-    if (corpus->work_only)
-        return EXIT_OK;
-    return print_summary(a->output, a);
-}
-
-static int run(const char *argument, const arguments *a, const nqm_corpus_options *corpus) {
-    if (!a->output)
-        return report("dataset", EXIT_USAGE, "give the file of the dataset: -o FILE");
-    if (strcmp(a->output, "-") == 0)
-        return report("dataset", EXIT_USAGE,
-                      "a dataset cannot be written to standard output, because its manifest is a "
-                      "second file; give a file name");
-    if (!a->directions)
-        return report("dataset", EXIT_USAGE,
-                      "give the sampling directions: --directions FILE (`nqm directions` makes one)");
-    if (a->count > 1 && !corpus->checkpoint)
-        return report("dataset", EXIT_USAGE, "%zu processes need a shared folder: --work DIR", a->count);
-    return build(argument, a, corpus);
 }
 
 /* ---- progress ---------------------------------------------------------------------------------------------------- */
@@ -131,19 +89,19 @@ static nqm_option_table corpus_and_scene(nqm_option rows[MAX_ROWS]) {
 
 int cmd_dataset(int argc, char **argv) {
     nqm_corpus_options corpus = nqm_corpus_options_default();
-    arguments a = {0};
+    const char *output = NULL, *directions_path = NULL;
     ranks r = my_ranks();
     scene_args scene = {0};
     log_state state = {0};
-    bool log = false;
+    bool log = false, json = false;
     nqm_option rows[MAX_ROWS];
     const nqm_option_table table = corpus_and_scene(rows);
     const option options[] = {
-        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "the dataset to write; its manifest is written to FILE.json", 0,
+        {"output", 'o', OPTION_NEEDED, &output, "FILE", "the dataset to write; its manifest is written to FILE.json", 0,
          0},
-        {"directions", 0, OPTION_TEXT, &a.directions, "CSV", "sampling directions, from `nqm directions`", 0, 0},
+        {"directions", 0, OPTION_NEEDED, &directions_path, "CSV", "sampling directions, from `nqm directions`", 0, 0},
         {"log", 0, OPTION_FLAG, &log, NULL, "progress as lines on standard error, for log files", 0, 0},
-        {"json", 0, OPTION_FLAG, &a.json, NULL, "print the manifest as JSON", 0, 0},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print the manifest as JSON", 0, 0},
         OPTION_ROW_SIZE(&scene),
         {0}};
     const command cmd = {
@@ -166,19 +124,29 @@ int cmd_dataset(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
+    parse_arguments(&cmd, argc, argv);
     scene.scene = corpus.scene;
     if (scene.size) /* a picture instead of points */
         scene.scene.n_points = 0;
-    exit_code = scene_args_end("dataset", &scene);
-    if (exit_code != EXIT_OK)
-        return exit_code;
+    scene_args_end(&scene);
     corpus.scene = scene.scene;
     corpus.work_only = r.rank > 0;
     corpus.progress = r.rank > 0 ? quiet_progress : log ? log_progress : show_progress;
     corpus.progress_user = &state;
-    a.count = r.count;
-    return run(argv[0], &a, &corpus);
+    if (strcmp(output, "-") == 0)
+        stop(EXIT_USAGE, "a dataset cannot be written to standard output, because its manifest is a second file; give "
+                         "a file name");
+    if (r.count > 1 && !corpus.checkpoint)
+        stop(EXIT_USAGE, "%zu processes need a shared folder: --work DIR", r.count);
+    nqm_error err = {0};
+    nqm_directions *directions;
+    must(nqm_directions_load_csv(input_path(directions_path), &directions, &err), &err);
+    const nqm_status status = nqm_corpus_build(argv[0], directions, &corpus, output, &err);
+    if (status == NQM_ERR_CANCELLED && corpus.checkpoint)
+        stop(EXIT_INTERRUPTED, "stopped; the same command continues from %s", corpus.checkpoint);
+    must(status, &err);
+    nqm_directions_free(directions);
+    if (!corpus.work_only)
+        print_summary(output, json);
+    return EXIT_OK;
 }

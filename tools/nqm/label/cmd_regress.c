@@ -7,49 +7,27 @@
 
 #include <stdlib.h>
 
-static nqm_status read_column(const nqm_csv *csv, const char *path, const char *name, double *value, nqm_error *err) {
-    int column = nqm_csv_column(csv, name);
-    if (column < 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header has no column %s", path, name);
-    nqm_status status = NQM_OK;
-    for (size_t row = 0; status == NQM_OK && row < nqm_csv_rows(csv); ++row)
-        status = nqm_csv_number(csv, row, column, &value[row], err);
-    return status;
-}
-
-int regress_csv(const char *verb, const char *path, nqm_regress_report *report_ret) {
+nqm_regress_report regress_csv(const char *path) {
+    static const char *const names[] = {"DeltaE", "JOD"};
     nqm_error err = {0};
     nqm_csv *csv;
-    nqm_status status = nqm_csv_load(path, &csv, &err);
-    if (status != NQM_OK)
-        return report_error(verb, &err);
-    size_t n = nqm_csv_rows(csv);
-    double *values = calloc(n + 1, 2 * sizeof *values);
-    if (!values)
-        status = nqm_fail_nomem(&err, n * 2 * sizeof *values);
-    else if (n < 4)
-        status =
-            nqm_fail(&err, NQM_ERR_INCOMPATIBLE, -1, "%s: %zu rows do not determine the curve, 4 are needed", path, n);
-    if (status == NQM_OK)
-        status = read_column(csv, path, "DeltaE", values, &err);
-    if (status == NQM_OK)
-        status = read_column(csv, path, "JOD", values + n, &err);
-    if (status == NQM_OK)
-        status = nqm_regress(n, values, values + n, report_ret, &err);
+    nqm_regress_report result;
+    must(nqm_csv_load(path, &csv, &err), &err);
+    const size_t n = nqm_csv_rows(csv);
+    double *values = allocate(n, 2 * sizeof *values);
+    if (n < 4)
+        stop(EXIT_INCOMPATIBLE, "%s: %zu rows do not determine the curve, 4 are needed", path, n);
+    for (size_t k = 0; k < 2; ++k) {
+        const int column = nqm_csv_column(csv, names[k]);
+        if (column < 0)
+            stop(EXIT_MALFORMED, "%s: the header has no column %s", path, names[k]);
+        for (size_t row = 0; row < n; ++row)
+            must(nqm_csv_number(csv, row, column, &values[k * n + row], &err), &err);
+    }
+    must(nqm_regress(n, values, values + n, &result, &err), &err);
     free(values);
     nqm_csv_free(csv);
-    return status == NQM_OK ? EXIT_OK : report_error(verb, &err);
-}
-
-static int print_report_json(const nqm_regress_report *r) {
-    json_t *root = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
-    json_object_set_new(root, "b1", json_number(r->curve.b1));
-    json_object_set_new(root, "b2", json_number(r->curve.b2));
-    json_object_set_new(root, "b3", json_number(r->curve.b3));
-    json_object_set_new(root, "rmse", json_number(r->rmse));
-    json_object_set_new(root, "n", json_integer((json_int_t)r->n));
-    json_object_set_new(root, "spearman", json_number(r->spearman));
-    return print_json(root);
+    return result;
 }
 
 static void print_report_text(const nqm_regress_report *r) {
@@ -65,8 +43,7 @@ static void print_report_text(const nqm_regress_report *r) {
 
 int cmd_regress(int argc, char **argv) {
     bool json = false;
-    const option options[] = {
-        {.name = "json", .kind = OPTION_FLAG, .target = &json, .help = "print the result as JSON"}, {0}};
+    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
     const command cmd = {
         .name = "regress",
         .usage = "LABELS.csv [options]",
@@ -79,15 +56,13 @@ int cmd_regress(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    nqm_regress_report regression;
-    exit_code = regress_csv("regress", argv[0], &regression);
-    if (exit_code != EXIT_OK)
-        return exit_code;
+    parse_arguments(&cmd, argc, argv);
+    const nqm_regress_report r = regress_csv(argv[0]);
     if (json)
-        return print_report_json(&regression);
-    print_report_text(&regression);
+        return print_document(json_pack("{s:o,s:o,s:o,s:o,s:I,s:o}", "b1", json_number(r.curve.b1), "b2",
+                                        json_number(r.curve.b2), "b3", json_number(r.curve.b3), "rmse",
+                                        json_number(r.rmse), "n", (json_int_t)r.n, "spearman",
+                                        json_number(r.spearman)));
+    print_report_text(&r);
     return EXIT_OK;
 }

@@ -57,7 +57,7 @@ static json_t *json_light(const render_run *run) {
     return json_pack("{s:o,s:o}", "mean", json_number(sum / (double)n), "max", json_number(most));
 }
 
-static int write_frames(const render_run *run, json_t *files) {
+static void write_frames(const render_run *run, json_t *files) {
     const nqm_tone tone = tone_of(&run->scene);
     const nqm_picture picture = {.width = run->scene.width, .height = run->scene.height, .rgb_cdm2 = run->picture};
     for (size_t frame = 0; frame < run->scene.n_frames; ++frame) {
@@ -65,44 +65,29 @@ static int write_frames(const render_run *run, json_t *files) {
         nqm_error err = {0};
         frame_path(run, frame + 1, path, sizeof path);
         frame_picture(run->made, &run->scene, frame, run->blank, run->rgb_cdm2, run->picture);
-        if (nqm_picture_write(path, &picture, run->supersample, &tone, &err) != NQM_OK)
-            return report_error("render", &err);
+        must(nqm_picture_write(path, &picture, run->supersample, &tone, &err), &err);
         json_array_append_new(files, json_name(path));
     }
-    return EXIT_OK;
 }
 
-static int run_render(render_run *run) {
+static void run_render(render_run *run) {
     nqm_error err = {0};
-    if (nqm_scene_create(&run->scene, &run->made, &err) != NQM_OK)
-        return report_error("render", &err);
-    size_t n_pixels = run->scene.width * run->scene.height;
-    run->rgb_cdm2 = calloc(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
-    run->picture = calloc(3 * n_pixels, sizeof *run->picture);
+    must(nqm_scene_create(&run->scene, &run->made, &err), &err);
+    run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
+    run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
     run->blank = make_backdrop(run->made, &run->scene, run->backdrop);
-    if (!run->rgb_cdm2 || !run->picture || !run->blank)
-        return report("render", EXIT_LIMIT, "out of memory");
-    if (render_brdf(run->made, run->brdf, run->rgb_cdm2, &err) != NQM_OK)
-        return report_error("render", &err);
+    must(render_brdf(run->made, run->brdf, run->rgb_cdm2, &err), &err);
     json_t *files = json_array();
-    int exit_code = write_frames(run, files);
-    if (exit_code != EXIT_OK || !run->json) {
-        json_decref(files);
-        return exit_code;
-    }
-    return print_json(json_pack("{s:i,s:o,s:o,s:o,s:I,s:o,s:o}", "schema", 1, "tool", json_tool(), "brdf",
-                                json_name(run->brdf), "scene", json_scene(&run->scene), "supersample",
-                                (json_int_t)run->supersample, "luminance_cdm2", json_light(run), "files", files));
-}
-
-/* Default background: white in PNGs, black in pictures of cd/m2. */
-static int choose_backdrop(const char *word, const char *output, backdrop *kind) {
-    static const choice choices[] = {
-        {"white", BACKDROP_WHITE}, {"black", BACKDROP_BLACK}, {"light", BACKDROP_LIGHT}, {NULL, 0}};
-    int value = strcmp(ending_of(output), ".png") == 0 ? BACKDROP_WHITE : BACKDROP_BLACK;
-    int exit_code = word ? choose("render", "background", choices, word, &value) : EXIT_OK;
-    *kind = (backdrop)value;
-    return exit_code;
+    write_frames(run, files);
+    if (run->json)
+        print_document(json_pack("{s:o,s:o,s:I,s:o,s:O}", "brdf", json_name(run->brdf), "scene",
+                                 json_scene(&run->scene), "supersample", (json_int_t)run->supersample, "luminance_cdm2",
+                                 json_light(run), "files", files));
+    json_decref(files);
+    nqm_scene_free(run->made);
+    free(run->rgb_cdm2);
+    free(run->picture);
+    free(run->blank);
 }
 
 int cmd_render(int argc, char **argv) {
@@ -111,7 +96,7 @@ int cmd_render(int argc, char **argv) {
     const char *background = NULL;
     uint64_t supersample = 2;
     const option options[] = {
-        {"output", 'o', OPTION_TEXT, &run.output, "FILE",
+        {"output", 'o', OPTION_NEEDED, &run.output, "FILE",
          ".png (tone-mapped), .exr or .hdr (cd/m2); several frames: %d or -0001", 0, 0},
         {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
         {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points per pixel", 1, 16},
@@ -133,30 +118,22 @@ int cmd_render(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    if (!run.output)
-        return report("render", EXIT_USAGE, "give the file of the picture: -o FILE");
-    exit_code = choose_backdrop(background, run.output, &run.backdrop);
-    if (exit_code == EXIT_OK)
-        exit_code = scene_args_end("render", &scene);
-    if (exit_code != EXIT_OK)
-        return exit_code;
+    static const choice backdrops[] = {
+        {"white", BACKDROP_WHITE}, {"black", BACKDROP_BLACK}, {"light", BACKDROP_LIGHT}, {NULL, 0}};
+    parse_arguments(&cmd, argc, argv);
+    scene_args_end(&scene);
     if (!scene.scene.width)
-        return report("render", EXIT_USAGE, "--points renders no picture");
+        stop(EXIT_USAGE, "--points renders no picture");
+    /* Default background: white in PNGs, black in pictures of cd/m2. */
+    const char *usual = strcmp(ending_of(run.output), ".png") == 0 ? "white" : "black";
+    run.backdrop = (backdrop)choose("background", backdrops, background ? background : usual);
     run.brdf = argv[0];
     run.scene = scene.scene;
     run.supersample = (size_t)supersample;
     run.scene.width *= run.supersample;
     run.scene.height *= run.supersample;
     if (run.scene.width > 8192 || run.scene.height > 4096)
-        return report("render", EXIT_USAGE, "%zu x %zu points in a frame; at most 8192 x 4096", run.scene.width,
-                      run.scene.height);
-    exit_code = run_render(&run);
-    nqm_scene_free(run.made);
-    free(run.rgb_cdm2);
-    free(run.picture);
-    free(run.blank);
-    return exit_code;
+        stop(EXIT_USAGE, "%zu x %zu points in a frame; at most 8192 x 4096", run.scene.width, run.scene.height);
+    run_render(&run);
+    return EXIT_OK;
 }

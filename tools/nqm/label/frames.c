@@ -12,10 +12,10 @@
 double *make_backdrop(const nqm_scene *scene, const nqm_scene_options *o, backdrop kind) {
     static const double white_cdm2 = 10000;
     size_t n = 3 * o->width * o->height;
-    double *blank = calloc(n, sizeof *blank);
-    if (blank && kind == BACKDROP_LIGHT)
+    double *blank = allocate(n, sizeof *blank);
+    if (kind == BACKDROP_LIGHT)
         nqm_scene_background(scene, blank);
-    for (size_t i = 0; blank && kind == BACKDROP_WHITE && i < n; ++i)
+    for (size_t i = 0; kind == BACKDROP_WHITE && i < n; ++i)
         blank[i] = white_cdm2;
     return blank;
 }

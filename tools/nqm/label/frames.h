@@ -10,8 +10,8 @@
 
 typedef enum backdrop { BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_LIGHT } backdrop;
 
-/** A background of one frame: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to white.
- *  NULL: out of memory. */
+/** A background of one frame: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to
+ *  white. */
 double *make_backdrop(const nqm_scene *scene, const nqm_scene_options *o, backdrop kind);
 /** Copy the background and write the points of a frame over it. rgb_cdm2: (points, 3); picture (height, width, 3). */
 void frame_picture(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *blank,

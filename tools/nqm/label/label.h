@@ -31,16 +31,16 @@ typedef struct label_run {
 } label_run;
 
 /** Make the scene of run->scene_options, render the items and compare each test with its reference; errors of tests are
- *  stored in their items. Returns EXIT_OK, or reports the error and returns its exit code. Call free_labels() in any case. */
-int make_labels(const char *verb, label_run *run);
+ *  stored in their items. On another failure, this and the functions below report the error and exit. */
+void make_labels(label_run *run);
 /** Free the items and the scene. */
 void free_labels(label_run *run);
 
 /** What `nqm label --json` prints. */
 json_t *json_labels(const label_run *run);
 /** Results on standard output. */
-int print_labels(const label_run *run);
+void print_labels(const label_run *run);
 /** Draw the requested figures and write the requested renderings. */
-int draw_labels(const label_run *run);
+void draw_labels(const label_run *run);
 
 #endif

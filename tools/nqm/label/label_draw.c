@@ -23,9 +23,9 @@ typedef struct view {
 typedef struct drawing {
     const label_run *run;
     size_t n_pixels;
-    double *white, *black; /* backdrops */
-    double *delta_e;       /* (points) */
-    view *views;           /* (n_items) */
+    double *backdrops[2]; /* BACKDROP_WHITE, BACKDROP_BLACK */
+    double *delta_e;      /* (points) */
+    view *views;          /* (n_items) */
 } drawing;
 
 static bool is_reference(const label_run *run, size_t i) {
@@ -33,7 +33,7 @@ static bool is_reference(const label_run *run, size_t i) {
 }
 
 /* Fill the picture and the map of item i in one frame. */
-static void view_frame(const drawing *d, size_t i, size_t frame, const double *blank, view *v) {
+static void view_frame(const drawing *d, size_t i, size_t frame, const double *blank, const view *v) {
     const label_run *run = d->run;
     const label_item *item = &run->items[i];
     frame_picture(run->scene, &run->scene_options, frame, blank, item->rgb_cdm2, v->picture);
@@ -43,7 +43,7 @@ static void view_frame(const drawing *d, size_t i, size_t frame, const double *b
     frame_map(run->scene, &run->scene_options, frame, d->delta_e, v->map);
 }
 
-static bool make_views(drawing *d) {
+static void make_views(drawing *d) {
     const label_run *run = d->run;
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
@@ -53,16 +53,13 @@ static bool make_views(drawing *d) {
             snprintf(v->caption, sizeof v->caption, "failed");
             continue;
         }
-        v->picture = calloc(3 * d->n_pixels, sizeof *v->picture);
+        v->picture = allocate(3 * d->n_pixels, sizeof *v->picture);
         if (!is_reference(run, i)) {
-            v->map = calloc(d->n_pixels, sizeof *v->map);
+            v->map = allocate(d->n_pixels, sizeof *v->map);
             snprintf(v->caption, sizeof v->caption, "\u0394E %.1f \u00b7 JOD %.2f", item->delta_e, item->jod);
         }
-        if (!v->picture || (!is_reference(run, i) && !v->map))
-            return false;
-        view_frame(d, i, 0, d->white, v);
+        view_frame(d, i, 0, d->backdrops[BACKDROP_WHITE], v);
     }
-    return true;
 }
 
 /* Split a copy of a list at its commas into titles (n). Titles missing in the list are unchanged. */
@@ -89,11 +86,22 @@ static nqm_figure figure_of(const drawing *d, size_t n_rows, size_t n_columns, c
                         .tone = tone_of(o)};
 }
 
+/* Write a figure with titles: those of the command line where they are given. */
+static void write_titled(const drawing *d, const char *path, nqm_figure figure, const char **rows,
+                         const char **columns) {
+    char row_copy[MAX_TITLES], column_copy[MAX_TITLES];
+    nqm_error err = {0};
+    cut_titles(d->run->rows, row_copy, figure.n_rows, rows);
+    cut_titles(d->run->columns, column_copy, figure.n_columns, columns);
+    figure.row_titles = rows;
+    figure.column_titles = columns;
+    must(nqm_figure_write(path, &figure, &err), &err);
+}
+
 /* One row per test: reference, test, map. */
-static nqm_status draw_map(const drawing *d, nqm_error *err) {
+static void draw_map(const drawing *d) {
     const label_run *run = d->run;
     nqm_panel panels[3 * MAX_CELLS] = {0};
-    char row_copy[MAX_TITLES], column_copy[MAX_TITLES];
     const char *rows[MAX_CELLS] = {0}, *columns[3] = {"reference", "test", "difference"};
     size_t n = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -105,12 +113,7 @@ static nqm_status draw_map(const drawing *d, nqm_error *err) {
         panels[3 * n + 2] = (nqm_panel){.delta_e = test->map, .caption = test->caption};
         ++n;
     }
-    cut_titles(run->rows, row_copy, n, rows);
-    cut_titles(run->columns, column_copy, 3, columns);
-    nqm_figure figure = figure_of(d, n, 3, panels);
-    figure.column_titles = columns;
-    figure.row_titles = rows;
-    return nqm_figure_write(run->map, &figure, err);
+    write_titled(d, run->map, figure_of(d, n, 3, panels), rows, columns);
 }
 
 static size_t count_columns(const label_run *run) {
@@ -123,14 +126,11 @@ static size_t count_columns(const label_run *run) {
 }
 
 /* One row per group: the reference and its tests. Column titles come from --columns, else from the tests of the first group. */
-static nqm_status draw_grid(const drawing *d, nqm_error *err) {
+static void draw_grid(const drawing *d) {
     const label_run *run = d->run;
     size_t n_columns = count_columns(run), row = 0;
-    char row_copy[MAX_TITLES], column_copy[MAX_TITLES];
     const char *columns[MAX_CELLS] = {"reference"}, *rows[MAX_CELLS] = {0};
-    nqm_panel *panels = calloc((size_t)MAX_CELLS * MAX_CELLS, sizeof *panels);
-    if (!panels)
-        return NQM_ERR_NOMEM;
+    nqm_panel *panels = allocate(run->n_groups * n_columns, sizeof *panels);
     for (size_t i = 0; i < run->n_items; ++i) {
         size_t column = i - run->items[i].reference;
         row += i > 0 && column == 0;
@@ -140,14 +140,8 @@ static nqm_status draw_grid(const drawing *d, nqm_error *err) {
         else if (!columns[column])
             columns[column] = d->views[i].name;
     }
-    cut_titles(run->rows, row_copy, run->n_groups, rows);
-    cut_titles(run->columns, column_copy, n_columns, columns);
-    nqm_figure figure = figure_of(d, run->n_groups, n_columns, panels);
-    figure.column_titles = columns;
-    figure.row_titles = rows;
-    nqm_status status = nqm_figure_write(run->grid, &figure, err);
+    write_titled(d, run->grid, figure_of(d, run->n_groups, n_columns, panels), rows, columns);
     free(panels);
-    return status;
 }
 
 /* DIR/NN-name[-frame]SUFFIX: the number distinguishes equal short names. */
@@ -162,78 +156,65 @@ static void keep_path(const drawing *d, size_t i, size_t frame, const char *suff
     snprintf(path, n_path, "%s/%02zu-%s%s%s", d->run->keep, i, name, number, suffix);
 }
 
-static nqm_status keep_item(const drawing *d, size_t i, size_t frame, nqm_error *err) {
-    const label_run *run = d->run;
-    const nqm_tone tone = tone_of(&run->scene_options);
-    view *v = &d->views[i];
-    const nqm_picture picture = {
-        .width = run->scene_options.width, .height = run->scene_options.height, .rgb_cdm2 = v->picture};
+/* Write a frame of item i: on white as .png, on black as .exr, and its map. */
+static void keep_item(const drawing *d, size_t i, size_t frame) {
+    static const struct {
+        backdrop backdrop;
+        const char *suffix;
+    } forms[] = {{BACKDROP_WHITE, ".png"}, {BACKDROP_BLACK, ".exr"}};
+    const nqm_scene_options *o = &d->run->scene_options;
+    const nqm_tone tone = tone_of(o);
+    const view *v = &d->views[i];
+    const nqm_picture picture = {.width = o->width, .height = o->height, .rgb_cdm2 = v->picture};
     char path[4096];
-    view_frame(d, i, frame, d->white, v);
-    keep_path(d, i, frame, ".png", path, sizeof path);
-    nqm_status status = nqm_picture_write(path, &picture, 1, &tone, err);
-    if (status == NQM_OK) {
-        view_frame(d, i, frame, d->black, v);
-        keep_path(d, i, frame, ".exr", path, sizeof path);
-        status = nqm_picture_write(path, &picture, 1, &tone, err);
+    nqm_error err = {0};
+    for (size_t k = 0; k < sizeof forms / sizeof *forms; ++k) {
+        view_frame(d, i, frame, d->backdrops[forms[k].backdrop], v);
+        keep_path(d, i, frame, forms[k].suffix, path, sizeof path);
+        must(nqm_picture_write(path, &picture, 1, &tone, &err), &err);
     }
-    if (status != NQM_OK || !v->map)
-        return status;
+    if (!v->map)
+        return;
     const nqm_panel panel = {.delta_e = v->map, .caption = v->caption};
     nqm_figure figure = figure_of(d, 1, 1, &panel);
     figure.supersample = 1;
     keep_path(d, i, frame, "-difference.png", path, sizeof path);
-    return nqm_figure_write(path, &figure, err);
+    must(nqm_figure_write(path, &figure, &err), &err);
 }
 
-static nqm_status keep_renders(const drawing *d, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    if (mkdir(d->run->keep, 0777) != 0 && errno != EEXIST) {
-        *err = (nqm_error){.status = NQM_ERR_IO, .byte_offset = -1};
-        snprintf(err->message, sizeof err->message, "%s: cannot create the folder: %s", d->run->keep, strerror(errno));
-        return NQM_ERR_IO;
-    }
+static void keep_renders(const drawing *d) {
+    if (mkdir(d->run->keep, 0777) != 0 && errno != EEXIST)
+        stop(EXIT_OPEN, "%s: cannot create the folder: %s", d->run->keep, strerror(errno));
     for (size_t i = 0; i < d->run->n_items; ++i)
-        for (size_t frame = 0; status == NQM_OK && frame < d->run->scene_options.n_frames; ++frame)
-            if (d->views[i].picture)
-                status = keep_item(d, i, frame, err);
-    return status;
+        for (size_t frame = 0; d->views[i].picture && frame < d->run->scene_options.n_frames; ++frame)
+            keep_item(d, i, frame);
 }
 
-static nqm_status draw_all(drawing *d, nqm_error *err) {
-    const label_run *run = d->run;
-    *err = (nqm_error){.status = NQM_ERR_NOMEM, .byte_offset = -1};
-    if (!d->white || !d->black || !d->delta_e || !d->views || !make_views(d))
-        return NQM_ERR_NOMEM;
-    nqm_status status = run->map ? draw_map(d, err) : NQM_OK;
-    if (status == NQM_OK && run->grid)
-        status = draw_grid(d, err);
-    if (status == NQM_OK && run->keep) /* last, because it overwrites the views with other frames */
-        status = keep_renders(d, err);
-    return status;
-}
-
-int draw_labels(const label_run *run) {
+void draw_labels(const label_run *run) {
     if (!run->map && !run->grid && !run->keep)
-        return EXIT_OK;
+        return;
     if (run->n_items - run->n_groups > MAX_CELLS || count_columns(run) > MAX_CELLS || run->n_groups > MAX_CELLS)
-        return report("label", EXIT_LIMIT, "a figure holds at most %d tests", (int)MAX_CELLS);
-    nqm_error err;
+        stop(EXIT_LIMIT, "a figure can show at most %d tests", (int)MAX_CELLS);
     const nqm_scene_options *o = &run->scene_options;
     drawing d = {.run = run,
                  .n_pixels = o->width * o->height,
-                 .white = make_backdrop(run->scene, o, BACKDROP_WHITE),
-                 .black = make_backdrop(run->scene, o, BACKDROP_BLACK),
-                 .delta_e = calloc(nqm_scene_count(run->scene), sizeof *d.delta_e),
-                 .views = calloc(run->n_items, sizeof *d.views)};
-    int exit_code = draw_all(&d, &err) == NQM_OK ? EXIT_OK : report_error("label", &err);
-    for (size_t i = 0; d.views && i < run->n_items; ++i) {
+                 .backdrops = {[BACKDROP_WHITE] = make_backdrop(run->scene, o, BACKDROP_WHITE),
+                               [BACKDROP_BLACK] = make_backdrop(run->scene, o, BACKDROP_BLACK)},
+                 .delta_e = allocate(nqm_scene_count(run->scene), sizeof *d.delta_e),
+                 .views = allocate(run->n_items, sizeof *d.views)};
+    make_views(&d);
+    if (run->map)
+        draw_map(&d);
+    if (run->grid)
+        draw_grid(&d);
+    if (run->keep) /* last, because it overwrites the views with other frames */
+        keep_renders(&d);
+    for (size_t i = 0; i < run->n_items; ++i) {
         free(d.views[i].picture);
         free(d.views[i].map);
     }
     free(d.views);
     free(d.delta_e);
-    free(d.white);
-    free(d.black);
-    return exit_code;
+    free(d.backdrops[BACKDROP_WHITE]);
+    free(d.backdrops[BACKDROP_BLACK]);
 }

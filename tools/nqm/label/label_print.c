@@ -65,10 +65,11 @@ static void print_test(const label_run *run, const label_item *item) {
     }
 }
 
-int print_labels(const label_run *run) {
-    end_progress();
-    if (run->format == FORMAT_JSON)
-        return print_json(json_labels(run));
+void print_labels(const label_run *run) {
+    if (run->format == FORMAT_JSON) {
+        print_json(json_labels(run));
+        return;
+    }
     if (run->format == FORMAT_CSV)
         puts(run->n_groups > 1 ? "test,delta_e_itp,jod,error,reference" : "test,delta_e_itp,jod,error");
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -77,5 +78,4 @@ int print_labels(const label_run *run) {
         else if (run->format == FORMAT_TEXT)
             printf("%9s  %6s  %-20s  test, compared with %s\n", "Delta-E", "JOD", "", run->items[i].name);
     }
-    return fflush(stdout) == 0 ? EXIT_OK : EXIT_OPEN;
 }

@@ -9,11 +9,8 @@
 
 static nqm_status render_item(const label_run *run, label_item *item) {
     item->delta_e = item->jod = (double)NAN;
-    item->rgb_cdm2 = calloc(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
-    if (item->rgb_cdm2)
-        return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
-    item->err = (nqm_error){.status = NQM_ERR_NOMEM, .byte_offset = -1};
-    return NQM_ERR_NOMEM;
+    item->rgb_cdm2 = allocate(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
+    return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
 }
 
 /* Render item i and compare it with its reference. Errors of tests are stored in the item. */
@@ -34,17 +31,15 @@ static nqm_status label_item_at(label_run *run, size_t i) {
     return NQM_OK;
 }
 
-int make_labels(const char *verb, label_run *run) {
+void make_labels(label_run *run) {
     nqm_error err = {0};
-    if (nqm_scene_create(&run->scene_options, &run->scene, &err) != NQM_OK)
-        return report_error(verb, &err);
+    must(nqm_scene_create(&run->scene_options, &run->scene, &err), &err);
     for (size_t i = 0; i < run->n_items; ++i) {
         if (show_progress(NULL, "label", (double)i, (double)run->n_items))
-            return report(verb, EXIT_INTERRUPTED, "interrupted");
-        if (label_item_at(run, i) != NQM_OK)
-            return report_error(verb, &run->items[i].err);
+            stop(EXIT_INTERRUPTED, "interrupted");
+        must(label_item_at(run, i), &run->items[i].err);
     }
-    return EXIT_OK;
+    end_progress();
 }
 
 void free_labels(label_run *run) {

@@ -28,15 +28,13 @@ static bool parse_size(const char *text, size_t *width, size_t *height) {
     return good && !*end && *width >= 1 && *width <= MAX_SIDE && *height >= 1 && *height <= MAX_SIDE;
 }
 
-int scene_args_end(const char *verb, scene_args *a) {
+void scene_args_end(scene_args *a) {
     nqm_scene_options *s = &a->scene;
     if (a->size && !parse_size(a->size, &s->width, &s->height))
-        return report(verb, EXIT_USAGE,
-                      "--size needs a size in pixels, '256' or '320x200', with sides of at most %d pixels, not '%s'",
-                      (int)MAX_SIDE, a->size);
+        stop(EXIT_USAGE, "--size needs a size in pixels, '256' or '320x200', with sides of at most %d pixels, not '%s'",
+             (int)MAX_SIDE, a->size);
     if (s->n_points)
         s->width = s->height = 0;
-    return EXIT_OK;
 }
 
 json_t *json_scene(const nqm_scene_options *s) {

@@ -8,6 +8,8 @@
 #include "nqm/score/pair_list.h"
 #include "nqm/score/score.h"
 
+#include <openssl/evp.h>
+
 /* ---- rows (batch_print.c) ---------------------------------------------------------------------------------------- */
 
 typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_format;
@@ -22,15 +24,15 @@ typedef struct batch_form {
     remark_terms terms;
 } batch_form;
 
-/** EXIT_OK, or an error when a column of the list has the name of a result column or of another column of the list. */
-int check_batch_columns(const batch_form *form);
+/** Report an error and exit when a column of the list has the name of a result column or of another column of the list. */
+void check_batch_columns(const batch_form *form);
 /** Print the text before the rows; a row, which is the columns of the list and the result; the text after the rows. */
 void print_batch_head(const batch_form *form, FILE *out);
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                      const nqm_error *err);
 void print_batch_tail(const batch_form *form, FILE *out);
 
-/* ---- the file (batch_output.c) ----------------------------------------------------------------------------------- */
+/* ---- the file (batch_output.c): on failure, these report the error and exit ----------------------------------------- */
 
 /** Progress of an output. */
 typedef struct batch_progress {
@@ -40,24 +42,28 @@ typedef struct batch_progress {
 
 /** Standard output, a device, or a file. A file is named FILE.part until it is complete; FILE.part.journal records
  *  after every block how many bytes of it are valid. */
-typedef struct batch_output batch_output;
+typedef struct batch_output {
+    FILE *stream;                /* FILE.part, a device, or standard output */
+    char *path, *part, *journal; /* NULL: not a file */
+    FILE *log;
+    EVP_MD_CTX *sha; /* of all bytes so far */
+    unsigned long long n_bytes;
+    batch_progress done;
+} batch_output;
 
 /**
- * Open. Returns EXIT_OK; on failure, reports the error and returns its exit code.
+ * Open.
  *
  * @param path    NULL or "-": standard output
  * @param terms   settings that a resumed run must have in common with the interrupted run; a JSON object of scalars;
  *                borrowed
  * @param resume  continue FILE.part if it exists; an error for anything but a file
- * @param done    receives the progress of the interrupted run; zeros for a new file
+ * @param out     receives the output, whose `done` is the progress of the interrupted run; zeros for a new file
  */
-int open_batch_output(const char *path, const json_t *terms, bool resume, batch_output **out_ret, batch_progress *done);
-/** Append complete rows and record in the journal that the file is valid up to here. Returns as open_batch_output(). */
-int append_batch_output(batch_output *out, const char *text, size_t n_bytes, const batch_progress *done);
-/** Close. complete: append `tail` and rename the file to its final name; otherwise FILE.part remains for a later run.
- *  Returns as open_batch_output(). `out` may be NULL. */
-int close_batch_output(batch_output *out, bool complete, const char *tail, size_t n_tail);
-/** The name of the unfinished file; NULL: rows go to standard output or a device. */
-const char *batch_output_part(const batch_output *out);
+void open_batch_output(const char *path, const json_t *terms, bool resume, batch_output *out);
+/** Append complete rows and record in the journal that the file is valid up to here. */
+void append_batch_output(batch_output *out, const char *text, size_t n_bytes, const batch_progress *done);
+/** Close. Append `tail` and rename the file to its final name; tail NULL: FILE.part remains for a later run. */
+void close_batch_output(batch_output *out, const char *tail, size_t n_tail);
 
 #endif

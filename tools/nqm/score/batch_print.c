@@ -6,7 +6,6 @@
 #include "nqm/score/batch.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
@@ -23,69 +22,44 @@ static bool is_added(const batch_form *form, const char *name) {
     return false;
 }
 
-int check_batch_columns(const batch_form *form) {
-    for (size_t i = 0; i < nqm_pair_list_columns(form->list); ++i) {
-        const char *name = nqm_pair_list_column(form->list, i);
-        if (is_added(form, name))
-            return report("batch", EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it",
-                          name);
+void check_batch_columns(const batch_form *form) {
+    char **names = form->list->column;
+    for (size_t i = 0; i < form->list->n_columns; ++i) {
+        if (is_added(form, names[i]))
+            stop(EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it", names[i]);
         for (size_t k = 0; k < i; ++k)
-            if (strcmp(name, nqm_pair_list_column(form->list, k)) == 0)
-                return report("batch", EXIT_MALFORMED, "the list has two columns '%s': rename one", name);
+            if (strcmp(names[i], names[k]) == 0)
+                stop(EXIT_MALFORMED, "the list has two columns '%s': rename one", names[i]);
     }
-    return EXIT_OK;
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
 static void print_csv_head(const batch_form *form, FILE *out) {
-    for (size_t i = 0; i < nqm_pair_list_columns(form->list); ++i) {
-        print_csv_text(out, nqm_pair_list_column(form->list, i));
-        fputc(',', out);
+    for (size_t i = 0; i < form->list->n_columns; ++i) {
+        fputs(i ? "," : "", out);
+        print_csv_text(out, form->list->column[i]);
     }
-    fputs("jod,jod_low,jod_high,delta_e_itp,identical,n_valid", out);
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (form->metrics[m])
-            fprintf(out, ",%s", nqm_metric_name((nqm_metric)m));
+    print_csv_score_names(out, form->metrics);
     fputs(",warnings,error\n", out);
 }
 
-static void print_csv_cells(const batch_form *form, FILE *out, size_t row) {
-    const nqm_list_cell *cells;
-    size_t n_cells = nqm_pair_list_cells(form->list, row, &cells);
-    for (size_t column = 0; column < nqm_pair_list_columns(form->list); ++column) {
-        for (size_t i = 0; i < n_cells; ++i)
-            if (cells[i].column == column)
-                print_csv_text(out, cells[i].text);
-        fputc(',', out);
+static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
+                          const nqm_error *err, const json_t *warnings) {
+    const nqm_pair_list *list = form->list;
+    for (size_t column = 0; column < list->n_columns; ++column) {
+        fputs(column ? "," : "", out);
+        for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i)
+            if (list->cell[i].column == column)
+                print_csv_text(out, list->cell[i].text);
     }
-}
-
-static void print_csv_warnings(FILE *out, const json_t *warnings) {
+    print_csv_score(out, form->metrics, r);
+    fputc(',', out);
     char text[4600] = ""; /* at most seven remarks of up to 600 bytes */
     for (size_t i = 0, n = 0; i < json_array_size(warnings) && n < sizeof text; ++i)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", i ? "; " : "",
                               json_string_value(json_array_get(warnings, i)));
     print_csv_text(out, text);
-}
-
-static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                          const nqm_error *err, const json_t *warnings) {
-    print_csv_cells(form, out, row);
-    const double numbers[] = {r->jod, r->jod_low, r->jod_high, r->delta_e};
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; ++k) {
-        if (k)
-            fputc(',', out);
-        print_csv_number(out, numbers[k]);
-    }
-    fprintf(out, ",%d,%zu", r->identical, r->n_valid);
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (form->metrics[m]) {
-            fputc(',', out);
-            print_csv_number(out, r->metrics[m]);
-        }
-    fputc(',', out);
-    print_csv_warnings(out, warnings);
     fputc(',', out);
     print_csv_text(out, r->status == NQM_OK ? "" : err->message);
     fputc('\n', out);
@@ -99,8 +73,8 @@ static void print_json_value(FILE *out, json_t *value) {
     json_decref(value);
 }
 
-static void print_json_number(FILE *out, const char *key, double value) {
-    fprintf(out, "\"%s\":", key);
+static void print_json_number(FILE *out, const char *comma, const char *key, double value) {
+    fprintf(out, "%s\"%s\":", comma, key);
     if (isfinite(value))
         fprintf(out, "%.9g", value);
     else
@@ -108,15 +82,14 @@ static void print_json_number(FILE *out, const char *key, double value) {
 }
 
 static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
-    const nqm_list_cell *cells;
-    size_t n_cells = nqm_pair_list_cells(form->list, row, &cells);
-    for (size_t i = 0; i < n_cells; ++i) {
-        print_json_value(out, json_name(nqm_pair_list_column(form->list, cells[i].column)));
+    const nqm_pair_list *list = form->list;
+    for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i) {
+        print_json_value(out, json_name(list->column[list->cell[i].column]));
         fputc(':', out);
-        if (cells[i].is_json)
-            fputs(cells[i].text, out);
+        if (list->cell[i].is_json)
+            fputs(list->cell[i].text, out);
         else
-            print_json_value(out, json_name(cells[i].text));
+            print_json_value(out, json_name(list->cell[i].text));
         fputc(',', out);
     }
 }
@@ -125,19 +98,15 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
                            const nqm_error *err, json_t *warnings) {
     fputc('{', out);
     print_json_cells(form, out, row);
-    print_json_number(out, "jod", r->jod);
-    fputc(',', out);
-    print_json_number(out, "jod_low", r->jod_low);
-    fputc(',', out);
-    print_json_number(out, "jod_high", r->jod_high);
-    fputc(',', out);
-    print_json_number(out, "delta_e_itp", r->delta_e);
+    print_json_number(out, "", "jod", r->jod);
+    print_json_number(out, ",", "jod_low", r->jod_low);
+    print_json_number(out, ",", "jod_high", r->jod_high);
+    print_json_number(out, ",", "delta_e_itp", r->delta_e);
     fprintf(out, ",\"identical\":%s,\"n_valid\":%zu,\"metrics\":{", r->identical ? "true" : "false", r->n_valid);
     const char *comma = "";
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (form->metrics[m]) {
-            fputs(comma, out);
-            print_json_number(out, nqm_metric_name((nqm_metric)m), r->metrics[m]);
+            print_json_number(out, comma, nqm_metric_name((nqm_metric)m), r->metrics[m]);
             comma = ",";
         }
     fputs("},\"warnings\":", out);
@@ -168,11 +137,7 @@ void print_batch_head(const batch_form *form, FILE *out) {
 
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                      const nqm_error *err) {
-    json_t *warnings = json_array();
-    if (result->status == NQM_OK) {
-        remark_on_reference(&form->terms, "reference", result, warnings);
-        remark_on_test(&form->terms, "test", result, warnings);
-    }
+    json_t *warnings = json_remarks(&form->terms, "reference", "test", result);
     if (form->format == BATCH_JSON && row > 0)
         fputs(",\n", out);
     if (form->format == BATCH_CSV)

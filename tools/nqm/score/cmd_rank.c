@@ -1,128 +1,108 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm rank - sorts approximations by their JOD. rank.c sorts and prints.
+ * nqm rank - sorts approximations by their JOD.
  */
-#include "nqm/score/rank.h"
+#include "nqm/score/pair_list.h"
+#include "nqm/score/score.h"
 
-#include <stdlib.h>
+#include <math.h>
 #include <unistd.h>
 
-typedef struct rank_run {
-    const char *model_name, *list_path, *root;
-    nqm_score_options options;
-    ranking ranking;
-    nqm_model *model;
-    nqm_pair_list *list;
-    nqm_scorer *scorer;
-    nqm_named_pair *pairs; /* (n) in the order of the arguments, like results and errors */
-    nqm_score_result *results;
-    nqm_error *errors;
-} rank_run;
+static void print_percent(double share) {
+    if (isfinite(share))
+        printf("  %7.0f %%", 100 * share);
+    else
+        printf("  %9s", "-");
+}
 
-/* Score in blocks, so that Ctrl-C is noticed between them. */
-static int score_pairs(rank_run *run, size_t n) {
-    nqm_error err = {0};
-    for (size_t begin = 0; begin < n; begin += NQM_SCORE_BLOCK) {
-        if (show_progress(NULL, "rank", (double)begin, (double)n))
-            return EXIT_INTERRUPTED;
-        size_t n_now = n - begin < NQM_SCORE_BLOCK ? n - begin : NQM_SCORE_BLOCK;
-        if (nqm_scorer_run_named(run->scorer, n_now, run->pairs + begin, run->results + begin, run->errors + begin,
-                                 &err) != NQM_OK)
-            return report_error("rank", &err);
+static void print_text(const score_run *run) {
+    const nqm_model_info info = nqm_model_get_info(run->model);
+    const bool calibrated = *info.calibration;
+    printf("model      %s\n", info.id);
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        if (i == 0 || row->group != row[-1].group)
+            printf("%sreference  %s\n\n  rank    JOD%s  over next  best over  test\n", i ? "\n" : "", row->pair.ref,
+                   calibrated ? "  [95 %]        " : "");
+        if (row->rank)
+            printf("  %4zu", row->rank);
+        else
+            printf("  %4s", "-");
+        print_jod(row, calibrated);
+        print_percent(row->over_next);
+        print_percent(row->best_preferred);
+        printf("  %s\n", row->pair.test);
     }
-    end_progress();
-    return interrupted() ? EXIT_INTERRUPTED : EXIT_OK;
+    puts("\nover next: people who would prefer it to the one below; best over: who would prefer the best to it\n"
+         "(50 % is guessing; one JOD is 75 %).");
 }
 
-/* Report the errors of tests without a score, in the order of the arguments. Returns the exit code of the first. */
-static int report_faults(const rank_run *run, size_t n) {
-    int exit_code = EXIT_OK;
-    for (size_t i = 0; i < n; ++i)
-        if (run->results[i].status != NQM_OK) {
-            nqm_error err = run->errors[i];
-            err.status = run->results[i].status;
-            int code = report_error("rank", &err);
-            exit_code = exit_code == EXIT_OK ? code : exit_code;
-        }
-    return exit_code;
+static void print_csv(const score_run *run) {
+    puts("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,error");
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        const nqm_score_result *r = &row->result;
+        print_csv_text(stdout, row->pair.ref);
+        putchar(',');
+        if (row->rank)
+            printf("%zu", row->rank);
+        putchar(',');
+        print_csv_text(stdout, row->pair.test);
+        print_csv_numbers(stdout, 5, (double[]){r->jod, r->jod_low, r->jod_high, row->over_next, row->best_preferred});
+        putchar(',');
+        print_csv_text(stdout, row->rank ? "" : row->err.message);
+        putchar('\n');
+    }
 }
 
-static int rank_pairs(rank_run *run, size_t n) {
-    ranking *r = &run->ranking;
-    r->model = run->model;
-    r->precision = run->options.precision;
-    r->n_rows = n;
-    r->rows = calloc(n + 1, sizeof *r->rows);
-    run->results = calloc(n + 1, sizeof *run->results);
-    run->errors = calloc(n + 1, sizeof *run->errors);
-    if (!r->rows || !run->results || !run->errors)
-        return report("rank", EXIT_LIMIT, "out of memory");
-    int exit_code = score_pairs(run, n);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    for (size_t i = 0; i < n; ++i)
-        r->rows[i] = (rank_row){.order = i, .pair = run->pairs[i], .result = run->results[i], .err = &run->errors[i]};
-    rank_rows(r);
-    exit_code = print_ranking(r);
-    return exit_code == EXIT_OK ? report_faults(run, n) : exit_code;
+static void print_ranking_json(const score_run *run) {
+    json_t *results = json_array();
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        json_t *object =
+            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "rank",
+                      row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test", json_name(row->pair.test),
+                      "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low), "jod_high",
+                      json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
+                      json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
+        if (!row->rank)
+            json_object_set_new(object, "error", json_name(row->err.message));
+        json_array_append_new(results, object);
+    }
+    print_document(json_pack("{s:o,s:o}", "model", model_json(run->model, run->options.precision), "results", results));
 }
 
-/* Take the pairs from the arguments REF TEST..., or from the list. */
-static int gather_pairs(rank_run *run, int n_arguments, char **arguments, size_t *n_ret) {
-    nqm_error err = {0};
-    if (run->list_path && nqm_pair_list_load(input_path(run->list_path), &run->list, &err) != NQM_OK)
-        return report_error("rank", &err);
-    size_t n = run->list ? nqm_pair_list_count(run->list) : (size_t)n_arguments - 1;
-    run->pairs = calloc(n + 1, sizeof *run->pairs);
-    if (!run->pairs)
-        return report("rank", EXIT_LIMIT, "out of memory");
-    for (size_t i = 0; i < n; ++i)
-        run->pairs[i] =
-            run->list ? nqm_pair_list_pairs(run->list)[i] : (nqm_named_pair){arguments[0], arguments[i + 1]};
-    *n_ret = n;
-    return EXIT_OK;
-}
-
-static int run_rank(rank_run *run, int n_arguments, char **arguments) {
-    nqm_error err = {0};
-    size_t n = 0;
-    int exit_code = open_model("rank", run->model_name, &run->model);
-    if (exit_code == EXIT_OK && nqm_scorer_create(run->model, &run->options, &run->scorer, &err) != NQM_OK)
-        exit_code = report_error("rank", &err);
-    if (exit_code == EXIT_OK)
-        exit_code = gather_pairs(run, n_arguments, arguments, &n);
-    if (exit_code == EXIT_OK && run->root && chdir(run->root) != 0)
-        exit_code = report("rank", EXIT_OPEN, "--root: there is no folder '%s'", run->root);
-    if (exit_code == EXIT_OK)
-        exit_code = rank_pairs(run, n);
-    free(run->ranking.rows);
-    free(run->pairs);
-    free(run->results);
-    free(run->errors);
-    nqm_scorer_free(run->scorer);
-    nqm_pair_list_free(run->list);
-    nqm_model_free(run->model);
-    return exit_code;
+static void print_ranking(const score_run *run) {
+    if (run->format == FORMAT_JSON)
+        print_ranking_json(run);
+    else if (run->format == FORMAT_CSV)
+        print_csv(run);
+    else if (run->format == FORMAT_TEXT)
+        print_text(run);
+    for (size_t i = 0; run->format == FORMAT_QUIET && i < run->n_rows; ++i)
+        if (run->rows[i].rank)
+            puts(run->rows[i].pair.test);
 }
 
 int cmd_rank(int argc, char **argv) {
-    bool json = false, csv = false, quiet = false;
-    rank_run run = {.model_name = "default", .options = nqm_score_options_default()};
+    const char *model = "default", *list_path = NULL, *root = NULL;
+    score_run run = {.options = nqm_score_options_default()};
+    nqm_pair_list *list = NULL;
+    nqm_error err = {0};
     run.options.metrics = 0;
     const option options[] = {
-        {"list", 'l', OPTION_TEXT, &run.list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0,
-         0},
-        {"model", 'm', OPTION_TEXT, &run.model_name, "MODEL", "a built-in model's name or a model file", 0, 0},
-        {"root", 0, OPTION_TEXT, &run.root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
-        {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the names only, best first", 0, 0},
+        {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
+        {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
+        {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+        {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
+        {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names only, best first", FORMAT_QUIET, 0},
         {0}};
     const command cmd = {
         .name = "rank",
         .usage = "REF TEST... | --list LIST [options]",
         .about = "Order approximations of a reference by their JOD, best first, and say how many people would prefer\n"
-                 "each to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may hold\n"
+                 "each to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may have\n"
                  "several references: each gets a ranking of its own.",
         .example = "nqm rank sgd:nickel ward:nickel 'perturb:gloss=0.9;of=sgd:nickel'\nnqm rank nickel.binary "
                    "fits/*.binary -q | head -1",
@@ -132,13 +112,26 @@ int cmd_rank(int argc, char **argv) {
         .min_arguments = 0,
         .max_arguments = -1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    exit_code = choose_result_format("rank", json, csv, quiet, &run.ranking.format);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    if (run.list_path ? n_arguments > 0 : n_arguments < 2)
-        return report("rank", EXIT_USAGE, "give a reference and its tests, or --list LIST");
-    return run_rank(&run, n_arguments, argv);
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    if (list_path ? n_arguments > 0 : n_arguments < 2)
+        stop(EXIT_USAGE, "give a reference and its tests, or --list LIST");
+    run.model = open_model(model);
+    if (list_path) {
+        must(nqm_pair_list_load(input_path(list_path), &list, &err), &err);
+        run.n_rows = list->n_rows;
+        run.rows = allocate(run.n_rows, sizeof *run.rows);
+        for (size_t i = 0; i < run.n_rows; ++i)
+            run.rows[i].pair = list->pair[i];
+    } else {
+        set_pairs(&run, n_arguments, argv);
+    }
+    if (root && chdir(root) != 0)
+        stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
+    make_scores(&run);
+    rank_rows(&run);
+    print_ranking(&run);
+    const int exit_code = report_faults(&run);
+    free_scores(&run);
+    nqm_pair_list_free(list);
+    return exit_code;
 }

@@ -1,40 +1,95 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm score - predicts how good approximations look compared with their reference. score_run.c computes the scores,
- * score_print.c prints them.
+ * nqm score - predicts how good approximations look compared with their reference.
  */
 #include "nqm/score/score.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
-/* The exit code of the first test without a score; else EXIT_GATE when a JOD is below --fail-under. */
-static int settle_exit_code(const score_run *run, double fail_under) {
-    for (size_t i = 0; i < run->n_rows; ++i)
-        if (run->rows[i].err.status != NQM_OK)
-            return exit_code_of(run->rows[i].err.status);
-    for (size_t i = 0; i < run->n_rows; ++i)
-        if (run->rows[i].result.jod < fail_under)
-            return EXIT_GATE;
-    return EXIT_OK;
+/* Print remarks on standard error; remarks about the reference are printed once. */
+static void print_remarks(const score_run *run) {
+    const char *ref = run->rows->pair.ref;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        json_t *remarks = json_remarks(&run->terms, ref, row->pair.test, &row->result);
+        for (size_t k = 0; k < json_array_size(remarks); ++k)
+            report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
+        json_decref(remarks);
+        ref = row->err.status == NQM_OK ? NULL : ref;
+    }
 }
 
-static int run_score(score_run *run, const char *model_name, double fail_under) {
-    int exit_code = make_scores("score", run, model_name);
-    if (exit_code == EXIT_OK) {
-        exit_code = print_scores(run);
-        for (size_t i = 0; i < run->n_rows; ++i)
-            if (run->rows[i].err.status != NQM_OK)
-                report_error("score", &run->rows[i].err);
-        if (exit_code == EXIT_OK)
-            exit_code = settle_exit_code(run, fail_under);
+static int metric_width(int m) {
+    int n = (int)strlen(nqm_metric_name((nqm_metric)m));
+    return n > 9 ? n : 9;
+}
+
+static void print_text(const score_run *run) {
+    const nqm_model_info info = nqm_model_get_info(run->model);
+    const bool calibrated = *info.calibration;
+    printf("reference  %s\nmodel      %s\n\n    JOD%s  %7s  %-20s", run->rows->pair.ref, info.id,
+           calibrated ? "  [95 %]        " : "", "noticed", "verdict");
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (run->metrics[m])
+            printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
+    puts("  test");
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        const nqm_score_result *r = &row->result;
+        const bool scored = row->err.status == NQM_OK;
+        print_jod(row, calibrated);
+        if (scored)
+            printf("  %5.0f %%  %-20s", 100 * noticed_share(r), verdict_words(r));
+        else
+            printf("  %7s  %-20s", "-", "no score");
+        for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+            if (run->metrics[m] && scored)
+                printf("  %*.4g", metric_width(m), r->metrics[m]);
+            else if (run->metrics[m])
+                printf("  %*s", metric_width(m), "-");
+        }
+        printf("  %s\n", row->pair.test);
     }
-    free_scores(run);
-    return exit_code;
+    puts("\nJOD 10: no visible difference; above 9.5: practically the same; one JOD less: 75 % of people notice.\n"
+         "noticed: people who would say that the reference looks better (50 % is guessing).");
+    if (calibrated)
+        puts("[95 %]: where the JOD of rendered pictures lies for 95 % of pairs, if the material is new to the model "
+             "and\n"
+             "the kind of distortion is not.");
+}
+
+static void print_csv(const score_run *run) {
+    printf("reference,test");
+    print_csv_score_names(stdout, run->metrics);
+    puts(",error");
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        print_csv_text(stdout, row->pair.ref);
+        putchar(',');
+        print_csv_text(stdout, row->pair.test);
+        print_csv_score(stdout, run->metrics, &row->result);
+        putchar(',');
+        print_csv_text(stdout, row->err.status == NQM_OK ? "" : row->err.message);
+        putchar('\n');
+    }
+}
+
+static void print_scores(const score_run *run) {
+    if (run->format == FORMAT_JSON) { /* the document contains the remarks */
+        print_json(json_scores(run));
+        return;
+    }
+    if (run->format == FORMAT_CSV)
+        print_csv(run);
+    else if (run->format == FORMAT_TEXT)
+        print_text(run);
+    for (size_t i = 0; run->format == FORMAT_QUIET && i < run->n_rows; ++i)
+        printf("%.4f\n", run->rows[i].result.jod); /* "nan" without a score */
+    print_remarks(run);
 }
 
 int cmd_score(int argc, char **argv) {
-    bool json = false, csv = false, quiet = false;
     const char *metrics = NULL, *model = "default";
     double fail_under = (double)-INFINITY;
     score_run run = {.options = nqm_score_options_default()};
@@ -43,15 +98,16 @@ int cmd_score(int argc, char **argv) {
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
          "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
         {"fail-under", 0, OPTION_NUMBER, &fail_under, "JOD", "exit with 1 when a score is below this", 0, 10},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {"csv", 0, OPTION_FLAG, &csv, NULL, "print CSV", 0, 0},
-        {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print the JODs only, one a line", 0, 0},
+        {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+        {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
+        {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one a line", FORMAT_QUIET, 0},
         {0}};
     const command cmd = {
         .name = "score",
         .usage = "REF TEST... [options]",
         .about =
-            "Predict how good each TEST looks beside REF, in JOD: 10 is no visible difference, and one less means "
+            "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
+            "means "
             "that\n"
             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets.\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
@@ -63,17 +119,17 @@ int cmd_score(int argc, char **argv) {
         .min_arguments = 2,
         .max_arguments = -1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    exit_code = choose_result_format("score", json, csv, quiet, &run.format);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    exit_code = choose_metrics("score", metrics ? metrics : json || csv ? "all" : "", run.metrics);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    run.ref_name = argv[0];
-    run.n_rows = (size_t)n_arguments - 1;
-    run.test_names = argv + 1;
-    return run_score(&run, model, fail_under);
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    const bool all = run.format == FORMAT_JSON || run.format == FORMAT_CSV;
+    choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
+    run.model = open_model(model);
+    nqm_brdf_free(open_brdf(argv[0])); /* without a reference there are no results */
+    set_pairs(&run, n_arguments, argv);
+    make_scores(&run);
+    print_scores(&run);
+    int exit_code = report_faults(&run);
+    for (size_t i = 0; exit_code == EXIT_OK && i < run.n_rows; ++i)
+        exit_code = run.rows[i].result.jod < fail_under ? EXIT_GATE : EXIT_OK;
+    free_scores(&run);
+    return exit_code;
 }

@@ -5,47 +5,9 @@
  */
 #include "nqm/score/pair_list.h"
 
-#include "io/io.h"
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct nqm_pair_list {
-    nqm_csv *csv; /* NULL: JSON Lines */
-    size_t n_rows;
-    nqm_named_pair *pair; /* (n_rows) */
-    size_t n_columns;
-    char **column; /* (n_columns) names */
-    size_t n_cells;
-    nqm_list_cell *cell; /* (n_cells) row by row */
-    size_t *row_begin;   /* (n_rows + 1) first cell of each row */
-    char sha256[65];
-};
-
-size_t nqm_pair_list_count(const nqm_pair_list *list) {
-    return list->n_rows;
-}
-
-const nqm_named_pair *nqm_pair_list_pairs(const nqm_pair_list *list) {
-    return list->pair;
-}
-
-size_t nqm_pair_list_columns(const nqm_pair_list *list) {
-    return list->n_columns;
-}
-
-const char *nqm_pair_list_column(const nqm_pair_list *list, size_t column) {
-    return column < list->n_columns ? list->column[column] : NULL;
-}
-
-size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row, const nqm_list_cell **cells_ret) {
-    *cells_ret = list->cell + list->row_begin[row];
-    return list->row_begin[row + 1] - list->row_begin[row];
-}
-
-const char *nqm_pair_list_sha256(const nqm_pair_list *list) {
-    return list->sha256;
-}
 
 void nqm_pair_list_free(nqm_pair_list *list) {
     if (!list)

@@ -5,10 +5,9 @@
 #ifndef PAIR_LIST_H
 #define PAIR_LIST_H
 
-#include <nqm/metric.h>
+#include "io/io.h"
 
-/** A list of pairs with any further columns. Immutable. */
-typedef struct nqm_pair_list nqm_pair_list;
+#include <nqm/metric.h>
 
 /** The value of a row in one column. */
 typedef struct nqm_list_cell {
@@ -18,6 +17,19 @@ typedef struct nqm_list_cell {
 } nqm_list_cell;
 
 enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< JSON Lines: limit of the distinct member names of all rows */
+
+/** A list of pairs with any further columns. */
+typedef struct nqm_pair_list {
+    size_t n_rows;
+    nqm_named_pair *pair; /**< (n_rows) in the order of the list */
+    size_t n_columns;
+    char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
+    size_t n_cells;
+    nqm_list_cell *cell; /**< (n_cells) row by row, in the order of each row; JSON rows may lack columns */
+    size_t *row_begin;   /**< (n_rows + 1) first cell of each row */
+    char sha256[65];     /**< of the bytes of the list, hex digits */
+    nqm_csv *csv;        /**< owns the texts of the cells; NULL: JSON Lines, whose cells own theirs */
+} nqm_pair_list;
 
 /**
  * Read a list: CSV with a header that names the columns `reference` and `test` (ASCII case ignored), or JSON Lines with
@@ -29,20 +41,6 @@ enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< JSON Lines: limit of the distinct mem
 NQM_MUST_CHECK nqm_status nqm_pair_list_load(const char *path, nqm_pair_list **list_ret, nqm_error *err);
 /** Free a list; NULL is allowed. */
 void nqm_pair_list_free(nqm_pair_list *list);
-/** Rows. */
-size_t nqm_pair_list_count(const nqm_pair_list *list);
-/** (nqm_pair_list_count) the pairs in the order of the list; borrowed. */
-const nqm_named_pair *nqm_pair_list_pairs(const nqm_pair_list *list);
-/** Columns, `reference` and `test` among them, in the order of the header or of their first appearance. */
-size_t nqm_pair_list_columns(const nqm_pair_list *list);
-/** Name of a column; borrowed; NULL when the index is too large. */
-const char *nqm_pair_list_column(const nqm_pair_list *list, size_t column);
-/** The cells of a row, in the order of the row; JSON rows may lack columns. Returns their number; *cells_ret is
- *  borrowed. */
-size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row, const nqm_list_cell **cells_ret);
-/** SHA-256 of the bytes of the list, 64 hex digits; borrowed. */
-const char *nqm_pair_list_sha256(const nqm_pair_list *list);
-
 /** As nqm_pair_list_load(), from memory; `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *name,
                                               nqm_pair_list **list_ret, nqm_error *err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * score.h - computing and printing of the scores of `nqm score`, and functions that `nqm batch` and `nqm rank` use too.
+ * score.h - computing, sorting and printing of scores, for `nqm score`, `nqm batch`, `nqm rank` and `nqm report`.
  */
 #ifndef NQM_TOOL_SCORE_H
 #define NQM_TOOL_SCORE_H
@@ -8,26 +8,18 @@
 #include "metric/metric.h"
 #include "nqm/tool.h"
 
-/** A test and its score, or the error when it has none. */
-typedef struct score_row {
-    const char *name;
-    nqm_brdf *brdf; /* NULL: it could not be opened */
-    nqm_error err;  /* status NQM_OK: scored */
+/** A pair and its score. */
+typedef struct scored_pair {
+    nqm_named_pair pair;
     nqm_score_result result;
-} score_row;
-
-typedef struct score_run {
-    const char *ref_name;
-    char **test_names; /* (n_rows) */
-    nqm_brdf *ref;
-    nqm_model *model;
-    size_t n_directions;
-    nqm_score_options options;
-    bool metrics[NQM_METRIC_COUNT]; /* which to print */
-    result_format format;
-    size_t n_rows;
-    score_row *rows; /* (n_rows) in the order of the arguments */
-} score_run;
+    nqm_error err; /* status NQM_OK: scored */
+    size_t order;  /* index in the arguments */
+    /* set by rank_rows(): */
+    size_t group;          /* index of the first pair with the same reference */
+    size_t rank;           /* among the pairs with the same reference, from 1; equal scores share one; 0: no score */
+    double over_next;      /* fraction of people who prefer it to the next; NaN: there is none */
+    double best_preferred; /* fraction of people who prefer the best to it; NaN for the best itself */
+} scored_pair;
 
 /** Settings that remarks refer to. */
 typedef struct remark_terms {
@@ -35,30 +27,51 @@ typedef struct remark_terms {
     nqm_invalid_policy invalid;
 } remark_terms;
 
-/** Append remarks on negative, missing and unusual values of a scored pair to a JSON array; `who` names the BRDF. */
-void remark_on_reference(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
-void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks);
+typedef struct score_run {
+    nqm_model *model;
+    nqm_score_options options;
+    bool metrics[NQM_METRIC_COUNT]; /* which to print */
+    result_format format;
+    size_t n_rows;
+    scored_pair *rows;  /* (n_rows) */
+    remark_terms terms; /* set by make_scores() */
+} score_run;
 
-/** Parse --metrics: "all" or names separated by commas. EXIT_OK, or a usage error that lists the names. chosen:
- *  (NQM_METRIC_COUNT) */
-int choose_metrics(const char *verb, const char *text, bool *chosen);
+/* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
+
+/** Rows for the pairs of arguments[0] with each of the others. */
+void set_pairs(score_run *run, int n_arguments, char **arguments);
+/** Score the pairs of the rows; errors of single pairs are stored in their rows. On another failure, report the error and
+ *  exit. */
+void make_scores(score_run *run);
+/** Free the rows and the model. */
+void free_scores(score_run *run);
+/** Report the errors of the rows. Returns the exit code of the first. */
+int report_faults(const score_run *run);
+
+/** A JSON array of remarks on negative, missing and unusual values of a scored pair, which name the BRDFs `ref` (NULL: no
+ *  remarks about the reference) and `test`. Empty for a pair without a score. */
+json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r);
+/** Parse --metrics: "all" or names separated by commas. chosen: (NQM_METRIC_COUNT) */
+void choose_metrics(const char *text, bool *chosen);
 /** The "model" member of results: id, sha256, parameters, and the precision when it is not f32. */
 json_t *model_json(const nqm_model *model, nqm_precision precision);
 
-/** Open the model, the reference and the tests that run->ref_name and run->test_names name, and score them; errors of
- *  single tests are stored in their rows. Returns EXIT_OK; on failure, reports the error and returns its exit code.
- *  Call free_scores() in both cases. */
-int make_scores(const char *verb, score_run *run, const char *model_name);
-/** Free the results of make_scores(). */
-void free_scores(score_run *run);
-
-/** The JSON document of `nqm score --json`. */
-json_t *json_scores(const score_run *run);
+/** Columns of results in CSV, each after a comma: jod, jod_low, jod_high, delta_e_itp, identical, n_valid and metrics. */
+void print_csv_score_names(FILE *out, const bool *metrics);
+void print_csv_score(FILE *out, const bool *metrics, const nqm_score_result *result);
+/** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
+void print_jod(const scored_pair *row, bool calibrated);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
 double noticed_share(const nqm_score_result *result);
 /** What a score means, in words. */
 const char *verdict_words(const nqm_score_result *result);
-/** Print the results on standard output, remarks on standard error. EXIT_OK or EXIT_OPEN. */
-int print_scores(const score_run *run);
+/** The JSON document of `nqm score --json`. */
+json_t *json_scores(const score_run *run);
+
+/* ---- rank.c ------------------------------------------------------------------------------------------------------ */
+
+/** Sort the rows by reference, then best first, those without a score last, and rank them. */
+void rank_rows(score_run *run);
 
 #endif

@@ -1,11 +1,67 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shared by the commands that score: remarks on the values of a pair, parsing of --metrics, and the model in JSON.
+ * Shared by the commands that score: scores of named pairs, remarks on their values, parsing of --metrics, and results in
+ * CSV and JSON.
  */
 #include "nqm/score/score.h"
 
+#include <math.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
+
+void set_pairs(score_run *run, int n_arguments, char **arguments) {
+    run->n_rows = (size_t)n_arguments - 1;
+    run->rows = allocate(run->n_rows, sizeof *run->rows);
+    for (size_t i = 0; i < run->n_rows; ++i)
+        run->rows[i].pair = (nqm_named_pair){arguments[0], arguments[i + 1]};
+}
+
+/* In blocks, so that Ctrl-C is noticed between them. */
+void make_scores(score_run *run) {
+    nqm_error err = {0};
+    nqm_scorer *scorer;
+    run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
+    run->terms.invalid = run->options.invalid;
+    must(nqm_scorer_create(run->model, &run->options, &scorer, &err), &err);
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        enum { BLOCK = NQM_SCORE_BLOCK };
+        nqm_named_pair pairs[BLOCK];
+        nqm_score_result results[BLOCK];
+        nqm_error errors[BLOCK];
+        const size_t n = run->n_rows - i < BLOCK ? run->n_rows - i : BLOCK;
+        if (i % BLOCK == 0) {
+            if (show_progress(NULL, "score", (double)i, (double)run->n_rows))
+                stop(EXIT_INTERRUPTED, "interrupted");
+            for (size_t k = 0; k < n; ++k)
+                pairs[k] = run->rows[i + k].pair;
+            must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
+        }
+        run->rows[i].order = i;
+        run->rows[i].result = results[i % BLOCK];
+        run->rows[i].err = errors[i % BLOCK];
+        run->rows[i].err.status = results[i % BLOCK].status;
+    }
+    end_progress();
+    nqm_scorer_free(scorer);
+}
+
+void free_scores(score_run *run) {
+    free(run->rows);
+    nqm_model_free(run->model);
+}
+
+int report_faults(const score_run *run) {
+    int exit_code = EXIT_OK;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        if (run->rows[i].err.status != NQM_OK) {
+            int code = report_error(&run->rows[i].err);
+            exit_code = exit_code == EXIT_OK ? code : exit_code;
+        }
+    return exit_code;
+}
 
 /* ---- remarks ----------------------------------------------------------------------------------------------------- */
 
@@ -18,50 +74,47 @@ __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, co
     json_array_append_new(remarks, json_string(text));
 }
 
-/* Numbers of directions at which one BRDF gives cause for a remark. */
-typedef struct causes {
-    const char *who;
-    size_t n_clamped, n_invalid, n_unusual;
-} causes;
-
-static void remark(const remark_terms *terms, const causes *c, json_t *remarks) {
+/* The numbers of directions at which one BRDF gives cause for a remark. */
+static void add_counts(json_t *remarks, const remark_terms *terms, const char *who, size_t n_clamped, size_t n_invalid,
+                       size_t n_unusual) {
     static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
-    if (c->n_clamped)
-        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", c->who, c->n_clamped,
+    if (n_clamped)
+        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, n_clamped,
                    terms->n_directions);
-    if (c->n_invalid)
-        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", c->who, c->n_invalid, terms->n_directions,
+    if (n_invalid)
+        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", who, n_invalid, terms->n_directions,
                    remedy[terms->invalid]);
-    if (c->n_unusual)
-        add_remark(remarks, "%s: far brighter at %zu of %zu directions than what the model was trained on", c->who,
-                   c->n_unusual, terms->n_directions);
+    if (n_unusual)
+        add_remark(remarks, "%s: far brighter at %zu of %zu directions than what the model was trained on", who,
+                   n_unusual, terms->n_directions);
 }
 
-void remark_on_reference(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks) {
-    remark(terms, &(causes){who, r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref}, remarks);
-}
-
-void remark_on_test(const remark_terms *terms, const char *who, const nqm_score_result *r, json_t *remarks) {
-    remark(terms, &(causes){who, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test}, remarks);
+json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r) {
+    json_t *remarks = json_array();
+    if (r->status != NQM_OK)
+        return remarks;
+    if (ref)
+        add_counts(remarks, terms, ref, r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref);
+    add_counts(remarks, terms, test, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test);
     if (r->novelty > 1 && !r->identical) /* false for NaN */
         add_remark(remarks,
-                   "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials "
-                   "are below 1",
-                   who, r->novelty);
+                   "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1",
+                   test, r->novelty);
+    return remarks;
 }
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
-static int report_metric_names(const char *verb, const char *given) {
+static _Noreturn void stop_unknown_metric(const char *given) {
     char names[256] = "";
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
         size_t n = strlen(names);
         snprintf(names + n, sizeof names - n, ", %s", nqm_metric_name((nqm_metric)m));
     }
-    return report(verb, EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'", names, given);
+    stop(EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'", names, given);
 }
 
-int choose_metrics(const char *verb, const char *text, bool *chosen) {
+void choose_metrics(const char *text, bool *chosen) {
     bool all = strcmp(text, "all") == 0;
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         chosen[m] = all;
@@ -72,11 +125,10 @@ int choose_metrics(const char *verb, const char *text, bool *chosen) {
                (strlen(nqm_metric_name((nqm_metric)m)) != n || memcmp(nqm_metric_name((nqm_metric)m), word, n) != 0))
             ++m;
         if (m == NQM_METRIC_COUNT)
-            return report_metric_names(verb, text);
+            stop_unknown_metric(text);
         chosen[m] = true;
         word += n + (word[n] == ',');
     }
-    return EXIT_OK;
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
@@ -88,4 +140,65 @@ json_t *model_json(const nqm_model *model, nqm_precision precision) {
     if (precision != NQM_PRECISION_F32)
         json_object_set_new(json, "precision", json_string(nqm_precision_name(precision)));
     return json;
+}
+
+void print_csv_score_names(FILE *out, const bool *metrics) {
+    fputs(",jod,jod_low,jod_high,delta_e_itp,identical,n_valid", out);
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (metrics[m])
+            fprintf(out, ",%s", nqm_metric_name((nqm_metric)m));
+}
+
+void print_csv_score(FILE *out, const bool *metrics, const nqm_score_result *r) {
+    print_csv_numbers(out, 4, (double[]){r->jod, r->jod_low, r->jod_high, r->delta_e});
+    fprintf(out, ",%d,%zu", r->identical, r->n_valid);
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (metrics[m])
+            print_csv_numbers(out, 1, &r->metrics[m]);
+}
+
+void print_jod(const scored_pair *row, bool calibrated) {
+    const nqm_score_result *r = &row->result;
+    const bool scored = row->err.status == NQM_OK;
+    char jod[16] = "-", interval[32] = "-";
+    if (scored) {
+        snprintf(jod, sizeof jod, "%.2f", r->jod);
+        snprintf(interval, sizeof interval, "[%.2f, %.2f]", r->jod_low, r->jod_high);
+    }
+    printf("  %5s", jod);
+    if (calibrated)
+        printf("  %-14s", interval);
+}
+
+double noticed_share(const nqm_score_result *result) {
+    return result->identical ? 0.5 : nqm_jod_preference(fmax(10, result->jod), result->jod);
+}
+
+const char *verdict_words(const nqm_score_result *result) {
+    return result->identical ? "identical" : jod_words(result->jod);
+}
+
+static json_t *row_json(const score_run *run, const scored_pair *row) {
+    const nqm_score_result *r = &row->result;
+    json_t *metrics = json_object();
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (run->metrics[m])
+            json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
+    json_t *object = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->pair.test), "jod",
+                               json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
+                               json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty",
+                               json_number(r->novelty), "identical", r->identical, "n_valid", (json_int_t)r->n_valid,
+                               "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
+    if (row->err.status != NQM_OK)
+        json_object_set_new(object, "error", json_name(row->err.message));
+    return object;
+}
+
+json_t *json_scores(const score_run *run) {
+    json_t *results = json_array();
+    for (size_t i = 0; i < run->n_rows; ++i)
+        json_array_append_new(results, row_json(run, &run->rows[i]));
+    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model",
+                     model_json(run->model, run->options.precision), "reference", json_name(run->rows->pair.ref),
+                     "results", results);
 }

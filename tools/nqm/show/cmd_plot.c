@@ -5,11 +5,12 @@
 #include "figures/plot.h"
 #include "nqm/tool.h"
 
-#include <stdlib.h>
 #include <string.h>
 
+enum { MAX_INPUTS = 8 };
+
 typedef struct plot_arguments {
-    const char *output, *predictor, *size;
+    const char *output, *predictor;
     nqm_plot_options look;
     double theta_d_deg, phi_d_deg;
     int n;
@@ -23,95 +24,71 @@ static const struct drawing {
 } drawings[] = {{"curve", "LABELS.csv", 1, 1, CURVE},
                 {"bars", "EVAL.json", 1, 1, BARS},
                 {"scatter", "PAIRS.csv", 1, 1, SCATTER},
-                {"loss", "LOG.csv...", 1, 8, LOSS},
+                {"loss", "LOG.csv...", 1, MAX_INPUTS, LOSS},
                 {"directions", "[MODEL|FILE.csv]", 0, 1, DIRECTIONS},
-                {"slice", "BRDF...", 1, 8, SLICE},
+                {"slice", "BRDF...", 1, MAX_INPUTS, SLICE},
                 {"attribution", "REF TEST", 2, 2, ATTRIBUTION},
                 {"network", "[MODEL]", 0, 1, NETWORK},
                 {0}};
 
 /* Open what a drawing of this kind needs, and draw. */
-static int draw_kind(const plot_arguments *a, int kind, const char *const *paths) {
+static nqm_status draw(const plot_arguments *a, int kind, const char *const *paths, nqm_error *err) {
     const double degree = 0.017453292519943295;
-    const char *name = a->n ? a->inputs[0] : NULL;
     const bool has_brdfs = kind == SLICE || kind == ATTRIBUTION;
-    nqm_brdf **brdfs = NULL;
-    nqm_directions *directions = NULL;
-    nqm_model *model = NULL;
-    nqm_regress_report fit;
-    int exit_code = EXIT_OK;
-    if (kind == CURVE)
-        exit_code = regress_csv("plot", paths[0], &fit);
-    else if (kind == DIRECTIONS)
-        exit_code = open_directions("plot", name, &directions);
-    else if (kind == NETWORK)
-        exit_code = open_model("plot", name, &model);
-    else if (has_brdfs)
-        exit_code = open_brdfs("plot", a->n, a->inputs, &brdfs);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    nqm_error err = {0};
-    nqm_status status = kind == CURVE        ? nqm_plot_curve(a->output, paths[0], &fit, &a->look, &err)
-                        : kind == BARS       ? nqm_plot_bars(a->output, paths[0], &a->look, &err)
-                        : kind == SCATTER    ? nqm_plot_predictions(a->output, paths[0], a->predictor, &a->look, &err)
-                        : kind == LOSS       ? nqm_plot_losses(a->output, (size_t)a->n, paths, &a->look, &err)
-                        : kind == DIRECTIONS ? nqm_plot_directions(a->output, directions, &a->look, &err)
-                        : kind == NETWORK    ? nqm_plot_network(a->output, model, &a->look, &err)
-                        : kind == SLICE
-                            ? nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL,
-                                              a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, &err)
-                            : nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, &err);
+    const char *name = a->n ? a->inputs[0] : NULL;
+    nqm_brdf **brdfs = has_brdfs ? open_brdfs(a->n, a->inputs) : NULL;
+    nqm_directions *directions = kind == DIRECTIONS ? open_directions(name) : NULL;
+    nqm_model *model = kind == NETWORK ? open_model(name) : NULL;
+    nqm_status status = NQM_OK;
+    switch (kind) {
+    case CURVE:
+        status = nqm_plot_curve(a->output, paths[0], &(nqm_regress_report[]){regress_csv(paths[0])}[0], &a->look, err);
+        break;
+    case BARS:
+        status = nqm_plot_bars(a->output, paths[0], &a->look, err);
+        break;
+    case SCATTER:
+        status = nqm_plot_predictions(a->output, paths[0], a->predictor, &a->look, err);
+        break;
+    case LOSS:
+        status = nqm_plot_losses(a->output, (size_t)a->n, paths, &a->look, err);
+        break;
+    case DIRECTIONS:
+        status = nqm_plot_directions(a->output, directions, &a->look, err);
+        break;
+    case NETWORK:
+        status = nqm_plot_network(a->output, model, &a->look, err);
+        break;
+    case SLICE:
+        status = nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL, a->theta_d_deg * degree,
+                                 a->phi_d_deg * degree, &a->look, err);
+        break;
+    case ATTRIBUTION:
+        status = nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, err);
+        break;
+    }
     close_brdfs(has_brdfs ? a->n : 0, brdfs);
     nqm_directions_free(directions);
     nqm_model_free(model);
-    return status == NQM_OK ? EXIT_OK : report_error("plot", &err);
+    return status;
 }
 
 /* "640x480" */
-static int read_size(const char *text, nqm_plot_options *look) {
+static void read_size(const char *text, nqm_plot_options *look) {
     char rest;
     if (text && (sscanf(text, "%lfx%lf%c", &look->width, &look->height, &rest) != 2 || !(look->width > 0) ||
                  !(look->height > 0)))
-        return report("plot", EXIT_USAGE, "--size needs WIDTHxHEIGHT, not '%s'", text);
-    return EXIT_OK;
-}
-
-static int draw(plot_arguments *a, const char *what, bool json) {
-    const struct drawing *d = drawings;
-    while (d->name && strcmp(d->name, what) != 0)
-        ++d;
-    if (!d->name)
-        return report(
-            "plot", EXIT_USAGE,
-            "there is no drawing '%s'; choose curve, bars, scatter, loss, directions, slice, attribution or network",
-            what);
-    if (a->n < d->min || a->n > d->max)
-        return report("plot", EXIT_USAGE, "%s needs %s", d->name, d->inputs);
-    if (!a->output)
-        return report("plot", EXIT_USAGE, "give the file of the drawing: -o FILE.svg, .pdf or .png");
-    int exit_code = read_size(a->size, &a->look);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    const char **paths = calloc((size_t)a->n + 1, sizeof *paths);
-    if (!paths)
-        return report("plot", EXIT_LIMIT, "out of memory");
-    for (int i = 0; i < a->n; ++i)
-        paths[i] = input_path(a->inputs[i]);
-    exit_code = draw_kind(a, d->kind, paths);
-    free(paths);
-    if (exit_code == EXIT_OK && json)
-        return print_json(json_pack("{s:i,s:o,s:s,s:o}", "schema", 1, "tool", json_tool(), "drawing", d->name, "file",
-                                    json_name(a->output)));
-    return exit_code;
+        stop(EXIT_USAGE, "--size needs WIDTHxHEIGHT, not '%s'", text);
 }
 
 int cmd_plot(int argc, char **argv) {
     bool json = false;
+    const char *size = NULL;
     plot_arguments a = {.look = nqm_plot_options_default(), .phi_d_deg = 90};
     const option options[] = {
-        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "the drawing: .svg, .pdf or .png", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &a.output, "FILE", "the drawing: .svg, .pdf or .png", 0, 0},
         {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "title, instead of the automatic one; '': none", 0, 0},
-        {"size", 0, OPTION_TEXT, &a.size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
+        {"size", 0, OPTION_TEXT, &size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
         {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png per CSS pixel", 0.5, 8},
         {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: column to draw [default: the first model]", 0, 0},
         {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: theta_d of the slice over theta_h", 0, 89},
@@ -130,7 +107,7 @@ int cmd_plot(int argc, char **argv) {
                  "  slice BRDF...            slices and polar lobes of up to 8 BRDFs\n"
                  "  attribution REF TEST     where two BRDFs differ, over (theta_h, theta_d)\n"
                  "  network [MODEL]          the layers of a model\n"
-                 "The same input gives the same bytes on one machine; files hold no date.",
+                 "The same input gives the same bytes on one machine; files contain no date.",
         .example = "nqm plot curve labels_real.csv -o curve.svg\n"
                    "nqm eval corpus.safetensors --json | nqm plot bars - -o bars.pdf\n"
                    "nqm plot slice sgd:nickel ward:nickel -o nickel.png",
@@ -138,10 +115,24 @@ int cmd_plot(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = -1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    a.n = n_arguments - 1;
+    a.n = parse_arguments(&cmd, argc, argv) - 1;
     a.inputs = argv + 1;
-    return draw(&a, argv[0], json);
+    const struct drawing *d = drawings;
+    while (d->name && strcmp(d->name, argv[0]) != 0)
+        ++d;
+    if (!d->name)
+        stop(EXIT_USAGE,
+             "there is no drawing '%s'; choose curve, bars, scatter, loss, directions, slice, attribution or network",
+             argv[0]);
+    if (a.n < d->min || a.n > d->max)
+        stop(EXIT_USAGE, "%s needs %s", d->name, d->inputs);
+    read_size(size, &a.look);
+    const char *paths[MAX_INPUTS];
+    for (int i = 0; i < a.n; ++i)
+        paths[i] = input_path(a.inputs[i]);
+    nqm_error err = {0};
+    must(draw(&a, d->kind, paths, &err), &err);
+    if (json)
+        print_document(json_pack("{s:s,s:o}", "drawing", d->name, "file", json_name(a.output)));
+    return EXIT_OK;
 }

@@ -69,26 +69,26 @@ static bool put_base64(FILE *out, FILE *in) {
     return !ferror(in);
 }
 
-int html_image(const char *verb, FILE *out, const html_picture *picture) {
+void html_image(FILE *out, const html_picture *picture) {
     FILE *in = fopen(picture->path, "rb");
     if (!in)
-        return report(verb, EXIT_OPEN, "%s: cannot read: %s", picture->path, strerror(errno));
+        stop(EXIT_OPEN, "%s: cannot read: %s", picture->path, strerror(errno));
     html(out, "<img width='%zu' height='%zu' alt='%s' src='data:image/png;base64,", picture->width, picture->height,
          picture->alt);
-    bool is_complete = put_base64(out, in);
+    if (!put_base64(out, in))
+        stop(EXIT_OPEN, "%s: cannot read", picture->path);
     fclose(in);
     html(out, "'/>\n");
-    return is_complete ? EXIT_OK : report(verb, EXIT_OPEN, "%s: cannot read", picture->path);
 }
 
 /* ---- data -------------------------------------------------------------------------------------------------------- */
 
 /* < > & occur in strings only, where JSON can escape them. */
-int html_json(const char *verb, FILE *out, const char *id, json_t *value) {
+void html_json(FILE *out, const char *id, json_t *value) {
     char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
     json_decref(value);
     if (!text)
-        return report(verb, EXIT_LIMIT, "cannot write JSON: out of memory");
+        stop(EXIT_LIMIT, "cannot write JSON: out of memory");
     html(out, "<script type='application/json' id='%s'>", id);
     for (const char *p = text; *p; ++p) {
         if (*p == '<' || *p == '>' || *p == '&')
@@ -98,7 +98,6 @@ int html_json(const char *verb, FILE *out, const char *id, json_t *value) {
     }
     html(out, "</script>\n");
     free(text);
-    return EXIT_OK;
 }
 
 /* ---- people ------------------------------------------------------------------------------------------------------ */

@@ -19,12 +19,12 @@ typedef struct html_picture {
     size_t width, height; /* CSS pixels */
 } html_picture;
 
-/** An <img> that holds the bytes of the file. EXIT_OK, or reports the error and returns its exit code. */
-int html_image(const char *verb, FILE *out, const html_picture *picture);
+/** An <img> that contains the bytes of the file. On failure, report the error and exit. */
+void html_image(FILE *out, const html_picture *picture);
 
-/** A data block, <script type='application/json' id='...'>, which browsers do not run. Releases the value. EXIT_OK, or
- *  reports the error and returns its exit code. */
-int html_json(const char *verb, FILE *out, const char *id, json_t *value);
+/** A data block, <script type='application/json' id='...'>, which browsers do not run. Releases the value. On failure,
+ *  report the error and exit. */
+void html_json(FILE *out, const char *id, json_t *value);
 
 /** A fraction of people as text for html(): "71 %", "> 99 %". */
 typedef struct html_percent {

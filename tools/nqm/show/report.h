@@ -7,22 +7,23 @@
 
 #include "figures/plot.h"
 #include "nqm/label/label.h"
-#include "nqm/score/rank.h"
+#include "nqm/score/score.h"
 #include "nqm/show/html.h"
 
 enum { NAME_SIZE = 128 };
 
 typedef struct report_run {
     const char *title, *date; /* NULL: automatic; none */
-    score_run scores;
-    label_run labels; /* item 0 is the reference, item i + 1 is test i */
-    ranking ranking;  /* the tests, best first; `order` is the index of the test */
+    score_run scores;         /* the tests, best first; `order` is the index of the test in the arguments */
+    json_t *json_scores;
+    label_run labels; /* item 0 is the reference, item i + 1 is the test with order i */
+    nqm_brdf **brdfs; /* as the items */
     char (*short_names)[NAME_SIZE];
     const char **names; /* (n_items) of the labels' items: the argument, or a short form if it is long and the
                            short forms differ */
 } report_run;
 
-/** The page while it is written. Its parts return EXIT_OK, or report the error and return its exit code. */
+/** The page while it is written. Its parts report an error and exit. */
 typedef struct report_page {
     const report_run *run;
     FILE *out;
@@ -37,22 +38,22 @@ typedef struct report_page {
 extern const char report_style[];
 
 /** The whole page. figure: path of a temporary PNG. */
-int write_report(const report_run *run, FILE *out, char *figure);
+void write_report(const report_run *run, FILE *out, char *figure);
 
 /** The section of the test at a place (from 0) in the ranking. */
-int put_test(const report_page *page, size_t place);
+void put_test(const report_page *page, size_t place);
 
-/** Allocate the buffers for drawing; call end_figures() in any case. */
-int begin_figures(report_page *page);
+/** Allocate the buffers for drawing, and free them. */
+void begin_figures(report_page *page);
 void end_figures(report_page *page);
 /** The rendered picture of a label item, first frame. */
-int put_picture(const report_page *page, size_t item, const char *alt);
+void put_picture(const report_page *page, size_t item, const char *alt);
 /** Map of the differences between the pictures of a test and the reference; the colour scale of all such maps. */
-int put_map(const report_page *page, size_t test, const char *alt);
-int put_scale(const report_page *page, const char *alt);
+void put_map(const report_page *page, size_t test, const char *alt);
+void put_scale(const report_page *page, const char *alt);
 /** Map of the differences of the BRDFs over angles; slices of both. */
-int put_attribution(const report_page *page, size_t test, const char *alt);
-int put_slices(const report_page *page, size_t test, const char *alt);
+void put_attribution(const report_page *page, size_t test, const char *alt);
+void put_slices(const report_page *page, size_t test, const char *alt);
 
 /** The predicted JOD on a scale from 0 to 10, with its interval, and a ring at the JOD of the rendered pictures. */
 void put_strip(FILE *out, const nqm_score_result *result, double rendered_jod);

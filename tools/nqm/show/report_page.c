@@ -12,12 +12,12 @@ static size_t count_tests(const report_page *page) {
     return page->run->scores.n_rows;
 }
 
-static const score_row *row_at(const report_page *page, size_t place) {
-    return &page->run->scores.rows[page->run->ranking.rows[place].order];
+static const scored_pair *row_at(const report_page *page, size_t place) {
+    return &page->run->scores.rows[place];
 }
 
 static const char *name_at(const report_page *page, size_t place) {
-    return page->run->names[page->run->ranking.rows[place].order + 1];
+    return page->run->names[row_at(page, place)->order + 1];
 }
 
 /* ---- head -------------------------------------------------------------------------------------------------------- */
@@ -76,13 +76,12 @@ void put_strip(FILE *out, const nqm_score_result *r, double rendered_jod) {
 }
 
 static void put_summary_row(const report_page *page, size_t place) {
-    const rank_row *ranked = &page->run->ranking.rows[place];
-    const score_row *row = row_at(page, place);
-    const label_item *item = &page->run->labels.items[ranked->order + 1];
+    const scored_pair *row = row_at(page, place);
+    const label_item *item = &page->run->labels.items[row->order + 1];
     FILE *out = page->out;
     html(out,
          "<tr><td class='n'>%zu</td><th scope='row'><a href='#test-%zu'>%s</a></th><td class='n'><strong>%.2f</strong>",
-         ranked->rank, place + 1, name_at(page, place), row->result.jod);
+         row->rank, place + 1, name_at(page, place), row->result.jod);
     if (has_interval(&row->result))
         html(out, "<br/><span class='interval'>%.2f to %.2f</span>", row->result.jod_low, row->result.jod_high);
     html(out, "</td><td class='graph'>");
@@ -211,12 +210,12 @@ static void put_provenance(const report_page *page) {
     html(out,
          "<section class='provenance'>\n<h2>Provenance</h2>\n<p class='quote'>JOD predicted with nqm %s, model %s "
          "(SHA-256 %s), at %zu directions (%s); pictures: ",
-         nqm_version(), info.id, prefix, scores->n_directions, nqm_directions_id(info.directions));
+         nqm_version(), info.id, prefix, scores->terms.n_directions, nqm_directions_id(info.directions));
     put_scene(page);
     html(out, "%s%s.</p>\n<dl>\n", page->run->date ? "; " : "", page->run->date ? page->run->date : "");
-    put_brdf(out, "Reference", scores->ref);
+    put_brdf(out, "Reference", page->run->brdfs[0]);
     for (size_t i = 0; i < count_tests(page); ++i)
-        put_brdf(out, "Test", row_at(page, i)->brdf);
+        put_brdf(out, "Test", page->run->brdfs[row_at(page, i)->order + 1]);
     html(out,
          "<dt>Model</dt><dd>%s, recipe %s, %zu parameters, SHA-256 <span class='hash'>%s</span></dd>\n"
          "<dt>Directions without a value</dt><dd>%s</dd>\n</dl>\n"
@@ -227,35 +226,22 @@ static void put_provenance(const report_page *page) {
 
 /* ---- the page ---------------------------------------------------------------------------------------------------- */
 
-static int put_tests(const report_page *page) {
-    for (size_t i = 0; i < count_tests(page); ++i) {
-        if (show_progress(NULL, "draw", (double)i, (double)count_tests(page)))
-            return report("report", EXIT_INTERRUPTED, "interrupted");
-        int exit_code = put_test(page, i);
-        if (exit_code != EXIT_OK)
-            return exit_code;
-    }
-    return EXIT_OK;
-}
-
-int write_report(const report_run *run, FILE *out, char *figure) {
+void write_report(const report_run *run, FILE *out, char *figure) {
     report_page page = {.run = run, .out = out, .figure = figure};
-    int exit_code = begin_figures(&page);
-    if (exit_code == EXIT_OK) {
-        put_head(&page);
-        put_summary(&page);
-        put_preferences(&page);
-        exit_code = put_tests(&page);
+    begin_figures(&page);
+    put_head(&page);
+    put_summary(&page);
+    put_preferences(&page);
+    for (size_t i = 0; i < count_tests(&page); ++i) {
+        if (show_progress(NULL, "draw", (double)i, (double)count_tests(&page)))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        put_test(&page, i);
     }
-    if (exit_code == EXIT_OK) {
-        put_guide(&page);
-        put_provenance(&page);
-        html(out, "</main>\n");
-        exit_code = html_json("report", out, "nqm-report", json_scores(&run->scores));
-    }
-    if (exit_code == EXIT_OK)
-        exit_code = html_json("report", out, "nqm-label", json_labels(&run->labels));
+    put_guide(&page);
+    put_provenance(&page);
+    html(out, "</main>\n");
+    html_json(out, "nqm-report", json_incref(run->json_scores));
+    html_json(out, "nqm-label", json_labels(&run->labels));
     html(out, "</body>\n</html>\n");
     end_figures(&page);
-    return exit_code;
 }

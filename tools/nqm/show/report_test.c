@@ -10,7 +10,7 @@ static const label_item *item_of(const report_page *page, size_t test) {
     return &page->run->labels.items[test + 1];
 }
 
-static void put_verdict(const report_page *page, const score_row *row, const label_item *item) {
+static void put_verdict(const report_page *page, const scored_pair *row, const label_item *item) {
     const nqm_score_result *r = &row->result;
     html(page->out, "<p class='verdict'><strong>JOD %.2f</strong>", r->jod);
     put_interval(page->out, r);
@@ -30,30 +30,26 @@ static void put_verdict(const report_page *page, const score_row *row, const lab
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-static int put_pictures(const report_page *page, size_t test) {
+static void put_pictures(const report_page *page, size_t test) {
     FILE *out = page->out;
     const label_item *item = item_of(page, test);
     char alt[200];
+    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f", item->delta_e);
     html(out, "<div class='triple'>\n<figure>");
-    int exit_code = put_picture(page, 0, "Rendered picture of the reference");
+    put_picture(page, 0, "Rendered picture of the reference");
     html(out, "<figcaption>Reference: <span class='name'>%s</span></figcaption></figure>\n<figure>",
          page->run->names[0]);
-    if (exit_code == EXIT_OK)
-        exit_code = put_picture(page, test + 1, "Rendered picture of the test");
+    put_picture(page, test + 1, "Rendered picture of the test");
     html(out, "<figcaption>Test: <span class='name'>%s</span></figcaption></figure>\n<figure>",
          page->run->names[test + 1]);
-    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f", item->delta_e);
-    if (exit_code == EXIT_OK)
-        exit_code = put_map(page, test, alt);
+    put_map(page, test, alt);
     html(out, "<figcaption>\xce\x94"
               "E&#160;ITP of each pixel; 1 is barely visible under ideal conditions\n<span class='scale'>");
-    if (exit_code == EXIT_OK)
-        exit_code = put_scale(page, "Colour scale from dark (equal) to bright (different)");
+    put_scale(page, "Colour scale from dark (equal) to bright (different)");
     html(out,
          "<span class='ticks'><span>0</span><span>%.3g</span><span>\xe2\x89\xa5&#160;%.3g</span></span></span>"
          "</figcaption></figure>\n</div>\n",
          page->delta_e_max / 2, page->delta_e_max);
-    return exit_code;
 }
 
 /* ---- numbers ----------------------------------------------------------------------------------------------------- */
@@ -76,7 +72,7 @@ static void put_counts(FILE *out, const char *who, size_t clamped, size_t invali
          who, clamped, invalid, unusual);
 }
 
-static void put_values(const report_page *page, const score_row *row) {
+static void put_values(const report_page *page, const scored_pair *row) {
     const score_run *scores = &page->run->scores;
     const nqm_score_result *r = &row->result;
     FILE *out = page->out;
@@ -86,14 +82,11 @@ static void put_values(const report_page *page, const score_row *row) {
          "and set to 0"
          "</th><th scope='col' class='n'>there is no value</th>"
          "<th scope='col' class='n'>the value is much brighter than in training</th></tr></thead>\n<tbody>\n",
-         r->n_valid, scores->n_directions);
+         r->n_valid, scores->terms.n_directions);
     put_counts(out, "Reference", r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref);
     put_counts(out, "Test", r->n_clamped_test, r->n_invalid_test, r->n_unusual_test);
     html(out, "</tbody></table>\n");
-    const remark_terms terms = {scores->n_directions, scores->options.invalid};
-    json_t *remarks = json_array();
-    remark_on_reference(&terms, "reference", r, remarks);
-    remark_on_test(&terms, "test", r, remarks);
+    json_t *remarks = json_remarks(&scores->terms, "reference", "test", r);
     if (json_array_size(remarks))
         html(out, "<ul class='warnings'>\n");
     for (size_t i = 0; i < json_array_size(remarks); ++i)
@@ -105,11 +98,10 @@ static void put_values(const report_page *page, const score_row *row) {
 
 /* ---- the section ------------------------------------------------------------------------------------------------- */
 
-static int put_differences(const report_page *page, size_t test, const score_row *row) {
+static void put_differences(const report_page *page, size_t test, const scored_pair *row) {
     FILE *out = page->out;
     html(out, "<div class='two'>\n<figure>");
-    int exit_code = put_attribution(
-        page, test, "Map of the difference of the logarithms of the two BRDFs over theta_h and theta_d");
+    put_attribution(page, test, "Map of the difference of the logarithms of the two BRDFs over theta_h and theta_d");
     html(out,
          "<figcaption>Directions where the BRDFs differ. \xce\xb8<sub>h</sub> = 0 is the mirror direction; at large "
          "\xce\xb8<sub>d</sub>, light and viewer are at grazing angles.</figcaption></figure>\n<div>\n");
@@ -117,25 +109,20 @@ static int put_differences(const report_page *page, size_t test, const score_row
     html(out, "</div>\n</div>\n");
     put_values(page, row);
     html(out, "<figure class='wide' tabindex='0'>");
-    if (exit_code == EXIT_OK)
-        exit_code = put_slices(page, test, "Slices of both BRDFs over angles, and polar lobes");
+    put_slices(page, test, "Slices of both BRDFs over angles, and polar lobes");
     html(out, "</figure>\n");
-    return exit_code;
 }
 
-int put_test(const report_page *page, size_t place) {
-    const rank_row *ranked = &page->run->ranking.rows[place];
-    const score_row *row = &page->run->scores.rows[ranked->order];
-    const char *name = page->run->names[ranked->order + 1];
+void put_test(const report_page *page, size_t place) {
+    const scored_pair *row = &page->run->scores.rows[place];
+    const char *name = page->run->names[row->order + 1];
     html(page->out,
          "<section class='test' id='test-%zu'>\n<h2><span class='rank'>%zu</span> <span class='name'>%s</span></h2>\n",
-         place + 1, ranked->rank, name);
-    if (strcmp(name, row->name) != 0)
-        html(page->out, "<p class='argument'><code>%s</code></p>\n", row->name);
-    put_verdict(page, row, item_of(page, ranked->order));
-    int exit_code = put_pictures(page, ranked->order);
-    if (exit_code == EXIT_OK)
-        exit_code = put_differences(page, ranked->order, row);
+         place + 1, row->rank, name);
+    if (strcmp(name, row->pair.test) != 0)
+        html(page->out, "<p class='argument'><code>%s</code></p>\n", row->pair.test);
+    put_verdict(page, row, item_of(page, row->order));
+    put_pictures(page, row->order);
+    put_differences(page, row->order, row);
     html(page->out, "</section>\n");
-    return exit_code;
 }

@@ -18,108 +18,100 @@ static const char *layers_text(const nqm_model_info *info, char *text, size_t n_
     return text;
 }
 
-static json_t *model_json(const nqm_model *model) {
-    nqm_model_info info = nqm_model_get_info(model);
-    json_t *layers = json_array();
+json_t *json_model(const nqm_model *model) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    json_t *layers = json_array(), *calibration = json_loads(info.calibration, 0, NULL); /* NULL for "" */
     for (size_t l = 0; l <= info.n_layers; ++l)
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
     return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
                      "parameters", (json_int_t)info.n_parameters, "sha256", info.sha256, "layers", layers, "directions",
                      "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions),
                      "jod_range", json_number(info.jod_min), json_number(info.jod_max), "calibration",
-                     stored_calibration_json(&info), "licence", info.licence, "manifest_sha256", info.manifest_sha256,
-                     "card", info.card);
+                     calibration ? calibration : json_null(), "licence", info.licence, "manifest_sha256",
+                     info.manifest_sha256, "card", info.card);
+}
+
+static void print_stored_calibration(const char *stored) {
+    json_t *json = json_loads(stored, 0, NULL);
+    nqm_calibration c = {0};
+    json_int_t n_pairs = 0, n_materials = 0;
+    if (json && json_unpack(json, "{s:I,s:I,s:F,s:F,s:F,s:F}", "materials", &n_materials, "pairs", &n_pairs, "coverage",
+                            &c.coverage, "coverage_pairs", &c.coverage_pairs, "coverage_lowest", &c.coverage_lowest,
+                            "mean_width", &c.mean_width) == 0) {
+        c.n_pairs = (size_t)n_pairs;
+        c.n_materials = (size_t)n_materials;
+        print_calibration(&c);
+    } else {
+        printf("interval    %s\n", *stored ? "95 %" : "none: not calibrated");
+    }
+    json_decref(json);
+}
+
+void print_model_text(const nqm_model *model) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    char layers[200];
+    printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", info.id, info.recipe, info.n_parameters,
+           layers_text(&info, layers, sizeof layers));
+    printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
+           nqm_directions_id(info.directions), info.jod_min, info.jod_max);
+    print_stored_calibration(info.calibration);
+    printf("licence     %s\nsha256      %s\n", info.licence, info.sha256);
+    if (*info.manifest_sha256)
+        printf("trained on  %s (sha256 of the dataset)\n", info.manifest_sha256);
+    if (*info.card)
+        printf("\n%s%s", info.card, info.card[strlen(info.card) - 1] == '\n' ? "" : "\n");
 }
 
 static int show_model(const char *name, bool json) {
-    nqm_model *model;
-    int exit_code = open_model("models", name, &model);
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    if (json) {
-        json_t *object = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
-        json_object_update_new(object, model_json(model));
-        exit_code = print_json(object);
-    } else {
-        nqm_model_info info = nqm_model_get_info(model);
-        char layers[200];
-        printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", info.id, info.recipe,
-               info.n_parameters, layers_text(&info, layers, sizeof layers));
-        printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
-               nqm_directions_id(info.directions), info.jod_min, info.jod_max);
-        print_stored_calibration(&info);
-        printf("licence     %s\nsha256      %s\n", info.licence, info.sha256);
-        if (*info.manifest_sha256)
-            printf("trained on  %s (sha256 of the dataset)\n", info.manifest_sha256);
-        if (*info.card)
-            printf("\n%s%s", info.card, info.card[strlen(info.card) - 1] == '\n' ? "" : "\n");
-    }
+    nqm_model *model = open_model(name);
+    if (json)
+        print_document(json_model(model));
+    else
+        print_model_text(model);
     nqm_model_free(model);
-    return exit_code;
-}
-
-/* Replace a model by a copy whose hidden layers have 16-bit weights, with newly computed golden scores. */
-static int round_model(nqm_model **model) {
-    nqm_model *half;
-    nqm_error err = {0};
-    nqm_status status = nqm_model_copy(*model, &half, &err);
-    if (status == NQM_OK)
-        status = nqm_model_round_to_half(half, &err);
-    if (status == NQM_OK) {
-        nqm_free(half->golden);
-        status = nqm_golden_make(half, &half->golden, &err);
-    }
-    nqm_model_free(*model);
-    *model = half;
-    return status == NQM_OK ? EXIT_OK : report_error("models", &err);
+    return EXIT_OK;
 }
 
 static int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
-    nqm_model *model, *annotated = NULL;
-    char *notes = NULL;
     nqm_error err = {0};
     if (!output)
-        return report("models", EXIT_USAGE, "annotate needs -o FILE");
-    int exit_code = open_model("models", name, &model);
-    if (exit_code == EXIT_OK)
-        exit_code = read_text("models", notes_path, &notes);
-    if (exit_code == EXIT_OK && half)
-        exit_code = round_model(&model);
-    if (exit_code == EXIT_OK && (nqm_model_annotate(model, notes, &annotated, &err) != NQM_OK ||
-                                 nqm_model_save(annotated, output, &err) != NQM_OK))
-        exit_code = report_error("models", &err);
+        stop(EXIT_USAGE, "annotate needs -o FILE");
+    nqm_model *model = open_model(name), *annotated;
+    char *notes = read_text(notes_path);
+    if (half) { /* 16-bit weights in the hidden layers, with newly computed golden scores */
+        nqm_model *original = model;
+        must(nqm_model_copy(original, &model, &err), &err);
+        nqm_model_free(original);
+        must(nqm_model_round_to_half(model, &err), &err);
+        nqm_free(model->golden);
+        must(nqm_golden_make(model, &model->golden, &err), &err);
+    }
+    must(nqm_model_annotate(model, notes, &annotated, &err), &err);
+    must(nqm_model_save(annotated, output, &err), &err);
     free(notes);
     nqm_model_free(model);
     nqm_model_free(annotated);
-    return exit_code;
+    return EXIT_OK;
 }
 
 static int list_models(bool json) {
-    json_t *list = json_array();
+    json_t *list = json ? json_array() : NULL;
     if (!json && nqm_model_builtin_count() == 0)
-        fputs("nqm models: none is built in; `nqm train` makes model files\n", stderr);
+        report(EXIT_OK, "none is built in; `nqm train` makes model files");
     else if (!json)
         printf("%-12s %-10s %10s  %-24s %s\n", "model", "recipe", "parameters", "layers", "sha256");
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
-        nqm_model *model;
-        int exit_code = open_model("models", nqm_model_builtin_name(i), &model);
-        if (exit_code != EXIT_OK) {
-            json_decref(list);
-            return exit_code;
-        }
-        nqm_model_info info = nqm_model_get_info(model);
+        nqm_model *model = open_model(nqm_model_builtin_name(i));
+        const nqm_model_info info = nqm_model_get_info(model);
         char layers[200];
         if (json)
-            json_array_append_new(list, model_json(model));
+            json_array_append_new(list, json_model(model));
         else
             printf("%-12s %-10s %10zu  %-24s %.16s...\n", info.id, info.recipe, info.n_parameters,
                    layers_text(&info, layers, sizeof layers), info.sha256);
         nqm_model_free(model);
     }
-    if (json)
-        return print_json(json_pack("{s:i,s:o,s:o}", "schema", 1, "tool", json_tool(), "models", list));
-    json_decref(list);
-    return EXIT_OK;
+    return json ? print_document(json_pack("{s:o}", "models", list)) : EXIT_OK;
 }
 
 int cmd_models(int argc, char **argv) {
@@ -144,17 +136,12 @@ int cmd_models(int argc, char **argv) {
         .min_arguments = 0,
         .max_arguments = 3,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    if (n_arguments == 0)
-        return list_models(json);
-    if (n_arguments == 1 && strcmp(argv[0], "list") == 0)
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    if (n_arguments == 0 || (n_arguments == 1 && strcmp(argv[0], "list") == 0))
         return list_models(json);
     if (n_arguments == 2 && strcmp(argv[0], "show") == 0)
         return show_model(argv[1], json);
     if (n_arguments == 3 && strcmp(argv[0], "annotate") == 0)
         return annotate_model(argv[1], argv[2], half, output);
-    return report("models", EXIT_USAGE,
-                  "say `nqm models` `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
+    stop(EXIT_USAGE, "say `nqm models` `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
 }

@@ -39,7 +39,7 @@ static const char *find_recipe(int argc, char **argv) {
 /* ---- checks before the training ---------------------------------------------------------------------------------- */
 
 /* Check before hours of training that outputs can be written and that no checkpoint would be overwritten. */
-static int check_places(const train_arguments *a) {
+static void check_places(const train_arguments *a) {
     const char *paths[] = {a->output, a->options.run.checkpoint};
     for (size_t i = 0; i < 2; ++i) {
         char *copy = paths[i] && strcmp(paths[i], "-") != 0 ? strdup(paths[i]) : NULL;
@@ -50,14 +50,13 @@ static int check_places(const train_arguments *a) {
         int bad = is_folder ? EISDIR : access(dirname(copy), W_OK) != 0 ? errno : 0;
         free(copy);
         if (bad)
-            return report("train", EXIT_OPEN, "%s: cannot write: %s", paths[i], strerror(bad));
+            stop(EXIT_OPEN, "%s: cannot write: %s", paths[i], strerror(bad));
     }
     const char *checkpoint = a->options.run.checkpoint;
     if (a->options.run.resume && !checkpoint)
-        return report("train", EXIT_USAGE, "--resume needs --checkpoint FILE");
+        stop(EXIT_USAGE, "--resume needs --checkpoint FILE");
     if (checkpoint && !a->options.run.resume && access(checkpoint, F_OK) == 0)
-        return report("train", EXIT_USAGE, "%s exists: continue from it with --resume, or remove it", checkpoint);
-    return EXIT_OK;
+        stop(EXIT_USAGE, "%s exists: continue from it with --resume, or remove it", checkpoint);
 }
 
 /* ---- training ---------------------------------------------------------------------------------------------------- */
@@ -76,52 +75,43 @@ static void on_epoch(void *user, size_t epoch, double train_loss, double validat
     fflush(log->stream);
 }
 
-/* Train with progress on the terminal, write the losses of each epoch (a->log) and the model, and load the written file
- * (*model_ret; NULL if it is standard output). Reports errors; returns an exit code. */
-static int train_and_save(const train_arguments *a, const nqm_dataset *dataset, const char *card, nqm_model **model_ret,
-                          nqm_train_report *report_ret) {
+/* Train with progress on the terminal, write the losses of each epoch (a->log) and the model, and load the written file;
+ * NULL if it is standard output. */
+static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *dataset, nqm_train_report *report_ret) {
     nqm_error err = {0};
-    nqm_model *trained = NULL;
+    nqm_model *trained, *loaded = NULL;
     nqm_train_options o = a->options;
     output_file log = {0};
-    int exit_code = a->log ? open_output("train", a->log, &log) : EXIT_OK;
-    if (exit_code != EXIT_OK)
-        return exit_code;
-    if (log.stream)
+    if (a->log) {
+        open_output(a->log, &log);
         fputs("epoch,train_loss,validation_loss,lr_first\n", log.stream);
+    }
     epoch_log epochs = {o.id, log.stream};
-    o.card = card;
     o.run.progress = show_progress;
     o.run.epoch_done = on_epoch;
     o.run.epoch_user = &epochs;
-    nqm_status status = nqm_train(dataset, &o, &trained, report_ret, &err);
-    if (status == NQM_OK)
-        status = nqm_model_save(trained, output_path(a->output), &err);
-    if (status == NQM_OK && strcmp(a->output, "-") != 0)
-        status = nqm_model_load(a->output, model_ret, &err);
-    if (status != NQM_OK)
-        exit_code = report_error("train", &err);
+    must(nqm_train(dataset, &o, &trained, report_ret, &err), &err);
+    must(nqm_model_save(trained, output_path(a->output), &err), &err);
     nqm_model_free(trained);
-    int log_code = close_output("train", &log, exit_code == EXIT_OK);
-    if (exit_code == EXIT_OK && log_code != EXIT_OK) {
-        nqm_model_free(*model_ret);
-        *model_ret = NULL;
-    }
-    return exit_code == EXIT_OK ? log_code : exit_code;
+    if (strcmp(a->output, "-") != 0)
+        must(nqm_model_load(a->output, &loaded, &err), &err);
+    close_output(&log);
+    return loaded;
 }
 
-static int print_report(const train_arguments *a, const nqm_train_report *r, const nqm_model_info *info) {
+static void print_report(const train_arguments *a, const nqm_train_report *r, const nqm_model_info *info) {
     const char *path = a->output;
-    if (a->json)
-        return print_json(json_pack("{s:i,s:o,s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o}",
-                                    "schema", 1, "tool", json_tool(), "model", "path", path, "id", info->id, "recipe",
-                                    info->recipe, "sha256", info->sha256, "parameters", (json_int_t)info->n_parameters,
-                                    "n_train", (json_int_t)r->n_train, "n_validation", (json_int_t)r->n_validation,
-                                    "epochs", (json_int_t)r->epochs, "epochs_resumed", (json_int_t)r->epochs_resumed,
-                                    "steps", (json_int_t)r->n_steps, "train_loss", json_number(r->train_loss),
-                                    "validation_loss", json_number(r->validation_loss), "validation_spearman",
-                                    json_number(r->validation_spearman), "calibration",
-                                    calibration_json(&r->calibration), "seconds", json_number(r->seconds)));
+    if (a->json) {
+        print_document(json_pack("{s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o}", "model", "path",
+                                 path, "id", info->id, "recipe", info->recipe, "sha256", info->sha256, "parameters",
+                                 (json_int_t)info->n_parameters, "n_train", (json_int_t)r->n_train, "n_validation",
+                                 (json_int_t)r->n_validation, "epochs", (json_int_t)r->epochs, "epochs_resumed",
+                                 (json_int_t)r->epochs_resumed, "steps", (json_int_t)r->n_steps, "train_loss",
+                                 json_number(r->train_loss), "validation_loss", json_number(r->validation_loss),
+                                 "validation_spearman", json_number(r->validation_spearman), "calibration",
+                                 calibration_json(&r->calibration), "seconds", json_number(r->seconds)));
+        return;
+    }
     end_progress();
     printf("model       %s (id %s, recipe %s, %zu parameters)\n", path, info->id, info->recipe, info->n_parameters);
     printf("sha256      %s\n", info->sha256);
@@ -136,38 +126,14 @@ static int print_report(const train_arguments *a, const nqm_train_report *r, con
     else
         printf("interval    none: %s\n", a->options.split.by_pair ? "the validation materials were trained on"
                                                                   : "too few validation pairs or materials");
-    return EXIT_OK;
-}
-
-static int run_training(const train_arguments *a, const char *dataset_path) {
-    nqm_dataset *dataset = NULL;
-    nqm_model *model = NULL;
-    nqm_train_report training;
-    char *card = NULL;
-    int exit_code = check_places(a);
-    if (exit_code == EXIT_OK && a->card)
-        exit_code = read_text("train", a->card, &card);
-    if (exit_code == EXIT_OK)
-        exit_code = open_dataset("train", dataset_path, a->labels, NQM_SPLIT_ALL, &dataset);
-    if (exit_code == EXIT_OK)
-        exit_code = train_and_save(a, dataset, card, &model, &training);
-    if (model) { /* otherwise standard output contains the model */
-        nqm_model_info info = nqm_model_get_info(model);
-        exit_code = print_report(a, &training, &info);
-    }
-    nqm_model_free(model);
-    nqm_dataset_free(dataset);
-    free(card);
-    return exit_code;
 }
 
 int cmd_train(int argc, char **argv) {
     train_arguments a = {0};
     nqm_error err = {0};
-    if (nqm_train_options_recipe(find_recipe(argc, argv), &a.options, &err) != NQM_OK)
-        return report_error("train", &err);
+    must(nqm_train_options_recipe(find_recipe(argc, argv), &a.options, &err), &err);
     const option options[] = {
-        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "the model file to write", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &a.output, "FILE", "the model file to write", 0, 0},
         {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
         {"log", 0, OPTION_TEXT, &a.log, "CSV", "write the losses of each epoch", 0, 0},
         {"card", 0, OPTION_TEXT, &a.card, "FILE", "Markdown to append to the model card", 0, 0},
@@ -190,10 +156,19 @@ int cmd_train(int argc, char **argv) {
         .min_arguments = 1,
         .max_arguments = 1,
     };
-    int n_arguments, exit_code;
-    if (!parse_arguments(&cmd, argc, argv, &n_arguments, &exit_code))
-        return exit_code;
-    if (!a.output)
-        return report("train", EXIT_USAGE, "give the model file to write: -o FILE");
-    return run_training(&a, argv[0]);
+    parse_arguments(&cmd, argc, argv);
+    check_places(&a);
+    char *card = a.card ? read_text(a.card) : NULL;
+    nqm_dataset *dataset = open_dataset(argv[0], a.labels, NQM_SPLIT_ALL);
+    nqm_train_report training;
+    a.options.card = card;
+    nqm_model *model = train_and_save(&a, dataset, &training);
+    if (model) { /* otherwise standard output contains the model */
+        const nqm_model_info info = nqm_model_get_info(model);
+        print_report(&a, &training, &info);
+    }
+    nqm_model_free(model);
+    nqm_dataset_free(dataset);
+    free(card);
+    return EXIT_OK;
 }
