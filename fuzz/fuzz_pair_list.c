@@ -20,19 +20,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
         must(!list && err.message[0]);
         return 0;
     }
-    size_t n_columns = nqm_pair_list_columns(list), n_text = 0;
-    for (size_t row = 0; row < nqm_pair_list_count(list); ++row) {
-        const nqm_list_cell *cells;
-        size_t n_cells = nqm_pair_list_cells(list, row, &cells);
-        must(n_cells >= 2);
-        for (size_t i = 0; i < n_cells; ++i) {
-            must(cells[i].column < n_columns && nqm_pair_list_column(list, cells[i].column));
-            n_text += strlen(cells[i].text);
+    size_t n_text = 0;
+    for (size_t row = 0; row < list->n_rows; ++row) {
+        must(list->row_begin[row + 1] >= list->row_begin[row] + 2);
+        for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i) {
+            must(list->cell[i].column < list->n_columns && list->column[list->cell[i].column]);
+            n_text += strlen(list->cell[i].text);
         }
-        n_text += strlen(nqm_pair_list_pairs(list)[row].ref) + strlen(nqm_pair_list_pairs(list)[row].test);
+        n_text += strlen(list->pair[row].ref) + strlen(list->pair[row].test);
     }
     must(n_text <= 60 * (n_bytes + 1));
-    must(strlen(nqm_pair_list_sha256(list)) == 64);
+    must(strlen(list->sha256) == 64);
     nqm_pair_list_free(list);
     return 0;
 }
