@@ -14,9 +14,7 @@
 typedef struct judging {
     const nqm_judgement *j;
     size_t n_resamples;
-    double *sums;      /* (n_predictors, n_groups, NQM_SUM_COUNT); one block holds all four */
-    size_t *occurring; /* (n_occurring) indices of the groups with pairs */
-    size_t n_occurring;
+    double *sums;       /* (n_predictors, n_groups, NQM_SUM_COUNT); one block holds all three */
     double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
     double *scratch;    /* (n_resamples) */
 } judging;
@@ -67,24 +65,18 @@ static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_err
         w->n_resamples = 0; /* every resample of one material is equal: an interval of width 0 would be misleading */
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&w->sums, j->n_predictors * j->n_groups, NQM_SUM_COUNT * sizeof *w->sums},
-                   {&w->occurring, j->n_groups, sizeof *w->occurring},
                    {&w->statistics, j->n_predictors * NQM_STATISTIC_COUNT, w->n_resamples * sizeof *w->statistics},
                    {&w->scratch, w->n_resamples, sizeof *w->scratch}),
         err);
     if (status != NQM_OK)
         return status;
-    for (size_t g = 0; g < j->n_groups; ++g)
-        if (j->group_begin[g + 1] > j->group_begin[g])
-            w->occurring[w->n_occurring++] = g;
     for (size_t i = 0; i < j->n_predictors * j->n_groups; ++i)
         sum_group(j, i / j->n_groups, i % j->n_groups, w->sums + i * NQM_SUM_COUNT);
     const nqm_bootstrap b = {.judgement = j,
                              .sums = w->sums,
                              .seed = seed,
                              .n_resamples = w->n_resamples,
-                             .without_kendall = without_kendall,
-                             .n_occurring = w->n_occurring,
-                             .occurring = w->occurring};
+                             .without_kendall = without_kendall};
     return nqm_bootstrap_run(&b, w->statistics, err);
 }
 
@@ -129,7 +121,7 @@ static nqm_estimate *estimate_of(nqm_agreement *a, int statistic) {
 static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a) {
     const nqm_judgement *j = w->j;
     double statistics[NQM_STATISTIC_COUNT];
-    *a = (nqm_agreement){.n = j->n, .n_materials = w->n_occurring};
+    *a = (nqm_agreement){.n = j->n, .n_materials = j->n_groups};
     a->n_ordered = plain_statistics(w, predictor, statistics);
     statistics[NQM_STATISTIC_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
     for (int f = 0; f < NQM_STATISTIC_COUNT; ++f) {

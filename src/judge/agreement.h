@@ -14,14 +14,14 @@ enum { NQM_MIN_PAIRS_OF_GROUP = 3 }; /* with fewer, the rank correlation of a gr
 /** Predictions and labels of n pairs, sorted by group. Higher predictions must mean higher labels. */
 typedef struct nqm_judgement {
     size_t n, n_groups, n_predictors;
-    const size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); may be empty */
+    const size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); not empty */
     const double *label;       /* (n) */
     const double *prediction;  /* (n_predictors, n) finite */
     double order_margin;       /* two pairs of a group have an order if their labels differ by more than this; >= 0 */
 } nqm_judgement;
 
 /** Compute results (n_predictors), except name and flags. The intervals are the 2.5 and 97.5 percentiles over
- * n_bootstrap resamples, with replacement, of the groups that contain pairs (0: the intervals are NaN). All predictors
+ * n_bootstrap resamples, with replacement, of the groups (0, or fewer than 2 groups: the intervals are NaN). All predictors
  * use the same resamples. */
 NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                     nqm_agreement *results, nqm_error *err);

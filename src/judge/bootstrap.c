@@ -11,6 +11,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 /* ---- statistics of sums ------------------------------------------------------------------------------------------ */
 
@@ -105,11 +106,9 @@ static double rank_levels(const shared *sh, const resample *s, size_t r, double 
     const uint32_t *level = sh->level + r * j->n;
     for (size_t k = 0; k < sh->n_levels[r]; ++k)
         s->level_weight[k] = 0;
-    for (size_t k = 0; k < sh->b->n_occurring; ++k) {
-        size_t g = sh->b->occurring[k];
+    for (size_t g = 0; g < j->n_groups; ++g)
         for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
             s->level_weight[level[i]] += s->weight[g];
-    }
     double below = 0, squares = 0;
     for (size_t k = 0; k < sh->n_levels[r]; ++k) {
         double w = s->level_weight[k];
@@ -125,11 +124,9 @@ static double resample_spearman(const shared *sh, const resample *s, size_t r) {
     const nqm_judgement *j = sh->b->judgement;
     const uint32_t *label_level = sh->level, *level = sh->level + r * j->n;
     double squares = rank_levels(sh, s, r, s->rank), products = 0;
-    for (size_t k = 0; k < sh->b->n_occurring; ++k) {
-        size_t g = sh->b->occurring[k];
+    for (size_t g = 0; g < j->n_groups; ++g)
         for (size_t i = j->group_begin[g]; s->weight[g] > 0 && i < j->group_begin[g + 1]; ++i)
             products += s->weight[g] * s->label_rank[label_level[i]] * s->rank[level[i]];
-    }
     return squares > 0 && s->label_squares > 0 ? products / sqrt(squares) / sqrt(s->label_squares) : NAN;
 }
 
@@ -179,26 +176,26 @@ static double resample_kendall(const shared *sh, const resample *s, size_t predi
 /* Statistics of one predictor other than Spearman and Kendall. */
 static void resample_sums(const shared *sh, const resample *s, size_t predictor,
                           double statistics[NQM_STATISTIC_COUNT]) {
-    const double *sums = sh->b->sums + predictor * sh->b->judgement->n_groups * NQM_SUM_COUNT;
+    const size_t n_groups = sh->b->judgement->n_groups;
+    const double *sums = sh->b->sums + predictor * n_groups * NQM_SUM_COUNT;
     double total[NQM_SUM_COUNT] = {0};
-    for (size_t k = 0; k < sh->b->n_occurring; ++k) {
-        size_t g = sh->b->occurring[k];
+    for (size_t g = 0; g < n_groups; ++g)
         for (size_t i = 0; s->weight[g] > 0 && i < NQM_SUM_COUNT; ++i)
             total[i] += s->weight[g] * sums[g * NQM_SUM_COUNT + i];
-    }
     nqm_statistics_of_sums(total, statistics);
 }
 
-void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_occurring, const size_t *occurring, double *weight) {
+void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_groups, double *weight) {
     nqm_rng rng = nqm_rng_make(seed, index);
-    for (size_t k = 0; k < n_occurring; ++k)
-        weight[occurring[nqm_rng_below(&rng, n_occurring)]] += 1;
+    memset(weight, 0, n_groups * sizeof *weight);
+    for (size_t k = 0; k < n_groups; ++k)
+        weight[nqm_rng_below(&rng, n_groups)] += 1;
 }
 
 static void fill_resample(shared *sh, size_t index, resample *s) {
     const nqm_bootstrap *b = sh->b;
     const nqm_judgement *j = b->judgement;
-    nqm_bootstrap_draw(b->seed, index, b->n_occurring, b->occurring, s->weight);
+    nqm_bootstrap_draw(b->seed, index, j->n_groups, s->weight);
     for (size_t g = 0; g < j->n_groups; ++g)
         s->n += s->weight[g] * (double)(j->group_begin[g + 1] - j->group_begin[g]);
     s->label_squares = rank_levels(sh, s, 0, s->label_rank);

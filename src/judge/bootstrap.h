@@ -48,12 +48,10 @@ typedef struct nqm_bootstrap {
     uint64_t seed;
     size_t n_resamples;
     bool without_kendall; /* skip Kendall (NaN), the slowest statistic */
-    size_t n_occurring;
-    const size_t *occurring; /* (n_occurring) indices of the groups with pairs, ascending */
 } nqm_bootstrap;
 
-/** Draw resample `index`: adds to weight (n_groups), zeroed by the caller, how often each group is drawn. */
-void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_occurring, const size_t *occurring, double *weight);
+/** Draw resample `index`: sets weight (n_groups) to how often each group is drawn. */
+void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_groups, double *weight);
 
 /** Compute statistics (n_predictors, NQM_STATISTIC_COUNT, n_resamples). The result does not depend on the number of
  *  threads. */

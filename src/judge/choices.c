@@ -7,6 +7,7 @@
 #include "judge/evaluate.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- reproduced choices ------------------------------------------------------------------------------------------ */
 
@@ -14,13 +15,12 @@
 typedef struct tally {
     const nqm_human *human;
     const nqm_evaluation *ev;
-    size_t n_groups, n_resamples, n_occurring;
-    size_t *occurring; /* (n_occurring) indices of the groups with choices; owns the block of all arrays */
-    double *choices;   /* (n_groups) number of choices */
-    double *met;       /* (n_predictors, n_groups) number of choices that the predictor reproduces */
-    double *weight;    /* (n_groups) scratch */
-    double *share;     /* (n_predictors, n_resamples) fraction of choices reproduced */
-    double *scratch;   /* (n_resamples) */
+    size_t n_groups, n_resamples; /* n_groups: with choices */
+    double *choices;              /* (n_groups) number of choices; owns the block of all arrays */
+    double *met;                  /* (n_groups, n_predictors) number of choices that the predictor reproduces */
+    double *weight;               /* (n_groups) scratch */
+    double *share;                /* (n_predictors, n_resamples) fraction of choices reproduced */
+    double *scratch;              /* (n_resamples) */
 } tally;
 
 /* 1: the predictor rates a better; 0: b; 0.5: both equal. */
@@ -48,13 +48,12 @@ static double majority_share(const tally *w, size_t predictor) {
     return n > 0 ? met / n : NAN;
 }
 
-/* Fraction of choices reproduced over the occurring groups; weight NULL: each counts once. */
+/* Fraction of choices reproduced ; weight NULL: each group counts once. */
 static double share_of(const tally *w, size_t predictor, const double *weight) {
     double met = 0, choices = 0;
-    for (size_t k = 0; k < w->n_occurring; ++k) {
-        size_t g = w->occurring[k];
+    for (size_t g = 0; g < w->n_groups; ++g) {
         double times = weight ? weight[g] : 1;
-        met += times * w->met[predictor * w->n_groups + g];
+        met += times * w->met[g * w->ev->n_predictors + predictor];
         choices += times * w->choices[g];
     }
     return met / choices;
@@ -62,9 +61,7 @@ static double share_of(const tally *w, size_t predictor, const double *weight) {
 
 static void resample(tally *w, uint64_t seed) {
     for (size_t i = 0; i < w->n_resamples; ++i) {
-        for (size_t g = 0; g < w->n_groups; ++g)
-            w->weight[g] = 0;
-        nqm_bootstrap_draw(seed, i, w->n_occurring, w->occurring, w->weight);
+        nqm_bootstrap_draw(seed, i, w->n_groups, w->weight);
         for (size_t p = 0; p < w->ev->n_predictors; ++p)
             w->share[p * w->n_resamples + i] = share_of(w, p, w->weight);
     }
@@ -86,26 +83,27 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
     nqm_status status = check(w->human, w->ev, err);
     if (status != NQM_OK)
         return status;
-    w->n_groups = w->human->dataset->n_groups;
-    w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* no interval for a single group, as in nqm_judge() */
-    status = nqm_alloc_arrays(NQM_ARRAYS({&w->occurring, w->n_groups, sizeof *w->occurring},
-                                         {&w->choices, w->n_groups, sizeof *w->choices},
-                                         {&w->met, w->ev->n_predictors, w->n_groups * sizeof *w->met},
-                                         {&w->weight, w->n_groups, sizeof *w->weight},
-                                         {&w->share, w->ev->n_predictors, w->n_resamples * sizeof *w->share},
-                                         {&w->scratch, w->n_resamples, sizeof *w->scratch}),
+    const size_t n_groups = w->human->dataset->n_groups, n_predictors = w->ev->n_predictors;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&w->choices, n_groups, sizeof *w->choices},
+                                         {&w->met, n_groups, n_predictors * sizeof *w->met},
+                                         {&w->weight, n_groups, sizeof *w->weight},
+                                         {&w->share, n_predictors, o.n_bootstrap * sizeof *w->share},
+                                         {&w->scratch, o.n_bootstrap, sizeof *w->scratch}),
                               err);
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < w->human->n_triplets; ++i) {
         const nqm_triplet *t = &w->human->triplets[i];
         w->choices[t->group] += t->n_a + t->n_b;
-        for (size_t p = 0; p < w->ev->n_predictors; ++p)
-            w->met[p * w->n_groups + t->group] += met_by(w->ev, p, t);
+        for (size_t p = 0; p < n_predictors; ++p)
+            w->met[t->group * n_predictors + p] += met_by(w->ev, p, t);
     }
-    for (size_t g = 0; g < w->n_groups; ++g)
-        if (w->choices[g] > 0)
-            w->occurring[w->n_occurring++] = g;
+    for (size_t g = 0; g < n_groups; ++g)
+        if (w->choices[g] > 0) { /* leave out the groups without choices */
+            w->choices[w->n_groups] = w->choices[g];
+            memmove(w->met + w->n_groups++ * n_predictors, w->met + g * n_predictors, n_predictors * sizeof *w->met);
+        }
+    w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* no interval for a single group, as in nqm_judge() */
     resample(w, o.seed);
     return NQM_OK;
 }
@@ -134,7 +132,7 @@ nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation 
     }
     if (status == NQM_OK)
         mark_best(ev->n_models, results);
-    nqm_free(w.occurring);
+    nqm_free(w.choices);
     return status;
 }
 
@@ -148,6 +146,6 @@ nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluati
         *difference_ret =
             nqm_difference_of(share_of(&w, first, NULL) - share_of(&w, second, NULL), w.n_resamples,
                               w.share + first * w.n_resamples, w.share + second * w.n_resamples, w.scratch);
-    nqm_free(w.occurring);
+    nqm_free(w.choices);
     return status;
 }

@@ -21,10 +21,10 @@ struct nqm_evaluation {
     const char **names; /* (n_predictors) */
 };
 
-/** The pairs selected by options, sorted by material group. */
+/** The pairs selected by options, sorted by material group; groups without such pairs are left out. */
 typedef struct nqm_selection {
-    size_t n;
-    size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); may be empty */
+    size_t n, n_groups;
+    size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]) */
     size_t *pairs;       /* (n) */
 } nqm_selection;
 

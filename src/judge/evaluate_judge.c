@@ -41,7 +41,7 @@ static nqm_status begin(const nqm_evaluation *ev, const nqm_eval_options *o, cho
     if (status == NQM_OK)
         status = collect(ev, c, err);
     *j = (nqm_judgement){.n = c->pairs.n,
-                         .n_groups = ev->dataset->n_groups,
+                         .n_groups = c->pairs.n_groups,
                          .n_predictors = ev->n_predictors,
                          .group_begin = c->pairs.group_begin,
                          .label = c->label,

@@ -22,40 +22,41 @@ static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t
            is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }
 
-/* Select the pairs, with a counting sort by group. */
-static nqm_status select_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, nqm_selection *s, nqm_error *err) {
+/* Sort the selected pairs by group, by counting. */
+static void sort_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, nqm_selection *s) {
     const nqm_dataset *d = ev->dataset;
-    size_t *next = nqm_alloc(d->n_groups, sizeof *next);
-    s->group_begin = nqm_alloc(d->n_groups + 1, sizeof *s->group_begin);
-    s->pairs = nqm_alloc(d->n_pairs, sizeof *s->pairs);
-    bool ok = next && s->group_begin && s->pairs;
-    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
-        s->group_begin[d->ref_group[d->pair_ref[pair]] + 1] += selected(ev, o, pair);
-    for (size_t g = 0; ok && g < d->n_groups; ++g) {
-        next[g] = s->group_begin[g];
-        s->group_begin[g + 1] += s->group_begin[g];
-    }
-    for (size_t pair = 0; ok && pair < d->n_pairs; ++pair)
+    size_t *next = s->group_begin + 1; /* first the number of pairs of each group, one place further */
+    for (size_t pair = 0; pair < d->n_pairs; ++pair)
+        next[d->ref_group[d->pair_ref[pair]] + 1] += selected(ev, o, pair);
+    for (size_t g = 0; g < d->n_groups; ++g)
+        next[g + 1] += next[g];
+    for (size_t pair = 0; pair < d->n_pairs; ++pair)
         if (selected(ev, o, pair))
             s->pairs[next[d->ref_group[d->pair_ref[pair]]]++] = pair;
-    nqm_free(next);
-    s->n = ok ? s->group_begin[d->n_groups] : 0;
-    return ok ? NQM_OK : nqm_fail_nomem(err, (2 * d->n_groups + d->n_pairs) * sizeof *next);
+    s->n = s->group_begin[d->n_groups];
+    for (size_t g = 0; g < d->n_groups; ++g) /* leave out the groups without pairs */
+        if (s->group_begin[g + 1] > s->group_begin[g])
+            s->group_begin[s->n_groups++] = s->group_begin[g];
+    s->group_begin[s->n_groups] = s->n;
 }
 
 nqm_status nqm_selection_create(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_selection *s,
                                 nqm_error *err) {
     *s = (nqm_selection){0};
-    nqm_status status = select_pairs(ev, options, s, err);
-    if (status == NQM_OK && s->n == 0)
-        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair is left to judge on");
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&s->group_begin, ev->dataset->n_groups + 2, sizeof *s->group_begin},
+                                    {&s->pairs, ev->dataset->n_pairs, sizeof *s->pairs}),
+                         err);
     if (status != NQM_OK)
-        nqm_selection_free(s);
-    return status;
+        return status;
+    sort_pairs(ev, options, s);
+    if (s->n > 0)
+        return NQM_OK;
+    nqm_selection_free(s);
+    return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair is left to judge on");
 }
 
 void nqm_selection_free(nqm_selection *s) {
     nqm_free(s->group_begin);
-    nqm_free(s->pairs);
     *s = (nqm_selection){0};
 }

@@ -45,8 +45,13 @@ static int read_pairs(void **state) {
     }
     for (size_t g = 0; g < N_GROUPS; ++g)
         group_begin[g + 1] += group_begin[g];
+    size_t n_groups = 0;
+    for (size_t g = 0; g < N_GROUPS; ++g) /* without the empty one */
+        if (group_begin[g + 1] > group_begin[g])
+            group_begin[n_groups++] = group_begin[g];
+    group_begin[n_groups] = n;
     judgement = (nqm_judgement){.n = n,
-                                .n_groups = N_GROUPS,
+                                .n_groups = n_groups,
                                 .n_predictors = N_PREDICTORS,
                                 .group_begin = group_begin,
                                 .label = label,
@@ -96,14 +101,11 @@ static void add_orders(const double *x, const double *y, size_t begin, size_t en
 static void repeat_pairs(uint64_t seed, size_t index, size_t predictor, double figures[N_FIGURES]) {
     enum { MAX_REPEATED = 13 * MAX_PAIRS };
     static double x[MAX_REPEATED], y[MAX_REPEATED];
-    size_t occurring[N_GROUPS], n_occurring = 0, n = 0, n_rho = 0;
+    size_t n = 0, n_rho = 0;
     double sum = 0, right = 0, ordered = 0, absolute = 0, squared = 0, variance = 0;
-    for (size_t g = 0; g < N_GROUPS; ++g)
-        if (group_begin[g + 1] > group_begin[g])
-            occurring[n_occurring++] = g;
     nqm_rng rng = nqm_rng_make(seed, index);
-    for (size_t k = 0; k < n_occurring; ++k) {
-        size_t g = occurring[nqm_rng_below(&rng, n_occurring)], first = n;
+    for (size_t k = 0; k < judgement.n_groups; ++k) {
+        size_t g = nqm_rng_below(&rng, judgement.n_groups), first = n;
         for (size_t i = group_begin[g]; i < group_begin[g + 1]; ++i) {
             x[n] = prediction[predictor * judgement.n + i];
             y[n++] = label[i];
