@@ -4,7 +4,6 @@
  * predictors. bootstrap.c draws the resamples.
  */
 #include "judge/agreement.h"
-#include "judge/bootstrap.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * The fraction of people's choices between two tests that predictors reproduce.
  */
 #include "data/human.h"
-#include "judge/bootstrap.h"
+#include "judge/agreement.h"
 #include "judge/evaluate.h"
 
 #include <math.h>

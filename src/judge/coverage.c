@@ -2,7 +2,7 @@
  *
  * Coverage of a model's intervals: the fraction of labels inside, over all pairs, by material and by predicted JOD.
  */
-#include "judge/bootstrap.h"
+#include "judge/agreement.h"
 #include "judge/evaluate.h"
 #include "model/model.h"
 

@@ -25,7 +25,7 @@ typedef struct job {
     nqm_precision precision;
     pass_kind pass;
     size_t m, n, k;
-    float *x, *w, *c;     /* A or its transpose, B or its transpose, row-major; C */
+    float *x, *w, *c;     /* A or its transpose, which owns the block of all arrays; B or its transpose, row-major; C */
     nqm_panels panels;    /* B; the gradient */
     uint32_t *rows;       /* A as packed 32-bit words; for a weight gradient the columns of A */
     uint32_t *rows_right; /* weight gradient: the columns of B */
@@ -108,10 +108,6 @@ static void fill_rows(job *j) {
 
 static void free_job(job *j) {
     nqm_free(j->x);
-    nqm_free(j->w);
-    nqm_free(j->c);
-    nqm_free(j->rows);
-    nqm_free(j->rows_right);
     nqm_panels_free(&j->panels);
     nqm_bench_onednn_free(j->onednn);
 }
@@ -135,15 +131,16 @@ static nqm_status make_job(job *j, nqm_error *err) {
         status = nqm_bench_onednn_create(j->precision, gradient, j->m, j->n, j->k, &j->onednn, err);
     if (status != NQM_OK)
         return status;
-    j->x = nqm_alloc(j->m * j->k, sizeof *j->x);
-    j->w = nqm_alloc(j->n * j->k, sizeof *j->w);
-    j->c = nqm_alloc(j->m * nqm_row_stride(j->n), sizeof *j->c);
-    j->rows = gradient ? nqm_alloc(nqm_columns_size(j->precision, NQM_STRIP, j->k, j->m), sizeof *j->rows)
-                       : nqm_alloc(j->m, nqm_row_stride(j->panels.words) * sizeof *j->rows);
-    if (gradient)
-        j->rows_right = nqm_alloc(nqm_columns_size(j->precision, NQM_PANEL, j->k, j->n), sizeof *j->rows_right);
-    if (!j->x || !j->w || !j->c || !j->rows || (gradient && !j->rows_right))
-        return nqm_fail_nomem(err, (j->m + j->n) * j->k * sizeof *j->x);
+    const size_t n_rows =
+        gradient ? nqm_columns_size(j->precision, NQM_STRIP, j->k, j->m) : j->m * nqm_row_stride(j->panels.words);
+    const size_t n_right = gradient ? nqm_columns_size(j->precision, NQM_PANEL, j->k, j->n) : 0;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&j->x, j->m * j->k, sizeof *j->x}, {&j->w, j->n * j->k, sizeof *j->w},
+                                         {&j->c, j->m * nqm_row_stride(j->n), sizeof *j->c},
+                                         {&j->rows, n_rows, sizeof *j->rows},
+                                         {&j->rows_right, n_right, sizeof *j->rows_right}),
+                              err);
+    if (status != NQM_OK)
+        return status;
     fill_random(j->m * j->k, j->x, 1);
     fill_random(j->n * j->k, j->w, 2);
     if (gradient) {

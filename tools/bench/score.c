@@ -75,24 +75,19 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
     nqm_status status = nqm_bench_pairs(N_REFS, model->directions, &d, err);
     if (status != NQM_OK)
         return status;
-    const size_t n_in = model->params.shape.sizes[0];
-    *p = (material_pairs){
-        .n = MAX_BATCH + TURNS * TESTS_PER_REF, .n_values = 3 * model->directions->n, .stride = nqm_row_stride(n_in)};
-    p->x = nqm_alloc(2 * p->n, (p->stride + p->n_values) * sizeof *p->x);
-    if (!p->x) {
-        status = nqm_fail_nomem(err, 2 * p->n * (p->stride + p->n_values) * sizeof *p->x);
-    } else {
-        p->x_shared = p->x + p->n * p->stride;
-        p->ref = p->x_shared + p->n * p->stride;
-        p->test = p->ref + p->n * p->n_values;
-        const size_t tests_per_ref = d->n_pairs / d->n_refs;
-        for (size_t i = 0; i < p->n; ++i) {
-            const size_t ref = i % N_REFS, test = ref * tests_per_ref + i / N_REFS;
-            memcpy(p->ref + i * p->n_values, d->ref_rgb + ref * p->n_values, p->n_values * sizeof *p->ref);
-            memcpy(p->test + i * p->n_values, d->test_rgb + test * p->n_values, p->n_values * sizeof *p->test);
-        }
-        fill_inputs(p, n_in, p->n_values);
+    const size_t n_in = model->params.shape.sizes[0], n = MAX_BATCH + TURNS * TESTS_PER_REF;
+    *p = (material_pairs){.n = n, .n_values = 3 * model->directions->n, .stride = nqm_row_stride(n_in)};
+    status = nqm_alloc_arrays(
+        NQM_ARRAYS({&p->x, n, p->stride * sizeof *p->x}, {&p->x_shared, n, p->stride * sizeof *p->x},
+                   {&p->ref, n, p->n_values * sizeof *p->ref}, {&p->test, n, p->n_values * sizeof *p->test}),
+        err);
+    for (size_t i = 0; i < n && status == NQM_OK; ++i) {
+        const size_t ref = i % N_REFS, test = ref * (d->n_pairs / d->n_refs) + i / N_REFS;
+        memcpy(p->ref + i * p->n_values, d->ref_rgb + ref * p->n_values, p->n_values * sizeof *p->ref);
+        memcpy(p->test + i * p->n_values, d->test_rgb + test * p->n_values, p->n_values * sizeof *p->test);
     }
+    if (status == NQM_OK)
+        fill_inputs(p, n_in, p->n_values);
     nqm_dataset_free(d);
     return status;
 }
@@ -129,10 +124,10 @@ static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const 
 
 static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const char *id, const material_pairs *pairs,
                               size_t batch, nqm_precision precision, nqm_error *err) {
-    job own = {.pairs = pairs, .batch = batch}, shared = {.pairs = pairs, .batch = batch, .is_shared = true};
+    job own = {.pairs = pairs, .batch = batch};
     nqm_status status = make_job(&own, model, precision, err);
-    if (status == NQM_OK)
-        status = make_job(&shared, model, precision, err);
+    job shared = own; /* with the same workspaces */
+    shared.is_shared = true;
     if (status == NQM_OK) {
         const nqm_bench_contender contenders[] = {
             {run_network, &own, NULL}, {run_all, &own, NULL}, {run_network, &shared, NULL}, {run_all, &shared, NULL}};
@@ -146,8 +141,6 @@ static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const ch
     }
     nqm_inference_work_free(own.work);
     nqm_predictor_free(own.predictor);
-    nqm_inference_work_free(shared.work);
-    nqm_predictor_free(shared.predictor);
     return status;
 }
 
