@@ -165,28 +165,28 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tool", required=True, help="the nqm to compare")
     parser.add_argument("--model", required=True, help="a model file of layout ref_test")
-    parser.add_argument("--packages", required=True, help="folder whose node_modules holds onnxruntime-node")
+    parser.add_argument("--packages", required=True, help="folder whose node_modules contains onnxruntime-node")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--turns", type=int, default=7)
-    parser.add_argument("--rounds", type=int, default=3, help="timings of each figure a turn")
+    parser.add_argument("--rounds", type=int, default=3, help="timings of each value in a turn")
     parser.add_argument("--seconds", type=float, default=0.02, help="that a timing takes at least")
     parser.add_argument("--only", choices=["score", "train"])
-    parser.add_argument("--json", help="file for all figures")
+    parser.add_argument("--json", help="file for all values")
     args = parser.parse_args()
-    figures = {}
+    results = {}
     if args.only != "train":
         with tempfile.TemporaryDirectory() as folder:
             scores = race_scores(args, folder)
         print_scores(scores)
-        figures["scoring"] = [{"batch": b, "precision": p, "by": w, "seconds": t} for (b, p, w), t in scores.items()]
+        results["scoring"] = [{"batch": b, "precision": p, "by": w, "seconds": t} for (b, p, w), t in scores.items()]
     if args.only != "score":
         training, memory = race_training(args)
         print_training(training, memory)
-        figures["training"] = [{"precision": p, "by": w, "epoch_seconds": t, "max_rss_mb": memory[p, w]}
+        results["training"] = [{"precision": p, "by": w, "epoch_seconds": t, "max_rss_mb": memory[p, w]}
                                for (p, w), t in training.items()]
     if args.json:
         with open(args.json, "w", encoding="utf-8") as out:
-            json.dump(figures, out, indent=2)
+            json.dump(results, out, indent=2)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ typedef struct nqm_estimate {
 
 /** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {
-    const char *name;      /**< the model's id, else nqm_metric_name(); borrowed */
+    const char *name;      /**< the model's id, else nqm_metric_name() */
     size_t n, n_materials; /**< pairs and material groups */
     size_t n_ordered;      /**< pairs of tests of one material whose labels differ by more than order_margin */
     nqm_estimate spearman; /**< over all pairs */
@@ -62,7 +62,7 @@ typedef struct nqm_evaluation nqm_evaluation;
 /**
  * Predict all pairs of options->split; the other fields select among them later.
  *
- * @param dataset  borrowed, as are the models: they must outlive the evaluation
+ * @param dataset  owned by the caller, as are the models: they must outlive the evaluation
  * @param models   (n_models); n_models 0: metrics only
  * @param options  NULL: the defaults
  * @return NQM_ERR_INCOMPATIBLE (a model has other directions than the dataset, or no pair is left), NQM_ERR_NUMERIC,
@@ -74,9 +74,9 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *datas
 /** Free an evaluation; NULL is allowed. */
 NQM_API void nqm_evaluation_free(nqm_evaluation *evaluation);
 /** (n_pairs of the dataset) predictions of predictor i: JOD of a model, distance of a metric; NaN for pairs outside the
- *  split; borrowed. */
+ *  split. Owned by the evaluation. */
 NQM_API const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
-/** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN outside the split; borrowed. */
+/** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN outside the split. Owned by the evaluation. */
 NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
 
 /**
@@ -112,7 +112,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_contrast(const nqm_evaluation *
                                                           const nqm_eval_options *options, size_t n_contrasts,
                                                           nqm_contrast *contrasts, nqm_error *err);
 
-/** The pairs with a predicted JOD from `from` up to the next range; the first range holds lower JODs too. Fractions are NaN
+/** The pairs with a predicted JOD from `from` up to the next range; the first range includes lower JODs. Fractions are NaN
  *  where n is 0. */
 typedef struct nqm_coverage_range {
     double from; /**< JOD: 0, 4, 8, 9.5, 9.9 */
@@ -128,7 +128,7 @@ typedef struct nqm_coverage {
     nqm_estimate inside;         /**< fraction of the labels, over all pairs */
     nqm_estimate by_material;    /**< mean over materials */
     double lowest;               /**< of the material with the lowest fraction */
-    const char *lowest_material; /**< its name; borrowed from the dataset */
+    const char *lowest_material; /**< its name; owned by the dataset */
     double below, above;         /**< fractions of the labels below and above their interval */
     double mean_width;           /**< JOD */
     nqm_coverage_range ranges[NQM_COVERAGE_RANGES];

@@ -13,7 +13,7 @@
 typedef struct judging {
     const nqm_judgement *j;
     size_t n_resamples;
-    double *sums;       /* (n_predictors, n_groups, NQM_SUM_COUNT); one block holds all three */
+    double *sums;       /* (n_predictors, n_groups, NQM_SUM_COUNT); owns the block of all three */
     double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
     double *scratch;    /* (n_resamples) */
 } judging;

@@ -18,10 +18,10 @@ checked=0
 # BRDF.
 absent() {
     grep -q '"references"' "$1" || fail "$1 is no manifest"
-    if grep -q '"split": "test"' "$1"; then fail "$1 holds references of the test split"; fi
+    if grep -q '"split": "test"' "$1"; then fail "$1 contains references of the test split"; fi
     for material in $held_out; do
         if grep -E "\"group\": \"$material\"|\"name\": \"[a-z]*-$material\"|\"brdf\": \"(.*[:/])?$material(\.bsdf)?\"" "$1"; then
-            fail "$1 holds $material"
+            fail "$1 contains $material"
         fi
     done
     checked=$((checked + 1))
@@ -32,7 +32,7 @@ unseen() {
     kinds=$(sed -n '/"unseen_kinds": \[/,/\]/s/^ *"\(.*\)",*$/\1/p' "$1" | grep -v unseen_kinds)
     [ -n "$kinds" ] || fail "$1 names no unseen kinds"
     for kind in $kinds; do
-        if grep -E "^ *\"$kind\":" "$1"; then fail "$1 holds pairs of $kind"; fi
+        if grep -E "^ *\"$kind\":" "$1"; then fail "$1 contains pairs of $kind"; fi
     done
 }
 

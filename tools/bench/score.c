@@ -17,7 +17,7 @@ enum { N_REFS = 64, TESTS_PER_REF = 9, TURNS = 3 /* sets of references, used in 
 /* Pairs to score, as samples and as inputs of the network. */
 typedef struct material_pairs {
     size_t n, n_values, stride;
-    float *x;          /* (n, stride), inputs; one block holds all four */
+    float *x;          /* (n, stride), inputs; owns the block of all four */
     float *x_shared;   /* (n, stride), inputs where TESTS_PER_REF neighbours have the same reference */
     float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours have different ones */
 } material_pairs;

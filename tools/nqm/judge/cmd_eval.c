@@ -219,7 +219,7 @@ int cmd_eval(int argc, char **argv) {
     };
     parse_arguments(&cmd, argc, argv);
     if (a.human ? a.labels != NULL : a.root != NULL)
-        stop(EXIT_USAGE, a.human ? "--labels does not go with --human" : "--root goes with --human");
+        stop(EXIT_USAGE, a.human ? "--labels and --human exclude each other" : "--root needs --human");
     eval_run run = {
         .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
     const int by = choose("by", bys, a.by);

@@ -15,7 +15,7 @@ nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split)
     if (folder && !labels)
         stop(EXIT_USAGE, "%s: a folder (the authors' layout) needs its labels: --labels CSV", path);
     if (!folder && labels)
-        stop(EXIT_USAGE, "%s: --labels goes with a folder (the authors' layout), not with a dataset file", path);
+        stop(EXIT_USAGE, "%s: --labels is for a folder (the authors' layout), not for a dataset file", path);
     must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &err)
                 : nqm_dataset_load(path, &dataset, &err),
          &err);

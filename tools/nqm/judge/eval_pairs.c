@@ -7,12 +7,20 @@
 
 #include <math.h>
 
+static void write_text(FILE *out, const char *text) {
+    fputc(',', out);
+    print_csv_text(out, text);
+}
+
+static void write_number(FILE *out, double value) {
+    fputc(',', out);
+    print_csv_number(out, value);
+}
+
 static void write_head(const eval_run *run, FILE *out) {
     fputs("ref,material,test,kind,split,delta_e,jod", out);
-    for (size_t i = 0; i < run->n_predictors; ++i) {
-        fputc(',', out);
-        print_csv_text(out, predictor_name(run, i));
-    }
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        write_text(out, predictor_name(run, i));
     fputs(",family,class", out);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         fprintf(out, ",scalar:%s", nqm_scalar_name(i));
@@ -21,27 +29,19 @@ static void write_head(const eval_run *run, FILE *out) {
 
 static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     nqm_dataset_pair p = nqm_dataset_get_pair(run->dataset, pair);
-    const char *const texts[] = {p.ref, p.group, p.test, p.kind, nqm_split_words[p.split]};
-    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; ++k) {
-        print_csv_text(out, texts[k]);
-        fputc(',', out);
-    }
-    print_csv_number(out, p.delta_e);
-    fputc(',', out);
-    print_csv_number(out, p.jod);
-    for (size_t i = 0; i < run->n_predictors; ++i) {
-        fputc(',', out);
-        print_csv_number(out, nqm_evaluation_values(run->evaluation, i)[pair]);
-    }
-    fputc(',', out);
-    print_csv_text(out, p.family);
-    fputc(',', out);
-    print_csv_text(out, p.material_class);
-    const double *scalars = nqm_evaluation_scalars(run->evaluation, pair);
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-        fputc(',', out);
-        print_csv_number(out, scalars[i]);
-    }
+    print_csv_text(out, p.ref);
+    write_text(out, p.group);
+    write_text(out, p.test);
+    write_text(out, p.kind);
+    write_text(out, nqm_split_words[p.split]);
+    write_number(out, p.delta_e);
+    write_number(out, p.jod);
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        write_number(out, nqm_evaluation_values(run->evaluation, i)[pair]);
+    write_text(out, p.family);
+    write_text(out, p.material_class);
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        write_number(out, nqm_evaluation_scalars(run->evaluation, pair)[i]);
     fputc('\n', out);
 }
 
