@@ -5,10 +5,8 @@
  * the mapped file; nothing is copied.
  */
 #include "data/data.h"
-#include "io/io.h"
+#include "io/options_json.h"
 
-#include <jansson.h>
-#include <stdlib.h>
 #include <string.h>
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "tensors are used as they lie in the file: little-endian");
@@ -182,9 +180,7 @@ static char *names_to_json(const nqm_names *names) {
             json_decref(array);
             array = NULL;
         }
-    char *text = array ? json_dumps(array, JSON_COMPACT) : NULL;
-    json_decref(array);
-    return text;
+    return nqm_json_text(array, 17);
 }
 
 nqm_status nqm_dataset_write(const nqm_dataset *d, const char *path, char sha256_ret[65], nqm_error *err) {
@@ -211,6 +207,6 @@ nqm_status nqm_dataset_write(const nqm_dataset *d, const char *path, char sha256
     if (status == NQM_OK)
         status = nqm_safetensors_write(path, n_tensors, tensors, n_meta, meta, sha256_ret, err);
     for (size_t i = 0; i < N_LISTS; ++i)
-        free(texts[i]);
+        nqm_free(texts[i]);
     return status;
 }

@@ -25,6 +25,9 @@ typedef struct nqm_tensor {
     int64_t byte_offset; /* of the data in the file */
 } nqm_tensor;
 
+/** A matrix (rows, cols), or for rows 0 a vector (cols), to be written. */
+nqm_tensor nqm_tensor_of(const char *name, nqm_dtype dtype, size_t rows, size_t cols, const void *data);
+
 /** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it. */
 typedef struct nqm_safetensors nqm_safetensors;
 /** Parse and check (offsets in range, no overlap, shapes match bytes, header at most 100 MB). `name` is for messages and

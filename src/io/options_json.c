@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options as JSON: see options_json.h.
+ * Options as JSON, and JSON as text: see options_json.h.
  */
 #include "io/options_json.h"
+
+#include <stdlib.h>
 
 static json_t *value_json(const nqm_option *o, const void *options) {
     const void *field = (const char *)options + o->offset;
@@ -49,4 +51,12 @@ json_t *nqm_options_json(const nqm_option_table *table, const void *options) {
         }
     }
     return json;
+}
+
+char *nqm_json_text(json_t *json, int n_digits) {
+    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(n_digits)) : NULL;
+    char *text = dump ? nqm_strdup(dump) : NULL;
+    free(dump);
+    json_decref(json);
+    return text;
 }

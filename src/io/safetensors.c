@@ -39,6 +39,17 @@ size_t nqm_dtype_size(nqm_dtype dtype) {
     return dtypes[dtype].n_bytes;
 }
 
+nqm_tensor nqm_tensor_of(const char *name, nqm_dtype dtype, size_t rows, size_t cols, const void *data) {
+    nqm_tensor tensor = {.name = name, .dtype = dtype, .n_dims = 1, .dims = {cols}, .data = data};
+    tensor.n_bytes = (rows ? rows : 1) * cols * nqm_dtype_size(dtype);
+    if (rows) {
+        tensor.n_dims = 2;
+        tensor.dims[0] = rows;
+        tensor.dims[1] = cols;
+    }
+    return tensor;
+}
+
 static bool has_size(const nqm_tensor *tensor, size_t n_bytes) {
     size_t n = dtypes[tensor->dtype].n_bytes;
     for (size_t i = 0; i < tensor->n_dims; ++i)

@@ -45,6 +45,14 @@ static inline size_t nqm_words(nqm_precision precision, size_t k) {
     return ((k - 1) >> precision) + 1;
 }
 
+/** The bits of x as bfloat16, to nearest, ties to even; a NaN stays a NaN. */
+static inline uint32_t nqm_bf16_bits(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    uint32_t rounded = (bits + 0x7fff + (bits >> 16 & 1)) >> 16;
+    return (bits & 0x7fffffff) > 0x7f800000 ? bits >> 16 | 0x40 : rounded;
+}
+
 /** C (m, NQM_PANEL) = A B, or C + A B. The product of two words is the sum of the products of their factors. */
 typedef struct nqm_product {
     size_t m, words;

@@ -2,7 +2,6 @@
  *
  * Conversion of matrices to panels and back, with rounding to bfloat16 or to signed bytes with a scale for each column.
  */
-#include "kernel/bf16.h"
 #include "kernel/panel.h"
 
 #include <math.h>
@@ -66,34 +65,6 @@ static inline void rows_to_columns(size_t n_rows, size_t n, const uint32_t *rows
             columns[i * NQM_PANEL + j] = rows[j * ld + i];
 }
 
-/* pack_*: one panel from w (width, k), width <= NQM_PANEL, PACK_COLUMNS columns of w at a time. */
-static void pack_f32(size_t width, size_t k, nqm_weights w, uint32_t *panel) {
-    float converted[PACK_ROWS][PACK_COLUMNS];
-    for (size_t first = 0; first < k; first += PACK_COLUMNS)
-        for (size_t j = 0; j < width; j += PACK_ROWS) {
-            const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
-            const float *rows = w.w ? w.w + j * w.ld + first : converted[0];
-            for (size_t r = 0; w.half && r < n_rows; ++r)
-                nqm_half_to_float(n, w.half + (j + r) * w.ld + first, converted[r]);
-            rows_to_columns(n_rows, n, (const uint32_t *)(const void *)rows, w.w ? w.ld : PACK_COLUMNS,
-                            panel + first * NQM_PANEL + j);
-        }
-}
-
-static void pack_bf16(size_t width, size_t k, nqm_weights w, uint32_t *panel) {
-    const nqm_kernels *kernels = nqm_kernels_get();
-    uint32_t words[PACK_ROWS][PACK_COLUMNS / 2];
-    float converted[PACK_COLUMNS];
-    for (size_t first = 0; first < k; first += PACK_COLUMNS)
-        for (size_t j = 0; j < width; j += PACK_ROWS) {
-            const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
-            for (size_t r = 0; r < n_rows; ++r)
-                kernels->round_row(n, nqm_weights_row(nqm_weights_at(w, j + r, first), n, converted), words[r]);
-            rows_to_columns(n_rows, nqm_words(NQM_PRECISION_BF16, n), words[0], PACK_COLUMNS / 2,
-                            panel + first / 2 * NQM_PANEL + j);
-        }
-}
-
 static float largest_magnitude(size_t n, const float *x) {
     float largest = 0;
 #pragma omp simd reduction(max : largest)
@@ -116,8 +87,9 @@ static void signed_bytes(size_t n, const float *x, float per_scale, uint32_t *wo
     memcpy(words, bytes, sizeof bytes);
 }
 
-static void pack_int8(size_t width, size_t k, nqm_weights w, uint32_t *panel, float *scale, int32_t *sum) {
-    float per_scale[NQM_PANEL], converted[PACK_COLUMNS];
+/* The columns of a panel of signed bytes: the scale of each, whose inverse is per_scale (width). */
+static void find_scales(size_t width, size_t k, nqm_weights w, float *scale, float *per_scale) {
+    float converted[PACK_COLUMNS];
     for (size_t j = 0; j < width; ++j) {
         float largest = 0;
         for (size_t first = 0; first < k; first += PACK_COLUMNS) {
@@ -126,17 +98,32 @@ static void pack_int8(size_t width, size_t k, nqm_weights w, uint32_t *panel, fl
         }
         scale[j] = largest > 0 ? largest / 127 : 1;
         per_scale[j] = 1 / scale[j];
-        sum[j] = 0;
     }
+}
+
+/* One panel from w (width, k), width <= NQM_PANEL, PACK_COLUMNS columns of w at a time. per_scale, sum (width): of the
+ * columns of a panel of bytes; sum is 0 on entry. */
+static void pack(nqm_precision precision, size_t width, size_t k, nqm_weights w, uint32_t *panel,
+                 const float *per_scale, int32_t *sum) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const bool in_place = precision == NQM_PRECISION_F32 && w.w;
+    const size_t ld = in_place ? w.ld : (size_t)PACK_COLUMNS >> precision;
+    uint32_t words[PACK_ROWS * PACK_COLUMNS];
+    float converted[PACK_COLUMNS];
     for (size_t first = 0; first < k; first += PACK_COLUMNS)
         for (size_t j = 0; j < width; j += PACK_ROWS) {
-            uint32_t words[PACK_ROWS][PACK_COLUMNS / 4];
             const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
-            for (size_t r = 0; r < n_rows; ++r)
-                signed_bytes(n, nqm_weights_row(nqm_weights_at(w, j + r, first), n, converted), per_scale[j + r],
-                             words[r], &sum[j + r]);
-            rows_to_columns(n_rows, nqm_words(NQM_PRECISION_INT8, n), words[0], PACK_COLUMNS / 4,
-                            panel + first / 4 * NQM_PANEL + j);
+            for (size_t r = 0; !in_place && r < n_rows; ++r) {
+                const nqm_weights at = nqm_weights_at(w, j + r, first);
+                if (precision == NQM_PRECISION_F32)
+                    nqm_half_to_float(n, at.half, (float *)words + r * ld);
+                else if (precision == NQM_PRECISION_BF16)
+                    kernels->round_row(n, nqm_weights_row(at, n, converted), words + r * ld);
+                else
+                    signed_bytes(n, nqm_weights_row(at, n, converted), per_scale[j + r], words + r * ld, &sum[j + r]);
+            }
+            rows_to_columns(n_rows, nqm_words(precision, n), in_place ? (const uint32_t *)w.w + j * ld + first : words,
+                            ld, panel + (first >> precision) * NQM_PANEL + j);
         }
 }
 
@@ -145,19 +132,20 @@ void nqm_panels_pack(nqm_panels *panels, nqm_weights w) {
     for (size_t p = 0; p < panels->n_panels; ++p) {
         const size_t first = p * NQM_PANEL, width = nqm_smaller(panels->n - first, NQM_PANEL);
         const nqm_weights rows = nqm_weights_at(w, first, 0);
-        if (panels->precision == NQM_PRECISION_F32)
-            pack_f32(width, panels->k, rows, nqm_panel_at(panels, p));
-        else if (panels->precision == NQM_PRECISION_BF16)
-            pack_bf16(width, panels->k, rows, nqm_panel_at(panels, p));
-        else
-            pack_int8(width, panels->k, rows, nqm_panel_at(panels, p), panels->scale + first, panels->sum + first);
+        float per_scale[NQM_PANEL];
+        int32_t sum[NQM_PANEL] = {0};
+        if (panels->precision == NQM_PRECISION_INT8)
+            find_scales(width, panels->k, rows, panels->scale + first, per_scale);
+        pack(panels->precision, width, panels->k, rows, nqm_panel_at(panels, p), per_scale, sum);
+        if (panels->precision == NQM_PRECISION_INT8)
+            memcpy(panels->sum + first, sum, width * sizeof *sum);
     }
 }
 
 void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel) {
     if (width < NQM_PANEL)
         memset(panel, 0, k * NQM_PANEL * sizeof *panel);
-    pack_f32(width, k, w, (uint32_t *)(void *)panel);
+    pack(NQM_PRECISION_F32, width, k, w, (uint32_t *)(void *)panel, NULL, NULL);
 }
 
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {

@@ -3,7 +3,6 @@
  * rounding.h - rows of floats to bfloat16 and to bytes, and sums of products of bytes back to float, for one instruction set:
  * loops that compilers vectorise, included by rows.h. Every instruction set gives the same bits.
  */
-#include "kernel/bf16.h"
 #include "kernel/kernel.h"
 #include "kernel/multiply_add.h"
 

@@ -3,7 +3,6 @@
  * The kernels as plain loops in double, each result rounded once. They define the results: every other table is tested
  * against this one.
  */
-#include "kernel/bf16.h"
 #include "kernel/kernel.h"
 
 #include <math.h>

@@ -2,11 +2,11 @@
  *
  * Golden scores: computed when a model is created, stored in its file, checked by the self-test.
  */
+#include "io/options_json.h"
 #include "metric/metric.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <stdlib.h>
 
 /* Pairs from identical to very different. The specs state all parameters, because presets may change. */
 #define GLOSSY "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.1;f0=.04"
@@ -51,14 +51,13 @@ nqm_status nqm_golden_make(const nqm_model *model, char **json_ret, nqm_error *e
                                   json_pack("{s:s,s:s,s:f}", "ref", probes[i][0], "test", probes[i][1], "jod", jod)))
             status = nqm_fail_nomem(err, 0);
     }
-    if (status == NQM_OK) {
-        char *text = json_dumps(list, JSON_COMPACT | JSON_REAL_PRECISION(9));
-        *json_ret = text ? nqm_strdup(text) : NULL;
-        free(text);
-        if (!*json_ret)
-            status = nqm_fail_nomem(err, 0);
-    }
-    json_decref(list);
+    char *text = nqm_json_text(list, 9);
+    if (status == NQM_OK && !text)
+        status = nqm_fail_nomem(err, 0);
+    if (status == NQM_OK)
+        *json_ret = text;
+    else
+        nqm_free(text);
     return status;
 }
 
@@ -69,8 +68,8 @@ static nqm_status check_probe(const nqm_model *model, const json_t *probe, nqm_e
         return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s': its golden scores cannot be read", model->id);
     nqm_status status = score_specs(model, ref, test, &jod, err);
     if (status == NQM_OK && !(fabs(jod - stored) <= tolerance_jod))
-        status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s': %s beside %s has JOD %.5f, stored is %.5f", model->id,
-                          test, ref, jod, stored);
+        status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s': %s compared with %s has JOD %.5f, stored is %.5f",
+                          model->id, test, ref, jod, stored);
     return status;
 }
 

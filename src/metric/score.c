@@ -384,3 +384,10 @@ nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sampl
     }
     return status;
 }
+
+/* ---- preference -------------------------------------------------------------------------------------------------- */
+
+double nqm_jod_preference(double jod, double other_jod) {
+    const double z75 = 0.6744897501960817; /* Phi(z75) = 0.75 */
+    return 0.5 * erfc(-z75 * (jod - other_jod) / sqrt(2));
+}

@@ -60,18 +60,6 @@ typedef struct contents {
     uint16_t *half; /* the hidden layers' weights, if they are stored as float16; else NULL */
 } contents;
 
-/* rows 0: a vector of length `cols`. */
-static void add(contents *c, const char *name, nqm_dtype dtype, size_t rows, size_t cols, const void *data) {
-    nqm_tensor *tensor = &c->tensor[c->n++];
-    *tensor = (nqm_tensor){.name = name, .dtype = dtype, .n_dims = 1, .dims = {cols}, .data = data};
-    tensor->n_bytes = (rows ? rows : 1) * cols * nqm_dtype_size(dtype);
-    if (rows) {
-        tensor->n_dims = 2;
-        tensor->dims[0] = rows;
-        tensor->dims[1] = cols;
-    }
-}
-
 static void add_layers(contents *c, const nqm_params *params) {
     uint16_t *half = c->half;
     for (size_t l = 0; l < params->shape.n_layers; ++l) {
@@ -82,15 +70,15 @@ static void add_layers(contents *c, const nqm_params *params) {
             char *name = c->name[c->n];
             snprintf(name, NQM_TENSOR_NAME_MAX, "layers.%zu.%s", l, nqm_layer_suffixes[i]);
             if (i > 0) {
-                add(c, name, NQM_F32, 0, out, parts[i]);
+                c->tensor[c->n++] = nqm_tensor_of(name, NQM_F32, 0, out, parts[i]);
             } else if (!half || l + 1 == params->shape.n_layers) {
-                add(c, name, NQM_F32, out, in, layer->w);
+                c->tensor[c->n++] = nqm_tensor_of(name, NQM_F32, out, in, layer->w);
             } else {
                 if (layer->half)
                     memcpy(half, layer->half, out * in * sizeof *half);
                 else
                     nqm_half_from_float(out * in, layer->w, half);
-                add(c, name, NQM_F16, out, in, half);
+                c->tensor[c->n++] = nqm_tensor_of(name, NQM_F16, out, in, half);
                 half += out * in;
             }
         }
@@ -99,11 +87,11 @@ static void add_layers(contents *c, const nqm_params *params) {
 
 static void collect(contents *c, const struct nqm_model *model, const bool *has) {
     add_layers(c, &model->params);
-    add(c, "directions_deg", NQM_F64, model->directions->n, 3, model->directions->degrees);
+    c->tensor[c->n++] = nqm_tensor_of("directions_deg", NQM_F64, model->directions->n, 3, model->directions->degrees);
     for (const nqm_model_array *a = nqm_model_arrays; a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a) {
         const void *values = a->n_offset ? *nqm_model_block(model, a->offset) : nqm_model_at(model, a->offset);
         if (has[a->part])
-            add(c, a->name, a->dtype, nqm_model_rows(model, a), a->cols, values);
+            c->tensor[c->n++] = nqm_tensor_of(a->name, a->dtype, nqm_model_rows(model, a), a->cols, values);
     }
 }
 

@@ -61,61 +61,48 @@ static nqm_status part_size(size_t n, double fraction, const char *what, size_t 
     return NQM_OK;
 }
 
-/* Mark `part` randomly drawn items of idx (n) as validation; shuffles idx. */
-static void mark_random(size_t n, size_t *idx, size_t part, uint64_t seed, uint8_t *is_validation) {
-    nqm_rng rng = nqm_rng_make(seed, NQM_STREAM_SPLIT);
+/* Mark a random part of the items idx (n) as validation; shuffles idx. */
+static nqm_status mark_random(const nqm_train_options *o, size_t n, size_t *idx, const char *what,
+                              uint8_t *is_validation, nqm_error *err) {
+    size_t part = 0;
+    nqm_status status = part_size(n, o->split.validation_fraction, what, &part, err);
+    nqm_rng rng = nqm_rng_make(o->optimiser.seed, NQM_STREAM_SPLIT);
     nqm_rng_shuffle(&rng, n, idx);
     for (size_t i = 0; i < part; ++i)
         is_validation[idx[i]] = 1;
+    return status;
 }
 
 static nqm_status split_by_row(const nqm_train_options *o, size_t n, uint8_t *is_validation, nqm_error *err) {
-    size_t part = 0;
-    nqm_status status = part_size(n, o->split.validation_fraction, "pairs", &part, err);
-    if (status != NQM_OK)
-        return status;
     size_t *idx = nqm_alloc(n, sizeof *idx);
     if (!idx)
         return nqm_fail_nomem(err, n * sizeof *idx);
     for (size_t i = 0; i < n; ++i)
         idx[i] = i;
-    mark_random(n, idx, part, o->optimiser.seed, is_validation);
-    nqm_free(idx);
-    return NQM_OK;
-}
-
-/* Use the dataset's validation groups; if it has none, draw some of its training groups at random. */
-static nqm_status choose_groups(const nqm_dataset *d, const nqm_train_options *o, uint8_t *group_is_validation,
-                                nqm_error *err) {
-    size_t n = 0, n_validation = 0, part = 0;
-    size_t *idx = nqm_alloc(d->n_groups, sizeof *idx);
-    if (!idx)
-        return nqm_fail_nomem(err, d->n_groups * sizeof *idx);
-    for (size_t g = 0; g < d->n_groups; ++g) {
-        group_is_validation[g] = d->group_split[g] == NQM_SPLIT_VALIDATION;
-        n_validation += group_is_validation[g];
-        if (d->group_split[g] == NQM_SPLIT_TRAIN)
-            idx[n++] = g;
-    }
-    nqm_status status = NQM_OK;
-    if (n_validation == 0) {
-        status = part_size(n, o->split.validation_fraction, "material groups", &part, err);
-        if (status == NQM_OK)
-            mark_random(n, idx, part, o->optimiser.seed, group_is_validation);
-    }
+    nqm_status status = mark_random(o, n, idx, "pairs", is_validation, err);
     nqm_free(idx);
     return status;
 }
 
 static nqm_status split_by_group(const nqm_dataset *d, const nqm_train_options *o, size_t n, const nqm_row *rows,
                                  uint8_t *is_validation, nqm_error *err) {
-    uint8_t *group_is_validation = nqm_alloc(d->n_groups, 1);
-    if (!group_is_validation)
-        return nqm_fail_nomem(err, d->n_groups);
-    nqm_status status = choose_groups(d, o, group_is_validation, err);
+    size_t n_train = 0, n_validation = 0, *idx;
+    uint8_t *group_is_validation;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&idx, d->n_groups, sizeof *idx}, {&group_is_validation, d->n_groups, 1}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t g = 0; g < d->n_groups; ++g) {
+        group_is_validation[g] = d->group_split[g] == NQM_SPLIT_VALIDATION;
+        n_validation += group_is_validation[g];
+        if (d->group_split[g] == NQM_SPLIT_TRAIN)
+            idx[n_train++] = g;
+    }
+    if (n_validation == 0) /* draw some of the training groups */
+        status = mark_random(o, n_train, idx, "material groups", group_is_validation, err);
     for (size_t i = 0; i < n; ++i)
         is_validation[i] = group_is_validation[d->ref_group[d->pair_ref[rows[i].pair]]];
-    nqm_free(group_is_validation);
+    nqm_free(idx);
     return status;
 }
 
@@ -138,52 +125,43 @@ static void partition(nqm_rows *rows, size_t n, const uint8_t *is_validation, nq
 /* List all pairs that are not test pairs, each with its noisy copies; *n_ret receives the number of rows. */
 static nqm_status list_rows(const nqm_dataset *d, const nqm_train_options *o, nqm_rows *rows, size_t *n_ret,
                             nqm_error *err) {
-    nqm_status status = NQM_OK;
-    size_t *pool = nqm_alloc(d->n_pairs, sizeof *pool), n = 0;
-    double *label = nqm_alloc(d->n_pairs, sizeof *label);
-    uint32_t *copies = nqm_alloc(d->n_pairs, sizeof *copies);
-    rows->first_copy = nqm_alloc(d->n_pairs, sizeof *rows->first_copy);
-    if (!pool || !label || !copies || !rows->first_copy) {
-        status = nqm_fail_nomem(err, d->n_pairs * 24);
-        goto done;
-    }
+    size_t *pool, n = 0, k = 0;
+    double *label;
+    uint32_t *copies;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&pool, d->n_pairs, sizeof *pool}, {&label, d->n_pairs, sizeof *label},
+                                    {&copies, d->n_pairs, sizeof *copies}),
+                         err);
+    if (status != NQM_OK)
+        return status;
     for (size_t i = 0; i < d->n_pairs; ++i)
         if (nqm_dataset_pair_split(d, i) != NQM_SPLIT_TEST) {
             pool[n] = i;
             label[n++] = d->jod[i];
         }
-    size_t n_copies = o->augmentation.balance ? nqm_balance(n, label, copies) : 0, k = 0;
-    rows->row = nqm_alloc(n + n_copies, sizeof *rows->row);
-    if (!rows->row) {
-        status = nqm_fail_nomem(err, (n + n_copies) * sizeof *rows->row);
-        goto done;
-    }
-    for (size_t i = 0; i < n; ++i) {
+    const size_t n_copies = o->augmentation.balance ? nqm_balance(n, label, copies) : 0;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&rows->row, n + n_copies, sizeof *rows->row},
+                                         {&rows->first_copy, d->n_pairs, sizeof *rows->first_copy}),
+                              err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         rows->first_copy[pool[i]] = (uint32_t)rows->n_noisy;
         for (uint32_t copy = 0; copy <= copies[i]; ++copy)
             rows->row[k++] = (nqm_row){(uint32_t)pool[i], copy};
         rows->n_noisy += copies[i];
     }
     *n_ret = k;
-done:
     nqm_free(pool);
-    nqm_free(label);
-    nqm_free(copies);
     return status;
 }
 
 nqm_status nqm_rows_create(const nqm_dataset *d, const nqm_train_options *o, nqm_rows *rows_ret, nqm_error *err) {
     nqm_rows rows = {0};
-    uint8_t *is_validation = NULL;
+    uint8_t *is_validation;
     nqm_row *sorted = NULL;
     size_t n = 0;
     nqm_status status = list_rows(d, o, &rows, &n, err);
-    if (status == NQM_OK) {
-        is_validation = nqm_alloc(n, 1);
-        sorted = nqm_alloc(n, sizeof *sorted);
-        if (!is_validation || !sorted)
-            status = nqm_fail_nomem(err, n * sizeof *sorted);
-    }
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(NQM_ARRAYS({&sorted, n, sizeof *sorted}, {&is_validation, n, 1}), err);
     if (status == NQM_OK)
         status = o->split.by_pair ? split_by_row(o, n, is_validation, err)
                                   : split_by_group(d, o, n, rows.row, is_validation, err);
@@ -194,7 +172,6 @@ nqm_status nqm_rows_create(const nqm_dataset *d, const nqm_train_options *o, nqm
                 nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has %zu pairs to train on and %zu to validate",
                          rows.n_train, rows.n_validation);
     }
-    nqm_free(is_validation);
     nqm_free(sorted);
     if (status != NQM_OK)
         nqm_rows_free(&rows);
@@ -204,6 +181,5 @@ nqm_status nqm_rows_create(const nqm_dataset *d, const nqm_train_options *o, nqm
 
 void nqm_rows_free(nqm_rows *rows) {
     nqm_free(rows->row);
-    nqm_free(rows->first_copy);
     *rows = (nqm_rows){0};
 }

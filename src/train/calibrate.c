@@ -4,10 +4,10 @@
  * trained on, or notes in the model card. The results of a calibration are stored in the metadata and in the card.
  */
 #include "train/calibrate.h"
+#include "io/options_json.h"
 #include "metric/metric.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- metadata and card ------------------------------------------------------------------------------------------- */
@@ -17,16 +17,12 @@ static double rounded(double x) {
 }
 
 static char *calibration_text(const nqm_calibration *c, const char *dataset_sha256) {
-    json_t *json = json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:s}", "level", 0.95, "materials",
-                             (json_int_t)c->n_materials, "pairs", (json_int_t)c->n_pairs, "coverage",
-                             rounded(c->coverage), "coverage_pairs", rounded(c->coverage_pairs), "coverage_lowest",
-                             rounded(c->coverage_lowest), "mean_width", rounded(c->mean_width), "novelty_growth",
-                             rounded(c->novelty_growth), "dataset_sha256", dataset_sha256);
-    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
-    char *text = dump ? nqm_strdup(dump) : NULL;
-    free(dump);
-    json_decref(json);
-    return text;
+    return nqm_json_text(json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:s}", "level", 0.95, "materials",
+                                   (json_int_t)c->n_materials, "pairs", (json_int_t)c->n_pairs, "coverage",
+                                   rounded(c->coverage), "coverage_pairs", rounded(c->coverage_pairs),
+                                   "coverage_lowest", rounded(c->coverage_lowest), "mean_width", rounded(c->mean_width),
+                                   "novelty_growth", rounded(c->novelty_growth), "dataset_sha256", dataset_sha256),
+                         9);
 }
 
 static const char section_head[] = "\n## Interval\n";
@@ -74,27 +70,18 @@ char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const c
 }
 
 nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *dataset, bool trained_on,
-                                  const nqm_residuals *residuals, const size_t *pairs, nqm_calibration *report,
-                                  nqm_error *err) {
+                                  nqm_residuals *residuals, nqm_calibration *report, nqm_error *err) {
     double *table = nqm_alloc(NQM_INTERVAL_ROWS, 3 * sizeof *table);
-    double *novelty = nqm_alloc(residuals->n, sizeof *novelty);
-    bool known = false;
     char *text = NULL;
-    nqm_status status = table && novelty ? NQM_OK : nqm_fail_nomem(err, residuals->n * sizeof *novelty);
+    nqm_status status = table ? NQM_OK : nqm_fail_nomem(err, NQM_INTERVAL_ROWS * 3 * sizeof *table);
     if (status == NQM_OK && trained_on)
         status = nqm_novelty_choose(model, dataset, err);
     if (status == NQM_OK && residuals->n > 0)
-        status = nqm_novelty_measure(model, dataset, residuals->n, pairs, novelty, &known, err);
-    if (status == NQM_OK) {
-        nqm_residuals r = *residuals;
-        r.novelty = known ? novelty : NULL;
-        status = nqm_interval_fit(&r, table, report, err);
-    }
-    if (status == NQM_OK) {
-        text = calibration_text(report, dataset->sha256);
-        status = text ? NQM_OK : nqm_fail_nomem(err, 0);
-    }
-    nqm_free(novelty);
+        status = nqm_novelty_measure(model, dataset, residuals, err);
+    if (status == NQM_OK)
+        status = nqm_interval_fit(residuals, table, report, err);
+    if (status == NQM_OK && !(text = calibration_text(report, dataset->sha256)))
+        status = nqm_fail_nomem(err, 0);
     if (status != NQM_OK) {
         nqm_free(table);
         return status;
@@ -135,51 +122,36 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
 }
 
 /* Predictions and labels of the validation pairs. */
-typedef struct validation {
-    size_t n;
-    double *jod, *predicted, *label; /* (n_pairs); jod is indexed by pair, the others by 0..n-1 */
-    size_t *pairs;                   /* (n) */
-    uint32_t *group;                 /* (n) */
-} validation;
-
-static nqm_status predict_validation(const nqm_model *model, const nqm_dataset *d, validation *v, nqm_error *err) {
-    v->jod = nqm_alloc(d->n_pairs, 3 * sizeof *v->jod);
-    v->pairs = nqm_alloc(d->n_pairs, sizeof *v->pairs);
-    v->group = nqm_alloc(d->n_pairs, sizeof *v->group);
-    if (!v->jod || !v->pairs || !v->group)
-        return nqm_fail_nomem(err, d->n_pairs * 3 * sizeof *v->jod);
-    v->predicted = v->jod + d->n_pairs;
-    v->label = v->predicted + d->n_pairs;
-    for (size_t i = 0; i < d->n_pairs; ++i)
+static nqm_status predict_validation(const nqm_model *model, const nqm_dataset *d, nqm_residuals *r, nqm_error *err) {
+    double *jod = nqm_alloc(d->n_pairs, sizeof *jod);
+    nqm_status status = nqm_residuals_create(d, d->n_pairs, r, err);
+    if (status == NQM_OK && !jod)
+        status = nqm_fail_nomem(err, d->n_pairs * sizeof *jod);
+    for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
         if (nqm_dataset_pair_split(d, i) == NQM_SPLIT_VALIDATION)
-            v->pairs[v->n++] = i;
-    const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = v->n, .pairs = v->pairs, .jod = v->jod};
-    nqm_status status = v->n ? nqm_dataset_predict(&p, err)
-                             : nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no validation pairs");
-    for (size_t k = 0; status == NQM_OK && k < v->n; ++k) {
-        v->predicted[k] = v->jod[v->pairs[k]];
-        v->label[k] = d->jod[v->pairs[k]];
-        v->group[k] = d->ref_group[d->pair_ref[v->pairs[k]]];
-    }
+            nqm_residuals_add(r, d, i, 0);
+    const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = r->n, .pairs = r->pairs, .jod = jod};
+    if (status == NQM_OK)
+        status = r->n ? nqm_dataset_predict(&p, err)
+                      : nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no validation pairs");
+    for (size_t k = 0; status == NQM_OK && k < r->n; ++k)
+        r->predicted[k] = jod[r->pairs[k]];
+    nqm_free(jod);
     return status;
 }
 
 /* Replace the intervals of `copy`, a copy of the model, by newly fitted ones. */
 static nqm_status calibrate(const nqm_model *model, nqm_model *copy, const nqm_dataset *d, nqm_calibration *report,
                             nqm_error *err) {
-    validation v = {0};
-    nqm_status status = predict_validation(model, d, &v, err);
-    const nqm_residuals r = {
-        .n = v.n, .n_groups = d->n_groups, .predicted = v.predicted, .label = v.label, .group = v.group};
+    nqm_residuals residuals;
+    nqm_status status = predict_validation(model, d, &residuals, err);
     nqm_free(copy->interval);
     nqm_free(copy->calibration);
     copy->interval = NULL;
     copy->calibration = NULL;
     if (status == NQM_OK)
-        status = nqm_model_set_interval(copy, d, was_trained_on(model, d), &r, v.pairs, report, err);
-    nqm_free(v.jod);
-    nqm_free(v.pairs);
-    nqm_free(v.group);
+        status = nqm_model_set_interval(copy, d, was_trained_on(model, d), &residuals, report, err);
+    nqm_free(residuals.predicted);
     return status;
 }
 

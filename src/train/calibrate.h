@@ -13,11 +13,17 @@ enum { NQM_INTERVAL_ROWS = 129 };
 /** Pairs to calibrate on. */
 typedef struct nqm_residuals {
     size_t n, n_groups;
-    const double *predicted, *label; /* (n) JOD, finite */
-    const uint32_t *group;           /* (n) the material of each pair, below n_groups */
-    const double *novelty;           /* (n) >= 0; NULL: unknown */
+    double *predicted, *label; /* (n) JOD, finite; `predicted` owns the arrays that nqm_residuals_create() made */
+    uint32_t *group;           /* (n) the material of each pair, below n_groups */
+    double *novelty;           /* (n) >= 0; NULL: unknown */
+    size_t *pairs;             /* (n) indices in the dataset; nqm_interval_fit() does not need them */
 } nqm_residuals;
 
+/** No residuals yet, with room for max_n pairs of a dataset; free `predicted` with nqm_free(). */
+NQM_MUST_CHECK nqm_status nqm_residuals_create(const nqm_dataset *dataset, size_t max_n, nqm_residuals *residuals_ret,
+                                               nqm_error *err);
+/** Append a pair of the dataset with its predicted JOD. */
+void nqm_residuals_add(nqm_residuals *residuals, const nqm_dataset *dataset, size_t pair, double predicted);
 /** True if there are at least NQM_CALIBRATION_MIN_PAIRS pairs and NQM_CALIBRATION_MIN_MATERIALS materials.
  *  *n_materials_ret (NULL allowed) receives the number of groups with pairs. */
 bool nqm_residuals_suffice(const nqm_residuals *residuals, size_t *n_materials_ret);
@@ -37,11 +43,10 @@ NQM_MUST_CHECK nqm_status nqm_interval_fit(const nqm_residuals *residuals, doubl
  * pairs.
  *
  * @param trained_on  choose new novelty points among the training pairs of `dataset`; otherwise keep the model's points
- * @param pairs       (residuals->n) the pair of `dataset` to which each residual belongs
+ * @param residuals   pairs of `dataset`; receives their novelty
  */
 NQM_MUST_CHECK nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *dataset, bool trained_on,
-                                                 const nqm_residuals *residuals, const size_t *pairs,
-                                                 nqm_calibration *report, nqm_error *err);
+                                                 nqm_residuals *residuals, nqm_calibration *report, nqm_error *err);
 
 /** Maximum number of novelty points of a model. */
 enum { NQM_NOVELTY_MAX_POINTS = 2048 };
@@ -51,10 +56,10 @@ enum { NQM_NOVELTY_MAX_POINTS = 2048 };
  * scalar features, or if there are fewer training pairs than NQM_NOVELTY_BLOCK.
  */
 NQM_MUST_CHECK nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *dataset, nqm_error *err);
-/** Compute the novelty (n) of pairs (n) of a dataset, and set the model's novelty_unit so that 5 % of them are above 1.
- *  *known_ret is false if the model has no points, or if the unit would be 0; then its points are removed. */
-NQM_MUST_CHECK nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *dataset, size_t n,
-                                              const size_t *pairs, double *novelty, bool *known_ret, nqm_error *err);
+/** Compute the novelty of pairs of a dataset, and set the model's novelty_unit so that 5 % of them are above 1. The novelty
+ *  becomes NULL if the model has no points, or if the unit would be 0; then the points are removed. */
+NQM_MUST_CHECK nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *dataset,
+                                              nqm_residuals *residuals, nqm_error *err);
 
 /** A copy of `card` with a section that describes `calibration`; an older section is replaced. Free it with nqm_free().
  *  NULL: out of memory. */

@@ -6,6 +6,7 @@
  * dataset.
  */
 #include "io/io.h"
+#include "io/options_json.h"
 #include "train/train.h"
 
 #include <stdlib.h>
@@ -18,32 +19,12 @@ enum { STATE_EPOCH, STATE_STEP, STATE_LR_FIRST, STATE_LR_DEEPER, STATE_BEST, STA
 enum { PARAMS, ADAM_M, ADAM_V, STATE, HISTORY, N_TENSORS };
 
 static void list_tensors(const nqm_training *t, const double state[N_STATE], nqm_tensor tensors[N_TENSORS]) {
-    size_t n = t->params.n;
-    const nqm_tensor list[N_TENSORS] = {
-        [PARAMS] =
-            {.name = "params", .dtype = NQM_F32, .n_dims = 1, .dims = {n}, .n_bytes = n * 4, .data = t->params.block},
-        [ADAM_M] =
-            {.name = "adam_m", .dtype = NQM_F32, .n_dims = 1, .dims = {n}, .n_bytes = n * 4, .data = t->adam.m.block},
-        [ADAM_V] =
-            {.name = "adam_v", .dtype = NQM_F32, .n_dims = 1, .dims = {n}, .n_bytes = n * 4, .data = t->adam.v.block},
-        [STATE] =
-            {.name = "state", .dtype = NQM_F64, .n_dims = 1, .dims = {N_STATE}, .n_bytes = N_STATE * 8, .data = state},
-        [HISTORY] = {.name = "history",
-                     .dtype = NQM_F64,
-                     .n_dims = 2,
-                     .dims = {t->epoch, sizeof(nqm_epoch) / 8},
-                     .n_bytes = t->epoch * sizeof(nqm_epoch),
-                     .data = t->history},
-    };
-    memcpy(tensors, list, sizeof list);
-}
-
-/* 17 digits, so that values that are read back compare equal. Free the result with free(). */
-static char *options_text(const nqm_train_options *o) {
-    json_t *json = nqm_train_options_json(o);
-    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    json_decref(json);
-    return text;
+    const size_t n = t->params.n;
+    tensors[PARAMS] = nqm_tensor_of("params", NQM_F32, 0, n, t->params.block);
+    tensors[ADAM_M] = nqm_tensor_of("adam_m", NQM_F32, 0, n, t->adam.m.block);
+    tensors[ADAM_V] = nqm_tensor_of("adam_v", NQM_F32, 0, n, t->adam.v.block);
+    tensors[STATE] = nqm_tensor_of("state", NQM_F64, 0, N_STATE, state);
+    tensors[HISTORY] = nqm_tensor_of("history", NQM_F64, t->epoch, sizeof(nqm_epoch) / sizeof(double), t->history);
 }
 
 nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *o, const char *dataset_sha256,
@@ -54,14 +35,14 @@ nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *
         [STATE_BEST] = t->plateau.best,   [STATE_BAD_EPOCHS] = (double)t->plateau.bad_epochs};
     nqm_tensor tensors[N_TENSORS];
     list_tensors(t, state, tensors);
-    char *options = options_text(o);
+    char *options = nqm_json_text(nqm_train_options_json(o), 17); /* digits, so that values read back compare equal */
     if (!options)
         return nqm_fail_nomem(err, 0);
     const nqm_meta meta[] = {
         {"format", format_name}, {"schema", schema}, {"options", options}, {"dataset_sha256", dataset_sha256}};
     nqm_status status =
         nqm_safetensors_write(o->run.checkpoint, N_TENSORS, tensors, sizeof meta / sizeof meta[0], meta, NULL, err);
-    free(options);
+    nqm_free(options);
     return status;
 }
 

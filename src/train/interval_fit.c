@@ -293,6 +293,21 @@ static void measure_width(const fit *f, const double *table, nqm_calibration *re
     }
 }
 
+nqm_status nqm_residuals_create(const nqm_dataset *d, size_t max_n, nqm_residuals *r, nqm_error *err) {
+    *r = (nqm_residuals){.n_groups = d->n_groups};
+    return nqm_alloc_arrays(NQM_ARRAYS({&r->predicted, max_n, sizeof *r->predicted},
+                                       {&r->label, max_n, sizeof *r->label}, {&r->group, max_n, sizeof *r->group},
+                                       {&r->novelty, max_n, sizeof *r->novelty}, {&r->pairs, max_n, sizeof *r->pairs}),
+                            err);
+}
+
+void nqm_residuals_add(nqm_residuals *r, const nqm_dataset *d, size_t pair, double predicted) {
+    r->predicted[r->n] = predicted;
+    r->label[r->n] = d->jod[pair];
+    r->group[r->n] = d->ref_group[d->pair_ref[pair]];
+    r->pairs[r->n++] = pair;
+}
+
 bool nqm_residuals_suffice(const nqm_residuals *r, size_t *n_materials_ret) {
     uint8_t *seen = nqm_alloc(r->n_groups, sizeof *seen);
     size_t n_materials = 0;

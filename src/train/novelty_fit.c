@@ -192,25 +192,26 @@ nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *d, nqm
     return status;
 }
 
-nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
-                               double *novelty, bool *known_ret, nqm_error *err) {
-    *known_ret = false;
+nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, nqm_residuals *r, nqm_error *err) {
+    double *novelty = r->novelty;
+    r->novelty = NULL;
     if (model->n_novelty == 0)
         return NQM_OK;
-    double *scalars, *sorted = nqm_alloc(n, sizeof *sorted);
-    nqm_status status = find_scalars(d, n, pairs, &scalars, err);
+    double *scalars, *sorted = nqm_alloc(r->n, sizeof *sorted);
+    nqm_status status = find_scalars(d, r->n, r->pairs, &scalars, err);
     if (status == NQM_OK && !sorted)
-        status = nqm_fail_nomem(err, n * sizeof *sorted);
+        status = nqm_fail_nomem(err, r->n * sizeof *sorted);
     if (status == NQM_OK) {
         model->novelty_unit = 1;
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < r->n; ++i)
             novelty[i] = sorted[i] = nqm_model_novelty(model, scalars + i * NQM_SCALAR_COUNT);
-        model->novelty_unit = nqm_quantile(n, sorted, 0.95);
-        *known_ret = model->novelty_unit > 0;
-        for (size_t i = 0; *known_ret && i < n; ++i)
-            novelty[i] /= model->novelty_unit;
-        if (!*known_ret)
+        model->novelty_unit = nqm_quantile(r->n, sorted, 0.95);
+        if (model->novelty_unit > 0)
+            r->novelty = novelty;
+        else
             forget_points(model);
+        for (size_t i = 0; r->novelty && i < r->n; ++i)
+            novelty[i] /= model->novelty_unit;
     }
     nqm_free(scalars);
     nqm_free(sorted);

@@ -4,7 +4,6 @@
  * (the authors' notebook where it differs) and "nqm" (values that were chosen on validation materials,
  * doc/training.md).
  */
-#include "train/recipes.h"
 #include "io/options_json.h"
 #include "train/train.h"
 

@@ -4,6 +4,7 @@
  * The same dataset, options and seed give the same model, in one run or in several, on any number of threads.
  */
 #include "train/train.h"
+#include "io/options_json.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "net/trainer.h"
@@ -230,28 +231,18 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
                                    nqm_error *err) {
     const nqm_rows *rows = &r->examples.rows;
     const nqm_dataset *d = r->dataset;
-    const size_t n = rows->n_validation;
-    double *values, *labels;
-    uint32_t *group;
-    size_t *pairs;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&values, n, sizeof *values}, {&labels, n, sizeof *labels},
-                                                    {&group, n, sizeof *group}, {&pairs, n, sizeof *pairs}),
-                                         err);
-    nqm_residuals residuals = {.n_groups = d->n_groups, .predicted = values, .label = labels, .group = group};
-    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+    nqm_residuals residuals;
+    nqm_status status = nqm_residuals_create(d, rows->n_validation, &residuals, err);
+    for (size_t i = 0; status == NQM_OK && i < rows->n_validation; ++i) {
         const nqm_row *row = &rows->row[rows->n_train + i];
-        if (row->copy)
-            continue;
-        values[residuals.n] = nqm_model_jod(m, (double)z[i], NULL);
-        labels[residuals.n] = d->jod[row->pair];
-        pairs[residuals.n] = row->pair;
-        group[residuals.n++] = d->ref_group[d->pair_ref[row->pair]];
+        if (!row->copy)
+            nqm_residuals_add(&residuals, d, row->pair, nqm_model_jod(m, (double)z[i], NULL));
     }
     if (status == NQM_OK)
-        report->validation_spearman = nqm_spearman(residuals.n, values, labels);
+        report->validation_spearman = nqm_spearman(residuals.n, residuals.predicted, residuals.label);
     if (status == NQM_OK && !r->options->split.by_pair && nqm_residuals_suffice(&residuals, NULL))
-        status = nqm_model_set_interval(m, d, true, &residuals, pairs, &report->calibration, err);
-    nqm_free(values);
+        status = nqm_model_set_interval(m, d, true, &residuals, &report->calibration, err);
+    nqm_free(residuals.predicted);
     return status;
 }
 
@@ -264,11 +255,7 @@ static char *training_text(const run *r, const nqm_train_report *report) {
                              report->validation_loss, "dataset_sha256", r->dataset->sha256);
     if (json && isfinite(report->validation_spearman))
         json_object_set_new(json, "validation_spearman", json_real(report->validation_spearman));
-    char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
-    char *text = dump ? nqm_strdup(dump) : NULL;
-    free(dump);
-    json_decref(json);
-    return text;
+    return nqm_json_text(json, 9);
 }
 
 static nqm_status name_model(const run *r, struct nqm_model *m, const nqm_train_report *report, nqm_error *err) {

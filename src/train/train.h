@@ -5,13 +5,16 @@
 #ifndef NQM_SRC_TRAIN_H
 #define NQM_SRC_TRAIN_H
 
+#include "base/options.h"
 #include "data/data.h"
 #include "model/model.h"
-#include "train/recipes.h"
 #include <jansson.h>
+#include <nqm/train.h>
 
 /* ---- options (recipes.c) ----------------------------------------------------------------------------------------- */
 
+/** Name, description, range and value in each recipe of every training option. */
+extern const nqm_option_table nqm_train_option_table;
 /** Check the ranges of all options. The message of NQM_ERR_ARG names the option. */
 NQM_MUST_CHECK nqm_status nqm_train_options_check(const nqm_train_options *options, nqm_error *err);
 /** The options that affect the result, as JSON; free with json_decref(). NULL: out of memory. `epochs` is included only
@@ -45,7 +48,7 @@ size_t nqm_balance(size_t n, const double *label, uint32_t *copies);
 /** The examples of a training, without scaled copies: rows [0, n_train) are for training, the others for validation. */
 typedef struct nqm_rows {
     size_t n_train, n_validation;
-    nqm_row *row;         /* (n_train + n_validation), in each part sorted by pair and copy */
+    nqm_row *row;         /* (n_train + n_validation), in each part sorted by pair and copy; owns both arrays */
     size_t n_noisy;       /* rows with copy > 0 */
     uint32_t *first_copy; /* (n_pairs) index of a pair's first noisy copy, in [0, n_noisy) */
 } nqm_rows;

@@ -4,7 +4,7 @@
  * values.
  */
 #include "nqm/tool.h"
-#include "train/recipes.h"
+#include "train/train.h"
 
 #include <errno.h>
 #include <libgen.h>
