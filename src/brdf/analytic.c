@@ -1,11 +1,29 @@
 /* SPDX-License-Identifier: MIT
  *
- * Three analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
- * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; and the isotropic lobe of
- * Ward (1992, DOI 10.1145/142920.134078). doc/brdf.md has the formulas. The other
- * models are in analytic_*.c and sgd.c.
+ * Analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
+ * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the isotropic lobe of Ward
+ * (1992, DOI 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
+ * 10.2312/EGWR/EGSR05/117-126): Ward in the normalisation of Duer, Blinn-Phong, one lobe of Lafortune, and
+ * Cook-Torrance and Ashikhmin-Shirley with Schlick's reflectance f0; the latter two with an index of refraction, and two
+ * models whose tails are those of the ABC power spectrum (Low, Kronander, Ynnerman and Unger 2012, DOI
+ * 10.1145/2077341.2077350). doc/brdf.md has the formulas.
  */
-#include "brdf/analytic.h"
+#include "brdf/spec.h"
+#include "math/math.h"
+
+#include <math.h>
+
+/* Angles of the half vector, computed without normalising it: |wi + wo| = 2 cos theta_d. There is no cancellation near
+ * theta_h = 0, where lobes can be narrower than a degree. */
+typedef struct half_angles {
+    double tan2_h, cos_d;
+} half_angles;
+
+static half_angles half_angles_of(const double *wi, const double *wo) {
+    double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
+    double xy = x * x + y * y;
+    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
+}
 
 /* ---- Lambert ----------------------------------------------------------------------------------------------------- */
 
@@ -63,7 +81,7 @@ static double ggx_visibility(double cosine, double alpha2) {
 static void ggx_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const ggx *self = state;
     for (size_t i = 0; i < n; ++i) {
-        nqm_half_angles h = nqm_half_angles_of(wi + 3 * i, wo + 3 * i);
+        half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         double sec2_h = 1 + h.tan2_h;
         double spread = (1 + h.tan2_h / self->alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
         double d = 1 / (NQM_PI * self->alpha2 * spread * spread);
@@ -89,42 +107,270 @@ const nqm_analytic_model nqm_ggx_model = {
     .prepare = ggx_prepare,
 };
 
+/* ---- models of the form kd / pi + ks L: the lobe L is one function for all channels ------------------------------ */
+
+enum { KD, KS, FIRST_SHAPE };
+
+/** Schlick 1994 (DOI 10.1111/1467-8659.1330233). */
+static double schlick_factor(double f0, double cosine) {
+    double m = 1 - cosine;
+    return f0 + (1 - f0) * m * m * m * m * m;
+}
+
+/** A prepared model of the form kd / pi + ks L. */
+typedef struct lobe {
+    double diffuse[3];  /**< kd / pi */
+    double specular[3]; /**< ks times the constant factors of L */
+    double shape[3];    /**< parameters of the lobe; their meaning depends on the model */
+} lobe;
+
+/** Fill the state from a schema that begins with kd, ks, whose other values become the shape; `factor` is the constant part
+ *  of L. */
+static lobe make_lobe(const nqm_spec_values *values, double factor) {
+    lobe made;
+    for (size_t c = 0; c < 3; ++c) {
+        made.diffuse[c] = values->v[KD][c] / NQM_PI;
+        made.specular[c] = values->v[KS][c] * factor;
+        made.shape[c] = values->v[FIRST_SHAPE + c][0];
+    }
+    return made;
+}
+
+/** L without its constant factors. Written so that exchanging light and viewer gives the same bits. */
+typedef double (*lobe_fn)(const double *shape, const double *wi, const double *wo);
+
+/** Evaluate n pairs. Inlined, so that the compiler can inline `f` too. */
+static inline void eval_lobe(const lobe *self, lobe_fn f, size_t n, const double *wi, const double *wo, double *rgb) {
+    for (size_t i = 0; i < n; ++i) {
+        double value = f(self->shape, wi + 3 * i, wo + 3 * i);
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = self->diffuse[c] + self->specular[c] * value;
+    }
+}
+
+/** The first two keys of every such model. */
+#define LOBE_KEYS                                                                                                      \
+    {.name = "kd", .n = 3, .low = 0, .high = 10, .fallback = 0}, {                                                     \
+        .name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true                                                  \
+    }
+
+/** Define the model MODEL with the lobe function LOBE; the variadic arguments are its keys after kd and ks. */
+#define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_KEYS, ...)                                                       \
+    static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
+        eval_lobe(state, LOBE, n, wi, wo, rgb);                                                                        \
+    }                                                                                                                  \
+    const nqm_analytic_model MODEL = {                                                                                 \
+        .schema = {NAME, N_KEYS, {LOBE_KEYS, __VA_ARGS__}},                                                            \
+        .doi = DOI,                                                                                                    \
+        .class_ = {.format = NAME, .reciprocal = 1, .eval = LOBE##_eval, .free = nqm_free},                            \
+        .state_size = sizeof(lobe),                                                                                    \
+        .prepare = PREPARE,                                                                                            \
+    }
+
 /* ---- Ward -------------------------------------------------------------------------------------------------------- */
 
-typedef struct ward {
-    double diffuse[3];  /* kd / pi */
-    double specular[3]; /* ks / (4 pi alpha^2) */
-    double inverse_alpha2;
-} ward;
-
 static void ward_prepare(const nqm_spec_values *values, void *state) {
-    ward *self = state;
-    double alpha = values->v[2][0];
-    self->inverse_alpha2 = 1 / (alpha * alpha);
-    for (int c = 0; c < 3; ++c) {
-        self->diffuse[c] = values->v[0][c] / NQM_PI;
-        self->specular[c] = values->v[1][c] / (4 * NQM_PI * alpha * alpha);
-    }
+    double alpha = values->v[FIRST_SHAPE][0];
+    lobe *self = state;
+    *self = make_lobe(values, 1);
+    for (int c = 0; c < 3; ++c)
+        self->specular[c] /= 4 * NQM_PI * alpha * alpha;
+    self->shape[0] = 1 / (alpha * alpha);
 }
 
-static void ward_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    const ward *self = state;
-    for (size_t i = 0; i < n; ++i) {
-        nqm_half_angles h = nqm_half_angles_of(wi + 3 * i, wo + 3 * i);
-        double lobe = exp(-h.tan2_h * self->inverse_alpha2) / sqrt(wi[3 * i + 2] * wo[3 * i + 2]);
-        for (size_t c = 0; c < 3; ++c)
-            rgb[3 * i + c] = self->diffuse[c] + self->specular[c] * lobe;
-    }
+static double ward(const double *shape, const double *wi, const double *wo) {
+    return exp(-half_angles_of(wi, wo).tan2_h * shape[0]) / sqrt(wi[2] * wo[2]);
 }
 
-const nqm_analytic_model nqm_ward_model = {
-    .schema = {"ward",
-               3,
-               {{.name = "kd", .n = 3, .low = 0, .high = 10, .fallback = 0},
-                {.name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true},
-                {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true}}},
-    .doi = "10.1145/142920.134078",
-    .class_ = {.format = "ward", .reciprocal = 1, .eval = ward_eval, .free = nqm_free},
-    .state_size = sizeof(ward),
-    .prepare = ward_prepare,
-};
+LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, ward_prepare, 3,
+           {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true});
+
+/* ---- Ward-Duer --------------------------------------------------------------------------------------------------- */
+
+static void ward_duer_prepare(const nqm_spec_values *values, void *state) {
+    double alpha = values->v[FIRST_SHAPE][0];
+    lobe *self = state;
+    *self = make_lobe(values, 1 / (4 * NQM_PI * alpha * alpha));
+    self->shape[0] = 1 / (alpha * alpha);
+}
+
+static double ward_duer(const double *shape, const double *wi, const double *wo) {
+    return exp(-half_angles_of(wi, wo).tan2_h * shape[0]) / (wi[2] * wo[2]);
+}
+
+LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", ward_duer, ward_duer_prepare, 3,
+           {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true});
+
+/* ---- Blinn-Phong ------------------------------------------------------------------------------------------------- */
+
+static void blinn_phong_prepare(const nqm_spec_values *values, void *state) {
+    double n = values->v[FIRST_SHAPE][0];
+    lobe *self = state;
+    *self = make_lobe(values, (n + 2) / (2 * NQM_PI));
+    self->shape[0] = -0.5 * n;
+}
+
+/* cos^n theta_h = (1 + tan^2 theta_h)^(-n / 2) */
+static double blinn_phong(const double *shape, const double *wi, const double *wo) {
+    return exp(shape[0] * log1p(half_angles_of(wi, wo).tan2_h));
+}
+
+LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_phong, blinn_phong_prepare, 3,
+           {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
+
+/* ---- Lafortune --------------------------------------------------------------------------------------------------- */
+
+enum { CXY = FIRST_SHAPE, CZ, EXPONENT };
+
+/* Only the ratio of the coefficients matters: they are scaled so that the larger is 1. */
+static void lafortune_prepare(const nqm_spec_values *values, void *state) {
+    double cxy = values->v[CXY][0], cz = values->v[CZ][0], n = values->v[EXPONENT][0];
+    double largest = fmax(-cxy, cz);
+    lobe *self = state;
+    *self = make_lobe(values, (n + 2) / (2 * NQM_PI));
+    self->shape[0] = (largest + cxy) / largest;
+    self->shape[1] = (largest - cz) / largest;
+}
+
+/* The generalised cosine is cos(alpha) - a (-xy) - b z with a = 1 - |cxy|, b = 1 - cz (scaled), cos(alpha) between
+ * viewer and mirrored light; 1 - cos(alpha) is half the squared distance between these two unit vectors, which loses no
+ * precision for narrow lobes. */
+static double lafortune(const double *shape, const double *wi, const double *wo) {
+    double x = wi[0] + wo[0], y = wi[1] + wo[1], dz = wi[2] - wo[2];
+    double deficit = 0.5 * (x * x + y * y + dz * dz); /* 1 - cos(alpha) */
+    double xy = wi[0] * wo[0] + wi[1] * wo[1], z = wi[2] * wo[2];
+    deficit += shape[1] * z - shape[0] * xy;
+    return deficit < 1 ? exp(shape[2] * log1p(-deficit)) : 0;
+}
+
+LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune, lafortune_prepare, 5,
+           {.name = "cxy", .n = 1, .low = -10, .high = -0.01, .fallback = -1},
+           {.name = "cz", .n = 1, .low = 0, .high = 10, .required = true},
+           {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
+
+/* Reflectance of unpolarised light at a dielectric, as Cook and Torrance 1982 write it. */
+static double dielectric(double eta, double cosine) {
+    double g = sqrt(fmax(0, eta * eta + cosine * cosine - 1));
+    double a = (g - cosine) / (g + cosine);
+    double b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
+    return 0.5 * a * a * (1 + b * b);
+}
+
+/* Shadowing and masking of V-grooves (Torrance and Sparrow 1967), divided by cos theta_i cos theta_o. */
+static double grooves(half_angles h, const double *wi, const double *wo) {
+    double cos_h = 1 / sqrt(1 + h.tan2_h);
+    return fmin(1, 2 * cos_h * fmin(wi[2], wo[2]) / h.cos_d) / (wi[2] * wo[2]);
+}
+
+/* ---- Cook-Torrance ----------------------------------------------------------------------------------------------- */
+
+/* Beckmann's distribution without its constant 1 / (pi alpha^2), multiplied by grooves(). */
+static double beckmann_grooves(half_angles h, double inverse_alpha2, const double *wi, const double *wo) {
+    double sec2_h = 1 + h.tan2_h;
+    return exp(-h.tan2_h * inverse_alpha2) * sec2_h * sec2_h * grooves(h, wi, wo);
+}
+
+static void prepare_beckmann(const nqm_spec_values *values, double factor, lobe *self) {
+    double alpha = values->v[FIRST_SHAPE][0];
+    *self = make_lobe(values, factor / (alpha * alpha));
+    self->shape[0] = 1 / (alpha * alpha);
+}
+
+static void cook_torrance_prepare(const nqm_spec_values *values, void *state) {
+    prepare_beckmann(values, 1 / (NQM_PI * NQM_PI), state);
+}
+
+static double cook_torrance(const double *shape, const double *wi, const double *wo) {
+    half_angles h = half_angles_of(wi, wo);
+    return beckmann_grooves(h, shape[0], wi, wo) * schlick_factor(shape[1], h.cos_d);
+}
+
+LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance, cook_torrance_prepare, 4,
+           {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
+           {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
+
+/* The distribution of Cook and Torrance 1982 itself, which lacks 1 / pi. */
+static void low_cook_torrance_prepare(const nqm_spec_values *values, void *state) {
+    prepare_beckmann(values, 1 / NQM_PI, state);
+}
+
+static double low_cook_torrance(const double *shape, const double *wi, const double *wo) {
+    half_angles h = half_angles_of(wi, wo);
+    return beckmann_grooves(h, shape[0], wi, wo) * dielectric(shape[1], h.cos_d);
+}
+
+LOBE_MODEL(nqm_low_cook_torrance_model, "low-cook-torrance", "10.1145/357290.357293", low_cook_torrance,
+           low_cook_torrance_prepare, 4, {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
+           {.name = "eta", .n = 1, .low = 1, .high = 1000, .required = true});
+
+/* ---- Ashikhmin-Shirley ------------------------------------------------------------------------------------------- */
+
+static void ashikhmin_prepare(const nqm_spec_values *values, void *state) {
+    double n = values->v[FIRST_SHAPE][0];
+    lobe *self = state;
+    *self = make_lobe(values, (n + 1) / (8 * NQM_PI));
+    self->shape[0] = -0.5 * n;
+}
+
+static double ashikhmin(half_angles h, double exponent, const double *wi, const double *wo) {
+    return exp(exponent * log1p(h.tan2_h)) / (h.cos_d * fmax(wi[2], wo[2]));
+}
+
+static double ashikhmin_shirley(const double *shape, const double *wi, const double *wo) {
+    half_angles h = half_angles_of(wi, wo);
+    return ashikhmin(h, shape[0], wi, wo) * schlick_factor(shape[1], h.cos_d);
+}
+
+LOBE_MODEL(nqm_ashikhmin_shirley_model, "ashikhmin-shirley", "10.1080/10867651.2000.10487522", ashikhmin_shirley,
+           ashikhmin_prepare, 4, {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true},
+           {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
+
+static double low_ashikhmin_shirley(const double *shape, const double *wi, const double *wo) {
+    half_angles h = half_angles_of(wi, wo);
+    return ashikhmin(h, shape[0], wi, wo) * dielectric(shape[1], h.cos_d);
+}
+
+LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10867651.2000.10487522",
+           low_ashikhmin_shirley, ashikhmin_prepare, 4, {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true},
+           {.name = "eta", .n = 1, .low = 1, .high = 1000, .required = true});
+
+/* ---- the two models of Low et al. -------------------------------------------------------------------------------- */
+
+static void prepare_abc(const nqm_spec_values *values, double factor, lobe *self) {
+    *self = make_lobe(values, factor);
+    self->shape[1] = -self->shape[1];
+}
+
+static void abc_prepare(const nqm_spec_values *values, void *state) {
+    prepare_abc(values, 1 / NQM_PI, state); /* the published amplitudes are for a model with this factor */
+}
+
+static double abc(const double *shape, const double *wi, const double *wo) {
+    half_angles h = half_angles_of(wi, wo);
+    double sec_h = sqrt(1 + h.tan2_h);
+    double one_minus_cos_h = h.tan2_h / (sec_h * (sec_h + 1));
+    return exp(shape[1] * log1p(shape[0] * one_minus_cos_h)) * grooves(h, wi, wo) * dielectric(shape[2], h.cos_d);
+}
+
+#define ABC_KEYS                                                                                                       \
+    {.name = "B", .n = 1, .low = 0, .high = 1e9, .required = true},                                                    \
+        {.name = "C", .n = 1, .low = 0, .high = 100, .required = true}, {                                              \
+        .name = "eta", .n = 1, .low = 1, .high = 1000, .required = true                                                \
+    }
+
+LOBE_MODEL(nqm_abc_model, "abc", "10.1145/2077341.2077350", abc, abc_prepare, 5, ABC_KEYS);
+
+static void smooth_prepare(const nqm_spec_values *values, void *state) {
+    prepare_abc(values, 1, state);
+}
+
+/* In the plane of projected directions, the sum of both directions is the deviation from the mirror direction, and half
+ * the length of their difference is the sine of the angle at which the Fresnel term is evaluated (equation 14). */
+static double smooth(const double *shape, const double *wi, const double *wo) {
+    double x = wi[0] + wo[0], y = wi[1] + wo[1], dx = wi[0] - wo[0], dy = wi[1] - wo[1];
+    double deviation2 = x * x + y * y;
+    double cosine = sqrt(fmax(0, 1 - 0.25 * (dx * dx + dy * dy)));
+    return exp(shape[1] * log1p(shape[0] * deviation2)) * dielectric(shape[2], cosine);
+}
+
+LOBE_MODEL(nqm_smooth_model, "smooth", "10.1145/2077341.2077350", smooth, smooth_prepare, 5, ABC_KEYS);

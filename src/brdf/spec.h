@@ -51,7 +51,7 @@ typedef struct nqm_analytic_model {
     void (*prepare)(const nqm_spec_values *values, void *state); /**< compute the constants of the evaluation */
 } nqm_analytic_model;
 
-/** Every analytic model. A new one is defined in analytic*.c or a file of its own, and named here. */
+/** Every analytic model. A new one is defined in analytic.c or a file of its own, and named here. */
 #define NQM_ANALYTIC_MODELS(X)                                                                                         \
     X(nqm_lambert_model)                                                                                               \
     X(nqm_ggx_model)                                                                                                   \
