@@ -75,8 +75,8 @@ nqm_status nqm_nps_open(const char *decoder_path, const char *material, const ch
 enum { NQM_NBRDF_WEIGHTS = 6 * 21 + 21 + 21 * 21 + 21 + 21 * 3 + 3 };
 /** An NBRDF from its weights (NQM_NBRDF_WEIGHTS): kernel (in, out) then bias, layer by layer, as in the Keras files. */
 nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-/** The weights of a BRDF whose format is "nbrdf", in that order. */
-void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights);
+/** The weights of a BRDF whose format is "nbrdf", in that order; valid until it is freed. */
+const float *nqm_nbrdf_weights(const nqm_brdf *brdf);
 
 /** A table over half-vector coordinates with linear interpolation between nodes: theta_h of node i = (i / (n_h - 1))^2
  *  pi/2 (denser towards the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of

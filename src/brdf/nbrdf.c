@@ -20,6 +20,7 @@ typedef struct nbrdf {
     double w1[N_IN * HIDDEN_PADDED], b1[HIDDEN_PADDED];
     double w2[N_HIDDEN * HIDDEN_PADDED], b2[HIDDEN_PADDED];
     double w3[N_HIDDEN * OUT_PADDED], b3[OUT_PADDED];
+    float weights[NQM_NBRDF_WEIGHTS]; /* the same values in the order of files */
 } nbrdf;
 
 /* y (n_out) = b + x (n_in) w (n_in, n_out); inlined, so that n_out is a constant. */
@@ -73,6 +74,7 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
     nbrdf *net = nqm_alloc(1, sizeof *net);
     if (!net)
         return nqm_fail_nomem(err, sizeof *net);
+    memcpy(net->weights, weights, sizeof net->weights);
     for (const layer *l = layers; l < layers + N_LAYERS; ++l) {
         double *w = (double *)net + l->w, *b = (double *)net + l->b;
         for (size_t k = 0; k < l->n_in; ++k)
@@ -86,15 +88,8 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
     return nqm_brdf_wrap(&nbrdf_class, net, &info, brdf_ret, err);
 }
 
-void nqm_nbrdf_weights(const nqm_brdf *brdf, float *weights) {
-    for (const layer *l = layers; l < layers + N_LAYERS; ++l) {
-        const double *w = (const double *)brdf->self + l->w, *b = (const double *)brdf->self + l->b;
-        for (size_t k = 0; k < l->n_in; ++k)
-            for (size_t j = 0; j < l->n_out; ++j)
-                *weights++ = (float)w[k * l->n_padded + j];
-        for (size_t j = 0; j < l->n_out; ++j)
-            *weights++ = (float)b[j];
-    }
+const float *nqm_nbrdf_weights(const nqm_brdf *brdf) {
+    return ((const nbrdf *)brdf->self)->weights;
 }
 
 /* ---- Keras files ------------------------------------------------------------------------------------------------- */

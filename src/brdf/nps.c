@@ -123,14 +123,11 @@ static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *
 }
 
 static nqm_status read_latent(const char *decoder_path, const char *material, nps *net, nqm_error *err) {
-    static const char file_name[] = "nps_latents.csv";
     const char *slash = strrchr(decoder_path, '/');
-    size_t n_folder = slash ? (size_t)(slash + 1 - decoder_path) : 0;
-    char *path = nqm_alloc(n_folder + sizeof file_name, 1);
+    const size_t n_folder = slash ? nqm_larger((size_t)(slash - decoder_path), 1) : 0; /* 1: the root folder */
+    char *path = nqm_brdf_path_below("nps_latents.csv", decoder_path, n_folder);
     if (!path)
-        return nqm_fail_nomem(err, n_folder + sizeof file_name);
-    memcpy(path, decoder_path, n_folder);
-    memcpy(path + n_folder, file_name, sizeof file_name);
+        return nqm_fail_nomem(err, strlen(decoder_path));
     nqm_csv *csv;
     nqm_status status = nqm_csv_load(path, &csv, err);
     if (status == NQM_OK)

@@ -23,10 +23,10 @@
 /** A table over the unit square, first coordinate along a row; (height, width) or several such slices. */
 typedef struct grid {
     size_t width, height;
-    const float *value; /* in the mapped file, or `own` */
-    float *own;         /* or NULL */
+    const float *value; /* in the mapped file, or a copy */
 } grid;
 
+/* One block; copies and integrals follow the struct. */
 typedef struct rgl {
     nqm_map map;
     size_t n_theta;
@@ -161,18 +161,8 @@ static void rgl_eval(const void *self, size_t n, const double *wi, const double 
 }
 
 static void rgl_free(void *self) {
-    rgl *m = self;
-    if (!m)
-        return;
-    nqm_free(m->angles.own);
-    nqm_free(m->ndf.own);
-    nqm_free(m->sigma.own);
-    nqm_free(m->vndf.own);
-    nqm_free(m->conditional);
-    nqm_free(m->marginal);
-    nqm_free(m->rgb.own);
-    nqm_map_close(&m->map);
-    nqm_free(m);
+    nqm_map_close(&((rgl *)self)->map);
+    nqm_free(self);
 }
 
 static const nqm_brdf_class rgl_class = {.format = "rgl", .reciprocal = 0, .eval = rgl_eval, .free = rgl_free};
@@ -194,7 +184,7 @@ static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, co
                               const nqm_tensor **t_ret, nqm_error *err) {
     *t_ret = nqm_tensor_file_find(file, name);
     if (!*t_ret)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: holds no tensor '%s' (byte 0)", c->path, name);
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: has no tensor '%s' (byte 0)", c->path, name);
     if ((*t_ret)->dtype != NQM_F32 || (*t_ret)->n_dims != n_dims)
         return fail_tensor(c, *t_ret, "has a type or shape that is not that of an RGL material", err);
     return NQM_OK;
@@ -237,58 +227,48 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Make `g` a view of a tensor's floats, or of a copy when they are misaligned. Values that are below `least` or not
- * finite are refused. */
-static nqm_status view_floats(const contents *c, const nqm_tensor *t, float least, grid *g, nqm_error *err) {
-    size_t n = t->n_bytes / sizeof(float);
-    g->height = t->n_dims > 1 ? t->dims[t->n_dims - 2] : 1;
-    g->width = t->dims[t->n_dims - 1];
-    if ((uintptr_t)t->data % sizeof(float) == 0) {
-        g->value = t->data;
-    } else {
-        g->value = g->own = nqm_alloc(n, sizeof(float)); /* the owner of `g` frees it, on failure too */
-        if (!g->own)
-            return nqm_fail_nomem(err, t->n_bytes);
-        memcpy(g->own, t->data, n * sizeof(float));
-    }
-    if (nqm_all_within(n, g->value, least))
+/* Number of floats to copy: all when the tensor's floats are misaligned, otherwise none. */
+static size_t n_copied(const nqm_tensor *t) {
+    return (uintptr_t)t->data % sizeof(float) ? t->n_bytes / sizeof(float) : 0;
+}
+
+/* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order. */
+static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
+                               nqm_error *err) {
+    const unsigned char *data = t->data;
+    if (nqm_all_within(t->n_bytes / sizeof(float), value, least))
         return NQM_OK;
-    size_t i = nqm_first_outside(n, g->value, least);
-    long long at = (long long)t->byte_offset + 4 * (long long)i;
-    return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: '%s' holds %g at byte %lld", c->path, t->name, (double)g->value[i],
-                    at);
+    while (nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
+        data += sizeof(float);
+    long long at = t->byte_offset + (data - (const unsigned char *)t->data);
+    return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: '%s' contains %g at byte %lld", c->path, t->name,
+                    (double)nqm_load_f32(data), at);
 }
 
-static nqm_status view_angles(const contents *c, rgl *m, nqm_error *err) {
-    nqm_status status = view_floats(c, c->theta_i, 0, &m->angles, err);
-    if (status != NQM_OK)
-        return status;
-    m->n_theta = c->theta_i->dims[0];
-    for (size_t k = 1; k < m->n_theta; ++k)
-        if (!(m->angles.value[k] > m->angles.value[k - 1]))
-            return fail_tensor(c, c->theta_i, "does not rise", err);
-    return NQM_OK;
+static grid grid_of(const nqm_tensor *t, const float *value) {
+    return (grid){
+        .width = t->dims[t->n_dims - 1], .height = t->n_dims > 1 ? t->dims[t->n_dims - 2] : 1, .value = value};
 }
 
-/* Interleave the channels, so that the four neighbours of a point are in two short runs of memory. */
-static nqm_status copy_rgb(const contents *c, rgl *m, nqm_error *err) {
-    grid planes = {0};
-    nqm_status status = view_floats(c, c->rgb, -FLT_MAX, &planes, err);
-    size_t n_slice = planes.width * planes.height;
-    float *rgb = m->rgb.own = status == NQM_OK ? nqm_alloc(3 * m->n_theta * n_slice, sizeof *rgb) : NULL;
-    m->rgb = (grid){planes.width, planes.height, rgb, rgb};
-    if (status == NQM_OK && !rgb)
-        status = nqm_fail_nomem(err, c->rgb->n_bytes);
-    for (size_t k = 0; status == NQM_OK && k < m->n_theta; ++k) {
-        const float *red = planes.value + 3 * k * n_slice, *green = red + n_slice, *blue = green + n_slice;
-        for (size_t i = 0; i < n_slice; ++i, rgb += 3) {
-            rgb[0] = red[i];
-            rgb[1] = green[i];
-            rgb[2] = blue[i];
+/* Make `g` a view of a tensor's floats, or of `copy` when they are misaligned. */
+static nqm_status view_floats(const contents *c, const nqm_tensor *t, float least, float *copy, grid *g,
+                              nqm_error *err) {
+    *g = grid_of(t, n_copied(t) ? memcpy(copy, t->data, t->n_bytes) : t->data);
+    return check_values(c, t, least, g->value, err);
+}
+
+/* Interleave the channels of the tensor (1, n_theta, 3, height, width) as (n_theta, height, width, 3), so that the four
+ * neighbours of a point are in two short runs of memory. */
+static void interleave(const nqm_tensor *t, float *rgb) {
+    const size_t n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
+    for (size_t k = 0; k < t->dims[1]; ++k) {
+        const unsigned char *red = (const unsigned char *)t->data + 3 * k * n_plane, *green = red + n_plane;
+        for (size_t i = 0; i < n_plane; i += sizeof(float), rgb += 3) {
+            rgb[0] = nqm_load_f32(red + i);
+            rgb[1] = nqm_load_f32(green + i);
+            rgb[2] = nqm_load_f32(green + n_plane + i);
         }
     }
-    nqm_free(planes.own);
-    return status;
 }
 
 /* Integrals of n_rows rows up to each column by the trapezoidal rule, which is exact for bilinear densities. Each sum
@@ -318,36 +298,46 @@ static double integrate_slice(rgl *m, size_t k) {
     return marginal[height - 1];
 }
 
-static nqm_status build_warp(const contents *c, rgl *m, nqm_error *err) {
-    nqm_status status = view_floats(c, c->vndf, 0, &m->vndf, err);
-    if (status != NQM_OK)
-        return status;
-    size_t n_rows = m->n_theta * m->vndf.height;
-    m->conditional = nqm_alloc(n_rows * m->vndf.width, sizeof *m->conditional);
-    m->marginal = nqm_alloc(n_rows, sizeof *m->marginal);
-    if (!m->conditional || !m->marginal)
-        return nqm_fail_nomem(err, n_rows * m->vndf.width * sizeof *m->conditional);
-    for (size_t k = 0; k < m->n_theta; ++k)
-        if (!(integrate_slice(m, k) >= FLT_MIN)) /* its inverse must be finite */
-            return fail_tensor(c, c->vndf, "has a slice without any density", err);
-    return NQM_OK;
-}
-
-static nqm_status read_material(const nqm_tensor_file *file, const char *path, rgl *m, nqm_error *err) {
+static nqm_status read_material(const nqm_tensor_file *file, const char *path, rgl **m_ret, nqm_error *err) {
     contents c = {.path = path};
     nqm_status status = find_tensors(file, &c, err);
     if (status == NQM_OK)
         status = check_shapes(&c, err);
+    if (status != NQM_OK)
+        return status;
+    const size_t n_theta = c.theta_i->dims[0], n_warp = c.vndf->n_bytes / sizeof(float);
+    float *angles, *ndf, *sigma, *vndf, *rgb;
+    double *conditional, *marginal;
+    status = nqm_alloc_arrays(
+        NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&angles, n_copied(c.theta_i), sizeof(float)},
+                   {&ndf, n_copied(c.ndf), sizeof(float)}, {&sigma, n_copied(c.sigma), sizeof(float)},
+                   {&vndf, n_copied(c.vndf), sizeof(float)}, {&rgb, c.rgb->n_bytes, 1},
+                   {&conditional, n_warp, sizeof(double)}, {&marginal, n_theta * c.vndf->dims[2], sizeof(double)}),
+        err);
+    if (status != NQM_OK)
+        return status;
+    rgl *m = *m_ret;
+    m->n_theta = n_theta;
+    m->conditional = conditional;
+    m->marginal = marginal;
+    status = view_floats(&c, c.theta_i, 0, angles, &m->angles, err);
+    for (size_t k = 1; status == NQM_OK && k < n_theta; ++k)
+        if (!(m->angles.value[k] > m->angles.value[k - 1]))
+            status = fail_tensor(&c, c.theta_i, "does not rise", err);
     if (status == NQM_OK)
-        status = view_angles(&c, m, err);
+        status = view_floats(&c, c.ndf, 0, ndf, &m->ndf, err);
     if (status == NQM_OK)
-        status = view_floats(&c, c.ndf, 0, &m->ndf, err);
+        status = view_floats(&c, c.sigma, FLT_MIN, sigma, &m->sigma, err);
+    if (status == NQM_OK) {
+        interleave(c.rgb, rgb);
+        m->rgb = grid_of(c.rgb, rgb);
+        status = check_values(&c, c.rgb, -FLT_MAX, rgb, err);
+    }
     if (status == NQM_OK)
-        status = view_floats(&c, c.sigma, FLT_MIN, &m->sigma, err);
-    if (status == NQM_OK)
-        status = copy_rgb(&c, m, err);
-    if (status == NQM_OK)
-        status = build_warp(&c, m, err);
+        status = view_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
+    for (size_t k = 0; status == NQM_OK && k < n_theta; ++k)
+        if (!(integrate_slice(m, k) >= FLT_MIN)) /* its inverse must be finite */
+            status = fail_tensor(&c, c.vndf, "has a slice without any density", err);
     const nqm_tensor *jacobian = nqm_tensor_file_find(file, "jacobian");
     m->jacobian = !jacobian || jacobian->n_bytes != 1 || *(const unsigned char *)jacobian->data != 0;
     return status;
@@ -361,16 +351,14 @@ bool nqm_rgl_probe(const nqm_map *map) {
 
 nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_tensor_file *file = NULL;
-    rgl *m = nqm_alloc(1, sizeof *m);
-    if (!m)
-        return nqm_fail_nomem(err, sizeof *m);
+    rgl *m = NULL;
     nqm_map_expect(map, true);
     nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
     if (status == NQM_OK)
-        status = read_material(file, map->path, m, err);
+        status = read_material(file, map->path, &m, err);
     nqm_free(file);
     if (status != NQM_OK) {
-        rgl_free(m);
+        nqm_free(m);
         return status;
     }
     char layout[120];

@@ -36,13 +36,12 @@ static nqm_status write_file(const char *path, const char *format, size_t n, con
 }
 
 static nqm_status save_network(const nqm_brdf *brdf, const char *path, nqm_error *err) {
-    float weights[NQM_NBRDF_WEIGHTS], *next = weights;
+    const float *next = nqm_nbrdf_weights(brdf);
     nqm_tensor tensors[N_NETWORK];
-    nqm_nbrdf_weights(brdf, weights);
     for (size_t i = 0; i < N_NETWORK; ++i) {
         tensors[i] = network_tensors[i];
         tensors[i].data = next;
-        tensors[i].n_bytes = count(&tensors[i]) * sizeof *weights;
+        tensors[i].n_bytes = count(&tensors[i]) * sizeof *next;
         next += count(&tensors[i]);
     }
     return write_file(path, NETWORK_FORMAT, N_NETWORK, tensors, err);

@@ -2,7 +2,7 @@
  *
  * Writing and checking the common format of learned encoders.
  */
-#include "fit/encoder_file.h"
+#include "fit/encoders.h"
 
 #include <jansson.h>
 #include <stdlib.h>

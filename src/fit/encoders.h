@@ -6,7 +6,8 @@
 #ifndef NQM_SRC_FIT_ENCODERS_H
 #define NQM_SRC_FIT_ENCODERS_H
 
-#include "fit/encoder_file.h"
+#include "base/embedded.h"
+#include "io/io.h"
 #include <nqm/fit.h>
 
 /** Number of values that an encoding may store or read: the last word of its name. */
@@ -27,5 +28,25 @@ NQM_MUST_CHECK nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs
                                            const nqm_learn_options *options, const char *path, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_learn_hyper(size_t n, const nqm_brdf *const *refs, const char *const *names,
                                           const nqm_learn_options *options, const char *path, nqm_error *err);
+
+/* ---- the common format of learned encoders (doc/files.md): safetensors with kind, seed, steps and references ------- */
+
+/** The files of models/encoders. */
+extern const nqm_embedded_file nqm_embedded_encoders[];
+
+/** The bytes of an embedded encoder file ("sparse", "hyper"; models/encoders/NAME.safetensors); NULL when this build has
+ *  none. */
+const unsigned char *nqm_encoder_bytes(const char *name, size_t *n_bytes_ret);
+
+/** Write a file of `kind` ("sparse", "hyper") with metadata format, schema, kind, tool, seed, steps and references. Names
+ *  must be UTF-8: NQM_ERR_ARG. */
+NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const char *kind, size_t n_refs, const char *const *names,
+                                            const nqm_learn_options *options, size_t n_tensors,
+                                            const nqm_tensor *tensors, nqm_error *err);
+
+/** Parse such a file; NQM_ERR_MODEL unless it is of this kind, its checksum is correct and all values are finite. `name` is
+ *  for messages. Free with nqm_safetensors_free(). */
+NQM_MUST_CHECK nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name,
+                                            const char *kind, nqm_safetensors **st_ret, nqm_error *err);
 
 #endif

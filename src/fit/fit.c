@@ -51,25 +51,16 @@ static void round_values(const nqm_fit_entry *model, nqm_fit_values *values) {
     }
 }
 
-static size_t append(char *text, size_t used, const char *key, size_t n, const double *values) {
-    used += (size_t)snprintf(text + used, 512 - used, "%s=", key);
-    for (size_t i = 0; i < n; ++i) {
-        char number[32];
-        nqm_format_double(number, sizeof number, values[i]);
-        used += (size_t)snprintf(text + used, 512 - used, "%s%s", i ? "," : "", number);
+void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *v, char spec[512]) {
+    char kd[3][32], ks[3][32], value[32];
+    for (size_t c = 0; c < 3; ++c) {
+        nqm_format_double(kd[c], sizeof kd[c], v->kd[c]);
+        nqm_format_double(ks[c], sizeof ks[c], v->ks[c]);
     }
-    return used;
-}
-
-void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *values, char spec[512]) {
-    size_t used = (size_t)snprintf(spec, 512, "%s:", model->name);
-    used = append(spec, used, "kd", 3, values->kd);
-    used = append(spec, used, ";ks", 3, values->ks);
-    for (size_t s = 0; s < model->n_shape; ++s) {
-        char key[16];
-        snprintf(key, sizeof key, ";%s", model->shape[s].key);
-        used = append(spec, used, key, 1, &values->shape[s]);
-    }
+    int used = snprintf(spec, 512, "%s:kd=%s,%s,%s;ks=%s,%s,%s", model->name, kd[0], kd[1], kd[2], ks[0], ks[1], ks[2]);
+    for (size_t s = 0; s < model->n_shape; ++s)
+        used += snprintf(spec + used, 512 - (size_t)used, ";%s=%s", model->shape[s].key,
+                         nqm_format_double(value, sizeof value, v->shape[s]));
 }
 
 static nqm_status fit_analytic(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,

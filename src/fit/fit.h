@@ -78,8 +78,9 @@ NQM_MUST_CHECK nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit
 /** The transform inside the loss: log(1 + weight f), cbrt(f) or f; f >= 0. */
 double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
 
-/** Red channel of a spec at the target's directions: lobe (n). */
-NQM_MUST_CHECK nqm_status nqm_fit_lobe(const nqm_fit_target *target, const char *spec, double *lobe, nqm_error *err);
+/** f_r of a spec at the target's directions: rgb (n, 3). */
+NQM_MUST_CHECK nqm_status nqm_fit_eval_spec(const nqm_fit_target *target, const char *spec, double *rgb,
+                                            nqm_error *err);
 
 /** Find the best values of a model for a target; *start_ret receives the index of the start that led to them. */
 NQM_MUST_CHECK nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *target,

@@ -13,11 +13,7 @@ static const double START_F0[] = {0.04, 0.5}, START_ETA[] = {1.3, 4}, START_FALL
 static const double START_GROWTH[] = {0.3,
                                       3}; /* log of the ratio of a Lafortune lobe at grazing and at normal incidence */
 
-static void start_width(double alpha, size_t which, double *shape) {
-    (void)which;
-    shape[0] = alpha;
-}
-
+/* Models without f0 use only the first value. */
 static void start_width_f0(double alpha, size_t which, double *shape) {
     shape[0] = alpha;
     shape[1] = START_F0[which];
@@ -27,10 +23,6 @@ static void start_width_f0(double alpha, size_t which, double *shape) {
 static void start_exponent_f0(double alpha, size_t which, double *shape) {
     shape[0] = 2 / (alpha * alpha);
     shape[1] = START_F0[which];
-}
-
-static void start_exponent(double alpha, size_t which, double *shape) {
-    start_exponent_f0(alpha, which, shape);
 }
 
 /* The lobe is about the mirrored direction, whose angle is twice that of the half vector. */
@@ -71,7 +63,7 @@ static nqm_status encode_nbrdf(const nqm_brdf *ref, nqm_budget budget, const nqm
 
 /* The paper's NQM_FIT_N_ENCODINGS encodings come first, in its order. */
 static const nqm_fit_entry entries[] = {
-    {"ward", 1, {WIDTH}, 1, start_width, NULL, 0},
+    {"ward", 1, {WIDTH}, 1, start_width_f0, NULL, 0},
     {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, 0},
     {.name = "nbrdf", .encode = encode_nbrdf},
     {.name = "sparse-low", .encode = nqm_fit_sparse, .budget = NQM_BUDGET_LOW},
@@ -80,8 +72,8 @@ static const nqm_fit_entry entries[] = {
     {.name = "hyper-low", .encode = nqm_fit_hyper, .budget = NQM_BUDGET_LOW},
     {.name = "hyper-mid", .encode = nqm_fit_hyper, .budget = NQM_BUDGET_MID},
     {.name = "hyper-high", .encode = nqm_fit_hyper, .budget = NQM_BUDGET_HIGH},
-    {"ward-duer", 1, {WIDTH}, 1, start_width, NULL, 0},
-    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent, NULL, 0},
+    {"ward-duer", 1, {WIDTH}, 1, start_width_f0, NULL, 0},
+    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent_f0, NULL, 0},
     {"lafortune", 2, {{"cz", 0.02, 1 - 1e-8, NQM_FIT_SCALE_LOG_REST}, EXPONENT(3e6)}, 2, start_lafortune, NULL, 0},
     {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, 0},
     {"ashikhmin-shirley", 2, {EXPONENT(1e7), {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_exponent_f0, NULL, 0},

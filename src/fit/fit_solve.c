@@ -18,6 +18,7 @@ static const double MIN_ALBEDO = 1e-7, MAX_KD = 10,
 typedef struct search {
     const nqm_fit_entry *model;
     const nqm_fit_target *target;
+    double *rgb;                          /* (n, 3) scratch */
     double *diffuse;                      /* (n) the base with kd = 1 */
     double *lobe;                         /* (n) the lobe with ks = 1 and `lobe_shape` */
     double lobe_shape[NQM_FIT_MAX_SHAPE]; /* zeros: not evaluated yet */
@@ -31,18 +32,25 @@ typedef struct candidate {
     size_t start;
 } candidate;
 
+/* The red channel of a model with these values at the target's directions: lobe (n). */
+static nqm_status eval_lobe(search *s, const nqm_fit_values *values, double *lobe) {
+    char spec[512];
+    nqm_fit_write_spec(s->model, values, spec);
+    nqm_status status = nqm_fit_eval_spec(s->target, spec, s->rgb, s->err);
+    for (size_t i = 0; status == NQM_OK && i < s->target->n; ++i)
+        lobe[i] = s->rgb[3 * i];
+    return status;
+}
+
 /* Evaluate the lobe for `shape`, unless it already has that shape (when only the albedos changed). */
 static nqm_status set_shape(search *s, const double *shape) {
     size_t n_bytes = s->model->n_shape * sizeof *shape;
     if (memcmp(s->lobe_shape, shape, n_bytes) == 0)
         return NQM_OK;
     nqm_fit_values unit = {.ks = {1, 1, 1}};
-    char spec[512];
     memcpy(unit.shape, shape, n_bytes);
-    nqm_fit_write_spec(s->model, &unit, spec);
-    nqm_status status = nqm_fit_lobe(s->target, spec, s->lobe, s->err);
     memcpy(s->lobe_shape, shape, n_bytes);
-    return status;
+    return eval_lobe(s, &unit, s->lobe);
 }
 
 /* Root mean square residual of the values; residual (n, 3) receives the residuals, NULL: not stored. */
@@ -279,15 +287,15 @@ nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *targe
     search s = {.model = model, .target = target, .err = err};
     candidate best[MAX_REFINED] = {{.loss = INFINITY}};
     size_t n_best = 0, winner = 0;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&s.diffuse, target->n, sizeof(double)}, {&s.lobe, target->n, sizeof(double)}), err);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&s.rgb, target->n, 3 * sizeof(double)}, {&s.diffuse, target->n, sizeof(double)},
+                                    {&s.lobe, target->n, sizeof(double)}),
+                         err);
     if (status != NQM_OK)
         return status;
     nqm_fit_values base = {.kd = {1, 1, 1}};
     make_start(model, 0, 1, base.shape);
-    char spec[512];
-    nqm_fit_write_spec(model, &base, spec);
-    status = nqm_fit_lobe(target, spec, s.diffuse, err);
+    status = eval_lobe(&s, &base, s.diffuse);
     if (status == NQM_OK)
         status = scan_starts(&s, options, best, &n_best);
     for (size_t i = 0; status == NQM_OK && i < n_best; ++i) {
@@ -300,6 +308,6 @@ nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *targe
         *values = best[winner].values;
         *start_ret = best[winner].start;
     }
-    nqm_free(s.diffuse);
+    nqm_free(s.rgb);
     return status;
 }

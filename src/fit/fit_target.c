@@ -97,34 +97,21 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
     return NQM_OK;
 }
 
-static nqm_status eval_spec(const nqm_fit_target *target, const char *spec, double *rgb, nqm_error *err) {
+nqm_status nqm_fit_eval_spec(const nqm_fit_target *target, const char *spec, double *rgb, nqm_error *err) {
     nqm_brdf *brdf;
     nqm_status status = nqm_brdf_open(spec, &brdf, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_brdf_eval(brdf, target->n, target->wi, target->wo, rgb, NULL);
+    if (status == NQM_OK)
+        nqm_brdf_eval(brdf, target->n, target->wi, target->wo, rgb, NULL);
     nqm_brdf_free(brdf);
-    return NQM_OK;
-}
-
-nqm_status nqm_fit_lobe(const nqm_fit_target *target, const char *spec, double *lobe, nqm_error *err) {
-    double *rgb = nqm_alloc(3 * target->n, sizeof *rgb);
-    if (!rgb)
-        return nqm_fail_nomem(err, 3 * target->n * sizeof *rgb);
-    nqm_status status = eval_spec(target, spec, rgb, err);
-    for (size_t i = 0; status == NQM_OK && i < target->n; ++i)
-        lobe[i] = rgb[3 * i];
-    nqm_free(rgb);
     return status;
 }
 
 nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret, nqm_error *err) {
     size_t n = 3 * target->n;
-    double *rgb = nqm_alloc(n, sizeof *rgb);
+    double *rgb = nqm_alloc(n, sizeof *rgb), sum = 0;
     if (!rgb)
         return nqm_fail_nomem(err, n * sizeof *rgb);
-    nqm_status status = eval_spec(target, spec, rgb, err);
-    double sum = 0;
+    nqm_status status = nqm_fit_eval_spec(target, spec, rgb, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         double residual = nqm_fit_transform(target->loss, target->weight[i / 3], rgb[i]) - target->goal[i];
         sum += residual * residual;

@@ -2,7 +2,7 @@
  *
  * hyper.h - the hypernetwork (after Gokbudak et al. 2024, arXiv:2311.15783, "Hypernetworks for Generalizable BRDF
  * Representation"): a network on each sample of a BRDF, mean and maximum over all samples, and a second network that
- * predicts the weights of an NBRDF. Network and gradient: hyper_net.c; input samples: hyper_samples.c; training examples:
+ * predicts the weights of an NBRDF. Network and gradient: hyper_net.c; input samples and training examples:
  * hyper_data.c; file: hyper_file.c.
  */
 #ifndef NQM_SRC_FIT_HYPER_H

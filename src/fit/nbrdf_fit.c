@@ -128,15 +128,15 @@ static double mean_loss(const learner *l, const samples *s) {
 }
 
 /* State shared by all starts. */
-typedef struct course {
+typedef struct training {
     const samples *train, *fresh;
     size_t n_steps, n_done; /* n_done counts all starts, for the progress */
     const nqm_fit_options *options;
     nqm_error *err;
-} course;
+} training;
 
 /* Train up to step `last`. */
-static nqm_status train(course *c, learner *l, size_t last) {
+static nqm_status train(training *c, learner *l, size_t last) {
     float gradient[NQM_NBRDF_WEIGHTS];
     double n_total = (double)c->n_steps * (1 + (N_STARTS - 1.0) / START_FRACTION);
     for (; l->n_steps < last; ++c->n_done) {
@@ -153,7 +153,7 @@ static nqm_status train(course *c, learner *l, size_t last) {
 }
 
 /* Train a few starts briefly and continue the best: in some starts ReLU neurons die early. */
-static nqm_status train_best(course *c, learner *best, size_t *best_start) {
+static nqm_status train_best(training *c, learner *best, size_t *best_start) {
     learner candidate;
     double best_loss = INFINITY;
     for (size_t start = 0; start < N_STARTS; ++start) {
@@ -182,7 +182,7 @@ nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nq
     size_t n_batches = (options->n_directions * SAMPLES_PER_DIRECTION + BATCH - 1) / BATCH;
     samples trained = {0}, fresh = {0};
     learner best;
-    course c = {.train = &trained, .fresh = &fresh, .n_steps = n_batches * PASSES, .options = options, .err = err};
+    training c = {.train = &trained, .fresh = &fresh, .n_steps = n_batches * PASSES, .options = options, .err = err};
     nqm_status status = samples_make(ref, n_batches, options->seed, 0, &trained, err);
     if (status == NQM_OK)
         status = samples_make(ref, N_FRESH, options->seed, 1, &fresh, err);

@@ -105,7 +105,7 @@ NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *diction
 /** Inner products of n vectors of NQM_SPARSE_CORE (sparse.c): gram (n, n). */
 void nqm_sparse_gram(size_t n, const double *vectors, double *gram);
 
-/** The leading directions of n_tables channels (n_tables, NQM_SPARSE_CELLS) along each coordinate (sparse_basis.c). */
+/** The leading directions of n_tables channels (n_tables, NQM_SPARSE_CELLS) along each coordinate (sparse_table.c). */
 NQM_MUST_CHECK nqm_status nqm_sparse_bases_learn(size_t n_tables, const float *tables, nqm_sparse_bases *bases,
                                                  nqm_error *err);
 

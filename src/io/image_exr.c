@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads OpenEXR images with OpenEXRCore: the first part; scanlines, or tiles of the finest level; channels R, G and B,
- * or Y alone; half or float. The image is the data window. Deep images and subsampled channels are refused.
+ * OpenEXR images with OpenEXRCore. Reading: the first part; scanlines, or tiles of the finest level; channels R, G and B,
+ * or Y alone; half or float. The image is the data window. Deep images and subsampled channels are refused. Writing: one
+ * part of scanlines; R, G and B as float; ZIP compression.
  */
 #include "io/io.h"
 
@@ -14,34 +15,52 @@ static const double max_pixels_per_byte = 1032.0 / 2;
 
 enum { MAX_ALLOCATION = 256 << 20 };
 
+/* A file that is read, or written. */
 typedef struct exr_file {
+    const char *path;
     const nqm_map *map;
+    nqm_outfile out;
     exr_context_t context;
     char message[200]; /* last error message of OpenEXRCore */
     nqm_error *err;
 } exr_file;
 
-static nqm_status fail_exr(exr_file *file, const char *what) {
-    return nqm_fail(file->err, NQM_ERR_FORMAT, -1, "%s: OpenEXR: %s%s%s", file->map->path, what,
-                    file->message[0] ? ": " : "", file->message);
+static nqm_status fail_exr(exr_file *file, nqm_status status, const char *what) {
+    return nqm_fail(file->err, status, -1, "%s: OpenEXR: %s%s%s", file->path, what, file->message[0] ? ": " : "",
+                    file->message);
 }
 
-static exr_file *file_of(exr_const_context_t context) {
-    void *user = NULL;
-    return exr_get_user_data(context, &user) == EXR_ERR_SUCCESS ? user : NULL;
+static nqm_status refuse(exr_file *file, const char *what) {
+    return fail_exr(file, NQM_ERR_FORMAT, what);
+}
+
+static bool good(exr_result_t result) {
+    return result == EXR_ERR_SUCCESS;
 }
 
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
+    void *user = NULL;
     (void)code;
-    exr_file *file = context ? file_of(context) : NULL;
-    if (!file)
+    if (!context || !good(exr_get_user_data(context, &user)) || !user)
         return;
     /* OpenEXRCore puts the path at the start of its messages, and fail_exr() adds it too: remove one. */
-    size_t n = strlen(file->map->path);
-    if (strncmp(message, file->map->path, n) == 0)
+    exr_file *file = user;
+    size_t n = strlen(file->path);
+    if (strncmp(message, file->path, n) == 0)
         message += n + strspn(message + n, "': ");
     snprintf(file->message, sizeof file->message, "%s", message);
 }
+
+/* Describe channel k of the pixel at `first` and those after it to a pipeline. */
+static void set_channel(exr_coding_channel_info_t *channel, const nqm_image *image, size_t first, size_t k) {
+    channel->decode_to_ptr = (uint8_t *)(image->rgb + 3 * first + k); /* for encoding: encode_from_ptr, in a union */
+    channel->user_bytes_per_element = sizeof(float);
+    channel->user_data_type = EXR_PIXEL_FLOAT;
+    channel->user_pixel_stride = 3 * sizeof(float);
+    channel->user_line_stride = (int32_t)(3 * sizeof(float) * image->width);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /* Returns fewer than n bytes at the end of the file, as pread() does, because OpenEXRCore reads ahead. */
 static int64_t on_read(exr_const_context_t context, void *user, void *buffer, uint64_t n, uint64_t offset,
@@ -76,16 +95,12 @@ static nqm_status place_channels(exr_file *file, exr_decode_pipeline_t *pipeline
         if (!place)
             continue;
         if (channel->x_samples != 1 || channel->y_samples != 1)
-            return fail_exr(file, "subsampled channels are not read");
+            return refuse(file, "subsampled channels are not read");
         size_t k = *place == 'Y' ? 0 : (size_t)(strchr("RGB", *place) - "RGB");
         found |= *place == 'Y' ? 8u : 1u << k;
-        channel->decode_to_ptr = (uint8_t *)(image->rgb + 3 * (y * image->width + x) + k);
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-        channel->user_pixel_stride = 3 * sizeof(float);
-        channel->user_line_stride = (int32_t)(3 * sizeof(float) * image->width);
+        set_channel(channel, image, y * image->width + x, k);
     }
-    return found == 7 || found == 8 ? NQM_OK : fail_exr(file, "the channels are neither R, G, B nor Y");
+    return found == 7 || found == 8 ? NQM_OK : refuse(file, "the channels are neither R, G, B nor Y");
 }
 
 static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const exr_attr_box2i_t *window,
@@ -98,14 +113,14 @@ static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const ex
     bool inside = x >= 0 && y >= 0 && chunk->width >= 0 && chunk->height >= 0 &&
                   x + chunk->width <= (int64_t)image->width && y + chunk->height <= (int64_t)image->height;
     if (!inside)
-        return fail_exr(file, "a chunk extends beyond the data window");
+        return refuse(file, "a chunk extends beyond the data window");
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-    if (exr_decoding_initialize(file->context, 0, chunk, &pipeline) != EXR_ERR_SUCCESS)
-        return fail_exr(file, "a chunk cannot be read");
+    if (!good(exr_decoding_initialize(file->context, 0, chunk, &pipeline)))
+        return refuse(file, "a chunk cannot be read");
     nqm_status status = place_channels(file, &pipeline, image, (size_t)x, (size_t)y);
-    if (status == NQM_OK && (exr_decoding_choose_default_routines(file->context, 0, &pipeline) != EXR_ERR_SUCCESS ||
-                             exr_decoding_run(file->context, 0, &pipeline) != EXR_ERR_SUCCESS))
-        status = fail_exr(file, "a chunk is damaged");
+    if (status == NQM_OK && (!good(exr_decoding_choose_default_routines(file->context, 0, &pipeline)) ||
+                             !good(exr_decoding_run(file->context, 0, &pipeline))))
+        status = refuse(file, "a chunk is damaged");
     exr_decoding_destroy(file->context, &pipeline);
     return status;
 }
@@ -113,12 +128,12 @@ static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const ex
 static nqm_status read_scanlines(exr_file *file, const exr_attr_box2i_t *window, const nqm_image *image) {
     int32_t n_lines;
     nqm_status status = NQM_OK;
-    if (exr_get_scanlines_per_chunk(file->context, 0, &n_lines) != EXR_ERR_SUCCESS || n_lines < 1)
-        return fail_exr(file, "the chunks have no height");
+    if (!good(exr_get_scanlines_per_chunk(file->context, 0, &n_lines)) || n_lines < 1)
+        return refuse(file, "the chunks have no height");
     for (int64_t y = window->min.y; status == NQM_OK && y <= window->max.y; y += n_lines) {
         exr_chunk_info_t chunk;
-        if (exr_read_scanline_chunk_info(file->context, 0, (int)y, &chunk) != EXR_ERR_SUCCESS)
-            return fail_exr(file, "a chunk is missing or damaged");
+        if (!good(exr_read_scanline_chunk_info(file->context, 0, (int)y, &chunk)))
+            return refuse(file, "a chunk is missing or damaged");
         status = decode_chunk(file, &chunk, window, image);
     }
     return status;
@@ -128,15 +143,15 @@ static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, con
     uint32_t tile_width, tile_height;
     exr_tile_level_mode_t level;
     exr_tile_round_mode_t round;
-    if (exr_get_tile_descriptor(file->context, 0, &tile_width, &tile_height, &level, &round) != EXR_ERR_SUCCESS ||
-        tile_width < 1 || tile_height < 1)
-        return fail_exr(file, "the tiles have no size");
+    if (!good(exr_get_tile_descriptor(file->context, 0, &tile_width, &tile_height, &level, &round)) || tile_width < 1 ||
+        tile_height < 1)
+        return refuse(file, "the tiles have no size");
     nqm_status status = NQM_OK;
     for (size_t y = 0; status == NQM_OK && y * tile_height < image->height; ++y)
         for (size_t x = 0; status == NQM_OK && x * tile_width < image->width; ++x) {
             exr_chunk_info_t chunk;
-            if (exr_read_tile_chunk_info(file->context, 0, (int)x, (int)y, 0, 0, &chunk) != EXR_ERR_SUCCESS)
-                return fail_exr(file, "a tile is missing or damaged");
+            if (!good(exr_read_tile_chunk_info(file->context, 0, (int)x, (int)y, 0, 0, &chunk)))
+                return refuse(file, "a tile is missing or damaged");
             chunk.start_x = (int32_t)(x * tile_width);
             chunk.start_y = (int32_t)(y * tile_height);
             status = decode_chunk(file, &chunk, window, image);
@@ -146,7 +161,7 @@ static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, con
 
 static bool has_colour(exr_file *file) {
     const exr_attr_chlist_t *channels = NULL;
-    if (exr_get_channels(file->context, 0, &channels) != EXR_ERR_SUCCESS)
+    if (!good(exr_get_channels(file->context, 0, &channels)))
         return false;
     for (int i = 0; i < channels->num_channels; ++i)
         if (strcmp(channels->entries[i].name.str, "R") == 0)
@@ -157,14 +172,13 @@ static bool has_colour(exr_file *file) {
 static nqm_status read_picture(exr_file *file, nqm_image *image) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
-    if (exr_get_storage(file->context, 0, &storage) != EXR_ERR_SUCCESS ||
-        exr_get_data_window(file->context, 0, &window) != EXR_ERR_SUCCESS)
-        return fail_exr(file, "the header is damaged");
+    if (!good(exr_get_storage(file->context, 0, &storage)) || !good(exr_get_data_window(file->context, 0, &window)))
+        return refuse(file, "the header is damaged");
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
-        return fail_exr(file, "deep pictures are not read");
+        return refuse(file, "deep pictures are not read");
     int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1)
-        return fail_exr(file, "the data window is empty");
+        return refuse(file, "the data window is empty");
     nqm_status status =
         nqm_image_alloc(file->map, (uint64_t)width, (uint64_t)height, max_pixels_per_byte, image, file->err);
     if (status == NQM_OK)
@@ -177,7 +191,7 @@ static nqm_status read_picture(exr_file *file, nqm_image *image) {
 }
 
 nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image, nqm_error *err) {
-    exr_file file = {.map = map, .err = err};
+    exr_file file = {.path = map->path, .map = map, .err = err};
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = on_error;
     start.alloc_fn = limited_malloc;
@@ -186,9 +200,77 @@ nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image, nqm_error 
     start.read_fn = on_read;
     start.size_fn = on_size;
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    if (exr_start_read(&file.context, map->path, &start) != EXR_ERR_SUCCESS)
-        return fail_exr(&file, "the header is damaged");
+    if (!good(exr_start_read(&file.context, map->path, &start)))
+        return refuse(&file, "the header is damaged");
     nqm_status status = read_picture(&file, image);
     exr_finish(&file.context);
     return status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+static int64_t on_write(exr_const_context_t context, void *user, const void *buffer, uint64_t n, uint64_t offset,
+                        exr_stream_error_func_ptr_t error_fn) {
+    (void)context;
+    (void)error_fn;
+    FILE *stream = ((exr_file *)user)->out.stream;
+    if (fseek(stream, (long)offset, SEEK_SET) != 0 || fwrite(buffer, 1, n, stream) != n)
+        return -1;
+    return (int64_t)n;
+}
+
+static bool write_header(exr_file *o, const nqm_image *image) {
+    static const char *const names[] = {"B", "G", "R"};
+    int part;
+    /* whiteLuminance is a standard attribute: the luminance of the colour (1, 1, 1) in cd/m2. */
+    bool ok = good(exr_add_part(o->context, NULL, EXR_STORAGE_SCANLINE, &part)) &&
+              good(exr_initialize_required_attr_simple(o->context, part, (int32_t)image->width, (int32_t)image->height,
+                                                       EXR_COMPRESSION_ZIP)) &&
+              good(exr_attr_set_float(o->context, part, "whiteLuminance", 1.0f));
+    for (int k = 0; ok && k < 3; ++k)
+        ok = good(exr_add_channel(o->context, part, names[k], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+    return ok && good(exr_write_header(o->context));
+}
+
+static bool write_chunk(exr_file *o, const nqm_image *image, exr_chunk_info_t *chunk, int32_t y) {
+    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+    if (!good(exr_encoding_initialize(o->context, 0, chunk, &pipeline)))
+        return false;
+    for (int i = 0; i < pipeline.channel_count; ++i) {
+        exr_coding_channel_info_t *channel = &pipeline.channels[i];
+        size_t k = (size_t)(strchr("RGB", channel->channel_name[0]) - "RGB");
+        set_channel(channel, image, (size_t)y * image->width, k);
+    }
+    bool ok = good(exr_encoding_choose_default_routines(o->context, 0, &pipeline)) &&
+              good(exr_encoding_run(o->context, 0, &pipeline));
+    return good(exr_encoding_destroy(o->context, &pipeline)) && ok;
+}
+
+static bool write_chunks(exr_file *o, const nqm_image *image) {
+    int32_t n_lines = 0;
+    bool ok = good(exr_get_scanlines_per_chunk(o->context, 0, &n_lines)) && n_lines > 0;
+    for (int32_t y = 0; ok && y < (int32_t)image->height; y += n_lines) {
+        exr_chunk_info_t chunk;
+        ok = good(exr_write_scanline_chunk_info(o->context, 0, y, &chunk)) && write_chunk(o, image, &chunk, y);
+    }
+    return ok;
+}
+
+nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_error *err) {
+    exr_file o = {.path = path, .err = err};
+    nqm_status status = nqm_outfile_open(path, &o.out, err);
+    if (status != NQM_OK)
+        return status;
+    exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    start.error_handler_fn = on_error;
+    start.user_data = &o;
+    start.write_fn = on_write;
+    bool ok = good(exr_start_write(&o.context, path, EXR_WRITE_FILE_DIRECTLY, &start));
+    ok = ok && write_header(&o, image) && write_chunks(&o, image);
+    if (o.context)
+        ok = good(exr_finish(&o.context)) && ok;
+    if (ok)
+        return nqm_outfile_commit(&o.out, err);
+    nqm_outfile_abort(&o.out);
+    return fail_exr(&o, NQM_ERR_IO, "cannot write");
 }

@@ -33,10 +33,8 @@ static json_t *value_json(const nqm_option *o, const void *options) {
 
 /* Whether a number, bool or enum is 0. */
 static bool is_zero(const nqm_option *o, const void *options) {
-    const void *field = (const char *)options + o->offset;
-    return o->kind == NQM_OPTION_DOUBLE                               ? *(const double *)field == 0
-           : o->kind == NQM_OPTION_BOOL || o->kind == NQM_OPTION_ENUM ? *(const int *)field == 0
-                                                                      : *(const size_t *)field == 0;
+    char text[NQM_OPTION_TEXT_MAX];
+    return strcmp(nqm_option_format(o, options, text), o->words ? o->words[0] : "0") == 0;
 }
 
 json_t *nqm_options_json(const nqm_option_table *table, const void *options) {

@@ -69,29 +69,25 @@ nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_
     if (n < 1 || m < n || m > INT_MAX / 2 || n > 1000)
         return nqm_fail(err, NQM_ERR_ARG, -1, "least squares: %zu residuals do not determine %zu parameters", m, n);
 
-    /* jacobian (n, m), residual (m), shifted (m), scratch (m), then six vectors (n) */
-    size_t n_doubles = n * m + 3 * m + 6 * n;
-    double *block = nqm_alloc(n_doubles, sizeof *block);
-    int *pivot = nqm_alloc(n, sizeof *pivot);
-    if (!block || !pivot) {
-        nqm_free(block);
-        nqm_free(pivot);
-        return nqm_fail_nomem(err, n_doubles * sizeof *block);
-    }
-    double *residual = block + n * m, *shifted = residual + m, *scratch_m = shifted + m;
-    double *scale = scratch_m + m, *qtf = scale + n, *scratch = qtf + n, *best = scratch + 3 * n;
-
-    solver s = {.problem = problem, .shifted = shifted};
+    solver s = {.problem = problem};
+    double *jacobian, *residual, *scratch_m, *scale, *qtf, *scratch, *best;
+    int *pivot;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&jacobian, n * m, sizeof(double)}, {&residual, m, sizeof(double)}, {&s.shifted, m, sizeof(double)},
+                   {&scratch_m, m, sizeof(double)}, {&scale, n, sizeof(double)}, {&qtf, n, sizeof(double)},
+                   {&scratch, 3 * n, sizeof(double)}, {&best, n, sizeof(double)}, {&pivot, n, sizeof(int)}),
+        err);
+    if (status != NQM_OK)
+        return status;
     double tolerance = problem->tolerance > 0 ? problem->tolerance : 1e-12;
     int max_evaluations = problem->max_evaluations > 0 ? problem->max_evaluations : 200 * ((int)n + 1);
     for (size_t j = 0; j < n; ++j)
         best[j] = x[j];
     int n_residual_calls, n_jacobian_calls;
-    int info = lmder(minpack_callback, &s, (int)m, (int)n, best, residual, block, (int)m, tolerance, tolerance, 0,
+    int info = lmder(minpack_callback, &s, (int)m, (int)n, best, residual, jacobian, (int)m, tolerance, tolerance, 0,
                      max_evaluations, scale, 1, 100, 0, &n_residual_calls, &n_jacobian_calls, pivot, qtf, scratch,
                      scratch + n, scratch + 2 * n, scratch_m);
 
-    nqm_status status = NQM_OK;
     if (info == STOPPED_BY_USER)
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "least squares: stopped by the caller");
     else if (info == STOPPED_NOT_FINITE)
@@ -103,7 +99,6 @@ nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_
             x[j] = best[j];
         *rms_ret = root_mean_square(m, residual);
     }
-    nqm_free(block);
-    nqm_free(pivot);
+    nqm_free(jacobian);
     return status;
 }

@@ -85,16 +85,14 @@ double nqm_pearson(size_t n, const double *x, const double *y) {
 double nqm_spearman(size_t n, const double *x, const double *y) {
     if (is_degenerate(n, x) || is_degenerate(n, y))
         return NAN;
-    double *rank = nqm_alloc(n, 2 * sizeof *rank);
-    size_t *order = nqm_alloc(n, sizeof *order);
-    double rho = NAN;
-    if (rank && order) {
-        nqm_ranks(n, x, rank, order);
-        nqm_ranks(n, y, rank + n, order);
-        rho = nqm_pearson(n, rank, rank + n);
-    }
+    double *rank;
+    size_t *order;
+    if (nqm_alloc_arrays(NQM_ARRAYS({&rank, 2 * n, sizeof *rank}, {&order, n, sizeof *order}), NULL) != NQM_OK)
+        return NAN;
+    nqm_ranks(n, x, rank, order);
+    nqm_ranks(n, y, rank + n, order);
+    const double rho = nqm_pearson(n, rank, rank + n);
     nqm_free(rank);
-    nqm_free(order);
     return rho;
 }
 
@@ -110,28 +108,16 @@ static int compare_points(const void *a, const void *b) {
     return by_x ? by_x : (p->y > q->y) - (p->y < q->y);
 }
 
-/* Number of pairs within runs of points that `same` considers equal. Equal points must be adjacent. */
-static double tied_pairs(size_t n, const point *p, bool (*same)(const point *, const point *)) {
+/* Number of pairs of points with equal x (if by_x) and equal y (if by_y). Such points must be adjacent. */
+static double tied_pairs(size_t n, const point *p, bool by_x, bool by_y) {
     double pairs = 0;
     for (size_t begin = 0, end; begin < n; begin = end) {
-        for (end = begin + 1; end < n && same(&p[begin], &p[end]);)
+        for (end = begin + 1; end < n && (!by_x || p[end].x == p[begin].x) && (!by_y || p[end].y == p[begin].y);)
             ++end;
         double run = (double)(end - begin);
         pairs += 0.5 * run * (run - 1);
     }
     return pairs;
-}
-
-static bool same_x(const point *p, const point *q) {
-    return p->x == q->x;
-}
-
-static bool same_y(const point *p, const point *q) {
-    return p->y == q->y;
-}
-
-static bool same_point(const point *p, const point *q) {
-    return p->x == q->x && p->y == q->y;
 }
 
 /* Sort by y (stable merge sort); returns the number of adjacent exchanges, which is the number of discordant pairs. */
@@ -163,10 +149,10 @@ double nqm_kendall(size_t n, const double *x, const double *y) {
         p[i] = (point){x[i], y[i]};
     qsort(p, n, sizeof *p, compare_points);
     double all = 0.5 * (double)n * ((double)n - 1);
-    double tied_x = tied_pairs(n, p, same_x);
-    double tied_both = tied_pairs(n, p, same_point);
+    double tied_x = tied_pairs(n, p, true, false);
+    double tied_both = tied_pairs(n, p, true, true);
     double discordant = sort_by_y(n, p, p + n);
-    double tied_y = tied_pairs(n, p, same_y);
+    double tied_y = tied_pairs(n, p, false, true);
     nqm_free(p);
     double concordant_minus_discordant = all - tied_x - tied_y + tied_both - 2 * discordant;
     return fmax(-1, fmin(1, concordant_minus_discordant / sqrt(all - tied_x) / sqrt(all - tied_y)));

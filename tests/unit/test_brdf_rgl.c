@@ -96,7 +96,7 @@ static void refuses_unfit_tensors(void **state) {
     (void)state;
     static const char *const needed[] = {"phi_i", "theta_i", "sigma", "ndf", "vndf", "rgb"};
     for (size_t i = 0; i < sizeof needed / sizeof *needed; ++i) {
-        expect_refused(make_rgl(&(rgl_change){.name = needed[i], .omit = true}), "holds no tensor");
+        expect_refused(make_rgl(&(rgl_change){.name = needed[i], .omit = true}), "has no tensor");
         expect_refused(make_rgl(&(rgl_change){.name = needed[i], .type = 1, .n_dims = 1, .dims = {4}}),
                        "type or shape");
         expect_refused(make_rgl(&(rgl_change){.name = needed[i], .type = 10, .n_dims = 3, .dims = {1, 1, 4}}),
@@ -123,8 +123,8 @@ static void refuses_unfit_numbers(void **state) {
     static const float no_density[4 * 4] = {1, 1, 1, 1, 1, 1, 1, 1};
     const float not_finite[4] = {1, NAN, 1, 1}, infinite[4] = {1, INFINITY, 1, 1};
     expect_refused(make_rgl(&(rgl_change){"theta_i", false, 10, 1, {4}, falling}), "rise");
-    expect_refused(make_rgl(&(rgl_change){"sigma", false, 10, 2, {2, 2}, flat_sigma}), "holds 0");
-    expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, negative_ndf}), "holds -1");
+    expect_refused(make_rgl(&(rgl_change){"sigma", false, 10, 2, {2, 2}, flat_sigma}), "contains 0");
+    expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, negative_ndf}), "contains -1");
     expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, not_finite}), "nan");
     expect_refused(make_rgl(&(rgl_change){"sigma", false, 10, 2, {2, 2}, infinite}), "inf");
     expect_refused(make_rgl(&(rgl_change){"vndf", false, 10, 4, {1, 4, 2, 2}, no_density}), "without any density");
@@ -189,7 +189,7 @@ static void survives_failing_allocations(void **state) {
         nqm_brdf_free(brdf);
     }
     assert_int_equal(status, NQM_OK);
-    assert_int_equal(n, 7); /* every allocation has failed once */
+    assert_int_equal(n, 4); /* every allocation has failed once */
 }
 
 int main(void) {
