@@ -217,7 +217,7 @@ static void maps_alone(void **state) {
         map[i] = i == 0 ? (double)NAN : i == 31 ? 99 : 0;
     nqm_error err = {0};
     const char *path = scratch_path("map.png");
-    assert_int_equal(nqm_map_write(path, 8, 4, map, 1, 40, &err), NQM_OK);
+    assert_int_equal(nqm_picture_write(path, &(nqm_picture){8, 4, NULL, map, 40}, 1, NULL, &err), NQM_OK);
     size_t width, height;
     unsigned char *rgb = read_png(path, &width, &height);
     assert_true(width == 8 && height == 4);
@@ -226,16 +226,17 @@ static void maps_alone(void **state) {
     assert_memory_equal(rgb + 3, least, 3);
     assert_memory_equal(rgb + 3 * 31, most, 3);
     free(rgb);
-    assert_int_equal(nqm_map_write(path, 8, 4, map, 4, 40, &err), NQM_OK);
+    assert_int_equal(nqm_picture_write(path, &(nqm_picture){8, 4, NULL, map, 40}, 4, NULL, &err), NQM_OK);
     rgb = read_png(path, &width, &height);
     assert_true(width == 2 && height == 1);
     free(rgb);
-    assert_int_equal(nqm_map_write(path, 8, 4, map, 3, 40, &err), NQM_ERR_ARG);
-    assert_int_equal(nqm_map_write(path, 0, 4, map, 1, 40, &err), NQM_ERR_ARG);
-    assert_int_equal(nqm_map_write(path, 8, 4, map, 1, 0, &err), NQM_ERR_ARG);
-    assert_int_equal(nqm_map_write(path, 8, 4, map, 1, (double)NAN, &err), NQM_ERR_ARG);
-    assert_int_equal(nqm_map_write("map.exr", 8, 4, map, 1, 40, &err), NQM_ERR_ARG);
-    assert_int_equal(nqm_map_write("/nonexistent/map.png", 8, 4, map, 1, 40, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_picture_write(path, &(nqm_picture){8, 4, NULL, map, 40}, 3, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_picture_write(path, &(nqm_picture){0, 4, NULL, map, 40}, 1, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_picture_write(path, &(nqm_picture){8, 4, NULL, map, 0}, 1, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_picture_write(path, &(nqm_picture){8, 4, NULL, map, (double)NAN}, 1, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_picture_write("map.exr", &(nqm_picture){8, 4, NULL, map, 40}, 1, NULL, &err), NQM_ERR_ARG);
+    assert_int_equal(nqm_picture_write("/nonexistent/map.png", &(nqm_picture){8, 4, NULL, map, 40}, 1, NULL, &err),
+                     NQM_ERR_IO);
 }
 
 /* A figure of a grey picture, a map whose left half is NaN, and an empty panel; pixels are tested at panel

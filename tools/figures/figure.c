@@ -161,13 +161,10 @@ static nqm_status draw_panels(cairo_surface_t *surface, const nqm_figure *f, con
         return nqm_fail_nomem(err, 3 * l->panel_width * l->panel_height);
     for (size_t i = 0; i < f->n_rows * f->n_columns; ++i) {
         const nqm_panel *panel = &f->panels[i];
-        const nqm_picture picture = {.width = f->width, .height = f->height, .rgb_cdm2 = panel->rgb_cdm2};
-        if (panel->rgb_cdm2)
-            nqm_picture_bytes(&picture, supersample, tone, rgb);
-        else if (panel->delta_e)
-            nqm_map_bytes(f->width, f->height, panel->delta_e, supersample, l->delta_e_max, rgb);
-        else
+        const nqm_picture picture = {f->width, f->height, panel->rgb_cdm2, panel->delta_e, l->delta_e_max};
+        if (!panel->rgb_cdm2 && !panel->delta_e)
             continue;
+        nqm_picture_bytes(&picture, supersample, tone, rgb);
         place_panel(surface, l, i / f->n_columns, i % f->n_columns, rgb);
     }
     nqm_free(rgb);

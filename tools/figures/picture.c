@@ -50,77 +50,61 @@ void nqm_viridis(double t, double *rgb) {
 
 /* ---- averaging --------------------------------------------------------------------------------------------------- */
 
-/* A picture, tone-mapped unless `tone` is NULL, or a map in viridis. */
-typedef struct source {
-    size_t width, height, supersample;
-    const double *rgb_cdm2; /* (height, width, 3); NULL: a map */
-    const nqm_tone *tone;
-    const double *delta_e; /* (height, width) */
-    double delta_e_max;
-} source;
-
-static void add_pixel(const source *s, size_t at, double n_pixels, double *rgb) {
+static void add_pixel(const nqm_picture *p, const nqm_tone *tone, size_t at, double n_pixels, double *rgb) {
     double one[3] = {1, 1, 1};
-    if (s->rgb_cdm2)
+    if (p->rgb_cdm2)
         for (size_t k = 0; k < 3; ++k)
-            one[k] = s->tone ? nqm_tone_apply(s->tone, s->rgb_cdm2[3 * at + k]) : s->rgb_cdm2[3 * at + k];
-    else if (!isnan(s->delta_e[at]))
-        nqm_viridis(s->delta_e[at] / s->delta_e_max, one);
+            one[k] = tone ? nqm_tone_apply(tone, p->rgb_cdm2[3 * at + k]) : p->rgb_cdm2[3 * at + k];
+    else if (!isnan(p->delta_e[at]))
+        nqm_viridis(p->delta_e[at] / p->delta_e_max, one);
     for (size_t k = 0; k < 3; ++k)
         rgb[k] += one[k] / n_pixels;
 }
 
-static size_t count_pixels(const source *s) {
-    return s->width / s->supersample * (s->height / s->supersample);
+static size_t count_blocks(const nqm_picture *p, size_t supersample) {
+    return p->width / supersample * (p->height / supersample);
 }
 
-/* The mean of the block of pixel i of the result. */
-static void average_block(const source *s, size_t i, double *rgb) {
-    const size_t n = s->supersample, n_columns = s->width / n;
-    const size_t first = n * (i / n_columns * s->width + i % n_columns);
+/* The mean of block i of n x n pixels, tone-mapped unless `tone` is NULL. */
+static void average_block(const nqm_picture *p, size_t n, const nqm_tone *tone, size_t i, double *rgb) {
+    const size_t n_columns = p->width / n, first = n * (i / n_columns * p->width + i % n_columns);
     rgb[0] = rgb[1] = rgb[2] = 0;
     for (size_t k = 0; k < n * n; ++k)
-        add_pixel(s, first + k / n * s->width + k % n, (double)(n * n), rgb);
+        add_pixel(p, tone, first + k / n * p->width + k % n, (double)(n * n), rgb);
 }
 
-static void average_bytes(const source *s, unsigned char *rgb) {
-    for (size_t i = 0; i < count_pixels(s); ++i) {
+void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb) {
+    for (size_t i = 0; i < count_blocks(picture, supersample); ++i) {
         double linear[3];
-        average_block(s, i, linear);
+        average_block(picture, supersample, tone, i, linear);
         for (size_t k = 0; k < 3; ++k)
             rgb[3 * i + k] = nqm_srgb_byte(linear[k]);
     }
 }
 
-void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb) {
-    average_bytes(&(source){picture->width, picture->height, supersample, picture->rgb_cdm2, tone, NULL, 0}, rgb);
-}
-
-void nqm_map_bytes(size_t width, size_t height, const double *delta_e, size_t supersample, double delta_e_max,
-                   unsigned char *rgb) {
-    average_bytes(&(source){width, height, supersample, NULL, NULL, delta_e, delta_e_max}, rgb);
-}
-
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-static nqm_status write_png(const char *path, const source *s, nqm_error *err) {
-    unsigned char *rgb = nqm_alloc(count_pixels(s), 3);
+static nqm_status write_png(const char *path, const nqm_picture *p, size_t supersample, const nqm_tone *tone,
+                            nqm_error *err) {
+    const size_t n = count_blocks(p, supersample);
+    unsigned char *rgb = nqm_alloc(n, 3);
     if (!rgb)
-        return nqm_fail_nomem(err, 3 * count_pixels(s));
-    average_bytes(s, rgb);
-    nqm_status status = nqm_image_write_png(path, s->width / s->supersample, s->height / s->supersample, rgb, err);
+        return nqm_fail_nomem(err, 3 * n);
+    nqm_picture_bytes(p, supersample, tone, rgb);
+    nqm_status status = nqm_image_write_png(path, p->width / supersample, p->height / supersample, rgb, err);
     nqm_free(rgb);
     return status;
 }
 
-static nqm_status write_linear(const char *path, const source *s, nqm_error *err) {
-    nqm_image image = {.width = s->width / s->supersample, .height = s->height / s->supersample};
-    image.rgb = nqm_alloc(count_pixels(s), 3 * sizeof *image.rgb);
+static nqm_status write_linear(const char *path, const nqm_picture *p, size_t supersample, nqm_error *err) {
+    const size_t n = count_blocks(p, supersample);
+    nqm_image image = {.width = p->width / supersample, .height = p->height / supersample};
+    image.rgb = nqm_alloc(n, 3 * sizeof *image.rgb);
     if (!image.rgb)
-        return nqm_fail_nomem(err, count_pixels(s) * 3 * sizeof *image.rgb);
-    for (size_t i = 0; i < count_pixels(s); ++i) {
+        return nqm_fail_nomem(err, n * 3 * sizeof *image.rgb);
+    for (size_t i = 0; i < n; ++i) {
         double linear[3];
-        average_block(s, i, linear);
+        average_block(p, supersample, NULL, i, linear);
         for (size_t k = 0; k < 3; ++k)
             image.rgb[3 * i + k] = (float)linear[k];
     }
@@ -132,16 +116,6 @@ static nqm_status write_linear(const char *path, const source *s, nqm_error *err
 bool nqm_name_ends_in(const char *path, const char *suffix) {
     size_t n = strlen(path), n_suffix = strlen(suffix);
     return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
-}
-
-static nqm_status check_size(const char *path, size_t width, size_t height, size_t supersample, nqm_error *err) {
-    if (width < 1 || height < 1 || width > NQM_IMAGE_MAX_WIDTH || height > NQM_IMAGE_MAX_HEIGHT)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture must have 1 x 1 to %d x %d pixels", path,
-                        (int)NQM_IMAGE_MAX_WIDTH, (int)NQM_IMAGE_MAX_HEIGHT);
-    if (supersample < 1 || supersample > MAX_SUPERSAMPLE || width % supersample || height % supersample)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels a side cannot be averaged in a picture of %zu x %zu",
-                        path, supersample, width, height);
-    return NQM_OK;
 }
 
 nqm_status nqm_map_scale(size_t n_maps, const double *const *maps, size_t n, double *end_ret, nqm_error *err) {
@@ -159,31 +133,24 @@ nqm_status nqm_map_scale(size_t n_maps, const double *const *maps, size_t n, dou
     return NQM_OK;
 }
 
-nqm_status nqm_map_write(const char *path, size_t width, size_t height, const double *delta_e, size_t supersample,
-                         double delta_e_max, nqm_error *err) {
-    nqm_status status = check_size(path, width, height, supersample, err);
-    if (status != NQM_OK)
-        return status;
-    if (!(delta_e_max > 0) || !nqm_name_ends_in(path, ".png"))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0, and a name that ends in .png", path);
-    return write_png(path, &(source){width, height, supersample, NULL, NULL, delta_e, delta_e_max}, err);
-}
-
-nqm_status nqm_picture_write(const char *path, const nqm_picture *picture, size_t supersample, const nqm_tone *tone,
+nqm_status nqm_picture_write(const char *path, const nqm_picture *p, size_t supersample, const nqm_tone *tone,
                              nqm_error *err) {
     const nqm_tone defaults = nqm_tone_default();
     tone = tone ? tone : &defaults;
-    nqm_status status = check_size(path, picture->width, picture->height, supersample, err);
-    if (status != NQM_OK)
-        return status;
+    if (p->width < 1 || p->height < 1 || p->width > NQM_IMAGE_MAX_WIDTH || p->height > NQM_IMAGE_MAX_HEIGHT)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a picture must have 1 x 1 to %d x %d pixels", path,
+                        (int)NQM_IMAGE_MAX_WIDTH, (int)NQM_IMAGE_MAX_HEIGHT);
+    if (supersample < 1 || supersample > MAX_SUPERSAMPLE || p->width % supersample || p->height % supersample)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %zu pixels a side cannot be averaged in a picture of %zu x %zu",
+                        path, supersample, p->width, p->height);
     if (!(tone->white_cdm2 > 0 && tone->shoulder > 0 && tone->shoulder <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the tone curve needs a white above 0 and a shoulder in (0, 1]",
                         path);
-    const bool is_png = nqm_name_ends_in(path, ".png");
-    const source s = {picture->width, picture->height, supersample, picture->rgb_cdm2, is_png ? tone : NULL, NULL, 0};
-    if (is_png)
-        return write_png(path, &s, err);
+    if (!p->rgb_cdm2 && (!(p->delta_e_max > 0) || !nqm_name_ends_in(path, ".png")))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a map needs a scale above 0, and a name that ends in .png", path);
+    if (nqm_name_ends_in(path, ".png"))
+        return write_png(path, p, supersample, tone, err);
     if (nqm_name_ends_in(path, ".exr") || nqm_name_ends_in(path, ".hdr"))
-        return write_linear(path, &s, err);
+        return write_linear(path, p, supersample, err);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of a picture must end in .png, .exr or .hdr", path);
 }

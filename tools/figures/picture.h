@@ -14,11 +14,13 @@ const char *nqm_cairo_version(void);
 /** Whether a file name ends in `suffix` (any case) and has something before it. */
 bool nqm_name_ends_in(const char *path, const char *suffix);
 
-/** A picture in linear RGB. */
+/** A picture in linear RGB, or a map of colour differences. */
 typedef struct nqm_picture {
     size_t width, height; /**< pixels, 1 to 8192 x 4096 */
     const double
         *rgb_cdm2; /**< (height, width, 3), top row first; finite; cd/m2, where (1, 1, 1) is a white of 1 cd/m2 */
+    const double *delta_e; /**< (height, width) Delta-E ITP, drawn where rgb_cdm2 is NULL: viridis, white for NaN */
+    double delta_e_max;    /**< upper end of the colours of delta_e, > 0 */
 } nqm_picture;
 
 /**
@@ -41,16 +43,13 @@ double nqm_srgb_linear(double coded);
 /** The colour map viridis at t in [0, 1]: linear light (3). */
 void nqm_viridis(double t, double *rgb);
 
-/** Tone-map a picture and average blocks of supersample x supersample pixels into rgb (height/supersample,
- *  width/supersample, 3), bytes of sRGB. */
+/** Tone-map a picture, or colour a map, and average blocks of supersample x supersample pixels into rgb
+ *  (height/supersample, width/supersample, 3), bytes of sRGB. */
 void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb);
-/** The same for a map (height, width) of differences: viridis from 0 to delta_e_max, white for NaN. */
-void nqm_map_bytes(size_t width, size_t height, const double *delta_e, size_t supersample, double delta_e_max,
-                   unsigned char *rgb);
 
 /**
- * Write a picture in the format of the file name: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 % precision) hold
- * cd/m2, ".png" is tone-mapped. Blocks of `supersample` x `supersample` pixels are averaged: in cd/m2 or, for PNG, after
+ * Write a picture in the format of the file name: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 % precision) contain
+ * cd/m2, ".png" is tone-mapped; a map can be written as ".png" only. Blocks of `supersample` x `supersample` pixels are averaged: in cd/m2 or, for PNG, after
  * tone mapping, so that edges of highlights are smooth.
  *
  * @param supersample  1 to 16; divides width and height
@@ -64,10 +63,6 @@ NQM_MUST_CHECK nqm_status nqm_picture_write(const char *path, const nqm_picture 
  *  multiple of 1, 2 or 5 times a power of ten; at least 1. */
 NQM_MUST_CHECK nqm_status nqm_map_scale(size_t n_maps, const double *const *delta_e, size_t n, double *end_ret,
                                         nqm_error *err);
-
-/** Write a map (height, width) of differences as PNG, as nqm_map_bytes(); limits and errors of nqm_picture_write(). */
-NQM_MUST_CHECK nqm_status nqm_map_write(const char *path, size_t width, size_t height, const double *delta_e,
-                                        size_t supersample, double delta_e_max, nqm_error *err);
 
 /** A cell of a figure: a picture, a map of differences, or empty. */
 typedef struct nqm_panel {

@@ -56,21 +56,12 @@ static nqm_status draw_curve(const char *path, nqm_points *points, const nqm_reg
 
 nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_regress_report *fit,
                           const nqm_plot_options *options, nqm_error *err) {
-    nqm_csv *csv;
-    nqm_points points = {0};
-    int delta_e, jod;
-    nqm_status status = nqm_csv_load(labels_csv, &csv, err);
+    nqm_points points;
+    nqm_status status = nqm_points_load(labels_csv, "DeltaE", "JOD", "model", &points, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_points_column(csv, labels_csv, "DeltaE", &delta_e, err);
-    if (status == NQM_OK)
-        status = nqm_points_column(csv, labels_csv, "JOD", &jod, err);
-    if (status == NQM_OK)
-        status = nqm_points_read(csv, delta_e, jod, nqm_csv_column(csv, "model"), &points, err);
-    if (status == NQM_OK)
-        status = draw_curve(path, &points, fit, options, err);
+    status = draw_curve(path, &points, fit, options, err);
     nqm_points_free(&points);
-    nqm_csv_free(csv);
     return status;
 }
 
@@ -115,36 +106,13 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
     return nqm_panel_write(path, (nqm_sheet_panel){.chart = &chart}, 560, 580, title, note, options, err);
 }
 
-/* The column of a predictor: by name, or the one after jod. */
-static nqm_status find_predictor(const nqm_csv *csv, const char *path, const char *predictor, int jod, int *column,
-                                 const char **name, nqm_error *err) {
-    *name = predictor;
-    if (predictor)
-        return nqm_points_column(csv, path, predictor, column, err);
-    *column = jod + 1;
-    if ((size_t)*column >= nqm_csv_columns(csv))
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no predictor after the column jod", path);
-    *name = nqm_csv_header(csv, *column);
-    return NQM_OK;
-}
-
 nqm_status nqm_plot_predictions(const char *path, const char *pairs_csv, const char *predictor,
                                 const nqm_plot_options *options, nqm_error *err) {
-    nqm_csv *csv;
-    nqm_points points = {0};
-    int jod, column;
-    const char *name;
-    nqm_status status = nqm_csv_load(pairs_csv, &csv, err);
+    nqm_points points;
+    nqm_status status = nqm_points_load(pairs_csv, "jod", predictor, "family", &points, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_points_column(csv, pairs_csv, "jod", &jod, err);
-    if (status == NQM_OK)
-        status = find_predictor(csv, pairs_csv, predictor, jod, &column, &name, err);
-    if (status == NQM_OK)
-        status = nqm_points_read(csv, jod, column, nqm_csv_column(csv, "family"), &points, err);
-    if (status == NQM_OK)
-        status = draw_predictions(path, &points, name, options, err);
+    status = draw_predictions(path, &points, points.y_name, options, err);
     nqm_points_free(&points);
-    nqm_csv_free(csv);
     return status;
 }

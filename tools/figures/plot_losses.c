@@ -25,11 +25,8 @@ static nqm_status read_log(const char *path, training *t, nqm_error *err) {
     if (!t->block)
         status = nqm_fail_nomem(err, t->n * N_COLUMNS * sizeof *t->block);
     for (size_t k = 0; status == NQM_OK && k < N_COLUMNS; ++k) {
-        int column;
         t->values[k] = t->block + k * t->n;
-        status = nqm_points_column(csv, path, columns[k], &column, err);
-        if (status == NQM_OK)
-            status = nqm_points_values(csv, column, t->values[k], err);
+        status = nqm_points_values(csv, path, columns[k], t->values[k], err);
     }
     nqm_csv_free(csv);
     return status;

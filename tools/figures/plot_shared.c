@@ -17,16 +17,12 @@ nqm_status nqm_panel_write(const char *path, nqm_sheet_panel panel, double width
     return nqm_sheet_write(path, &sheet, options, err);
 }
 
-nqm_status nqm_points_column(const nqm_csv *csv, const char *path, const char *name, int *column_ret, nqm_error *err) {
-    *column_ret = nqm_csv_column(csv, name);
-    if (*column_ret < 0)
+nqm_status nqm_points_values(const nqm_csv *csv, const char *path, const char *name, double *values, nqm_error *err) {
+    const int column = nqm_csv_column(csv, name);
+    if (column < 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header has no column %s", path, name);
     if (nqm_csv_rows(csv) == 0)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there are no rows to draw", path);
-    return NQM_OK;
-}
-
-nqm_status nqm_points_values(const nqm_csv *csv, int column, double *values, nqm_error *err) {
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there are no rows", path);
     nqm_status status = NQM_OK;
     for (size_t row = 0; status == NQM_OK && row < nqm_csv_rows(csv); ++row)
         status = nqm_csv_number(csv, row, column, &values[row], err);
@@ -45,20 +41,29 @@ static size_t find_series(nqm_points *p, const char *text) {
     return i;
 }
 
-nqm_status nqm_points_read(const nqm_csv *csv, int x_column, int y_column, int group_column, nqm_points *points_ret,
-                           nqm_error *err) {
-    nqm_points p = {.n = nqm_csv_rows(csv)};
-    p.x = nqm_alloc(p.n, 4 * sizeof *p.x); /* x and y by series, then x and y by row */
-    size_t *group = nqm_alloc(p.n, sizeof *group), n_sorted = 0;
-    nqm_status status = p.x && group ? NQM_OK : nqm_fail_nomem(err, p.n * 5 * sizeof *p.x);
-    double *x = p.x + 2 * p.n, *y = p.x + 3 * p.n;
-    p.y = p.x + p.n;
+nqm_status nqm_points_load(const char *path, const char *x_name, const char *y_name, const char *group_name,
+                           nqm_points *points_ret, nqm_error *err) {
+    nqm_points p = {0};
+    nqm_status status = nqm_csv_load(path, &p.csv, err);
+    if (status != NQM_OK)
+        return status;
+    p.n = nqm_csv_rows(p.csv);
+    const int next = nqm_csv_column(p.csv, x_name) + 1;
+    p.y_name = y_name || (size_t)next >= nqm_csv_columns(p.csv) ? y_name : nqm_csv_header(p.csv, next);
+    const int group_column = nqm_csv_column(p.csv, group_name);
+    double *x = NULL, *y = NULL; /* by row */
+    size_t *group = NULL, n_sorted = 0;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&p.x, p.n, sizeof *p.x}, {&p.y, p.n, sizeof *p.y}, {&x, p.n, sizeof *x},
+                                         {&y, p.n, sizeof *y}, {&group, p.n, sizeof *group}),
+                              err);
     if (status == NQM_OK)
-        status = nqm_points_values(csv, x_column, x, err);
+        status = nqm_points_values(p.csv, path, x_name, x, err);
+    if (status == NQM_OK && !p.y_name)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no column after %s", path, x_name);
     if (status == NQM_OK)
-        status = nqm_points_values(csv, y_column, y, err);
+        status = nqm_points_values(p.csv, path, p.y_name, y, err);
     for (size_t row = 0; status == NQM_OK && row < p.n; ++row)
-        group[row] = find_series(&p, group_column < 0 ? "" : nqm_csv_text(csv, row, group_column));
+        group[row] = find_series(&p, group_column < 0 ? "" : nqm_csv_text(p.csv, row, group_column));
     for (size_t i = 0; status == NQM_OK && i < p.n_series; ++i) {
         nqm_series *s = &p.series[i];
         s->x = p.x + n_sorted;
@@ -71,14 +76,15 @@ nqm_status nqm_points_read(const nqm_csv *csv, int x_column, int y_column, int g
                 ++s->n;
             }
     }
-    nqm_free(group);
     if (status != NQM_OK)
         nqm_points_free(&p);
-    *points_ret = p;
+    else
+        *points_ret = p;
     return status;
 }
 
 void nqm_points_free(nqm_points *points) {
     nqm_free(points->x);
+    nqm_csv_free(points->csv);
     *points = (nqm_points){0};
 }

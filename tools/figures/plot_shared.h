@@ -15,22 +15,24 @@ NQM_MUST_CHECK nqm_status nqm_panel_write(const char *path, nqm_sheet_panel pane
 
 enum { NQM_MAX_GROUPS = 8 };
 
+/** Points from a CSV. */
 typedef struct nqm_points {
+    nqm_csv *csv;
+    const char *y_name;
     size_t n, n_series;
     double *x, *y;                     /* (n), sorted by series */
-    nqm_series series[NQM_MAX_GROUPS]; /* views into x and y; names are borrowed from the CSV */
+    nqm_series series[NQM_MAX_GROUPS]; /* views into x and y; names are views into the CSV */
 } nqm_points;
 
-/** Index of a column, or NQM_ERR_FORMAT if it is missing; NQM_ERR_INCOMPATIBLE for a file without rows. */
-NQM_MUST_CHECK nqm_status nqm_points_column(const nqm_csv *csv, const char *path, const char *name, int *column_ret,
+/** The numbers of a column into values (rows). NQM_ERR_FORMAT if the column is missing or contains something else;
+ *  NQM_ERR_INCOMPATIBLE for a file without rows. */
+NQM_MUST_CHECK nqm_status nqm_points_values(const nqm_csv *csv, const char *path, const char *name, double *values,
                                             nqm_error *err);
-/** The numbers of a column into values (rows). */
-NQM_MUST_CHECK nqm_status nqm_points_values(const nqm_csv *csv, int column, double *values, nqm_error *err);
-/** Read x and y, with a series for each text of group_column (-1: one series without a name). The eighth series takes all
- *  further groups, as "other". */
-NQM_MUST_CHECK nqm_status nqm_points_read(const nqm_csv *csv, int x_column, int y_column, int group_column,
+/** Read the columns x and y, with a series for each text of the column `group` (one series without a name if there is no such
+ *  column). y NULL: the column after x. The eighth series takes all further groups, as "other". */
+NQM_MUST_CHECK nqm_status nqm_points_load(const char *path, const char *x, const char *y, const char *group,
                                           nqm_points *points_ret, nqm_error *err);
-/** Free the arrays; a zeroed one is allowed. */
+/** Free the arrays and the CSV; a zeroed one is allowed. */
 void nqm_points_free(nqm_points *points);
 
 #endif

@@ -2,31 +2,18 @@
  *
  * nqm regress - fit the curve from Delta-E ITP to JOD to human scores.
  */
-#include "io/io.h"
+#include "figures/plot_shared.h"
 #include "nqm/tool.h"
 
-#include <stdlib.h>
-
 nqm_regress_report regress_csv(const char *path) {
-    static const char *const names[] = {"DeltaE", "JOD"};
     nqm_error err = {0};
-    nqm_csv *csv;
+    nqm_points scores;
     nqm_regress_report result;
-    must(nqm_csv_load(path, &csv, &err), &err);
-    const size_t n = nqm_csv_rows(csv);
-    double *values = allocate(n, 2 * sizeof *values);
-    if (n < 4)
-        stop(EXIT_INCOMPATIBLE, "%s: %zu rows do not determine the curve, 4 are needed", path, n);
-    for (size_t k = 0; k < 2; ++k) {
-        const int column = nqm_csv_column(csv, names[k]);
-        if (column < 0)
-            stop(EXIT_MALFORMED, "%s: the header has no column %s", path, names[k]);
-        for (size_t row = 0; row < n; ++row)
-            must(nqm_csv_number(csv, row, column, &values[k * n + row], &err), &err);
-    }
-    must(nqm_regress(n, values, values + n, &result, &err), &err);
-    free(values);
-    nqm_csv_free(csv);
+    must(nqm_points_load(path, "DeltaE", "JOD", "", &scores, &err), &err);
+    if (scores.n < 4)
+        stop(EXIT_INCOMPATIBLE, "%s: %zu rows do not determine the curve, 4 are needed", path, scores.n);
+    must(nqm_regress(scores.n, scores.x, scores.y, &result, &err), &err);
+    nqm_points_free(&scores);
     return result;
 }
 

@@ -45,33 +45,35 @@ static void embed(const report_page *page, const char *alt, size_t width, size_t
     unlink(page->figure);
 }
 
+/* The picture in page->figure; its colours are tone-mapped or on the scale of all maps. */
+static void put_pixels(const report_page *page, nqm_picture picture, size_t shrink, const char *alt) {
+    const nqm_tone tone = tone_of(scene_options(page));
+    nqm_error err = {0};
+    picture.delta_e_max = page->delta_e_max;
+    must(nqm_picture_write(page->figure, &picture, shrink, &tone, &err), &err);
+    embed(page, alt, picture.width / shrink, picture.height / shrink);
+}
+
 void put_picture(const report_page *page, size_t item, const char *alt) {
     const label_run *labels = &page->run->labels;
     const nqm_scene_options *o = scene_options(page);
-    const nqm_tone tone = tone_of(o);
-    const nqm_picture picture = {.width = o->width, .height = o->height, .rgb_cdm2 = page->picture};
-    nqm_error err = {0};
     frame_picture(labels->scene, o, 0, page->white, labels->items[item].rgb_cdm2, page->picture);
-    must(nqm_picture_write(page->figure, &picture, labels->shrink, &tone, &err), &err);
-    embed(page, alt, o->width / labels->shrink, o->height / labels->shrink);
+    put_pixels(page, (nqm_picture){.width = o->width, .height = o->height, .rgb_cdm2 = page->picture}, labels->shrink,
+               alt);
 }
 
 void put_map(const report_page *page, size_t test, const char *alt) {
     const label_run *labels = &page->run->labels;
     const nqm_scene_options *o = scene_options(page);
-    nqm_error err = {0};
     frame_map(labels->scene, o, 0, page->delta_e + test * nqm_scene_count(labels->scene), page->map);
-    must(nqm_map_write(page->figure, o->width, o->height, page->map, labels->shrink, page->delta_e_max, &err), &err);
-    embed(page, alt, o->width / labels->shrink, o->height / labels->shrink);
+    put_pixels(page, (nqm_picture){.width = o->width, .height = o->height, .delta_e = page->map}, labels->shrink, alt);
 }
 
 void put_scale(const report_page *page, const char *alt) {
     double steps[SCALE_STEPS];
-    nqm_error err = {0};
     for (size_t i = 0; i < SCALE_STEPS; ++i)
         steps[i] = page->delta_e_max * ((double)i + 0.5) / SCALE_STEPS;
-    must(nqm_map_write(page->figure, SCALE_STEPS, 1, steps, 1, page->delta_e_max, &err), &err);
-    embed(page, alt, SCALE_STEPS, 1);
+    put_pixels(page, (nqm_picture){.width = SCALE_STEPS, .height = 1, .delta_e = steps}, 1, alt);
 }
 
 void put_attribution(const report_page *page, size_t test, const char *alt) {
