@@ -71,7 +71,7 @@ static void print_option(found f) {
 }
 
 static void print_help(const command *cmd) {
-    printf("usage: nqm %s %s\n\n%s\n\noptions:\n", cmd->name, cmd->usage, cmd->about);
+    printf("usage: nqm %s %s\n\n%s\n\noptions:\n", verb_name(), cmd->usage, cmd->about);
     for (const option *o = cmd->options; o->name; ++o)
         print_option(own_option(o));
     for (size_t i = 0; cmd->table && i < cmd->table->n; ++i)
@@ -88,8 +88,8 @@ static void print_help(const command *cmd) {
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
 static _Noreturn void usage_error(const command *cmd, const char *what, const char *which) {
-    fprintf(stderr, "nqm %s: %s%s\nusage: nqm %s %s\n(see 'nqm %s --help')\n", cmd->name, what, which, cmd->name,
-            cmd->usage, cmd->name);
+    fprintf(stderr, "nqm %s: %s%s\nusage: nqm %s %s\n(see 'nqm %s --help')\n", verb_name(), what, which, verb_name(),
+            cmd->usage, verb_name());
     exit(EXIT_USAGE);
 }
 
@@ -174,8 +174,9 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
     }
     if (n < cmd->min_arguments)
         usage_error(cmd, n ? "too few arguments" : "the arguments are missing", "");
-    if (cmd->max_arguments >= 0 && n > cmd->max_arguments)
-        usage_error(cmd, "too many arguments, beginning with: ", argv[cmd->max_arguments]);
+    const int max = cmd->max_arguments ? cmd->max_arguments : cmd->min_arguments;
+    if (max >= 0 && n > max)
+        usage_error(cmd, "too many arguments, beginning with: ", argv[max]);
     check_needed(cmd);
     return n;
 }

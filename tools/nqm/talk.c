@@ -34,6 +34,10 @@ void set_verb(const char *name) {
     verb = name;
 }
 
+const char *verb_name(void) {
+    return verb;
+}
+
 int report_error(const nqm_error *err) {
     const char *message = err->message[0] ? err->message : nqm_status_text(err->status);
     size_t n_prefix;

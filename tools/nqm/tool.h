@@ -53,15 +53,15 @@ typedef struct option {
     double min, max; /* for numbers; both 0: any finite value */
 } option;
 
+/** A verb; its name is that of set_verb(). */
 typedef struct command {
-    const char *name;
     const char *usage;   /* after the name: "REF TEST... [options]" */
     const char *about;   /* a paragraph; ends without newline */
     const char *example; /* full commands, one per line */
     const option *options;
     const nqm_option_table *table; /* further options, set in the struct `table_target`; NULL: none */
     void *table_target;
-    int min_arguments, max_arguments; /* positional; max < 0: any number */
+    int min_arguments, max_arguments; /* positional; max 0: as many as min; max < 0: any number */
 } command;
 
 /** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns n; prints help or a usage error
@@ -115,6 +115,7 @@ ranks my_ranks(void);
 
 /** Name the verb in all messages (main does). */
 void set_verb(const char *name);
+const char *verb_name(void);
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
 int report_error(const nqm_error *err);
 /** The same for an error that the tool found; returns exit_code. */

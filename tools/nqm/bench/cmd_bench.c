@@ -77,7 +77,6 @@ int cmd_bench(int argc, char **argv) {
         {"epochs", 0, OPTION_COUNT, &epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
         {0}};
     const command cmd = {
-        .name = "bench",
         .usage = "[gemm | train | score | load [FILE...]] [options]",
         .about =
             "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled\n"
@@ -93,7 +92,6 @@ int cmd_bench(int argc, char **argv) {
         .options = options,
         .table = &nqm_bench_option_table,
         .table_target = &o,
-        .min_arguments = 0,
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);

@@ -23,7 +23,6 @@ int cmd_selftest(int argc, char **argv) {
     bool json = false;
     const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
     const command cmd = {
-        .name = "selftest",
         .usage = "[options]",
         .about =
             "Check this build on this machine in about a second: matrix kernels against scalar loops; coordinates, "
@@ -32,8 +31,6 @@ int cmd_selftest(int argc, char **argv) {
             "their checksums and stored scores. Exit code 8 if a check fails.",
         .example = "nqm selftest",
         .options = options,
-        .min_arguments = 0,
-        .max_arguments = 0,
     };
     parse_arguments(&cmd, argc, argv);
     check_output t = {.checks = json ? json_array() : NULL};

@@ -91,7 +91,6 @@ int cmd_check(int argc, char **argv) {
                               {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
                               {0}};
     const command cmd = {
-        .name = "check",
         .usage = "BRDF... [options]",
         .about =
             "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"

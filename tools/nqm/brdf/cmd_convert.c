@@ -14,7 +14,6 @@ int cmd_convert(int argc, char **argv) {
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {0}};
     const command cmd = {
-        .name = "convert",
         .usage = "BRDF -o OUT.binary [options]",
         .about =
             "Write a BRDF (file, spec or preset) as a MERL table: f_r at the centres of 90 x 90 x 180 cells in "
@@ -25,7 +24,6 @@ int cmd_convert(int argc, char **argv) {
         .example = "nqm convert 'ggx:kd=.2,.1,.05;alpha=.1' -o ggx.binary",
         .options = options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     nqm_error err = {0};

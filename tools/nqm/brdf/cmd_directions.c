@@ -27,7 +27,6 @@ int cmd_directions(int argc, char **argv) {
                               {"json", 0, OPTION_FLAG, &json, NULL, "print JSON on standard output instead", 0, 0},
                               {0}};
     const command cmd = {
-        .name = "directions",
         .usage = "[REF...] [options] | directions show MODEL|FILE [options]",
         .about =
             "Make directions: theta_d and phi_d uniform, theta_h denser toward 0. With reference BRDFs, directions\n"
@@ -38,7 +37,6 @@ int cmd_directions(int argc, char **argv) {
         .options = options,
         .table = &nqm_directions_option_table,
         .table_target = &make,
-        .min_arguments = 0,
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);

@@ -95,14 +95,12 @@ int cmd_info(int argc, char **argv) {
     bool json = false;
     const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
     const command cmd = {
-        .name = "info",
         .usage = "FILE|SPEC|list [options]",
         .about = "What a BRDF (file, spec or preset), model file or dataset file contains. `list` prints the presets:\n"
                  "published fits of measured materials. For BRDFs the albedo at normal incidence is computed too.",
         .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list",
         .options = options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     if (strcmp(argv[0], "list") == 0)

@@ -82,7 +82,6 @@ int cmd_sample(int argc, char **argv) {
         {"json", 0, OPTION_FORMAT, &format, NULL, "print JSON", FORMAT_JSON, 0},
         {0}};
     const command cmd = {
-        .name = "sample",
         .usage = "BRDF [options]",
         .about = "Print f_r of a BRDF at a list of directions, one row a direction, in their order: theta_h, theta_d,\n"
                  "phi_d in degrees; r, g, b in 1/sr without the cosine, linear with BT.709 primaries.",
@@ -90,7 +89,6 @@ int cmd_sample(int argc, char **argv) {
                    "nqm sample sgd:nickel -o ref/nickel.mat",
         .options = options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     nqm_score_options score = {0};

@@ -138,7 +138,6 @@ int cmd_fit(int argc, char **argv) {
         {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
         {0}};
     const command cmd = {
-        .name = "fit",
         .usage = "REF [options]",
         .about =
             "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks and\n"
@@ -150,7 +149,6 @@ int cmd_fit(int argc, char **argv) {
         .table = &nqm_fit_option_table,
         .table_target = &fit,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     fit_request request = {0};

@@ -19,7 +19,6 @@ int cmd_learn(int argc, char **argv) {
         {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
         {0}};
     const command cmd = {
-        .name = "learn",
         .usage = "sparse|hyper BRDF... -o FILE [options]",
         .about = "Learn the dictionary that the encodings sparse-* use, or the hypernetwork of hyper-*, from BRDFs. "
                  "The file\n"

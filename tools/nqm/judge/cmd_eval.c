@@ -199,7 +199,6 @@ int cmd_eval(int argc, char **argv) {
         {"csv", 0, OPTION_FORMAT, &a.format, NULL, "print CSV", FORMAT_CSV, 0},
         {0}};
     const command cmd = {
-        .name = "eval",
         .usage = "DATASET [options]\n       nqm eval --human PAIRS.csv [options]",
         .about =
             "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
@@ -215,7 +214,6 @@ int cmd_eval(int argc, char **argv) {
         .table = &nqm_eval_option_table,
         .table_target = &a.options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     if (a.human ? a.labels != NULL : a.root != NULL)

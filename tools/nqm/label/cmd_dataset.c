@@ -105,7 +105,6 @@ int cmd_dataset(int argc, char **argv) {
         OPTION_ROW_SIZE(&scene),
         {0}};
     const command cmd = {
-        .name = "dataset",
         .usage = "MATERIALS.csv --directions CSV -o FILE [options]",
         .about =
             "Make a dataset for `nqm train`: encodings, published fits, other forms of the same material and\n"
@@ -122,7 +121,6 @@ int cmd_dataset(int argc, char **argv) {
         .table = &table,
         .table_target = &corpus,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     scene.scene = corpus.scene;

@@ -60,7 +60,6 @@ int cmd_label(int argc, char **argv) {
         OPTION_ROW_SIZE(&scene),
         {0}};
     const command cmd = {
-        .name = "label",
         .usage = "REF TEST... [+ REF TEST...]... [options]",
         .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP\n"
                  "(ITU-R BT.2124), and the JOD of the published curve. These are the labels of training corpora;\n"

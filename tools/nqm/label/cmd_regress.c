@@ -32,7 +32,6 @@ int cmd_regress(int argc, char **argv) {
     bool json = false;
     const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
     const command cmd = {
-        .name = "regress",
         .usage = "LABELS.csv [options]",
         .about =
             "Fit the curve from Delta-E ITP to JOD to human scores by least squares (Levenberg-Marquardt, several\n"
@@ -41,7 +40,6 @@ int cmd_regress(int argc, char **argv) {
         .example = "nqm regress labels_real.csv --json",
         .options = options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     const nqm_regress_report r = regress_csv(argv[0]);

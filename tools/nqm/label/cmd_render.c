@@ -104,7 +104,6 @@ int cmd_render(int argc, char **argv) {
         OPTION_ROW_SIZE(&scene),
         {0}};
     const command cmd = {
-        .name = "render",
         .usage = "BRDF -o FILE [options]",
         .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows\n"
                  "twice the exposure as white and compresses highlights smoothly. doc/labels.md describes the scene.",
@@ -116,7 +115,6 @@ int cmd_render(int argc, char **argv) {
         .table = &nqm_scene_option_table,
         .table_target = &scene.scene,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     static const choice backdrops[] = {
         {"white", BACKDROP_WHITE}, {"black", BACKDROP_BLACK}, {"light", BACKDROP_LIGHT}, {NULL, 0}};

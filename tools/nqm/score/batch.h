@@ -8,8 +8,6 @@
 #include "nqm/score/pair_list.h"
 #include "nqm/score/score.h"
 
-#include <openssl/evp.h>
-
 /* ---- rows (batch_print.c) ---------------------------------------------------------------------------------------- */
 
 typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_format;
@@ -43,11 +41,13 @@ typedef struct batch_progress {
 /** Standard output, a device, or a file. A file is named FILE.part until it is complete; FILE.part.journal records
  *  after every block how many bytes of it are valid. */
 typedef struct batch_output {
+    FILE *rows; /* to print to: text that is not written yet */
+    char *text; /* (n_text) of `rows` */
+    size_t n_text;
     FILE *stream;                /* FILE.part, a device, or standard output */
     char *path, *part, *journal; /* NULL: not a file */
     FILE *log;
-    EVP_MD_CTX *sha; /* of all bytes so far */
-    unsigned long long n_bytes;
+    size_t n_bytes; /* of FILE.part */
     batch_progress done;
 } batch_output;
 
@@ -61,9 +61,10 @@ typedef struct batch_output {
  * @param out     receives the output, whose `done` is the progress of the interrupted run; zeros for a new file
  */
 void open_batch_output(const char *path, const json_t *terms, bool resume, batch_output *out);
-/** Append complete rows and record in the journal that the file is valid up to here. */
-void append_batch_output(batch_output *out, const char *text, size_t n_bytes, const batch_progress *done);
-/** Close. Append `tail` and rename the file to its final name; tail NULL: FILE.part remains for a later run. */
-void close_batch_output(batch_output *out, const char *tail, size_t n_tail);
+/** Write the text of out->rows, which are complete rows, and record in the journal that the file is valid up to here. */
+void append_batch_output(batch_output *out, const batch_progress *done);
+/** Close. is_complete: write the text of out->rows and rename the file to its final name; otherwise FILE.part remains for a
+ *  later run. */
+void close_batch_output(batch_output *out, bool is_complete);
 
 #endif

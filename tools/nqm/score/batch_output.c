@@ -1,52 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
  * Output of `nqm batch`. The rows of a file are written to FILE.part first. FILE.part.journal begins with the terms of
- * the run; after every block, a line with the number of rows, of failed rows and of bytes so far and the SHA-256 of
- * these bytes is appended. A killed run leaves both files. A run with --resume checks terms and hash, truncates
- * FILE.part to the last checkpoint of the journal, and continues, so that the finished file is identical to that of an
- * uninterrupted run.
+ * the run; after every block, a line with the number of rows, of failed rows and of bytes so far and the SHA-256 of the
+ * block is appended. A killed run leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to
+ * the last checkpoint of the journal, and continues, so that the finished file is identical to that of an uninterrupted
+ * run.
  */
 #include "nqm/score/batch.h"
 
 #include <errno.h>
-#include <openssl/evp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char journal_mark[] = "nqm batch journal 1\n";
+static const char journal_mark[] = "nqm batch journal 2\n";
 
 static _Noreturn void stop_write(const char *path) {
     stop(EXIT_OPEN, "%s: cannot write: %s", path ? path : "standard output", strerror(errno));
 }
 
-/* ---- the hash ---------------------------------------------------------------------------------------------------- */
-
-/* SHA-256 of all bytes so far, as hex digits. It works on a copy of `sha`, so that more bytes can be added. */
-static void hash_so_far(const EVP_MD_CTX *sha, char hex[65]) {
-    unsigned char digest[EVP_MAX_MD_SIZE];
-    unsigned n = 0;
-    EVP_MD_CTX *copy = EVP_MD_CTX_new();
-    if (!copy || EVP_MD_CTX_copy_ex(copy, sha) != 1 || EVP_DigestFinal_ex(copy, digest, &n) != 1 || n != 32)
-        stop(EXIT_LIMIT, "cannot compute SHA-256");
-    for (unsigned i = 0; i < n; ++i)
-        snprintf(hex + 2 * i, 3, "%02x", digest[i]);
-    EVP_MD_CTX_free(copy);
-}
-
-/* Add the first n bytes of FILE.part to the hash; false when it has fewer. */
-static bool hash_part(batch_output *out, unsigned long long n) {
-    char block[65536];
-    rewind(out->stream);
-    while (n > 0) {
-        size_t n_read = fread(block, 1, n < sizeof block ? (size_t)n : sizeof block, out->stream);
-        if (n_read == 0 || EVP_DigestUpdate(out->sha, block, n_read) != 1)
-            return false;
-        n -= n_read;
-    }
-    return true;
+static void hash_text(const char *text, size_t n_bytes, char hex[65]) {
+    nqm_sha256 sha;
+    if (!nqm_sha256_begin(&sha))
+        stop(EXIT_LIMIT, "out of memory");
+    nqm_sha256_add(&sha, text, n_bytes);
+    nqm_sha256_end(&sha, hex);
 }
 
 /* ---- the journal ------------------------------------------------------------------------------------------------- */
@@ -54,8 +34,8 @@ static bool hash_part(batch_output *out, unsigned long long n) {
 /* A line of the journal: the first n_bytes of FILE.part are valid. */
 typedef struct checkpoint {
     batch_progress done;
-    unsigned long long n_bytes;
-    char sha256[65];
+    size_t n_bytes;
+    char sha256[65];  /* of the bytes since the checkpoint before */
     long journal_end; /* offset of the byte after the line */
 } checkpoint;
 
@@ -81,9 +61,20 @@ static void compare_terms(const batch_output *out, const char *line, const json_
 static bool read_checkpoint(const char *line, checkpoint *c) {
     int n = 0;
     c->done.begun = true;
-    return sscanf(line, "%zu %zu %llu %64[0-9a-f]%n", &c->done.n_rows, &c->done.n_failed, &c->n_bytes, c->sha256, &n) ==
+    return sscanf(line, "%zu %zu %zu %64[0-9a-f]%n", &c->done.n_rows, &c->done.n_failed, &c->n_bytes, c->sha256, &n) ==
                4 &&
            strlen(c->sha256) == 64 && line[n] == '\n' && !line[n + 1];
+}
+
+/* Compare the hash of the next n bytes of FILE.part. */
+static void check_block(batch_output *out, size_t n, const char *sha256) {
+    char hex[65], *block = allocate(n, 1);
+    if (fread(block, 1, n, out->stream) != n)
+        stop_damage(out);
+    hash_text(block, n, hex);
+    if (strcmp(hex, sha256) != 0)
+        stop_damage(out);
+    free(block);
 }
 
 /* The last checkpoint whose bytes FILE.part contains. journal_end is 0 when there is none: the run was killed before its
@@ -96,6 +87,7 @@ static checkpoint read_journal(batch_output *out, const json_t *terms) {
     if (fstat(fileno(out->stream), &st) != 0)
         stop_write(out->part);
     rewind(out->log);
+    rewind(out->stream);
     for (size_t number = 0;; ++number) {
         ssize_t n = getline(&line, &room, out->log);
         if (n <= 0 || line[n - 1] != '\n') /* end of file, or an incomplete line */
@@ -103,12 +95,13 @@ static checkpoint read_journal(batch_output *out, const json_t *terms) {
         checkpoint c = {0};
         if (number == 1)
             compare_terms(out, line, terms);
-        else if (number == 0 ? strcmp(line, journal_mark) != 0 : !read_checkpoint(line, &c))
+        else if (number == 0 ? strcmp(line, journal_mark) != 0 : !read_checkpoint(line, &c) || c.n_bytes < last.n_bytes)
             stop_damage(out);
-        else if (number > 1 && c.n_bytes <= (unsigned long long)st.st_size) {
-            c.journal_end = ftell(out->log);
-            last = c;
-        }
+        if (number < 2 || c.n_bytes > (size_t)st.st_size)
+            continue;
+        check_block(out, c.n_bytes - last.n_bytes, c.sha256);
+        c.journal_end = ftell(out->log);
+        last = c;
     }
     free(line);
     return last;
@@ -149,9 +142,6 @@ static void open_part(batch_output *out, const char *path, const json_t *terms, 
     out->path = full_path(path, "");
     out->part = full_path(path, ".part");
     out->journal = full_path(path, ".part.journal");
-    out->sha = EVP_MD_CTX_new();
-    if (!out->sha || EVP_DigestInit_ex(out->sha, EVP_sha256(), NULL) != 1)
-        stop(EXIT_LIMIT, "cannot compute SHA-256");
     bool goes_on =
         resume && access(out->part, F_OK) == 0; /* only a journal remains when a run was killed after the rename */
     if (goes_on && access(out->journal, F_OK) != 0)
@@ -161,13 +151,6 @@ static void open_part(batch_output *out, const char *path, const json_t *terms, 
         stop(EXIT_OPEN, "%s: another run is writing it", out->part);
     out->stream = open_kept(out->part);
     const checkpoint last = goes_on ? read_journal(out, terms) : (checkpoint){0};
-    if (last.journal_end > 0) {
-        char sha256[65] = "";
-        if (hash_part(out, last.n_bytes))
-            hash_so_far(out->sha, sha256);
-        if (strcmp(sha256, last.sha256) != 0)
-            stop_damage(out);
-    }
     truncate_to(out, &last);
     out->n_bytes = last.n_bytes;
     out->done = last.done;
@@ -182,6 +165,9 @@ static void open_part(batch_output *out, const char *path, const json_t *terms, 
 
 void open_batch_output(const char *path, const json_t *terms, bool resume, batch_output *out) {
     *out = (batch_output){.stream = stdout};
+    out->rows = open_memstream(&out->text, &out->n_text);
+    if (!out->rows)
+        stop(EXIT_LIMIT, "out of memory");
     struct stat st;
     bool standard = !path || strcmp(path, "-") == 0;
     bool device = !standard && stat(path, &st) == 0 && !S_ISREG(st.st_mode);
@@ -198,31 +184,32 @@ void open_batch_output(const char *path, const json_t *terms, bool resume, batch
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static void write_text(batch_output *out, const char *text, size_t n_bytes) {
-    if (fwrite(text, 1, n_bytes, out->stream) != n_bytes || fflush(out->stream) != 0)
+static void write_text(batch_output *out) {
+    if (fflush(out->rows) != 0 || ferror(out->rows))
+        stop(EXIT_LIMIT, "out of memory");
+    if (!out->part)
+        end_progress(); /* the progress line may be on the same terminal */
+    if (fwrite(out->text, 1, out->n_text, out->stream) != out->n_text || fflush(out->stream) != 0)
         stop_write(out->part);
 }
 
-void append_batch_output(batch_output *out, const char *text, size_t n_bytes, const batch_progress *done) {
-    if (!out->part)
-        end_progress(); /* the progress line may be on the same terminal */
-    write_text(out, text, n_bytes);
+void append_batch_output(batch_output *out, const batch_progress *done) {
+    write_text(out);
     out->done = *done;
-    if (!out->part)
-        return;
-    char sha256[65];
-    out->n_bytes += n_bytes;
-    if (EVP_DigestUpdate(out->sha, text, n_bytes) != 1)
-        stop(EXIT_LIMIT, "cannot compute SHA-256");
-    hash_so_far(out->sha, sha256);
-    fprintf(out->log, "%zu %zu %llu %s\n", done->n_rows, done->n_failed, out->n_bytes, sha256);
-    if (fflush(out->log) != 0)
-        stop_write(out->journal);
+    if (out->part) {
+        char sha256[65];
+        out->n_bytes += out->n_text;
+        hash_text(out->text, out->n_text, sha256);
+        fprintf(out->log, "%zu %zu %zu %s\n", done->n_rows, done->n_failed, out->n_bytes, sha256);
+        if (fflush(out->log) != 0)
+            stop_write(out->journal);
+    }
+    rewind(out->rows);
 }
 
-void close_batch_output(batch_output *out, const char *tail, size_t n_tail) {
-    if (tail) {
-        write_text(out, tail, n_tail);
+void close_batch_output(batch_output *out, bool is_complete) {
+    if (is_complete) {
+        write_text(out);
         if (out->part &&
             (fsync(fileno(out->stream)) != 0 || rename(out->part, out->path) != 0 || unlink(out->journal) != 0))
             stop_write(out->path);
@@ -231,7 +218,8 @@ void close_batch_output(batch_output *out, const char *tail, size_t n_tail) {
         fclose(out->stream);
     if (out->log)
         fclose(out->log);
-    EVP_MD_CTX_free(out->sha);
+    fclose(out->rows);
+    free(out->text);
     free(out->path);
     free(out->part);
     free(out->journal);

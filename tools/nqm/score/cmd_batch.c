@@ -55,66 +55,29 @@ static int show_speed(const batch_run *run) {
     return show_progress(NULL, "batch", (double)n, (double)(run->list->n_rows - run->n_before));
 }
 
-/* Text in memory: what is printed to the stream. */
-typedef struct text_buffer {
-    FILE *stream;
-    char *text;
-    size_t n_bytes;
-} text_buffer;
-
-static void begin_text(text_buffer *b) {
-    b->stream = open_memstream(&b->text, &b->n_bytes);
-    if (!b->stream)
-        stop(EXIT_LIMIT, "out of memory");
-}
-
-static void end_text(text_buffer *b) {
-    bool bad = ferror(b->stream) != 0;
-    if (fclose(b->stream) != 0 || bad)
-        stop(EXIT_LIMIT, "out of memory");
-}
-
-static void write_head(batch_run *run) {
-    text_buffer head;
-    begin_text(&head);
-    print_batch_head(&run->form, head.stream);
-    end_text(&head);
-    append_batch_output(&run->out, head.text, head.n_bytes, &run->out.done);
-    free(head.text);
-}
-
-/* Write the rows [done, begin + n) of a block that begins at row `begin`; it stops before the first failed row unless
- * --keep-going is given. */
+/* Write the n rows of a block that begins at row `begin`, or those before the first failed row unless --keep-going is
+ * given. */
 static void write_block(batch_run *run, size_t begin, size_t n) {
     batch_progress done = run->out.done;
-    text_buffer rows;
-    begin_text(&rows);
-    for (size_t i = done.n_rows - begin; i < n; ++i) {
-        bool failed = run->results[i].status != NQM_OK;
-        if (failed && !run->keep_going)
-            break;
-        print_batch_row(&run->form, rows.stream, begin + i, &run->results[i], &run->errors[i]);
-        done.n_failed += failed;
-        done.n_rows = begin + i + 1;
+    for (size_t i = 0; i < n && (run->keep_going || run->results[i].status == NQM_OK); ++i) {
+        print_batch_row(&run->form, run->out.rows, begin + i, &run->results[i], &run->errors[i]);
+        done.n_failed += run->results[i].status != NQM_OK;
+        ++done.n_rows;
     }
-    end_text(&rows);
-    append_batch_output(&run->out, rows.text, rows.n_bytes, &done);
-    free(rows.text);
+    append_batch_output(&run->out, &done);
 }
 
-/* Blocks begin at the same rows in every run, because the last bits of a score depend on its position in the block. */
 static int score_rows(batch_run *run) {
-    size_t n_rows = run->list->n_rows;
-    size_t begin = run->out.done.n_rows - run->out.done.n_rows % NQM_SCORE_BLOCK;
-    for (; begin < n_rows; begin += NQM_SCORE_BLOCK) {
+    const size_t n_rows = run->list->n_rows;
+    while (run->out.done.n_rows < n_rows) {
         if (show_speed(run) || interrupted())
             return EXIT_INTERRUPTED;
-        size_t n = n_rows - begin < NQM_SCORE_BLOCK ? n_rows - begin : NQM_SCORE_BLOCK;
+        const size_t begin = run->out.done.n_rows, n = nqm_smaller(n_rows - begin, NQM_SCORE_BLOCK);
         nqm_error err = {0};
         if (nqm_scorer_run_named(run->scorer, n, run->list->pair + begin, run->results, run->errors, &err) != NQM_OK)
             return report_error(&err);
         write_block(run, begin, n);
-        size_t failed = run->out.done.n_rows - begin;
+        const size_t failed = run->out.done.n_rows - begin;
         if (failed < n)
             return report(exit_code_of(run->results[failed].status), "row %zu: %s", begin + failed + 1,
                           run->errors[failed].message);
@@ -125,17 +88,13 @@ static int score_rows(batch_run *run) {
 /* Close the output, report how many rows are written or failed, and return the exit code. */
 static int settle(batch_run *run, int exit_code) {
     const batch_progress done = run->out.done;
-    text_buffer tail;
     end_progress();
     if (exit_code != EXIT_OK && run->out.part)
         report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", done.n_rows, run->list->n_rows,
                run->out.part);
-    begin_text(&tail);
-    print_batch_tail(&run->form, tail.stream);
-    end_text(&tail);
+    print_batch_tail(&run->form, run->out.rows);
     bool is_complete = exit_code == EXIT_OK || !run->out.part; /* a pipe gets valid JSON even when the run ends early */
-    close_batch_output(&run->out, is_complete ? tail.text : NULL, tail.n_bytes);
-    free(tail.text);
+    close_batch_output(&run->out, is_complete);
     if (exit_code == EXIT_OK && done.n_failed)
         return report(EXIT_PARTIAL, "%zu of %zu rows have no score", done.n_failed, run->list->n_rows);
     return exit_code;
@@ -160,7 +119,6 @@ int cmd_batch(int argc, char **argv) {
         {"jsonl", 0, OPTION_FLAG, &json_lines, NULL, "write JSON Lines", 0, 0},
         {0}};
     const command cmd = {
-        .name = "batch",
         .usage = "LIST [options]",
         .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with\n"
                  "these members, or - for standard input; further columns are copied. Results are written\n"
@@ -174,7 +132,6 @@ int cmd_batch(int argc, char **argv) {
         .table = &nqm_score_option_table,
         .table_target = &run.options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     run.form.format = choose_format(json, json_lines, output);
@@ -200,8 +157,10 @@ int cmd_batch(int argc, char **argv) {
         stop(EXIT_OPEN, "--root: '%s' cannot be entered", root);
     run.n_before = run.out.done.n_rows;
     run.begin_s = nqm_clock_s();
-    if (!run.out.done.begun)
-        write_head(&run);
+    if (!run.out.done.begun) {
+        print_batch_head(&run.form, run.out.rows);
+        append_batch_output(&run.out, &run.out.done);
+    }
     const int exit_code = settle(&run, score_rows(&run));
     nqm_scorer_free(run.scorer);
     nqm_pair_list_free(run.list);

@@ -99,7 +99,6 @@ int cmd_rank(int argc, char **argv) {
         {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names only, best first", FORMAT_QUIET, 0},
         {0}};
     const command cmd = {
-        .name = "rank",
         .usage = "REF TEST... | --list LIST [options]",
         .about = "Order approximations of a reference by their JOD, best first, and say how many people would prefer\n"
                  "each to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may have\n"
@@ -109,7 +108,6 @@ int cmd_rank(int argc, char **argv) {
         .options = options,
         .table = &nqm_score_option_table,
         .table_target = &run.options,
-        .min_arguments = 0,
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);

@@ -103,7 +103,6 @@ int cmd_score(int argc, char **argv) {
         {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one a line", FORMAT_QUIET, 0},
         {0}};
     const command cmd = {
-        .name = "score",
         .usage = "REF TEST... [options]",
         .about =
             "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "

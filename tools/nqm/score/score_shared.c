@@ -26,23 +26,20 @@ void make_scores(score_run *run) {
     run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
     run->terms.invalid = run->options.invalid;
     must(nqm_scorer_create(run->model, &run->options, &scorer, &err), &err);
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        enum { BLOCK = NQM_SCORE_BLOCK };
-        nqm_named_pair pairs[BLOCK];
-        nqm_score_result results[BLOCK];
-        nqm_error errors[BLOCK];
-        const size_t n = run->n_rows - i < BLOCK ? run->n_rows - i : BLOCK;
-        if (i % BLOCK == 0) {
-            if (show_progress(NULL, "score", (double)i, (double)run->n_rows))
-                stop(EXIT_INTERRUPTED, "interrupted");
-            for (size_t k = 0; k < n; ++k)
-                pairs[k] = run->rows[i + k].pair;
-            must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
+    for (size_t begin = 0, n; begin < run->n_rows; begin += n) {
+        nqm_named_pair pairs[NQM_SCORE_BLOCK];
+        nqm_score_result results[NQM_SCORE_BLOCK];
+        nqm_error errors[NQM_SCORE_BLOCK];
+        n = nqm_smaller(run->n_rows - begin, NQM_SCORE_BLOCK);
+        if (show_progress(NULL, "score", (double)begin, (double)run->n_rows))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        for (size_t i = 0; i < n; ++i)
+            pairs[i] = run->rows[begin + i].pair;
+        must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
+        for (size_t i = 0; i < n; ++i) {
+            errors[i].status = results[i].status;
+            run->rows[begin + i] = (scored_pair){pairs[i], results[i], errors[i], .order = begin + i};
         }
-        run->rows[i].order = i;
-        run->rows[i].result = results[i % BLOCK];
-        run->rows[i].err = errors[i % BLOCK];
-        run->rows[i].err.status = results[i % BLOCK].status;
     }
     end_progress();
     nqm_scorer_free(scorer);

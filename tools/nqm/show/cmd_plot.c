@@ -96,7 +96,6 @@ int cmd_plot(int argc, char **argv) {
         {"json", 0, OPTION_FLAG, &json, NULL, "print the kind and the file of the drawing as JSON", 0, 0},
         {0}};
     const command cmd = {
-        .name = "plot",
         .usage = "WHAT INPUT... -o FILE [options]",
         .about = "Draw, in colours chosen for colour-blind readers:\n"
                  "  curve LABELS.csv         JOD against Delta-E ITP, with the fitted curve\n"

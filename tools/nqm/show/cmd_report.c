@@ -110,7 +110,6 @@ int cmd_report(int argc, char **argv) {
         OPTION_ROW_SIZE(&scene),
         {0}};
     const command cmd = {
-        .name = "report",
         .usage = "REF TEST... -o FILE.html [options]",
         .about =
             "Write a page for readers: the JOD of each TEST and its meaning, rendered pictures of reference and test\n"

@@ -16,7 +16,6 @@ int cmd_calibrate(int argc, char **argv) {
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {0}};
     const command cmd = {
-        .name = "calibrate",
         .usage = "MODEL DATASET -o FILE [options]",
         .about =
             "Write a copy of MODEL with a 95 % interval around each JOD: for 95 % of the pairs of new materials, the\n"
@@ -26,7 +25,6 @@ int cmd_calibrate(int argc, char **argv) {
         .example = "nqm calibrate my.safetensors corpus.safetensors -o my-calibrated.safetensors",
         .options = options,
         .min_arguments = 2,
-        .max_arguments = 2,
     };
     parse_arguments(&cmd, argc, argv);
     nqm_model *model = open_model(argv[0]), *calibrated;

@@ -123,7 +123,6 @@ int cmd_models(int argc, char **argv) {
         {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
         {0}};
     const command cmd = {
-        .name = "models",
         .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
         .about =
             "List the built-in models, or show one of them or a model file: size, checksum, directions and the model\n"
@@ -133,7 +132,6 @@ int cmd_models(int argc, char **argv) {
         .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
                    "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
         .options = options,
-        .min_arguments = 0,
         .max_arguments = 3,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);

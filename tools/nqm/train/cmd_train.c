@@ -140,7 +140,6 @@ int cmd_train(int argc, char **argv) {
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
         {0}};
     const command cmd = {
-        .name = "train",
         .usage = "DATASET -o MODEL [options]",
         .about = "Train a model on the labelled pairs of DATASET (made by `nqm dataset`, or the authors' folder with\n"
                  "--labels). Test pairs are never used. The same dataset, options and seed give the same model, to the "
@@ -154,7 +153,6 @@ int cmd_train(int argc, char **argv) {
         .table = &nqm_train_option_table,
         .table_target = &a.options,
         .min_arguments = 1,
-        .max_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     check_places(&a);
