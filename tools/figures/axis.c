@@ -10,13 +10,20 @@
 /* Tolerance, so that rounding errors do not drop a tick at the end of an axis. */
 static const double slack = 1e-9;
 
-double nqm_tick_step(double length, size_t n_most) {
-    double power = pow(10, floor(log10(length / (double)n_most)));
-    static const double factors[] = {1, 2, 5, 10};
+/* The largest of 1, 2, 5 times a power of ten that is at most `value`, or the smallest that is at least it. */
+static double round_number(double value, bool up) {
+    static const double digits[] = {1, 2, 5, 10};
+    double power = pow(10, floor(log10(value) + slack)), digit = value / power;
     size_t i = 0;
-    while (i < 3 && length / (factors[i] * power) > (double)n_most * (1 + 1e-9))
+    while (i < 3 && digits[i] < digit * (1 - slack))
         ++i;
-    return factors[i] * power;
+    if (!up && i > 0 && digits[i] > digit * (1 + slack))
+        --i;
+    return digits[i] * power;
+}
+
+double nqm_tick_step(double length, size_t n_most) {
+    return round_number(length / (double)n_most, true);
 }
 
 nqm_axis nqm_axis_make(const char *label, nqm_scale scale) {
@@ -32,23 +39,6 @@ void nqm_axis_hold(nqm_axis *axis, size_t n, const double *values) {
             axis->max = fmax(axis->max, values[i]);
         }
     }
-}
-
-/* The largest of 1, 2, 5 times a power of ten that is at most `value`, or the smallest that is at least it. */
-static double round_number(double value, bool up) {
-    double power = pow(10, floor(log10(value) + slack));
-    double digit = value / power;
-    static const double digits[] = {1, 2, 5, 10};
-    if (up) {
-        size_t i = 0;
-        while (digits[i] < digit * (1 - slack) && i < 3)
-            ++i;
-        return digits[i] * power;
-    }
-    size_t i = 3;
-    while (digits[i] > digit * (1 + slack) && i > 0)
-        --i;
-    return digits[i] * power;
 }
 
 /* Give an empty range, or one of a single value, two different ends. */

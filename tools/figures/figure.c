@@ -51,11 +51,7 @@ static nqm_status find_scale(const nqm_figure *f, double *end, nqm_error *err) {
     for (size_t i = 0; i < f->n_rows * f->n_columns; ++i)
         if (is_map(&f->panels[i]))
             maps[n_maps++] = f->panels[i].delta_e;
-    if (n_maps && f->delta_e_max > 0)
-        *end = f->delta_e_max;
-    else if (n_maps)
-        return nqm_map_scale(n_maps, maps, f->width * f->height, end, err);
-    return NQM_OK;
+    return n_maps ? nqm_map_scale(n_maps, maps, f->width * f->height, end, err) : NQM_OK;
 }
 
 static layout lay_out(const nqm_figure *f, size_t supersample, double delta_e_max) {

@@ -71,7 +71,7 @@ typedef struct nqm_panel {
     const char *caption;    /**< UTF-8, below the panel; lines end in \n; NULL: none */
 } nqm_panel;
 
-/** A grid of panels of one size, with titles, and a colour scale where it holds maps. */
+/** A grid of panels of one size, with titles, and a colour scale (nqm_map_scale()) if there are maps. */
 typedef struct nqm_figure {
     size_t n_rows, n_columns;         /**< 1 to 64 each */
     size_t width, height;             /**< of each panel's data, pixels */
@@ -79,7 +79,6 @@ typedef struct nqm_figure {
     const nqm_panel *panels;          /**< (n_rows, n_columns) */
     const char *const *row_titles;    /**< (n_rows), at the left; NULL or NULL entries: none */
     const char *const *column_titles; /**< (n_columns), at the top; NULL or NULL entries: none */
-    double delta_e_max;               /**< upper end of the colour scale; 0: as nqm_map_scale() */
     nqm_tone tone;                    /**< for the pictures; zeroed: the default */
 } nqm_figure;
 

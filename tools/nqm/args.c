@@ -139,6 +139,15 @@ void set_option(const nqm_option_table *table, const char *key, void *target, co
         stop(EXIT_USAGE, "--%s", err.message);
 }
 
+int choose(const char *name, const char *const *words, const char *text) {
+    const nqm_option row = {.name = name, .kind = NQM_OPTION_ENUM, .words = words};
+    nqm_error err = {0};
+    int value = 0;
+    if (nqm_option_set(&row, &value, text, &err) != NQM_OK)
+        stop(EXIT_USAGE, "--%s", err.message);
+    return value;
+}
+
 int parse_arguments(const command *cmd, int argc, char **argv) {
     int n = 0;
     bool options_end = false;

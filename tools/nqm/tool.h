@@ -70,15 +70,8 @@ int parse_arguments(const command *cmd, int argc, char **argv);
 /** Set the option `key` of a table that is not the command's own, from text. */
 void set_option(const nqm_option_table *table, const char *key, void *target, const char *text);
 
-/** A word of an option and its value; a NULL name ends the list. */
-typedef struct choice {
-    const char *name;
-    int value;
-} choice;
-/** The value of `word`. */
-int choose(const char *option_name, const choice *choices, const char *word);
-/** The name of a value. */
-const char *choice_name(const choice *choices, int value);
+/** The index of the text of an option in a list of words, which ends with NULL. */
+int choose(const char *name, const char *const *words, const char *text);
 
 /* ---- inputs: on failure, these report the error and exit --------------------------------------------------------- */
 

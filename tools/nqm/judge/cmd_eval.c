@@ -9,14 +9,9 @@
 #include <string.h>
 
 enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8 };
-static const choice bys[] = {{"none", 0},
-                             {"kind", BY_KIND},
-                             {"range", BY_RANGE},
-                             {"family", BY_FAMILY},
-                             {"class", BY_CLASS},
-                             {"both", BY_KIND | BY_RANGE},
-                             {"all", BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS},
-                             {0}};
+static const char *const by_words[] = {"none", "kind", "range", "family", "class", "both", "all", NULL};
+static const int by_masks[] = {
+    0, BY_KIND, BY_RANGE, BY_FAMILY, BY_CLASS, BY_KIND | BY_RANGE, BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS};
 
 /* Labels above this value mean "hardly visible": the range in which a quality metric matters most and is least
  * accurate. */
@@ -220,7 +215,7 @@ int cmd_eval(int argc, char **argv) {
         stop(EXIT_USAGE, a.human ? "--labels and --human exclude each other" : "--root needs --human");
     eval_run run = {
         .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
-    const int by = choose("by", bys, a.by);
+    const int by = by_masks[choose("by", by_words, a.by)];
     char *list = allocate(strlen(a.models) + 1, 1);
     strcpy(list, a.models);
     open_models(&run, list);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Arguments that name datasets, and options whose values are words.
+ * Arguments that name datasets.
  */
 #include "nqm/tool.h"
 
@@ -20,23 +20,4 @@ nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split)
                 : nqm_dataset_load(path, &dataset, &err),
          &err);
     return dataset;
-}
-
-int choose(const char *option_name, const choice *choices, const char *word) {
-    char known[200] = "";
-    for (const choice *c = choices; c->name; ++c) {
-        if (strcmp(c->name, word) == 0)
-            return c->value;
-        size_t n = strlen(known);
-        snprintf(known + n, sizeof known - n, "%s%s", n ? ", " : "", c->name);
-    }
-    stop(EXIT_USAGE, "--%s is one of %s; not '%s'", option_name, known, word);
-}
-
-const char *choice_name(const choice *choices, int value) {
-    const char *name = "";
-    for (const choice *c = choices; c->name; ++c)
-        if (c->value == value)
-            name = c->name;
-    return name;
 }

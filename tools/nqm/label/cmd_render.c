@@ -116,8 +116,8 @@ int cmd_render(int argc, char **argv) {
         .table_target = &scene.scene,
         .min_arguments = 1,
     };
-    static const choice backdrops[] = {
-        {"white", BACKDROP_WHITE}, {"black", BACKDROP_BLACK}, {"light", BACKDROP_LIGHT}, {NULL, 0}};
+    static const char *const backdrops[] = {
+        [BACKDROP_WHITE] = "white", [BACKDROP_BLACK] = "black", [BACKDROP_LIGHT] = "light", NULL};
     parse_arguments(&cmd, argc, argv);
     scene_args_end(&scene);
     if (!scene.scene.width)
