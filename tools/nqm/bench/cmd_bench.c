@@ -17,19 +17,19 @@ static const struct {
 enum { N_BENCHES = sizeof benches / sizeof *benches };
 
 /* Run with the best kernels, with those named, or with "all" except the scalar ones, which take minutes. */
-static nqm_status run_with_kernels(nqm_bench *bench, run_fn *run, nqm_error *err) {
+static void run_with_kernels(nqm_bench *bench, run_fn *run) {
     const char *kernels = bench->options.kernels;
     const bool all = kernels && strcmp(kernels, "all") == 0;
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && (all ? nqm_kernels_name(i) != NULL : i == 0); ++i) {
+    nqm_error err = {0};
+    for (size_t i = 0; all ? nqm_kernels_name(i) != NULL : i == 0; ++i) {
         const char *name = all ? nqm_kernels_name(i) : kernels;
         if (all && strcmp(name, "scalar") == 0)
             continue;
-        status = nqm_kernels_select(name, err);
-        if (status == NQM_OK)
-            status = run(bench, err);
+        must(nqm_kernels_select(name, &err), &err);
+        must(run(bench, &err), &err);
     }
-    return all && status == NQM_OK ? nqm_kernels_select(NULL, err) : status;
+    if (all)
+        must(nqm_kernels_select(NULL, &err), &err);
 }
 
 /* Print JSON or tables to standard output, and write JSON to `output` if it is open. */
@@ -58,7 +58,7 @@ static int run_benches(const nqm_bench_options *options, const char *which, bool
     must(nqm_bench_create(options, &bench, &err), &err);
     for (size_t i = 0; i < N_BENCHES; ++i)
         if (!which || strcmp(which, benches[i].name) == 0)
-            must(run_with_kernels(bench, benches[i].run, &err), &err);
+            run_with_kernels(bench, benches[i].run);
     must(nqm_bench_finish(bench, &err), &err);
     print_rows(bench, json, path, &output);
     close_output(&output);

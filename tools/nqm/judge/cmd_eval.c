@@ -32,75 +32,52 @@ static void open_models(eval_run *run, char *list) {
 
 /* ---- selections -------------------------------------------------------------------------------------------------- */
 
-/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A selection without pairs has
- * no rows; a class without pairs is left out. */
-static nqm_status judge_selection(eval_run *run, const nqm_eval_options *o, const char *by, const char *name,
-                                  nqm_error *err) {
+/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A class without pairs is left
+ * out. */
+static void judge_selection(const eval_run *run, const nqm_eval_options *o, const char *by, const char *name) {
     json_t *rows = json_array(), *key = json_name(name);
-    nqm_status status = judge_pairs(run, o, rows, err);
-    const bool is_empty = status == NQM_ERR_INCOMPATIBLE;
-    if (is_empty)
-        status = NQM_OK;
+    judge_pairs(run, o, rows);
     if (!json_object_get(run->selections, by))
         json_object_set_new(run->selections, by, json_object());
-    if (!is_empty || !o->material_class)
+    if (json_array_size(rows) || !o->material_class)
         json_object_set(json_object_get(run->selections, by), json_string_value(key), rows);
     json_decref(rows);
     json_decref(key);
-    return status;
 }
 
-/* Judge each kind, or each family of kinds. */
-static nqm_status judge_kinds(eval_run *run, const nqm_eval_options *options, bool families, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
-        const nqm_dataset_kind kind = nqm_dataset_get_kind(run->dataset, i);
-        nqm_eval_options o = *options;
+static void judge_families(const eval_run *run, nqm_eval_options o) {
+    for (size_t i = 0; i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
+        o.family = nqm_dataset_get_kind(run->dataset, i).family;
         size_t first = 0;
-        while (families && strcmp(nqm_dataset_get_kind(run->dataset, first).family, kind.family) != 0)
+        while (strcmp(nqm_dataset_get_kind(run->dataset, first).family, o.family) != 0)
             ++first;
-        if (families && (first < i || !*kind.family)) /* judged already, or unknown */
-            continue;
-        *(families ? &o.family : &o.kind) = families ? kind.family : kind.name;
-        status = judge_selection(run, &o, families ? "by_family" : "by_kind", families ? kind.family : kind.name, err);
+        if (first == i && *o.family) /* "": unknown */
+            judge_selection(run, &o, "by_family", o.family);
     }
-    return status;
 }
 
-static nqm_status judge_classes(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < NQM_MATERIAL_CLASS_COUNT; ++i) {
-        nqm_eval_options o = *options;
+static void judge_kinds(const eval_run *run, nqm_eval_options o) {
+    for (size_t i = 0; i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
+        o.kind = nqm_dataset_get_kind(run->dataset, i).name;
+        judge_selection(run, &o, "by_kind", o.kind);
+    }
+}
+
+static void judge_classes(const eval_run *run, nqm_eval_options o) {
+    for (size_t i = 0; i < NQM_MATERIAL_CLASS_COUNT; ++i) {
         o.material_class = nqm_material_class_name(i);
-        status = judge_selection(run, &o, "by_class", o.material_class, err);
+        judge_selection(run, &o, "by_class", o.material_class);
     }
-    return status;
 }
 
-static nqm_status judge_ranges(eval_run *run, const nqm_eval_options *options, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    for (int high = 0; status == NQM_OK && high < 2; ++high) {
+static void judge_ranges(const eval_run *run, const nqm_eval_options *options) {
+    for (int high = 0; high < 2; ++high) {
         nqm_eval_options o = *options;
         char name[40];
         *(high ? &o.jod_from : &o.jod_to) = range_edge;
         snprintf(name, sizeof name, "JOD %s %.1f", high ? ">=" : "<", range_edge);
-        status = judge_selection(run, &o, "by_range", name, err);
+        judge_selection(run, &o, "by_range", name);
     }
-    return status;
-}
-
-static nqm_status judge_all(eval_run *run, const nqm_eval_options *options, int by, nqm_error *err) {
-    nqm_status status =
-        run->is_choice ? judge_choices(run, options, run->results, err) : judge_pairs(run, options, run->results, err);
-    if (status == NQM_OK && (by & BY_FAMILY))
-        status = judge_kinds(run, options, true, err);
-    if (status == NQM_OK && (by & BY_KIND))
-        status = judge_kinds(run, options, false, err);
-    if (status == NQM_OK && (by & BY_CLASS))
-        status = judge_classes(run, options, err);
-    if (status == NQM_OK && (by & BY_RANGE) && run->is_jod)
-        status = judge_ranges(run, options, err);
-    return status;
 }
 
 static void release(eval_run *run) {
@@ -162,7 +139,18 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
     must(nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o, &run->evaluation,
                                &err),
          &err);
-    must(judge_all(run, o, by, &err), &err);
+    if (run->is_choice)
+        judge_choices(run, o, run->results);
+    else
+        judge_pairs(run, o, run->results);
+    if (by & BY_FAMILY)
+        judge_families(run, *o);
+    if (by & BY_KIND)
+        judge_kinds(run, *o);
+    if (by & BY_CLASS)
+        judge_classes(run, *o);
+    if ((by & BY_RANGE) && run->is_jod)
+        judge_ranges(run, o);
     if (a->pairs)
         write_pairs(run, a->pairs);
     print_evaluation(run, a->format);

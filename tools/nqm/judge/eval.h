@@ -24,9 +24,10 @@ typedef struct eval_run {
     json_t *selections; /* {"by_kind": {"ggx": rows, ..}, ..}; a selection without pairs has no rows */
 } eval_run;
 
-/** Judge every predictor on the pairs that `options` selects, or on choices, and append the rows to `rows`. */
-nqm_status judge_pairs(const eval_run *run, const nqm_eval_options *options, json_t *rows, nqm_error *err);
-nqm_status judge_choices(const eval_run *run, const nqm_eval_options *options, json_t *rows, nqm_error *err);
+/** Judge every predictor on the pairs that `options` selects, or on choices, and append the rows to `rows`. A selection
+ *  without pairs adds none, and is an error for run->results. */
+void judge_pairs(const eval_run *run, const nqm_eval_options *options, json_t *rows);
+void judge_choices(const eval_run *run, const nqm_eval_options *options, json_t *rows);
 
 /** Print results and selections. */
 void print_evaluation(const eval_run *run, result_format format);

@@ -101,83 +101,77 @@ static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts
 }
 
 /* The coverage of a model's intervals; null if it has none, or if labels are not JODs. */
-static nqm_status set_coverage(const eval_run *run, const nqm_eval_options *o, size_t model, json_t *row,
-                               nqm_error *err) {
+static json_t *model_coverage_json(const eval_run *run, const nqm_eval_options *o, size_t model) {
+    nqm_error err = {0};
     nqm_coverage coverage;
-    nqm_status status = NQM_OK;
-    json_t *json = NULL;
-    if (run->is_jod && *nqm_model_get_info(run->models[model]).calibration) {
-        status = nqm_evaluation_coverage(run->evaluation, o, model, &coverage, err);
-        json = status == NQM_OK ? coverage_json(&coverage) : NULL;
-    }
-    json_object_set_new(row, "interval", json ? json : json_null());
-    return status;
+    if (!run->is_jod || !*nqm_model_get_info(run->models[model]).calibration)
+        return json_null();
+    must(nqm_evaluation_coverage(run->evaluation, o, model, &coverage, &err), &err);
+    return coverage_json(&coverage);
 }
 
-nqm_status judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows, nqm_error *err) {
+void judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
     const size_t n_contrasts = run->n_models * N_RIVALS;
+    nqm_error err = {0};
     size_t best = run->n_predictors;
-    nqm_agreement *results = calloc(run->n_predictors, sizeof *results);
-    nqm_contrast *contrasts = calloc(n_contrasts + 1, sizeof *contrasts);
-    nqm_status status = results && contrasts ? nqm_evaluation_judge(run->evaluation, o, results, err)
-                                             : nqm_fail_nomem(err, n_contrasts * sizeof *contrasts);
-    for (size_t i = run->n_models; status == NQM_OK && i < run->n_predictors; ++i)
+    nqm_agreement *results = allocate(run->n_predictors, sizeof *results);
+    nqm_contrast *contrasts = allocate(n_contrasts + 1, sizeof *contrasts);
+    const nqm_status status = nqm_evaluation_judge(run->evaluation, o, results, &err);
+    const bool is_empty = status == NQM_ERR_INCOMPATIBLE && rows != run->results;
+    if (!is_empty)
+        must(status, &err);
+    for (size_t i = run->n_models; i < run->n_predictors; ++i)
         if (results[i].best_baseline)
             best = i;
-    for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i) {
+    for (size_t i = 0; i < n_contrasts; ++i) {
         contrasts[i].first = i / N_RIVALS;
         contrasts[i].second = rival_of(run, i / N_RIVALS, i % N_RIVALS, best);
     }
-    if (status == NQM_OK && n_contrasts)
-        status = nqm_evaluation_contrast(run->evaluation, o, n_contrasts, contrasts, err);
-    for (size_t i = 0; status == NQM_OK && i < run->n_predictors; ++i) {
+    if (n_contrasts && !is_empty)
+        must(nqm_evaluation_contrast(run->evaluation, o, n_contrasts, contrasts, &err), &err);
+    for (size_t i = 0; i < run->n_predictors && !is_empty; ++i) {
         json_t *row = append_row(run, rows, results[i].best_of_family, results[i].best_baseline);
         set_agreement(row, &results[i]);
         if (i < run->n_models) {
             json_object_set_new(row, "contrasts", contrasts_json(run, contrasts + i * N_RIVALS));
-            status = set_coverage(run, o, i, row, err);
+            json_object_set_new(row, "interval", model_coverage_json(run, o, i));
         }
     }
     free(results);
     free(contrasts);
-    return status;
 }
 
 /* ---- choices ----------------------------------------------------------------------------------------------------- */
 
-static nqm_status set_choice_contrasts(const eval_run *run, const nqm_eval_options *o, size_t model, size_t best,
-                                       json_t *row, nqm_error *err) {
-    nqm_status status = NQM_OK;
+static json_t *choice_contrasts_json(const eval_run *run, const nqm_eval_options *o, size_t model, size_t best) {
     json_t *list = json_array();
-    for (size_t k = 0; k < N_RIVALS && status == NQM_OK; ++k) {
+    for (size_t k = 0; k < N_RIVALS; ++k) {
         const size_t rival = rival_of(run, model, k, best);
+        nqm_error err = {0};
         nqm_difference difference;
         if (rival == model)
             continue;
-        status = nqm_human_contrast_choices(run->human, run->evaluation, o, model, rival, &difference, err);
-        if (status == NQM_OK)
-            json_array_append_new(list, json_pack("{s:s,s:b,s:o}", "with", predictor_name(run, rival), "best_baseline",
-                                                  k == RIVAL_BASELINE, "agreement", difference_json(&difference)));
+        must(nqm_human_contrast_choices(run->human, run->evaluation, o, model, rival, &difference, &err), &err);
+        json_array_append_new(list, json_pack("{s:s,s:b,s:o}", "with", predictor_name(run, rival), "best_baseline",
+                                              k == RIVAL_BASELINE, "agreement", difference_json(&difference)));
     }
-    json_object_set_new(row, "contrasts", list);
-    return status;
+    return list;
 }
 
-nqm_status judge_choices(const eval_run *run, const nqm_eval_options *o, json_t *rows, nqm_error *err) {
+void judge_choices(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
+    nqm_error err = {0};
     size_t best = run->n_predictors;
-    nqm_choice_agreement *results = calloc(run->n_predictors, sizeof *results);
-    nqm_status status = results ? nqm_human_judge_choices(run->human, run->evaluation, o, results, err)
-                                : nqm_fail_nomem(err, run->n_predictors * sizeof *results);
-    for (size_t i = run->n_models; status == NQM_OK && i < run->n_predictors; ++i)
+    nqm_choice_agreement *results = allocate(run->n_predictors, sizeof *results);
+    must(nqm_human_judge_choices(run->human, run->evaluation, o, results, &err), &err);
+    for (size_t i = run->n_models; i < run->n_predictors; ++i)
         if (results[i].best_baseline)
             best = i;
-    for (size_t i = 0; status == NQM_OK && i < run->n_predictors; ++i) {
+    for (size_t i = 0; i < run->n_predictors; ++i) {
         json_t *row = append_row(run, rows, results[i].best_of_family, results[i].best_baseline);
         set_estimate(row, "agreement", "ci95", &results[i].agreement);
         json_object_set_new(row, "majority", json_number(results[i].majority));
         if (i < run->n_models)
-            status = set_choice_contrasts(run, o, i, best, row, err);
+            json_object_set_new(row, "contrasts", choice_contrasts_json(run, o, i, best));
     }
     free(results);
-    return status;
 }
