@@ -192,14 +192,14 @@ def evaluate(a, test, trainings):
 
 def compare(study, a, name, recipe, source, place, published, tolerance, needs):
     """Our value for a published one, and the verdict."""
-    here, sd, n = None, None, [(study[key]["n"], study[key]["n_materials"]) for key in ("test", "train")]
+    here, sd, test = None, None, study["test"]
     if not recipe or recipe in a.recipes:
         here, sd = mean_and_sd(study["trainings"], recipe, place) if recipe else (study["regression"][place], None)
     if recipe and recipe not in a.recipes:
         verdict = "not run"
     elif needs == MACHINE:
         verdict = "not comparable: other machine"
-    elif needs & HUMAN and n[0] != (180, 20) or needs & TRAINING and n[1][0] != 3339:
+    elif needs & HUMAN and (test["n"], test["n_materials"]) != (180, 20) or needs & TRAINING and study["train"]["n"] != 3339:
         verdict = "not comparable: other data"
     elif needs & EPOCHS and a.epochs != 100:
         verdict = f"not comparable: {a.epochs} epochs"

@@ -9,15 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Working memory of one judgement. */
-typedef struct judging {
-    const nqm_judgement *j;
-    size_t n_resamples;
-    double *sums;       /* (n_predictors, n_groups, NQM_SUM_COUNT); owns the block of all three */
-    double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
-    double *scratch;    /* (n_resamples) */
-} judging;
-
 /* ---- sums of a group --------------------------------------------------------------------------------------------- */
 
 /* Count the pairs of tests whose labels differ by more than the margin, and those that the predictions order
@@ -58,39 +49,35 @@ static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double
 
 /* ---- preparation ------------------------------------------------------------------------------------------------- */
 
-static nqm_status begin(judging *w, uint64_t seed, bool without_kendall, nqm_error *err) {
-    const nqm_judgement *j = w->j;
+/* Allocate, sum and resample. */
+static nqm_status begin(nqm_bootstrap *b, nqm_error *err) {
+    const nqm_judgement *j = b->judgement;
     if (j->n_groups < 2)
-        w->n_resamples = 0; /* every resample of one material is equal: an interval of width 0 would be misleading */
+        b->n_resamples = 0; /* every resample of one material is equal: an interval of width 0 would be misleading */
     nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&w->sums, j->n_predictors * j->n_groups, NQM_SUM_COUNT * sizeof *w->sums},
-                   {&w->statistics, j->n_predictors * NQM_STATISTIC_COUNT, w->n_resamples * sizeof *w->statistics},
-                   {&w->scratch, w->n_resamples, sizeof *w->scratch}),
+        NQM_ARRAYS({&b->sums, j->n_predictors * j->n_groups, NQM_SUM_COUNT * sizeof *b->sums},
+                   {&b->statistics, j->n_predictors * NQM_STATISTIC_COUNT, b->n_resamples * sizeof *b->statistics},
+                   {&b->scratch, b->n_resamples, sizeof *b->scratch}),
         err);
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < j->n_predictors * j->n_groups; ++i)
-        sum_group(j, i / j->n_groups, i % j->n_groups, w->sums + i * NQM_SUM_COUNT);
-    const nqm_bootstrap b = {.judgement = j,
-                             .sums = w->sums,
-                             .seed = seed,
-                             .n_resamples = w->n_resamples,
-                             .without_kendall = without_kendall};
-    return nqm_bootstrap_run(&b, w->statistics, err);
+        sum_group(j, i / j->n_groups, i % j->n_groups, b->sums + i * NQM_SUM_COUNT);
+    return nqm_bootstrap_run(b, err);
 }
 
-static double *resampled(const judging *w, size_t predictor, int statistic) {
-    return w->statistics + (predictor * NQM_STATISTIC_COUNT + (size_t)statistic) * w->n_resamples;
+static double *resampled(const nqm_bootstrap *b, size_t predictor, int statistic) {
+    return b->statistics + (predictor * NQM_STATISTIC_COUNT + (size_t)statistic) * b->n_resamples;
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
 /* Statistics of the original pairs, without resampling. Returns the number of pairs of tests with an order. */
-static size_t plain_statistics(const judging *w, size_t predictor, double statistics[NQM_STATISTIC_COUNT]) {
-    const nqm_judgement *j = w->j;
+static size_t plain_statistics(const nqm_bootstrap *b, size_t predictor, double statistics[NQM_STATISTIC_COUNT]) {
+    const nqm_judgement *j = b->judgement;
     double total[NQM_SUM_COUNT] = {0};
     for (size_t i = 0; i < j->n_groups * NQM_SUM_COUNT; ++i)
-        total[i % NQM_SUM_COUNT] += w->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
+        total[i % NQM_SUM_COUNT] += b->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
     nqm_statistics_of_sums(total, statistics);
     statistics[NQM_STATISTIC_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
     return (size_t)total[NQM_SUM_ORDERED];
@@ -117,26 +104,26 @@ static nqm_estimate *estimate_of(nqm_agreement *a, int statistic) {
     return all[statistic];
 }
 
-static void fill_agreement(const judging *w, size_t predictor, nqm_agreement *a) {
-    const nqm_judgement *j = w->j;
+static void fill_agreement(const nqm_bootstrap *b, size_t predictor, nqm_agreement *a) {
+    const nqm_judgement *j = b->judgement;
     double statistics[NQM_STATISTIC_COUNT];
     *a = (nqm_agreement){.n = j->n, .n_materials = j->n_groups};
-    a->n_ordered = plain_statistics(w, predictor, statistics);
+    a->n_ordered = plain_statistics(b, predictor, statistics);
     statistics[NQM_STATISTIC_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
     for (int f = 0; f < NQM_STATISTIC_COUNT; ++f) {
         nqm_estimate *estimate = estimate_of(a, f);
         estimate->value = statistics[f];
-        nqm_interval95(w->n_resamples, resampled(w, predictor, f), estimate->ci95);
+        nqm_interval95(b->n_resamples, resampled(b, predictor, f), estimate->ci95);
     }
 }
 
 nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_agreement *results,
                      nqm_error *err) {
-    judging w = {.j = j, .n_resamples = n_bootstrap};
-    nqm_status status = begin(&w, seed, false, err);
+    nqm_bootstrap b = {.judgement = j, .seed = seed, .n_resamples = n_bootstrap};
+    nqm_status status = begin(&b, err);
     for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p)
-        fill_agreement(&w, p, &results[p]);
-    nqm_free(w.sums);
+        fill_agreement(&b, p, &results[p]);
+    nqm_free(b.sums);
     return status;
 }
 
@@ -158,10 +145,10 @@ nqm_difference nqm_difference_of(double value, size_t n, const double *first, co
     return d;
 }
 
-static void fill_contrast(const judging *w, nqm_contrast *c) {
-    double a[NQM_STATISTIC_COUNT], b[NQM_STATISTIC_COUNT];
-    plain_statistics(w, c->first, a);
-    plain_statistics(w, c->second, b);
+static void fill_contrast(const nqm_bootstrap *b, nqm_contrast *c) {
+    double first[NQM_STATISTIC_COUNT], second[NQM_STATISTIC_COUNT];
+    plain_statistics(b, c->first, first);
+    plain_statistics(b, c->second, second);
     nqm_difference *const differences[NQM_STATISTIC_COUNT] = {
         [NQM_STATISTIC_SPEARMAN] = &c->spearman,
         [NQM_STATISTIC_BY_GROUP] = &c->spearman_mean_by_material,
@@ -169,17 +156,17 @@ static void fill_contrast(const judging *w, nqm_contrast *c) {
     };
     for (int f = 0; f < NQM_STATISTIC_COUNT; ++f)
         if (differences[f])
-            *differences[f] = nqm_difference_of(a[f] - b[f], w->n_resamples, resampled(w, c->first, f),
-                                                resampled(w, c->second, f), w->scratch);
+            *differences[f] = nqm_difference_of(first[f] - second[f], b->n_resamples, resampled(b, c->first, f),
+                                                resampled(b, c->second, f), b->scratch);
 }
 
 nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, size_t n_contrasts,
                                nqm_contrast *contrasts, nqm_error *err) {
-    judging w = {.j = j, .n_resamples = n_bootstrap};
-    nqm_status status = begin(&w, seed, true, err);
+    nqm_bootstrap b = {.judgement = j, .seed = seed, .n_resamples = n_bootstrap, .without_kendall = true};
+    nqm_status status = begin(&b, err);
     for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i)
-        fill_contrast(&w, &contrasts[i]);
-    nqm_free(w.sums);
+        fill_contrast(&b, &contrasts[i]);
+    nqm_free(b.sums);
     return status;
 }
 

@@ -75,20 +75,21 @@ enum {
  *  (NQM_SUM_COUNT) over groups. NaN if a statistic is undefined. */
 void nqm_statistics_of_sums(const double *sums, double statistics[NQM_STATISTIC_COUNT]);
 
-/** Input of the resampling of one judgement. */
+/** Resampling of one judgement. */
 typedef struct nqm_bootstrap {
     const nqm_judgement *judgement;
-    const double *sums; /* (n_predictors, n_groups, NQM_SUM_COUNT) */
     uint64_t seed;
     size_t n_resamples;
     bool without_kendall; /* skip Kendall (NaN), the slowest statistic */
+    double *sums;         /* (n_predictors, n_groups, NQM_SUM_COUNT); owns the block of all three */
+    double *statistics;   /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
+    double *scratch;      /* (n_resamples) */
 } nqm_bootstrap;
 
 /** Draw resample `index`: sets weight (n_groups) to how often each group is drawn. */
 void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_groups, double *weight);
 
-/** Compute statistics (n_predictors, NQM_STATISTIC_COUNT, n_resamples). The result does not depend on the number of
- *  threads. */
-NQM_MUST_CHECK nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *statistics, nqm_error *err);
+/** Compute the statistics from the judgement and the sums. The result does not depend on the number of threads. */
+NQM_MUST_CHECK nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, nqm_error *err);
 
 #endif

@@ -46,7 +46,6 @@ typedef struct shared {
     size_t *n_levels;   /* (1 + n_predictors) */
     uint32_t *order;    /* (n_predictors, n) pairs by ascending prediction */
     uint32_t *group_of; /* (n) */
-    double *statistics;
     atomic_bool out_of_memory;
 } shared;
 
@@ -209,7 +208,7 @@ static void fill_resample(shared *sh, size_t index, resample *s) {
         if (!b->without_kendall)
             statistics[NQM_STATISTIC_KENDALL] = resample_kendall(sh, s, p);
         for (size_t f = 0; f < NQM_STATISTIC_COUNT; ++f)
-            sh->statistics[(p * NQM_STATISTIC_COUNT + f) * b->n_resamples + index] = statistics[f];
+            b->statistics[(p * NQM_STATISTIC_COUNT + f) * b->n_resamples + index] = statistics[f];
     }
 }
 
@@ -227,10 +226,10 @@ static void run_resample(void *user, size_t index) {
     nqm_free(s.weight);
 }
 
-nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, double *statistics, nqm_error *err) {
+nqm_status nqm_bootstrap_run(const nqm_bootstrap *bootstrap, nqm_error *err) {
     if (bootstrap->n_resamples == 0)
         return NQM_OK;
-    shared sh = {.b = bootstrap, .statistics = statistics};
+    shared sh = {.b = bootstrap};
     nqm_status status = prepare(&sh, err);
     if (status == NQM_OK) {
         nqm_parallel_for(bootstrap->n_resamples, run_resample, &sh);

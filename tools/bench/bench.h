@@ -150,15 +150,18 @@ NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);
 
 /* ---- loops that reach the peaks (loops.c) ------------------------------------------------------------------------ */
 
-/** A loop of a single kind of instruction, with enough independent accumulators to hide its latency. */
-typedef struct nqm_bench_peak_loop {
-    float (*run)(size_t n, const uint32_t *seed); /* n steps; seed (64); NULL: the processor has no such instruction */
-    double flop;                                  /* operations per step */
-} nqm_bench_peak_loop;
-nqm_bench_peak_loop nqm_bench_find_peak_loop(const char *kernels, nqm_precision precision);
-/** A loop that reads n_bytes, a multiple of 512, at an address aligned to 64 bytes. Returns a sum of it. */
-typedef uint64_t (*nqm_bench_read_loop)(size_t n_bytes, const void *data);
-nqm_bench_read_loop nqm_bench_find_read_loop(const char *kernels);
+/** The loops for a table of kernels. */
+typedef struct nqm_bench_loops {
+    const char *kernels;
+    /* By precision: a loop of a single kind of instruction, with enough independent accumulators to hide its latency. */
+    struct nqm_bench_peak_loop {
+        float (*run)(size_t n, const uint32_t *seed); /* n steps; seed (64); NULL: no such instruction */
+        double flop;                                  /* operations per step */
+    } peak[NQM_PRECISION_COUNT];
+    /* Reads n_bytes, a multiple of 512, at an address aligned to 64 bytes. Returns a sum of it. */
+    uint64_t (*read)(size_t n_bytes, const void *data);
+} nqm_bench_loops;
+const nqm_bench_loops *nqm_bench_find_loops(const char *kernels);
 
 /* ---- meters (meter.c) -------------------------------------------------------------------------------------------- */
 
@@ -166,7 +169,8 @@ enum { NQM_METER_NONE = -1, NQM_MAX_METERS = 128, NQM_METER_SAMPLES = 512 };
 
 /** A rate of the machine that is sampled repeatedly: operations or bytes per nanosecond. */
 typedef struct nqm_bench_meter {
-    const char *kernels;     /* whose instructions */
+    const char *kernels; /* whose instructions */
+    const nqm_bench_loops *loops;
     nqm_precision precision; /* of arithmetic */
     size_t bytes;            /* size of the array that is read; 0: a meter of arithmetic */
     size_t threads;

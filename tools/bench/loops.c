@@ -84,12 +84,8 @@ DEFINE_PEAK(peak_f32_neon, ANY_TARGET, 24, float32x4_t, LOAD_NEON, STEP_NEON)
 DEFINE_PEAK(peak_f32_any, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_ANY)
 #endif
 
-/* The loops of each table of kernels; the last row is for all others. */
-static const struct {
-    const char *kernels;
-    nqm_bench_peak_loop peak[NQM_PRECISION_COUNT];
-    nqm_bench_read_loop read;
-} table[] = {
+/* The last row is for all other kernels. */
+static const nqm_bench_loops table[] = {
 #if defined __x86_64__
     {"avx512+bf16",
      {{peak_f32_avx512, 2 * 24 * 16}, {peak_bf16_avx512, 2 * 24 * 32}, {peak_int8_avx512, 2 * 24 * 64}},
@@ -104,17 +100,9 @@ static const struct {
 #endif
 };
 
-static size_t find(const char *kernels) {
+const nqm_bench_loops *nqm_bench_find_loops(const char *kernels) {
     size_t i = 0;
     while (i + 1 < sizeof table / sizeof *table && strcmp(table[i].kernels, kernels) != 0)
         ++i;
-    return i;
-}
-
-nqm_bench_peak_loop nqm_bench_find_peak_loop(const char *kernels, nqm_precision precision) {
-    return table[find(kernels)].peak[precision];
-}
-
-nqm_bench_read_loop nqm_bench_find_read_loop(const char *kernels) {
-    return table[find(kernels)].read;
+    return &table[i];
 }

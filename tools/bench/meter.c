@@ -26,18 +26,17 @@ static volatile uint64_t integer_sink;
 /* The work of one thread in a timing. */
 static void work(const nqm_bench *bench, const nqm_bench_meter *meter, size_t thread) {
     if (meter->bytes) {
-        const nqm_bench_read_loop loop = nqm_bench_find_read_loop(meter->kernels);
         const size_t n_lines = meter->bytes / READ_BYTES;
         const size_t first = thread * n_lines / meter->threads, last = (thread + 1) * n_lines / meter->threads;
         for (size_t i = 0; i < meter->steps; ++i)
-            integer_sink = loop((last - first) * READ_BYTES, bench->memory + first * READ_BYTES);
+            integer_sink = meter->loops->read((last - first) * READ_BYTES, bench->memory + first * READ_BYTES);
         return;
     }
     uint32_t seed[64];
     const float factor = 0.999F, offset = 1e-3F; /* accumulators converge to 1 */
     for (size_t i = 0; i < 64; ++i)
         memcpy(&seed[i], i < 16 ? &factor : &offset, sizeof factor);
-    float_sink = nqm_bench_find_peak_loop(meter->kernels, meter->precision).run(meter->steps, seed);
+    float_sink = meter->loops->peak[meter->precision].run(meter->steps, seed);
 }
 
 /* Operations or bytes of a timing, all threads together, 1e9. */
@@ -45,7 +44,7 @@ static double amount(const nqm_bench_meter *meter) {
     const double steps = 1e-9 * (double)meter->steps;
     if (meter->bytes)
         return steps * (double)meter->bytes;
-    return steps * (double)meter->threads * nqm_bench_find_peak_loop(meter->kernels, meter->precision).flop;
+    return steps * (double)meter->threads * meter->loops->peak[meter->precision].flop;
 }
 
 static double thread_clock_s(void) {
@@ -111,6 +110,7 @@ static int new_meter(nqm_bench *bench, const nqm_bench_meter *facts) {
         return NQM_METER_NONE;
     nqm_bench_meter *meter = &bench->meter[bench->n_meters];
     *meter = *facts;
+    meter->loops = nqm_bench_find_loops(facts->kernels);
     calibrate(bench, meter);
     nqm_bench_sample(bench, bench->n_meters);
     return bench->n_meters++;
@@ -119,9 +119,10 @@ static int new_meter(nqm_bench *bench, const nqm_bench_meter *facts) {
 int nqm_bench_peak_meter(nqm_bench *bench, nqm_precision precision) {
     nqm_bench_meter facts = {
         .kernels = nqm_kernels_selected(), .precision = precision, .threads = (size_t)omp_get_max_threads()};
-    if (precision == NQM_PRECISION_BF16 && !nqm_bench_find_peak_loop(facts.kernels, precision).run)
+    const nqm_bench_loops *loops = nqm_bench_find_loops(facts.kernels);
+    if (precision == NQM_PRECISION_BF16 && !loops->peak[precision].run)
         facts.precision = NQM_PRECISION_F32;
-    return nqm_bench_find_peak_loop(facts.kernels, facts.precision).run ? new_meter(bench, &facts) : NQM_METER_NONE;
+    return loops->peak[facts.precision].run ? new_meter(bench, &facts) : NQM_METER_NONE;
 }
 
 int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads) {
