@@ -113,7 +113,7 @@ static nqm_status open_any(const nqm_safetensors *st, const char *name, nqm_brdf
         return nqm_fail(err, NQM_ERR_FORMAT, 8,
                         "%s: a safetensors file of the format '%.40s', no BRDF (header at byte 8)", name,
                         format ? format : "");
-    nqm_status status = nqm_safetensors_verify(st, SCHEMA, NQM_ERR_FORMAT, err);
+    nqm_status status = nqm_safetensors_verify(st, SCHEMA, true, NQM_ERR_FORMAT, err);
     if (status != NQM_OK)
         return status;
     if (nqm_safetensors_count(st) > (is_network ? N_NETWORK : 1))

@@ -87,7 +87,7 @@ NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_s
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
 
 enum { NQM_DATASET_ARRAYS = 11 };
-/** The i-th array as a tensor of the dataset file: name, type, shape and values (NULL: the dataset does not have it). */
+/** The i-th array as a tensor of the dataset file: name, type, shape, and values (NULL: it does not have the array). */
 nqm_tensor nqm_dataset_array(const nqm_dataset *dataset, size_t i);
 /** Set the values of the i-th array. */
 void nqm_dataset_set_array(nqm_dataset *dataset, size_t i, const void *values);

@@ -89,15 +89,18 @@ static nqm_status check_used(size_t n, const uint8_t *used, const char *what, co
     return NQM_OK;
 }
 
+/* Whether both BRDFs of a pair have a value at direction k. */
+static bool is_used(const nqm_dataset *d, size_t pair, size_t k) {
+    return (!d->ref_used || d->ref_used[d->pair_ref[pair] * d->n_directions + k]) &&
+           (!d->test_used || d->test_used[pair * d->n_directions + k]);
+}
+
 static nqm_status check_pairs_used(const nqm_dataset *d, const char *name, nqm_error *err) {
-    const size_t n = d->n_directions;
     for (size_t pair = 0; (d->ref_used || d->test_used) && pair < d->n_pairs; ++pair) {
-        const uint8_t *ref = d->ref_used ? d->ref_used + d->pair_ref[pair] * n : NULL;
-        const uint8_t *test = d->test_used ? d->test_used + pair * n : NULL;
         size_t k = 0;
-        while (k < n && !((!ref || ref[k]) && (!test || test[k])))
+        while (k < d->n_directions && !is_used(d, pair, k))
             ++k;
-        if (k == n)
+        if (k == d->n_directions)
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: pair %zu has no direction with a value", name, pair);
     }
     return NQM_OK;
@@ -221,9 +224,7 @@ nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
 const uint8_t *nqm_dataset_pair_used(const nqm_dataset *d, size_t pair, uint8_t *scratch) {
     if (!d->ref_used && !d->test_used)
         return NULL;
-    const uint8_t *ref = d->ref_used ? d->ref_used + d->pair_ref[pair] * d->n_directions : NULL;
-    const uint8_t *test = d->test_used ? d->test_used + pair * d->n_directions : NULL;
     for (size_t i = 0; i < d->n_directions; ++i)
-        scratch[i] = (!ref || ref[i]) && (!test || test[i]);
+        scratch[i] = is_used(d, pair, i);
     return scratch;
 }

@@ -98,26 +98,14 @@ static nqm_status read_names(const nqm_safetensors *st, const name_list *list, c
     return status;
 }
 
-static nqm_status check_identity(const nqm_safetensors *st, bool verify_checksum, const char *name, nqm_error *err) {
-    const char *format = nqm_safetensors_meta(st, "format"), *version = nqm_safetensors_meta(st, "schema");
+static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, nqm_dataset *d, const char *name,
+                               nqm_error *err) {
+    const char *format = nqm_safetensors_meta(st, "format");
     if (!format || strcmp(format, format_name) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, -1,
                         "%s: a safetensors file, but no nqm dataset (metadata 'format' is '%.40s')", name,
                         format ? format : "missing");
-    if (!version || strcmp(version, schema) != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: dataset schema '%.40s'; this version of nqm reads schema %s",
-                        name, version ? version : "missing", schema);
-    char hex[65];
-    bool matches = false;
-    if (verify_checksum && !(nqm_safetensors_checksum(st, hex, &matches) && matches))
-        return nqm_fail(err, NQM_ERR_FORMAT, -1,
-                        "%s: the SHA-256 of the content is not the stored one: the file is damaged", name);
-    return NQM_OK;
-}
-
-static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, nqm_dataset *d, const char *name,
-                               nqm_error *err) {
-    nqm_status status = check_identity(st, verify_checksum, name, err);
+    nqm_status status = nqm_safetensors_verify(st, schema, verify_checksum, NQM_ERR_FORMAT, err);
     if (status == NQM_OK)
         status = read_arrays(st, d, name, err);
     name_list lists[N_LISTS];

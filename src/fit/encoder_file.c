@@ -59,7 +59,7 @@ static nqm_status check(const nqm_safetensors *st, const char *name, const char 
     const char *found_format = nqm_safetensors_meta(st, "format"), *found_kind = nqm_safetensors_meta(st, "kind");
     if (!found_format || strcmp(found_format, format) != 0 || !found_kind || strcmp(found_kind, kind) != 0)
         return nqm_fail(err, NQM_ERR_MODEL, 8, "%s: a safetensors file, but not an encoder '%s' (byte 8)", name, kind);
-    nqm_status status = nqm_safetensors_verify(st, schema, NQM_ERR_MODEL, err);
+    nqm_status status = nqm_safetensors_verify(st, schema, true, NQM_ERR_MODEL, err);
     for (size_t i = 0; status == NQM_OK && i < nqm_safetensors_count(st); ++i) {
         const nqm_tensor *tensor = nqm_safetensors_at(st, i);
         if (!nqm_tensor_all_finite(tensor))

@@ -52,9 +52,10 @@ bool nqm_tensor_all_finite(const nqm_tensor *tensor);
  *  those 64 digits replaced by '0'. false when the file stores no checksum. *matches: the recomputed checksum equals
  *  the stored one. */
 bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *matches);
-/** Fail with the status `failure` unless metadata "schema" is `schema` and the checksum is stored and correct. */
-NQM_MUST_CHECK nqm_status nqm_safetensors_verify(const nqm_safetensors *st, const char *schema, nqm_status failure,
-                                                 nqm_error *err);
+/** Fail with the status `failure` unless metadata "schema" is `schema` and, if has_checksum, the checksum is stored and
+ *  correct. */
+NQM_MUST_CHECK nqm_status nqm_safetensors_verify(const nqm_safetensors *st, const char *schema, bool has_checksum,
+                                                 nqm_status failure, nqm_error *err);
 
 typedef struct nqm_meta {
     const char *key, *value;

@@ -294,16 +294,18 @@ bool nqm_safetensors_checksum(const nqm_safetensors *st, char hex[65], bool *mat
     return true;
 }
 
-nqm_status nqm_safetensors_verify(const nqm_safetensors *st, const char *schema, nqm_status failure, nqm_error *err) {
+nqm_status nqm_safetensors_verify(const nqm_safetensors *st, const char *schema, bool has_checksum, nqm_status failure,
+                                  nqm_error *err) {
     const char *found = nqm_safetensors_meta(st, "schema");
     char hex[65];
     bool matches;
     if (!found || strcmp(found, schema) != 0)
-        return nqm_fail(err, failure, HEADER_AT, "%s: this version of nqm reads schema %s only (header at byte 8)",
-                        st->name, schema);
-    if (!nqm_safetensors_checksum(st, hex, &matches) || !matches)
         return nqm_fail(err, failure, HEADER_AT,
-                        "%s: the checksum is missing or wrong: the file was changed or damaged (header at byte 8)",
+                        "%s: schema %.16s; this version of nqm reads schema %s only (header at byte 8)", st->name,
+                        found ? found : "(none)", schema);
+    if (has_checksum && (!nqm_safetensors_checksum(st, hex, &matches) || !matches))
+        return nqm_fail(err, failure, HEADER_AT,
+                        "%s: checksum (SHA-256) missing or wrong: the file was changed or damaged (header at byte 8)",
                         st->name);
     return NQM_OK;
 }

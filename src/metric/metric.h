@@ -66,6 +66,9 @@ typedef struct nqm_member {
     size_t n_unusual; /* nqm_count_unusual() */
 } nqm_member;
 
+/** Sample a BRDF into rgb (n_directions, 3) and flag (n_directions), which must outlive the member. */
+nqm_member nqm_member_sample(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
+                             uint8_t *flag, nqm_error *err);
 /** Number of directions at which a channel of rgb (n_directions, 3), f_r in 1/sr, is more than 6 standard deviations
  *  above the mean of the training references, on the scale of nqm_features_transform(). */
 size_t nqm_count_unusual(const nqm_model *model, const float *rgb);

@@ -126,23 +126,18 @@ static void fill_entry(void *user, size_t i) {
     nqm_brdf *brdf;
     entry->err = (nqm_error){0};
     nqm_status status = nqm_brdf_open(entry->name, &brdf, &entry->err);
-    nqm_sample_report report = {0};
+    entry->member = (nqm_member){.status = status, .rgb = entry->rgb};
     if (status == NQM_OK)
-        status = nqm_sample(brdf, model->directions, job->cache->policy, entry->rgb, entry->flag, &report, &entry->err);
+        entry->member = nqm_member_sample(model, brdf, job->cache->policy, entry->rgb, entry->flag, &entry->err);
     nqm_brdf_free(brdf);
-    entry->err.status = status;
-    entry->member = (nqm_member){.status = status, .rgb = entry->rgb, .report = report};
-    if (status == NQM_OK) {
-        entry->member.flag = entry->flag;
-        entry->member.n_unusual = nqm_count_unusual(model, entry->rgb);
-    }
+    status = entry->err.status = entry->member.status;
+    if (status != NQM_OK)
+        entry->member.flag = NULL;
     entry->filled = status != NQM_ERR_NOMEM; /* retry after out of memory */
 }
 
 nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries, nqm_error *err) {
-    nqm_cached **fresh = nqm_alloc(n, sizeof(nqm_cached *));
-    if (!fresh)
-        return nqm_fail_nomem(err, n * sizeof(nqm_cached *));
+    nqm_cached *fresh[2 * NQM_SCORE_BLOCK];
     size_t n_fresh = 0;
     for (size_t i = 0; i < n; ++i)
         if (!entries[i]->filled && !entries[i]->waiting) {
@@ -161,6 +156,5 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
         if (!fresh[i]->filled && status == NQM_OK)
             status = nqm_fail(err, NQM_ERR_NOMEM, -1, "%s", fresh[i]->err.message);
     }
-    nqm_free(fresh);
     return status;
 }

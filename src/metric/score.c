@@ -135,7 +135,16 @@ size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
     return n_unusual;
 }
 
-static bool holds_value(const nqm_member *member, size_t direction) {
+nqm_member nqm_member_sample(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
+                             uint8_t *flag, nqm_error *err) {
+    nqm_member member = {.rgb = rgb, .flag = flag};
+    member.status = nqm_sample(brdf, model->directions, policy, rgb, flag, &member.report, err);
+    if (member.status == NQM_OK)
+        member.n_unusual = nqm_count_unusual(model, rgb);
+    return member;
+}
+
+static bool has_value(const nqm_member *member, size_t direction) {
     return !member->flag || nqm_has_value(member->flag[direction]);
 }
 
@@ -156,7 +165,7 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     bool equal = true;
     for (size_t k = 0; k < n; ++k) {
         const bool included = !test->mask || test->mask[k];
-        const bool valid = included && holds_value(ref, k) && holds_value(test, k);
+        const bool valid = included && has_value(ref, k) && has_value(test, k);
         result.n_valid += valid;
         /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): equality of bits is intended */
         equal = equal && (!valid || memcmp(ref->rgb + 3 * k, test->rgb + 3 * k, 3 * sizeof(float)) == 0);
@@ -173,16 +182,6 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     return result;
 }
 
-static void sample_test(const nqm_scorer *s, size_t i) {
-    const size_t n = s->model->directions->n;
-    float *rgb = s->rgb + 3 * n * (1 + i);
-    uint8_t *flag = s->flag + n * (1 + i);
-    nqm_member *test = &s->member[2 * i + 1];
-    *test = (nqm_member){.rgb = rgb, .flag = flag};
-    test->status = nqm_sample(s->brdfs[i], s->model->directions, s->options.invalid, rgb, flag, &test->report, NULL);
-    test->n_unusual = nqm_count_unusual(s->model, rgb);
-}
-
 /* A block of n pairs. */
 typedef struct score_job {
     nqm_scorer *scorer;
@@ -197,7 +196,8 @@ static void compare(void *user, size_t i) {
     const size_t n = s->model->directions->n, place = s->place[i];
     uint8_t *used = s->used + n * place;
     if (s->brdfs)
-        sample_test(s, i);
+        s->member[2 * i + 1] = nqm_member_sample(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
+                                                 s->flag + n * (1 + i), NULL);
     job->results[i] = compare_members(s, ref, test, used);
     const bool failed = job->results[i].status != NQM_OK;
     if (failed)
@@ -269,11 +269,9 @@ nqm_status nqm_scorer_run(nqm_scorer *s, const nqm_brdf *ref, size_t n_tests, co
     nqm_status status = reserve(s, n_tests, true, err);
     if (status != NQM_OK)
         return status;
-    nqm_member member = {.rgb = s->rgb, .flag = s->flag};
-    status = nqm_sample(ref, s->model->directions, s->options.invalid, s->rgb, s->flag, &member.report, err);
-    if (status != NQM_OK)
-        return status;
-    member.n_unusual = nqm_count_unusual(s->model, s->rgb);
+    const nqm_member member = nqm_member_sample(s->model, ref, s->options.invalid, s->rgb, s->flag, err);
+    if (member.status != NQM_OK)
+        return member.status;
     for (size_t begin = 0, n; begin < n_tests; begin += n) {
         n = nqm_smaller(n_tests - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * model_file.h - what a model file contains, for its reader, its writer and copies of models. doc/files.md describes the
- * format.
+ * model_file.h - what a model file contains, for its reader, its writer and copies of models; doc/files.md has the format.
  */
 #ifndef NQM_SRC_MODEL_FILE_H
 #define NQM_SRC_MODEL_FILE_H
@@ -36,7 +35,7 @@ typedef struct nqm_model_text {
 } nqm_model_text;
 extern const nqm_model_text nqm_model_texts[NQM_MODEL_TEXTS];
 
-/** Members of struct nqm_model that are stored as one tensor, beside the network and the directions. */
+/** Members of struct nqm_model that are stored as one tensor each; the network and the directions are not among them. */
 typedef struct nqm_model_array {
     const char *name;
     nqm_model_part part;

@@ -147,23 +147,10 @@ static nqm_status read_network(reader *r, struct nqm_model *model) {
 /* ---- everything else --------------------------------------------------------------------------------------------- */
 
 static nqm_status check_header(const reader *r) {
-    const char *format = nqm_safetensors_meta(r->st, "format"), *schema = nqm_safetensors_meta(r->st, "schema");
+    const char *format = nqm_safetensors_meta(r->st, "format");
     if (!format || strcmp(format, NQM_MODEL_FORMAT) != 0)
         return nqm_fail(r->err, NQM_ERR_MODEL, 8, "%s: safetensors, but not an nqm model (byte 8)", r->name);
-    if (!schema || strcmp(schema, NQM_MODEL_SCHEMA) != 0)
-        return nqm_fail(r->err, NQM_ERR_MODEL, 8,
-                        "%s: model files of schema %.16s are not known here, only %s (byte 8)", r->name,
-                        schema ? schema : "(none)", NQM_MODEL_SCHEMA);
-    if (!r->verify)
-        return NQM_OK;
-    char hex[65];
-    bool matches;
-    if (!nqm_safetensors_checksum(r->st, hex, &matches))
-        return nqm_fail(r->err, NQM_ERR_MODEL, 8, "%s: has no checksum (byte 8)", r->name);
-    if (!matches)
-        return nqm_fail(r->err, NQM_ERR_MODEL, -1,
-                        "%s: checksum is not the stored one: the file was changed or damaged", r->name);
-    return NQM_OK;
+    return nqm_safetensors_verify(r->st, NQM_MODEL_SCHEMA, r->verify, NQM_ERR_MODEL, r->err);
 }
 
 static nqm_status read_text(const reader *r, const nqm_model_text *t, struct nqm_model *model) {

@@ -15,19 +15,15 @@ typedef struct scalar_job {
     double *scalars; /* (n_train + n_validation, NQM_SCALAR_COUNT) */
 } scalar_job;
 
-/* Order of the examples: training examples without scaling, their scaled copies, validation examples. */
 static void example_scalars(void *user, size_t r) {
     const scalar_job *job = user;
     const nqm_examples *e = job->e;
-    size_t i = job->first + r, n_base = e->rows.n_train, n_directions = e->dataset->n_directions;
-    size_t row = i < e->n_train ? i % n_base : n_base + i - e->n_train;
-    size_t n = 3 * n_directions;
+    const size_t i = job->first + r, n = 3 * e->dataset->n_directions;
     float *rho = e->scratch + r * 2 * n;
     const float *ref_t, *test_t;
-    nqm_examples_samples(e, row, i >= n_base && i < e->n_train, rho, &ref_t, &test_t);
+    const uint8_t *used = nqm_examples_at(e, i, r, rho, &ref_t, &test_t);
     nqm_features_restore(n, ref_t, rho);
     nqm_features_restore(n, test_t, rho + n);
-    const uint8_t *used = nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * n_directions);
     nqm_scalars_compute(e->dataset->directions, rho, rho + n, used, job->scalars + i * NQM_SCALAR_COUNT);
 }
 

@@ -18,14 +18,14 @@ static size_t n_columns(const nqm_examples *e) {
     return 3 * e->dataset->n_directions;
 }
 
-static void transform_ref(void *user, size_t i) {
-    nqm_examples *e = user;
-    nqm_features_transform(n_columns(e), e->dataset->ref_rgb + i * n_columns(e), e->ref_t + i * n_columns(e));
-}
-
-static void transform_test(void *user, size_t i) {
-    nqm_examples *e = user;
-    nqm_features_transform(n_columns(e), e->dataset->test_rgb + i * n_columns(e), e->test_t + i * n_columns(e));
+/* Samples i: of the references, then of the tests. */
+static void transform(void *user, size_t i) {
+    const nqm_examples *e = user;
+    const size_t n = n_columns(e), n_refs = e->dataset->n_refs;
+    if (i < n_refs)
+        nqm_features_transform(n, e->dataset->ref_rgb + i * n, e->ref_t + i * n);
+    else
+        nqm_features_transform(n, e->dataset->test_rgb + (i - n_refs) * n, e->test_t + (i - n_refs) * n);
 }
 
 static float *noisy_ref_t(const nqm_examples *e, const nqm_row *row) {
@@ -60,26 +60,43 @@ static void scale_elements(size_t n, uint64_t seed, const float *ref_t, const fl
     }
 }
 
-void nqm_examples_samples(const nqm_examples *e, size_t i, bool scaled, float *scratch, const float **ref_t,
-                          const float **test_t) {
-    size_t n = n_columns(e);
-    const nqm_row *row = &e->rows.row[i];
-    *ref_t = row->copy ? noisy_ref_t(e, row) : e->ref_t + e->dataset->pair_ref[row->pair] * n;
-    *test_t = row->copy ? *ref_t + n : e->test_t + row->pair * n;
-    if (!scaled)
-        return;
-    uint64_t seed = nqm_hash_u64(e->options->optimiser.seed, NQM_STREAM_SCALE);
+/* The scaled copy of row i of e->rows. out: (2, n_directions, 3). */
+static void scale(const nqm_examples *e, size_t i, const float *ref_t, const float *test_t, float *out) {
+    const size_t n = n_columns(e);
+    const uint64_t seed = nqm_hash_u64(e->options->optimiser.seed, NQM_STREAM_SCALE);
     if (e->options->augmentation.scale_copy == NQM_SCALE_ELEMENT_TRANSFORMED) {
-        scale_elements(n, nqm_hash_u64(seed, i), *ref_t, *test_t, scratch);
+        scale_elements(n, nqm_hash_u64(seed, i), ref_t, test_t, out);
     } else {
         const float k1 = (float)(cbrt(uniform_factor(seed, i)) - 1);
-        nqm_kernels_get()->scale_log(n, k1, *ref_t, scratch);
-        nqm_kernels_get()->scale_log(n, k1, *test_t, scratch + n);
+        nqm_kernels_get()->scale_log(n, k1, ref_t, out);
+        nqm_kernels_get()->scale_log(n, k1, test_t, out + n);
     }
-    *ref_t = scratch;
-    *test_t = scratch + n;
 }
 
+/* The index in e->rows of example i; of a scaled copy, that of its original. */
+static size_t row_of(const nqm_examples *e, size_t i) {
+    const size_t n_base = e->rows.n_train;
+    return i < e->n_train ? i % n_base : n_base + i - e->n_train;
+}
+
+static void find_unscaled(const nqm_examples *e, const nqm_row *row, const float **ref_t, const float **test_t) {
+    const size_t n = n_columns(e);
+    *ref_t = row->copy ? noisy_ref_t(e, row) : e->ref_t + e->dataset->pair_ref[row->pair] * n;
+    *test_t = row->copy ? *ref_t + n : e->test_t + row->pair * n;
+}
+
+const uint8_t *nqm_examples_at(const nqm_examples *e, size_t i, size_t slot, float *scratch, const float **ref_t,
+                               const float **test_t) {
+    const size_t n = n_columns(e), row = row_of(e, i);
+    const uint32_t pair = e->rows.row[row].pair;
+    find_unscaled(e, &e->rows.row[row], ref_t, test_t);
+    if (i >= e->rows.n_train && i < e->n_train) {
+        scale(e, row, *ref_t, *test_t, scratch);
+        *ref_t = scratch;
+        *test_t = scratch + n;
+    }
+    return nqm_dataset_pair_used(e->dataset, pair, e->used_scratch + slot * e->dataset->n_directions);
+}
 /* ---- whitening --------------------------------------------------------------------------------------------------- */
 
 typedef struct moment_job {
@@ -91,11 +108,8 @@ typedef struct moment_job {
 static void row_moments(void *user, size_t r) {
     const moment_job *job = user;
     const nqm_examples *e = job->e;
-    size_t i = job->first + r, n_base = e->rows.n_train, n_directions = e->dataset->n_directions;
     const float *ref_t, *test_t;
-    nqm_examples_samples(e, i % n_base, i >= n_base, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
-    const uint8_t *used =
-        nqm_dataset_pair_used(e->dataset, e->rows.row[i % n_base].pair, e->used_scratch + r * n_directions);
+    const uint8_t *used = nqm_examples_at(e, job->first + r, r, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
     double *sums = memset(job->sums + 9 * r, 0, 9 * sizeof(double));
     for (size_t k = 0; k < n_columns(e); ++k) {
         if (used && !used[k / 3])
@@ -197,8 +211,7 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
     if (status == NQM_OK)
         status = allocate(e, err);
     if (status == NQM_OK) {
-        nqm_parallel_for(d->n_refs, transform_ref, e);
-        nqm_parallel_for(d->n_pairs, transform_test, e);
+        nqm_parallel_for(d->n_refs + d->n_pairs, transform, e);
         nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
         status = find_whitening(e, err);
     }
@@ -221,22 +234,21 @@ void nqm_examples_free(nqm_examples *e) {
 
 typedef struct gather_job {
     const nqm_examples *e;
-    const size_t *index; /* NULL: consecutive rows from `first`, without scaling */
+    const size_t *index; /* NULL: consecutive examples from `first` */
     size_t first, n;
     const nqm_batch_inputs *to;
 } gather_job;
 
-/* Index in e->rows of row r of a batch; for a scaled copy, that of its original. */
-static size_t base_row(const gather_job *job, size_t r) {
-    return job->index ? job->index[r] % job->e->rows.n_train : job->first + r;
+static size_t example_of(const gather_job *job, size_t r) {
+    return job->index ? job->index[r] : job->first + r;
 }
 
 /* Prefetch the samples of row r while the previous row is processed, because their order in memory is random. */
-static void ask_for_row(const gather_job *job, size_t r) {
+static void prefetch_row(const gather_job *job, size_t r) {
     enum { LINE = 16 };
     const nqm_examples *e = job->e;
     const float *ref_t, *test_t;
-    nqm_examples_samples(e, base_row(job, r), false, NULL, &ref_t, &test_t);
+    find_unscaled(e, &e->rows.row[row_of(e, example_of(job, r))], &ref_t, &test_t);
     for (size_t k = 0; k < n_columns(e); k += LINE) {
         __builtin_prefetch(ref_t + k);
         __builtin_prefetch(test_t + k);
@@ -245,18 +257,14 @@ static void ask_for_row(const gather_job *job, size_t r) {
 
 static void gather_row(const gather_job *job, size_t r) {
     const nqm_examples *e = job->e;
-    size_t n_base = e->rows.n_train, i = job->index ? job->index[r] : job->first + r;
-    size_t row = base_row(job, r);
+    const size_t i = example_of(job, r);
     const float *ref_t, *test_t;
     float *x = job->to->row(job->to->user, r); /* also the buffer of a scaled copy: compose works in place */
-    nqm_examples_samples(e, row, job->index && i >= n_base, x, &ref_t, &test_t);
-    const uint8_t *used =
-        nqm_dataset_pair_used(e->dataset, e->rows.row[row].pair, e->used_scratch + r * e->dataset->n_directions);
+    const uint8_t *used = nqm_examples_at(e, i, r, x, &ref_t, &test_t);
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->options->input.scalars)
-        memcpy(x + e->samples_width, e->scalars + (job->index ? i : e->n_train + i - n_base) * NQM_SCALAR_COUNT,
-               NQM_SCALAR_COUNT * sizeof *x);
-    job->to->target[r] = e->target[row];
+        memcpy(x + e->samples_width, e->scalars + i * NQM_SCALAR_COUNT, NQM_SCALAR_COUNT * sizeof *x);
+    job->to->target[r] = e->target[row_of(e, i)];
 }
 
 /* Rows per task. Even, so that the same thread processes both rows of a rows_done() call: their results may share cache
@@ -268,7 +276,7 @@ static void gather_rows(void *user, size_t i) {
     const size_t first = ROWS_AT_ONCE * i, end = nqm_smaller(first + ROWS_AT_ONCE, job->n);
     for (size_t r = first; r < end; ++r) {
         if (r + 1 < end)
-            ask_for_row(job, r + 1);
+            prefetch_row(job, r + 1);
         gather_row(job, r);
         if (job->to->rows_done && (r % 2 || r + 1 == end))
             job->to->rows_done(job->to->user, r / 2 * 2, 1 + r % 2);
@@ -281,6 +289,6 @@ void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, c
 }
 
 void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, const nqm_batch_inputs *to) {
-    gather_job job = {.e = e, .first = e->rows.n_train + first, .n = n, .to = to};
+    gather_job job = {.e = e, .first = e->n_train + first, .n = n, .to = to};
     nqm_parallel_for((n + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE, gather_rows, &job);
 }

@@ -99,9 +99,16 @@ void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *i
 /** The same for the validation examples [first, first + n). */
 void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, const nqm_batch_inputs *to);
 
-/** Get the transformed samples of row i of e->rows, or of its scaled copy, stored in `scratch` (2, n_directions, 3). */
-void nqm_examples_samples(const nqm_examples *examples, size_t i, bool scaled, float *scratch, const float **ref_t,
-                          const float **test_t);
+/**
+ * Get the transformed samples of example i, in the order of `scalars`: training examples without scaling, their scaled
+ * copies, validation examples.
+ *
+ * @param slot     below max_batch: the row of used_scratch that the calling thread may write to
+ * @param scratch  (2, n_directions, 3) receives the samples of a scaled copy
+ * @return the mask of used directions; NULL: all are used
+ */
+const uint8_t *nqm_examples_at(const nqm_examples *examples, size_t i, size_t slot, float *scratch, const float **ref_t,
+                               const float **test_t);
 /** Compute `scalars` and their whitening, for options with scalars (example_scalars.c). */
 NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
 
