@@ -37,7 +37,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load(const char *path, nqm_dataset
  * `material,model,level,DeltaE,JOD,class` (`class` is ignored) and for each of its rows, whose `material` is NAME, the files
  * ROOT/ref/NAME.mat and ROOT/model/NAME.mat (MAT v5; r, g, b 500x1 and random_locations 500x3 in degrees, the same in all
  * files). NAME is a material and a running number, "brass_12": rows that differ in the number only form one material group.
- * ROOT/ref/brass.mat may hold the reference of all of them. Equal references of a material are kept once. The kinds are the
+ * ROOT/ref/brass.mat may be the reference of all of them. Equal references of a material are kept once. The kinds are the
  * models: "sbrdf" at level 0, "sbrdf.2" at level 2. Negative values are read as 0; the manifest says how many there were.
  *
  * @param split  the split of every row; NQM_SPLIT_ALL: training rows, from which the training options draw validation pairs

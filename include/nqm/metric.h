@@ -58,9 +58,9 @@ NQM_API void nqm_metrics_compute(const nqm_directions *directions, const float *
 
 /** Options of nqm_score() and nqm_scorer_create(). Take the defaults from nqm_score_options_default(). */
 typedef struct nqm_score_options {
-    nqm_invalid_policy invalid; /**< what happens where a BRDF holds no value; default NQM_INVALID_DROP */
+    nqm_invalid_policy invalid; /**< what happens where a BRDF has no value; default NQM_INVALID_DROP */
     double
-        min_valid_fraction;  /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs hold a value at
+        min_valid_fraction;  /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs have a value at
                                      a smaller fraction of the directions; 0..1; default 0.9 */
     nqm_precision precision; /**< of the network's products; default NQM_PRECISION_F32; doc/performance.md has the
                                      accuracy of the others */
@@ -86,7 +86,7 @@ typedef struct nqm_score_result {
                                    training; the interval widens with it; NaN if the model has no such measure */
     int identical;  /**< 1: both members are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];     /**< by nqm_metric; NaN when the options leave them out */
-    size_t n_valid;                       /**< directions at which both BRDFs hold a value */
+    size_t n_valid;                       /**< directions at which both BRDFs have a value */
     size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, which counts as 0 */
     size_t n_invalid_ref, n_invalid_test; /**< directions without a value, before the policy */
     size_t n_unusual_ref,
@@ -122,7 +122,7 @@ enum { NQM_SCORE_BLOCK = 256 }; /**< pairs that are computed together; longer li
 /**
  * Make a scorer.
  *
- * @param model    lent; must outlive the scorer
+ * @param model    must outlive the scorer
  * @param options  NULL: the defaults
  * @return NQM_ERR_ARG (an option is out of range), NQM_ERR_NOMEM
  */
@@ -143,7 +143,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_b
                                                  const nqm_brdf *const *tests, nqm_score_result *results,
                                                  nqm_error *err);
 
-/** Two BRDFs by path or spec, as nqm_brdf_open() takes them; the strings are lent to the call. */
+/** Two BRDFs by path or spec, as nqm_brdf_open() takes them; the strings are used during the call only. */
 typedef struct nqm_named_pair {
     const char *ref, *test;
 } nqm_named_pair;
@@ -161,8 +161,8 @@ typedef struct nqm_named_pair {
 NQM_API NQM_MUST_CHECK nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_named_pair *pairs,
                                                        nqm_score_result *results, nqm_error *errors, nqm_error *err);
 
-/** Two BRDFs that the caller sampled at the model's directions (nqm_model_get_info(), nqm_directions_degrees()); lent to
- *  the call. Pairs with the same `ref` pointer share its computations. */
+/** Two BRDFs that the caller sampled at the model's directions (nqm_model_get_info(), nqm_directions_degrees()), used
+ *  during the call only. Pairs with the same `ref` pointer share its computations. */
 typedef struct nqm_sample_pair {
     const float *ref, *test; /**< (n_directions, 3) f_r in 1/sr, finite and >= 0; 0 will do where `used` is 0 */
     const uint8_t *used;     /**< (n_directions) 0: leave the direction out of everything; NULL: all are used */

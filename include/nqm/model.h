@@ -58,7 +58,7 @@ NQM_API const char *nqm_scalar_name(size_t i);
 /** A trained network with everything it needs: directions, whitening, output range, card. */
 typedef struct nqm_model nqm_model;
 
-/** Facts about a model; strings and pointers are lent until it is freed. */
+/** Facts about a model; its strings and arrays belong to the model. */
 typedef struct nqm_model_info {
     const char *id;                             /**< "default", "paper", or as given when trained */
     const char *recipe;                         /**< "paper", "notebook", "nqm" */

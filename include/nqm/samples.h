@@ -59,10 +59,10 @@ NQM_API void nqm_directions_free(nqm_directions *directions);
 
 /** Number of directions. */
 NQM_API size_t nqm_directions_count(const nqm_directions *directions);
-/** (n, 3) theta_h, theta_d, phi_d in degrees; lent. */
+/** (n, 3) theta_h, theta_d, phi_d in degrees; they belong to the directions. */
 NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);
-/** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); lent.
- *  Empty when out of memory. Any thread. */
+/** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); it belongs to the
+ *  directions. Empty when out of memory. Any thread. */
 NQM_API const char *nqm_directions_id(const nqm_directions *directions);
 
 /** How a pair becomes the network's input, after t = log(cbrt(rho) + 1) and whitening. */
@@ -71,7 +71,7 @@ typedef enum nqm_layout {
     NQM_LAYOUT_REF_DIFF_ABSDIFF /**< reference, s (test - reference), s |test - reference|: 9 n values */
 } nqm_layout;
 
-/** What happens at directions where a BRDF holds no value. */
+/** What happens at directions where a BRDF has no value. */
 typedef enum nqm_invalid_policy {
     NQM_INVALID_DROP = 0, /**< leave the direction out: of both members of a pair, in every metric; the network sees no
                                difference there (both members get the mean of the training references) */

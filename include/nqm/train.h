@@ -93,13 +93,13 @@ typedef struct nqm_train_run {
                                  dataset and options; only `epochs` may be larger under NQM_SCHEDULE_PLATEAU */
     nqm_progress_fn progress; /**< NULL: none */
     void *progress_user;
-    /** Called after each epoch, and first for every epoch that a resumed checkpoint holds; NULL: none. epoch counts from
+    /** Called after each epoch, and first for every epoch of a resumed checkpoint; NULL: none. epoch counts from
      *  1; losses are the mean log-cosh of normalised labels over the examples. */
     void (*epoch_done)(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first);
     void *epoch_user;
 } nqm_train_run;
 
-/** Everything that distinguishes one training from another; from nqm_train_options_recipe(). Strings are borrowed. */
+/** Everything that distinguishes one training from another; from nqm_train_options_recipe(). Strings belong to the caller. */
 typedef struct nqm_train_options {
     const char *recipe;  /**< the recipe that the options started from; stored in the model */
     const char *id;      /**< model id; default the recipe's name */

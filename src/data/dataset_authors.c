@@ -53,7 +53,7 @@ static nqm_status find_kind(reader *r, size_t row, uint32_t *kind_ret, nqm_error
 static nqm_status find_file(const reader *r, const char *folder, const char *name, size_t n_material,
                             char path[MAX_PATH_BYTES], nqm_error *err) {
     if (strchr(name, '/'))
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: a material's name must not hold '/': '%.100s'", r->csv_path,
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: a material's name must not contain '/': '%.100s'", r->csv_path,
                         name);
     const size_t lengths[2] = {strlen(name), n_material};
     struct stat st;

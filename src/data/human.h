@@ -27,8 +27,8 @@ struct nqm_human {
 /** The columns and values of a CSV of answers. */
 typedef struct nqm_answers {
     nqm_human_kind kind;
-    const nqm_csv *csv;                                            /* borrowed */
-    const char *path;                                              /* borrowed */
+    const nqm_csv *csv;                                            /* owned by the caller */
+    const char *path;                                              /* owned by the caller */
     int reference, test[2], value[2], choice, material, test_kind; /* columns; -1: missing */
     size_t n_rows, n_slots;                                        /* n_slots: tests per row, 1 or 2 */
     double *values; /* (n_rows, n_slots) the score, or the number of people who chose each test; nqm_free() */

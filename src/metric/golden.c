@@ -77,7 +77,7 @@ nqm_status nqm_golden_check(const nqm_model *model, nqm_error *err) {
     json_t *list = model->golden && *model->golden ? json_loads(model->golden, 0, NULL) : NULL;
     if (!list || !json_is_array(list) || json_array_size(list) == 0) {
         json_decref(list);
-        return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s': holds no golden scores", model->id);
+        return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s': has no golden scores", model->id);
     }
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < json_array_size(list); ++i)

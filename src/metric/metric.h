@@ -41,7 +41,7 @@ typedef struct nqm_sampled_pairs {
 
 enum { NQM_PREDICT_BATCH = 512 };
 
-/** Workspace for predictions, for one thread at a time. The model is borrowed and must outlive it. */
+/** Workspace for predictions, for one thread at a time. The model must outlive it. */
 typedef struct nqm_predictor nqm_predictor;
 
 /** max_batch: largest number of pairs per call, 1..NQM_PREDICT_BATCH. */

@@ -22,7 +22,7 @@ typedef struct nqm_cached {
 
 typedef struct nqm_sample_cache nqm_sample_cache;
 
-/** The model is borrowed and must outlive the cache. */
+/** The model must outlive the cache. */
 NQM_MUST_CHECK nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy policy,
                                                   nqm_sample_cache **cache_ret, nqm_error *err);
 void nqm_sample_cache_free(nqm_sample_cache *cache);

@@ -13,7 +13,7 @@ const char *nqm_interval_table_fault(size_t n, const double *table) {
     for (size_t i = 0; i < n; ++i) {
         const double *row = table + 3 * i;
         if (!(row[1] <= row[0] && row[0] <= row[2]))
-            return "has an interval that does not hold its prediction";
+            return "has an interval that does not contain its prediction";
         if (i && !(row[0] > row[-3] && row[1] >= row[-2] && row[2] >= row[-1]))
             return "does not rise";
     }

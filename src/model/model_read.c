@@ -44,7 +44,7 @@ static nqm_status get(reader *r, const expectation *e, const nqm_tensor **tensor
     if (!has_type || !fits)
         return refuse(r, tensor, "has the wrong type or shape");
     if ((r->verify || !e->is_large) && !nqm_tensor_all_finite(tensor))
-        return refuse(r, tensor, "holds a value that is not finite");
+        return refuse(r, tensor, "contains a value that is not finite");
     r->used[tensor - nqm_safetensors_at(r->st, 0)] = true;
     *tensor_ret = tensor;
     return NQM_OK;

@@ -26,7 +26,7 @@ typedef struct nqm_trainer nqm_trainer;
 typedef struct nqm_trainer_options {
     nqm_precision precision; /**< NQM_PRECISION_F32 or _BF16 */
     size_t max_batch;        /**< 1 .. 2^24 */
-    bool input_gradient;     /**< nqm_trainer_gradients() will be asked for the gradient of the input */
+    bool input_gradient;     /**< nqm_trainer_gradients() can give the gradient of the input */
 } nqm_trainer_options;
 
 /** All weights and moments are 0. NQM_ERR_ARG, NQM_ERR_NOMEM. */

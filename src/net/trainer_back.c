@@ -152,7 +152,7 @@ static sink sink_of(nqm_trainer *t, const backward *pass, size_t l) {
     return s;
 }
 
-/* On entry dz of layer l holds the gradient of its output; on return dz of layer l - 1 does. */
+/* On entry dz of layer l is the gradient of the layer's output; on return dz of layer l - 1 is that of its output. */
 static void layer_back(nqm_trainer *t, const backward *pass, size_t l) {
     const size_t batch = pass->batch;
     sink s = sink_of(t, pass, l);

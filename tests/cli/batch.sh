@@ -72,7 +72,7 @@ printf 'reference,test\n%s,ward:nickel\n' "$dir/valid.binary" >"$dir/holes.csv"
 batch 0 "$dir/holes.csv" --min-valid 0
 grep -q 'reference: no value at .* directions, left out' "$dir/out" || fail "warnings: $(cat "$dir/out")"
 batch 5 "$dir/holes.csv" --min-valid 1
-says 'both hold a value at only'
+says 'both have a value at only'
 
 # ---- rows that fail
 cat >"$dir/faulty.csv" <<END
