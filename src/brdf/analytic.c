@@ -19,7 +19,8 @@ typedef struct half_angles {
     double tan2_h, cos_d;
 } half_angles;
 
-static half_angles half_angles_of(const double *wi, const double *wo) {
+/* Inlined: otherwise the simple lobes take twice the time. */
+static inline half_angles half_angles_of(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y;
     return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
@@ -112,7 +113,7 @@ const nqm_analytic_model nqm_ggx_model = {
 enum { KD, KS, FIRST_SHAPE };
 
 /** Schlick 1994 (DOI 10.1111/1467-8659.1330233). */
-static double schlick_factor(double f0, double cosine) {
+static inline double schlick_factor(double f0, double cosine) {
     double m = 1 - cosine;
     return f0 + (1 - f0) * m * m * m * m * m;
 }
@@ -249,7 +250,7 @@ LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune,
            {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
 
 /* Reflectance of unpolarised light at a dielectric, as Cook and Torrance 1982 write it. */
-static double dielectric(double eta, double cosine) {
+static inline double dielectric(double eta, double cosine) {
     double g = sqrt(fmax(0, eta * eta + cosine * cosine - 1));
     double a = (g - cosine) / (g + cosine);
     double b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
@@ -257,7 +258,7 @@ static double dielectric(double eta, double cosine) {
 }
 
 /* Shadowing and masking of V-grooves (Torrance and Sparrow 1967), divided by cos theta_i cos theta_o. */
-static double grooves(half_angles h, const double *wi, const double *wo) {
+static inline double grooves(half_angles h, const double *wi, const double *wo) {
     double cos_h = 1 / sqrt(1 + h.tan2_h);
     return fmin(1, 2 * cos_h * fmin(wi[2], wo[2]) / h.cos_d) / (wi[2] * wo[2]);
 }
