@@ -13,16 +13,9 @@
 
 #include <math.h>
 
-enum {
-    N_WIDTHS = 8,
-    LATTICE_COSINE = 987, /* Fibonacci numbers: their lattices cover the square evenly */
-    LATTICE_COSINE_STEP = 610,
-    LATTICE_LOBE = 377,
-    LATTICE_LOBE_STEP = 233,
-    BLOCK = 128,
-    N_PAIRS = 8192,
-    N_ANGLES = 6
-};
+enum { N_WIDTHS = 8, BLOCK = 128, N_PAIRS = 8192, N_ANGLES = 6 };
+/* Fibonacci numbers: their lattices cover the square evenly. */
+enum { LATTICE_COSINE = 987, LATTICE_COSINE_STEP = 610, LATTICE_LOBE = 377, LATTICE_LOBE_STEP = 233 };
 static const double widths[N_WIDTHS] = {1e-4, 3.5e-4, 1.2e-3, 4.2e-3, 0.015, 0.05, 0.18, 0.65};
 
 /* ---- albedo ------------------------------------------------------------------------------------------------------ */

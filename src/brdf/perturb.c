@@ -79,22 +79,21 @@ static double warp(const perturbation *self, double theta_h, double largest) {
     return t;
 }
 
+static double polynomial(size_t n, const double *coefficients, double x) {
+    double sum = 0;
+    while (n-- > 0)
+        sum = coefficients[n] + x * sum;
+    return sum;
+}
+
 /* exp(-|x|) I0(x), the modified Bessel function (Abramowitz and Stegun 1964, 9.8.1, 9.8.2; relative error < 2e-7). */
 static double scaled_bessel_i0(double x) {
-    if (x < 3.75) {
-        double t = x / 3.75 * (x / 3.75);
-        double i0 =
-            1 + t * (3.5156229 + t * (3.0899424 + t * (1.2067492 + t * (0.2659732 + t * (0.0360768 + t * 0.0045813)))));
-        return exp(-x) * i0;
-    }
-    double t = 3.75 / x;
-    double s =
-        0.39894228 +
-        t * (0.01328592 +
-             t * (0.00225319 +
-                  t * (-0.00157565 +
-                       t * (0.00916281 + t * (-0.02057706 + t * (0.02635537 + t * (-0.01647633 + t * 0.00392377)))))));
-    return s / sqrt(x);
+    static const double small[] = {1, 3.5156229, 3.0899424, 1.2067492, 0.2659732, 0.0360768, 0.0045813};
+    static const double large[] = {0.39894228,  0.01328592, 0.00225319,  -0.00157565, 0.00916281,
+                                   -0.02057706, 0.02635537, -0.01647633, 0.00392377};
+    if (x < 3.75)
+        return exp(-x) * polynomial(7, small, x / 3.75 * (x / 3.75));
+    return polynomial(9, large, 3.75 / x) / sqrt(x);
 }
 
 /* Values of theta_h and their weights in the average of `smooth`: a Gaussian over the plane of half vectors. Its

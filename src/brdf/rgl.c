@@ -192,22 +192,20 @@ static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, co
 
 static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_error *err) {
     const nqm_tensor *phi_i = NULL;
+    const struct {
+        const char *name;
+        size_t n_dims;
+        const nqm_tensor **t;
+    } tensors[] = {{"phi_i", 1, &phi_i},    {"theta_i", 1, &c->theta_i}, {"ndf", 2, &c->ndf},
+                   {"sigma", 2, &c->sigma}, {"vndf", 4, &c->vndf},       {"rgb", 5, &c->rgb}};
     if (nqm_tensor_file_find(file, "spectra") && !nqm_tensor_file_find(file, "rgb"))
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: is a spectral file (byte 0); take the material's *_rgb.bsdf",
                         c->path);
-    nqm_status status = find_tensor(file, c, "phi_i", 1, &phi_i, err);
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < sizeof tensors / sizeof *tensors; ++i)
+        status = find_tensor(file, c, tensors[i].name, tensors[i].n_dims, tensors[i].t, err);
     if (status == NQM_OK && phi_i->dims[0] != 1)
         status = fail_tensor(c, phi_i, "has several angles: anisotropic materials are not supported", err);
-    if (status == NQM_OK)
-        status = find_tensor(file, c, "theta_i", 1, &c->theta_i, err);
-    if (status == NQM_OK)
-        status = find_tensor(file, c, "ndf", 2, &c->ndf, err);
-    if (status == NQM_OK)
-        status = find_tensor(file, c, "sigma", 2, &c->sigma, err);
-    if (status == NQM_OK)
-        status = find_tensor(file, c, "vndf", 4, &c->vndf, err);
-    if (status == NQM_OK)
-        status = find_tensor(file, c, "rgb", 5, &c->rgb, err);
     return status;
 }
 

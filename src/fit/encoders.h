@@ -23,6 +23,12 @@ NQM_MUST_CHECK nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget,
 NQM_MUST_CHECK nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
                                         nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
 
+/** Draw a direction pair uniform by solid angle, both polar angles at most max_polar. */
+void nqm_fit_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo);
+/** Draw half-vector coordinates hd (3): theta_h = max_theta u^2 with uniform u, as in MERL's tables; theta_d uniform up to
+ *  max_theta, phi_d up to max_phi; both polar angles at most max_polar. */
+void nqm_fit_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double max_phi, double *hd);
+
 /** The two halves of nqm_learn() (sparse_learn.c, hyper_learn.c). */
 NQM_MUST_CHECK nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *const *names,
                                            const nqm_learn_options *options, const char *path, nqm_error *err);

@@ -13,8 +13,7 @@
 
 enum { MIN_VALID = 100 };
 
-/* Uniform by solid angle over the cap of half-angle `max_polar`. */
-static void draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo) {
+void nqm_fit_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo) {
     double cos_max = cos(max_polar);
     double *both[2] = {wi, wo};
     for (int k = 0; k < 2; ++k) {
@@ -23,12 +22,13 @@ static void draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo)
     }
 }
 
-/* theta_h = max u^2 as in MERL's tables, theta_d and phi_d uniform; both polar angles are at most `max_polar`. */
-static void draw_highlight(nqm_rng *rng, double max_polar, double *wi, double *wo) {
-    double cos_max = cos(max_polar);
+void nqm_fit_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double max_phi, double *hd) {
+    double cos_max = cos(max_polar), wi[3], wo[3];
     do {
         double u = nqm_rng_uniform(rng);
-        double hd[3] = {max_polar * u * u, max_polar * nqm_rng_uniform(rng), 2 * NQM_PI * nqm_rng_uniform(rng)};
+        hd[0] = max_theta * u * u;
+        hd[1] = max_theta * nqm_rng_uniform(rng);
+        hd[2] = max_phi * nqm_rng_uniform(rng);
         nqm_half_diff_to_pair(hd, wi, wo);
     } while (wi[2] < cos_max || wo[2] < cos_max);
 }
@@ -51,10 +51,13 @@ static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
     size_t n_highlight = (size_t)(options->highlight_fraction * (double)options->n_directions + 0.5);
     for (size_t i = 0; i < options->n_directions; ++i) {
         double *wi = target->wi + 3 * i, *wo = target->wo + 3 * i;
-        if (i < n_highlight)
-            draw_highlight(&rng, options->max_polar_rad, wi, wo);
-        else
-            draw_uniform(&rng, options->max_polar_rad, wi, wo);
+        if (i < n_highlight) {
+            double hd[3];
+            nqm_fit_draw_dense(&rng, options->max_polar_rad, options->max_polar_rad, 2 * NQM_PI, hd);
+            nqm_half_diff_to_pair(hd, wi, wo);
+        } else {
+            nqm_fit_draw_uniform(&rng, options->max_polar_rad, wi, wo);
+        }
         target->weight[i] = options->loss == NQM_FIT_LOG_COS ? wi[2] * wo[2] : 1;
     }
 }

@@ -17,24 +17,9 @@
 
 static const double max_polar_rad = 80 * NQM_PI / 180; /* measurements at larger angles are often extrapolated */
 
-void nqm_hyper_draw_dense(nqm_rng *rng, double *hd) {
-    double cos_max = cos(max_polar_rad), wi[3], wo[3];
-    do {
-        double u = nqm_rng_uniform(rng);
-        hd[0] = NQM_PI / 2 * u * u;
-        hd[1] = NQM_PI / 2 * nqm_rng_uniform(rng);
-        hd[2] = NQM_PI * nqm_rng_uniform(rng);
-        nqm_half_diff_to_pair(hd, wi, wo);
-    } while (wi[2] < cos_max || wo[2] < cos_max);
-}
-
-void nqm_hyper_draw_uniform(nqm_rng *rng, double *hd) {
-    double cos_max = cos(max_polar_rad), pair[2][3];
-    for (size_t k = 0; k < 2; ++k) {
-        double theta = acos(1 - nqm_rng_uniform(rng) * (1 - cos_max));
-        nqm_spherical(theta, 2 * NQM_PI * nqm_rng_uniform(rng), pair[k]);
-    }
-    nqm_half_diff_from_pair(pair[0], pair[1], hd);
+/* theta_d and phi_d uniform up to 90 and 180 degrees. */
+static void draw_dense(nqm_rng *rng, double *hd) {
+    nqm_fit_draw_dense(rng, max_polar_rad, NQM_PI / 2, NQM_PI, hd);
 }
 
 void nqm_hyper_place(const double *hd, float *feature) {
@@ -66,7 +51,7 @@ nqm_status nqm_hyper_sample(const nqm_brdf *ref, size_t n, nqm_rng *rng, double 
     for (int round = 0; round < MAX_ROUNDS && kept < n; ++round) {
         size_t n_new = n - kept, from = kept;
         for (size_t i = 0; i < n_new; ++i)
-            nqm_hyper_draw_dense(rng, hd + 3 * (from + i));
+            draw_dense(rng, hd + 3 * (from + i));
         nqm_brdf_eval_half_diff(ref, n_new, hd + 3 * from, rgb + 3 * from, flag);
         for (size_t i = 0; i < n_new; ++i) {
             if (!nqm_has_value(flag[i]))
@@ -137,11 +122,14 @@ static nqm_status sample_both(const nqm_brdf *ref, const double *hd, uint64_t se
 
 static void draw_places(uint64_t seed, nqm_hyper_data *data, double *hd) {
     nqm_rng rng = nqm_rng_make(seed, 0);
+    double wi[3], wo[3];
     for (size_t i = 0; i < data->n_places; ++i) {
-        if (i < data->n_places / 2)
-            nqm_hyper_draw_dense(&rng, hd + 3 * i);
-        else
-            nqm_hyper_draw_uniform(&rng, hd + 3 * i);
+        if (i < data->n_places / 2) {
+            draw_dense(&rng, hd + 3 * i);
+        } else {
+            nqm_fit_draw_uniform(&rng, max_polar_rad, wi, wo);
+            nqm_half_diff_from_pair(wi, wo, hd + 3 * i);
+        }
         nqm_hyper_place(hd + 3 * i, data->place + NQM_HYPER_PLACE * i);
     }
     nqm_nbrdf_inputs(data->n_places, hd, data->input, data->weight);

@@ -77,17 +77,9 @@ nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n
 static void layer_forward(const nqm_hyper_layer *layer, size_t rows, const float *x, float *y, float *slope) {
     for (size_t i = 0; i < rows; ++i)
         memcpy(y + i * layer->n_out, layer->b, layer->n_out * sizeof *y);
-    nqm_gemm product = {.m = rows,
-                        .n = layer->n_out,
-                        .k = layer->n_in,
-                        .alpha = 1,
-                        .beta = 1,
-                        .a = x,
-                        .b = layer->w,
-                        .c = y,
-                        .lda = layer->n_in,
-                        .ldb = layer->n_out,
-                        .ldc = layer->n_out};
+    nqm_gemm product = {.m = rows, .n = layer->n_out, .k = layer->n_in, .alpha = 1, .beta = 1};
+    product.a = x, product.b = layer->w, product.c = y;
+    product.lda = layer->n_in, product.ldb = product.ldc = layer->n_out;
     nqm_kernels_get()->gemm(&product);
     if (slope)
         nqm_gelu(rows * layer->n_out, y, y, slope);
@@ -139,17 +131,9 @@ const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
 static void layer_backward(const nqm_hyper_layer *layer, size_t rows, const float *x, const float *dz,
                            const nqm_hyper_layer *gradient, float *dx) {
     size_t n_in = layer->n_in, n_out = layer->n_out;
-    nqm_gemm by_w = {.m = n_in,
-                     .n = n_out,
-                     .k = rows,
-                     .alpha = 1,
-                     .trans_a = true,
-                     .a = x,
-                     .b = dz,
-                     .c = gradient->w,
-                     .lda = n_in,
-                     .ldb = n_out,
-                     .ldc = n_out};
+    nqm_gemm by_w = {.m = n_in, .n = n_out, .k = rows, .alpha = 1, .trans_a = true};
+    by_w.a = x, by_w.b = dz, by_w.c = gradient->w;
+    by_w.lda = n_in, by_w.ldb = by_w.ldc = n_out;
     nqm_kernels_get()->gemm(&by_w);
     memset(gradient->b, 0, n_out * sizeof(float));
     for (size_t i = 0; i < rows; ++i)
@@ -157,30 +141,22 @@ static void layer_backward(const nqm_hyper_layer *layer, size_t rows, const floa
             gradient->b[j] += dz[i * n_out + j];
     if (!dx)
         return;
-    nqm_gemm by_x = {.m = rows,
-                     .n = n_in,
-                     .k = n_out,
-                     .alpha = 1,
-                     .trans_b = true,
-                     .a = dz,
-                     .b = layer->w,
-                     .c = dx,
-                     .lda = n_out,
-                     .ldb = n_out,
-                     .ldc = n_in};
+    nqm_gemm by_x = {.m = rows, .n = n_in, .k = n_out, .alpha = 1, .trans_b = true};
+    by_x.a = dz, by_x.b = layer->w, by_x.c = dx;
+    by_x.lda = by_x.ldb = n_out, by_x.ldc = n_in;
     nqm_kernels_get()->gemm(&by_x);
 }
 
 /* Gradient with respect to the outputs dy (n_sets n_samples, n) of the last sample layer, from that of the pooled vector. */
 static void pool_backward(const nqm_hyper *hyper, const nqm_hyper_pass *pass, const float *d_pooled, float *dy) {
     size_t n = hyper->layer[NQM_HYPER_POOLED - 1].n_out, n_samples = pass->n_samples;
-    float share = 1 / (float)n_samples;
+    float per_sample = 1 / (float)n_samples;
     for (size_t set = 0; set < pass->n_sets; ++set) {
         const float *d_mean = d_pooled + set * (2 * n + 1), *d_top = d_mean + n;
         float *rows = dy + set * n_samples * n;
         for (size_t i = 0; i < n_samples; ++i)
             for (size_t j = 0; j < n; ++j)
-                rows[i * n + j] = share * d_mean[j];
+                rows[i * n + j] = per_sample * d_mean[j];
         for (size_t j = 0; j < n; ++j)
             rows[pass->largest[set * n + j] * n + j] += d_top[j];
     }

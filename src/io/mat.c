@@ -14,24 +14,12 @@
 #include <string.h>
 #include <zlib.h>
 
-enum {
-    TYPE_INT8 = 1,
-    TYPE_INT32 = 5,
-    TYPE_UINT32 = 6,
-    TYPE_DOUBLE = 9,
-    TYPE_MATRIX = 14,
-    TYPE_COMPRESSED = 15,
-    CLASS_DOUBLE = 6,
-    CLASS_UINT64 = 15, /* the numeric classes are contiguous */
-    FLAG_COMPLEX = 0x800,
-    HEADER_BYTES = 128,
-    TAG_BYTES = 8,
-    HEAD_BYTES = 256, /* enough for the tags, flags, dimensions and name that parse_head() accepts */
-    MAX_DIMENSIONS = 8,
-    MAX_NAME_BYTES = 63, /* limit of MATLAB */
-    MAX_ELEMENTS = 1 << 24,
-    MAX_INFLATION = 1032 /* deflate expands one byte to at most this many */
-};
+enum { TYPE_INT8 = 1, TYPE_INT32 = 5, TYPE_UINT32 = 6, TYPE_DOUBLE = 9, TYPE_MATRIX = 14, TYPE_COMPRESSED = 15 };
+enum { CLASS_DOUBLE = 6, CLASS_UINT64 = 15, FLAG_COMPLEX = 0x800 }; /* the numeric classes are contiguous */
+enum { HEADER_BYTES = 128, TAG_BYTES = 8, MAX_DIMENSIONS = 8, MAX_ELEMENTS = 1 << 24 };
+enum { MAX_NAME_BYTES = 63 };  /* limit of MATLAB */
+enum { HEAD_BYTES = 256 };     /* enough for the tags, flags, dimensions and name that parse_head() accepts */
+enum { MAX_INFLATION = 1032 }; /* deflate expands one byte to at most this many */
 
 struct nqm_mat {
     nqm_map map;
