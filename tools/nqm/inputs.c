@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool is_builtin(const char *name) {
@@ -75,6 +76,11 @@ char *read_text(const char *path) {
         stop(EXIT_MALFORMED, "%s: cannot be read as text: it has NUL bytes, or is larger than 1 MiB", path);
     fclose(file);
     return text;
+}
+
+bool is_folder(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
 bool looks_like_safetensors(const char *path) {

@@ -13,6 +13,7 @@
 
 static const char *verb = "";
 static volatile sig_atomic_t interrupt_count;
+static progress_style progress;
 static bool progress_shown;
 static char progress_note[100];
 
@@ -114,24 +115,33 @@ bool interrupted(void) {
     return interrupt_count != 0;
 }
 
+void set_progress(progress_style style) {
+    progress = style;
+}
+
 int show_progress(void *user, const char *stage, double done, double total) {
-    static double begin_s;
+    static double begin_s, first; /* first: done before this run */
     static char last_stage[64];
+    static int last_percent;
+    const double now = nqm_clock_s();
+    const int percent = total > 0 ? (int)(100 * done / total) : 0;
     (void)user;
-    if (isatty(STDERR_FILENO)) {
-        double now = nqm_clock_s();
-        if (strncmp(last_stage, stage, sizeof last_stage - 1) != 0) {
-            snprintf(last_stage, sizeof last_stage, "%s", stage);
-            begin_s = now;
-        }
-        double left = done > 0 && total > done ? (now - begin_s) * (total - done) / done : 0;
-        if (total > 0)
-            fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left%s \033[K", stage, done, total,
-                    100 * done / total, left, progress_note);
-        else
-            fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
-        progress_shown = true;
+    if (strncmp(last_stage, stage, sizeof last_stage - 1) != 0) {
+        snprintf(last_stage, sizeof last_stage, "%s", stage);
+        begin_s = now;
+        first = done;
+        last_percent = -1;
     }
+    const double left = done > first && total > done ? (now - begin_s) * (total - done) / (done - first) : 0;
+    progress_shown = progress != PROGRESS_NONE && isatty(STDERR_FILENO);
+    if (progress_shown && total > 0)
+        fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left%s \033[K", stage, done, total, 100 * done / total,
+                left, progress_note);
+    else if (progress_shown)
+        fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
+    else if (progress == PROGRESS_LOG && percent != last_percent)
+        fprintf(stderr, "%s: %d %% (%.0f of %.0f), %.0f s left\n", stage, percent, done, total, left);
+    last_percent = percent;
     return interrupt_count != 0;
 }
 

@@ -85,6 +85,7 @@ nqm_brdf **open_brdfs(int n, char **arguments);
 void close_brdfs(int n, nqm_brdf **brdfs);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
+bool is_folder(const char *path);
 /** A text file of at most 1 MiB; free() it. */
 char *read_text(const char *path);
 /** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
@@ -122,7 +123,11 @@ void must(nqm_status status, const nqm_error *err);
 /** Write what is buffered for standard output. Returns exit_code, or reports a failure and returns EXIT_OPEN. */
 int finish(int exit_code);
 
-/** A progress callback: a line on standard error, if that is a terminal. Returns nonzero after Ctrl-C. */
+/** What show_progress() prints to standard error: a line that it overwrites, if that is a terminal; else nothing, or a new line
+ *  for each percent. */
+typedef enum progress_style { PROGRESS_ON_TERMINAL = 0, PROGRESS_LOG, PROGRESS_NONE } progress_style;
+void set_progress(progress_style style);
+/** A progress callback. Returns nonzero after Ctrl-C. */
 int show_progress(void *user, const char *stage, double done, double total);
 /** Set a note that the progress line shows from now on. */
 __attribute__((format(printf, 1, 2))) void note_progress(const char *format, ...);

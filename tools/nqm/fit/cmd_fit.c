@@ -32,11 +32,6 @@ static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_d
 
 /* ---- files of results -------------------------------------------------------------------------------------------- */
 
-static bool is_folder(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
 /* Where results are written: a file, or a folder for several models and for paths that name one. */
 typedef struct output {
     const char *path; /* NULL: results are not written */

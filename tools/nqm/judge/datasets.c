@@ -4,14 +4,10 @@
  */
 #include "nqm/tool.h"
 
-#include <string.h>
-#include <sys/stat.h>
-
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split) {
     nqm_dataset *dataset;
     nqm_error err = {0};
-    struct stat st;
-    bool folder = stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+    const bool folder = is_folder(path);
     if (folder && !labels)
         stop(EXIT_USAGE, "%s: a folder (the authors' layout) needs its labels: --labels CSV", path);
     if (!folder && labels)

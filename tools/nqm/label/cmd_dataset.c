@@ -7,8 +7,6 @@
 #include "nqm/label/scene_args.h"
 
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 /* Report the tests that failed; the dataset is valid without them. */
 static void print_failures(const json_t *manifest) {
@@ -38,37 +36,6 @@ static void print_summary(const char *path, bool json) {
     nqm_dataset_free(dataset);
 }
 
-/* ---- progress ---------------------------------------------------------------------------------------------------- */
-
-typedef struct log_state {
-    bool begun;
-    time_t begin;
-    double first; /* tests done before this run */
-    int percent;
-} log_state;
-
-/* For log files: one line per percent, with the estimated remaining time. */
-static int log_progress(void *user, const char *stage, double done, double total) {
-    log_state *log = user;
-    int now = total > 0 ? (int)(100 * done / total) : 0;
-    if (isatty(STDERR_FILENO))
-        return show_progress(NULL, stage, done, total);
-    if (!log->begun)
-        *log = (log_state){.begun = true, .begin = time(NULL), .first = done, .percent = -1};
-    if (now != log->percent) {
-        double pace = difftime(time(NULL), log->begin) / (done > log->first ? done - log->first : 1);
-        fprintf(stderr, "%s: %d %% (%.0f of %.0f), %.0f s left\n", stage, now, done, total, pace * (total - done));
-    }
-    log->percent = now;
-    return interrupted();
-}
-
-/* For all processes except the first. */
-static int quiet_progress(void *user, const char *stage, double done, double total) {
-    (void)user, (void)stage, (void)done, (void)total;
-    return interrupted();
-}
-
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
 enum { MAX_ROWS = 32 };
@@ -92,7 +59,6 @@ int cmd_dataset(int argc, char **argv) {
     const char *output = NULL, *directions_path = NULL;
     ranks r = my_ranks();
     scene_args scene = {0};
-    log_state state = {0};
     bool log = false, json = false;
     nqm_option rows[MAX_ROWS];
     const nqm_option_table table = corpus_and_scene(rows);
@@ -129,8 +95,8 @@ int cmd_dataset(int argc, char **argv) {
     scene_args_end(&scene);
     corpus.scene = scene.scene;
     corpus.work_only = r.rank > 0;
-    corpus.progress = r.rank > 0 ? quiet_progress : log ? log_progress : show_progress;
-    corpus.progress_user = &state;
+    corpus.progress = show_progress;
+    set_progress(r.rank > 0 ? PROGRESS_NONE : log ? PROGRESS_LOG : PROGRESS_ON_TERMINAL);
     if (strcmp(output, "-") == 0)
         stop(EXIT_USAGE, "a dataset cannot be written to standard output, because its manifest is a second file; give "
                          "a file name");

@@ -23,7 +23,7 @@ static bool is_added(const batch_form *form, const char *name) {
 }
 
 void check_batch_columns(const batch_form *form) {
-    char **names = form->list->column;
+    const char *const *names = form->list->column;
     for (size_t i = 0; i < form->list->n_columns; ++i) {
         if (is_added(form, names[i]))
             stop(EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it", names[i]);

@@ -7,7 +7,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct batch_run {
@@ -146,8 +145,7 @@ int cmd_batch(int argc, char **argv) {
     run.form.precision = run.options.precision;
     run.form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run.options.invalid};
     check_batch_columns(&run.form);
-    struct stat st;
-    if (root && (stat(root, &st) != 0 || !S_ISDIR(st.st_mode)))
+    if (root && !is_folder(root))
         stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
     /* Paths of list and output are relative to the working folder, paths of BRDFs to --root. */
     json_t *terms = make_terms(&run, metrics);

@@ -12,26 +12,21 @@
 void nqm_pair_list_free(nqm_pair_list *list) {
     if (!list)
         return;
-    for (size_t i = 0; !list->csv && list->cell && i < list->n_cells; ++i)
+    for (size_t i = 0; !list->csv && i < list->n_cells; ++i)
         nqm_free((void *)(uintptr_t)list->cell[i].text);
-    for (size_t i = 0; list->column && i < list->n_columns; ++i)
-        nqm_free(list->column[i]);
+    for (size_t i = 0; !list->csv && i < list->n_columns; ++i)
+        nqm_free((void *)(uintptr_t)list->column[i]);
     nqm_free(list->pair);
-    nqm_free(list->column);
-    nqm_free(list->cell);
-    nqm_free(list->row_begin);
     nqm_csv_free(list->csv);
     nqm_free(list);
 }
 
 static nqm_status make_room(nqm_pair_list *list, size_t n_rows, size_t n_columns, size_t max_cells, nqm_error *err) {
-    list->pair = nqm_alloc(n_rows, sizeof *list->pair);
-    list->column = nqm_alloc(n_columns, sizeof *list->column);
-    list->cell = nqm_alloc(max_cells, sizeof *list->cell);
-    list->row_begin = nqm_alloc(n_rows + 1, sizeof *list->row_begin);
-    return list->pair && list->column && list->cell && list->row_begin
-               ? NQM_OK
-               : nqm_fail_nomem(err, n_rows * sizeof *list->pair + max_cells * sizeof *list->cell);
+    return nqm_alloc_arrays(NQM_ARRAYS({&list->pair, n_rows, sizeof *list->pair},
+                                       {&list->column, n_columns, sizeof *list->column},
+                                       {&list->cell, max_cells, sizeof *list->cell},
+                                       {&list->row_begin, n_rows + 1, sizeof *list->row_begin}),
+                            err);
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
@@ -45,12 +40,8 @@ static nqm_status take_csv(nqm_pair_list *list, const char *name, nqm_error *err
     nqm_status status = make_room(list, n_rows, n_columns, n_rows * n_columns, err);
     if (status != NQM_OK)
         return status;
-    for (size_t k = 0; k < n_columns; ++k) {
-        list->column[k] = nqm_strdup(nqm_csv_header(list->csv, (int)k));
-        if (!list->column[k])
-            return nqm_fail_nomem(err, 0);
-        ++list->n_columns;
-    }
+    for (size_t k = 0; k < n_columns; ++k)
+        list->column[list->n_columns++] = nqm_csv_header(list->csv, (int)k);
     for (size_t row = 0; row < n_rows; ++row) {
         for (size_t k = 0; k < n_columns; ++k)
             list->cell[list->n_cells++] = (nqm_list_cell){.column = k, .text = nqm_csv_text(list->csv, row, (int)k)};
@@ -142,11 +133,11 @@ static nqm_status take_line(nqm_pair_list *list, const json_line *line, const ch
     return status;
 }
 
-static bool is_blank_text(const char *text, size_t n) {
+static size_t count_blanks(const char *text, size_t n) {
     size_t i = 0;
-    while (i < n && strchr(" \t\r\n", text[i]) && text[i])
+    while (i < n && text[i] && strchr(" \t\r\n", text[i]))
         ++i;
-    return i == n;
+    return i;
 }
 
 static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t begin, size_t n_bytes, const char *name,
@@ -162,7 +153,7 @@ static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t 
         const char *stop = memchr(at, '\n', (size_t)(end - at));
         size_t n = stop ? (size_t)(stop - at) + 1 : (size_t)(end - at);
         line.at = at - text;
-        if (!is_blank_text(at, n))
+        if (count_blanks(at, n) < n)
             status = take_line(list, &line, at, n, err);
         at += n;
     }
@@ -171,40 +162,27 @@ static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t 
 
 /* ---- either ------------------------------------------------------------------------------------------------------ */
 
-static nqm_status hash_list(const char *text, size_t n_bytes, char hex[65], nqm_error *err) {
-    nqm_sha256 sha;
-    if (!nqm_sha256_begin(&sha))
-        return nqm_fail_nomem(err, 0);
-    nqm_sha256_add(&sha, text, n_bytes);
-    nqm_sha256_end(&sha, hex);
-    return NQM_OK;
-}
-
 nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *name, nqm_pair_list **list_ret,
                                nqm_error *err) {
     *list_ret = NULL;
     nqm_pair_list *list = nqm_alloc(1, sizeof *list);
-    char *copy = nqm_alloc(n_bytes + 1, 1); /* NUL-terminated, which strspn() needs */
-    nqm_status status = NQM_OK;
-    size_t begin = 0;
-    if (!list || !copy) {
-        status = nqm_fail_nomem(err, n_bytes + sizeof *list);
-        goto done;
+    nqm_sha256 sha;
+    if (!list || !nqm_sha256_begin(&sha)) {
+        nqm_free(list);
+        return nqm_fail_nomem(err, sizeof *list);
     }
-    if (n_bytes)
-        memcpy(copy, text, n_bytes);
-    if (n_bytes >= 3 && memcmp(copy, "\xef\xbb\xbf", 3) == 0)
-        begin = 3; /* UTF-8 byte order mark, which some editors write */
-    bool json = copy[begin + strspn(copy + begin, " \t\r\n")] == '{';
-    status = hash_list(copy, n_bytes, list->sha256, err);
-    if (status == NQM_OK && json)
-        status = take_json_lines(list, copy, begin, n_bytes, name, err);
-    else if (status == NQM_OK)
-        status = nqm_csv_parse(copy, n_bytes, name, &list->csv, err);
-    if (status == NQM_OK && list->csv)
-        status = take_csv(list, name, err);
-done:
-    nqm_free(copy);
+    nqm_sha256_add(&sha, text, n_bytes);
+    nqm_sha256_end(&sha, list->sha256);
+    size_t begin = n_bytes >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* UTF-8 byte order mark */
+    size_t first = begin + count_blanks(text + begin, n_bytes - begin);
+    nqm_status status;
+    if (first < n_bytes && text[first] == '{') {
+        status = take_json_lines(list, text, begin, n_bytes, name, err);
+    } else {
+        status = nqm_csv_parse(text, n_bytes, name, &list->csv, err);
+        if (status == NQM_OK)
+            status = take_csv(list, name, err);
+    }
     if (status == NQM_OK)
         *list_ret = list;
     else

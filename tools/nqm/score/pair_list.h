@@ -21,14 +21,14 @@ enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< JSON Lines: limit of the distinct mem
 /** A list of pairs with any further columns. */
 typedef struct nqm_pair_list {
     size_t n_rows;
-    nqm_named_pair *pair; /**< (n_rows) in the order of the list */
+    nqm_named_pair *pair; /**< (n_rows) in the order of the list; in one block with the other arrays */
     size_t n_columns;
-    char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
+    const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
     size_t n_cells;
     nqm_list_cell *cell; /**< (n_cells) row by row, in the order of each row; JSON rows may lack columns */
     size_t *row_begin;   /**< (n_rows + 1) first cell of each row */
     char sha256[65];     /**< of the bytes of the list, hex digits */
-    nqm_csv *csv;        /**< owns the texts of the cells; NULL: JSON Lines, whose cells own theirs */
+    nqm_csv *csv;        /**< owns the names and texts; NULL: JSON Lines, where columns and cells own theirs */
 } nqm_pair_list;
 
 /**

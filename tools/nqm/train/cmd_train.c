@@ -11,7 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* Values from the command line. */
@@ -45,9 +44,7 @@ static void check_places(const train_arguments *a) {
         char *copy = paths[i] && strcmp(paths[i], "-") != 0 ? strdup(paths[i]) : NULL;
         if (!copy)
             continue;
-        struct stat st;
-        bool is_folder = stat(paths[i], &st) == 0 && S_ISDIR(st.st_mode);
-        int bad = is_folder ? EISDIR : access(dirname(copy), W_OK) != 0 ? errno : 0;
+        int bad = is_folder(paths[i]) ? EISDIR : access(dirname(copy), W_OK) != 0 ? errno : 0;
         free(copy);
         if (bad)
             stop(EXIT_OPEN, "%s: cannot write: %s", paths[i], strerror(bad));
