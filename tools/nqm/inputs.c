@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Inputs from arguments: models and directions (built in or from a file), BRDFs, short text files.
+ * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
 #include "nqm/tool.h"
 
@@ -110,4 +110,18 @@ nqm_directions *open_directions(const char *name_or_path) {
         must(nqm_directions_create(NULL, 0, NULL, &directions, &err), &err);
     }
     return directions;
+}
+
+nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split) {
+    nqm_dataset *dataset;
+    nqm_error err = {0};
+    const bool folder = is_folder(path);
+    if (folder && !labels)
+        stop(EXIT_USAGE, "%s: a folder (the authors' layout) needs its labels: --labels CSV", path);
+    if (!folder && labels)
+        stop(EXIT_USAGE, "%s: --labels is for a folder (the authors' layout), not for a dataset file", path);
+    must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &err)
+                : nqm_dataset_load(path, &dataset, &err),
+         &err);
+    return dataset;
 }

@@ -105,7 +105,7 @@ typedef struct ranks {
 } ranks;
 ranks my_ranks(void);
 
-/* ---- messages ----------------------------------------------------------------------------------------------------- */
+/* ---- messages -------------------------------------------------------------------------------------------------- */
 
 /** Name the verb in all messages (main does). */
 void set_verb(const char *name);

@@ -4,11 +4,91 @@
  * spec or a file.
  */
 #include "fit/fit.h"
-#include "nqm/fit/fit_tool.h"
+#include "nqm/tool.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+enum { FIT_MAX_MODELS = 32, FIT_MAX_BOUNDS = 8, FIT_MAX_PATH = 4096 };
+
+/* The models to fit, in the order of the command line. */
+typedef struct fit_request {
+    const char *models[FIT_MAX_MODELS]; /* names of the library */
+    size_t n_models;
+    char bound_keys[FIT_MAX_BOUNDS][16];
+    nqm_fit_bound bounds[FIT_MAX_BOUNDS]; /* their keys are the texts above */
+    size_t n_bounds;
+} fit_request;
+
+/* The result of one model. */
+typedef struct fitted {
+    const char *model;
+    nqm_error err; /* status NQM_OK, or the error of the model: then the fields below are not set */
+    nqm_fit_report fit;
+    double metrics[NQM_METRIC_COUNT];
+    double seconds;
+    char path[FIT_MAX_PATH]; /* of the file written; "" if the result is a spec or was not written */
+} fitted;
+
+/* ---- arguments --------------------------------------------------------------------------------------------------- */
+
+static _Noreturn void stop_unknown(const char *name, size_t n_name) {
+    char names[600] = "";
+    size_t used = 0;
+    for (size_t i = 0; nqm_fit_model(i) && used < sizeof names; ++i)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", nqm_fit_model(i));
+    stop(EXIT_USAGE, "cannot fit a model '%.*s'; there are all, encodings, %s", n_name < 40 ? (int)n_name : 40, name,
+         names);
+}
+
+static void add_model(fit_request *request, const char *name) {
+    for (size_t i = 0; i < request->n_models; ++i)
+        if (request->models[i] == name)
+            return;
+    if (request->n_models < FIT_MAX_MODELS)
+        request->models[request->n_models++] = name;
+}
+
+/* "all", "encodings", or names separated by commas. */
+static void choose_models(const char *text, fit_request *request) {
+    size_t n = strcmp(text, "all") == 0 ? FIT_MAX_MODELS : strcmp(text, "encodings") == 0 ? NQM_FIT_N_ENCODINGS : 0;
+    for (size_t i = 0; i < n && nqm_fit_model(i); ++i)
+        add_model(request, nqm_fit_model(i));
+    for (size_t n_name = 0; n == 0; text += n_name + 1) {
+        size_t i = 0;
+        n_name = strcspn(text, ",");
+        while (nqm_fit_model(i) && !(strncmp(nqm_fit_model(i), text, n_name) == 0 && nqm_fit_model(i)[n_name] == 0))
+            ++i;
+        if (!nqm_fit_model(i))
+            stop_unknown(text, n_name);
+        add_model(request, nqm_fit_model(i));
+        if (!text[n_name])
+            break;
+    }
+}
+
+/* "KEY=LOW:HIGH,..."; NULL: none. Each key must belong to one of the models. */
+static void choose_bounds(const char *text, fit_request *request) {
+    for (int n = 0; text && *text; text += n) {
+        if (request->n_bounds == FIT_MAX_BOUNDS)
+            stop(EXIT_USAGE, "at most %d bounds", FIT_MAX_BOUNDS);
+        nqm_fit_bound *bound = &request->bounds[request->n_bounds];
+        char *key = request->bound_keys[request->n_bounds++];
+        n = 0; /* numbers in the "C" locale: the tool never calls setlocale() */
+        if (sscanf(text, "%15[^=,]=%lf:%lf%n", key, &bound->low, &bound->high, &n) != 3 || (text[n] && text[n] != ','))
+            stop(EXIT_USAGE, "--bounds takes KEY=LOW:HIGH,..., not '%.80s'", text);
+        n += text[n] == ',';
+        bound->key = key;
+        bool known = false;
+        for (size_t m = 0; m < request->n_models; ++m)
+            known |= nqm_fit_model_has(request->models[m], key) != 0;
+        if (!known)
+            stop(EXIT_USAGE, "none of the models has a lobe parameter '%s'", key);
+    }
+}
+
+/* ---- fits -------------------------------------------------------------------------------------------------------- */
 
 /* The metrics of `test` against `ref`, at the directions where `ref` has values. */
 static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_directions *directions, double *metrics,
@@ -29,8 +109,6 @@ static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_d
     nqm_free(rgb);
     return status;
 }
-
-/* ---- files of results -------------------------------------------------------------------------------------------- */
 
 /* Where results are written: a file, or a folder for several models and for paths that name one. */
 typedef struct output {
@@ -58,8 +136,6 @@ static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *
     }
     return nqm_brdf_save(brdf, output_path(f->path), err);
 }
-
-/* ---- fits -------------------------------------------------------------------------------------------------------- */
 
 static nqm_status fit_one(const nqm_brdf *ref, const nqm_fit_options *options, const nqm_directions *directions,
                           const output *out, fitted *f, nqm_error *err) {
@@ -99,6 +175,74 @@ static int fit_all(const nqm_brdf *ref, const fit_request *request, const nqm_fi
         worst = code > worst ? code : worst;
     }
     return worst;
+}
+
+/* ---- output ------------------------------------------------------------------------------------------------------ */
+
+/* The BRDF argument of the result; NULL if the model failed, or its result is a network or table that was not written. */
+static const char *fitted_argument(const fitted *f) {
+    if (f->err.status != NQM_OK)
+        return NULL;
+    return f->fit.spec[0] ? f->fit.spec : f->path[0] ? f->path : NULL;
+}
+
+/* The loss of analytic models is an option; the other models have their own. */
+static const char *loss_name(const fitted *f, nqm_fit_loss loss) {
+    return f->fit.spec[0] ? nqm_fit_loss_words[loss] : "own";
+}
+
+static json_t *to_json(const fitted *f, nqm_fit_loss loss) {
+    if (f->err.status != NQM_OK)
+        return json_pack("{s:n,s:s,s:o}", "spec", "model", f->model, "error", json_name(f->err.message));
+    json_t *metrics = json_object();
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(f->metrics[m]));
+    const char *argument = fitted_argument(f);
+    json_t *row = json_pack("{s:o,s:s,s:s,s:o,s:I,s:I,s:o,s:o}", "spec", argument ? json_name(argument) : json_null(),
+                            "model", f->model, "loss_name", loss_name(f, loss), "loss", json_number(f->fit.loss),
+                            "numbers", (json_int_t)f->fit.n_numbers, "directions", (json_int_t)f->fit.n_directions,
+                            "seconds", json_number(f->seconds), "metrics", metrics);
+    if (!argument)
+        json_object_set_new(row, "note", json_string("the result is a file: write it with -o FILE"));
+    return row;
+}
+
+static void print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss) {
+    json_t *results = json_array();
+    for (size_t i = 0; i < n; ++i)
+        json_array_append_new(results, to_json(&f[i], loss));
+    print_document(n == 1 ? json_incref(json_array_get(results, 0)) : json_pack("{s:O}", "results", results));
+    json_decref(results);
+}
+
+static void print_fits_as_table(size_t n, const fitted *f) {
+    printf("%-18s %8s %9s %9s  %s\n", "model", "numbers", "loss", "ma_crwe", "spec or file");
+    for (size_t i = 0; i < n; ++i) {
+        const char *argument = fitted_argument(&f[i]);
+        if (f[i].err.status != NQM_OK)
+            printf("%-18s %8s %9s %9s  failed\n", f[i].model, "-", "-", "-");
+        else
+            printf("%-18s %8zu %9.5f %9.5f  %s\n", f[i].model, f[i].fit.n_numbers, f[i].fit.loss,
+                   f[i].metrics[NQM_METRIC_MA_CRWE], argument ? argument : "(not written: use -o)");
+    }
+}
+
+static void print_fit_report(size_t n, const fitted *f, nqm_fit_loss loss) {
+    for (size_t i = 0; i < n; ++i) {
+        const fitted *one = &f[i];
+        const char *argument = fitted_argument(one);
+        printf("%s%s\n", i ? "\n" : "", one->model);
+        if (one->err.status != NQM_OK) {
+            printf("  %-10s %s\n", "failed", one->err.message);
+            continue;
+        }
+        printf("  %-10s %s\n", "result", argument ? argument : "(not written: use -o)");
+        printf("  %-10s %zu\n", "numbers", one->fit.n_numbers);
+        printf("  %-10s %.5f (%s), %zu directions, start %zu, %.2f s\n", "loss", one->fit.loss, loss_name(one, loss),
+               one->fit.n_directions, one->fit.best_start, one->seconds);
+        for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+            printf("  %-10s %.5g\n", nqm_metric_name((nqm_metric)m), one->metrics[m]);
+    }
 }
 
 static void print_arguments(size_t n, const fitted *f) {

@@ -4,7 +4,7 @@
  * srun, all processes share the work and the first writes the dataset.
  */
 #include "label/corpus.h"
-#include "nqm/label/scene_args.h"
+#include "nqm/label/scene.h"
 
 #include <string.h>
 

@@ -2,8 +2,7 @@
  *
  * nqm render - pictures of a BRDF on a lit shape.
  */
-#include "nqm/label/frames.h"
-#include "nqm/label/scene_args.h"
+#include "nqm/label/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,8 +5,7 @@
 #ifndef NQM_TOOL_LABEL_H
 #define NQM_TOOL_LABEL_H
 
-#include "nqm/label/frames.h"
-#include "nqm/label/scene_args.h"
+#include "nqm/label/scene.h"
 
 /** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {

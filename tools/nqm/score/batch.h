@@ -30,7 +30,7 @@ void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_sc
                      const nqm_error *err);
 void print_batch_tail(const batch_form *form, FILE *out);
 
-/* ---- the file (batch_output.c): on failure, these report the error and exit ----------------------------------------- */
+/* ---- the file (batch_output.c): on failure, these report the error and exit -------------------------------------- */
 
 /** Progress of an output. */
 typedef struct batch_progress {

@@ -69,7 +69,7 @@ const char *verdict_words(const nqm_score_result *result);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
 
-/* ---- rank.c ------------------------------------------------------------------------------------------------------ */
+/* ---- sorting (cmd_rank.c) ---------------------------------------------------------------------------------------- */
 
 /** Sort the rows by reference, then best first, those without a score last, and rank them. */
 void rank_rows(score_run *run);

@@ -69,14 +69,13 @@ static bool put_base64(FILE *out, FILE *in) {
     return !ferror(in);
 }
 
-void html_image(FILE *out, const html_picture *picture) {
-    FILE *in = fopen(picture->path, "rb");
+void html_image(FILE *out, const char *path, const char *alt, size_t width, size_t height) {
+    FILE *in = fopen(path, "rb");
     if (!in)
-        stop(EXIT_OPEN, "%s: cannot read: %s", picture->path, strerror(errno));
-    html(out, "<img width='%zu' height='%zu' alt='%s' src='data:image/png;base64,", picture->width, picture->height,
-         picture->alt);
+        stop(EXIT_OPEN, "%s: cannot read: %s", path, strerror(errno));
+    html(out, "<img width='%zu' height='%zu' alt='%s' src='data:image/png;base64,", width, height, alt);
     if (!put_base64(out, in))
-        stop(EXIT_OPEN, "%s: cannot read", picture->path);
+        stop(EXIT_OPEN, "%s: cannot read", path);
     fclose(in);
     html(out, "'/>\n");
 }

@@ -12,15 +12,8 @@
  *  dash if it is not finite; %% a percent sign. Attributes are in single quotes. */
 __attribute__((format(printf, 2, 3))) void html(FILE *out, const char *markup, ...);
 
-/** A PNG file and its <img>. */
-typedef struct html_picture {
-    const char *path;
-    const char *alt;
-    size_t width, height; /* CSS pixels */
-} html_picture;
-
-/** An <img> that contains the bytes of the file. On failure, report the error and exit. */
-void html_image(FILE *out, const html_picture *picture);
+/** An <img> of width x height CSS pixels that contains the bytes of a PNG file. On failure, report the error and exit. */
+void html_image(FILE *out, const char *path, const char *alt, size_t width, size_t height);
 
 /** A data block, <script type='application/json' id='...'>, which browsers do not run. Releases the value. On failure,
  *  report the error and exit. */

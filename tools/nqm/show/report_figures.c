@@ -41,7 +41,7 @@ void end_figures(report_page *page) {
 
 /* Embed the figure, at a size in CSS pixels. */
 static void embed(const report_page *page, const char *alt, size_t width, size_t height) {
-    html_image(page->out, &(html_picture){page->figure, alt, width, height});
+    html_image(page->out, page->figure, alt, width, height);
     unlink(page->figure);
 }
 
