@@ -22,18 +22,20 @@ static void draw_interval(cairo_t *cr, double x0, double x1, double y) {
     nqm_line_draw(cr, x1, y - 3, x1, y + 3);
 }
 
-static void draw_bar(cairo_t *cr, nqm_box box, const nqm_bars *bars, size_t at, size_t group, nqm_box bar) {
-    double zero = across(box, &bars->x, 0), end = across(box, &bars->x, bars->value[at]);
+static void draw_bar(cairo_t *cr, nqm_box box, const nqm_axis *axis, const nqm_bar_row *row, size_t group,
+                     nqm_box bar) {
+    const double value = row->value[group], low = row->low[group], high = row->high[group];
+    double zero = across(box, axis, 0), end = across(box, axis, value);
     double y = bar.y + bar.height / 2, right = fmax(zero, end);
     char text[24];
     nqm_draw_colour(cr, nqm_bar_style(group), 1);
     cairo_rectangle(cr, fmin(zero, end), bar.y, fabs(end - zero), bar.height);
     cairo_fill(cr);
-    if (isfinite(bars->low[at]) && isfinite(bars->high[at])) {
-        draw_interval(cr, across(box, &bars->x, bars->low[at]), across(box, &bars->x, bars->high[at]), y);
-        right = fmax(right, across(box, &bars->x, bars->high[at]));
+    if (isfinite(low) && isfinite(high)) {
+        draw_interval(cr, across(box, axis, low), across(box, axis, high), y);
+        right = fmax(right, across(box, axis, high));
     }
-    snprintf(text, sizeof text, "%s%.3f", bars->value[at] < 0 ? NQM_MINUS : "", fabs(bars->value[at]));
+    snprintf(text, sizeof text, "%s%.3f", value < 0 ? NQM_MINUS : "", fabs(value));
     nqm_draw_grey(cr, 0.1);
     nqm_label_draw(cr, right + 6, y + 0.36 * NQM_SMALL_FONT, NQM_LEFT, NQM_SMALL_FONT, text);
 }
@@ -41,19 +43,19 @@ static void draw_bar(cairo_t *cr, nqm_box box, const nqm_bars *bars, size_t at, 
 void nqm_bars_draw(cairo_t *cr, nqm_box outer, const nqm_bars *bars) {
     double widest = 0;
     for (size_t i = 0; i < bars->n; ++i)
-        widest = fmax(widest, nqm_text_width(cr, bars->names[i], NQM_FONT));
+        widest = fmax(widest, nqm_text_width(cr, bars->rows[i].name, NQM_FONT));
     widest = fmin(widest, outer.width / 3);
     const nqm_box with_names = {outer.x + widest + 8, outer.y, outer.width - widest - 8, outer.height};
     nqm_box box = nqm_frame_inner(cr, with_names, NULL, &bars->x, NULL);
     nqm_frame_draw(cr, box, NULL, &bars->x, NULL);
-    double row = box.height / (double)bars->n, bar = 0.76 * row / (double)bars->n_groups;
+    double row = box.height / (double)bars->n, bar = 0.76 * row / NQM_BARS;
     for (size_t i = 0; i < bars->n; ++i) {
         double top = box.y + row * (double)i;
         nqm_draw_grey(cr, 0);
-        nqm_text_draw(cr, box.x - 8, top + row / 2 + 0.36 * NQM_FONT, NQM_RIGHT, NQM_FONT, widest, bars->names[i]);
-        for (size_t k = 0; k < bars->n_groups; ++k)
-            if (isfinite(bars->value[i * bars->n_groups + k]))
-                draw_bar(cr, box, bars, i * bars->n_groups + k, k,
+        nqm_text_draw(cr, box.x - 8, top + row / 2 + 0.36 * NQM_FONT, NQM_RIGHT, NQM_FONT, widest, bars->rows[i].name);
+        for (size_t k = 0; k < NQM_BARS; ++k)
+            if (isfinite(bars->rows[i].value[k]))
+                draw_bar(cr, box, &bars->x, &bars->rows[i], k,
                          (nqm_box){box.x, top + 0.12 * row + bar * (double)k, 0, bar});
     }
 }

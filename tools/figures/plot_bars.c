@@ -10,22 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_PREDICTORS = 64, N_GROUPS = 2 };
-
-typedef struct predictor {
-    const char *name;
-    double value[N_GROUPS], low[N_GROUPS], high[N_GROUPS]; /* overall, mean over materials; NaN: none */
-} predictor;
+enum { MAX_PREDICTORS = 64 };
 
 static double number(const json_t *value) {
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
-static predictor read_predictor(const json_t *row) {
-    static const char *const values[N_GROUPS] = {"spearman", "spearman_mean_by_material"};
-    static const char *const intervals[N_GROUPS] = {"ci95", "ci95_mean_by_material"};
-    predictor p = {.name = json_string_value(json_object_get(row, "name"))};
-    for (size_t k = 0; k < N_GROUPS; ++k) {
+/* Correlation over all pairs, and mean over materials. */
+static nqm_bar_row read_predictor(const json_t *row) {
+    static const char *const values[NQM_BARS] = {"spearman", "spearman_mean_by_material"};
+    static const char *const intervals[NQM_BARS] = {"ci95", "ci95_mean_by_material"};
+    nqm_bar_row p = {.name = json_string_value(json_object_get(row, "name"))};
+    for (size_t k = 0; k < NQM_BARS; ++k) {
         const json_t *interval = json_object_get(row, intervals[k]);
         p.value[k] = number(json_object_get(row, values[k]));
         p.low[k] = number(json_array_get(interval, 0));
@@ -34,7 +30,7 @@ static predictor read_predictor(const json_t *row) {
     return p;
 }
 
-static double rank_value(const predictor *p) {
+static double rank_value(const nqm_bar_row *p) {
     double value = isfinite(p->value[1]) ? p->value[1] : p->value[0];
     return isfinite(value) ? value : -2;
 }
@@ -42,10 +38,10 @@ static double rank_value(const predictor *p) {
 /* Best first; equal ones by name, so that the order is unique. */
 static int compare(const void *a, const void *b) {
     double x = rank_value(a), y = rank_value(b);
-    return x != y ? (x < y) - (x > y) : strcmp(((const predictor *)a)->name, ((const predictor *)b)->name);
+    return x != y ? (x < y) - (x > y) : strcmp(((const nqm_bar_row *)a)->name, ((const nqm_bar_row *)b)->name);
 }
 
-static nqm_status read_predictors(const char *path, const json_t *root, predictor *predictors, size_t *n,
+static nqm_status read_predictors(const char *path, const json_t *root, nqm_bar_row *predictors, size_t *n,
                                   nqm_error *err) {
     const json_t *rows = json_object_get(root, "results");
     *n = json_array_size(rows);
@@ -69,24 +65,18 @@ static nqm_status read_predictors(const char *path, const json_t *root, predicto
     return NQM_OK;
 }
 
-static nqm_status draw(const char *path, const predictor *predictors, size_t n, const char *note,
+static nqm_status draw(const char *path, const nqm_bar_row *predictors, size_t n, const char *note,
                        const nqm_plot_options *options, nqm_error *err) {
-    static const char *const groups[N_GROUPS] = {"over all pairs", "mean over materials"};
-    const char *names[MAX_PREDICTORS];
-    double value[MAX_PREDICTORS * N_GROUPS], low[MAX_PREDICTORS * N_GROUPS], high[MAX_PREDICTORS * N_GROUPS];
+    static const char *const groups[NQM_BARS] = {"over all pairs", "mean over materials"};
     nqm_axis axis = nqm_axis_make("Spearman correlation with the labels (1: the same order)", NQM_LINEAR);
     nqm_axis_hold(&axis, 2, (double[]){0, 1});
     for (size_t i = 0; i < n; ++i) {
-        names[i] = predictors[i].name;
-        memcpy(value + N_GROUPS * i, predictors[i].value, sizeof predictors[i].value);
-        memcpy(low + N_GROUPS * i, predictors[i].low, sizeof predictors[i].low);
-        memcpy(high + N_GROUPS * i, predictors[i].high, sizeof predictors[i].high);
-        nqm_axis_hold(&axis, N_GROUPS, predictors[i].value);
-        nqm_axis_hold(&axis, N_GROUPS, predictors[i].low);
+        nqm_axis_hold(&axis, NQM_BARS, predictors[i].value);
+        nqm_axis_hold(&axis, NQM_BARS, predictors[i].low);
     }
     nqm_axis_round(&axis, 6);
     axis.max += 0.12 * (axis.max - axis.min); /* room for the numbers after the bars */
-    const nqm_bars bars = {axis, n, N_GROUPS, names, groups, value, low, high};
+    const nqm_bars bars = {axis, n, predictors, groups};
     return nqm_panel_write(path, (nqm_sheet_panel){.bars = &bars}, 640, 150 + 42 * (double)n,
                            "Agreement with the labels", note, options, err);
 }
@@ -113,7 +103,7 @@ static nqm_status load(const char *path, json_t **root_ret, nqm_error *err) {
 
 nqm_status nqm_plot_bars(const char *path, const char *eval_json, const nqm_plot_options *options, nqm_error *err) {
     json_t *root = NULL;
-    predictor predictors[MAX_PREDICTORS];
+    nqm_bar_row predictors[MAX_PREDICTORS];
     size_t n;
     char note[200];
     nqm_status status = load(eval_json, &root, err);

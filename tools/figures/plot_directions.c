@@ -45,10 +45,10 @@ nqm_status nqm_plot_directions(const char *path, const nqm_directions *direction
 
 /* ---- layers ------------------------------------------------------------------------------------------------------ */
 
-enum { LAYER_COLUMNS = 6, CELL = 48 };
+enum { LAYER_COLUMNS = 6 };
 
 /* 4171125 as "4,171,125". */
-static void print_count(size_t count, char cell[CELL]) {
+static void print_count(size_t count, char cell[NQM_CELL]) {
     char digits[24];
     int n = snprintf(digits, sizeof digits, "%zu", count);
     size_t at = 0;
@@ -61,26 +61,26 @@ static void print_count(size_t count, char cell[CELL]) {
 }
 
 /* The rows of the table: heading, one per layer, totals. */
-static void fill_table(const nqm_model_info *info, char (*cells)[CELL]) {
+static void fill_table(const nqm_model_info *info, char (*cells)[NQM_CELL]) {
     static const char *const heads[LAYER_COLUMNS] = {"layer",      "inputs",          "outputs",
                                                      "parameters", "multiplications", "followed by"};
     size_t all = 0;
     for (size_t k = 0; k < LAYER_COLUMNS; ++k)
-        snprintf(cells[k], CELL, "%s", heads[k]);
+        snprintf(cells[k], NQM_CELL, "%s", heads[k]);
     for (size_t i = 0; i < info->n_layers; ++i) {
-        char(*row)[CELL] = cells + LAYER_COLUMNS * (i + 1);
+        char(*row)[NQM_CELL] = cells + LAYER_COLUMNS * (i + 1);
         size_t in = info->layer_sizes[i], out = info->layer_sizes[i + 1];
         bool last = i + 1 == info->n_layers;
-        snprintf(row[0], CELL, "linear %zu", i + 1);
+        snprintf(row[0], NQM_CELL, "linear %zu", i + 1);
         print_count(in, row[1]);
         print_count(out, row[2]);
         print_count(in * out + out + (last ? 0 : 2 * out), row[3]); /* LayerNorm: gain and shift */
         print_count(in * out, row[4]);
-        snprintf(row[5], CELL, "%s", last ? "sigmoid over the range of labels" : "LayerNorm, GELU, dropout");
+        snprintf(row[5], NQM_CELL, "%s", last ? "sigmoid over the range of labels" : "LayerNorm, GELU, dropout");
         all += in * out;
     }
-    char(*sum)[CELL] = cells + LAYER_COLUMNS * (info->n_layers + 1);
-    snprintf(sum[0], CELL, "total");
+    char(*sum)[NQM_CELL] = cells + LAYER_COLUMNS * (info->n_layers + 1);
+    snprintf(sum[0], NQM_CELL, "total");
     print_count(info->n_parameters, sum[3]);
     print_count(all, sum[4]);
 }
@@ -88,31 +88,23 @@ static void fill_table(const nqm_model_info *info, char (*cells)[CELL]) {
 nqm_status nqm_plot_network(const char *path, const nqm_model *model, const nqm_plot_options *options, nqm_error *err) {
     const nqm_model_info info = nqm_model_get_info(model);
     size_t n_rows = info.n_layers + 2, n = n_rows * LAYER_COLUMNS;
-    char(*cells)[CELL] = nqm_alloc(n, sizeof *cells);
-    const char **texts = nqm_alloc(n, sizeof *texts);
-    nqm_status status = NQM_OK;
-    if (!cells || !texts)
-        status = nqm_fail_nomem(err, n * (sizeof *cells + sizeof *texts));
-    if (status == NQM_OK) {
-        fill_table(&info, cells);
-        for (size_t i = 0; i < n; ++i)
-            texts[i] = cells[i];
-        const nqm_table table = {.n_rows = n_rows,
-                                 .n_columns = LAYER_COLUMNS,
-                                 .cells = texts,
-                                 .widths = (double[]){0.12, 0.1, 0.1, 0.17, 0.19, 0.32},
-                                 .right_aligned = (bool[]){false, true, true, true, true, false}};
-        char title[128], note[256];
-        snprintf(title, sizeof title, "The network of model \"%.60s\"", info.id);
-        snprintf(
-            note, sizeof note,
-            "recipe %.40s; %zu directions; parameters of a layer: weights, biases, gain and shift of its LayerNorm\n"
-            "output: JOD from %.2f to %.2f; dropout is active in training only",
-            info.recipe, nqm_directions_count(info.directions), info.jod_min, info.jod_max);
-        status = nqm_panel_write(path, (nqm_sheet_panel){.table = &table}, 760, 90 + 30 * (double)n_rows, title, note,
-                                 options, err);
-    }
+    char(*cells)[NQM_CELL] = nqm_alloc(n, sizeof *cells);
+    if (!cells)
+        return nqm_fail_nomem(err, n * sizeof *cells);
+    fill_table(&info, cells);
+    const nqm_table table = {.n_rows = n_rows,
+                             .n_columns = LAYER_COLUMNS,
+                             .cells = cells,
+                             .widths = (double[]){0.12, 0.1, 0.1, 0.17, 0.19, 0.32},
+                             .right_aligned = (bool[]){false, true, true, true, true, false}};
+    char title[128], note[256];
+    snprintf(title, sizeof title, "The network of model \"%.60s\"", info.id);
+    snprintf(note, sizeof note,
+             "recipe %.40s; %zu directions; parameters of a layer: weights, biases, gain and shift of its LayerNorm\n"
+             "output: JOD from %.2f to %.2f; dropout is active in training only",
+             info.recipe, nqm_directions_count(info.directions), info.jod_min, info.jod_max);
+    nqm_status status = nqm_panel_write(path, (nqm_sheet_panel){.table = &table}, 760, 90 + 30 * (double)n_rows, title,
+                                        note, options, err);
     nqm_free(cells);
-    nqm_free(texts);
     return status;
 }

@@ -79,19 +79,26 @@ typedef struct nqm_heat {
     const double *values; /* (n_rows, n_columns), first row at y.min; NaN: no value */
 } nqm_heat;
 
-/** Groups of horizontal bars with intervals. */
+enum { NQM_BARS = 2, NQM_CELL = 48 };
+
+/** Bars under each other, with intervals; NaN: none. */
+typedef struct nqm_bar_row {
+    const char *name;
+    double value[NQM_BARS], low[NQM_BARS], high[NQM_BARS];
+} nqm_bar_row;
+
+/** Rows of horizontal bars. */
 typedef struct nqm_bars {
     nqm_axis x;
-    size_t n, n_groups;
-    const char *const *names;         /* (n), from the top */
-    const char *const *group_names;   /* (n_groups) */
-    const double *value, *low, *high; /* (n, n_groups); NaN: none */
+    size_t n;
+    const nqm_bar_row *rows;        /* (n), from the top */
+    const char *const *group_names; /* (NQM_BARS) of the bars of each row */
 } nqm_bars;
 
 /** Text in rows and columns; the first row is the heading, the last one the totals. */
 typedef struct nqm_table {
     size_t n_rows, n_columns;
-    const char *const *cells;  /* (n_rows, n_columns) */
+    char (*cells)[NQM_CELL];   /* (n_rows, n_columns) */
     const double *widths;      /* (n_columns), fractions of the width; their sum is 1 */
     const bool *right_aligned; /* (n_columns) */
 } nqm_table;
