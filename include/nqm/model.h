@@ -60,18 +60,16 @@ typedef struct nqm_model nqm_model;
 
 /** Facts about a model; its strings and arrays belong to the model. */
 typedef struct nqm_model_info {
-    const char *id;                             /**< "default", "paper", or as given when trained */
-    const char *recipe;                         /**< "paper", "notebook", "nqm" */
-    const char *sha256;                         /**< 64 hex digits: the checksum of the model file */
-    const char *card;                           /**< the model card, Markdown: training data, evaluation, limits */
-    const char *licence;                        /**< SPDX */
-    const char *manifest_sha256;                /**< hash of the training dataset file; "" if unknown */
-    size_t n_parameters;                        /**< trained values (weights, biases, LayerNorm) */
-    size_t n_layers;                            /**< linear layers */
-    const size_t *layer_sizes;                  /**< (n_layers + 1) widths, input first */
-    double jod_min, jod_max;                    /**< the range that the output can take */
-    double whitening_mean[3], whitening_std[3]; /**< of log(cbrt(f_r) + 1), R G B */
-    double target_mean, target_std;             /**< of the training targets: JOD, or log Delta-E ITP */
+    const char *id;              /**< "default", "paper", or as given when trained */
+    const char *recipe;          /**< "paper", "notebook", "nqm" */
+    const char *sha256;          /**< 64 hex digits: the checksum of the model file */
+    const char *card;            /**< the model card, Markdown: training data, evaluation, limits */
+    const char *licence;         /**< SPDX */
+    const char *manifest_sha256; /**< hash of the training dataset file; "" if unknown */
+    size_t n_parameters;         /**< trained values (weights, biases, LayerNorm) */
+    size_t n_layers;             /**< linear layers */
+    const size_t *layer_sizes;   /**< (n_layers + 1) widths, input first */
+    double jod_min, jod_max;     /**< the range that the output can take */
     const nqm_directions *directions;
     const char
         *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/files.md); "": no intervals */

@@ -76,9 +76,8 @@ static nqm_status check_rgb(size_t n_rows, size_t n_columns, const float *rgb, c
                             nqm_error *err) {
     for (size_t i = 0; i < n_rows * n_columns; ++i)
         if (!(rgb[i] >= 0) || isinf(rgb[i]))
-            return nqm_fail(err, NQM_ERR_FORMAT, -1,
-                            "%s: %s %zu is %g at direction %zu; f_r must be finite and >= 0", name, what,
-                            i / n_columns, (double)rgb[i], i % n_columns / 3);
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s %zu is %g at direction %zu; f_r must be finite and >= 0",
+                            name, what, i / n_columns, (double)rgb[i], i % n_columns / 3);
     return NQM_OK;
 }
 

@@ -63,15 +63,12 @@ typedef struct nqm_member {
     const uint8_t *flag; /* (n_directions) nqm_value_flag; NULL: all have a value, or sampling failed */
     const uint8_t *mask; /* tests: (n_directions) 0 where the caller excludes the direction; NULL: nowhere */
     nqm_sample_report report;
-    size_t n_unusual; /* nqm_count_unusual() */
+    size_t n_unusual; /* as n_unusual_test in nqm_score_result */
 } nqm_member;
 
 /** Sample a BRDF into rgb (n_directions, 3) and flag (n_directions), which must outlive the member. */
 nqm_member nqm_member_sample(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
                              uint8_t *flag, nqm_error *err);
-/** Number of directions at which a channel of rgb (n_directions, 3), f_r in 1/sr, is more than 6 standard deviations
- *  above the mean of the training references, on the scale of nqm_features_transform(). */
-size_t nqm_count_unusual(const nqm_model *model, const float *rgb);
 /** Number of BRDFs that nqm_scorer_run_named() has opened so far, including failures and reopened ones. */
 size_t nqm_scorer_n_opened(const nqm_scorer *scorer);
 

@@ -123,7 +123,7 @@ static nqm_score_result no_score(nqm_status status) {
     return result;
 }
 
-size_t nqm_count_unusual(const nqm_model *model, const float *rgb) {
+static size_t count_unusual(const nqm_model *model, const float *rgb) {
     float limit[3]; /* limits in reflectance: the transform is monotone, so the samples need not be transformed */
     for (size_t k = 0; k < 3; ++k) {
         float root = expm1f(model->features.mean[k] + unusual_sigma * model->features.std[k]);
@@ -140,7 +140,7 @@ nqm_member nqm_member_sample(const nqm_model *model, const nqm_brdf *brdf, nqm_i
     nqm_member member = {.rgb = rgb, .flag = flag};
     member.status = nqm_sample(brdf, model->directions, policy, rgb, flag, &member.report, err);
     if (member.status == NQM_OK)
-        member.n_unusual = nqm_count_unusual(model, rgb);
+        member.n_unusual = count_unusual(model, rgb);
     return member;
 }
 
@@ -374,9 +374,9 @@ nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sampl
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i) {
             const nqm_sample_pair *p = &pairs[begin + i];
-            s->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = nqm_count_unusual(s->model, p->ref)};
+            s->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = count_unusual(s->model, p->ref)};
             s->member[2 * i + 1] =
-                (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = nqm_count_unusual(s->model, p->test)};
+                (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = count_unusual(s->model, p->test)};
         }
         score_block(s, n, results + begin);
     }

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loading of models from files, from memory and from the library; their description; their deallocation.
+ * Loading of models from files, from memory and from the library; their description; their deallocation; copies of
+ * models for changes to them: calibration, text of the card, weights in float16.
  */
+#include "kernel/half.h"
 #include "model/model_file.h"
 #include "model/models_table.h"
 
@@ -89,16 +91,87 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
                            .n_parameters = nqm_params_count(shape),
                            .n_layers = shape->n_layers,
                            .layer_sizes = shape->sizes,
-                           .target_mean = model->output.mean,
-                           .target_std = model->output.std,
                            .directions = model->directions,
                            .calibration = model->calibration ? model->calibration : ""};
-    for (size_t k = 0; k < 3; ++k) {
-        info.whitening_mean[k] = (double)model->features.mean[k];
-        info.whitening_std[k] = (double)model->features.std[k];
-    }
     double at_low = nqm_model_jod(model, -INFINITY, NULL), at_high = nqm_model_jod(model, INFINITY, NULL);
     info.jod_min = fmin(at_low, at_high); /* the JOD of a model that predicts Delta-E decreases with its output */
     info.jod_max = fmax(at_low, at_high);
     return info;
+}
+
+/* ---- copies ------------------------------------------------------------------------------------------------------ */
+
+static nqm_status copy_params(const nqm_params *from, nqm_params *to, nqm_error *err) {
+    nqm_status status = nqm_params_create(&from->shape, to, err);
+    for (size_t l = 0; status == NQM_OK && l < from->shape.n_layers; ++l) {
+        const size_t in = from->shape.sizes[l], out = from->shape.sizes[l + 1];
+        const nqm_layer *a = &from->layer[l], *b = &to->layer[l];
+        if (a->half)
+            nqm_half_to_float(in * out, a->half, b->w);
+        else
+            memcpy(b->w, a->w, in * out * sizeof(float));
+        memcpy(b->b, a->b, out * sizeof(float));
+        if (b->gamma) {
+            memcpy(b->gamma, a->gamma, out * sizeof(float));
+            memcpy(b->beta, a->beta, out * sizeof(float));
+        }
+    }
+    return status;
+}
+
+/* Copy the block of n_bytes whose address is at `offset`; NULL gives NULL. false when out of memory. */
+static bool copy_block(const nqm_model *from, size_t offset, size_t n_bytes, nqm_model *to) {
+    const void *block = *nqm_model_block(from, offset);
+    void *copy = *nqm_model_block(to, offset) = block ? nqm_alloc(n_bytes, 1) : NULL;
+    if (copy)
+        memcpy(copy, block, n_bytes);
+    return copy || !block;
+}
+
+static bool copy_blocks(const nqm_model *from, nqm_model *to) {
+    bool ok = true;
+    for (const nqm_model_text *t = nqm_model_texts; ok && t < nqm_model_texts + NQM_MODEL_TEXTS; ++t) {
+        const char *text = t->words ? NULL : *nqm_model_block(from, t->offset);
+        ok = !text || copy_block(from, t->offset, strlen(text) + 1, to);
+    }
+    for (const nqm_model_array *a = nqm_model_arrays; ok && a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a)
+        ok = !a->n_offset ||
+             copy_block(from, a->offset, nqm_model_rows(from, a) * a->cols * nqm_dtype_size(a->dtype), to);
+    return ok;
+}
+
+nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_error *err) {
+    *copy_ret = NULL;
+    nqm_model *copy = nqm_alloc(1, sizeof *copy);
+    if (!copy)
+        return nqm_fail_nomem(err, sizeof *copy);
+    memcpy(copy, model, offsetof(struct nqm_model, params));
+    nqm_status status = copy_params(&model->params, &copy->params, err);
+    if (status == NQM_OK && !copy_blocks(model, copy))
+        status = nqm_fail_nomem(err, sizeof *copy);
+    if (status == NQM_OK)
+        status = nqm_directions_from_degrees(model->directions->n, model->directions->degrees, &copy->directions, err);
+    if (status == NQM_OK)
+        *copy_ret = copy;
+    else
+        nqm_model_free(copy);
+    return status;
+}
+
+nqm_status nqm_model_round_to_half(nqm_model *model, nqm_error *err) {
+    const nqm_net_shape *shape = &model->params.shape;
+    for (size_t l = 0; l + 1 < shape->n_layers; ++l)
+        for (size_t row = 0; row < shape->sizes[l + 1]; ++row)
+            for (size_t i = 0; i < shape->sizes[l]; ++i) {
+                float *w = &model->params.layer[l].w[row * shape->sizes[l] + i];
+                uint16_t half;
+                if (!(fabsf(*w) < 65520))
+                    return nqm_fail(err, NQM_ERR_NUMERIC, -1,
+                                    "model '%s': weight %g of layer %zu is too large for 16 bits (65504 at most)",
+                                    model->id, (double)*w, l);
+                nqm_half_from_float(1, w, &half);
+                nqm_half_to_float(1, &half, w);
+            }
+    model->stores_half = true;
+    return NQM_OK;
 }

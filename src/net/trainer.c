@@ -193,6 +193,17 @@ static void clear_layer(nqm_layer_values *values) {
         memset(values->vector[i], 0, values->w.n * sizeof(float));
 }
 
+/* Update `rounded` and `backward` from the weights. */
+static void convert_weights(nqm_trainer *t) {
+    for (size_t l = 0; l < t->n_hidden; ++l) {
+        nqm_trainer_layer *layer = &t->layer[l];
+        if (is_rounded(t))
+            nqm_panels_round(&layer->stored[NQM_VALUE].w, &layer->rounded);
+        if (layer->backward.data)
+            nqm_panels_transpose(&layer->stored[NQM_VALUE].w, &layer->backward);
+    }
+}
+
 void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *adam) {
     const nqm_params *const from[NQM_STORED_VALUES] = {params, adam ? &adam->m : NULL, adam ? &adam->v : NULL};
     const size_t n = t->output.n;
@@ -209,7 +220,7 @@ void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *
         }
     }
     t->n_steps = adam ? adam->step : 0;
-    nqm_trainer_refresh(t);
+    convert_weights(t);
 }
 
 void nqm_trainer_store(const nqm_trainer *t, nqm_params *params, nqm_adam *adam) {
@@ -227,16 +238,6 @@ void nqm_trainer_store(const nqm_trainer *t, nqm_params *params, nqm_adam *adam)
 
 uint64_t nqm_trainer_steps(const nqm_trainer *t) {
     return t->n_steps;
-}
-
-void nqm_trainer_refresh(nqm_trainer *t) {
-    for (size_t l = 0; l < t->n_hidden; ++l) {
-        nqm_trainer_layer *layer = &t->layer[l];
-        if (is_rounded(t))
-            nqm_panels_round(&layer->stored[NQM_VALUE].w, &layer->rounded);
-        if (layer->backward.data)
-            nqm_panels_transpose(&layer->stored[NQM_VALUE].w, &layer->backward);
-    }
 }
 
 /* ---- factors ----------------------------------------------------------------------------------------------------- */

@@ -82,7 +82,4 @@ static inline size_t nqm_row_blocks(size_t batch) {
 /** Round rows [first, first + n) of a factor, n <= 2, from x (n, f->ld). first is even. */
 void nqm_factor_rows_done(const nqm_trainer *trainer, const nqm_factor *f, size_t first, size_t n, const float *x);
 
-/** Update `rounded` and `backward` from the weights. */
-void nqm_trainer_refresh(nqm_trainer *trainer);
-
 #endif

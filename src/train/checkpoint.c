@@ -112,8 +112,9 @@ static nqm_status read_state(const nqm_safetensors *st, nqm_training *t, const c
     if (status != NQM_OK)
         return status;
     if (!(state[STATE_EPOCH] >= 1 && state[STATE_EPOCH] <= (double)t->max_epochs))
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: this checkpoint is of %g epochs, more than the %zu requested",
-                        path, state[STATE_EPOCH], t->max_epochs);
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "%s: this checkpoint is of %g epochs, more than the %zu requested", path, state[STATE_EPOCH],
+                        t->max_epochs);
     if (!(state[STATE_STEP] >= 1 && state[STATE_STEP] < 1e15 && state[STATE_BAD_EPOCHS] >= 0 &&
           state[STATE_BAD_EPOCHS] < 1e9))
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the state is out of range", path);
