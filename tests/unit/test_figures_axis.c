@@ -11,7 +11,7 @@
 
 static nqm_axis held(nqm_scale scale, double a, double b, size_t n_most) {
     nqm_axis axis = nqm_axis_make("x", scale);
-    nqm_axis_hold(&axis, 2, (double[]){a, b});
+    nqm_axis_include(&axis, 2, (double[]){a, b});
     nqm_axis_round(&axis, n_most);
     return axis;
 }

@@ -30,7 +30,7 @@ nqm_axis nqm_axis_make(const char *label, nqm_scale scale) {
     return (nqm_axis){.label = label, .scale = scale, .min = (double)INFINITY, .max = -(double)INFINITY};
 }
 
-void nqm_axis_hold(nqm_axis *axis, size_t n, const double *values) {
+void nqm_axis_include(nqm_axis *axis, size_t n, const double *values) {
     for (size_t i = 0; i < n; ++i) {
         bool has_position = isfinite(values[i]) &&
                             (axis->scale == NQM_LINEAR || values[i] > 0 || (axis->scale == NQM_SQRT && values[i] == 0));

@@ -34,7 +34,7 @@ static size_t sequence_length(const unsigned char *p) {
 }
 
 /* Copy the start of `text`, cut at the end of a character, with '?' for each byte that is not UTF-8: cairo refuses to
- * draw such text, and file names may hold it. */
+ * draw such text, and file names may contain it. */
 static void copy_text(const char *text, char line[TEXT_BYTES]) {
     size_t n_line = 0;
     while (*text) {

@@ -3,7 +3,7 @@
  * plot.h - drawings of labels, models and BRDFs as SVG, PDF or PNG: the paper's figures and more. Needs cairo (NQM_CAIRO).
  *
  * The ending of the file name gives the format (".svg", ".pdf", ".png", any case). Colours are those of Okabe and Ito
- * (2008), chosen for colour-blind readers, and viridis. No file holds a date: the same input gives the same bytes on one
+ * (2008), chosen for colour-blind readers, and viridis. No file contains a date: the same input gives the same bytes on one
  * machine; fonts differ between machines. Functions return NQM_ERR_ARG (file name, options, a build without cairo),
  * NQM_ERR_IO, NQM_ERR_NOMEM, and the errors of reading their input: NQM_ERR_FORMAT with file and line for a malformed one,
  * NQM_ERR_INCOMPATIBLE for one without anything to draw.

@@ -52,10 +52,10 @@ static nqm_status draw(const char *path, const differing *d, const nqm_plot_opti
                      .n_columns = N_THETA_H,
                      .n_rows = N_THETA_D,
                      .values = d->map};
-    nqm_axis_hold(&heat.value, N_THETA_H * N_THETA_D, d->map);
+    nqm_axis_include(&heat.value, N_THETA_H * N_THETA_D, d->map);
     if (heat.value.min > heat.value.max)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there is no direction where both BRDFs have a value", path);
-    nqm_axis_hold(&heat.value, 2, (double[]){0, 0.01}); /* rounding errors must not look like a difference */
+    nqm_axis_include(&heat.value, 2, (double[]){0, 0.01}); /* rounding errors must not look like a difference */
     nqm_axis_round(&heat.value, 6);
     nqm_plot_brdf_name(d->ref, names[0]);
     nqm_plot_brdf_name(d->test, names[1]);

@@ -69,10 +69,10 @@ static nqm_status draw(const char *path, const nqm_bar_row *predictors, size_t n
                        const nqm_plot_options *options, nqm_error *err) {
     static const char *const groups[NQM_BARS] = {"over all pairs", "mean over materials"};
     nqm_axis axis = nqm_axis_make("Spearman correlation with the labels (1: the same order)", NQM_LINEAR);
-    nqm_axis_hold(&axis, 2, (double[]){0, 1});
+    nqm_axis_include(&axis, 2, (double[]){0, 1});
     for (size_t i = 0; i < n; ++i) {
-        nqm_axis_hold(&axis, NQM_BARS, predictors[i].value);
-        nqm_axis_hold(&axis, NQM_BARS, predictors[i].low);
+        nqm_axis_include(&axis, NQM_BARS, predictors[i].value);
+        nqm_axis_include(&axis, NQM_BARS, predictors[i].low);
     }
     nqm_axis_round(&axis, 6);
     axis.max += 0.12 * (axis.max - axis.min); /* room for the numbers after the bars */

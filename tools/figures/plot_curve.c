@@ -12,8 +12,8 @@
 /* Human scores may be outside of 0 to 10. */
 static void round_axes(nqm_chart *chart) {
     for (size_t i = 0; i < chart->n_series; ++i) {
-        nqm_axis_hold(&chart->x, chart->series[i].n, chart->series[i].x);
-        nqm_axis_hold(&chart->y, chart->series[i].n, chart->series[i].y);
+        nqm_axis_include(&chart->x, chart->series[i].n, chart->series[i].x);
+        nqm_axis_include(&chart->y, chart->series[i].n, chart->series[i].y);
     }
     nqm_axis_round(&chart->x, 8);
     nqm_axis_round(&chart->y, 8);
@@ -35,8 +35,8 @@ static nqm_status draw_curve(const char *path, nqm_points *points, const nqm_reg
     chart.series = series;
     chart.n_series = points->n_series;
     memcpy(series, points->series, points->n_series * sizeof *series);
-    nqm_axis_hold(&chart.x, 1, &(double){0});
-    nqm_axis_hold(&chart.y, 2, (double[]){0, 10});
+    nqm_axis_include(&chart.x, 1, &(double){0});
+    nqm_axis_include(&chart.y, 2, (double[]){0, 10});
     round_axes(&chart);
     for (size_t i = 0; i < N_CURVE; ++i) {
         x[i] = chart.x.max * (double)i / (N_CURVE - 1);

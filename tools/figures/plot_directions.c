@@ -28,7 +28,7 @@ nqm_status nqm_plot_directions(const char *path, const nqm_directions *direction
                         .y = {.label = labels[k], .scale = NQM_LINEAR, .max = ends[k], .step = steps[k]},
                         .n_series = 1,
                         .series = &series[k]};
-        nqm_axis_hold(&charts[k].y, n, series[k].y); /* phi_d from a file may have any value */
+        nqm_axis_include(&charts[k].y, n, series[k].y); /* phi_d from a file may have any value */
         nqm_axis_round(&charts[k].y, 6);
         panels[k] = (nqm_sheet_panel){.chart = &charts[k]};
     }

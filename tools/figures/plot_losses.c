@@ -54,14 +54,14 @@ static nqm_status draw(const char *path, size_t n, const training *trainings, co
                                              .n = t->n,
                                              .x = t->values[EPOCH],
                                              .y = t->values[k]};
-            nqm_axis_hold(&upper.y, t->n, t->values[k]);
+            nqm_axis_include(&upper.y, t->n, t->values[k]);
         }
         rates[i] = (nqm_series){
             .mark = NQM_MARK_STEPS, .style = n == 1 ? 6 : i, .n = t->n, .x = t->values[EPOCH], .y = t->values[RATE]};
-        nqm_axis_hold(&lower.y, t->n, t->values[RATE]);
-        nqm_axis_hold(&lower.x, t->n, t->values[EPOCH]);
+        nqm_axis_include(&lower.y, t->n, t->values[RATE]);
+        nqm_axis_include(&lower.x, t->n, t->values[EPOCH]);
     }
-    nqm_axis_hold(&lower.x, 1, &(double){0});
+    nqm_axis_include(&lower.x, 1, &(double){0});
     nqm_axis_round(&lower.x, 10);
     nqm_axis_round(&upper.y, 6);
     nqm_axis_round(&lower.y, 4);

@@ -111,7 +111,7 @@ static nqm_status set_axis_range(nqm_chart *chart, nqm_error *err) {
         for (size_t i = 0; i < N_POINTS; ++i)
             if (chart->series[k].y[i] > 0)
                 values[n++] = chart->series[k].y[i];
-    nqm_axis_hold(&chart->y, n, values);
+    nqm_axis_include(&chart->y, n, values);
     if (n > 0)
         chart->y.min = nqm_quantile(n, values, 0.02);
     nqm_free(values);

@@ -3,7 +3,7 @@
  * sheet.h - the content of a drawing, independent of how it is drawn: axes with ticks, series of points, heat maps, bars and
  * tables in a grid of panels, with a title, a legend and a note. All strings and arrays are borrowed.
  *
- * Labels may hold subscripts and superscripts: "_{h}" and "^{-2}".
+ * Labels may contain subscripts and superscripts: "_{h}" and "^{-2}".
  */
 #ifndef NQM_FIGURES_SHEET_H
 #define NQM_FIGURES_SHEET_H
@@ -38,7 +38,7 @@ typedef struct nqm_tick_mark {
 /** An axis with an empty range. */
 nqm_axis nqm_axis_make(const char *label, nqm_scale scale);
 /** Extend the range to n values; values that are not finite, or have no position on the scale, are skipped. */
-void nqm_axis_hold(nqm_axis *axis, size_t n, const double *values);
+void nqm_axis_include(nqm_axis *axis, size_t n, const double *values);
 /** Move the ends outwards to round numbers, for about n_most ticks; an empty range, or one of a single value, is widened. */
 void nqm_axis_round(nqm_axis *axis, size_t n_most);
 /** The ticks in ascending order, about n_most of them with labels; returns their number. */

@@ -184,7 +184,7 @@ void close_output(output_file *out);
 /** Remove the temporary files of all open outputs (stop() does). */
 void abandon_outputs(void);
 
-/** Paths for the library, which does not know "-": as an input "-" gives a file with what standard input holds, as an output
+/** Paths for the library, which does not know "-": as an input "-" gives a file with the content of standard input, as an output
  *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */
 const char *input_path(const char *path);
 const char *output_path(const char *path);

@@ -40,7 +40,7 @@ typedef struct checkpoint {
 } checkpoint;
 
 static _Noreturn void stop_damage(const batch_output *out) {
-    stop(EXIT_MALFORMED, "%s does not match its journal: it is damaged; remove it to begin anew", out->part);
+    stop(EXIT_MALFORMED, "%s does not match its journal: it is damaged; remove it to start again", out->part);
 }
 
 /* Compare the terms in the journal with those of this run; the message names the first that differs. */
@@ -52,7 +52,7 @@ static void compare_terms(const batch_output *out, const char *line, const json_
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)terms, key, value) {
         if (!json_equal(value, json_object_get(before, key)))
-            stop(EXIT_INCOMPATIBLE, "%s was begun with another %s: --resume needs the same; remove it to begin anew",
+            stop(EXIT_INCOMPATIBLE, "%s was begun with another %s: --resume needs the same; remove it to start again",
                  out->part, key);
     }
     json_decref(before);
@@ -145,7 +145,7 @@ static void open_part(batch_output *out, const char *path, const json_t *terms, 
     bool goes_on =
         resume && access(out->part, F_OK) == 0; /* only a journal remains when a run was killed after the rename */
     if (goes_on && access(out->journal, F_OK) != 0)
-        stop(EXIT_INCOMPATIBLE, "%s has no journal next to it: remove it to begin anew", out->part);
+        stop(EXIT_INCOMPATIBLE, "%s has no journal next to it: remove it to start again", out->part);
     out->log = open_kept(out->journal);
     if (flock(fileno(out->log), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         stop(EXIT_OPEN, "%s: another run is writing it", out->part);

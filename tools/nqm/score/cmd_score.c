@@ -54,9 +54,9 @@ static void print_text(const score_run *run) {
     puts("\nJOD 10: no visible difference; above 9.5: practically the same; one JOD less: 75 % of people notice.\n"
          "noticed: people who would say that the reference looks better (50 % is guessing).");
     if (calibrated)
-        puts("[95 %]: where the JOD of rendered pictures lies for 95 % of pairs, if the material is new to the model "
-             "and\n"
-             "the kind of distortion is not.");
+        puts(
+            "[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material is new to the model and\n"
+            "the kind of distortion is not.");
 }
 
 static void print_csv(const score_run *run) {

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* XML cannot hold most control characters, not even escaped. */
+/* XML does not allow most control characters, not even escaped. */
 static void put_text(FILE *out, const char *text) {
     static const char special[] = "&<>\"'";
     static const char *const escaped[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
