@@ -37,7 +37,7 @@ typedef struct nqm_fit_options {
                                       make the dark base of metals too bright */
     size_t n_starts;             /**< lobe widths to start from, spaced evenly in their logarithm, 1 to 100; default 12; each
                                       is combined with a few values of the model's other parameters */
-    const nqm_fit_bound *bounds; /**< (n_bounds) for analytic models; borrowed during the call; default NULL */
+    const nqm_fit_bound *bounds; /**< (n_bounds) for analytic models; owned by the caller; default NULL */
     size_t n_bounds;             /**< default 0 */
     uint64_t seed;               /**< of the direction pairs; default 1 */
     nqm_progress_fn progress;    /**< NULL: silent */

@@ -70,7 +70,7 @@ bool nqm_mul_size(size_t a, size_t b, size_t *product);
 typedef struct nqm_map {
     const unsigned char *data;
     size_t n_bytes;
-    const char *path; /**< borrowed; for messages */
+    const char *path; /**< owned by the caller; for messages */
     bool has_fd;      /**< the file is still open as `fd` (nqm_map_open_sparse()) */
     int fd;
 } nqm_map;

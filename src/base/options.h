@@ -16,7 +16,7 @@ typedef enum nqm_option_kind {
     NQM_OPTION_U64,   /* uint64_t */
     NQM_OPTION_BOOL,  /* int, 0 or 1 */
     NQM_OPTION_ENUM,  /* an enum, counted from 0 */
-    NQM_OPTION_TEXT,  /* const char *, borrowed */
+    NQM_OPTION_TEXT,  /* const char *, owned by the caller */
     NQM_OPTION_SIZES, /* size_t n, followed by size_t values[max_sizes] */
 } nqm_option_kind;
 

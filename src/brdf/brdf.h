@@ -53,7 +53,7 @@ NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const ch
 
 /* ---- constructors, one per format -------------------------------------------------------------------------------- */
 
-/* Files: `map` holds the whole file. On success the constructor owns the map (it keeps or closes it); on failure the
+/* Files: `map` has the bytes of the whole file. On success the constructor owns the map (it keeps or closes it); on failure the
  * caller still owns it. */
 
 /** true when the first bytes look like the format (a short or damaged file of that format must still be recognised

@@ -13,18 +13,16 @@
 #define TABLE_FORMAT   "nqm-table"
 #define SCHEMA         "1"
 
-/* The network's tensors in the order of its weights. */
-enum { N_NETWORK = 6 };
-static const nqm_tensor network_tensors[N_NETWORK] = {
-    {.name = "layers.0.kernel", .n_dims = 2, .dims = {6, 21}},  {.name = "layers.0.bias", .n_dims = 1, .dims = {21}},
-    {.name = "layers.1.kernel", .n_dims = 2, .dims = {21, 21}}, {.name = "layers.1.bias", .n_dims = 1, .dims = {21}},
-    {.name = "layers.2.kernel", .n_dims = 2, .dims = {21, 3}},  {.name = "layers.2.bias", .n_dims = 1, .dims = {3}}};
+/* The network's tensors in the order of its weights; rows 0: a vector. */
+static const struct {
+    const char *name;
+    size_t rows, cols;
+} network[] = {{"layers.0.kernel", 6, 21}, {"layers.0.bias", 0, 21},   {"layers.1.kernel", 21, 21},
+               {"layers.1.bias", 0, 21},   {"layers.2.kernel", 21, 3}, {"layers.2.bias", 0, 3}};
+enum { N_NETWORK = sizeof network / sizeof *network };
 
-static size_t count(const nqm_tensor *tensor) {
-    size_t n = 1;
-    for (size_t i = 0; i < tensor->n_dims; ++i)
-        n *= tensor->dims[i];
-    return n;
+static nqm_tensor network_tensor(size_t i, const float *weights) {
+    return nqm_tensor_of(network[i].name, NQM_F32, network[i].rows, network[i].cols, weights);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
@@ -39,10 +37,8 @@ static nqm_status save_network(const nqm_brdf *brdf, const char *path, nqm_error
     const float *next = nqm_nbrdf_weights(brdf);
     nqm_tensor tensors[N_NETWORK];
     for (size_t i = 0; i < N_NETWORK; ++i) {
-        tensors[i] = network_tensors[i];
-        tensors[i].data = next;
-        tensors[i].n_bytes = count(&tensors[i]) * sizeof *next;
-        next += count(&tensors[i]);
+        tensors[i] = network_tensor(i, next);
+        next += tensors[i].n_bytes / sizeof *next;
     }
     return write_file(path, NETWORK_FORMAT, N_NETWORK, tensors, err);
 }
@@ -50,7 +46,7 @@ static nqm_status save_network(const nqm_brdf *brdf, const char *path, nqm_error
 static nqm_status save_table(const nqm_brdf *brdf, const char *path, nqm_error *err) {
     nqm_tensor tensor = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}};
     tensor.data = nqm_table_values(brdf, tensor.dims);
-    tensor.n_bytes = count(&tensor) * sizeof(float);
+    tensor.n_bytes = brdf->info.n_values * sizeof(float);
     return write_file(path, TABLE_FORMAT, 1, &tensor, err);
 }
 
@@ -78,11 +74,11 @@ static nqm_status refuse_value(const char *name, const nqm_tensor *tensor, size_
 static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     float weights[NQM_NBRDF_WEIGHTS], *next = weights;
     for (size_t t = 0; t < N_NETWORK; ++t) {
-        const nqm_tensor *tensor;
-        nqm_status status = nqm_safetensors_floats(st, &network_tensors[t], NQM_ERR_FORMAT, &tensor, err);
+        const nqm_tensor expected = network_tensor(t, NULL), *tensor;
+        nqm_status status = nqm_safetensors_floats(st, &expected, NQM_ERR_FORMAT, &tensor, err);
         if (status != NQM_OK)
             return status;
-        const size_t n = count(tensor);
+        const size_t n = tensor->n_bytes / sizeof *next;
         memcpy(next, tensor->data, n * sizeof *next); /* files of other writers may be misaligned */
         for (size_t i = 0; i < n; ++i)
             if (!isfinite(next[i]))
@@ -99,8 +95,8 @@ static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_br
         return status;
     if (tensor->dims[0] < 2 || tensor->dims[1] < 2)
         return refuse(name, tensor, 0, "has fewer than two nodes along theta_h or theta_d", err);
-    size_t bad = nqm_table_first_bad(count(tensor) / 3, tensor->data);
-    if (bad < count(tensor))
+    const size_t n = tensor->n_bytes / sizeof(float), bad = nqm_table_first_bad(n / 3, tensor->data);
+    if (bad < n)
         return refuse_value(name, tensor, bad, err);
     return nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err);
 }

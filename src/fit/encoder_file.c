@@ -71,6 +71,9 @@ static nqm_status check(const nqm_safetensors *st, const char *name, const char 
 
 nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name, const char *kind,
                              nqm_safetensors **st_ret, nqm_error *err) {
+    *st_ret = NULL;
+    if (!data)
+        return nqm_fail(err, NQM_ERR_MODEL, -1, "this build has no %s: models/encoders/%s.safetensors", name, kind);
     nqm_status status = nqm_safetensors_parse(data, n_bytes, name, st_ret, err);
     if (status == NQM_OK)
         status = check(*st_ret, name, kind, err);

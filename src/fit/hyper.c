@@ -49,14 +49,6 @@ static nqm_status measure_loss(const float *weights, size_t n, const double *hd,
     return NQM_OK;
 }
 
-static nqm_status open_embedded(nqm_hyper *hyper, nqm_error *err) {
-    size_t n_bytes;
-    const unsigned char *bytes = nqm_encoder_bytes("hyper", &n_bytes);
-    if (!bytes)
-        return nqm_fail(err, NQM_ERR_MODEL, -1, "this build has no hypernetwork (models/encoders/hyper.safetensors)");
-    return nqm_hyper_read(bytes, n_bytes, "built-in hypernetwork", hyper, err);
-}
-
 nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options, nqm_fit_report *report,
                          nqm_brdf **brdf_ret, nqm_error *err) {
     size_t n_read = samples_of[budget], n = n_read > options->n_directions ? n_read : options->n_directions;
@@ -64,8 +56,13 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_o
     nqm_hyper hyper = {0};
     /* A smaller budget reads a subset of the samples of a larger one. */
     nqm_rng rng = nqm_rng_make(options->seed, 0), check = nqm_rng_make(options->seed, 1);
-    double *hd = nqm_alloc(n, 6 * sizeof *hd), *rgb = hd + 3 * n;
-    nqm_status status = hd ? open_embedded(&hyper, err) : nqm_fail_nomem(err, 6 * n * sizeof *hd);
+    double *hd = nqm_alloc(n, 6 * sizeof *hd);
+    if (!hd)
+        return nqm_fail_nomem(err, 6 * n * sizeof *hd);
+    size_t n_bytes = 0;
+    const unsigned char *bytes = nqm_encoder_bytes("hyper", &n_bytes);
+    nqm_status status = nqm_hyper_read(bytes, n_bytes, "built-in hypernetwork", &hyper, err);
+    double *rgb = hd + 3 * n;
     if (status == NQM_OK)
         status = nqm_hyper_sample(ref, n_read, &rng, hd, rgb, err);
     if (status == NQM_OK)

@@ -105,7 +105,7 @@ void nqm_hyper_draw_example(const nqm_hyper_data *data, nqm_rng *rng, const nqm_
 /** Write the network and the names of its references. */
 NQM_MUST_CHECK nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *names,
                                           const nqm_learn_options *options, const char *path, nqm_error *err);
-/** Read the bytes of a file; NQM_ERR_MODEL unless it holds a hypernetwork that predicts NBRDFs. */
+/** Read the bytes of a file; NQM_ERR_MODEL unless it contains a hypernetwork that predicts NBRDFs. */
 NQM_MUST_CHECK nqm_status nqm_hyper_read(const unsigned char *data, size_t n_bytes, const char *name,
                                          nqm_hyper *hyper_ret, nqm_error *err);
 /** Predict the NBRDF of n samples hd, rgb (n, 3): weights (NQM_NBRDF_WEIGHTS). */

@@ -14,16 +14,8 @@ static const char kind[] = "hyper";
 /* Tensor i of the file, part of `layer`: its weights if i is even, otherwise its biases. */
 static nqm_tensor describe(size_t i, const nqm_hyper_layer *layer, char name[NAME_MAX_BYTES]) {
     const bool is_bias = i % 2 != 0;
-    const size_t n_in = is_bias ? 1 : layer->n_in;
-    nqm_tensor tensor = {.name = name,
-                         .dtype = NQM_F32,
-                         .n_dims = is_bias ? 1 : 2,
-                         .n_bytes = n_in * layer->n_out * sizeof(float),
-                         .data = is_bias ? layer->b : layer->w};
-    tensor.dims[0] = n_in;
-    tensor.dims[tensor.n_dims - 1] = layer->n_out;
     snprintf(name, NAME_MAX_BYTES, "layers.%zu.%s", i / 2, is_bias ? "bias" : "weight");
-    return tensor;
+    return nqm_tensor_of(name, NQM_F32, is_bias ? 0 : layer->n_in, layer->n_out, is_bias ? layer->b : layer->w);
 }
 
 nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *names, const nqm_learn_options *options,

@@ -27,17 +27,12 @@ nqm_status nqm_sparse_dictionary_create(size_t n_atoms, nqm_sparse_dictionary **
     return status;
 }
 
-static nqm_tensor matrix(const char *name, size_t rows, size_t cols, const float *data) {
-    const size_t n_bytes = rows * cols * sizeof *data;
-    return (nqm_tensor){.name = name, .n_dims = 2, .dims = {rows, cols}, .n_bytes = n_bytes, .data = data};
-}
-
 void nqm_sparse_tensors(const nqm_sparse_dictionary *d, nqm_tensor tensors[NQM_SPARSE_TENSORS]) {
-    tensors[0] = matrix("typical", NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical);
-    tensors[1] = matrix("basis.theta_h", NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h);
-    tensors[2] = matrix("basis.theta_d", NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d);
-    tensors[3] = matrix("basis.phi_d", NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p);
-    tensors[4] = matrix("atoms", d->n_atoms, CORE, d->atoms);
+    tensors[0] = nqm_tensor_of("typical", NQM_F32, NQM_SPARSE_H, CELLS / NQM_SPARSE_H, d->typical);
+    tensors[1] = nqm_tensor_of("basis.theta_h", NQM_F32, NQM_SPARSE_BASIS_H, NQM_SPARSE_H, d->bases.h);
+    tensors[2] = nqm_tensor_of("basis.theta_d", NQM_F32, NQM_SPARSE_BASIS_D, NQM_SPARSE_D, d->bases.d);
+    tensors[3] = nqm_tensor_of("basis.phi_d", NQM_F32, NQM_SPARSE_BASIS_P, NQM_SPARSE_P, d->bases.p);
+    tensors[4] = nqm_tensor_of("atoms", NQM_F32, d->n_atoms, CORE, d->atoms);
 }
 
 /* The mapping takes the logarithm of `typical`; matching pursuit needs atoms of unit length. */
@@ -206,12 +201,10 @@ nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_
 nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
                           nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
     (void)options; /* the directions are the nodes of the table */
-    size_t n_bytes;
+    size_t n_bytes = 0;
     const unsigned char *bytes = nqm_encoder_bytes("sparse", &n_bytes);
-    if (!bytes)
-        return nqm_fail(err, NQM_ERR_MODEL, -1, "this build has no dictionary: models/encoders/sparse.safetensors");
     nqm_sparse_dictionary *dictionary;
-    nqm_status status = nqm_sparse_dictionary_parse(bytes, n_bytes, "the built-in dictionary", &dictionary, err);
+    nqm_status status = nqm_sparse_dictionary_parse(bytes, n_bytes, "built-in dictionary", &dictionary, err);
     if (status == NQM_OK)
         status = nqm_sparse_encode(dictionary, ref, budget_atoms[budget], report, brdf_ret, err);
     nqm_free(dictionary);

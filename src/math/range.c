@@ -11,7 +11,7 @@ static bool is_within(float value, float least) {
 }
 
 bool nqm_all_within(size_t n, const float *value, float least) {
-    enum { LANES = 16 }; /* a constant inner trip count lets the compiler vectorise the loop */
+    enum { LANES = 16 }; /* a constant number of inner iterations lets the compiler vectorise the loop */
     uint32_t bad[LANES] = {0}, any = 0;
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)
