@@ -28,14 +28,15 @@ typedef struct nqm_fit_bound {
 } nqm_fit_bound;
 
 typedef struct nqm_fit_options {
-    nqm_fit_loss loss;           /**< of analytic models; default NQM_FIT_LOG */
-    size_t n_directions;         /**< direction pairs, 200 to 1000000; default 6000 */
-    double max_polar_rad;        /**< largest polar angle of both directions, 0.1 to 89.9 degrees; default 80 degrees */
-    double highlight_fraction;   /**< fraction of the pairs that are dense around the mirror direction (theta_h = max u^2 with
+    nqm_fit_loss loss;    /**< of analytic models; default NQM_FIT_LOG */
+    size_t n_directions;  /**< direction pairs, 200 to 1000000; default 6000 */
+    double max_polar_rad; /**< largest polar angle of both directions, 0.1 to 89.9 degrees; default 80 degrees */
+    double
+        highlight_fraction; /**< fraction of the pairs that are dense around the mirror direction (theta_h = max u^2 with
                                       uniform u; theta_d and phi_d uniform), so that narrow lobes influence the loss; the
                                       other pairs are uniform by solid angle; 0 to 1; default 0.05. Larger fractions
                                       make the dark base of metals too bright */
-    size_t n_starts;             /**< lobe widths to start from, spaced evenly in their logarithm, 1 to 100; default 12; each
+    size_t n_starts;        /**< lobe widths to start from, spaced evenly in their logarithm, 1 to 100; default 12; each
                                       is combined with a few values of the model's other parameters */
     const nqm_fit_bound *bounds; /**< (n_bounds) for analytic models; owned by the caller; default NULL */
     size_t n_bounds;             /**< default 0 */
@@ -48,8 +49,8 @@ typedef struct nqm_fit_options {
 NQM_API nqm_fit_options nqm_fit_options_default(void);
 
 typedef struct nqm_fit_report {
-    char spec[512];      /**< analytic models: the result as a spec for nqm_brdf_open(); otherwise "": nqm_brdf_save() it */
-    double loss;         /**< analytic models: root mean square residual of the loss; networks: mean absolute difference of
+    char spec[512]; /**< analytic models: the result as a spec for nqm_brdf_open(); otherwise "": nqm_brdf_save() it */
+    double loss;    /**< analytic models: root mean square residual of the loss; networks: mean absolute difference of
                               log(1 + cos(theta_i) f_r); sparse codes: mean absolute difference of log(1 + c f_r) */
     size_t n_directions; /**< direction pairs in that loss */
     size_t best_start;   /**< index of the start that gave the result; 0 if there is only one */
@@ -94,8 +95,8 @@ typedef enum nqm_encoder {
 } nqm_encoder;
 
 typedef struct nqm_learn_options {
-    size_t n_steps;           /**< steps of the optimiser; 0 (default): 40 for the dictionary, 16000 for the hypernetwork */
-    uint64_t seed;            /**< default 1 */
+    size_t n_steps; /**< steps of the optimiser; 0 (default): 40 for the dictionary, 16000 for the hypernetwork */
+    uint64_t seed;  /**< default 1 */
     nqm_progress_fn progress; /**< NULL: silent */
     void *progress_user;
 } nqm_learn_options;

@@ -51,7 +51,7 @@ json_t *nqm_options_json(const nqm_option_table *table, const void *options) {
     return json;
 }
 
-char *nqm_json_text(json_t *json, int n_digits) {
+char *nqm_json_text(json_t *json, size_t n_digits) {
     char *dump = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(n_digits)) : NULL;
     char *text = dump ? nqm_strdup(dump) : NULL;
     free(dump);

@@ -13,6 +13,6 @@
 json_t *nqm_options_json(const nqm_option_table *table, const void *options);
 /** Compact text of a value, whose reference is released, with n_digits (1..17) digits of its numbers; nqm_free(). NULL: out
  *  of memory, or json is NULL. */
-char *nqm_json_text(json_t *json, int n_digits);
+char *nqm_json_text(json_t *json, size_t n_digits);
 
 #endif
