@@ -16,9 +16,9 @@ extern "C" {
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
-/** Mean Delta-E ITP (ITU-R BT.2124) over the points of two renderings of the scene, (n_points, 3) cd/m2 each, weighted by
- *  nqm_scene_weights() and clipped at the display's peak; equal pictures give exactly 0. */
-NQM_API double nqm_scene_delta_e(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
+/** Compare two renderings of the scene, (n_points, 3) cd/m2 each, clipped at the display's peak; points are weighted by
+ *  nqm_scene_weights(). */
+NQM_API nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
 /** Delta-E ITP of each point: delta_e (n_points). */
 NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
                                    double *delta_e);

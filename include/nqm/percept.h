@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/percept.h - how different colours look, and how good that is: Delta-E ITP, the curve from Delta-E ITP to JOD and its
- * regression on human scores.
+ * nqm/percept.h - how different colours and pictures look, and how good that is: Delta-E ITP, the curve from Delta-E ITP to
+ * JOD and its regression on human scores, labels with parts.
  */
 #ifndef NQM_PERCEPT_H
 #define NQM_PERCEPT_H
@@ -42,6 +42,29 @@ typedef struct nqm_regress_report {
 /** Fit the curve to n pairs (delta_e, jod) by Levenberg-Marquardt from several starts; n >= 4. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_regress(size_t n, const double *delta_e, const double *jod,
                                               nqm_regress_report *report_ret, nqm_error *err);
+
+/* ---- labels ------------------------------------------------------------------------------------------------------ */
+
+/** How the pictures of two BRDFs differ. In the standard set of scenes each value is the mean over the scenes. All are 0 for
+ *  equal pictures. */
+typedef struct nqm_label {
+    double delta_e;  /**< mean Delta-E ITP (ITU-R BT.2124) over the picture; 1 is just visible */
+    double shift[3]; /**< mean of test minus reference in I, T and P, in units of Delta-E: brighter, bluer, redder */
+    double
+        contrast; /**< ln((1 + s_test) / (1 + s_ref)), where s is the standard deviation of I over the picture in units
+                           of Delta-E: above 0 the test has more contrast */
+    double structure; /**< root mean square Delta-E ITP that remains after `shift` is subtracted at every point */
+} nqm_label;
+
+/** JOD of the question whether two pictures seen apart show the same material: nqm_curve_default() at the root mean square
+ *  Delta-E ITP that remains after 85 % of the shift is subtracted, sqrt(structure^2 + (0.15 |shift|)^2). People who do not
+ *  see two pictures beside each other adapt to most of an overall change of light or colour; indices of colour constancy
+ *  in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). NaN if a part is NaN. */
+NQM_API double nqm_label_similarity(const nqm_label *label);
+enum { NQM_LABEL_TEXT = 160 };
+/** What differs, in words: "darker, a little redder, much flatter", or "no visible difference". A part is mentioned from
+ *  one Delta-E (contrast: 3 %), is "a little" below three (10 %), and "much" above ten (35 %). Returns text. */
+NQM_API const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]);
 
 #ifdef __cplusplus
 }

@@ -12,18 +12,24 @@
 extern "C" {
 #endif
 
-/** A shape on a turntable under a light map, seen by an orthographic viewer. Light and viewer are fixed. Immutable; may be
- *  used by several threads at once. */
+/** A shape on a turntable under a light map, seen by an orthographic viewer, or the standard set of four such scenes. Light and
+ *  viewer are fixed. Immutable; may be used by several threads at once.
+ *
+ *  The standard set (neither light nor shape is given) is what the built-in model "default" predicts: a blob under a low sun,
+ *  a sphere on an overcast day, a sphere in a studio, a blob in a room with windows. Its points are those of the four scenes
+ *  one after the other, and each scene has a quarter of the weight. */
 typedef struct nqm_scene nqm_scene;
 
 typedef struct nqm_scene_options {
     const char
-        *light; /**< latitude-longitude map: RGBE in PNG, OpenEXR or Radiance HDR; default NULL: a built-in sky */
+        *light; /**< "sun", "overcast", "studio", "interior", or a latitude-longitude map: RGBE in PNG, OpenEXR or
+                               Radiance HDR; default NULL: the standard set, or "sun" if a shape is given */
     const char *shape;    /**< "sphere", "blob" (a built-in smooth shape that casts shadows on itself), or a mesh file
-                               (PLY, OBJ), which is centred and scaled to the picture; default NULL: "sphere" */
+                               (PLY, OBJ), which is centred and scaled to the picture; default NULL: the standard set, or
+                               "sphere" if a light is given */
     size_t width, height; /**< picture in pixels, up to 8192; every pixel that shows the shape is a point. Default 0:
                                n_points points, distributed evenly over the pictures of all frames (faster) */
-    size_t n_points;      /**< surface points in total if width is 0; 1 to 10^7; default 3072 */
+    size_t n_points;      /**< surface points in total if width is 0; 1 (standard set: 4) to 10^7; default 3072 */
     size_t n_frames;      /**< views of the turntable, evenly over 360 degrees, 1 to 4096; default 1 */
     double turn_rad;      /**< angle of the turntable in the first frame, its front to the right; default 0 */
     double elevation_rad; /**< of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */
@@ -56,12 +62,13 @@ NQM_API size_t nqm_scene_count(const nqm_scene *scene);
  *  of threads. NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
                                                    nqm_error *err);
-/** Weight of each point: the fraction of the picture that it represents, (n_points), summing to 1. Only for scenes of a mesh
- *  or blob without a width, whose points are denser in possible highlights; NULL otherwise: all weights are equal. Owned by
- *  the scene. */
+/** Weight of each point: the fraction of the picture that it represents, (n_points), summing to 1. Only for the standard set,
+ *  and for scenes of a mesh or blob without a width, whose points are denser in possible highlights; NULL otherwise: all
+ *  weights are equal. Owned by the scene. */
 NQM_API const double *nqm_scene_weights(const nqm_scene *scene);
-/** Pixel of each point: (n_points), (frame * height + y) * width + x with the first row at the top. Only for scenes with a
- *  width; NULL otherwise. Owned by the scene. */
+/** Pixel of each point: (n_points), (frame * height + y) * width + x with the first row at the top; the scenes of the standard
+ *  set have n_frames frames each, one scene after the other. Only for scenes with a width; NULL otherwise. Owned by the
+ *  scene. */
 NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 
 #ifdef __cplusplus

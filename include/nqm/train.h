@@ -49,6 +49,8 @@ typedef struct nqm_train_labels {
     nqm_target target;  /**< paper, notebook: JOD; nqm: LOG_DELTA_E */
     double min_delta_e; /**< NQM_TARGET_LOG_DELTA_E: smaller labels are raised to this value, so that the logarithm of a
                              perfect copy is finite; the curve maps 0.05 to JOD 10 within 1e-7 */
+    double parts_weight; /**< weight of each part of the label in the loss, if the dataset has parts; 0: not predicted;
+                              paper, notebook: 0; nqm: 0.2 */
 } nqm_train_labels;
 
 /** The multi-layer perceptron. */

@@ -9,18 +9,21 @@
 
 static nqm_status allocate(const nqm_dataset_limits *l, nqm_dataset *d, nqm_error *err) {
     const size_t n = l->n_directions, r = l->max_refs, p = l->max_pairs;
-    const size_t n_samples = l->borrows_samples ? 0 : 1, n_masks = l->has_masks ? 1 : 0;
+    const size_t n_samples = l->borrows_samples ? 0 : 1, n_masks = l->has_masks ? 1 : 0, n_parts = l->has_parts ? p : 0;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&d->block, 0, 1}, {&d->ref_rgb, n_samples * r, 3 * n * sizeof *d->ref_rgb},
                    {&d->test_rgb, n_samples * p, 3 * n * sizeof *d->test_rgb}, {&d->ref_used, n_masks * r, n},
                    {&d->test_used, n_masks * p, n}, {&d->delta_e, p, sizeof *d->delta_e}, {&d->jod, p, sizeof *d->jod},
-                   {&d->pair_ref, p, sizeof *d->pair_ref}, {&d->pair_kind, p, sizeof *d->pair_kind},
-                   {&d->ref_group, r, sizeof *d->ref_group}, {&d->group_split, r, sizeof *d->group_split}),
+                   {&d->parts, n_parts, NQM_LABEL_PARTS * sizeof *d->parts}, {&d->pair_ref, p, sizeof *d->pair_ref},
+                   {&d->pair_kind, p, sizeof *d->pair_kind}, {&d->ref_group, r, sizeof *d->ref_group},
+                   {&d->group_split, r, sizeof *d->group_split}),
         err);
     if (l->borrows_samples)
         d->ref_rgb = d->test_rgb = NULL;
     if (!l->has_masks)
         d->ref_used = d->test_used = NULL;
+    if (!l->has_parts)
+        d->parts = NULL;
     return status;
 }
 

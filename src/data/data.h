@@ -8,6 +8,7 @@
 #include "base/base.h"
 #include "base/names.h"
 #include "io/io.h"
+#include "percept/percept.h"
 #include "sample/sample.h"
 #include <nqm/data.h>
 #include <nqm/model.h>
@@ -30,6 +31,7 @@ struct nqm_dataset {
     uint32_t *pair_kind;    /* (n_pairs) index of the kind of distortion */
     double *delta_e;        /* (n_pairs) Delta-E ITP, >= 0 */
     double *jod;            /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
+    double *parts;          /* (n_pairs, NQM_LABEL_PARTS) of the label; NULL: unknown */
     uint32_t *ref_group;    /* (n_refs) index of the material group */
     uint8_t *group_split;   /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
     nqm_names ref_names, group_names;
@@ -58,6 +60,7 @@ typedef struct nqm_dataset_limits {
     const double *directions_deg; /* (n_directions, 3), copied */
     size_t max_refs, max_pairs;   /* references and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
+    bool has_parts;               /* allocate parts; the caller sets them */
     bool borrows_samples;         /* ref_rgb and test_rgb stay NULL: the caller sets them (and masks) to its own memory,
                                      which must outlive the dataset */
 } nqm_dataset_limits;
@@ -86,9 +89,11 @@ NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_s
 
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
 
-enum { NQM_DATASET_ARRAYS = 11 };
+enum { NQM_DATASET_ARRAYS = 12 };
 /** The i-th array as a tensor of the dataset file: name, type, shape, and values (NULL: it does not have the array). */
 nqm_tensor nqm_dataset_array(const nqm_dataset *dataset, size_t i);
+/** Whether a dataset may lack the i-th array. */
+bool nqm_dataset_array_is_optional(size_t i);
 /** Set the values of the i-th array. */
 void nqm_dataset_set_array(nqm_dataset *dataset, size_t i, const void *values);
 

@@ -17,19 +17,21 @@ static const struct {
     nqm_dtype dtype;
     size_t offset, n_offset; /* of the pointer, and of the number of rows */
     size_t n_dims;
-    bool is_rgb; /* the last dimension is 3; a dimension between the first and that is n_directions */
+    size_t n_last; /* the last dimension; 0: n_directions. The dimension between it and the first is n_directions. */
+    bool is_optional;
 } arrays[NQM_DATASET_ARRAYS] = {
-    {"directions_deg", NQM_F64, FIELD(directions_deg), FIELD(n_directions), 2, true},
-    {"ref_rgb", NQM_F32, FIELD(ref_rgb), FIELD(n_refs), 3, true},
-    {"test_rgb", NQM_F32, FIELD(test_rgb), FIELD(n_pairs), 3, true},
-    {"ref_used", NQM_U8, FIELD(ref_used), FIELD(n_refs), 2, false},
-    {"test_used", NQM_U8, FIELD(test_used), FIELD(n_pairs), 2, false},
-    {"pair_ref", NQM_U32, FIELD(pair_ref), FIELD(n_pairs), 1, false},
-    {"pair_kind", NQM_U32, FIELD(pair_kind), FIELD(n_pairs), 1, false},
-    {"delta_e", NQM_F64, FIELD(delta_e), FIELD(n_pairs), 1, false},
-    {"jod", NQM_F64, FIELD(jod), FIELD(n_pairs), 1, false},
-    {"ref_group", NQM_U32, FIELD(ref_group), FIELD(n_refs), 1, false},
-    {"group_split", NQM_U8, FIELD(group_split), FIELD(n_groups), 1, false},
+    {"directions_deg", NQM_F64, FIELD(directions_deg), FIELD(n_directions), 2, 3, false},
+    {"ref_rgb", NQM_F32, FIELD(ref_rgb), FIELD(n_refs), 3, 3, false},
+    {"test_rgb", NQM_F32, FIELD(test_rgb), FIELD(n_pairs), 3, 3, false},
+    {"ref_used", NQM_U8, FIELD(ref_used), FIELD(n_refs), 2, 0, true},
+    {"test_used", NQM_U8, FIELD(test_used), FIELD(n_pairs), 2, 0, true},
+    {"pair_ref", NQM_U32, FIELD(pair_ref), FIELD(n_pairs), 1, 0, false},
+    {"pair_kind", NQM_U32, FIELD(pair_kind), FIELD(n_pairs), 1, 0, false},
+    {"delta_e", NQM_F64, FIELD(delta_e), FIELD(n_pairs), 1, 0, false},
+    {"jod", NQM_F64, FIELD(jod), FIELD(n_pairs), 1, 0, false},
+    {"ref_group", NQM_U32, FIELD(ref_group), FIELD(n_refs), 1, 0, false},
+    {"group_split", NQM_U8, FIELD(group_split), FIELD(n_groups), 1, 0, false},
+    {"parts", NQM_F64, FIELD(parts), FIELD(n_pairs), 2, NQM_LABEL_PARTS, true},
 };
 
 nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {
@@ -40,10 +42,14 @@ nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {
     memcpy(&t.dims[0], fields + arrays[i].n_offset, sizeof t.dims[0]);
     for (size_t k = 0; k < t.n_dims; ++k) {
         if (k > 0)
-            t.dims[k] = arrays[i].is_rgb && k + 1 == t.n_dims ? 3 : d->n_directions;
+            t.dims[k] = arrays[i].n_last && k + 1 == t.n_dims ? arrays[i].n_last : d->n_directions;
         t.n_bytes *= t.dims[k];
     }
     return t;
+}
+
+bool nqm_dataset_array_is_optional(size_t i) {
+    return arrays[i].is_optional;
 }
 
 void nqm_dataset_set_array(nqm_dataset *d, size_t i, const void *values) {
@@ -123,6 +129,10 @@ static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: JOD of pair %zu is %g, outside 0..%g", name, i, d->jod[i],
                             max_jod);
     }
+    for (size_t i = 0; d->parts && i < d->n_pairs * NQM_LABEL_PARTS; ++i)
+        if (!isfinite(d->parts[i]))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: parts of the label of pair %zu are not finite", name,
+                            i / NQM_LABEL_PARTS);
     for (size_t i = 0; i < d->n_groups; ++i)
         if (d->group_split[i] > NQM_SPLIT_TEST)
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: group_split[%zu] is %d; 0, 1 and 2 are known", name, i,

@@ -210,7 +210,7 @@ static nqm_status label_test(job *j, size_t t, nqm_error *err) {
     nqm_status status = test_view(j, test, &v, err);
     if (status != NQM_OK)
         return status;
-    double delta_e = nqm_scene_delta_e(j->context->scene, j->forms[test->ref].picture, v->picture);
+    double delta_e = nqm_scene_compare(j->context->scene, j->forms[test->ref].picture, v->picture).delta_e;
     if (!isfinite(delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
     item->delta_e[t] = delta_e;

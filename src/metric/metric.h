@@ -37,6 +37,7 @@ typedef struct nqm_sampled_pairs {
     const uint8_t *used;                   /* (n, n_directions) 0: the direction is dropped; NULL: all are used */
     double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: do not compute them */
     double *novelty;                       /* (n) receives the result of nqm_model_novelty(); NULL: do not compute it */
+    nqm_label *labels; /* (n) receives the parts, NaN if the model predicts none; NULL: not stored */
 } nqm_sampled_pairs;
 
 enum { NQM_PREDICT_BATCH = 512 };

@@ -16,7 +16,7 @@ struct nqm_predictor {
     nqm_inference_work *work;
     float *t; /* (max_batch, 2, n_directions, 3) transformed reference and test */
     float *x; /* (max_batch, stride) network inputs */
-    float *z; /* (max_batch) network outputs */
+    float *z; /* (max_batch, n_outputs) network outputs */
 };
 
 nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
@@ -32,7 +32,8 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     nqm_predictor *p;
     float *t, *x, *z;
     status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, max_batch, 6 * n_directions * sizeof *t},
-                                         {&x, max_batch, stride * sizeof *x}, {&z, max_batch, sizeof *z}),
+                                         {&x, max_batch, stride * sizeof *x},
+                                         {&z, max_batch, nqm_model_n_outputs(model) * sizeof *z}),
                               err);
     if (status != NQM_OK)
         return status;
@@ -121,6 +122,13 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
     else
         nqm_parallel_for((pairs->n + job.n_at_once - 1) / job.n_at_once, compose, &job);
     nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
-    for (size_t i = 0; i < pairs->n; ++i)
-        jod[i] = nqm_model_jod(p->model, (double)p->z[i], delta_e ? &delta_e[i] : NULL);
+    const size_t n_outputs = nqm_model_n_outputs(p->model);
+    const double nan = (double)NAN;
+    for (size_t i = 0; i < pairs->n; ++i) {
+        const float *z = p->z + i * n_outputs;
+        jod[i] = nqm_model_jod(p->model, (double)*z, delta_e ? &delta_e[i] : NULL);
+        if (pairs->labels)
+            pairs->labels[i] = nqm_model_has_parts(p->model) ? nqm_model_label(p->model, z)
+                                                             : (nqm_label){nan, {nan, nan, nan}, nan, nan};
+    }
 }

@@ -29,6 +29,7 @@ struct nqm_scorer {
     uint8_t *used;             /* (room, n_directions) */
     double *jod, *delta_e, *novelty; /* (room) */
     double *metrics;                 /* (room, NQM_METRIC_COUNT) */
+    nqm_label *labels;               /* (room) */
     /* Of nqm_scorer_run() only: */
     bool has_samples;             /* it was called: rgb and flag have room for samples */
     float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
@@ -79,7 +80,8 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
                    {&s->ref, n, sizeof *s->ref}, {&s->test, n, sizeof *s->test}, {&s->used, n, n_directions},
                    {&s->jod, n, sizeof *s->jod}, {&s->delta_e, n, sizeof *s->delta_e},
                    {&s->novelty, n, sizeof *s->novelty}, {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics},
-                   {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
+                   {&s->labels, n, sizeof *s->labels}, {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb},
+                   {&s->flag, n_samples, n_directions}),
         err);
     if (status == NQM_OK)
         status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
@@ -116,8 +118,14 @@ void nqm_scorer_free(nqm_scorer *scorer) {
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
 
 static nqm_score_result no_score(nqm_status status) {
-    nqm_score_result result = {
-        .status = status, .jod = NAN, .delta_e = NAN, .jod_low = NAN, .jod_high = NAN, .novelty = NAN};
+    nqm_score_result result = {.status = status,
+                               .jod = NAN,
+                               .delta_e = NAN,
+                               .jod_low = NAN,
+                               .jod_high = NAN,
+                               .novelty = NAN,
+                               .parts = {NAN, {NAN, NAN, NAN}, NAN, NAN},
+                               .similarity = NAN};
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         result.metrics[m] = NAN;
     return result;
@@ -234,6 +242,10 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
     result->jod = jod;
     result->delta_e = s->delta_e[place];
     result->novelty = novelty;
+    result->parts = s->labels[place];
+    if (result->identical && nqm_model_has_parts(s->model))
+        result->parts = (nqm_label){.delta_e = 0};
+    result->similarity = nqm_label_similarity(&result->parts);
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
     nqm_model_interval(s->model, jod, novelty, &result->jod_low, &result->jod_high);
@@ -254,7 +266,8 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
                                      .test = s->test,
                                      .used = s->used,
                                      .metrics = s->options.metrics ? s->metrics : NULL,
-                                     .novelty = s->novelty};
+                                     .novelty = s->novelty,
+                                     .labels = s->labels};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
     for (size_t i = 0; i < n; ++i)
         settle(s, s->place[i], &results[i]);

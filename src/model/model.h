@@ -8,9 +8,9 @@
 
 #include "net/inference.h"
 #include "net/net.h"
+#include "percept/percept.h"
 #include "sample/sample.h"
 #include <nqm/model.h>
-#include <nqm/percept.h>
 
 enum { NQM_NOVELTY_BLOCK = 16, NQM_NOVELTY_MAX_GROWTH = 10 };
 
@@ -34,7 +34,9 @@ struct nqm_model {
     nqm_scalar_whitening scalars; /* the scalar features follow the samples in the input */
     nqm_target target;
     nqm_output_range output;
-    nqm_curve curve; /* for NQM_TARGET_LOG_DELTA_E */
+    nqm_output_range
+        parts[NQM_LABEL_PARTS]; /* of the outputs after the first, if there are any: nqm_model_has_parts() */
+    nqm_curve curve;            /* for NQM_TARGET_LOG_DELTA_E */
     size_t n_interval;
     size_t n_novelty; /* blocks of NQM_NOVELTY_BLOCK training pairs for novelty.c; 0: none */
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
@@ -92,6 +94,20 @@ NQM_MUST_CHECK nqm_status nqm_model_copy(const nqm_model *model, nqm_model **cop
  *  nqm_model_save() then stores them. The golden scores must be recomputed. NQM_ERR_NUMERIC: a weight is too
  *  large. */
 NQM_MUST_CHECK nqm_status nqm_model_round_to_half(nqm_model *model, nqm_error *err);
+/** Whether the model predicts the parts of a label: by one output each, after that of its target. */
+static inline bool nqm_model_has_parts(const struct nqm_model *model) {
+    return model->params.shape.sizes[model->params.shape.n_layers] > 1;
+}
+/** Outputs of the network. */
+static inline size_t nqm_model_n_outputs(const struct nqm_model *model) {
+    return nqm_model_has_parts(model) ? 1 + NQM_LABEL_PARTS : 1;
+}
+/** The quantities that outputs are trained to predict instead of the parts, so that small differences count and large ones
+ *  do not dominate: asinh of shift and of 30 times contrast, logarithm of structure (raised to min_structure > 0). */
+void nqm_parts_to_targets(const double parts[NQM_LABEL_PARTS], double min_structure, double targets[NQM_LABEL_PARTS]);
+void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[NQM_LABEL_PARTS]);
+/** The parts of a label for the raw outputs z (n_outputs) of a model with parts; delta_e is the first output's. */
+nqm_label nqm_model_label(const struct nqm_model *model, const float *z);
 /** JOD for the network's raw output z; *delta_e_ret (NULL allowed) receives the predicted Delta-E (NaN: none). */
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
 

@@ -69,7 +69,8 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
         shape->n_layers = l + 1;
     }
     size_t n = shape->n_layers;
-    if (n == 0 || shape->sizes[n] != 1) /* the last layer has one output */
+    const bool known = n > 0 && (shape->sizes[n] == 1 || shape->sizes[n] == 1 + NQM_LABEL_PARTS);
+    if (!known) /* a hidden layer is the last */
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.%zu.weight' is missing", r->name, n);
     return NQM_OK;
 }
@@ -235,7 +236,8 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
     const bool has[NQM_PART_COUNT] = {[NQM_PART_ALWAYS] = true,
                                       [NQM_PART_SCALARS] = model->scalar_names,
                                       [NQM_PART_INTERVAL] = model->calibration,
-                                      [NQM_PART_NOVELTY] = points};
+                                      [NQM_PART_NOVELTY] = points,
+                                      [NQM_PART_LABEL] = nqm_model_has_parts(model)};
     if (interval && !model->calibration)
         return refuse(r, interval, "needs the metadata 'calibration'");
     if (points && !(model->calibration && model->scalar_names))
@@ -257,6 +259,9 @@ static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
         bad = "whitening.std";
     if (!(model->output.std > 0 && model->output.lo < model->output.hi))
         bad = "target";
+    for (size_t i = 0; nqm_model_has_parts(model) && i < NQM_LABEL_PARTS; ++i)
+        if (!(model->parts[i].std > 0 && model->parts[i].lo < model->parts[i].hi))
+            bad = "label_parts";
     for (size_t i = 0; model->scalar_names && i < NQM_SCALAR_COUNT; ++i)
         if (!(model->scalars.std[i] > 0))
             bad = "scalars.std";

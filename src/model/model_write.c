@@ -35,6 +35,7 @@ const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"whitening.std", NQM_PART_ALWAYS, NQM_F32, 0, 3, FIELD(features.std), 0},
     {"difference_scale", NQM_PART_ALWAYS, NQM_F64, 0, 1, FIELD(features.difference_scale), 0},
     {"target", NQM_PART_ALWAYS, NQM_F64, 0, 4, FIELD(output), 0},
+    {"label_parts", NQM_PART_LABEL, NQM_F64, NQM_LABEL_PARTS, 4, FIELD(parts), 0},
     {"jod_curve", NQM_PART_ALWAYS, NQM_F64, 0, 3, FIELD(curve), 0},
     {"scalars.mean", NQM_PART_SCALARS, NQM_F32, 0, N, FIELD(scalars.mean), 0},
     {"scalars.std", NQM_PART_SCALARS, NQM_F32, 0, N, FIELD(scalars.std), 0},
@@ -115,7 +116,8 @@ nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *e
                                       [NQM_PART_GOLDEN] = true,
                                       [NQM_PART_SCALARS] = model->scalar_names,
                                       [NQM_PART_INTERVAL] = model->interval,
-                                      [NQM_PART_NOVELTY] = model->n_novelty > 0};
+                                      [NQM_PART_NOVELTY] = model->n_novelty > 0,
+                                      [NQM_PART_LABEL] = nqm_model_has_parts(model)};
     c->half = model->stores_half ? half : NULL;
     collect(c, model, has);
     nqm_meta meta[2 + NQM_MODEL_TEXTS] = {{"format", NQM_MODEL_FORMAT}, {"schema", NQM_MODEL_SCHEMA}};

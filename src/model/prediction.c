@@ -8,10 +8,40 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+/* About as many units of asinh for a contrast as for a shift that looks as large (label.c mentions 0.03 and 1). */
+static const double contrast_unit = 30;
+
+void nqm_parts_to_targets(const double parts[NQM_LABEL_PARTS], double min_structure, double targets[NQM_LABEL_PARTS]) {
+    for (size_t k = 0; k < 3; ++k)
+        targets[k] = asinh(parts[k]);
+    targets[3] = asinh(contrast_unit * parts[3]);
+    targets[4] = log(fmax(parts[4], min_structure));
+}
+
+void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[NQM_LABEL_PARTS]) {
+    for (size_t k = 0; k < 3; ++k)
+        parts[k] = sinh(targets[k]);
+    parts[3] = sinh(targets[3]) / contrast_unit;
+    parts[4] = exp(targets[4]);
+}
+
+static double target_of(const nqm_output_range *o, double z) {
+    return o->mean + o->std * (o->lo + (o->hi - o->lo) * nqm_sigmoid(z));
+}
+
+nqm_label nqm_model_label(const struct nqm_model *model, const float *z) {
+    double targets[NQM_LABEL_PARTS], parts[NQM_LABEL_PARTS];
+    nqm_label label;
+    for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
+        targets[k] = target_of(&model->parts[k], (double)z[1 + k]);
+    nqm_parts_from_targets(targets, parts);
+    nqm_label_set_parts(&label, parts);
+    (void)nqm_model_jod(model, (double)z[0], &label.delta_e);
+    return label;
+}
+
 double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret) {
-    const nqm_output_range *o = &model->output;
-    double normalised = o->lo + (o->hi - o->lo) * nqm_sigmoid(z);
-    double target = o->mean + o->std * normalised;
+    double target = target_of(&model->output, z);
     double delta_e = model->target == NQM_TARGET_LOG_DELTA_E ? exp(target) : (double)NAN;
     if (delta_e_ret)
         *delta_e_ret = delta_e;

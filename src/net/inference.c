@@ -77,6 +77,7 @@ static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, c
     nqm_status status = NQM_OK;
     net->is_packed = precision != NQM_PRECISION_F32;
     net->n_layers = shape->n_layers - 1;
+    net->n_outputs = shape->sizes[shape->n_layers];
     net->output = params->layer[net->n_layers].w;
     net->output_bias = params->layer[net->n_layers].b;
     for (size_t l = 0; status == NQM_OK && l < net->n_layers; ++l) {

@@ -49,7 +49,7 @@ void nqm_inference_work_free(nqm_inference_work *work);
  *
  * @param n    rows, 0..max_batch
  * @param x    (n, inputs) with ldx floats from row to row; nqm_row_stride(inputs) is fastest
- * @param z    (n) receives the output layer's value before the sigmoid
+ * @param z    (n, outputs) receives the output layer's values before the sigmoid
  */
 void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_t ldx, float *z);
 

@@ -30,7 +30,7 @@ typedef struct rows {
     size_t slot;     /* row of the workspace's arrays that holds the first of them */
     const float *x;  /* (n, inputs) ldx floats from row to row */
     size_t ldx;
-    float *z; /* (n) */
+    float *z; /* (n, outputs) */
 } rows;
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */
@@ -247,7 +247,9 @@ static void finish_row(const rows *r, size_t l, size_t i) {
     if (l + 1 < net->n_layers)
         round_segments(r, l + 1, i, y);
     else
-        r->z[i] = r->kernels->dot(layer->n_out, net->output, y) + net->output_bias[0];
+        for (size_t o = 0; o < net->n_outputs; ++o)
+            r->z[i * net->n_outputs + o] =
+                r->kernels->dot(layer->n_out, net->output + o * layer->n_out, y) + net->output_bias[o];
 }
 
 /* All layers for some rows, by the threads of the parallel region that it is called in. */
@@ -330,7 +332,7 @@ static bool take_rows(const rows *all, size_t most, rows *part) {
     part->n = n;
     part->slot = (size_t)omp_get_thread_num() * most;
     part->x += first * part->ldx;
-    part->z += first;
+    part->z += first * work->net->n_outputs;
     return n > 0;
 }
 

@@ -32,7 +32,8 @@ typedef struct nqm_inference_layer {
 struct nqm_inference_net {
     size_t n_layers; /**< hidden layers, at least one */
     nqm_inference_layer layer[NQM_NET_MAX_LAYERS];
-    const float *output, *output_bias; /**< (n_out of the last hidden layer), (1): the output layer, borrowed */
+    size_t n_outputs;
+    const float *output, *output_bias; /**< (n_outputs, n_out of the last hidden layer), (n_outputs): borrowed */
     bool _Atomic has_run, is_packed;   /**< is_packed: the panels of floats are filled */
 };
 

@@ -18,15 +18,17 @@ double nqm_sigmoid(double z) {
 }
 
 /* In a form that neither overflows for large differences nor rounds small ones to 0. */
-double nqm_logcosh_loss(size_t batch, const float *z, const float *target, double lo, double hi, float *dz) {
+double nqm_logcosh_loss(size_t batch, size_t n_outputs, const nqm_output_bounds *bounds, const float *z,
+                        const float *target, float *dz) {
     const double ln2 = 0.69314718055994531;
     double sum = 0;
-    for (size_t i = 0; i < batch; ++i) {
+    for (size_t i = 0; i < batch * n_outputs; ++i) {
+        const nqm_output_bounds *b = &bounds[i % n_outputs];
         double s = nqm_sigmoid((double)z[i]);
-        double d = lo + (hi - lo) * s - (double)target[i];
-        sum += fabs(d) + log1p(exp(-2.0 * fabs(d))) - ln2;
+        double d = b->lo + (b->hi - b->lo) * s - (double)target[i];
+        sum += b->weight * (fabs(d) + log1p(exp(-2.0 * fabs(d))) - ln2);
         if (dz)
-            dz[i] = (float)(tanh(d) * (hi - lo) * s * (1.0 - s) / (double)batch);
+            dz[i] = (float)(b->weight * (tanh(d) * (b->hi - b->lo) * s * (1.0 - s) / (double)batch));
     }
     return sum / (double)batch;
 }

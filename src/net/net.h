@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, loss, learning-rate schedules. The sizes of the
- * layers are data; the paper's are 3000-1024-716-501-1. Training is in net/trainer.h, scoring in net/inference.h.
+ * layers are data; the paper's are 3000-1024-716-501-1. A network may have several outputs, each with its bounds. Training is in net/trainer.h, scoring in net/inference.h.
  *
  *   hidden layer l   y = dropout(GELU(LayerNorm(x W_l^T + b_l)))
  *   output layer     z = x W^T + b
@@ -12,7 +12,7 @@
 
 #include "base/base.h"
 
-enum { NQM_NET_MAX_LAYERS = 8 };
+enum { NQM_NET_MAX_LAYERS = 8, NQM_NET_MAX_OUTPUTS = 16 };
 
 /** Sizes of an MLP; layer l maps sizes[l] values to sizes[l+1]. */
 typedef struct nqm_net_shape {
@@ -37,7 +37,7 @@ typedef struct nqm_params {
     nqm_layer layer[NQM_NET_MAX_LAYERS];
 } nqm_params;
 
-/** NQM_ERR_ARG when a width (1..2^24) or the number of layers is out of range, or the last width is not 1. */
+/** NQM_ERR_ARG when a width (1..2^24) or the number of layers is out of range, or there are more than NQM_NET_MAX_OUTPUTS outputs. */
 NQM_MUST_CHECK nqm_status nqm_net_shape_check(const nqm_net_shape *shape, nqm_error *err);
 
 enum { NQM_MIN_PARALLEL = 16384 }; /**< floats; for fewer, waking a thread costs more than it saves */
@@ -57,9 +57,16 @@ typedef struct nqm_dropout {
     const uint8_t *given[NQM_NET_MAX_LAYERS]; /**< (batch, out) 1 = keep; NULL: hash */
 } nqm_dropout;
 
-/** Mean log cosh(d), d = prediction - target, prediction = lo + (hi-lo) sigmoid(z), written stably as
- *  |d| + log1p(exp(-2|d|)) - log 2. dz (batch) receives d loss / d z; NULL allowed. */
-double nqm_logcosh_loss(size_t batch, const float *z, const float *target, double lo, double hi, float *dz);
+/** The range of an output's predictions, and its weight in the loss. */
+typedef struct nqm_output_bounds {
+    double lo, hi, weight;
+} nqm_output_bounds;
+
+/** Sum over the outputs of weight times the mean of log cosh(d), d = prediction - target, prediction = lo + (hi-lo) sigmoid(z),
+ *  written stably as |d| + log1p(exp(-2|d|)) - log 2. z, target: (batch, n_outputs); dz, the same shape, receives
+ *  d loss / d z; NULL allowed. */
+double nqm_logcosh_loss(size_t batch, size_t n_outputs, const nqm_output_bounds *bounds, const float *z,
+                        const float *target, float *dz);
 double nqm_sigmoid(double z);
 
 /** The state of Adam between steps, as a checkpoint stores it. net/trainer.h takes the steps. */

@@ -19,7 +19,8 @@ size_t nqm_params_count(const nqm_net_shape *shape) {
 }
 
 static bool shape_is_sane(const nqm_net_shape *shape) {
-    if (shape->n_layers < 2 || shape->n_layers > NQM_NET_MAX_LAYERS || shape->sizes[shape->n_layers] != 1)
+    if (shape->n_layers < 2 || shape->n_layers > NQM_NET_MAX_LAYERS ||
+        shape->sizes[shape->n_layers] > NQM_NET_MAX_OUTPUTS)
         return false;
     for (size_t l = 0; l <= shape->n_layers; ++l)
         if (shape->sizes[l] < 1 || shape->sizes[l] > (size_t)1 << 24)
@@ -46,9 +47,9 @@ static void set_views(nqm_params *params) {
 nqm_status nqm_net_shape_check(const nqm_net_shape *shape, nqm_error *err) {
     if (shape_is_sane(shape))
         return NQM_OK;
-    return nqm_fail(
-        err, NQM_ERR_ARG, -1,
-        "network: the number of layers (2..8) or a width (1..16777216) is out of range, or the last width is not 1");
+    return nqm_fail(err, NQM_ERR_ARG, -1,
+                    "network: the number of layers (2..8) or a width (1..16777216) is out of range, or there are more "
+                    "than 16 outputs");
 }
 
 nqm_status nqm_params_create(const nqm_net_shape *shape, nqm_params *params_ret, nqm_error *err) {

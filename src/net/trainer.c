@@ -80,9 +80,10 @@ static void set_layer(nqm_trainer *t, size_t l) {
 static void set_output(nqm_trainer *t) {
     nqm_trainer_output *output = &t->output;
     output->n = t->shape.sizes[t->n_hidden];
+    output->n_outputs = t->shape.sizes[t->n_hidden + 1];
     for (size_t i = 0; i < NQM_STORED_VALUES; ++i)
-        output->stored[i] = next_floats(t, output->n + 1);
-    output->sums = next_floats(t, nqm_row_blocks(t->options.max_batch) * output->n);
+        output->stored[i] = next_floats(t, output->n_outputs * (output->n + 1));
+    output->sums = next_floats(t, nqm_row_blocks(t->options.max_batch) * output->n_outputs * output->n);
 }
 
 /* Arrays that the layers use in turn. */
@@ -206,17 +207,17 @@ static void convert_weights(nqm_trainer *t) {
 
 void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *adam) {
     const nqm_params *const from[NQM_STORED_VALUES] = {params, adam ? &adam->m : NULL, adam ? &adam->v : NULL};
-    const size_t n = t->output.n;
+    const size_t n_biases = t->output.n_outputs, n_weights = n_biases * t->output.n;
     for (size_t i = 0; i < NQM_STORED_VALUES; ++i) {
-        float *output = memset(t->output.stored[i], 0, (n + 1) * sizeof *output);
+        float *output = memset(t->output.stored[i], 0, (n_weights + n_biases) * sizeof *output);
         for (size_t l = 0; l < t->n_hidden; ++l)
             if (from[i])
                 load_layer(&t->layer[l].stored[i], &from[i]->layer[l]);
             else
                 clear_layer(&t->layer[l].stored[i]);
         if (from[i]) {
-            memcpy(output, from[i]->layer[t->n_hidden].w, n * sizeof *output);
-            output[n] = from[i]->layer[t->n_hidden].b[0];
+            memcpy(output, from[i]->layer[t->n_hidden].w, n_weights * sizeof *output);
+            memcpy(output + n_weights, from[i]->layer[t->n_hidden].b, n_biases * sizeof *output);
         }
     }
     t->n_steps = adam ? adam->step : 0;
@@ -225,12 +226,12 @@ void nqm_trainer_load(nqm_trainer *t, const nqm_params *params, const nqm_adam *
 
 void nqm_trainer_store(const nqm_trainer *t, nqm_params *params, nqm_adam *adam) {
     nqm_params *const to[NQM_STORED_VALUES] = {params, adam ? &adam->m : NULL, adam ? &adam->v : NULL};
-    const size_t n = t->output.n;
+    const size_t n_biases = t->output.n_outputs, n_weights = n_biases * t->output.n;
     for (size_t i = 0; i < NQM_STORED_VALUES && to[i]; ++i) {
         for (size_t l = 0; l < t->n_hidden; ++l)
             store_layer(&t->layer[l].stored[i], &to[i]->layer[l]);
-        memcpy(to[i]->layer[t->n_hidden].w, t->output.stored[i], n * sizeof(float));
-        to[i]->layer[t->n_hidden].b[0] = t->output.stored[i][n];
+        memcpy(to[i]->layer[t->n_hidden].w, t->output.stored[i], n_weights * sizeof(float));
+        memcpy(to[i]->layer[t->n_hidden].b, t->output.stored[i] + n_weights, n_biases * sizeof(float));
     }
     if (adam)
         adam->step = t->n_steps;
@@ -286,8 +287,8 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
     return r;
 }
 
-/* LayerNorm, GELU and dropout of layer l, after the product. For the last hidden layer, z (batch) receives the output layer's
- * pre-activation. */
+/* LayerNorm, GELU and dropout of layer l, after the product. For the last hidden layer, z (batch, outputs) receives the output
+ * layer's values. */
 static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dropout *dropout, float *z) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_trainer_output *output = &t->output;
@@ -299,8 +300,9 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
         for (size_t i = first; i < first + n; ++i) {
             nqm_hidden_row r = hidden_row_at(t, l, i, dropout);
             kernels->hidden_row(&r);
-            if (l + 1 == t->n_hidden)
-                z[i] = kernels->dot(output->n, w, r.y) + w[output->n];
+            for (size_t o = 0; l + 1 == t->n_hidden && o < output->n_outputs; ++o)
+                z[i * output->n_outputs + o] =
+                    kernels->dot(output->n, w + o * output->n, r.y) + w[output->n_outputs * output->n + o];
         }
         if (l + 1 < t->n_hidden)
             nqm_factor_rows_done(t, &layer->y, first, n, row_at(&layer->y, first));

@@ -47,7 +47,7 @@ float *nqm_trainer_input(nqm_trainer *trainer, size_t i);
 /** Rows [first, first + n) of the input are complete; call it for all rows before nqm_trainer_forward(), on the thread that
  *  filled them. first is even; n is 2, or 1 for the last row of an odd number. */
 void nqm_trainer_inputs_done(nqm_trainer *trainer, size_t first, size_t n);
-/** z (batch) receives the output layer's value before the sigmoid. dropout NULL: none. */
+/** z (batch, outputs) receives the output layer's values before the sigmoid. dropout NULL: none. */
 void nqm_trainer_forward(nqm_trainer *trainer, size_t batch, const nqm_dropout *dropout, float *z);
 
 /** Set the dropout mask of row `row` of hidden layer `layer`, n wide. */
@@ -61,7 +61,7 @@ typedef struct nqm_step_rates {
     double weight_decay;
     bool freeze_first_layernorm;
 } nqm_step_rates;
-/** One step for a loss with d loss / d z = dz (batch). Once for each nqm_trainer_forward(), whose activations it overwrites. */
+/** One step for a loss with d loss / d z = dz (batch, outputs). Once for each nqm_trainer_forward(), whose activations it overwrites. */
 void nqm_trainer_step(nqm_trainer *trainer, size_t batch, const float *dz, const nqm_step_rates *rates);
 /** The gradients of such a loss instead of a step. dx (batch, sizes[0]) receives the gradient of the input; NULL: none. */
 void nqm_trainer_gradients(nqm_trainer *trainer, size_t batch, const float *dz, nqm_params *grads, float *dx);

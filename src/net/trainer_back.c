@@ -133,7 +133,7 @@ static void hidden_back(nqm_trainer *t, const sink *s, size_t l, size_t batch) {
 
 typedef struct backward {
     size_t batch;
-    const float *dz;             /* (batch) d loss / d z */
+    const float *dz;             /* (batch, outputs) d loss / d z */
     const nqm_step_rates *rates; /* of a step; NULL: store gradients in grads */
     nqm_params *grads;
     float *dx; /* (batch, inputs) NULL: not computed */
@@ -166,43 +166,48 @@ static void layer_back(nqm_trainer *t, const backward *pass, size_t l) {
 /* A block of rows of the output layer: the gradient of its input, and the sum of the gradients of its weights. */
 static void output_block_back(nqm_trainer *t, const backward *pass, size_t block) {
     const nqm_trainer_layer *layer = &t->layer[t->n_hidden - 1];
-    const size_t n = t->output.n, first = block * NQM_ROW_BLOCK;
+    const size_t n = t->output.n, n_outputs = t->output.n_outputs, first = block * NQM_ROW_BLOCK;
     const size_t end = nqm_smaller(first + NQM_ROW_BLOCK, pass->batch);
     const float *w = t->output.stored[NQM_VALUE];
-    float *sums = memset(t->output.sums + block * n, 0, n * sizeof *sums);
+    float *sums = memset(t->output.sums + block * n_outputs * n, 0, n_outputs * n * sizeof *sums);
     for (size_t row = first; row < end; ++row) {
-        const float dz = pass->dz[row], *y = layer->y.x + row * layer->ld;
-        float *dy = layer->dz.x + row * layer->ld;
+        const float *y = layer->y.x + row * layer->ld;
+        float *dy = memset(layer->dz.x + row * layer->ld, 0, n * sizeof *dy);
+        for (size_t o = 0; o < n_outputs; ++o) {
+            const float dz = pass->dz[row * n_outputs + o];
 #pragma omp simd
-        for (size_t i = 0; i < n; ++i) {
-            dy[i] = dz * w[i];
-            sums[i] += dz * y[i];
+            for (size_t i = 0; i < n; ++i) {
+                dy[i] += dz * w[o * n + i];
+                sums[o * n + i] += dz * y[i];
+            }
         }
     }
 }
 
 static void output_back(nqm_trainer *t, const backward *pass) {
     const nqm_trainer_output *output = &t->output;
-    const size_t n_blocks = nqm_row_blocks(pass->batch), n = output->n;
-    float *sums = output->sums;
+    const size_t n_blocks = nqm_row_blocks(pass->batch), n_outputs = output->n_outputs, n = n_outputs * output->n;
+    float *sums = output->sums, bias[NQM_NET_MAX_OUTPUTS];
 #pragma omp parallel for schedule(static) if (pass->batch * n >= NQM_MIN_PARALLEL)
     for (size_t block = 0; block < n_blocks; ++block)
         output_block_back(t, pass, block);
     add_blocks(n_blocks, n, sums);
-    double sum = 0;
-    for (size_t i = 0; i < pass->batch; ++i)
-        sum += (double)pass->dz[i];
-    const float bias = (float)sum;
+    for (size_t o = 0; o < n_outputs; ++o) {
+        double sum = 0;
+        for (size_t i = 0; i < pass->batch; ++i)
+            sum += (double)pass->dz[i * n_outputs + o];
+        bias[o] = (float)sum;
+    }
     if (!pass->rates) {
         const nqm_layer *grads = &pass->grads->layer[t->n_hidden];
         memcpy(grads->w, sums, n * sizeof *sums);
-        grads->b[0] = bias;
+        memcpy(grads->b, bias, n_outputs * sizeof *bias);
         return;
     }
     const nqm_adam_rate rate = nqm_adam_rate_at(pass->rates->lr_deeper, pass->rates->weight_decay, t->n_steps);
     float *value = output->stored[NQM_VALUE], *m = output->stored[NQM_MOMENT1], *v = output->stored[NQM_MOMENT2];
     nqm_adam_update(n, &rate, sums, m, v, value);
-    nqm_adam_update(1, &rate, &bias, m + n, v + n, value + n);
+    nqm_adam_update(n_outputs, &rate, bias, m + n, v + n, value + n);
 }
 
 /* Overwrites the inputs with their gradient. */

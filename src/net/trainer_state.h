@@ -47,11 +47,11 @@ typedef struct nqm_trainer_layer {
     float *rstd;   /**< (max_batch) */
 } nqm_trainer_layer;
 
-/** The output layer, which has one output and is float in every precision. */
+/** The output layer, which is float in every precision. */
 typedef struct nqm_trainer_output {
-    size_t n;                         /**< inputs */
-    float *stored[NQM_STORED_VALUES]; /**< (n + 1) of the weights, then of the bias */
-    float *sums;                      /**< (row blocks, n) gradients of the weights */
+    size_t n, n_outputs;              /**< n: inputs */
+    float *stored[NQM_STORED_VALUES]; /**< of the weights (n_outputs, n), then of the biases (n_outputs) */
+    float *sums;                      /**< (row blocks, n_outputs, n) gradients of the weights */
 } nqm_trainer_output;
 
 struct nqm_trainer {

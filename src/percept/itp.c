@@ -49,16 +49,3 @@ double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2) {
     double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return 720 * sqrt(nqm_dot3(d, d));
 }
-
-double nqm_picture_delta_e(size_t n_pixels, const double *ref_cdm2, const double *test_cdm2, double peak_cdm2) {
-    double sum = 0;
-    for (size_t i = 0; i < n_pixels; ++i) {
-        double ref[3], test[3];
-        for (int k = 0; k < 3; ++k) {
-            ref[k] = fmin(ref_cdm2[3 * i + (size_t)k], peak_cdm2);
-            test[k] = fmin(test_cdm2[3 * i + (size_t)k], peak_cdm2);
-        }
-        sum += nqm_delta_e_itp(ref, test);
-    }
-    return n_pixels ? sum / (double)n_pixels : 0;
-}

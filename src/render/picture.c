@@ -71,6 +71,13 @@ static void render_point(void *user, size_t i) {
 }
 
 nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
+        status = nqm_scene_render(scene->parts[p], brdf, rgb_cdm2, err);
+        rgb_cdm2 += 3 * scene->parts[p]->seen.n;
+    }
+    if (scene->n_parts > 0)
+        return status;
     rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
     nqm_parallel_for(scene->seen.n, render_point, &r);
     if (atomic_load(&r.out_of_memory))
@@ -81,7 +88,9 @@ nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double
     return NQM_OK;
 }
 
-void nqm_scene_background(const nqm_scene *scene, double *rgb_cdm2) {
+void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2) {
+    if (scene->n_parts > 0)
+        scene = scene->parts[frame / scene->options.n_frames];
     const double half = tan(NQM_PI / 6); /* 60 degrees high */
     double height = (double)scene->options.height, width = (double)scene->options.width, axes[9];
     nqm_view_axes(scene->options.elevation_rad, axes);

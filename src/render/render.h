@@ -18,9 +18,13 @@
 extern const nqm_option_table nqm_scene_option_table;
 /** Light directions per point: n_lights, or the value that 0 stands for. */
 size_t nqm_scene_n_lights(const nqm_scene_options *options);
-/** The light map behind the shape in any frame, with a vertical field of view of 60 degrees: rgb_cdm2 (height, width, 3). Only
+/** Whether the options name no light and no shape, and so the standard set of NQM_STANDARD_SCENES scenes. */
+bool nqm_scene_is_standard(const nqm_scene_options *options);
+/** Frames of all scenes of the options together, for pixel indices. */
+size_t nqm_scene_frames(const nqm_scene_options *options);
+/** The light map behind the shape in a frame, with a vertical field of view of 60 degrees: rgb_cdm2 (height, width, 3). Only
  *  for scenes with a width. */
-void nqm_scene_background(const nqm_scene *scene, double *rgb_cdm2);
+void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2);
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
@@ -48,8 +52,10 @@ size_t nqm_light_eval(const nqm_light *light, const double *w, double *rgb);
 /** A direction in a cell, uniform in solid angle for uniform u, v in [0, 1). */
 void nqm_light_direction(const nqm_light *light, size_t cell, double u, double v, double *w);
 
-/** Draw the built-in sky into a new picture (nqm_free its rgb). */
-NQM_MUST_CHECK nqm_status nqm_sky_draw(nqm_image *image_ret, nqm_error *err);
+/** Whether `name` is a built-in light: "sun", "overcast", "studio" or "interior". */
+bool nqm_light_is_builtin(const char *name);
+/** Draw a built-in light into a new picture (nqm_free its rgb). */
+NQM_MUST_CHECK nqm_status nqm_light_draw(const char *name, nqm_image *image_ret, nqm_error *err);
 
 /* ---- shapes ------------------------------------------------------------------------------------------------------ */
 
@@ -174,8 +180,14 @@ typedef struct nqm_incident {
     nqm_bounce *bounce; /* (n_bounces) */
 } nqm_incident;
 
+enum { NQM_STANDARD_SCENES = 4 };
+
+/** One scene, or several: then the points of the parts follow each other, and of the fields below `parts` only options, weight
+ *  and pixel are used. */
 struct nqm_scene {
     nqm_scene_options options; /* n_lights filled in; strings NULL */
+    size_t n_parts;            /* 0: one scene */
+    nqm_scene *parts[NQM_STANDARD_SCENES];
     nqm_light light;
     nqm_shape shape;
     nqm_seen seen;

@@ -23,9 +23,11 @@ static const double max_kept_bytes = 512.0 * 1024 * 1024;
 
 /* clang-format off */
 static const nqm_option rows[] = {
-    {FIELD(shape), .kind = NQM_OPTION_TEXT, .metavar = "SHAPE", .help = "'sphere' (default), 'blob', or a mesh: PLY or OBJ"},
-    {FIELD(light), .kind = NQM_OPTION_TEXT, .metavar = "FILE",
-     .help = "latitude-longitude map: OpenEXR, Radiance HDR or RGBE in a PNG (default: a built-in sky)"},
+    {FIELD(shape), .kind = NQM_OPTION_TEXT, .metavar = "SHAPE",
+     .help = "'sphere', 'blob', or a mesh: PLY or OBJ (default: without --light the standard set of scenes, else 'sphere')"},
+    {FIELD(light), .kind = NQM_OPTION_TEXT, .metavar = "LIGHT",
+     .help = "'sun', 'overcast', 'studio', 'interior', or a latitude-longitude map: OpenEXR, Radiance HDR or RGBE in a PNG\n"
+             "(default: without --shape the standard set of scenes, else 'sun')"},
     {FIELD(width), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = MAX_SIDE},
     {FIELD(height), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = MAX_SIDE},
     {FIELD(n_points), .name = "points", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1e7,
@@ -71,10 +73,10 @@ static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
     if (o->n_lights && o->n_lights < MIN_LIGHTS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions per point; at least %d are needed",
                         o->n_lights, (int)MIN_LIGHTS);
-    if (!o->width != !o->height || !(o->width || o->n_points))
+    if (!o->width != !o->height || !(o->width || o->n_points >= (nqm_scene_is_standard(o) ? NQM_STANDARD_SCENES : 1)))
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: a picture of %zu x %zu pixels and %zu points", o->width,
                         o->height, o->n_points);
-    size_t n = o->width ? o->width * o->height : o->n_points, frames = o->width ? o->n_frames : 1;
+    size_t n = o->width ? o->width * o->height : o->n_points, frames = o->width ? nqm_scene_frames(o) : 1;
     if (n > MAX_POINTS / frames || (double)n * (double)frames * (double)nqm_scene_n_lights(o) > max_directions)
         return nqm_fail(
             err, NQM_ERR_ARG, -1,
@@ -92,7 +94,9 @@ static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
 
 static nqm_status load_lights(const nqm_scene_options *o, nqm_light *light_ret, nqm_light *glow_ret, nqm_error *err) {
     nqm_image image;
-    nqm_status status = o->light ? nqm_image_load(o->light, &image, err) : nqm_sky_draw(&image, err);
+    const char *name = o->light ? o->light : "sun";
+    nqm_status status =
+        nqm_light_is_builtin(name) ? nqm_light_draw(name, &image, err) : nqm_image_load(name, &image, err);
     if (status != NQM_OK)
         return status;
     status = nqm_light_create(&image, o->light_width, light_ret, err);
@@ -177,6 +181,60 @@ static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_e
     return status == NQM_OK ? light_points(scene, o, err) : status;
 }
 
+/* ---- the standard set -------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *light, *shape;
+} standard[NQM_STANDARD_SCENES] = {{"sun", "blob"}, {"overcast", "sphere"}, {"studio", "sphere"}, {"interior", "blob"}};
+
+bool nqm_scene_is_standard(const nqm_scene_options *options) {
+    return !options->light && !options->shape;
+}
+
+size_t nqm_scene_frames(const nqm_scene_options *options) {
+    return options->n_frames * (nqm_scene_is_standard(options) ? NQM_STANDARD_SCENES : 1);
+}
+
+/* Concatenate the weights and pixels of the parts; each part has the same total weight. */
+static nqm_status join_parts(nqm_scene *scene, nqm_error *err) {
+    const nqm_scene_options *o = &scene->options;
+    nqm_seen *all = &scene->seen;
+    for (size_t p = 0; p < scene->n_parts; ++p)
+        all->n += scene->parts[p]->seen.n;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&all->point, 0, sizeof *all->point}, {&all->weight, all->n, sizeof *all->weight},
+                                    {&all->pixel, o->width ? all->n : 0, sizeof *all->pixel}),
+                         err);
+    for (size_t p = 0, at = 0; status == NQM_OK && p < scene->n_parts; ++p) {
+        const nqm_seen *part = &scene->parts[p]->seen;
+        for (size_t i = 0; i < part->n; ++i, ++at) {
+            all->weight[at] = (part->weight ? part->weight[i] : 1 / (double)part->n) / (double)scene->n_parts;
+            if (o->width)
+                all->pixel[at] = part->pixel[i] + p * o->n_frames * o->width * o->height;
+        }
+    }
+    if (!o->width)
+        all->pixel = NULL;
+    return status;
+}
+
+static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    scene->options = *o;
+    scene->options.n_lights = nqm_scene_n_lights(o);
+    for (size_t p = 0; status == NQM_OK && p < NQM_STANDARD_SCENES; ++p) {
+        nqm_scene_options part = *o;
+        part.light = standard[p].light;
+        part.shape = standard[p].shape;
+        part.n_points = (o->n_points + p) / NQM_STANDARD_SCENES;
+        status = nqm_scene_create(&part, &scene->parts[p], err);
+        scene->n_parts += status == NQM_OK;
+    }
+    return status == NQM_OK ? join_parts(scene, err) : status;
+}
+
+/* ---- entry -------------------------------------------------------------------------------------------------------- */
+
 nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret, nqm_error *err) {
     nqm_scene_options defaults = nqm_scene_options_default();
     const nqm_scene_options *o = options ? options : &defaults;
@@ -187,7 +245,7 @@ nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_
     nqm_scene *scene = nqm_alloc(1, sizeof *scene);
     if (!scene)
         return nqm_fail_nomem(err, sizeof *scene);
-    status = fill_scene(scene, o, err);
+    status = nqm_scene_is_standard(o) ? fill_parts(scene, o, err) : fill_scene(scene, o, err);
     if (status == NQM_OK)
         *scene_ret = scene;
     else
@@ -204,6 +262,8 @@ void nqm_scene_free(nqm_scene *scene) {
     nqm_free(scene->seen.point);
     nqm_shape_clear(&scene->shape);
     nqm_free(scene->light.rgb);
+    for (size_t i = 0; i < scene->n_parts; ++i)
+        nqm_scene_free(scene->parts[i]);
     nqm_free(scene);
 }
 

@@ -152,22 +152,27 @@ static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
 
 /* ---- targets ----------------------------------------------------------------------------------------------------- */
 
-static double raw_target(const nqm_examples *e, size_t row) {
+static double raw_target(const nqm_examples *e, size_t row, size_t output) {
+    const nqm_dataset *d = e->dataset;
+    const double least = e->options->labels.min_delta_e;
     uint32_t pair = e->rows.row[row].pair;
-    if (e->options->labels.target == NQM_TARGET_JOD)
-        return e->dataset->jod[pair];
-    return log(fmax(e->dataset->delta_e[pair], e->options->labels.min_delta_e));
+    double targets[NQM_LABEL_PARTS];
+    if (output > 0) {
+        nqm_parts_to_targets(d->parts + (size_t)pair * NQM_LABEL_PARTS, least, targets);
+        return targets[output - 1];
+    }
+    return e->options->labels.target == NQM_TARGET_JOD ? d->jod[pair] : log(fmax(d->delta_e[pair], least));
 }
 
-/* Normalise targets to z-scores of the training examples, whose range becomes that of the sigmoid output. */
-static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
+/* Normalise the targets of an output to z-scores of the training examples, whose range becomes that of the sigmoid. */
+static nqm_status find_targets(nqm_examples *e, size_t output, nqm_error *err) {
     size_t n_base = e->rows.n_train, n_rows = n_base + e->rows.n_validation;
     double copies = (double)e->n_train / (double)n_base, sum = 0, squares = 0, lo = INFINITY, hi = -INFINITY;
     for (size_t i = 0; i < n_base; ++i)
-        sum += raw_target(e, i);
+        sum += raw_target(e, i, output);
     const double mean = sum / (double)n_base;
     for (size_t i = 0; i < n_base; ++i) {
-        double d = raw_target(e, i) - mean;
+        double d = raw_target(e, i, output) - mean;
         squares += d * d;
         lo = fmin(lo, d);
         hi = fmax(hi, d);
@@ -175,9 +180,9 @@ static nqm_status find_targets(nqm_examples *e, nqm_error *err) {
     const double std = sqrt(copies * squares / ((double)e->n_train - 1));
     if (!(std > 1e-9))
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the training labels do not differ: nothing can be learnt");
-    e->output = (nqm_output_range){.mean = mean, .std = std, .lo = lo / std, .hi = hi / std};
+    e->output[output] = (nqm_output_range){.mean = mean, .std = std, .lo = lo / std, .hi = hi / std};
     for (size_t i = 0; i < n_rows; ++i)
-        e->target[i] = (float)((raw_target(e, i) - mean) / std);
+        e->target[i * e->n_outputs + output] = (float)((raw_target(e, i, output) - mean) / std);
     return NQM_OK;
 }
 
@@ -191,12 +196,12 @@ static nqm_status allocate(nqm_examples *e, nqm_error *err) {
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "balancing needs %zu noisy copies, %.1f GB: train without balancing",
                         e->rows.n_noisy, noise_bytes * 1e-9);
     return nqm_alloc_arrays(
-        NQM_ARRAYS({&e->ref_t, d->n_refs, n * sizeof(float)}, {&e->test_t, d->n_pairs, n * sizeof(float)},
-                   {&e->noisy_t, e->rows.n_noisy, 2 * n * sizeof(float)}, {&e->target, n_rows, sizeof(float)},
-                   {&e->scalars, e->options->input.scalars ? n_rows - e->rows.n_train + e->n_train : 0,
-                    NQM_SCALAR_COUNT * sizeof(float)},
-                   {&e->scratch, e->max_batch, 2 * n * sizeof(float)},
-                   {&e->used_scratch, e->max_batch, d->n_directions}),
+        NQM_ARRAYS(
+            {&e->ref_t, d->n_refs, n * sizeof(float)}, {&e->test_t, d->n_pairs, n * sizeof(float)},
+            {&e->noisy_t, e->rows.n_noisy, 2 * n * sizeof(float)}, {&e->target, n_rows, e->n_outputs * sizeof(float)},
+            {&e->scalars, e->options->input.scalars ? n_rows - e->rows.n_train + e->n_train : 0,
+             NQM_SCALAR_COUNT * sizeof(float)},
+            {&e->scratch, e->max_batch, 2 * n * sizeof(float)}, {&e->used_scratch, e->max_batch, d->n_directions}),
         err);
 }
 
@@ -206,6 +211,7 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
     e->features = (nqm_features){.layout = o->input.layout, .difference_scale = o->input.difference_scale};
     e->samples_width = nqm_features_width(o->input.layout, d->n_directions);
     e->width = e->samples_width + (o->input.scalars ? NQM_SCALAR_COUNT : 0);
+    e->n_outputs = d->parts && o->labels.parts_weight > 0 ? 1 + NQM_LABEL_PARTS : 1;
     nqm_status status = nqm_rows_create(d, o, &e->rows, err);
     e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE ? 1 : 2);
     if (status == NQM_OK)
@@ -217,8 +223,8 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
     }
     if (status == NQM_OK && o->input.scalars)
         status = nqm_examples_find_scalars(e, err);
-    if (status == NQM_OK)
-        status = find_targets(e, err);
+    for (size_t output = 0; status == NQM_OK && output < e->n_outputs; ++output)
+        status = find_targets(e, output, err);
     if (status != NQM_OK)
         nqm_examples_free(e);
     return status;
@@ -264,7 +270,8 @@ static void gather_row(const gather_job *job, size_t r) {
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->options->input.scalars)
         memcpy(x + e->samples_width, e->scalars + i * NQM_SCALAR_COUNT, NQM_SCALAR_COUNT * sizeof *x);
-    job->to->target[r] = e->target[row_of(e, i)];
+    memcpy(job->to->target + r * e->n_outputs, e->target + row_of(e, i) * e->n_outputs,
+           e->n_outputs * sizeof *e->target);
 }
 
 /* Rows per task. Even, so that the same thread processes both rows of a rows_done() call: their results may share cache

@@ -22,25 +22,25 @@ typedef struct run {
     nqm_examples examples;
     nqm_training state;
     nqm_trainer *trainer;
-    size_t *order; /* (n_train); owns the arrays below and state.history */
-    float *target; /* (batch) */
-    float *z, *dz; /* (batch) */
+    size_t *order;          /* (n_train); owns the arrays below and state.history */
+    float *target, *z, *dz; /* (batch, n_outputs) */
     nqm_ticker ticker;
+    nqm_output_bounds bounds[1 + NQM_LABEL_PARTS];
     size_t steps_per_epoch, epochs_resumed;
     uint64_t dropout_seed;
 } run;
 
-static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs) {
+static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs, size_t n_outputs) {
     nqm_net_shape shape = {.n_layers = o->network.n_hidden + 1, .sizes = {n_inputs}};
     for (size_t i = 0; i < o->network.n_hidden; ++i)
         shape.sizes[i + 1] = o->network.hidden[i];
-    shape.sizes[o->network.n_hidden + 1] = 1;
+    shape.sizes[o->network.n_hidden + 1] = n_outputs;
     return shape;
 }
 
 static nqm_status allocate(run *r, nqm_error *err) {
     const nqm_train_options *o = r->options;
-    nqm_net_shape shape = shape_of(o, r->examples.width);
+    nqm_net_shape shape = shape_of(o, r->examples.width, r->examples.n_outputs);
     const nqm_trainer_options options = {.precision = o->optimiser.precision, .max_batch = o->optimiser.batch};
     nqm_status status = nqm_params_create(&shape, &r->state.params, err);
     if (status == NQM_OK && o->run.checkpoint)
@@ -49,11 +49,14 @@ static nqm_status allocate(run *r, nqm_error *err) {
         status = nqm_trainer_create(&shape, &options, &r->trainer, err);
     if (status != NQM_OK)
         return status;
-    const size_t batch = o->optimiser.batch;
+    const size_t batch = o->optimiser.batch, n_values = batch * r->examples.n_outputs;
+    for (size_t i = 0; i < r->examples.n_outputs; ++i)
+        r->bounds[i] =
+            (nqm_output_bounds){r->examples.output[i].lo, r->examples.output[i].hi, i ? o->labels.parts_weight : 1};
     r->state.max_epochs = o->optimiser.epochs;
     return nqm_alloc_arrays(NQM_ARRAYS({&r->order, r->examples.n_train, sizeof *r->order},
-                                       {&r->target, batch, sizeof(float)}, {&r->z, batch, sizeof(float)},
-                                       {&r->dz, batch, sizeof(float)},
+                                       {&r->target, n_values, sizeof(float)}, {&r->z, n_values, sizeof(float)},
+                                       {&r->dz, n_values, sizeof(float)},
                                        {&r->state.history, r->state.max_epochs, sizeof *r->state.history}),
                             err);
 }
@@ -110,7 +113,7 @@ static double step(run *r, size_t n, const size_t *index) {
     const nqm_batch_inputs to = inputs_of(r);
     nqm_examples_gather(&r->examples, n, index, &to);
     nqm_trainer_forward(r->trainer, n, &dropout, r->z);
-    double loss = nqm_logcosh_loss(n, r->z, r->target, r->examples.output.lo, r->examples.output.hi, r->dz);
+    double loss = nqm_logcosh_loss(n, r->examples.n_outputs, r->bounds, r->z, r->target, r->dz);
     nqm_trainer_step(r->trainer, n, r->dz, &rates);
     return loss;
 }
@@ -137,7 +140,7 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Mean loss of the validation examples; z_ret (n_validation) receives the network's outputs, NULL allowed. */
+/* Mean loss of the validation examples; z_ret (n_validation, n_outputs) receives the network's outputs, NULL allowed. */
 static double validate(run *r, float *z_ret) {
     size_t n_validation = r->examples.rows.n_validation, batch = r->options->optimiser.batch;
     double sum = 0;
@@ -146,9 +149,9 @@ static double validate(run *r, float *z_ret) {
         size_t n = nqm_smaller(n_validation - first, batch);
         nqm_examples_gather_validation(&r->examples, first, n, &to);
         nqm_trainer_forward(r->trainer, n, NULL, r->z);
-        sum += (double)n * nqm_logcosh_loss(n, r->z, r->target, r->examples.output.lo, r->examples.output.hi, NULL);
+        sum += (double)n * nqm_logcosh_loss(n, r->examples.n_outputs, r->bounds, r->z, r->target, NULL);
         if (z_ret)
-            memcpy(z_ret + first, r->z, n * sizeof *z_ret);
+            memcpy(z_ret + first * r->examples.n_outputs, r->z, n * r->examples.n_outputs * sizeof *z_ret);
     }
     return sum / (double)n_validation;
 }
@@ -217,7 +220,8 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     m->features = e->features;
     m->scalars = e->scalar_whitening;
     m->target = r->options->labels.target;
-    m->output = e->output;
+    m->output = e->output[0];
+    memcpy(m->parts, e->output + 1, (e->n_outputs - 1) * sizeof *m->parts);
     m->curve = nqm_curve_published;
     m->scalar_names = r->options->input.scalars ? nqm_scalar_names() : NULL;
     if (r->options->input.scalars && !m->scalar_names)
@@ -236,7 +240,7 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
     for (size_t i = 0; status == NQM_OK && i < rows->n_validation; ++i) {
         const nqm_row *row = &rows->row[rows->n_train + i];
         if (!row->copy)
-            nqm_residuals_add(&residuals, d, row->pair, nqm_model_jod(m, (double)z[i], NULL));
+            nqm_residuals_add(&residuals, d, row->pair, nqm_model_jod(m, (double)z[i * r->examples.n_outputs], NULL));
     }
     if (status == NQM_OK)
         report->validation_spearman = nqm_spearman(residuals.n, residuals.predicted, residuals.label);
@@ -276,7 +280,7 @@ static nqm_status name_model(const run *r, struct nqm_model *m, const nqm_train_
 
 static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret, nqm_error *err) {
     struct nqm_model *m = nqm_alloc(1, sizeof *m);
-    float *z = nqm_alloc(r->examples.rows.n_validation, sizeof *z);
+    float *z = nqm_alloc(r->examples.rows.n_validation, r->examples.n_outputs * sizeof *z);
     nqm_status status = m && z ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
     if (status == NQM_OK) {
         validate(r, z);

@@ -75,10 +75,11 @@ typedef struct nqm_examples {
     nqm_features features;
     float *scalars; /* (n_train + rows.n_validation, NQM_SCALAR_COUNT) whitened; options->input.scalars 0: not used */
     nqm_scalar_whitening scalar_whitening;
-    nqm_output_range output;
-    float *target;                          /* (rows.n_train + rows.n_validation) normalised, in the order of `rows` */
-    float *scratch;                         /* (max_batch, 2, n_directions, 3) */
-    uint8_t *used_scratch;                  /* (max_batch, n_directions) */
+    size_t n_outputs; /* 1, or 1 + NQM_LABEL_PARTS */
+    nqm_output_range output[1 + NQM_LABEL_PARTS];
+    float *target;         /* (rows.n_train + rows.n_validation, n_outputs) normalised, in the order of `rows` */
+    float *scratch;        /* (max_batch, 2, n_directions, 3) */
+    uint8_t *used_scratch; /* (max_batch, n_directions) */
     size_t max_batch, width, samples_width; /* widths of the input and of its prefix of samples */
 } nqm_examples;
 
@@ -91,7 +92,7 @@ typedef struct nqm_batch_inputs {
     /* Called by the thread that has filled rows first and, if n is 2, first + 1. `first` is even. NULL: not called. */
     void (*rows_done)(void *user, size_t first, size_t n);
     void *user;
-    float *target; /* (n) */
+    float *target; /* (n, n_outputs) */
 } nqm_batch_inputs;
 
 /** Gather inputs and targets of the training examples index[0..n), n <= max_batch. */

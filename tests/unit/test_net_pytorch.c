@@ -137,7 +137,7 @@ static double loss_of(fixture *f, const nqm_dropout *dropout, float *z, float *d
             nqm_trainer_inputs_done(f->trainer, i / 2 * 2, 1 + i % 2);
     }
     nqm_trainer_forward(f->trainer, BATCH, dropout, z);
-    return nqm_logcosh_loss(BATCH, z, target, lo, hi, dz);
+    return nqm_logcosh_loss(BATCH, 1, &(nqm_output_bounds){lo, hi, 1}, z, target, dz);
 }
 
 static void check_one_pass(fixture *f, const char *kind, const nqm_dropout *dropout) {

@@ -40,11 +40,12 @@ static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision pre
         if (i % 2 || i + 1 == batch)
             nqm_trainer_inputs_done(t.trainer, i / 2 * 2, 1 + i % 2);
     }
-    t.target = nqm_alloc(batch, sizeof *t.target);
-    for (size_t i = 0; i < batch; ++i)
+    const size_t n_outputs = shape.sizes[shape.n_layers];
+    t.target = nqm_alloc(batch * n_outputs, sizeof *t.target);
+    for (size_t i = 0; i < batch * n_outputs; ++i)
         t.target[i] = (float)nqm_rng_normal(&rng);
-    t.z = nqm_alloc(batch, sizeof *t.z);
-    t.dz = nqm_alloc(batch, sizeof *t.dz);
+    t.z = nqm_alloc(batch * n_outputs, sizeof *t.z);
+    t.dz = nqm_alloc(batch * n_outputs, sizeof *t.dz);
     return t;
 }
 
@@ -59,7 +60,8 @@ static void free_trainee(trainee *t) {
 
 static double loss_of(trainee *t, const nqm_dropout *dropout) {
     nqm_trainer_forward(t->trainer, t->batch, dropout, t->z);
-    return nqm_logcosh_loss(t->batch, t->z, t->target, -2, 2, t->dz);
+    static const nqm_output_bounds bounds[] = {{-2, 2, 1}, {-1, 2, 0.5}, {-2, 1, 0.25}};
+    return nqm_logcosh_loss(t->batch, t->shape.sizes[t->shape.n_layers], bounds, t->z, t->target, t->dz);
 }
 
 static double train_step(trainee *t, uint64_t step) {
@@ -72,9 +74,8 @@ static double train_step(trainee *t, uint64_t step) {
 /* Along random directions in the space of all parameters. The forward pass rounds to float, so a central difference
  * over 2h has a rounding error of about 1e-6/h; h = 0.02 balances that with the truncation error. The derivatives are
  * around 0.03. */
-static void gradients_by_differences(void **state) {
-    (void)state;
-    trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, 1}}, 20, NQM_PRECISION_F32);
+static void check_gradients(size_t n_outputs) {
+    trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, n_outputs}}, 20, NQM_PRECISION_F32);
     const nqm_dropout dropout = {.p = 0.2, .seed = seed, .step = 3};
     nqm_rng rng = nqm_rng_make(seed, 200);
     const double h = 0.02;
@@ -103,6 +104,12 @@ static void gradients_by_differences(void **state) {
     nqm_free(start);
     nqm_free(u);
     free_trainee(&t);
+}
+
+static void gradients_by_differences(void **state) {
+    (void)state;
+    check_gradients(1);
+    check_gradients(3);
 }
 
 /* The complete state after training: parameters and Adam's moments. */
@@ -134,7 +141,7 @@ static outcome trained(nqm_precision precision, int threads, const nqm_kernels *
     int before = omp_get_max_threads();
     omp_set_num_threads(threads);
     nqm_kernels_use(kernels);
-    trainee t = make_trainee((nqm_net_shape){4, {2100, 530, 201, 75, 1}}, 290, precision);
+    trainee t = make_trainee((nqm_net_shape){4, {2100, 530, 201, 75, 3}}, 290, precision);
     for (uint64_t step = 0; step < 4; ++step)
         train_step(&t, step);
     outcome o = outcome_of(&t);
@@ -294,7 +301,8 @@ static void loss_is_stable(void **state) {
     for (size_t i = 0; i < 6; ++i) {
         float dz;
         double d = fabs((double)targets[i]), expected = d < 30 ? log(cosh(d)) : d - log(2);
-        assert_near(nqm_logcosh_loss(1, &z, &targets[i], -3, 3, &dz), expected, 1e-15 + 1e-12 * expected);
+        assert_near(nqm_logcosh_loss(1, 1, &(nqm_output_bounds){-3, 3, 1}, &z, &targets[i], &dz), expected,
+                    1e-15 + 1e-12 * expected);
         assert_near((double)dz, tanh(-(double)targets[i]) * 6 * 0.25, 1e-6);
     }
     assert_near(nqm_sigmoid(800), 1, 0);

@@ -62,16 +62,6 @@ static void out_of_range_is_clamped(void **state) {
     assert_true(nqm_delta_e_itp(wild, tame) == 0);
 }
 
-static void picture_is_a_mean_under_the_peak(void **state) {
-    (void)state;
-    static const double ref[6] = {10, 20, 30, 900, 2000, 5}, test[6] = {12, 20, 25, 800, 3000, 5};
-    static const double ref_shown[3] = {900, 1000, 5}, test_shown[3] = {800, 1000, 5};
-    double expected = (nqm_delta_e_itp(ref, test) + nqm_delta_e_itp(ref_shown, test_shown)) / 2;
-    assert_near(nqm_picture_delta_e(2, ref, test, 1000), expected, 1e-12);
-    assert_true(nqm_picture_delta_e(2, ref, ref, 1000) == 0);
-    assert_true(nqm_picture_delta_e(0, ref, test, 1000) == 0);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pq_signals),
@@ -79,7 +69,6 @@ int main(void) {
         cmocka_unit_test(differences),
         cmocka_unit_test(greys_have_no_colour),
         cmocka_unit_test(out_of_range_is_clamped),
-        cmocka_unit_test(picture_is_a_mean_under_the_peak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

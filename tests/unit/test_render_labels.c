@@ -48,7 +48,7 @@ static void label_all(const nqm_scene_options *o, double *delta_e) {
         nqm_brdf *a = open_brdf(pair[i][0]), *b = open_brdf(pair[i][1]);
         assert_int_equal(nqm_scene_render(scene, a, ref, NULL), NQM_OK);
         assert_int_equal(nqm_scene_render(scene, b, test, NULL), NQM_OK);
-        delta_e[i] = nqm_scene_delta_e(scene, ref, test);
+        delta_e[i] = nqm_scene_compare(scene, ref, test).delta_e;
         assert_true(delta_e[i] > 0.1);
         nqm_brdf_free(a);
         nqm_brdf_free(b);
@@ -60,7 +60,7 @@ static void label_all(const nqm_scene_options *o, double *delta_e) {
 
 static nqm_scene_options small_scene(const char *shape) {
     nqm_scene_options o = nqm_scene_options_default();
-    o.shape = nqm_tracer_version() ? shape : NULL;
+    o.shape = nqm_tracer_version() ? shape : "sphere";
     o.n_points = 768;
     o.n_lights = 64;
     o.n_frames = 4;
@@ -70,7 +70,9 @@ static nqm_scene_options small_scene(const char *shape) {
 static void seeds(void **state) {
     (void)state;
     double one[N_PAIRS], two[N_PAIRS];
-    nqm_scene_options o = small_scene("blob");
+    nqm_scene_options o = nqm_scene_options_default();
+    if (!nqm_tracer_version())
+        skip(); /* the standard set has a blob */
     label_all(&o, one);
     o.seed = 2;
     label_all(&o, two);

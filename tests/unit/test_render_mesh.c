@@ -201,12 +201,12 @@ static void equal_brdfs_give_exactly_zero(void **state) {
         double *a = render(scene, "sgd:nickel"), *b = render(scene, "sgd:nickel"), *c = render(scene, "ward:nickel");
         double *map = nqm_alloc(scene->seen.n, sizeof *map), sum = 0;
         assert_non_null(map);
-        assert_true(nqm_scene_delta_e(scene, a, b) == 0);
+        assert_true(nqm_scene_compare(scene, a, b).delta_e == 0);
         nqm_scene_delta_e_map(scene, a, c, map);
         for (size_t k = 0; k < scene->seen.n; ++k)
             sum += map[k] * (scene->seen.weight ? scene->seen.weight[k] : 1 / (double)scene->seen.n);
         assert_true(sum > 0);
-        assert_relative(nqm_scene_delta_e(scene, a, c), sum, 1e-12);
+        assert_relative(nqm_scene_compare(scene, a, c).delta_e, sum, 1e-12);
         nqm_free(a);
         nqm_free(b);
         nqm_free(c);

@@ -107,7 +107,7 @@ static double *render(const nqm_scene *scene, const nqm_brdf *brdf) {
 
 static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf *test) {
     double *a = render(scene, ref), *b = render(scene, test);
-    double delta_e = nqm_scene_delta_e(scene, a, b);
+    double delta_e = nqm_scene_compare(scene, a, b).delta_e;
     nqm_free(a);
     nqm_free(b);
     return delta_e;
@@ -172,7 +172,7 @@ static void filtering_keeps_the_power(void **state) {
 static void sky_has_the_contrast_of_a_real_one(void **state) {
     (void)state;
     nqm_image image;
-    assert_int_equal(nqm_sky_draw(&image, NULL), NQM_OK);
+    assert_int_equal(nqm_light_draw("sun", &image, NULL), NQM_OK);
     double sum = 0, area = 0, max = 0, sun = 0;
     for (size_t y = 0; y < image.height; ++y)
         for (size_t x = 0; x < image.width; ++x) {
@@ -209,8 +209,8 @@ static void white_furnace(void **state) {
 
 static void sphere_under_a_small_lamp(void **state) {
     (void)state;
-    nqm_scene *scene = make_scene(NULL, 200, 16, 1); /* owns the surface points */
-    size_t cell = 40 * WIDTH + 30;                   /* high, left of and behind the viewer */
+    nqm_scene *scene = make_scene("sun", 200, 16, 1); /* owns the surface points */
+    size_t cell = 40 * WIDTH + 30;                    /* high, left of and behind the viewer */
     nqm_light lamp = make_light(0, cell, 1, 1000);
     double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but preserves its flux */
     nqm_light_direction(&lamp, cell, 0.5, 0.5, towards);
@@ -298,10 +298,10 @@ static void microfacets_under_the_sky(void **state) {
     (void)state;
     nqm_image image;
     nqm_light sky;
-    assert_int_equal(nqm_sky_draw(&image, NULL), NQM_OK);
+    assert_int_equal(nqm_light_draw("sun", &image, NULL), NQM_OK);
     assert_int_equal(nqm_light_create(&image, WIDTH, &sky, NULL), NQM_OK);
     nqm_free(image.rgb);
-    nqm_scene *scene = make_scene(NULL, 40, 16, 1); /* owns the surface points */
+    nqm_scene *scene = make_scene("sun", 40, 16, 1); /* owns the surface points */
     static const double alphas[] = {0.02, 0.06, 0.2};
     for (size_t a = 0; a < 3; ++a) {
         nqm_brdf *brdf = make_gloss(0.1, 1, alphas[a]);
@@ -348,7 +348,7 @@ static void no_fireflies(void **state) {
 
 static void equal_brdfs_give_exactly_zero(void **state) {
     (void)state;
-    nqm_scene *scene = make_scene(NULL, 200, 100, 9);
+    nqm_scene *scene = make_scene("sun", 200, 100, 9);
     nqm_brdf *a = make_gloss(0.2, 1, 0.01), *b = make_gloss(0.2, 1, 0.01);
     assert_true(label(scene, a, b) == 0);
     nqm_brdf_free(a);
@@ -361,9 +361,9 @@ static void labels_repeat(void **state) {
     static const double pair[][6] = {
         {0.1, 1, 0.004, 0.1, 1, 0.03}, {0.05, 1, 0.05, 0.05, 1, 0.07}, {0.3, 0.1, 0.2, 0.4, 0.1, 0.3}};
     nqm_scene_options standard = nqm_scene_options_default();
-    nqm_scene *first = make_scene(NULL, standard.n_points, 0, 1);
-    nqm_scene *second = make_scene(NULL, standard.n_points, 0, 2);
-    nqm_scene *finer = make_scene(NULL, 2 * standard.n_points, 2 * nqm_scene_n_lights(&standard), 3);
+    nqm_scene *first = make_scene("studio", standard.n_points, 0, 1);
+    nqm_scene *second = make_scene("studio", standard.n_points, 0, 2);
+    nqm_scene *finer = make_scene("studio", 2 * standard.n_points, 2 * nqm_scene_n_lights(&standard), 3);
     for (size_t i = 0; i < sizeof pair / sizeof *pair; ++i) {
         const double *p = pair[i];
         nqm_brdf *ref = make_gloss(p[0], p[1], p[2]), *test = make_gloss(p[3], p[4], p[5]);
@@ -387,7 +387,7 @@ static void threads_change_nothing(void **state) {
     int n_threads = omp_get_max_threads();
     for (int i = 0; i < 2; ++i) {
         omp_set_num_threads(i + 1);
-        nqm_scene *scene = make_scene(NULL, 150, 384, 4);
+        nqm_scene *scene = make_scene("sun", 150, 384, 4);
         rgb[i] = render(scene, brdf);
         nqm_scene_free(scene);
     }
@@ -435,6 +435,7 @@ static void bad_options_and_lights(void **state) {
 static void out_of_memory(void **state) {
     (void)state;
     nqm_scene_options o = nqm_scene_options_default();
+    o.light = "sun";
     o.n_points = 3;
     o.n_lights = 16;
     check_scene_without_memory(&o, 50);

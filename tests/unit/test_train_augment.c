@@ -215,8 +215,8 @@ static void whitening(void **state) {
             assert_near(squares[k] / n, 1, 1e-3);
         }
         assert_near(target_sum / (double)e.n_train, 0, 1e-5);
-        assert_near(lo, e.output.lo, 1e-6);
-        assert_near(hi, e.output.hi, 1e-6);
+        assert_near(lo, e.output[0].lo, 1e-6);
+        assert_near(hi, e.output[0].hi, 1e-6);
         free(x);
         nqm_examples_free(&e);
     }
@@ -296,13 +296,13 @@ static void masks_and_log_targets(void **state) {
         delta_e[i] = 0;
     assert_int_equal(nqm_examples_create(&with_identity, &o, 1, &e, NULL), NQM_OK);
     assert_int_equal(e.width, 9 * 16 + NQM_SCALAR_COUNT);
-    assert_near(e.output.mean + e.output.std * e.output.lo, log(0.05), 1e-9);
+    assert_near(e.output[0].mean + e.output[0].std * e.output[0].lo, log(0.05), 1e-9);
     for (size_t i = 0; i < e.rows.n_train; ++i) {
         float x[9 * 16 + NQM_SCALAR_COUNT], target;
         uint8_t used[16];
         gather(&e, 1, &i, x, &target);
         uint32_t pair = e.rows.row[i].pair;
-        assert_near(e.output.mean + e.output.std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
+        assert_near(e.output[0].mean + e.output[0].std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
         assert_non_null(nqm_dataset_pair_used(d, pair, used));
         for (size_t k = 0; k < 48; ++k)
             if (!used[k / 3])

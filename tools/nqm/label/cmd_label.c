@@ -75,6 +75,8 @@ int cmd_label(int argc, char **argv) {
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
+    if (!scene.size && (run.map || run.grid || run.keep))
+        scene.size = "256";
     scene_args_end(&scene);
     run.scene_options = scene.scene;
     check_label(&run, shrink);

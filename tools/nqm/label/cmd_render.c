@@ -92,6 +92,7 @@ static void run_render(render_run *run) {
 int cmd_render(int argc, char **argv) {
     render_run run = {0};
     scene_args scene = scene_args_begin();
+    scene.size = "256";
     const char *background = NULL;
     uint64_t supersample = 2;
     const option options[] = {
@@ -126,6 +127,8 @@ int cmd_render(int argc, char **argv) {
     run.backdrop = (backdrop)choose("background", backdrops, background ? background : usual);
     run.brdf = argv[0];
     run.scene = scene.scene;
+    if (nqm_scene_is_standard(&run.scene))
+        run.scene.light = "sun"; /* one picture rather than four */
     run.supersample = (size_t)supersample;
     run.scene.width *= run.supersample;
     run.scene.height *= run.supersample;

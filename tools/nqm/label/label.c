@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Labels of BRDFs: create the scene, render each BRDF, and compute its Delta-E ITP to its reference; the results as a table,
+ * Labels of BRDFs: create the scene, render each BRDF, and compare its picture with that of its reference; the results as a table,
  * JSON, CSV, or JODs only.
  */
 #include "nqm/label/label.h"
@@ -9,7 +9,9 @@
 #include <stdlib.h>
 
 static nqm_status render_item(const label_run *run, label_item *item) {
-    item->delta_e = item->jod = (double)NAN;
+    const double nan = (double)NAN;
+    item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan};
+    item->jod = nan;
     item->rgb_cdm2 = allocate(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
     return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
 }
@@ -22,8 +24,8 @@ static nqm_status label_item_at(label_run *run, size_t i) {
         return status;
     if (status == NQM_OK) {
         const nqm_curve curve = nqm_curve_default();
-        item->delta_e = nqm_scene_delta_e(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
-        item->jod = nqm_curve_jod(&curve, item->delta_e);
+        item->label = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
+        item->jod = nqm_curve_jod(&curve, item->label.delta_e);
     }
     if (!run->keep_rgb) {
         free(item->rgb_cdm2);
@@ -71,16 +73,26 @@ static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
     return sum;
 }
 
+/* null for a test that could not be rendered. */
+static json_t *json_parts(const nqm_label *l) {
+    char words[NQM_LABEL_TEXT];
+    if (isnan(l->delta_e))
+        return json_null();
+    return json_pack("{s:[f,f,f],s:f,s:f,s:f,s:s}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
+                     l->contrast, "structure", l->structure, "similarity_jod", nqm_label_similarity(l), "words",
+                     nqm_label_describe(l, words));
+}
+
 json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i))
             continue;
-        json_t *result =
-            json_pack("{s:o,s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp", json_number(item->delta_e),
-                      "jod", json_number(item->jod), "reference_luminance_cdm2",
-                      json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
+        json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp",
+                                   json_number(item->label.delta_e), "jod", json_number(item->jod), "parts",
+                                   json_parts(&item->label), "reference_luminance_cdm2",
+                                   json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));
         if (item->err.status != NQM_OK)
@@ -91,26 +103,33 @@ json_t *json_labels(const label_run *run) {
                      json_name(run->items[0].name), "scene", json_scene(&run->scene_options), "results", results);
 }
 
-static void print_test(const label_run *run, const label_item *item) {
-    bool good = item->err.status == NQM_OK;
-    const char *words = !good ? "failed" : item->delta_e > 0 ? jod_words(item->jod) : "equal pictures";
-    if (run->format == FORMAT_QUIET) {
-        printf("%.4f\n", item->jod);
-    } else if (run->format == FORMAT_TEXT) {
-        printf("%9.3f  %6.2f  %-20s  %s\n", item->delta_e, item->jod, words, item->name);
-    } else {
-        print_csv_text(stdout, item->name);
-        if (good)
-            printf(",%.9g,%.9g,", item->delta_e, item->jod);
-        else
-            printf(",,,");
-        print_csv_text(stdout, item->err.message);
-        if (run->n_groups > 1) {
-            putchar(',');
-            print_csv_text(stdout, run->items[item->reference].name);
-        }
-        putchar('\n');
+static const char csv_columns[] = "test,delta_e_itp,jod,error";
+static const char csv_part_columns[] = ",shift_i,shift_t,shift_p,contrast,structure,similarity_jod";
+
+static void print_csv_test(const label_run *run, const label_item *item) {
+    const nqm_label *l = &item->label;
+    const double values[] = {l->delta_e, item->jod};
+    const double parts[] = {l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_similarity(l)};
+    print_csv_text(stdout, item->name);
+    print_csv_numbers(stdout, 2, values);
+    putchar(',');
+    print_csv_text(stdout, item->err.message);
+    if (run->n_groups > 1) {
+        putchar(',');
+        print_csv_text(stdout, run->items[item->reference].name);
     }
+    print_csv_numbers(stdout, sizeof parts / sizeof *parts, parts);
+    putchar('\n');
+}
+
+static void print_text_test(const label_item *item) {
+    char words[NQM_LABEL_TEXT];
+    if (item->err.status != NQM_OK)
+        printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", item->name);
+    else
+        printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n%31s%s\n", item->label.delta_e, item->jod,
+               nqm_label_similarity(&item->label), item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures",
+               item->name, "", nqm_label_describe(&item->label, words));
 }
 
 void print_labels(const label_run *run) {
@@ -119,11 +138,19 @@ void print_labels(const label_run *run) {
         return;
     }
     if (run->format == FORMAT_CSV)
-        puts(run->n_groups > 1 ? "test,delta_e_itp,jod,error,reference" : "test,delta_e_itp,jod,error");
+        printf("%s%s%s\n", csv_columns, run->n_groups > 1 ? ",reference" : "", csv_part_columns);
     for (size_t i = 0; i < run->n_items; ++i) {
-        if (is_test(run, i))
-            print_test(run, &run->items[i]);
-        else if (run->format == FORMAT_TEXT)
-            printf("%9s  %6s  %-20s  test, compared with %s\n", "Delta-E", "JOD", "", run->items[i].name);
+        const label_item *item = &run->items[i];
+        if (!is_test(run, i)) {
+            if (run->format == FORMAT_TEXT)
+                printf("%9s  %6s  %10s  %-20s  test, compared with %s\n", "Delta-E", "JOD", "seen apart", "",
+                       item->name);
+        } else if (run->format == FORMAT_QUIET) {
+            printf("%.4f\n", item->jod);
+        } else if (run->format == FORMAT_CSV) {
+            print_csv_test(run, item);
+        } else {
+            print_text_test(item);
+        }
     }
 }

@@ -56,7 +56,7 @@ static void make_views(drawing *d) {
         v->picture = allocate(3 * d->n_pixels, sizeof *v->picture);
         if (!is_reference(run, i)) {
             v->map = allocate(d->n_pixels, sizeof *v->map);
-            snprintf(v->caption, sizeof v->caption, "\u0394E %.1f \u00b7 JOD %.2f", item->delta_e, item->jod);
+            snprintf(v->caption, sizeof v->caption, "\u0394E %.1f \u00b7 JOD %.2f", item->label.delta_e, item->jod);
         }
         view_frame(d, i, 0, d->backdrops[BACKDROP_WHITE], v);
     }
@@ -151,7 +151,7 @@ static void keep_path(const drawing *d, size_t i, size_t frame, const char *suff
     for (char *p = name; *p; ++p)
         if (!isalnum((unsigned char)*p) && *p != '-' && *p != '.')
             *p = '_';
-    if (d->run->scene_options.n_frames > 1)
+    if (nqm_scene_frames(&d->run->scene_options) > 1)
         snprintf(number, sizeof number, "-%04zu", frame + 1);
     snprintf(path, n_path, "%s/%02zu-%s%s%s", d->run->keep, i, name, number, suffix);
 }
@@ -186,7 +186,7 @@ static void keep_renders(const drawing *d) {
     if (mkdir(d->run->keep, 0777) != 0 && errno != EEXIST)
         stop(EXIT_OPEN, "%s: cannot create the folder: %s", d->run->keep, strerror(errno));
     for (size_t i = 0; i < d->run->n_items; ++i)
-        for (size_t frame = 0; d->views[i].picture && frame < d->run->scene_options.n_frames; ++frame)
+        for (size_t frame = 0; d->views[i].picture && frame < nqm_scene_frames(&d->run->scene_options); ++frame)
             keep_item(d, i, frame);
 }
 

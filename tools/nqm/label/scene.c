@@ -11,7 +11,7 @@
 enum { MAX_SIDE = 4096 };
 
 scene_args scene_args_begin(void) {
-    scene_args a = {.scene = nqm_scene_options_default(), .size = "256"};
+    scene_args a = {.scene = nqm_scene_options_default()};
     a.scene.n_points = 0;
     return a;
 }
@@ -36,16 +36,22 @@ void scene_args_end(scene_args *a) {
              (int)MAX_SIDE, a->size);
     if (s->n_points)
         s->width = s->height = 0;
+    else if (!a->size)
+        s->n_points = nqm_scene_options_default().n_points;
 }
 
 json_t *json_scene(const nqm_scene_options *s) {
     const double degree = 3.14159265358979323846 / 180;
     json_t *scene = json_pack(
         "{s:o,s:o,s:I,s:f,s:f,s:I,s:f,s:f,s:I,s:b,s:b,s:I}", "shape", json_name(s->shape ? s->shape : "sphere"),
-        "light", json_name(s->light ? s->light : "built-in sky"), "light_width", (json_int_t)s->light_width,
-        "exposure_cdm2", s->exposure_cdm2, "peak_cdm2", s->peak_cdm2, "frames", (json_int_t)s->n_frames, "turn",
-        s->turn_rad / degree, "elevation", s->elevation_rad / degree, "lights", (json_int_t)nqm_scene_n_lights(s),
-        "shadows", s->shadows, "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
+        "light", json_name(s->light ? s->light : "sun"), "light_width", (json_int_t)s->light_width, "exposure_cdm2",
+        s->exposure_cdm2, "peak_cdm2", s->peak_cdm2, "frames", (json_int_t)s->n_frames, "turn", s->turn_rad / degree,
+        "elevation", s->elevation_rad / degree, "lights", (json_int_t)nqm_scene_n_lights(s), "shadows", s->shadows,
+        "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
+    if (nqm_scene_is_standard(s)) {
+        json_object_set_new(scene, "shape", json_string("standard"));
+        json_object_set_new(scene, "light", json_string("standard"));
+    }
     if (s->width) {
         json_object_set_new(scene, "width", json_integer((json_int_t)s->width));
         json_object_set_new(scene, "height", json_integer((json_int_t)s->height));
@@ -62,7 +68,7 @@ double *make_backdrop(const nqm_scene *scene, const nqm_scene_options *o, backdr
     size_t n = 3 * o->width * o->height;
     double *blank = allocate(n, sizeof *blank);
     if (kind == BACKDROP_LIGHT)
-        nqm_scene_background(scene, blank);
+        nqm_scene_background(scene, 0, blank);
     for (size_t i = 0; kind == BACKDROP_WHITE && i < n; ++i)
         blank[i] = white_cdm2;
     return blank;

@@ -13,10 +13,10 @@
 /** Scene options of the command line: the target of nqm_scene_option_table, and the size of the picture. */
 typedef struct scene_args {
     nqm_scene_options scene; /**< complete after scene_args_end() */
-    const char *size;        /**< "256" or "320x200", of a picture if n_points is 0 */
+    const char *size;        /**< "256" or "320x200", of a picture if --points is not given; NULL: points */
 } scene_args;
 
-/** A picture of 256 x 256 unless --points is given; otherwise the defaults of the library. */
+/** The defaults of the library; set `size` for the default size of a picture. */
 scene_args scene_args_begin(void);
 /** The row of --size, for the options of a verb. */
 #define OPTION_ROW_SIZE(args)                                                                                          \

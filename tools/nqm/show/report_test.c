@@ -25,7 +25,7 @@ static void put_verdict(const report_page *page, const scored_pair *row, const l
     html(page->out,
          " The mean colour difference of the pictures below is \xce\x94"
          "E&#160;ITP %.2f, which corresponds to JOD %.2f.</p>\n",
-         item->delta_e, item->jod);
+         item->label.delta_e, item->jod);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
@@ -34,7 +34,7 @@ static void put_pictures(const report_page *page, size_t test) {
     FILE *out = page->out;
     const label_item *item = item_of(page, test);
     char alt[200];
-    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f", item->delta_e);
+    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f", item->label.delta_e);
     html(out, "<div class='triple'>\n<figure>");
     put_picture(page, 0, "Rendered picture of the reference");
     html(out, "<figcaption>Reference: <span class='name'>%s</span></figcaption></figure>\n<figure>",
