@@ -266,6 +266,15 @@ void print_csv_numbers(FILE *out, size_t n, const double *values) {
     }
 }
 
+json_t *json_label_parts(const nqm_label *l) {
+    char words[NQM_LABEL_TEXT];
+    if (isnan(l->structure))
+        return json_null();
+    return json_pack("{s:[f,f,f],s:f,s:f,s:f,s:s}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
+                     l->contrast, "structure", l->structure, "similarity_jod", nqm_label_similarity(l), "words",
+                     nqm_label_describe(l, words));
+}
+
 const char *jod_words(double jod) {
     if (jod >= 9.5)
         return "practically the same";

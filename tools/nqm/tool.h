@@ -153,6 +153,8 @@ json_t *json_number(double value);
 json_t *json_tool(void);
 /** Versions of the libraries for drawing, ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
+/** The parts of a label, its similarity and what differs in words, as JSON; null if they are NaN. */
+json_t *json_label_parts(const nqm_label *label);
 /** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *jod_words(double jod);
 /** Print two lines about the intervals of a model; the same as JSON, null without intervals. */

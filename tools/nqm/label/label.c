@@ -73,16 +73,6 @@ static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
     return sum;
 }
 
-/* null for a test that could not be rendered. */
-static json_t *json_parts(const nqm_label *l) {
-    char words[NQM_LABEL_TEXT];
-    if (isnan(l->delta_e))
-        return json_null();
-    return json_pack("{s:[f,f,f],s:f,s:f,s:f,s:s}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
-                     l->contrast, "structure", l->structure, "similarity_jod", nqm_label_similarity(l), "words",
-                     nqm_label_describe(l, words));
-}
-
 json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -91,7 +81,7 @@ json_t *json_labels(const label_run *run) {
             continue;
         json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp",
                                    json_number(item->label.delta_e), "jod", json_number(item->jod), "parts",
-                                   json_parts(&item->label), "reference_luminance_cdm2",
+                                   json_label_parts(&item->label), "reference_luminance_cdm2",
                                    json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));

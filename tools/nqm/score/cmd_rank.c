@@ -26,8 +26,8 @@ static int by_quality(const void *a, const void *b) {
         return x->group < y->group ? -1 : 1;
     if (has_score(x) != has_score(y))
         return has_score(x) ? -1 : 1;
-    if (has_score(x) && x->result.jod != y->result.jod)
-        return x->result.jod > y->result.jod ? -1 : 1;
+    if (has_score(x) && x->quality != y->quality)
+        return x->quality > y->quality ? -1 : 1;
     return x->order < y->order ? -1 : 1;
 }
 
@@ -57,7 +57,9 @@ static bool same_group(const score_run *r, size_t i, size_t k) {
     return k < r->n_rows && r->rows[i].group == r->rows[k].group;
 }
 
-void rank_rows(score_run *r) {
+void rank_rows(score_run *r, bool by_similarity) {
+    for (size_t i = 0; i < r->n_rows; ++i)
+        r->rows[i].quality = by_similarity ? r->rows[i].result.similarity : r->rows[i].result.jod;
     number_groups(r);
     qsort(r->rows, r->n_rows, sizeof *r->rows, by_quality);
     size_t best = 0, leader = 0; /* first row of the reference; first row with an equal score */
@@ -68,14 +70,14 @@ void rank_rows(score_run *r) {
             best = leader = i;
         if (!has_score(row))
             continue;
-        double jod = row->result.jod;
-        if (r->rows[leader].result.jod - jod >= tie_jod)
+        double quality = row->quality;
+        if (r->rows[leader].quality - quality >= tie_jod)
             leader = i;
         row->rank = leader - best + 1;
         if (i != best)
-            row->best_preferred = nqm_jod_preference(r->rows[best].result.jod, jod);
+            row->best_preferred = nqm_jod_preference(r->rows[best].quality, quality);
         if (same_group(r, i, i + 1) && has_score(&r->rows[i + 1]))
-            row->over_next = nqm_jod_preference(jod, r->rows[i + 1].result.jod);
+            row->over_next = nqm_jod_preference(quality, r->rows[i + 1].quality);
     }
 }
 
@@ -95,8 +97,8 @@ static void print_text(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         if (i == 0 || row->group != row[-1].group)
-            printf("%sreference  %s\n\n  rank    JOD%s  over next  best over  test\n", i ? "\n" : "", row->pair.ref,
-                   calibrated ? "  [95 %]        " : "");
+            printf("%sreference  %s\n\n  rank    JOD%s  over next  best over%s  test\n", i ? "\n" : "", row->pair.ref,
+                   calibrated ? "  [95 %]        " : "", isnan(row->result.similarity) ? "" : "  seen apart");
         if (row->rank)
             printf("  %4zu", row->rank);
         else
@@ -104,6 +106,8 @@ static void print_text(const score_run *run) {
         print_jod(row, calibrated);
         print_percent(row->over_next);
         print_percent(row->best_preferred);
+        if (!isnan(row->result.similarity))
+            printf("  %10.2f", row->result.similarity);
         printf("  %s\n", row->pair.test);
     }
     puts("\nover next: people who would prefer it to the one below; best over: who would prefer the best to it\n"
@@ -138,6 +142,8 @@ static void print_ranking_json(const score_run *run) {
                       "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low), "jod_high",
                       json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
                       json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
+        if (!isnan(row->result.similarity))
+            json_object_set_new(object, "parts", json_label_parts(&row->result.parts));
         if (!row->rank)
             json_object_set_new(object, "error", json_name(row->err.message));
         json_array_append_new(results, object);
@@ -158,7 +164,7 @@ static void print_ranking(const score_run *run) {
 }
 
 int cmd_rank(int argc, char **argv) {
-    const char *model = "default", *list_path = NULL, *root = NULL;
+    const char *model = "default", *list_path = NULL, *root = NULL, *by = "jod";
     score_run run = {.options = nqm_score_options_default()};
     nqm_pair_list *list = NULL;
     nqm_error err = {0};
@@ -166,6 +172,7 @@ int cmd_rank(int argc, char **argv) {
     const option options[] = {
         {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
         {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
         {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
@@ -186,6 +193,9 @@ int cmd_rank(int argc, char **argv) {
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
         stop(EXIT_USAGE, "give a reference and its tests, or --list LIST");
+    const bool by_similarity = strcmp(by, "similarity") == 0;
+    if (!by_similarity && strcmp(by, "jod") != 0)
+        stop(EXIT_USAGE, "--by is jod or similarity, not '%s'", by);
     run.model = open_model(model);
     if (list_path) {
         must(nqm_pair_list_load(input_path(list_path), &list, &err), &err);
@@ -199,7 +209,10 @@ int cmd_rank(int argc, char **argv) {
     if (root && chdir(root) != 0)
         stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
     make_scores(&run);
-    rank_rows(&run);
+    for (size_t i = 0; by_similarity && i < run.n_rows; ++i)
+        if (has_score(&run.rows[i]) && isnan(run.rows[i].result.similarity))
+            stop(EXIT_MODEL, "--by similarity: the model '%s' does not predict it; doc/labels.md says which do", model);
+    rank_rows(&run, by_similarity);
     print_ranking(&run);
     const int exit_code = report_faults(&run);
     free_scores(&run);

@@ -50,6 +50,10 @@ static void print_text(const score_run *run) {
                 printf("  %*s", metric_width(m), "-");
         }
         printf("  %s\n", row->pair.test);
+        if (scored && !isnan(r->similarity)) {
+            char words[NQM_LABEL_TEXT];
+            printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);
+        }
     }
     puts("\nJOD 10: no visible difference; above 9.5: practically the same; one JOD less: 75 % of people notice.\n"
          "noticed: people who would say that the reference looks better (50 % is guessing).");

@@ -15,6 +15,7 @@ typedef struct scored_pair {
     nqm_error err; /* status NQM_OK: scored */
     size_t order;  /* index in the arguments */
     /* set by rank_rows(): */
+    double quality;        /* what it sorts by: the JOD or the similarity */
     size_t group;          /* index of the first pair with the same reference */
     size_t rank;           /* among the pairs with the same reference, from 1; equal scores share one; 0: no score */
     double over_next;      /* fraction of people who prefer it to the next; NaN: there is none */
@@ -72,6 +73,6 @@ json_t *json_scores(const score_run *run);
 /* ---- sorting (cmd_rank.c) ---------------------------------------------------------------------------------------- */
 
 /** Sort the rows by reference, then best first, those without a score last, and rank them. */
-void rank_rows(score_run *run);
+void rank_rows(score_run *run, bool by_similarity);
 
 #endif

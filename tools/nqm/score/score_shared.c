@@ -186,6 +186,8 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
                                json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty",
                                json_number(r->novelty), "identical", r->identical, "n_valid", (json_int_t)r->n_valid,
                                "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
+    if (!isnan(r->similarity))
+        json_object_set_new(object, "parts", json_label_parts(&r->parts));
     if (row->err.status != NQM_OK)
         json_object_set_new(object, "error", json_name(row->err.message));
     return object;

@@ -142,7 +142,7 @@ int cmd_report(int argc, char **argv) {
     make_scores(&run.scores);
     check_results(&run);
     run.json_scores = json_scores(&run.scores); /* in the order of the arguments */
-    rank_rows(&run.scores);
+    rank_rows(&run.scores, false);
     render_all(&run.labels, n_arguments, argv);
     name_all(&run);
     check_results(&run);
