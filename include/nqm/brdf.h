@@ -33,7 +33,8 @@ static inline uint8_t nqm_has_value(uint8_t flag) {
 
 /** Facts about a BRDF. The strings belong to the BRDF and are valid until it is freed. */
 typedef struct nqm_brdf_info {
-    const char *format;     /**< "merl", "rgl", "nbrdf", "nps", "table", "callback", "lambert", "ggx", "perturb", ... */
+    const char
+        *format; /**< "merl", "rgl", "nbrdf", "nps", "table", "callback", "lambert", "ggx", "perturb", "between", ... */
     const char *name;       /**< the path or spec that was opened, or the name given to nqm_brdf_create*() */
     const char *spec;       /**< analytic models: the canonical spec, which opens the same BRDF; otherwise NULL */
     const char *source_doi; /**< publication of the format or of the parameters, "10...."; NULL if there is none */
@@ -54,7 +55,8 @@ typedef struct nqm_brdf_info {
  * A spec is one of
  *  - `MODEL:key=value;key=value`: an analytic model (`ggx:`, `cook-torrance:`, ...) with its parameters;
  *  - `TABLE:NAME`: a preset (`sgd:nickel`, `abc:nickel`);
- *  - `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`: a distorted copy of another BRDF.
+ *  - `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`: a distorted copy of another BRDF;
+ *  - `between:t=.3;with=(PATH_OR_SPEC);of=PATH_OR_SPEC`: a mixture of two BRDFs.
  *
  * doc/brdf.md lists every key with unit, range and default. A path that begins like a spec must be written with `./`. RGL
  * measurements are not exactly reciprocal: their parametrised direction (theta_i) is taken as the viewer (doc/files.md).

@@ -98,12 +98,16 @@ bool nqm_nps_probe(const nqm_map *map);
 
 /** true when `text` starts with the name of an analytic model and a colon ("ggx:..."). */
 bool nqm_spec_probe(const char *text);
-/** An analytic model, preset or perturbation from its spec. */
+/** An analytic model, preset, perturbation or BRDF between two others from its spec. */
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base`, which is
  *  freed on failure too. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
+
+/** A BRDF between two opened ones: `settings` as in a `between:` spec, without `with` and `of`. The result owns both BRDFs,
+ *  which are freed on failure too. */
+nqm_status nqm_between_wrap(const char *settings, nqm_brdf *of, nqm_brdf *with, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Sample `brdf` into a table of 90 x 46 x 24 nodes; see fold.c. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);

@@ -16,7 +16,7 @@
 
 enum { SHIFT, GLOSS, SMOOTH, FIRST_VALUE_KEY };
 enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE, RIPPLE, BANDS, NOISE, SEED, CELLS };
-enum { QUANTISE = CELLS + 1, N_KEYS };
+enum { QUANTISE = CELLS + 1, BITS, HALF, N_KEYS };
 
 static const nqm_spec_schema schema = {
     "perturb",
@@ -37,9 +37,9 @@ static const nqm_spec_schema schema = {
      [NOISE] = {.name = "noise", .n = 1, .low = 0, .high = 5, .fallback = 0},
      [SEED] = {.name = "seed", .n = 1, .low = 0, .high = 9007199254740992.0, .whole = true, .fallback = 1},
      [CELLS] = {.name = "cells", .n = 1, .low = 1, .high = 64, .whole = true, .fallback = 16},
-     [QUANTISE] = {.name = "quantise", .n = 1, .low = 0, .high = 1000, .fallback = 0}}};
-
-enum { MAX_NESTED = 3 }; /* each level may multiply the work by SMOOTH_TAPS */
+     [QUANTISE] = {.name = "quantise", .n = 1, .low = 0, .high = 1000, .fallback = 0},
+     [BITS] = {.name = "bits", .n = 1, .low = 1, .high = 53, .whole = true, .fallback = 53},
+     [HALF] = {.name = "half", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}};
 
 enum { SMOOTH_TAPS = 27 };
 
@@ -190,6 +190,19 @@ static void turn_hue(const double *row, double *rgb) {
     rgb[2] = fmax(0, row[1] * r + row[2] * g + row[0] * b);
 }
 
+/* Round x >= 0 to `bits` significant bits, and to a multiple of 2^least. */
+static double round_bits(double x, int bits, int least) {
+    int exponent;
+    (void)frexp(x, &exponent);
+    int unit = exponent - bits > least ? exponent - bits : least;
+    return ldexp(nearbyint(ldexp(x, -unit)), unit);
+}
+
+/* IEEE 754 binary16: 11 significant bits, multiples of 2^-24, at most 65504. */
+static double round_half(double x) {
+    return fmin(round_bits(x, 11, -24), 65504);
+}
+
 /* Apply the settings that change the value. rgb: the averaged base, changed in place; off: the base off the highlight,
  * or NULL when there is no such value. */
 static void distort_value(const perturbation *self, const double *hd, const double *off, double *rgb) {
@@ -217,6 +230,10 @@ static void distort_value(const perturbation *self, const double *hd, const doub
             rgb[c] *= exp(self->v[NOISE] * z[c]);
         if (self->v[QUANTISE] > 0 && rgb[c] > 0)
             rgb[c] = pow(10, nearbyint(log10(rgb[c]) * self->v[QUANTISE]) / self->v[QUANTISE]);
+        if (self->v[BITS] < 53)
+            rgb[c] = round_bits(rgb[c], (int)self->v[BITS], -1022);
+        if (self->v[HALF] > 0)
+            rgb[c] = round_half(rgb[c]);
     }
 }
 
@@ -340,15 +357,6 @@ static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *base)
     return spec;
 }
 
-static size_t nested_levels(const char *base) {
-    size_t n = 0;
-    while ((base = strstr(base, "perturb:")) != NULL) {
-        ++n;
-        base += strlen("perturb:");
-    }
-    return n;
-}
-
 /* Create the perturbation of `base` by `values`. It owns `base`, which is freed on failure too. */
 static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char *name, nqm_brdf **brdf_ret,
                        nqm_error *err) {
@@ -375,11 +383,10 @@ nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **b
     nqm_spec_values values;
     nqm_brdf *base;
     nqm_status status = parse(settings, &of, &values, err);
-    if (status != NQM_OK)
-        return status;
-    if (nested_levels(of) >= MAX_NESTED)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "perturb: at most %d perturbations may be nested", MAX_NESTED);
-    status = nqm_brdf_open(of, &base, err);
+    if (status == NQM_OK)
+        status = nqm_spec_check_nested(of, "", err);
+    if (status == NQM_OK)
+        status = nqm_brdf_open(of, &base, err);
     return status == NQM_OK ? wrap(&values, base, name, brdf_ret, err) : status;
 }
 

@@ -10,10 +10,23 @@
 
 #define POINTER_TO(NAME) &(NAME),
 static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NULL};
-static const char perturb_prefix[] = "perturb:";
 
-/* The model of the first n characters of `name`, or NULL. */
-static const nqm_analytic_model *find_model(const char *name, size_t n) {
+/* Specs that contain other BRDFs. */
+static const struct {
+    const char *prefix;
+    nqm_status (*open)(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+} wrappers[] = {{"perturb:", nqm_perturb_open}, {"between:", nqm_between_open}};
+enum { N_WRAPPERS = sizeof wrappers / sizeof *wrappers, MAX_NESTED = 3 };
+
+/* The wrapper that `text` begins with; N_WRAPPERS: none. */
+static size_t find_wrapper(const char *text) {
+    size_t i = 0;
+    while (i < N_WRAPPERS && strncmp(text, wrappers[i].prefix, strlen(wrappers[i].prefix)) != 0)
+        ++i;
+    return i;
+}
+
+const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
     const nqm_analytic_model *const *m = models;
     while (*m && !(strncmp((*m)->schema.model, name, n) == 0 && (*m)->schema.model[n] == 0))
         ++m;
@@ -165,20 +178,34 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
 
 bool nqm_spec_probe(const char *text) {
     size_t n = strcspn(text, ":");
-    return text[n] == ':' && (find_model(text, n) || nqm_preset_table_find(text, n) ||
-                              strncmp(text, perturb_prefix, strlen(perturb_prefix)) == 0);
+    return text[n] == ':' &&
+           (nqm_analytic_model_find(text, n) || nqm_preset_table_find(text, n) || find_wrapper(text) < N_WRAPPERS);
+}
+
+static size_t count_wrappers(const char *spec) {
+    size_t n = 0;
+    for (const char *at = spec; *at; ++at)
+        n += find_wrapper(at) < N_WRAPPERS;
+    return n;
+}
+
+nqm_status nqm_spec_check_nested(const char *of, const char *with, nqm_error *err) {
+    if (count_wrappers(of) + count_wrappers(with) < MAX_NESTED)
+        return NQM_OK;
+    return nqm_fail(err, NQM_ERR_LIMIT, -1, "a spec may contain at most %d of perturb: and between:", MAX_NESTED);
 }
 
 nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
-    if (strncmp(spec, perturb_prefix, strlen(perturb_prefix)) == 0)
-        return nqm_perturb_open(spec + strlen(perturb_prefix), spec, brdf_ret, err);
+    size_t wrapper = find_wrapper(spec);
+    if (wrapper < N_WRAPPERS)
+        return wrappers[wrapper].open(spec + strlen(wrappers[wrapper].prefix), spec, brdf_ret, err);
     if (!nqm_spec_probe(spec))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
     const size_t n_name = strcspn(spec, ":");
     const char *settings = spec + n_name + 1;
     const bool is_preset = !strchr(settings, '=');
-    const nqm_analytic_model *model = find_model(spec, n_name);
+    const nqm_analytic_model *model = nqm_analytic_model_find(spec, n_name);
     const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
     if (is_preset && !table)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: needs parameters, %.*s:key=value;..., not '%.80s'", (int)n_name,
@@ -188,7 +215,7 @@ nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) 
                         spec, table->model);
     nqm_spec_values values;
     if (is_preset)
-        model = find_model(table->model, strlen(table->model));
+        model = nqm_analytic_model_find(table->model, strlen(table->model));
     nqm_status status = is_preset ? nqm_preset_find(table, &model->schema, settings, &values, err)
                                   : nqm_spec_parse(&model->schema, settings, &values, err);
     return status == NQM_OK ? open_analytic(model, &values, spec, is_preset ? table->doi : model->doi, brdf_ret, err)

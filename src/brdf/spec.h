@@ -69,13 +69,20 @@ typedef struct nqm_analytic_model {
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 
+/** The model of the first n characters of `name`; NULL when there is none. */
+const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
+
 /** A table of presets, or NULL. */
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
 /** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests similar names. */
 NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,
                                           const char *material, nqm_spec_values *values, nqm_error *err);
 
-/** `settings` is what follows "perturb:"; `name` is the whole argument. */
+/** Check the number of nested specs in the BRDFs that a spec contains; `with` may be "". NQM_ERR_LIMIT. */
+NQM_MUST_CHECK nqm_status nqm_spec_check_nested(const char *of, const char *with, nqm_error *err);
+
+/** `settings` is what follows "perturb:" or "between:"; `name` is the whole argument. */
+NQM_MUST_CHECK nqm_status nqm_between_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 #endif

@@ -152,6 +152,36 @@ static void test_quantise(void **state) {
     assert_true(rgb[0] == 0);
 }
 
+static void test_rounding(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_PLACES; ++i) {
+        double base[3], rgb[3];
+        value_at(glossy, places[i][0], places[i][1], places[i][2], base);
+        perturbed_at("bits=24", glossy, places[i], rgb);
+        for (int c = 0; c < 3; ++c)
+            assert_true(rgb[c] == (double)(float)base[c]);
+        perturbed_at("bits=3", glossy, places[i], rgb);
+        for (int c = 0; c < 3; ++c) {
+            int exponent;
+            double eighths = 8 * frexp(rgb[c], &exponent);
+            assert_true(eighths == nearbyint(eighths));
+            assert_relative(rgb[c], base[c], 1.0 / 8);
+        }
+        perturbed_at("half=1", glossy, places[i], rgb);
+        for (int c = 0; c < 3; ++c)
+            assert_relative(rgb[c], base[c], 1.0 / 2048);
+    }
+    double rgb[3];
+    perturbed_at("bits=53", "lambert:kd=.3", places[1], rgb);
+    assert_true(rgb[0] == 0.3 / NQM_PI);
+    perturbed_at("half=1;scale=1000", "perturb:scale=1000;of=lambert:kd=1", places[1], rgb);
+    assert_true(rgb[0] == 65504); /* the largest number */
+    perturbed_at("half=1;scale=1e-7", "lambert:kd=1", places[1], rgb);
+    assert_true(rgb[0] == ldexp(1, -24)); /* the smallest */
+    perturbed_at("half=1;bits=5", "lambert:kd=0", places[1], rgb);
+    assert_true(rgb[0] == 0);
+}
+
 /* No channel exceeds the given fraction of the maximum over mirror directions, at theta_d = 60 degrees for this
  * lobe. */
 static void test_clamp(void **state) {
@@ -322,6 +352,8 @@ static const char *const all_settings[] = {"gloss=.05",
                                            "tint=0,5,1",
                                            "noise=5",
                                            "quantise=.1",
+                                           "bits=1",
+                                           "half=1;scale=1000",
                                            "clamp=.001",
                                            "ripple=1;bands=1000",
                                            "hue=-180",
@@ -353,7 +385,8 @@ static void test_all_settings_are_sane(void **state) {
             assert_int_equal(flag, NQM_VALUE_OK);
             for (int c = 0; c < 3; ++c) {
                 assert_true(isfinite(rgb[c]) && rgb[c] >= 0);
-                if (!strstr(all_settings[s], "quantise")) /* rounding may change the quantisation step */
+                if (!strstr(all_settings[s], "quantise") && !strstr(all_settings[s], "bits") &&
+                    !strstr(all_settings[s], "half")) /* rounding may change the step */
                     assert_near(swapped[c], rgb[c], 1e-6 * rgb[c]);
             }
         }
@@ -437,6 +470,7 @@ int main(void) {
         cmocka_unit_test(test_peak_and_fresnel),
         cmocka_unit_test(test_mix_keeps_the_albedo),
         cmocka_unit_test(test_quantise),
+        cmocka_unit_test(test_rounding),
         cmocka_unit_test(test_clamp),
         cmocka_unit_test(test_ripple),
         cmocka_unit_test(test_hue),

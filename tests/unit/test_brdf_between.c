@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * BRDFs between two others against their definition, computed here from both; their specs.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char metal[] = "ggx:ks=1;alpha=.1;f0=.9,.7,.4", matte[] = "lambert:kd=.5,.1,0";
+static const double places[][3] = {{0, 0, 0}, {0.01, 0.2, 0.3}, {0.2, 0.5, 1.5}, {0.6, 0.3, 2}, {0.1, 1.3, 1.6}};
+enum { N_PLACES = sizeof places / sizeof *places };
+
+static void values_of(const char *spec, double rgb[3 * N_PLACES]) {
+    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf_eval_half_diff(brdf, N_PLACES, places[0], rgb, NULL);
+    nqm_brdf_free(brdf);
+}
+
+static void means_are_those_of_both(void **state) {
+    (void)state;
+    double of[3 * N_PLACES], with[3 * N_PLACES], rgb[3 * N_PLACES];
+    values_of(metal, of);
+    values_of(matte, with);
+    for (int step = 0; step <= 4; ++step) {
+        char spec[256];
+        double t = 0.25 * step;
+        snprintf(spec, sizeof spec, "between:t=%g;with=(%s);of=%s", t, matte, metal);
+        values_of(spec, rgb);
+        for (int i = 0; i < 3 * N_PLACES; ++i)
+            assert_relative(rgb[i], (1 - t) * of[i] + t * with[i], 1e-14);
+        snprintf(spec, sizeof spec, "between:t=%g;log=1;with=(%s);of=%s", t, matte, metal);
+        values_of(spec, rgb);
+        for (int i = 0; i < 3 * N_PLACES; ++i)
+            assert_relative(rgb[i], pow(of[i], 1 - t) * pow(with[i], t), 1e-14);
+    }
+}
+
+static void specs_open_again(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *canonical;
+    } cases[] = {
+        {"between:t=.5;with=(lambert:kd=.1);of=sgd:nickel", NULL},
+        {"between:log=1;t=.5;with=(lambert:kd=.1);of=lambert:kd=.2",
+         "between:t=0.5;log=1;with=(lambert:kd=0.1);of=lambert:kd=0.2"},
+        {"between:t=.25;with=(between:t=.5;with=(lambert:kd=.1);of=lambert:kd=.2);of=perturb:scale=2;of=lambert:kd=.3",
+         "between:t=0.25;with=(between:t=0.5;with=(lambert:kd=0.1);of=lambert:kd=0.2);of=perturb:scale=2;of=lambert:kd="
+         "0.3"},
+        {"perturb:scale=2;of=between:t=.5;with=(lambert:kd=.1);of=lambert:kd=.2",
+         "perturb:scale=2;of=between:t=0.5;with=(lambert:kd=0.1);of=lambert:kd=0.2"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_brdf *brdf = open_brdf(cases[i].text);
+        nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        double once[3 * N_PLACES], again[3 * N_PLACES];
+        assert_string_equal(info.name, cases[i].text);
+        assert_int_equal(info.reciprocal, 1);
+        if (cases[i].canonical)
+            assert_string_equal(info.spec, cases[i].canonical);
+        values_of(cases[i].text, once);
+        values_of(info.spec, again);
+        assert_memory_equal(once, again, sizeof once);
+        nqm_brdf_free(brdf);
+    }
+}
+
+static void mistakes_are_named(void **state) {
+    (void)state;
+    static const struct {
+        const char *spec, *word;
+        nqm_status status;
+    } cases[] = {
+        {"between:t=.5;of=lambert:kd=.1", "with=(BRDF)", NQM_ERR_ARG},
+        {"between:t=.5;with=lambert:kd=.1;of=lambert:kd=.1", "with=(BRDF)", NQM_ERR_ARG},
+        {"between:t=.5;with=(lambert:kd=.1;of=lambert:kd=.1", "with=(BRDF)", NQM_ERR_ARG},
+        {"between:t=.5;with=(lambert:kd=.1)", "with=(BRDF)", NQM_ERR_ARG},
+        {"between:log=1;with=(lambert:kd=.1);of=lambert:kd=.1", "t is missing", NQM_ERR_ARG},
+        {"between:t=1.5;with=(lambert:kd=.1);of=lambert:kd=.1", "from 0 to 1", NQM_ERR_ARG},
+        {"between:t=.5;log=.5;with=(lambert:kd=.1);of=lambert:kd=.1", "whole", NQM_ERR_ARG},
+        {"between:t=.5;with=(lambert:kd=x);of=lambert:kd=.1", "kd", NQM_ERR_ARG},
+        {"between:t=.5;with=(lambert:kd=.1);of=/nowhere/x", "/nowhere/x", NQM_ERR_IO},
+        {"between:t=.5;with=(/nowhere/y);of=lambert:kd=.1", "/nowhere/y", NQM_ERR_IO},
+        {"between:t=.5;with=(perturb:scale=2;of=perturb:scale=2;of=sgd:nickel);of=perturb:scale=2;of=lambert:kd=.1",
+         "at most 3", NQM_ERR_LIMIT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_brdf *brdf;
+        nqm_error err = {0};
+        assert_int_equal(nqm_brdf_open(cases[i].spec, &brdf, &err), cases[i].status);
+        assert_null(brdf);
+        if (!strstr(err.message, cases[i].word))
+            fail_msg("%s: %s", cases[i].spec, err.message);
+    }
+}
+
+/* No value where one of the two has none. */
+static void gaps_of_both(void **state) {
+    (void)state;
+    char spec[2][4096];
+    const char *path = scratch_path("gaps.binary");
+    blob_put(make_merl(), path);
+    snprintf(spec[0], sizeof spec[0], "between:t=.5;with=(%s);of=lambert:kd=.1", path);
+    snprintf(spec[1], sizeof spec[1], "between:t=.5;with=(lambert:kd=.1);of=%s", path);
+    nqm_brdf *base = open_brdf(path);
+    size_t n_gaps = 0;
+    for (int k = 0; k < 2; ++k) {
+        nqm_brdf *between = open_brdf(spec[k]);
+        for (int i = 1; i < 80; ++i) {
+            const double hd[3] = {i * NQM_PI / 180, NQM_PI / 4, NQM_PI / 2};
+            double rgb[6];
+            uint8_t flag[2];
+            nqm_brdf_eval_half_diff(base, 1, hd, rgb, flag);
+            nqm_brdf_eval_half_diff(between, 1, hd, rgb + 3, flag + 1);
+            assert_int_equal(nqm_has_value(flag[0]), nqm_has_value(flag[1]));
+            n_gaps += !nqm_has_value(flag[0]);
+        }
+        nqm_brdf_free(between);
+    }
+    assert_true(n_gaps > 10);
+    nqm_brdf_free(base);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(means_are_those_of_both),
+        cmocka_unit_test(specs_open_again),
+        cmocka_unit_test(mistakes_are_named),
+        cmocka_unit_test(gaps_of_both),
+    };
+    return cmocka_run_group_tests_name("brdf: between two others", tests, NULL, NULL);
+}
