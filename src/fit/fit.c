@@ -86,6 +86,26 @@ static nqm_status fit_analytic(const nqm_brdf *ref, const nqm_fit_entry *entry, 
     return status;
 }
 
+nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_options *options, uint64_t seed,
+                        size_t n_steps, char spec[512], nqm_error *err) {
+    const nqm_fit_entry *entry;
+    nqm_fit_target target = {0};
+    nqm_fit_values values;
+    nqm_status status = nqm_fit_entry_find(model, &entry, err);
+    if (status == NQM_OK && entry->encode)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "%s is not an analytic model", model);
+    if (status == NQM_OK)
+        status = nqm_fit_target_make(ref, options, &target, err);
+    if (status == NQM_OK)
+        status = nqm_fit_follow(entry, &target, seed, n_steps, &values, err);
+    if (status == NQM_OK) {
+        round_values(entry, &values);
+        nqm_fit_write_spec(entry, &values, spec);
+    }
+    nqm_free(target.wi);
+    return status;
+}
+
 /* ---- public entries ---------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options_or_null,

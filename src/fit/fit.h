@@ -87,6 +87,14 @@ NQM_MUST_CHECK nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fi
                                         const nqm_fit_options *options, nqm_fit_values *values, size_t *start_ret,
                                         nqm_error *err);
 
+/** A point on the path of the optimiser: n_steps (up to 1000) steps of Levenberg-Marquardt from random values, which are a
+ *  function of the seed: shapes uniform in the scale of the search, the albedos that are best for them times random factors. */
+NQM_MUST_CHECK nqm_status nqm_fit_follow(const nqm_fit_entry *model, const nqm_fit_target *target, uint64_t seed,
+                                         size_t n_steps, nqm_fit_values *values, nqm_error *err);
+/** The same for a model's name; spec receives the point. NQM_ERR_ARG: the model is not analytic. */
+NQM_MUST_CHECK nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
+                                       uint64_t seed, size_t n_steps, char spec[512], nqm_error *err);
+
 /** Root mean square residual of a spec; NQM_ERR_NOMEM, or what opening it gives. */
 NQM_MUST_CHECK nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret,
                                                nqm_error *err);

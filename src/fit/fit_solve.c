@@ -181,8 +181,8 @@ static nqm_status keep_better(search *s, const nqm_fit_values *v, candidate *bes
     return status;
 }
 
-/* One run of Levenberg-Marquardt from a candidate, which is replaced if the result is better. */
-static nqm_status refine_once(search *s, candidate *best) {
+/* One run of Levenberg-Marquardt over all parameters, starting from *values; they are unchanged if it diverges. */
+static nqm_status descend(search *s, int max_evaluations, nqm_fit_values *values) {
     double x[MAX_PARAMETERS], rms;
     nqm_lsq_problem problem = {.n_parameters = s->model->n_shape + 6,
                                .n_residuals = 3 * s->target->n,
@@ -190,8 +190,8 @@ static nqm_status refine_once(search *s, candidate *best) {
                                .user = s,
                                .step = 1e-5,
                                .tolerance = 1e-6,
-                               .max_evaluations = 400};
-    to_free(s->model, &best->values, x);
+                               .max_evaluations = max_evaluations};
+    to_free(s->model, values, x);
     nqm_error err = {0};
     nqm_status status = nqm_lsq_solve(&problem, x, &rms, &err);
     if (status == NQM_ERR_NUMERIC)
@@ -203,10 +203,16 @@ static nqm_status refine_once(search *s, candidate *best) {
             *s->err = err;
         return status;
     }
-    nqm_fit_values refined;
-    from_free(s->model, x, &refined);
-    drop_traces(&refined);
-    return keep_better(s, &refined, best);
+    from_free(s->model, x, values);
+    drop_traces(values);
+    return NQM_OK;
+}
+
+/* Replace a candidate by the result of a run from it, if that is better. */
+static nqm_status refine_once(search *s, candidate *best) {
+    nqm_fit_values refined = best->values;
+    nqm_status status = descend(s, 400, &refined);
+    return status == NQM_OK ? keep_better(s, &refined, best) : status;
 }
 
 /* In logarithms an albedo near 0 cannot grow again; the linear solution between the rounds lets it. */
@@ -282,20 +288,25 @@ static nqm_status scan_starts(search *s, const nqm_fit_options *options, candida
     return NQM_OK;
 }
 
+/* Allocate the arrays of a search and evaluate the diffuse base; nqm_free(s->rgb) also after a failure. */
+static nqm_status begin_search(search *s) {
+    nqm_fit_values base = {.kd = {1, 1, 1}};
+    size_t n = s->target->n;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&s->rgb, n, 3 * sizeof(double)}, {&s->diffuse, n, sizeof(double)}, {&s->lobe, n, sizeof(double)}),
+        s->err);
+    if (status != NQM_OK)
+        return status;
+    make_start(s->model, 0, 1, base.shape);
+    return eval_lobe(s, &base, s->diffuse);
+}
+
 nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *target, const nqm_fit_options *options,
                          nqm_fit_values *values, size_t *start_ret, nqm_error *err) {
     search s = {.model = model, .target = target, .err = err};
     candidate best[MAX_REFINED] = {{.loss = INFINITY}};
     size_t n_best = 0, winner = 0;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&s.rgb, target->n, 3 * sizeof(double)}, {&s.diffuse, target->n, sizeof(double)},
-                                    {&s.lobe, target->n, sizeof(double)}),
-                         err);
-    if (status != NQM_OK)
-        return status;
-    nqm_fit_values base = {.kd = {1, 1, 1}};
-    make_start(model, 0, 1, base.shape);
-    status = eval_lobe(&s, &base, s.diffuse);
+    nqm_status status = begin_search(&s);
     if (status == NQM_OK)
         status = scan_starts(&s, options, best, &n_best);
     for (size_t i = 0; status == NQM_OK && i < n_best; ++i) {
@@ -308,6 +319,41 @@ nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *targe
         *values = best[winner].values;
         *start_ret = best[winner].start;
     }
+    nqm_free(s.rgb);
+    return status;
+}
+
+/* ---- paths ------------------------------------------------------------------------------------------------------- */
+
+/* Albedos times random factors in [1/20, 20]. */
+static void scatter_albedos(nqm_rng *rng, double albedo[3]) {
+    for (size_t c = 0; c < 3; ++c)
+        albedo[c] = fmax(albedo[c], 1e-3) * pow(20, 2 * nqm_rng_uniform(rng) - 1);
+}
+
+nqm_status nqm_fit_follow(const nqm_fit_entry *model, const nqm_fit_target *target, uint64_t seed, size_t n_steps,
+                          nqm_fit_values *values, nqm_error *err) {
+    search s = {.model = model, .target = target, .err = err};
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    nqm_fit_values start = {.kd = {0}};
+    for (size_t k = 0; k < model->n_shape; ++k)
+        start.shape[k] = nqm_fit_shape_value(&model->shape[k], nqm_rng_uniform(&rng));
+    nqm_status status = begin_search(&s);
+    if (status == NQM_OK)
+        status = set_shape(&s, start.shape);
+    if (status == NQM_OK) {
+        solve_albedos(&s, &start);
+        scatter_albedos(&rng, start.kd);
+        scatter_albedos(&rng, start.ks);
+        for (size_t c = 0; c < 3; ++c) {
+            start.kd[c] = fmin(start.kd[c], MAX_KD);
+            start.ks[c] = fmin(start.ks[c], MAX_KS);
+        }
+        if (n_steps > 0)
+            status = descend(&s, 1 + (int)n_steps, &start); /* the first evaluation is at the start */
+    }
+    if (status == NQM_OK)
+        *values = start;
     nqm_free(s.rgb);
     return status;
 }
