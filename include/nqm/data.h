@@ -57,7 +57,8 @@ typedef struct nqm_dataset_kind {
     const char
         *family; /**< in corpora of this program: "encoding" (own fits), "published" (published parameters of the same
                              material), "form" (other representations of the same material), "perturbation", "composed" (two
-                             perturbations, or one of an encoding); in the authors' layout: "encoding"; "" if unknown */
+                             perturbations, or one of an encoding), "far" (BRDFs that really differ), "rounding"; in the
+                             authors' layout: "encoding"; "" if unknown */
 } nqm_dataset_kind;
 /** Kind i in [0, n_kinds); both members are NULL beyond. */
 NQM_API nqm_dataset_kind nqm_dataset_get_kind(const nqm_dataset *dataset, size_t i);

@@ -44,6 +44,9 @@ typedef struct nqm_corpus_options {
         *models; /**< models of nqm_fit() that encode each reference, separated by commas; "": none; default NULL:
                                   all */
     size_t n_perturbations;   /**< perturbed copies per reference, 0 to 1000; default 26 */
+    size_t n_far;             /**< tests per reference that really differ from it: other materials, random parameters,
+                                   mixtures, extremes; 0 to 1000; default 26 */
+    size_t n_roundings;       /**< copies per reference with rounded values, 0 to 1000; default 3 */
     uint64_t seed;            /**< of perturbations and fits; default 1 */
     nqm_progress_fn progress; /**< called from the calling thread; NULL: silent */
     void *progress_user;
@@ -54,7 +57,8 @@ NQM_API nqm_corpus_options nqm_corpus_options_default(void);
 
 /**
  * Make a dataset file from a list of materials: for each reference its encodings by the models of nqm_fit(), other forms of
- * the same material in the list or the presets, and seeded perturbations; labels by rendering. Tests that cannot be fitted
+ * the same material in the list or the presets, seeded perturbations, and BRDFs that really differ, among them other
+ * materials of the same split; labels by rendering. Tests that cannot be fitted
  * or rendered are left out and listed in the manifest ("failures"). The manifest is stored in the file and, with the
  * dataset's checksum, in PATH.json. The bytes are the same for any number of threads and processes.
  *

@@ -29,6 +29,10 @@ static const nqm_option rows[] = {
      .help = "models of `nqm fit` that encode the references, separated by commas (default: all)"},
     {FIELD(n_perturbations), .name = "perturbations", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
      .values = {"26"}, .help = "perturbed copies per reference"},
+    {FIELD(n_far), .name = "far", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000, .values = {"26"},
+     .help = "tests per reference that really differ from it"},
+    {FIELD(n_roundings), .name = "roundings", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
+     .values = {"3"}, .help = "copies per reference with rounded values"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of perturbations and fits"},
 };
 /* clang-format on */
@@ -99,12 +103,13 @@ static nqm_status make_plans(nqm_corpus *c, const char *materials_csv, nqm_error
 
 static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
     size_t n = c->n_directions, n_refs = c->n_refs, n_tests = c->n_tests;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&c->ref_rgb, n_refs * n, 3 * sizeof(float)}, {&c->ref_used, n_refs * n, 1},
-                   {&c->test_rgb, n_tests * n, 3 * sizeof(float)}, {&c->test_used, n_tests * n, 1},
-                   {&c->delta_e, n_tests, sizeof(double)}, {&c->fit_loss, n_tests, sizeof(double)},
-                   {&c->names, n_tests, sizeof *c->names}, {&c->failures, n_tests, sizeof *c->failures}),
-        err);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&c->ref_rgb, n_refs * n, 3 * sizeof(float)}, {&c->ref_used, n_refs * n, 1},
+                                    {&c->test_rgb, n_tests * n, 3 * sizeof(float)}, {&c->test_used, n_tests * n, 1},
+                                    {&c->delta_e, n_tests, sizeof(double)}, {&c->fit_loss, n_tests, sizeof(double)},
+                                    {&c->names, n_tests, sizeof *c->names},
+                                    {&c->failures, n_tests, sizeof *c->failures}, {&c->kept, n_tests, 1}),
+                         err);
     if (status != NQM_OK)
         return status;
     size_t ref = 0, test = 0;
@@ -116,6 +121,7 @@ static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
         item->test_used = c->test_used + n * test;
         item->delta_e = c->delta_e + test;
         item->fit_loss = c->fit_loss + test;
+        item->kept = c->kept + test;
         item->names = c->names + test;
         item->failures = c->failures + test;
         ref += item->plan.n_refs;
@@ -142,6 +148,7 @@ static void free_corpus(nqm_corpus *c) {
     }
     nqm_free(c->items);
     nqm_free(c->ref_rgb);
+    nqm_corpus_cache_free(c->context.cache);
     nqm_scene_free(c->scene);
     nqm_corpus_list_free(&c->list);
 }
@@ -182,6 +189,8 @@ nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *dir
         status = make_folder(options.checkpoint, err);
     if (status == NQM_OK)
         status = nqm_corpus_list_load(materials_csv, options.root, &c.list, err);
+    if (status == NQM_OK)
+        status = nqm_corpus_cache_create(c.list.n_refs, &c.context.cache, err);
     if (status == NQM_OK)
         status = make_plans(&c, materials_csv, err);
     if (status == NQM_OK)

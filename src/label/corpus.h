@@ -61,6 +61,8 @@ typedef enum nqm_corpus_family {
     NQM_FAMILY_FORM,         /* another form of the same material: "form-rgl", "form-nbrdf" */
     NQM_FAMILY_PERTURBATION, /* one perturbation of the reference: "gloss" */
     NQM_FAMILY_COMPOSED,     /* two perturbations of the reference ("composed") or one of an encoding ("refit") */
+    NQM_FAMILY_FAR,          /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
+    NQM_FAMILY_ROUNDING,     /* the reference with rounded values: "float16" */
     NQM_FAMILY_COUNT
 } nqm_corpus_family;
 
@@ -71,10 +73,13 @@ typedef struct nqm_corpus_kind {
     nqm_corpus_family family;
 } nqm_corpus_kind;
 
-/** The names of the perturbations in a fixed order; NULL after the last. */
+/** The names of the perturbations, and of the far kinds, in a fixed order; NULL after the last. */
 const char *nqm_corpus_perturbation(size_t i);
-/** Whether a perturbation is in the test part only, for judging on kinds that are not in training. */
+const char *nqm_corpus_far_kind(size_t i);
+/** Whether a perturbation or a far kind is in the test part only, for judging on kinds that are not in training. */
 bool nqm_corpus_kind_unseen(const char *name);
+/** The same for far kinds only. */
+bool nqm_corpus_far_unseen(const char *name);
 
 /* ---- the plan of tests ------------------------------------------------------------------------------------------- */
 
@@ -87,17 +92,41 @@ typedef struct nqm_corpus_form {
     nqm_corpus_kind kind; /* kind of test when compared with another form */
 } nqm_corpus_form;
 
-/** The BRDF that a test is derived from: the reference, one of its fits, or another form of its material. */
-typedef enum nqm_corpus_base { NQM_BASE_REF, NQM_BASE_FIT, NQM_BASE_FORM } nqm_corpus_base;
+/** The BRDF that a test is, or is derived from. */
+typedef enum nqm_corpus_base {
+    NQM_BASE_REF,     /* the reference */
+    NQM_BASE_FIT,     /* one of its fits */
+    NQM_BASE_FORM,    /* another form of its material */
+    NQM_BASE_OTHER,   /* another material */
+    NQM_BASE_BETWEEN, /* between the reference and another material */
+    NQM_BASE_SPEC,    /* a BRDF that does not depend on the reference */
+    NQM_BASE_PATH     /* a point on the path of an optimiser that fits an analytic model to the reference */
+} nqm_corpus_base;
+
+/** A point on the path of an optimiser: arguments of nqm_fit_path(). */
+typedef struct nqm_corpus_path {
+    const char *model; /* static storage */
+    nqm_fit_loss loss;
+    size_t n_steps;
+    uint64_t seed;
+} nqm_corpus_path;
 
 /** One test of a reference: a base and up to two perturbations of it. */
 typedef struct nqm_corpus_test {
     size_t ref; /* within the group */
     nqm_corpus_kind kind;
     nqm_corpus_base base;
-    size_t which;             /* index of the model of the corpus, or of the plan's form */
+    size_t which;             /* index of the model of the corpus, of the plan's form, or of a reference of the list */
     char perturbation[2][80]; /* "gloss=0.8"; the first is applied first; "": none */
+    char between[80];         /* BETWEEN: the settings of the spec, "t=0.3" */
+    char *spec;               /* SPEC: the argument of nqm_brdf_open(), owned by the plan; otherwise NULL */
+    nqm_corpus_path path;     /* PATH */
 } nqm_corpus_test;
+
+/** Whether `which` is another material: a reference of the list. */
+static inline bool nqm_corpus_uses_other(const nqm_corpus_test *test) {
+    return test->base == NQM_BASE_OTHER || test->base == NQM_BASE_BETWEEN;
+}
 
 /** The models that encode each reference. */
 typedef struct nqm_corpus_models {
@@ -125,22 +154,68 @@ void nqm_corpus_plan_free(nqm_corpus_plan *plan);
 /** Draw n perturbed copies of a reference with n_fits encodings; they cycle through the kinds of this part. tests (n). */
 void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, size_t n_fits, nqm_corpus_part part, size_t n,
                            nqm_corpus_test *tests);
+/** Draw n roundings of a reference. tests (n). */
+void nqm_corpus_draw_roundings(nqm_rng *rng, size_t ref, size_t n, nqm_corpus_test *tests);
+
+/** Draw n far tests of a reference of the list; they cycle through the kinds of this part. Other materials are of the same
+ *  split. tests (n): `ref` is not set; the specs are owned by the caller, also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_corpus_draw_far(const nqm_corpus_list *list, size_t list_ref, uint64_t seed,
+                                              nqm_corpus_part part, size_t n, nqm_corpus_test *tests, nqm_error *err);
+/** The random stream of a name; it does not depend on the other materials in the list. */
+uint64_t nqm_corpus_stream(const char *name);
+/** An analytic model with random parameters, as a spec; nqm_free() it. */
+NQM_MUST_CHECK nqm_status nqm_corpus_random_spec(nqm_rng *rng, const char *model, char **spec_ret, nqm_error *err);
+
+/** Far tests that are drawn and rendered for each one that is kept. */
+enum { NQM_CORPUS_CANDIDATES = 3 };
+/** Mark n_kept of n JODs (n) such that they are spread as evenly as possible; NaN is never marked. kept (n). */
+NQM_MUST_CHECK nqm_status nqm_corpus_spread(size_t n, const double *jod, size_t n_kept, uint8_t *kept, nqm_error *err);
+
+/* ---- references as the corpus uses them -------------------------------------------------------------------------- */
+
+/** A BRDF with its samples and its picture; rgb owns the block of the arrays. n = n_directions. */
+typedef struct nqm_corpus_view {
+    nqm_brdf *brdf;
+    float *rgb;      /* (n, 3) */
+    uint8_t *used;   /* (n) */
+    double *picture; /* (n_points, 3) cd/m2 */
+} nqm_corpus_view;
+
+typedef struct nqm_corpus_context nqm_corpus_context;
+
+NQM_MUST_CHECK nqm_status nqm_corpus_view_alloc(const nqm_corpus_context *context, nqm_corpus_view *view,
+                                                nqm_error *err);
+void nqm_corpus_view_free(nqm_corpus_view *view);
+/** Sample and render view->brdf. */
+NQM_MUST_CHECK nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_view *view,
+                                               nqm_error *err);
+/** Open a form as the corpus uses it, as reference, test and base of perturbations. */
+NQM_MUST_CHECK nqm_status nqm_corpus_open(const char *path, nqm_brdf **brdf_ret, nqm_error *err);
+
+/** The views of all references of a list, each made when it is first needed. */
+typedef struct nqm_corpus_cache nqm_corpus_cache;
+NQM_MUST_CHECK nqm_status nqm_corpus_cache_create(size_t n_refs, nqm_corpus_cache **cache_ret, nqm_error *err);
+void nqm_corpus_cache_free(nqm_corpus_cache *cache);
+/** The view of a reference of the list; owned by the context's cache. Any thread. */
+NQM_MUST_CHECK nqm_status nqm_corpus_cached(const nqm_corpus_context *context, size_t list_ref,
+                                            const nqm_corpus_view **view_ret, nqm_error *err);
 
 /* ---- making one group --------------------------------------------------------------------------------------------- */
 
 /** Data shared by all groups. */
-typedef struct nqm_corpus_context {
+struct nqm_corpus_context {
     const nqm_corpus_list *list;
     const nqm_corpus_options *options;
     const nqm_directions *directions;
     const nqm_scene *scene;
+    nqm_corpus_cache *cache;
     nqm_corpus_models models;
     char light_sha256[65];                    /* "" for the built-in sky */
     char shape_sha256[65];                    /* of a mesh file; "" for built-in shapes */
     char encoder_sha256[2][65];               /* of nqm_corpus_encoders; "": not in this build */
     bool (*step)(void *user, size_t n_tests); /* called with the number of finished tests, 0 during fits; true: stop */
     void *step_user;
-} nqm_corpus_context;
+};
 
 /** The names of the learned encoders. */
 extern const char *const nqm_corpus_encoders[2];
@@ -157,9 +232,15 @@ typedef struct nqm_corpus_item {
     uint8_t *test_used; /* (n_tests, n) */
     double *delta_e;    /* (n_tests) */
     double *fit_loss;   /* (n_tests) nqm_fit_report.loss of encodings; else 0 */
+    uint8_t *kept;      /* (n_tests) 0: a far test that was drawn but not selected, or that failed */
     char **names;       /* (n_tests) each test as a spec; the strings are owned */
     char **failures;    /* (n_tests) error message of a failed test, else NULL; owned */
 } nqm_corpus_item;
+
+/** Whether a test is a pair of the corpus. */
+static inline bool nqm_corpus_is_pair(const nqm_corpus_item *item, size_t test) {
+    return item->kept[test] && !item->failures[test];
+}
 
 enum { NQM_ITEM_OPEN = 0, NQM_ITEM_SKIPPED /* another process has claimed it */, NQM_ITEM_ACTIVE, NQM_ITEM_DONE };
 
@@ -190,14 +271,14 @@ typedef struct nqm_corpus {
     size_t n_items, n_refs, n_tests, n_directions;
     nqm_corpus_item *items;
     float *ref_rgb, *test_rgb;
-    uint8_t *ref_used, *test_used;
+    uint8_t *ref_used, *test_used, *kept;
     double *delta_e, *fit_loss;
     char **names, **failures;
 } nqm_corpus;
 
 /** Make all items on all threads, together with other processes that share the checkpoint folder. */
 NQM_MUST_CHECK nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err);
-/** Write the finished corpus and its manifest. Failed tests are removed from the arrays. */
+/** Write the finished corpus and its manifest. Tests that are no pairs are removed from the arrays. */
 NQM_MUST_CHECK nqm_status nqm_corpus_write(nqm_corpus *corpus, const char *path, nqm_error *err);
 
 /** The manifest as JSON text (nqm_free); NULL: out of memory, or a name is not UTF-8. */

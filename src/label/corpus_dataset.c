@@ -20,7 +20,7 @@ static nqm_status add_kinds(const nqm_corpus *c, nqm_dataset_builder *b, nqm_err
             const nqm_corpus_plan *plan = &c->items[i].plan;
             for (size_t k = 0; status == NQM_OK && k < plan->n_tests; ++k) {
                 const nqm_corpus_kind *kind = &plan->tests[k].kind;
-                if ((int)kind->family == family && !c->items[i].failures[k])
+                if ((int)kind->family == family && nqm_corpus_is_pair(&c->items[i], k))
                     status = nqm_dataset_add_kind(b, kind->name, nqm_corpus_family_name(kind->family), &index, err);
             }
         }
@@ -48,7 +48,7 @@ static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_bu
     for (size_t r = 0; status == NQM_OK && r < plan->n_refs; ++r)
         status = nqm_dataset_add_reference(b, c->list.refs[group->first_ref + r].name, index, err);
     for (size_t k = 0; status == NQM_OK && k < plan->n_tests; ++k, ++*test) {
-        if (c->failures[*test])
+        if (!nqm_corpus_is_pair(&c->items[i], k))
             continue;
         move_test(c, *test, b->dataset->n_pairs);
         const char *name = plan->tests[k].kind.name;

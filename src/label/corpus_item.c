@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * Makes one material group: open its forms, encode each reference by every model, sample and render each BRDF once, and
- * label every test by the Delta-E ITP between its picture and that of its reference. A model that cannot encode a
- * reference fails this test only.
+ * Makes one material group: open its forms, encode each reference by every model, sample and render each BRDF once, label
+ * every test by the Delta-E ITP between its picture and that of its reference, and select far tests by their labels. A model
+ * that cannot encode a reference fails this test only.
  */
 #include "brdf/brdf.h"
+#include "fit/fit.h"
 #include "label/corpus.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A BRDF with its samples and its picture; rgb owns the block of the arrays. */
-typedef struct view {
-    nqm_brdf *brdf;
-    float *rgb;      /* (n, 3) */
-    uint8_t *used;   /* (n) */
-    double *picture; /* (n_points, 3) cd/m2 */
-} view;
+typedef nqm_corpus_view view;
 
 /* An encoding of the current reference. */
 typedef struct encoding {
@@ -29,66 +24,40 @@ typedef struct encoding {
 typedef struct job {
     const nqm_corpus_context *context;
     nqm_corpus_item *item;
-    size_t n, n_points; /* directions, surface points */
+    size_t n; /* directions */
     size_t n_fits;
-    view *forms;    /* (n_forms) */
-    encoding *fits; /* (n_fits) */
-    view perturbed;
+    const view **forms;  /* (n_forms) of the cache, or in `presets` */
+    view *presets;       /* (n_forms) forms that are no references of the list; the others are empty */
+    encoding *fits;      /* (n_fits) */
+    view made;           /* of a test whose BRDF is made for it */
+    char path_spec[512]; /* of a point on the path of an optimiser */
     nqm_error *err;
 } job;
 
-static nqm_status alloc_view(const job *j, view *v) {
-    return nqm_alloc_arrays(NQM_ARRAYS({&v->rgb, j->n, 3 * sizeof *v->rgb}, {&v->used, j->n, 1},
-                                       {&v->picture, j->n_points, 3 * sizeof *v->picture}),
-                            j->err);
-}
-
-static void free_view(view *v) {
-    nqm_brdf_free(v->brdf);
-    nqm_free(v->rgb);
-}
-
-/* Sample and render v->brdf. */
-static nqm_status sample_and_render(const job *j, view *v, nqm_error *err) {
-    nqm_status status = nqm_sample(v->brdf, j->context->directions, NQM_INVALID_DROP, v->rgb, v->used, NULL, err);
-    for (size_t i = 0; status == NQM_OK && i < j->n; ++i)
-        v->used[i] = nqm_has_value(v->used[i]);
-    return status == NQM_OK ? nqm_scene_render(j->context->scene, v->brdf, v->picture, err) : status;
-}
-
-/* Open a form as the corpus uses it, as reference, test and base of perturbations: decoders of neural processes as tables,
- * because dozens of copies are rendered; other forms folded, because sampling directions and perturbations use one half
- * of the pairs. */
-static nqm_status open_form(const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_brdf *form;
-    nqm_status status = nqm_brdf_open(path, &form, err);
-    if (status != NQM_OK)
-        return status;
-    if (strcmp(nqm_brdf_get_info(form).format, "nps") == 0) {
-        status = nqm_brdf_tabulate(form, brdf_ret, err);
-        nqm_brdf_free(form);
-        return status;
-    }
-    return nqm_brdf_fold(form, true, brdf_ret, err);
+static nqm_status open_preset(const job *j, size_t form) {
+    view *v = &j->presets[form];
+    nqm_status status = nqm_corpus_view_alloc(j->context, v, j->err);
+    if (status == NQM_OK)
+        status = nqm_corpus_open(j->item->plan.forms[form].path, &v->brdf, j->err);
+    return status == NQM_OK ? nqm_corpus_view_fill(j->context, v, j->err) : status;
 }
 
 static nqm_status open_forms(job *j) {
     const nqm_corpus_plan *plan = &j->item->plan;
-    for (size_t f = 0; f < plan->n_forms; ++f) {
-        view *v = &j->forms[f];
-        nqm_status status = alloc_view(j, v);
-        if (status == NQM_OK)
-            status = open_form(plan->forms[f].path, &v->brdf, j->err);
-        if (status == NQM_OK)
-            status = sample_and_render(j, v, j->err);
+    size_t first_ref = j->context->list->groups[plan->group].first_ref;
+    nqm_status status = NQM_OK;
+    for (size_t f = 0; status == NQM_OK && f < plan->n_refs; ++f) {
+        status = nqm_corpus_cached(j->context, first_ref + f, &j->forms[f], j->err);
         if (status != NQM_OK)
             return status;
-        if (f < plan->n_refs) {
-            memcpy(j->item->ref_rgb + 3 * j->n * f, v->rgb, 3 * j->n * sizeof(float));
-            memcpy(j->item->ref_used + j->n * f, v->used, j->n);
-        }
+        memcpy(j->item->ref_rgb + 3 * j->n * f, j->forms[f]->rgb, 3 * j->n * sizeof(float));
+        memcpy(j->item->ref_used + j->n * f, j->forms[f]->used, j->n);
     }
-    return NQM_OK;
+    for (size_t f = plan->n_refs; status == NQM_OK && f < plan->n_forms; ++f) {
+        j->forms[f] = &j->presets[f];
+        status = open_preset(j, f);
+    }
+    return status;
 }
 
 /* Errors that are not errors of a test. */
@@ -113,7 +82,7 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
     fit->fault = (nqm_error){0};
     nqm_status status = nqm_fit(ref, j->context->models.name[k], &options, &fit->report, &fit->view.brdf, &fit->fault);
     if (status == NQM_OK)
-        status = sample_and_render(j, &fit->view, &fit->fault);
+        status = nqm_corpus_view_fill(j->context, &fit->view, &fit->fault);
     fit->fault.status = status;
     if (!is_fatal(status))
         return NQM_OK;
@@ -125,7 +94,7 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
 static nqm_status make_fits(const job *j, size_t ref) {
     nqm_status status = NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k)
-        status = make_fit(j, j->forms[ref].brdf, k);
+        status = make_fit(j, j->forms[ref]->brdf, k);
     return status;
 }
 
@@ -144,32 +113,57 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
     case NQM_BASE_FIT:
         return &fit_of(j, test)->view;
     case NQM_BASE_FORM:
-        return &j->forms[test->which];
+        return j->forms[test->which];
+    default:
+        return j->forms[test->ref];
+    }
+}
+
+/* What a test is derived from: the text before and after the name of a BRDF. */
+static const char *base_name(const job *j, const nqm_corpus_test *test, char before[256]) {
+    const nqm_corpus_form *forms = j->item->plan.forms;
+    const nqm_corpus_ref *refs = j->context->list->refs;
+    const encoding *fit;
+    *before = 0;
+    switch (test->base) {
+    case NQM_BASE_FIT:
+        fit = fit_of(j, test);
+        if (fit->fault.status == NQM_OK && *fit->report.spec)
+            return fit->report.spec;
+        snprintf(before, 256, "%s of ", j->context->models.name[fit - j->fits]);
+        break;
+    case NQM_BASE_FORM:
+        return forms[test->which].brdf;
+    case NQM_BASE_OTHER:
+        return refs[test->which].brdf;
+    case NQM_BASE_SPEC:
+        return test->spec;
+    case NQM_BASE_PATH:
+        return j->path_spec;
+    case NQM_BASE_BETWEEN:
     case NQM_BASE_REF:
         break;
     }
-    return &j->forms[test->ref];
+    return forms[test->ref].brdf;
 }
 
 /* "perturb:OUTER;of=perturb:INNER;of=BASE"; encodings without a spec are "nbrdf of BASE". */
 static char *test_name(const job *j, const nqm_corpus_test *test) {
-    const nqm_corpus_form *forms = j->item->plan.forms;
-    const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
-    const char *base = forms[test->base == NQM_BASE_FORM ? test->which : test->ref].brdf, *model = "", *of = "";
-    if (fit && fit->fault.status == NQM_OK && *fit->report.spec) {
-        base = fit->report.spec;
-    } else if (fit) {
-        model = j->context->models.name[fit - j->fits];
-        of = " of ";
-    }
-    size_t n = strlen(base) + strlen(model) + sizeof test->perturbation + 40, used = 0;
+    char before[256];
+    const char *base = base_name(j, test, before), *with = "";
+    if (test->base == NQM_BASE_BETWEEN)
+        with = j->context->list->refs[test->which].brdf;
+    size_t n = strlen(base) + strlen(with) + sizeof before + sizeof test->perturbation + sizeof test->between + 60,
+           used = 0;
     char *name = nqm_alloc(n, 1);
     if (!name)
         return NULL;
     for (int k = 1; k >= 0; --k)
         if (*test->perturbation[k])
             used += (size_t)snprintf(name + used, n - used, "perturb:%s;of=", test->perturbation[k]);
-    snprintf(name + used, n - used, "%s%s%s", model, of, base);
+    if (*with)
+        used += (size_t)snprintf(name + used, n - used, "between:%s;with=(%s);of=", test->between, with);
+    snprintf(name + used, n - used, "%s%s", before, base);
     return name;
 }
 
@@ -185,22 +179,74 @@ static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf 
     return status;
 }
 
-/* The view of a test: that of its base, or the perturbed one. */
+/* A BRDF between the reference and another material. */
+static nqm_status between(const job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
+    const view *other;
+    nqm_brdf *of, *with;
+    *brdf_ret = NULL;
+    nqm_status status = nqm_corpus_cached(j->context, test->which, &other, err);
+    if (status == NQM_OK)
+        status = nqm_brdf_fold(j->forms[test->ref]->brdf, false, &of, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_brdf_fold(other->brdf, false, &with, err);
+    if (status == NQM_OK)
+        return nqm_between_wrap(test->between, of, with, brdf_ret, err);
+    nqm_brdf_free(of);
+    return status;
+}
+
+/* Directions of the fits whose paths are followed: the loss need not be exact, and every step evaluates them ten times. */
+enum { N_PATH_DIRECTIONS = 1000 };
+
+static nqm_status follow_path(job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_fit_options options = nqm_fit_options_default();
+    options.loss = test->path.loss;
+    options.n_directions = N_PATH_DIRECTIONS;
+    options.seed = test->path.seed;
+    *brdf_ret = NULL;
+    *j->path_spec = 0;
+    nqm_status status = nqm_fit_path(j->forms[test->ref]->brdf, test->path.model, &options, test->path.seed,
+                                     test->path.n_steps, j->path_spec, err);
+    return status == NQM_OK ? nqm_brdf_open(j->path_spec, brdf_ret, err) : status;
+}
+
+/* The BRDF of a test that has one of its own. */
+static nqm_status make_brdf(job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
+    switch (test->base) {
+    case NQM_BASE_BETWEEN:
+        return between(j, test, brdf_ret, err);
+    case NQM_BASE_SPEC:
+        return nqm_brdf_open(test->spec, brdf_ret, err);
+    case NQM_BASE_PATH:
+        return follow_path(j, test, brdf_ret, err);
+    default:
+        return perturb(test, base_view(j, test)->brdf, brdf_ret, err);
+    }
+}
+
+static bool has_own_brdf(const nqm_corpus_test *test) {
+    return *test->perturbation[0] || test->base == NQM_BASE_BETWEEN || test->base == NQM_BASE_SPEC ||
+           test->base == NQM_BASE_PATH;
+}
+
 static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret, nqm_error *err) {
-    const view *base = base_view(j, test);
     const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
-    *view_ret = base;
     if (fit && fit->fault.status != NQM_OK) {
         *err = fit->fault;
         return err->status;
     }
-    if (!*test->perturbation[0])
+    if (test->base == NQM_BASE_OTHER)
+        return nqm_corpus_cached(j->context, test->which, view_ret, err);
+    if (!has_own_brdf(test)) {
+        *view_ret = base_view(j, test);
         return NQM_OK;
-    *view_ret = &j->perturbed;
-    nqm_brdf_free(j->perturbed.brdf);
-    j->perturbed.brdf = NULL;
-    nqm_status status = perturb(test, base->brdf, &j->perturbed.brdf, err);
-    return status == NQM_OK ? sample_and_render(j, &j->perturbed, err) : status;
+    }
+    *view_ret = &j->made;
+    nqm_brdf_free(j->made.brdf);
+    j->made.brdf = NULL;
+    nqm_status status = make_brdf(j, test, &j->made.brdf, err);
+    return status == NQM_OK ? nqm_corpus_view_fill(j->context, &j->made, err) : status;
 }
 
 static nqm_status label_test(job *j, size_t t, nqm_error *err) {
@@ -210,7 +256,7 @@ static nqm_status label_test(job *j, size_t t, nqm_error *err) {
     nqm_status status = test_view(j, test, &v, err);
     if (status != NQM_OK)
         return status;
-    double delta_e = nqm_scene_compare(j->context->scene, j->forms[test->ref].picture, v->picture).delta_e;
+    double delta_e = nqm_scene_compare(j->context->scene, j->forms[test->ref]->picture, v->picture).delta_e;
     if (!isfinite(delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
     item->delta_e[t] = delta_e;
@@ -226,6 +272,7 @@ static nqm_status make_test(job *j, size_t t) {
     nqm_error err = {0};
     nqm_status status = label_test(j, t, &err);
     item->names[t] = test_name(j, &item->plan.tests[t]);
+    item->kept[t] = 1;
     if (status != NQM_OK && !is_fatal(status)) {
         item->failures[t] = nqm_strdup(*err.message ? err.message : nqm_status_text(status));
         status = item->failures[t] ? NQM_OK : NQM_ERR_NOMEM;
@@ -239,13 +286,32 @@ static nqm_status make_test(job *j, size_t t) {
     return status;
 }
 
+/* Keep n_far of the far tests of a reference. */
+static nqm_status select_far(const job *j, size_t ref) {
+    nqm_corpus_item *item = j->item;
+    const nqm_corpus_options *options = j->context->options;
+    const nqm_curve curve = nqm_curve_default();
+    size_t n = NQM_CORPUS_CANDIDATES * options->n_far, first = 0;
+    while (first < item->plan.n_tests &&
+           !(item->plan.tests[first].ref == ref && item->plan.tests[first].kind.family == NQM_FAMILY_FAR))
+        ++first;
+    double *jod = nqm_alloc(n, sizeof *jod);
+    if (!jod)
+        return nqm_fail_nomem(j->err, n * sizeof *jod);
+    for (size_t i = 0; i < n; ++i)
+        jod[i] = item->failures[first + i] ? NAN : nqm_curve_jod(&curve, item->delta_e[first + i]);
+    nqm_status status = nqm_corpus_spread(n, jod, options->n_far, item->kept + first, j->err);
+    nqm_free(jod);
+    return status;
+}
+
 static nqm_status run(job *j) {
     const nqm_corpus_plan *plan = &j->item->plan;
     nqm_status status = open_forms(j);
     for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k)
-        status = alloc_view(j, &j->fits[k].view);
+        status = nqm_corpus_view_alloc(j->context, &j->fits[k].view, j->err);
     if (status == NQM_OK)
-        status = alloc_view(j, &j->perturbed);
+        status = nqm_corpus_view_alloc(j->context, &j->made, j->err);
     for (size_t t = 0; status == NQM_OK && t < plan->n_tests; ++t) {
         if (t == 0 || plan->tests[t].ref != plan->tests[t - 1].ref)
             status = make_fits(j, plan->tests[t].ref);
@@ -254,6 +320,8 @@ static nqm_status run(job *j) {
         if (status == NQM_OK && j->context->step(j->context->step_user, 1))
             status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
     }
+    for (size_t ref = 0; status == NQM_OK && j->context->options->n_far > 0 && ref < plan->n_refs; ++ref)
+        status = select_far(j, ref);
     return status;
 }
 
@@ -261,19 +329,20 @@ nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_it
     job j = {.context = context,
              .item = item,
              .n = nqm_directions_count(context->directions),
-             .n_points = nqm_scene_count(context->scene),
              .n_fits = context->models.n,
              .err = err};
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&j.forms, item->plan.n_forms, sizeof *j.forms}, {&j.fits, j.n_fits, sizeof *j.fits}), err);
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&j.forms, item->plan.n_forms, sizeof *j.forms},
+                                                    {&j.presets, item->plan.n_forms, sizeof *j.presets},
+                                                    {&j.fits, j.n_fits, sizeof *j.fits}),
+                                         err);
     if (status != NQM_OK)
         return status;
     status = run(&j);
     for (size_t f = 0; f < item->plan.n_forms; ++f)
-        free_view(&j.forms[f]);
+        nqm_corpus_view_free(&j.presets[f]);
     for (size_t k = 0; k < j.n_fits; ++k)
-        free_view(&j.fits[k].view);
-    free_view(&j.perturbed);
+        nqm_corpus_view_free(&j.fits[k].view);
+    nqm_corpus_view_free(&j.made);
     nqm_free(j.forms);
     return status;
 }

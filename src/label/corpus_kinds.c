@@ -9,11 +9,10 @@
 #include <string.h>
 
 const char *nqm_corpus_family_name(nqm_corpus_family family) {
-    static const char *const names[NQM_FAMILY_COUNT] = {[NQM_FAMILY_ENCODING] = "encoding",
-                                                        [NQM_FAMILY_PUBLISHED] = "published",
-                                                        [NQM_FAMILY_FORM] = "form",
-                                                        [NQM_FAMILY_PERTURBATION] = "perturbation",
-                                                        [NQM_FAMILY_COMPOSED] = "composed"};
+    static const char *const names[NQM_FAMILY_COUNT] = {
+        [NQM_FAMILY_ENCODING] = "encoding",         [NQM_FAMILY_PUBLISHED] = "published", [NQM_FAMILY_FORM] = "form",
+        [NQM_FAMILY_PERTURBATION] = "perturbation", [NQM_FAMILY_COMPOSED] = "composed",   [NQM_FAMILY_FAR] = "far",
+        [NQM_FAMILY_ROUNDING] = "rounding"};
     return names[family];
 }
 
@@ -68,7 +67,7 @@ bool nqm_corpus_kind_unseen(const char *name) {
     for (size_t i = 0; i < N_PERTURBATIONS; ++i)
         if (strcmp(perturbations[i].kind, name) == 0)
             return perturbations[i].unseen;
-    return false;
+    return nqm_corpus_far_unseen(name);
 }
 
 /* ---- one perturbation -------------------------------------------------------------------------------------------- */

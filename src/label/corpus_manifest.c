@@ -69,7 +69,7 @@ static void count_kinds(size_t n_items, const nqm_corpus_item *items, json_t *ki
         for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
             const nqm_corpus_kind *kind = &items[i].plan.tests[t].kind;
             const char *family = nqm_corpus_family_name(kind->family);
-            if (items[i].failures[t])
+            if (!nqm_corpus_is_pair(&items[i], t))
                 continue;
             json_t *row = member(kinds, kind->name);
             add(row, "pairs", 1);
@@ -94,7 +94,24 @@ static json_t *unseen_json(void) {
     for (size_t i = 0; nqm_corpus_perturbation(i); ++i)
         if (nqm_corpus_kind_unseen(nqm_corpus_perturbation(i)))
             json_array_append_new(unseen, json_string(nqm_corpus_perturbation(i)));
+    for (size_t i = 0; nqm_corpus_far_kind(i); ++i)
+        if (nqm_corpus_far_unseen(nqm_corpus_far_kind(i)))
+            json_array_append_new(unseen, json_string(nqm_corpus_far_kind(i)));
     return unseen;
+}
+
+/* By split, the names of the references that are other materials in pairs of the split. */
+static json_t *others_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
+    json_t *splits = json_object();
+    for (size_t i = 0; i < n_items; ++i)
+        for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
+            const nqm_corpus_test *test = &items[i].plan.tests[t];
+            if (!nqm_corpus_uses_other(test) || !nqm_corpus_is_pair(&items[i], t))
+                continue;
+            const char *split = nqm_corpus_split_name(list->groups[items[i].plan.group].split);
+            add(member(splits, split), list->refs[test->which].name, 1);
+        }
+    return splits;
 }
 
 /* Failed tests by kind, with the first message of each kind. */
@@ -121,7 +138,7 @@ static json_t *failures_json(const nqm_corpus_list *list, size_t n_items, const 
 static size_t count_pairs(const nqm_corpus_item *item, size_t ref) {
     size_t n = 0;
     for (size_t t = 0; t < item->plan.n_tests; ++t)
-        n += item->plan.tests[t].ref == ref && !item->failures[t];
+        n += item->plan.tests[t].ref == ref && nqm_corpus_is_pair(item, t);
     return n;
 }
 
@@ -173,6 +190,12 @@ static json_t *labels_json(void) {
                      curve.b2, curve.b3);
 }
 
+static json_t *options_json(const nqm_corpus_options *options) {
+    return json_pack("{s:o,s:o,s:o,s:o,s:o}", "seed", count(options->seed), "perturbations",
+                     count(options->n_perturbations), "far", count(options->n_far), "far_candidates",
+                     count(NQM_CORPUS_CANDIDATES * options->n_far), "roundings", count(options->n_roundings));
+}
+
 static json_t *fit_json(const nqm_corpus_models *used) {
     nqm_fit_options fit = nqm_fit_options_default();
     json_t *models = json_array();
@@ -189,12 +212,12 @@ char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, con
     count_kinds(n_items, items, kinds, families);
     count_splits(context->list, n_items, items, splits, sources);
     json_t *root = json_pack(
-        "{s:i,s:{s:s,s:s},s:s,s:o,s:{s:o,s:o},s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 2, "tool",
-        "name", "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
-        "labels", labels_json(), "options", "seed", count(options->seed), "perturbations",
-        count(options->n_perturbations), "scene", scene_json(context), "fits", fit_json(&context->models), "encoders",
-        encoders_json(context), "directions", nqm_directions_id(context->directions), "splits", splits, "sources",
-        sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(), "failures",
+        "{s:i,s:{s:s,s:s},s:s,s:o,s:o,s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 2, "tool", "name",
+        "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
+        "labels", labels_json(), "options", options_json(options), "scene", scene_json(context), "fits",
+        fit_json(&context->models), "encoders", encoders_json(context), "directions",
+        nqm_directions_id(context->directions), "splits", splits, "sources", sources, "families", families, "kinds",
+        kinds, "unseen_kinds", unseen_json(), "other_materials", others_json(context->list, n_items, items), "failures",
         failures_json(context->list, n_items, items), "references", references_json(context->list, n_items, items));
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);

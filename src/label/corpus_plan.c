@@ -2,7 +2,7 @@
  *
  * The tests of each reference of a material group. Encodings, published fits and other forms of the same material are the
  * differences that occur in practice; perturbations cover the range from invisible to strong, one kind of difference at a
- * time.
+ * time; far tests are BRDFs that really differ.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -89,17 +89,30 @@ nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_r
 
 /* ---- the plan ---------------------------------------------------------------------------------------------------- */
 
-/* The random stream of a reference is a function of its name, independent of the other materials in the list. */
-static uint64_t stream_of(const char *name) {
+uint64_t nqm_corpus_stream(const char *name) {
     uint64_t h = 0;
     for (; *name; ++name)
         h = nqm_hash_u64(h, (unsigned char)*name);
     return h;
 }
 
-static void plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_corpus_models *models,
-                     const nqm_corpus_options *options, nqm_corpus_plan *plan) {
-    nqm_rng rng = nqm_rng_make(options->seed, stream_of(list->refs[list->groups[plan->group].first_ref + ref].name));
+/* The candidates of the far tests of a reference. */
+static nqm_status plan_far(const nqm_corpus_list *list, size_t ref, const nqm_corpus_options *options,
+                           nqm_corpus_plan *plan, nqm_error *err) {
+    size_t n = NQM_CORPUS_CANDIDATES * options->n_far, list_ref = list->groups[plan->group].first_ref + ref;
+    nqm_corpus_test *tests = plan->tests + plan->n_tests;
+    plan->n_tests += n;
+    nqm_status status = nqm_corpus_draw_far(list, list_ref, options->seed, options->part, n, tests, err);
+    for (size_t i = 0; i < n; ++i)
+        tests[i].ref = ref;
+    return status;
+}
+
+/* All random numbers of a reference are functions of its name and the seed. */
+static nqm_status plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_corpus_models *models,
+                           const nqm_corpus_options *options, nqm_corpus_plan *plan, nqm_error *err) {
+    uint64_t stream = nqm_corpus_stream(list->refs[list->groups[plan->group].first_ref + ref].name);
+    nqm_rng rng = nqm_rng_make(options->seed, stream), rounding = nqm_rng_make(options->seed, nqm_hash_u64(stream, 2));
     for (size_t k = 0; k < models->n; ++k) {
         nqm_corpus_test *test = &plan->tests[plan->n_tests++];
         *test = (nqm_corpus_test){.ref = ref, .base = NQM_BASE_FIT, .which = k, .kind.family = NQM_FAMILY_ENCODING};
@@ -111,6 +124,9 @@ static void plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_corpus_m
                 (nqm_corpus_test){.ref = ref, .kind = plan->forms[f].kind, .base = NQM_BASE_FORM, .which = f};
     nqm_corpus_draw_tests(&rng, ref, models->n, options->part, options->n_perturbations, plan->tests + plan->n_tests);
     plan->n_tests += options->n_perturbations;
+    nqm_corpus_draw_roundings(&rounding, ref, options->n_roundings, plan->tests + plan->n_tests);
+    plan->n_tests += options->n_roundings;
+    return plan_far(list, ref, options, plan, err);
 }
 
 nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group, const nqm_corpus_models *models,
@@ -121,19 +137,22 @@ nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group, const
     nqm_status status = plan_forms(list, g, &plan, err);
     if (status != NQM_OK)
         return status;
-    size_t n_tests = g->n_refs * (models->n + plan.n_forms - 1 + options->n_perturbations);
+    size_t n_tests = g->n_refs * (models->n + plan.n_forms - 1 + options->n_perturbations + options->n_roundings +
+                                  NQM_CORPUS_CANDIDATES * options->n_far);
     plan.tests = nqm_alloc(n_tests, sizeof *plan.tests);
-    if (!plan.tests) {
+    if (!plan.tests)
+        status = nqm_fail_nomem(err, n_tests * sizeof *plan.tests);
+    for (size_t ref = 0; status == NQM_OK && ref < g->n_refs; ++ref)
+        status = plan_ref(list, ref, models, options, &plan, err);
+    if (status != NQM_OK)
         nqm_corpus_plan_free(&plan);
-        return nqm_fail_nomem(err, n_tests * sizeof *plan.tests);
-    }
-    for (size_t ref = 0; ref < g->n_refs; ++ref)
-        plan_ref(list, ref, models, options, &plan);
     *plan_ret = plan;
-    return NQM_OK;
+    return status;
 }
 
 void nqm_corpus_plan_free(nqm_corpus_plan *plan) {
+    for (size_t t = 0; t < plan->n_tests; ++t)
+        nqm_free(plan->tests[t].spec);
     nqm_free(plan->forms);
     nqm_free(plan->tests);
     *plan = (nqm_corpus_plan){0};

@@ -34,7 +34,7 @@ static void hash_f64(nqm_sha256 *sha, double value) {
 
 static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
-    hash_text(sha, "nqm corpus work file 2");
+    hash_text(sha, "nqm corpus work file 3");
     hash_text(sha, nqm_version());
     hash_text(sha, nqm_directions_id(context->directions));
     hash_text(sha, context->light_sha256);
@@ -48,7 +48,8 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
                                scene->seed,
                                scene->shadows != 0,
                                scene->interreflection != 0,
-                               context->options->seed};
+                               context->options->seed,
+                               context->options->n_far};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
         hash_u64(sha, counts[i]);
     hash_f64(sha, scene->turn_rad);
@@ -78,21 +79,36 @@ static nqm_status hash_form(nqm_sha256 *sha, const nqm_corpus_form *form, const 
     return NQM_OK;
 }
 
+/* Hash what a test is made from, the content of the other material included. */
+static nqm_status hash_test(nqm_sha256 *sha, const nqm_corpus_list *list, const nqm_corpus_test *test, nqm_error *err) {
+    hash_u64(sha, test->ref);
+    hash_u64(sha, test->base);
+    hash_text(sha, test->kind.name);
+    hash_text(sha, test->perturbation[0]);
+    hash_text(sha, test->perturbation[1]);
+    hash_text(sha, test->between);
+    hash_text(sha, test->spec ? test->spec : "");
+    hash_text(sha, test->path.model ? test->path.model : "");
+    hash_u64(sha, test->path.loss);
+    hash_u64(sha, test->path.n_steps);
+    hash_u64(sha, test->path.seed);
+    if (!nqm_corpus_uses_other(test)) {
+        hash_u64(sha, test->which);
+        return NQM_OK;
+    }
+    const nqm_corpus_ref *other = &list->refs[test->which]; /* its index changes with the list */
+    const nqm_corpus_form form = {.brdf = other->brdf, .path = other->path};
+    return hash_form(sha, &form, other->file_sha256, err);
+}
+
 static nqm_status hash_plan(nqm_sha256 *sha, const nqm_corpus_list *list, const nqm_corpus_plan *plan, nqm_error *err) {
     nqm_status status = NQM_OK;
     size_t first = list->groups[plan->group].first_ref;
     hash_text(sha, list->groups[plan->group].name);
     for (size_t f = 0; status == NQM_OK && f < plan->n_forms; ++f)
         status = hash_form(sha, &plan->forms[f], f < plan->n_refs ? list->refs[first + f].file_sha256 : "", err);
-    for (size_t t = 0; t < plan->n_tests; ++t) {
-        const nqm_corpus_test *test = &plan->tests[t];
-        hash_u64(sha, test->ref);
-        hash_u64(sha, test->base);
-        hash_u64(sha, test->which);
-        hash_text(sha, test->kind.name);
-        hash_text(sha, test->perturbation[0]);
-        hash_text(sha, test->perturbation[1]);
-    }
+    for (size_t t = 0; status == NQM_OK && t < plan->n_tests; ++t)
+        status = hash_test(sha, list, &plan->tests[t], err);
     return status;
 }
 
@@ -121,7 +137,7 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
 
 /* ---- content ----------------------------------------------------------------------------------------------------- */
 
-enum { N_TENSORS = 6 };
+enum { N_TENSORS = 7 };
 
 static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N_TENSORS]) {
     size_t n_refs = item->plan.n_refs, n_tests = item->plan.n_tests;
@@ -131,8 +147,9 @@ static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N
         {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_tests, n, 3}, .data = item->test_rgb},
         {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_tests, n}, .data = item->test_used},
         {.name = "delta_e", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->delta_e},
-        {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->fit_loss}};
-    static const size_t n_bytes[N_TENSORS] = {12, 1, 12, 1, 8, 8}; /* per direction or test */
+        {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->fit_loss},
+        {.name = "kept", .dtype = NQM_U8, .n_dims = 1, .dims = {n_tests}, .data = item->kept}};
+    static const size_t n_bytes[N_TENSORS] = {12, 1, 12, 1, 8, 8, 1}; /* per direction or test */
     memcpy(tensors, all, sizeof all);
     for (size_t t = 0; t < N_TENSORS; ++t)
         tensors[t].n_bytes = n_bytes[t] * tensors[t].dims[0] * (tensors[t].n_dims > 1 ? n : 1);
@@ -226,8 +243,8 @@ bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
     }
     describe(item, n_directions, tensors);
     bool loaded = matches(st, tensors) && load_names(st, item);
-    void *const into[N_TENSORS] = {item->ref_rgb,   item->ref_used, item->test_rgb,
-                                   item->test_used, item->delta_e,  item->fit_loss};
+    void *const into[N_TENSORS] = {item->ref_rgb, item->ref_used, item->test_rgb, item->test_used,
+                                   item->delta_e, item->fit_loss, item->kept};
     for (size_t i = 0; loaded && i < N_TENSORS; ++i)
         memcpy(into[i], nqm_safetensors_find(st, tensors[i].name)->data, tensors[i].n_bytes);
     nqm_safetensors_free(st);

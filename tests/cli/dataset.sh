@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm dataset: a small corpus of analytic materials is the same for one and two threads and from its work files; test
-# materials go to a separate file; models/scan.py lists a data folder; bad arguments give the documented exit codes.
+# materials go to a separate file, and far pairs contain other materials of their own split only; models/scan.py lists a data
+# folder; bad arguments give the documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
@@ -9,12 +10,16 @@ name,group,brdf,source,split
 m-sgd,brass,sgd:brass,sgd,train
 n-ggx,n,ggx:kd=0.2;alpha=0.3,ggx,validation
 o-ggx,o,ggx:kd=0.1;alpha=0.1,ggx,test
+p-ggx,p,ggx:kd=0.4;alpha=0.5,ggx,train
+q-sgd,q,sgd:nickel,sgd,train
+r-sgd,r,sgd:chrome,sgd,validation
+s-sgd,s,sgd:alumina-oxide,sgd,test
 END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
-make() { "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 2 --models ward,ggx --points 200 "$@" 2>"$dir/err"; }
+make() { "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --models ward,ggx --points 200 "$@" 2>"$dir/err"; }
 
 OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/groups" >"$dir/out" || fail "$(cat "$dir/err")"
-grep -q ' pairs of 2 references in 2 material groups (train [1-9][0-9]*, validation 4, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
+grep -q ' pairs of 5 references in 5 material groups (train [1-9][0-9]*, validation 34, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
 OMP_NUM_THREADS=2 make -o "$dir/two.safetensors" >/dev/null
 cmp "$dir/one.safetensors" "$dir/two.safetensors" || fail "two threads give another file"
 make -o "$dir/again.safetensors" --work "$dir/groups" --json >"$dir/out"
@@ -24,6 +29,36 @@ grep -q '"brass"' "$dir/one.safetensors.json" || fail "the manifest does not nam
 grep -q '"o-ggx"' "$dir/one.safetensors.json" && fail "a test material is in the training file"
 if grep -qF "$dir" "$dir/one.safetensors.json"; then fail "the manifest names a folder"; fi
 [ -z "$(find "$dir" -name '*.part')" ] || fail "left-over files"
+
+# others MANIFEST SPLIT...: each split has far and rounded pairs, and its other materials are references of the same split.
+others() {
+    python3 - "$@" <<'END' || fail "other materials"
+import json
+import sys
+
+with open(sys.argv[1]) as file:
+    manifest = json.load(file)
+splits = {reference["name"]: reference["split"] for reference in manifest["references"]}
+others = manifest["other_materials"]
+assert sorted(others) == sorted(sys.argv[2:]), others
+for split in others:
+    assert {splits[name] for name in others[split]} == {split}, (split, others[split])
+families = manifest["families"]
+assert families["far"] == 12 * len(splits) and families["rounding"] == len(splits), families
+assert sum(kind["pairs"] for kind in manifest["kinds"].values() if kind["family"] == "far") == families["far"]
+END
+}
+others "$dir/one.safetensors.json" train validation
+make -o "$dir/test.safetensors" --only test >/dev/null
+others "$dir/test.safetensors.json" test
+
+# The other material of a far pair is part of the name of its work file: a change makes the group again.
+sed 's/alpha=0.5/alpha=0.6/' "$dir/materials.csv" >"$dir/changed.csv"
+before=$(find "$dir/groups" -name '*.safetensors' | wc -l)
+"$tool" dataset "$dir/changed.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --models ward,ggx \
+    --points 200 -o "$dir/changed.safetensors" --work "$dir/groups" >/dev/null 2>"$dir/err"
+after=$(find "$dir/groups" -name '*.safetensors' | wc -l)
+[ "$((after - before))" = 3 ] || fail "$before work files, $after after a change of a training material"
 
 # A damaged work file is computed again.
 for file in "$dir"/groups/*.safetensors; do

@@ -21,7 +21,7 @@ shift
 exec "$@"
 END
 make() {
-    "$@" "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward \
+    "$@" "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 6 --models ward \
         --points 200 --work "$dir/work" -o "$dir/$name.safetensors" >"$dir/out" 2>"$dir/err"
 }
 name=alone

@@ -13,7 +13,7 @@ END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
 export OMP_NUM_THREADS=1
 make() {
-    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 "$@"
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 "$@"
 }
 # rank R N ARGUMENTS...: run `make` as rank R of N.
 rank() (
@@ -41,7 +41,7 @@ rank 1 2 --work "$dir/work" -o "$dir/worker.safetensors" >"$dir/out" 2>"$dir/err
 [ "$(count "$dir/work" '*.claim')" = 0 ] || fail "a claim is left"
 [ ! -f "$dir/worker.safetensors" ] || fail "the worker has written a dataset"
 rank 0 2 --work "$dir/work" -o "$dir/first.safetensors" >"$dir/out" 2>"$dir/err" || fail "the first rank failed"
-grep -q '18 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
+grep -q '28 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
 cmp "$dir/alone.safetensors" "$dir/first.safetensors" || fail "another file from the worker's groups"
 cmp "$dir/alone.safetensors.json" "$dir/first.safetensors.json" || fail "another manifest"
 
@@ -52,7 +52,7 @@ while [ "$claims" = 0 ]; do
     blows=$((blows + 1))
     [ $blows -le 10 ] || fail "ten killed processes, and none left a claim"
     rm -rf "$dir/work"
-    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 \
         --work "$dir/work" -o "$dir/killed.safetensors" >/dev/null 2>&1 &
     victim=$!
     wait_for "$dir/work" '*.claim'
@@ -72,7 +72,7 @@ cmp "$dir/alone.safetensors" "$dir/both.safetensors" || fail "another file from 
 
 # Interrupted: exit code 130, and the same command resumes the run.
 rm -rf "$dir/work"
-"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --models ward --points 200 \
+"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 \
     --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" &
 victim=$!
 wait_for "$dir/work" '*.safetensors'

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Corpora: a small one of analytic materials is made, interrupted, resumed and read back; failed tests; claims.
+ * Corpora: a small one of analytic materials is made, interrupted, resumed and read back; failed tests; labels of far tests and
+ * roundings; claims.
  */
 #include "label/corpus.h"
 #include "support/check.h"
@@ -29,22 +30,28 @@ static nqm_corpus_options small_corpus(nqm_corpus_part part) {
     nqm_corpus_options options = nqm_corpus_options_default();
     options.part = part;
     options.n_perturbations = 3;
+    options.n_far = 2;
+    options.n_roundings = 1;
     options.models = "ward,ggx";
     options.scene.n_points = 256;
     return options;
 }
 
-static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
+static nqm_dataset *build_from(const char *materials, const nqm_corpus_options *options, const char *name) {
     nqm_error err = {0};
     nqm_dataset *dataset;
     nqm_directions *d = directions();
     char csv[256];
-    snprintf(csv, sizeof csv, "%s", write_text("list.csv", corpus_materials));
+    snprintf(csv, sizeof csv, "%s", write_text("list.csv", materials));
     if (nqm_corpus_build(csv, d, options, in_folder(name), &err) != NQM_OK ||
         nqm_dataset_load(in_folder(name), &dataset, &err) != NQM_OK)
         fail_msg("%s", err.message);
     nqm_directions_free(d);
     return dataset;
+}
+
+static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
+    return build_from(corpus_materials, options, name);
 }
 
 /* The training part of the corpus, computed once. */
@@ -63,9 +70,9 @@ static void parts_hold_their_splits(void **state) {
     nqm_dataset_info info = nqm_dataset_get_info(training);
     assert_int_equal(info.n_groups, 2);
     assert_int_equal(info.n_refs, 3);
-    assert_int_equal(info.n_pairs, 3 * (2 + 3) + 2); /* the two forms of `a` are also tests of each other */
+    assert_int_equal(info.n_pairs, 3 * (2 + 3 + 2 + 1) + 2); /* the two forms of `a` are also tests of each other */
     assert_int_equal(info.n_pairs_in[NQM_SPLIT_TEST], 0);
-    assert_int_equal(info.n_pairs_in[NQM_SPLIT_VALIDATION], 2 + 3);
+    assert_int_equal(info.n_pairs_in[NQM_SPLIT_VALIDATION], 2 + 3 + 2 + 1);
     assert_non_null(strstr(info.manifest, "\"unseen_kinds\""));
     assert_null(strstr(info.manifest, "nickel"));
     for (size_t i = 0; i < info.n_pairs; ++i) {
@@ -103,11 +110,12 @@ enum { N_HAND = 7 }; /* tests of the corpus below: ward, ggx, and five perturbed
 static void write_by_hand(unsigned failed, const char *path) {
     static nqm_corpus_item item;
     static float ref_rgb[3 * 50], test_rgb[N_HAND][3 * 50];
-    static uint8_t ref_used[50], test_used[N_HAND][50];
+    static uint8_t ref_used[50], test_used[N_HAND][50], kept[N_HAND];
     static double delta_e[N_HAND], fit_loss[N_HAND];
     static char *names[N_HAND], *failures[N_HAND];
     nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
     options.n_perturbations = 5;
+    options.n_far = options.n_roundings = 0;
     nqm_directions *d = directions();
     nqm_corpus c = {.n_items = 1, .n_refs = 1, .n_tests = N_HAND, .n_directions = 50, .items = &item};
     c.context.options = &options;
@@ -120,6 +128,8 @@ static void write_by_hand(unsigned failed, const char *path) {
     assert_int_equal(item.plan.n_tests, N_HAND);
     memset(ref_used, 1, sizeof ref_used);
     memset(test_used, 1, sizeof test_used);
+    memset(kept, 1, sizeof kept);
+    item.kept = c.kept = kept;
     for (int t = 0; t < N_HAND; ++t) {
         static char text[N_HAND][16];
         snprintf(text[t], sizeof text[t], "test %d", t);
@@ -180,6 +190,55 @@ static void failed_tests_are_left_out_and_named(void **state) {
     nqm_dataset_free(d);
 }
 
+/* Sum of the pairs in a manifest's object of counts. */
+static size_t sum_of(const json_t *counts) {
+    const char *name;
+    json_t *n;
+    size_t sum = 0;
+    json_object_foreach((json_t *)(uintptr_t)counts, name, n) sum += (size_t)json_integer_value(n);
+    return sum;
+}
+
+/* Labels of rounded copies are nearly 0, those of black and white are large; far tests spread over the range; every name opens
+ * again; the manifest counts them, and other materials by split. */
+static void far_tests_are_labelled(void **state) {
+    (void)state;
+    static const char materials[] = "name,group,brdf,source,split\n"
+                                    "a,a,ggx:kd=0.2;alpha=0.2,x,test\nb,b,ward:kd=0.1;ks=.1;alpha=.1,x,test\n"
+                                    "c,c,sgd:nickel,y,test\nd,d,sgd:brass,y,train\ne,e,sgd:chrome,x,validation\n";
+    nqm_corpus_options options = small_corpus(NQM_CORPUS_TEST);
+    options.models = "";
+    options.n_perturbations = 0;
+    options.n_far = 25;
+    options.n_roundings = 3;
+    nqm_dataset *d = build_from(materials, &options, "far.safetensors");
+    size_t n = nqm_dataset_get_info(d).n_pairs, n_black = 0, n_white = 0, n_near = 0, n_others = 0;
+    assert_int_equal(n, 3 * (25 + 3));
+    for (size_t i = 0; i < n; ++i) {
+        nqm_dataset_pair pair = nqm_dataset_get_pair(d, i);
+        if (strcmp(pair.family, "rounding") == 0)
+            assert_true(pair.delta_e < 1);
+        n_black += strcmp(pair.kind, "black") == 0;
+        n_white += strcmp(pair.kind, "white") == 0;
+        if (strcmp(pair.kind, "black") == 0 || strcmp(pair.kind, "white") == 0)
+            assert_true(pair.delta_e > 10);
+        n_near += strcmp(pair.family, "far") == 0 && pair.jod > 7;
+        n_others += strncmp(pair.kind, "other-", 6) == 0 || strncmp(pair.kind, "between", 7) == 0;
+        nqm_brdf_free(open_brdf(pair.test));
+        assert_null(strstr(pair.test, "brass"));
+        assert_null(strstr(pair.test, "chrome"));
+    }
+    assert_true(n_black > 0 && n_white > 0 && n_near > 5 && n_others > 5);
+    json_t *manifest = json_loads(d->manifest, 0, NULL);
+    json_t *families = json_object_get(manifest, "families"), *others = json_object_get(manifest, "other_materials");
+    assert_int_equal(json_integer_value(json_object_get(families, "far")), 3 * 25);
+    assert_int_equal(json_integer_value(json_object_get(families, "rounding")), 3 * 3);
+    assert_int_equal(json_object_size(others), 1);
+    assert_int_equal(sum_of(json_object_get(others, "test")), n_others);
+    json_decref(manifest);
+    nqm_dataset_free(d);
+}
+
 /* A claim excludes other processes until it is released or its process ends. */
 static void claims_exclude(void **state) {
     (void)state;
@@ -207,14 +266,16 @@ static void claims_exclude(void **state) {
     assert_int_equal(nqm_corpus_claim("/nowhere/x", &second, NULL), NQM_ERR_IO);
 }
 
+enum { N_FIRST_GROUP = 2 * (2 + 3 + 2 * NQM_CORPUS_CANDIDATES + 1) + 2 }; /* tests */
+
 /* Stops in the second group. A ticker makes no call for 0.2 s after the last one; a longer wait here makes it call for
  * every test on a machine of any speed. */
 static int stop_in_second_group(void *user, const char *stage, double done, double total) {
     (void)user;
     (void)stage;
-    if (done <= 12)
+    if (done <= N_FIRST_GROUP)
         nanosleep(&(struct timespec){.tv_nsec = 210 * 1000 * 1000}, NULL);
-    return done > 12 && done < total;
+    return done > N_FIRST_GROUP && done < total;
 }
 
 static size_t count_files(const char *path) {
@@ -276,6 +337,7 @@ int main(void) {
         cmocka_unit_test(parts_hold_their_splits),
         cmocka_unit_test(a_fit_of_its_own_model_is_near_perfect),
         cmocka_unit_test(failed_tests_are_left_out_and_named),
+        cmocka_unit_test(far_tests_are_labelled),
         cmocka_unit_test(claims_exclude),
         cmocka_unit_test(an_interrupted_corpus_goes_on),
         cmocka_unit_test(a_part_without_materials_is_refused),

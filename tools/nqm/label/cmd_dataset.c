@@ -73,11 +73,11 @@ int cmd_dataset(int argc, char **argv) {
     const command cmd = {
         .usage = "MATERIALS.csv --directions CSV -o FILE [options]",
         .about =
-            "Make a dataset for `nqm train`: encodings, published fits, other forms of the same material and\n"
-            "perturbations of every reference, labelled by rendering. MATERIALS.csv has the columns name, group, "
-            "brdf,\n"
-            "source and split. Test materials are written to a separate file (--only test). Started by mpirun, all\n"
-            "processes share the work; all of them need access to the --work folder.",
+            "Make a dataset for `nqm train`: encodings, published fits, other forms of the same material,\n"
+            "perturbations of every reference and BRDFs that really differ, among them other materials; labelled by\n"
+            "rendering. MATERIALS.csv has the columns name, group, brdf, source and split. Test materials are\n"
+            "written to a separate file (--only test). Started by mpirun, all processes share the work; all of them\n"
+            "need access to the --work folder.",
         .example =
             "models/scan.py data > materials.csv\n"
             "nqm dataset materials.csv --root data --directions directions.csv -o corpus.safetensors --work work\n"
