@@ -33,8 +33,7 @@ static inline uint8_t nqm_has_value(uint8_t flag) {
 
 /** Facts about a BRDF. The strings belong to the BRDF and are valid until it is freed. */
 typedef struct nqm_brdf_info {
-    const char
-        *format; /**< "merl", "rgl", "nbrdf", "nps", "table", "callback", "lambert", "ggx", "perturb", "between", ... */
+    const char *format;     /**< "merl", "rgl", "nbrdf", "nps", "table", "callback", "lambert", "ggx", "perturb", ... */
     const char *name;       /**< the path or spec that was opened, or the name given to nqm_brdf_create*() */
     const char *spec;       /**< analytic models: the canonical spec, which opens the same BRDF; otherwise NULL */
     const char *source_doi; /**< publication of the format or of the parameters, "10...."; NULL if there is none */

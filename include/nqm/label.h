@@ -58,9 +58,8 @@ NQM_API nqm_corpus_options nqm_corpus_options_default(void);
 /**
  * Make a dataset file from a list of materials: for each reference its encodings by the models of nqm_fit(), other forms of
  * the same material in the list or the presets, seeded perturbations, and BRDFs that really differ, among them other
- * materials of the same split; labels by rendering. Tests that cannot be fitted
- * or rendered are left out and listed in the manifest ("failures"). The manifest is stored in the file and, with the
- * dataset's checksum, in PATH.json. The bytes are the same for any number of threads and processes.
+ * materials of the same split; labels by rendering. Tests that cannot be fitted or rendered are left out and listed in the
+ * manifest ("failures"). The manifest is stored in the file and, with the dataset's checksum, in PATH.json. The bytes are the same for any number of threads and processes.
  *
  * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test);
  *                       models/scan.py writes one for a data folder

@@ -119,8 +119,9 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
     }
 }
 
-/* What a test is derived from: the text before and after the name of a BRDF. */
-static const char *base_name(const job *j, const nqm_corpus_test *test, char before[256]) {
+/* The name of the BRDF that a test is derived from. `before` receives "nbrdf of " when that is an encoding without a spec; it is
+ * then the name of the reference. */
+static const char *base_name(const job *j, const nqm_corpus_test *test, char before[64]) {
     const nqm_corpus_form *forms = j->item->plan.forms;
     const nqm_corpus_ref *refs = j->context->list->refs;
     const encoding *fit;
@@ -130,7 +131,7 @@ static const char *base_name(const job *j, const nqm_corpus_test *test, char bef
         fit = fit_of(j, test);
         if (fit->fault.status == NQM_OK && *fit->report.spec)
             return fit->report.spec;
-        snprintf(before, 256, "%s of ", j->context->models.name[fit - j->fits]);
+        snprintf(before, 64, "%s of ", j->context->models.name[fit - j->fits]);
         break;
     case NQM_BASE_FORM:
         return forms[test->which].brdf;
@@ -149,7 +150,7 @@ static const char *base_name(const job *j, const nqm_corpus_test *test, char bef
 
 /* "perturb:OUTER;of=perturb:INNER;of=BASE"; encodings without a spec are "nbrdf of BASE". */
 static char *test_name(const job *j, const nqm_corpus_test *test) {
-    char before[256];
+    char before[64];
     const char *base = base_name(j, test, before), *with = "";
     if (test->base == NQM_BASE_BETWEEN)
         with = j->context->list->refs[test->which].brdf;

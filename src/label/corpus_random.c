@@ -20,15 +20,27 @@ typedef struct range {
 
 /* The first row that fits is used. The ranges of sgd, whose alpha is the square of a slope, are those of the published fits, where
  * they do not darken all of the hemisphere. */
+/* clang-format off */
 static const range ranges[] = {
     {"lafortune", "n", 1, 100, true}, /* with larger ones the lobe vanishes at most angles unless cz is 1 */
-    {"sgd", "alpha", 1e-5, 0.5, true}, {"sgd", "f1", -0.5, 0.2, false}, {NULL, "p", 0, 1.5, false},
+    {"sgd", "alpha", 1e-5, 0.5, true},
+    {"sgd", "f1", -0.5, 0.2, false},
+    {NULL, "p", 0, 1.5, false},
     {NULL, "K", 1, 1, false}, /* a factor of ks */
-    {NULL, "lambda", 0.1, 6, true},    {NULL, "c", 1e-3, 1, true},      {NULL, "k", 5, 15, true},
-    {NULL, "theta0", 0.5, 1.2, false}, {NULL, "alpha", 2e-3, 1, true},  {NULL, "n", 1, 1e5, true},
-    {NULL, "cxy", -1, -1, false},      {NULL, "cz", 0.95, 1.05, false},   {NULL, "f0", 0.02, 1, true},
-    {NULL, "eta", 1.1, 20, true},      {NULL, "B", 1, 1e7, true},       {NULL, "C", 0.2, 3, true},
+    {NULL, "lambda", 0.1, 6, true},
+    {NULL, "c", 1e-3, 1, true},
+    {NULL, "k", 5, 15, true},
+    {NULL, "theta0", 0.5, 1.2, false},
+    {NULL, "alpha", 2e-3, 1, true},
+    {NULL, "n", 1, 1e5, true},
+    {NULL, "cxy", -1, -1, false},
+    {NULL, "cz", 0.95, 1.05, false},
+    {NULL, "f0", 0.02, 1, true},
+    {NULL, "eta", 1.1, 20, true},
+    {NULL, "B", 1, 1e7, true},
+    {NULL, "C", 0.2, 3, true},
 };
+/* clang-format on */
 static const double LOW_ALBEDO = 0.003, HIGH_ALBEDO = 0.9;
 
 static double log_uniform(nqm_rng *rng, double low, double high) {

@@ -2,6 +2,7 @@
  *
  * BRDFs between two others against their definition, computed here from both; their specs.
  */
+#include "base/memory_test.h"
 #include "brdf/brdf.h"
 #include "math/math.h"
 #include "support/brdf_files.h"
@@ -125,12 +126,31 @@ static void gaps_of_both(void **state) {
     nqm_brdf_free(base);
 }
 
+static void memory_runs_out(void **state) {
+    (void)state;
+    nqm_status status = NQM_ERR_NOMEM;
+    long n = 0;
+    for (; status == NQM_ERR_NOMEM; ++n) {
+        nqm_brdf *brdf;
+        nqm_error err = {0};
+        nqm_alloc_fail_after(n);
+        status = nqm_brdf_open("between:t=.5;with=(lambert:kd=.1);of=perturb:scale=2;of=lambert:kd=.2", &brdf, &err);
+        nqm_alloc_fail_after(-1);
+        assert_true((status == NQM_OK) == (brdf != NULL));
+        assert_int_equal(err.status, status);
+        nqm_brdf_free(brdf);
+    }
+    assert_int_equal(status, NQM_OK);
+    assert_true(n > 10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(means_are_those_of_both),
         cmocka_unit_test(specs_open_again),
         cmocka_unit_test(mistakes_are_named),
         cmocka_unit_test(gaps_of_both),
+        cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests_name("brdf: between two others", tests, NULL, NULL);
 }

@@ -100,7 +100,7 @@ static void unseen_kinds_are_in_the_test_part_only(void **state) {
             if (unseen && part == NQM_CORPUS_TRAINING)
                 assert_int_equal(n, 0);
             else
-                assert_true(n >= 3); /* in four rounds and more */
+                assert_true(n >= 3); /* in three rounds and more */
             n_unseen += unseen;
         }
         assert_int_equal(n_unseen, 4); /* between-log, white, two random models */
