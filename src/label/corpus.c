@@ -54,7 +54,7 @@ static bool is_mesh(const char *shape) {
 static nqm_status make_scene(nqm_corpus *c, nqm_error *err) {
     const nqm_scene_options *scene = &c->context.options->scene;
     nqm_status status = NQM_OK;
-    if (scene->light)
+    if (scene->light && !nqm_light_is_builtin(scene->light))
         status = nqm_corpus_hash_file(scene->light, NULL, c->context.light_sha256, err);
     if (status == NQM_OK && is_mesh(scene->shape))
         status = nqm_corpus_hash_file(scene->shape, NULL, c->context.shape_sha256, err);
@@ -106,7 +106,7 @@ static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&c->ref_rgb, n_refs * n, 3 * sizeof(float)}, {&c->ref_used, n_refs * n, 1},
                                     {&c->test_rgb, n_tests * n, 3 * sizeof(float)}, {&c->test_used, n_tests * n, 1},
-                                    {&c->delta_e, n_tests, sizeof(double)}, {&c->fit_loss, n_tests, sizeof(double)},
+                                    {&c->label, n_tests, sizeof *c->label}, {&c->fit_loss, n_tests, sizeof(double)},
                                     {&c->names, n_tests, sizeof *c->names},
                                     {&c->failures, n_tests, sizeof *c->failures}, {&c->kept, n_tests, 1}),
                          err);
@@ -119,7 +119,7 @@ static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
         item->ref_used = c->ref_used + n * ref;
         item->test_rgb = c->test_rgb + 3 * n * test;
         item->test_used = c->test_used + n * test;
-        item->delta_e = c->delta_e + test;
+        item->label = c->label + test;
         item->fit_loss = c->fit_loss + test;
         item->kept = c->kept + test;
         item->names = c->names + test;

@@ -210,7 +210,7 @@ struct nqm_corpus_context {
     const nqm_scene *scene;
     nqm_corpus_cache *cache;
     nqm_corpus_models models;
-    char light_sha256[65];                    /* "" for the built-in sky */
+    char light_sha256[65];                    /* "" for built-in lights */
     char shape_sha256[65];                    /* of a mesh file; "" for built-in shapes */
     char encoder_sha256[2][65];               /* of nqm_corpus_encoders; "": not in this build */
     bool (*step)(void *user, size_t n_tests); /* called with the number of finished tests, 0 during fits; true: stop */
@@ -230,7 +230,7 @@ typedef struct nqm_corpus_item {
     uint8_t *ref_used;  /* (n_refs, n) */
     float *test_rgb;    /* (n_tests, n, 3) */
     uint8_t *test_used; /* (n_tests, n) */
-    double *delta_e;    /* (n_tests) */
+    nqm_label *label;   /* (n_tests) */
     double *fit_loss;   /* (n_tests) nqm_fit_report.loss of encodings; else 0 */
     uint8_t *kept;      /* (n_tests) 0: a far test that was drawn but not selected, or that failed */
     char **names;       /* (n_tests) each test as a spec; the strings are owned */
@@ -272,7 +272,8 @@ typedef struct nqm_corpus {
     nqm_corpus_item *items;
     float *ref_rgb, *test_rgb;
     uint8_t *ref_used, *test_used, *kept;
-    double *delta_e, *fit_loss;
+    nqm_label *label;
+    double *fit_loss;
     char **names, **failures;
 } nqm_corpus;
 

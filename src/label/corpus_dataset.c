@@ -4,6 +4,7 @@
  */
 #include "data/data.h"
 #include "label/corpus.h"
+#include "percept/percept.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -55,7 +56,9 @@ static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_bu
         status = nqm_dataset_add_kind(b, name, nqm_corpus_family_name(plan->tests[k].kind.family), &kind, err);
         if (status == NQM_OK)
             status = nqm_dataset_add_pair(b, (uint32_t)(first_ref + plan->tests[k].ref), c->names[*test], kind,
-                                          c->delta_e[*test], nqm_curve_jod(&curve, c->delta_e[*test]), err);
+                                          c->label[*test].delta_e, nqm_curve_jod(&curve, c->label[*test].delta_e), err);
+        if (status == NQM_OK)
+            nqm_label_get_parts(&c->label[*test], b->dataset->parts + (b->dataset->n_pairs - 1) * NQM_LABEL_PARTS);
     }
     return status;
 }
@@ -97,6 +100,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .directions_deg = nqm_directions_degrees(c->context.directions),
                                        .max_refs = c->n_refs,
                                        .max_pairs = c->n_tests,
+                                       .has_parts = true,
                                        .borrows_samples = true};
     nqm_dataset_builder b;
     nqm_dataset *dataset = NULL;

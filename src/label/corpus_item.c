@@ -257,10 +257,10 @@ static nqm_status label_test(job *j, size_t t, nqm_error *err) {
     nqm_status status = test_view(j, test, &v, err);
     if (status != NQM_OK)
         return status;
-    double delta_e = nqm_scene_compare(j->context->scene, j->forms[test->ref]->picture, v->picture).delta_e;
-    if (!isfinite(delta_e))
+    const nqm_label label = nqm_scene_compare(j->context->scene, j->forms[test->ref]->picture, v->picture);
+    if (!isfinite(label.delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
-    item->delta_e[t] = delta_e;
+    item->label[t] = label;
     memcpy(item->test_rgb + 3 * j->n * t, v->rgb, 3 * j->n * sizeof(float));
     memcpy(item->test_used + j->n * t, v->used, j->n);
     if (test->kind.family == NQM_FAMILY_ENCODING)
@@ -300,7 +300,7 @@ static nqm_status select_far(const job *j, size_t ref) {
     if (!jod)
         return nqm_fail_nomem(j->err, n * sizeof *jod);
     for (size_t i = 0; i < n; ++i)
-        jod[i] = item->failures[first + i] ? NAN : nqm_curve_jod(&curve, item->delta_e[first + i]);
+        jod[i] = item->failures[first + i] ? NAN : nqm_curve_jod(&curve, item->label[first + i].delta_e);
     nqm_status status = nqm_corpus_spread(n, jod, options->n_far, item->kept + first, j->err);
     nqm_free(jod);
     return status;

@@ -29,8 +29,11 @@ static json_t *file_json(const char *name, const char *sha256) {
 static json_t *scene_json(const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
     const double degrees = 180 / NQM_PI;
-    json_t *light = file_json(scene->light ? scene->light : "sky", context->light_sha256);
-    json_t *shape = file_json(scene->shape ? scene->shape : "sphere", context->shape_sha256);
+    json_t *light = file_json(scene->light ? scene->light : scene->shape ? "sun" : "standard", context->light_sha256);
+    json_t *shape = file_json(scene->shape   ? scene->shape
+                              : scene->light ? "sphere"
+                                             : "standard",
+                              context->shape_sha256);
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:o,s:b,s:b,s:f,s:f,s:o}", "light", light, "light_width",
                      count(scene->light_width), "shape", shape, "width", count(scene->width), "height",
                      count(scene->height), "points", count(scene->width ? 0 : scene->n_points), "frames",

@@ -5,6 +5,7 @@
  * runs with different options never share a file.
  */
 #include "label/corpus.h"
+#include "percept/percept.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -34,10 +35,10 @@ static void hash_f64(nqm_sha256 *sha, double value) {
 
 static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
-    hash_text(sha, "nqm corpus work file 3");
+    hash_text(sha, "nqm corpus work file 4");
     hash_text(sha, nqm_version());
     hash_text(sha, nqm_directions_id(context->directions));
-    hash_text(sha, context->light_sha256);
+    hash_text(sha, *context->light_sha256 ? context->light_sha256 : scene->light ? scene->light : "");
     hash_text(sha, *context->shape_sha256 ? context->shape_sha256 : scene->shape ? scene->shape : "");
     const uint64_t counts[] = {scene->width,
                                scene->height,
@@ -137,7 +138,8 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
 
 /* ---- content ----------------------------------------------------------------------------------------------------- */
 
-enum { N_TENSORS = 7 };
+enum { N_TENSORS = 7, N_LABEL = 1 + NQM_LABEL_PARTS };
+_Static_assert(sizeof(nqm_label) == N_LABEL * sizeof(double), "labels are stored as rows of numbers");
 
 static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N_TENSORS]) {
     size_t n_refs = item->plan.n_refs, n_tests = item->plan.n_tests;
@@ -146,13 +148,15 @@ static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N
         {.name = "ref_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_refs, n}, .data = item->ref_used},
         {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_tests, n, 3}, .data = item->test_rgb},
         {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_tests, n}, .data = item->test_used},
-        {.name = "delta_e", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->delta_e},
+        {.name = "label", .dtype = NQM_F64, .n_dims = 2, .dims = {n_tests, N_LABEL}, .data = item->label},
         {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->fit_loss},
         {.name = "kept", .dtype = NQM_U8, .n_dims = 1, .dims = {n_tests}, .data = item->kept}};
-    static const size_t n_bytes[N_TENSORS] = {12, 1, 12, 1, 8, 8, 1}; /* per direction or test */
     memcpy(tensors, all, sizeof all);
-    for (size_t t = 0; t < N_TENSORS; ++t)
-        tensors[t].n_bytes = n_bytes[t] * tensors[t].dims[0] * (tensors[t].n_dims > 1 ? n : 1);
+    for (size_t t = 0; t < N_TENSORS; ++t) {
+        tensors[t].n_bytes = nqm_dtype_size(tensors[t].dtype);
+        for (size_t k = 0; k < tensors[t].n_dims; ++k)
+            tensors[t].n_bytes *= tensors[t].dims[k];
+    }
 }
 
 /* (n) strings as a JSON array, NULL as null; free() it. NULL: out of memory, or not UTF-8. */
@@ -244,7 +248,7 @@ bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
     describe(item, n_directions, tensors);
     bool loaded = matches(st, tensors) && load_names(st, item);
     void *const into[N_TENSORS] = {item->ref_rgb, item->ref_used, item->test_rgb, item->test_used,
-                                   item->delta_e, item->fit_loss, item->kept};
+                                   item->label,   item->fit_loss, item->kept};
     for (size_t i = 0; loaded && i < N_TENSORS; ++i)
         memcpy(into[i], nqm_safetensors_find(st, tensors[i].name)->data, tensors[i].n_bytes);
     nqm_safetensors_free(st);

@@ -111,7 +111,8 @@ static void write_by_hand(unsigned failed, const char *path) {
     static nqm_corpus_item item;
     static float ref_rgb[3 * 50], test_rgb[N_HAND][3 * 50];
     static uint8_t ref_used[50], test_used[N_HAND][50], kept[N_HAND];
-    static double delta_e[N_HAND], fit_loss[N_HAND];
+    static nqm_label label[N_HAND];
+    static double fit_loss[N_HAND];
     static char *names[N_HAND], *failures[N_HAND];
     nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
     options.n_perturbations = 5;
@@ -135,7 +136,7 @@ static void write_by_hand(unsigned failed, const char *path) {
         snprintf(text[t], sizeof text[t], "test %d", t);
         names[t] = text[t];
         failures[t] = failed >> t & 1 ? text[t] : NULL;
-        delta_e[t] = t;
+        label[t] = (nqm_label){.delta_e = t, .shift = {-t, 0, 0}, .structure = 2 * t};
         fit_loss[t] = 0.5;
         for (int i = 0; i < 3 * 50; ++i)
             test_rgb[t][i] = (float)t;
@@ -143,7 +144,7 @@ static void write_by_hand(unsigned failed, const char *path) {
     item.names = c.names = names;
     item.failures = c.failures = failures;
     item.fit_loss = c.fit_loss = fit_loss;
-    item.delta_e = c.delta_e = delta_e;
+    item.label = c.label = label;
     item.ref_rgb = c.ref_rgb = ref_rgb;
     item.ref_used = c.ref_used = ref_used;
     item.test_rgb = c.test_rgb = test_rgb[0];
@@ -168,6 +169,8 @@ static void failed_tests_are_left_out_and_named(void **state) {
         snprintf(name, sizeof name, "test %d", kept[p]);
         assert_string_equal(nqm_name(&d->pair_names, p), name);
         assert_near(d->delta_e[p], kept[p], 0);
+        assert_near(d->parts[p * NQM_LABEL_PARTS], -kept[p], 0);
+        assert_near(d->parts[p * NQM_LABEL_PARTS + 4], 2 * kept[p], 0);
         for (size_t i = 0; i < 3 * 50; ++i)
             assert_near(d->test_rgb[150 * p + i], kept[p], 0);
     }
