@@ -4,6 +4,7 @@
  */
 #include "judge/agreement.h"
 #include "judge/evaluate.h"
+#include "metric/metric.h"
 #include "model/model.h"
 
 #include <math.h>
@@ -22,6 +23,9 @@ static bool count(const nqm_evaluation *ev, size_t model, size_t pair, nqm_cover
     double low, high, jod = ev->values[model * ev->dataset->n_pairs + pair], label = ev->dataset->jod[pair];
     double novelty = nqm_model_novelty(ev->models[model], ev->scalars + pair * NQM_SCALAR_COUNT);
     nqm_model_interval(ev->models[model], jod, novelty, &low, &high);
+    const nqm_dataset *d = ev->dataset;
+    nqm_raise_low(d->n_directions, d->ref_rgb + 3 * d->n_directions * d->pair_ref[pair],
+                  d->test_rgb + 3 * d->n_directions * pair, NULL, &low);
     nqm_coverage_range *range = &c->ranges[range_of(jod)];
     const bool inside = label >= low && label <= high;
     c->inside.value += inside;

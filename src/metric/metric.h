@@ -50,12 +50,21 @@ NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_preci
                                                nqm_predictor **predictor_ret, nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /**
- * Predict pairs->n (at most max_batch) pairs. The JOD of a pair does not depend on the other pairs.
+ * Predict pairs->n (at most max_batch) pairs. The JOD of a pair does not depend on the other pairs, and keeps to
+ * nqm_delta_e_bound().
  *
  * @param jod      (n)
  * @param delta_e  (n) NULL allowed; NaN where the model has no curve
  */
 void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs, double *jod, double *delta_e);
+
+/** A bound on the Delta-E ITP of the pictures of two BRDFs whose samples hardly differ; INFINITY: no bound. It makes the
+ *  scores of pairs certain that differ by rounding only, whatever the network says. ref, test: (n_directions, 3) f_r >= 0;
+ *  used: (n_directions) as in nqm_sampled_pairs. */
+double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *test, const uint8_t *used);
+
+/** Raise the lower end of an interval (NaN: there is none) to the JOD at that bound. */
+void nqm_raise_low(size_t n_directions, const float *ref, const float *test, const uint8_t *used, double *jod_low);
 
 /** One BRDF of a pair, sampled at the model's directions. */
 typedef struct nqm_member {

@@ -249,6 +249,8 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
     nqm_model_interval(s->model, jod, novelty, &result->jod_low, &result->jod_high);
+    nqm_raise_low(s->model->directions->n, s->ref[place], s->test[place], s->used + s->model->directions->n * place,
+                  &result->jod_low);
     if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
 }

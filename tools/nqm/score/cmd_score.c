@@ -28,8 +28,14 @@ static int metric_width(int m) {
 static void print_text(const score_run *run) {
     const nqm_model_info info = nqm_model_get_info(run->model);
     const bool calibrated = *info.calibration;
-    printf("reference  %s\nmodel      %s\n\n    JOD%s  %7s  %-20s", run->rows->pair.ref, info.id,
-           calibrated ? "  [95 %]        " : "", "noticed", "verdict");
+    char verdict[VERDICT_TEXT];
+    int n_verdict = 20;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
+        n_verdict = n > n_verdict ? n : n_verdict;
+    }
+    printf("reference  %s\nmodel      %s\n\n    JOD%s  %7s  %-*s", run->rows->pair.ref, info.id,
+           calibrated ? "  [95 %]        " : "", "noticed", n_verdict, "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
@@ -40,9 +46,9 @@ static void print_text(const score_run *run) {
         const bool scored = row->err.status == NQM_OK;
         print_jod(row, calibrated);
         if (scored)
-            printf("  %5.0f %%  %-20s", 100 * noticed_share(r), verdict_words(r));
+            printf("  %5.0f %%  %-*s", 100 * noticed_share(r), n_verdict, verdict_words(r, verdict));
         else
-            printf("  %7s  %-20s", "-", "no score");
+            printf("  %7s  %-*s", "-", n_verdict, "no score");
         for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
             if (run->metrics[m] && scored)
                 printf("  %*.4g", metric_width(m), r->metrics[m]);

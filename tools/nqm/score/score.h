@@ -65,8 +65,10 @@ void print_csv_score(FILE *out, const bool *metrics, const nqm_score_result *res
 void print_jod(const scored_pair *row, bool calibrated);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
 double noticed_share(const nqm_score_result *result);
-/** What a score means, in words. */
-const char *verdict_words(const nqm_score_result *result);
+enum { VERDICT_TEXT = 64 };
+/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different".
+ *  Returns text or a static string. */
+const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
 

@@ -93,7 +93,7 @@ json_t *json_remarks(const remark_terms *terms, const char *ref, const char *tes
     if (ref)
         add_counts(remarks, terms, ref, r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref);
     add_counts(remarks, terms, test, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test);
-    if (r->novelty > 1 && !r->identical) /* false for NaN */
+    if (r->novelty > 1 && r->jod_high - r->jod_low > 0.1) /* false for NaN */
         add_remark(remarks,
                    "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1",
                    test, r->novelty);
@@ -171,8 +171,16 @@ double noticed_share(const nqm_score_result *result) {
     return result->identical ? 0.5 : nqm_jod_preference(fmax(10, result->jod), result->jod);
 }
 
-const char *verdict_words(const nqm_score_result *result) {
-    return result->identical ? "identical" : jod_words(result->jod);
+const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]) {
+    if (result->identical)
+        return "identical";
+    if (isnan(result->jod_low))
+        return jod_words(result->jod);
+    const char *best = jod_words(result->jod_high), *worst = jod_words(result->jod_low);
+    if (best == worst)
+        return best;
+    snprintf(text, VERDICT_TEXT, "between %s and %s", best, worst);
+    return text;
 }
 
 static json_t *row_json(const score_run *run, const scored_pair *row) {

@@ -78,6 +78,7 @@ void put_strip(FILE *out, const nqm_score_result *r, double rendered_jod) {
 static void put_summary_row(const report_page *page, size_t place) {
     const scored_pair *row = row_at(page, place);
     const label_item *item = &page->run->labels.items[row->order + 1];
+    char verdict[VERDICT_TEXT];
     FILE *out = page->out;
     html(out,
          "<tr><td class='n'>%zu</td><th scope='row'><a href='#test-%zu'>%s</a></th><td class='n'><strong>%.2f</strong>",
@@ -87,7 +88,8 @@ static void put_summary_row(const report_page *page, size_t place) {
     html(out, "</td><td class='graph'>");
     put_strip(out, &row->result, item->jod);
     html(out, "</td><td>%s</td><td class='n'>%s</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
-         verdict_words(&row->result), html_people(noticed_share(&row->result)).text, item->jod, item->label.delta_e);
+         verdict_words(&row->result, verdict), html_people(noticed_share(&row->result)).text, item->jod,
+         item->label.delta_e);
 }
 
 static void put_summary(const report_page *page) {

@@ -12,9 +12,10 @@ static const label_item *item_of(const report_page *page, size_t test) {
 
 static void put_verdict(const report_page *page, const scored_pair *row, const label_item *item) {
     const nqm_score_result *r = &row->result;
+    char verdict[VERDICT_TEXT];
     html(page->out, "<p class='verdict'><strong>JOD %.2f</strong>", r->jod);
     put_interval(page->out, r);
-    html(page->out, ": %s. ", verdict_words(r));
+    html(page->out, ": %s. ", verdict_words(r, verdict));
     if (r->identical)
         html(page->out, "Both BRDFs are equal at all directions that were compared.");
     else
