@@ -2,7 +2,9 @@
  *
  * The standard set of scenes, and the parts of a label against their definitions.
  */
+#include "base/memory_test.h"
 #include "math/math.h"
+#include "metric/metric.h"
 #include "render/render.h"
 #include "support/check.h"
 #include "support/scenes.h"
@@ -104,7 +106,17 @@ static void points_and_pixels_of_the_set(void **state) {
     expect_no_scene(o, NQM_ERR_ARG);
     o.n_points = 4;
     o.n_lights = 16;
-    check_scene_without_memory(&o, 500);
+    o.light_width = 16;
+    nqm_status status = NQM_ERR_NOMEM;
+    for (long fail_after = 0; status != NQM_OK; fail_after += 17) { /* each attempt draws up to four lights */
+        nqm_scene *scene;
+        nqm_alloc_fail_after(fail_after);
+        status = nqm_scene_create(&o, &scene, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !scene));
+        assert_true(fail_after < 500);
+        nqm_scene_free(scene);
+    }
 }
 
 /* ---- parts ------------------------------------------------------------------------------------------------------- */
@@ -203,6 +215,56 @@ static void signs_of_the_parts(void **state) {
     assert_near(nqm_label_similarity(&known), nqm_curve_jod(&curve, sqrt(9 + 0.0225 * 121)), 1e-12);
 }
 
+/* ---- the bound on Delta-E from samples ---------------------------------------------------------------------------- */
+
+static void labels_keep_to_the_bound(void **state) {
+    (void)state;
+    static const char *const refs[] = {"sgd:nickel", "sgd:chrome", "sgd:pink-felt",
+                                       "ggx:kd=.5,.02,.02;ks=1;alpha=.3;f0=.04"};
+    static const char *const changes[] = {"bits=20", "bits=7",  "half=1",         "scale=1.02", "tint=1.05,1,.96",
+                                          "hue=4",   "mix=.02", "desaturate=.08", "noise=.05",  "fresnel=1.1"};
+    nqm_scene_options o = nqm_scene_options_default();
+    if (!nqm_tracer_version())
+        o.light = "sun";
+    o.n_points = 240;
+    o.n_lights = 32;
+    nqm_scene *scene = make_scene(o);
+    nqm_directions *directions;
+    assert_int_equal(nqm_directions_create(NULL, 0, NULL, &directions, NULL), NQM_OK);
+    const size_t n = nqm_directions_count(directions);
+    float *samples = nqm_alloc(6 * n, sizeof *samples);
+    uint8_t *used = nqm_alloc(n, 1);
+    size_t n_bounded = 0;
+    for (size_t r = 0; r < 4; ++r) {
+        double *ref_picture = render(scene, refs[r]);
+        for (size_t c = 0; c < 10; ++c) {
+            char spec[200];
+            snprintf(spec, sizeof spec, "perturb:%s;of=%s", changes[c], refs[r]);
+            nqm_brdf *ref = open_brdf(refs[r]), *test = open_brdf(spec);
+            assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_ZERO, samples, used, NULL, NULL), NQM_OK);
+            assert_int_equal(nqm_sample(test, directions, NQM_INVALID_ZERO, samples + 3 * n, used, NULL, NULL), NQM_OK);
+            double bound = nqm_delta_e_bound(n, samples, samples + 3 * n, NULL);
+            double *picture = render(scene, spec);
+            double delta_e = nqm_scene_compare(scene, ref_picture, picture).delta_e;
+            assert_true(delta_e <= bound + 1e-9);
+            n_bounded += isfinite(bound);
+            nqm_free(picture);
+            nqm_brdf_free(ref);
+            nqm_brdf_free(test);
+        }
+        nqm_free(ref_picture);
+    }
+    assert_true(n_bounded >= 24);
+    assert_true(isinf(nqm_delta_e_bound(1, (float[]){1, 1, 1}, (float[]){1, 2, 1}, NULL)));
+    assert_near(nqm_delta_e_bound(1, (float[]){1, 1, 1}, (float[]){1, 1.1F, 1}, NULL), 120 * log(1.103 / 1.003), 1e-4);
+    assert_near(nqm_delta_e_bound(2, (float[]){1, 1, 1, 0, 0, 0}, (float[]){1, 1, 1, 9, 9, 9}, (uint8_t[]){1, 0}), 0,
+                0);
+    nqm_free(samples);
+    nqm_free(used);
+    nqm_directions_free(directions);
+    nqm_scene_free(scene);
+}
+
 static void words_for_the_parts(void **state) {
     (void)state;
     char text[NQM_LABEL_TEXT];
@@ -217,11 +279,9 @@ static void words_for_the_parts(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(set_is_the_mean_of_its_scenes),
-        cmocka_unit_test(points_and_pixels_of_the_set),
-        cmocka_unit_test(parts_follow_their_definitions),
-        cmocka_unit_test(signs_of_the_parts),
-        cmocka_unit_test(words_for_the_parts),
+        cmocka_unit_test(set_is_the_mean_of_its_scenes),  cmocka_unit_test(points_and_pixels_of_the_set),
+        cmocka_unit_test(parts_follow_their_definitions), cmocka_unit_test(signs_of_the_parts),
+        cmocka_unit_test(labels_keep_to_the_bound),       cmocka_unit_test(words_for_the_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
