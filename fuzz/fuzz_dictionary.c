@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 /* Write the true checksum over the stored one. */
-static void mend_checksum(uint8_t *bytes, size_t n_bytes) {
+static void repair_checksum(uint8_t *bytes, size_t n_bytes) {
     nqm_safetensors *st;
     char hex[65];
     bool matches;
@@ -49,7 +49,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     if (!bytes)
         abort();
     memcpy(bytes, data, n_bytes);
-    mend_checksum(bytes, n_bytes);
+    repair_checksum(bytes, n_bytes);
     nqm_status status = nqm_sparse_dictionary_parse(bytes, n_bytes, "fuzz", &dictionary, &err);
     if ((status == NQM_OK) != (dictionary != NULL) || (status != NQM_OK && err.message[0] == '\0'))
         abort();

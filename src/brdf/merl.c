@@ -172,17 +172,17 @@ static void fill_line(void *user, size_t i) {
 
 nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress, void *progress_user,
                                nqm_error *err) {
-    enum { LINES_A_STEP = N_LINES / 15 }; /* lines between two calls of the progress callback */
+    enum { LINES_PER_STEP = N_LINES / 15 }; /* lines between two calls of the progress callback */
     double *cells = nqm_alloc(3 * (size_t)N_CELLS, sizeof *cells);
     if (!cells)
         return nqm_fail_nomem(err, 3 * (size_t)N_CELLS * sizeof *cells);
     nqm_ticker ticker = {.fn = progress, .user = progress_user};
     nqm_outfile out;
     nqm_status status = NQM_OK;
-    for (size_t line = 0; line < N_LINES && status == NQM_OK; line += LINES_A_STEP) {
+    for (size_t line = 0; line < N_LINES && status == NQM_OK; line += LINES_PER_STEP) {
         fill_job job = {.brdf = brdf, .cells = cells, .first_line = line};
-        nqm_parallel_for(LINES_A_STEP, fill_line, &job);
-        if (nqm_tick(&ticker, "convert", (double)(line + LINES_A_STEP), N_LINES))
+        nqm_parallel_for(LINES_PER_STEP, fill_line, &job);
+        if (nqm_tick(&ticker, "convert", (double)(line + LINES_PER_STEP), N_LINES))
             status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "%s: interrupted, nothing was written", path);
     }
     if (status == NQM_OK)

@@ -66,7 +66,7 @@ static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_bu
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* The manifest with the checksum of the dataset, which the manifest inside the dataset cannot have. */
-static char *sealed_manifest(const char *manifest, const char *sha256) {
+static char *manifest_with_checksum(const char *manifest, const char *sha256) {
     json_t *root = json_loads(manifest, 0, NULL);
     char *text = NULL;
     if (json_object_set_new(root, "dataset_sha256", json_string(sha256)) == 0)
@@ -77,7 +77,7 @@ static char *sealed_manifest(const char *manifest, const char *sha256) {
 
 static nqm_status write_manifest(const char *dataset_path, const char *manifest, const char *sha256, nqm_error *err) {
     size_t n = strlen(dataset_path) + 8;
-    char *path = nqm_alloc(n, 1), *text = sealed_manifest(manifest, sha256);
+    char *path = nqm_alloc(n, 1), *text = manifest_with_checksum(manifest, sha256);
     nqm_outfile out = {0};
     nqm_status status = NQM_ERR_NOMEM;
     if (path && text) {

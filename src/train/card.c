@@ -23,8 +23,8 @@ static number_text number(double value, int decimals) {
 }
 
 static void write_network(FILE *out, const nqm_train_options *o, const struct nqm_model *m) {
-    fprintf(out,
-            "Predicts how good a BRDF approximation looks beside its reference, in JOD (10: no visible difference),\n");
+    fprintf(out, "Predicts how good a BRDF approximation looks compared with its reference, in JOD (10: no visible "
+                 "difference),\n");
     fprintf(out, "from %zu directions. A multi-layer perceptron ", m->directions->n);
     for (size_t l = 0; l <= m->params.shape.n_layers; ++l)
         fprintf(out, "%s%zu", l ? "-" : "", m->params.shape.sizes[l]);
