@@ -50,8 +50,8 @@ NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_preci
                                                nqm_predictor **predictor_ret, nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /**
- * Predict pairs->n (at most max_batch) pairs. The JOD of a pair does not depend on the other pairs, and keeps to
- * nqm_delta_e_bound().
+ * Predict pairs->n (at most max_batch) pairs. The JOD of a pair does not depend on the other pairs, and the Delta-E of
+ * models that predict it keeps to nqm_delta_e_bound().
  *
  * @param jod      (n)
  * @param delta_e  (n) NULL allowed; NaN where the model has no curve

@@ -131,8 +131,9 @@ double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *tes
 }
 
 void nqm_raise_low(size_t n_directions, const float *ref, const float *test, const uint8_t *used, double *jod_low) {
-    const double least = nqm_curve_jod(&nqm_curve_published, nqm_delta_e_bound(n_directions, ref, test, used));
-    if (*jod_low < least)
+    const double bound = nqm_delta_e_bound(n_directions, ref, test, used);
+    const double least = isfinite(bound) ? nqm_curve_jod(&nqm_curve_published, bound) : 0;
+    if (*jod_low < least) /* false for NaN */
         *jod_low = least;
 }
 
@@ -154,12 +155,14 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         const float *z = p->z + i * n_outputs;
         const double bound =
             nqm_delta_e_bound(n, pairs->ref[i], pairs->test[i], pairs->used ? pairs->used + n * i : NULL);
-        const double least_jod = nqm_curve_jod(&nqm_curve_published, bound);
-        jod[i] = nqm_model_jod(p->model, (double)*z, delta_e ? &delta_e[i] : NULL);
-        if (jod[i] < least_jod)
-            jod[i] = least_jod;
-        if (delta_e && delta_e[i] > bound)
-            delta_e[i] = bound;
+        double own;
+        jod[i] = nqm_model_jod(p->model, (double)*z, &own);
+        if (own > bound) { /* false for NaN: models that predict no Delta-E */
+            own = bound;
+            jod[i] = nqm_curve_jod(&p->model->curve, own);
+        }
+        if (delta_e)
+            delta_e[i] = own;
         if (pairs->labels)
             pairs->labels[i] = nqm_model_has_parts(p->model) ? nqm_model_label(p->model, z)
                                                              : (nqm_label){nan, {nan, nan, nan}, nan, nan};

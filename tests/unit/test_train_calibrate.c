@@ -5,6 +5,7 @@
  */
 #include "io/io.h"
 #include "judge/evaluate.h"
+#include "metric/metric.h"
 #include "support/check.h"
 #include "support/temp_file.h"
 #include "support/tiny_model.h"
@@ -294,6 +295,9 @@ static void labels_inside_are_counted(void **state) {
         double low, high;
         double novelty = nqm_model_novelty(model, ev->scalars + i * NQM_SCALAR_COUNT);
         nqm_model_interval(model, jod[i], novelty, &low, &high);
+        const size_t n_values = 3 * dataset->n_directions;
+        nqm_raise_low(dataset->n_directions, dataset->ref_rgb + n_values * dataset->pair_ref[i],
+                      dataset->test_rgb + n_values * i, NULL, &low);
         n_inside += dataset->jod[i] >= low && dataset->jod[i] <= high;
         n_high += jod[i] >= 9.9;
         width += high - low;
