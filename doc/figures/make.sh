@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 
 materials="paper_blue_rgb satin_purple_rgb colodur_azure_4e_rgb vch_ultra_pink_rgb cg_sunflower_rgb"
 rows="blue paper,satin purple,azure plastic,ultra pink,sunflower"
-columns="reference,Ward,GGX,NBRDF,sparse low,sparse mid,sparse high,hyper low,hyper mid,hyper high"
+columns="reference,Ward,GGX,NBRDF,sparse 0,sparse 1,sparse 2,hyper 0,hyper 1,hyper 2"
 scene="--shape $data/scene/bunny.ply --light $data/scene/pixar_campus_rgbe.png --elevation 10"
 
 set -f

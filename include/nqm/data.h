@@ -38,7 +38,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_dataset_load(const char *path, nqm_dataset
  * ROOT/ref/NAME.mat and ROOT/model/NAME.mat (MAT v5; r, g, b 500x1 and random_locations 500x3 in degrees, the same in all
  * files). NAME is a material and a running number, "brass_12": rows that differ in the number only form one material group.
  * ROOT/ref/brass.mat may be the reference of all of them. Equal references of a material are kept once. The kinds are the
- * models: "sbrdf" at level 0, "sbrdf.2" at level 2. Negative values are read as 0; the manifest says how many there were.
+ * models, "sbrdf" and "hbrdf" with their level, of which 0 is the finest: "ward", "sbrdf.0", "sbrdf.2". Negative values are
+ * read as 0; the manifest says how many there were.
  *
  * @param split  the split of every row; NQM_SPLIT_ALL: training rows, from which the training options draw validation pairs
  * @return NQM_ERR_IO, NQM_ERR_FORMAT, NQM_ERR_INCOMPATIBLE (other directions in one of the files), NQM_ERR_LIMIT (more than

@@ -59,11 +59,12 @@ typedef struct nqm_fit_report {
 
 /**
  * Name of model i, NULL after the last; static storage. The NQM_FIT_N_ENCODINGS encodings of the paper come first: "ward",
- * "ggx", "nbrdf" (a network of 6-21-21-3: Sztrajman et al. 2021), "sparse-low", "sparse-mid", "sparse-high" (sparse codes
- * in a learned dictionary, after Tongbuasirilai et al. 2022), "hyper-low", "hyper-mid", "hyper-high" (a hypernetwork that
- * reads 12, 64 or 400 samples, after Gokbudak et al. 2024). Further analytic models follow: "ward-duer", "blinn-phong",
- * "lafortune", "cook-torrance", "ashikhmin-shirley", "abc" (the microfacet model of Low et al. 2012), "smooth" (their
- * smooth-surface model).
+ * "ggx", "nbrdf" (a network of 6-21-21-3: Sztrajman et al. 2021), "sparse-0" to "sparse-2" (sparse codes in a learned
+ * dictionary, after Tongbuasirilai et al. 2022), "hyper-0" to "hyper-2" (a hypernetwork, after Gokbudak et al. 2024), with
+ * the levels of the authors' files: 0 is the finest. Further ones follow: "sparse-low", "sparse-mid", "sparse-high" (4, 8
+ * and 32 atoms), "hyper-low", "hyper-mid", "hyper-high" (12, 64 and 400 samples), and the analytic models "ward-duer",
+ * "blinn-phong", "lafortune", "cook-torrance", "ashikhmin-shirley", "abc" (the microfacet model of Low et al. 2012),
+ * "smooth" (their smooth-surface model).
  */
 NQM_API const char *nqm_fit_model(size_t i);
 enum { NQM_FIT_N_ENCODINGS = 9 };

@@ -10,18 +10,25 @@
 #include "io/io.h"
 #include <nqm/fit.h>
 
-/** Number of values that an encoding may store or read: the last word of its name. */
-typedef enum nqm_budget { NQM_BUDGET_LOW = 0, NQM_BUDGET_MID, NQM_BUDGET_HIGH } nqm_budget;
+/** The setting of an encoding by a learned encoder; fit_models.c lists them. */
+typedef struct nqm_code {
+    size_t n;   /* atoms of a sparse code; samples that the hypernetwork reads */
+    float step; /* coefficients of the atoms, or the latent vector, are rounded to multiples of it; 0: they are not */
+} nqm_code;
+
+struct nqm_fit_entry; /* fit.h */
 
 /** Train a network for `ref` (nbrdf_fit.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_report *report,
                                         nqm_brdf **brdf_ret, nqm_error *err);
 /** Compute a sparse code of `ref` in the embedded dictionary (sparse.c). */
-NQM_MUST_CHECK nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
-                                         nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_fit_sparse(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
+                                         const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,
+                                         nqm_error *err);
 /** Predict a network for `ref` by the embedded hypernetwork (hyper.c). */
-NQM_MUST_CHECK nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
-                                        nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_fit_hyper(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
+                                        const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,
+                                        nqm_error *err);
 
 /** Draw a direction pair uniform by solid angle, both polar angles at most max_polar. */
 void nqm_fit_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo);

@@ -120,7 +120,7 @@ nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options
     if (status == NQM_OK)
         status = nqm_options_check(&nqm_fit_option_table, &options, err);
     if (status == NQM_OK)
-        status = entry->encode ? entry->encode(ref, entry->budget, &options, &report, &brdf, err)
+        status = entry->encode ? entry->encode(ref, entry, &options, &report, &brdf, err)
                                : fit_analytic(ref, entry, &options, &report, &brdf, err);
     if (status != NQM_OK)
         return status;

@@ -30,8 +30,10 @@ typedef struct nqm_fit_shape {
     nqm_fit_scale scale;
 } nqm_fit_shape;
 
-typedef nqm_status (*nqm_encode_fn)(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
-                                    nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err);
+struct nqm_fit_entry;
+typedef nqm_status (*nqm_encode_fn)(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
+                                    const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,
+                                    nqm_error *err);
 
 /** A row of the list of models: an analytic model, or an encoding with its own function. */
 typedef struct nqm_fit_entry {
@@ -41,7 +43,7 @@ typedef struct nqm_fit_entry {
     size_t n_start;                                           /* starting points per lobe width */
     void (*start)(double alpha, size_t which, double *shape); /* writes starting point `which` in [0, n_start) */
     nqm_encode_fn encode;                                     /* NULL: analytic */
-    nqm_budget budget;
+    nqm_code code;                                            /* of a learned encoder */
 } nqm_fit_entry;
 
 /** By name. NQM_ERR_ARG lists the names. */

@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The encodings hyper-*: networks predicted by the embedded hypernetwork from as many samples as the budget allows.
+ * The encodings hyper-*: networks predicted by the embedded hypernetwork from samples of a BRDF.
  */
 #include "fit/hyper.h"
+#include "fit/fit.h"
 #include "fit/nbrdf_net.h"
 
 #include <math.h>
 #include <string.h>
-
-static const size_t samples_of[] = {[NQM_BUDGET_LOW] = 12, [NQM_BUDGET_MID] = 64, [NQM_BUDGET_HIGH] = 400};
-static const char *const names[] = {
-    [NQM_BUDGET_LOW] = "hyper-low", [NQM_BUDGET_MID] = "hyper-mid", [NQM_BUDGET_HIGH] = "hyper-high"};
 
 nqm_status nqm_hyper_encode(const nqm_hyper *hyper, size_t n, const double *hd, const double *rgb, float *weights,
                             nqm_error *err) {
@@ -49,12 +46,12 @@ static nqm_status measure_loss(const float *weights, size_t n, const double *hd,
     return NQM_OK;
 }
 
-nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options, nqm_fit_report *report,
-                         nqm_brdf **brdf_ret, nqm_error *err) {
-    size_t n_read = samples_of[budget], n = n_read > options->n_directions ? n_read : options->n_directions;
+nqm_status nqm_fit_hyper(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
+                         nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    size_t n_read = entry->code.n, n = n_read > options->n_directions ? n_read : options->n_directions;
     float weights[NQM_NBRDF_WEIGHTS];
     nqm_hyper hyper = {0};
-    /* A smaller budget reads a subset of the samples of a larger one. */
+    /* An encoding with fewer samples reads a subset of those of one with more. */
     nqm_rng rng = nqm_rng_make(options->seed, 0), check = nqm_rng_make(options->seed, 1);
     double *hd = nqm_alloc(n, 6 * sizeof *hd);
     if (!hd)
@@ -65,6 +62,7 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_o
     double *rgb = hd + 3 * n;
     if (status == NQM_OK)
         status = nqm_hyper_sample(ref, n_read, &rng, hd, rgb, err);
+    hyper.step = entry->code.step;
     if (status == NQM_OK)
         status = nqm_hyper_encode(&hyper, n_read, hd, rgb, weights, err);
     if (status == NQM_OK)
@@ -72,7 +70,7 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_o
     if (status == NQM_OK)
         status = measure_loss(weights, options->n_directions, hd, rgb, &report->loss, err);
     if (status == NQM_OK)
-        status = nqm_nbrdf_create(weights, names[budget], brdf_ret, err);
+        status = nqm_nbrdf_create(weights, entry->name, brdf_ret, err);
     if (status == NQM_OK) {
         report->n_directions = options->n_directions;
         report->n_numbers = NQM_NBRDF_WEIGHTS;

@@ -35,6 +35,7 @@ typedef struct nqm_hyper {
     nqm_hyper_layer layer[NQM_HYPER_N_LAYERS];
     size_t n;     /* number of parameters */
     float *block; /* (n) weights and biases, layer by layer */
+    float step;   /* mean and maximum of the pooling are rounded to multiples of it; 0 (default): they are not */
 } nqm_hyper;
 
 /** A network of zeros; nqm_free(hyper->block) also after a failure. */

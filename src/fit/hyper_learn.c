@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Learning of the hypernetwork: each step reads samples of a few materials, their number varying over the range of the
- * budgets, and minimises the loss of the predicted NBRDFs at other directions of these materials. Adam (Kingma and Ba
+ * Learning of the hypernetwork: each step reads samples of a few materials, a random number of 8 to 512 from each,
+ * and minimises the loss of the predicted NBRDFs at other directions of these materials. Adam (Kingma and Ba
  * 2015, arXiv:1412.6980) with a cosine schedule.
  */
 #include "fit/hyper.h"

@@ -85,6 +85,10 @@ static void layer_forward(const nqm_hyper_layer *layer, size_t rows, const float
         nqm_gelu(rows * layer->n_out, y, y, slope);
 }
 
+static float round_to(float value, float step) {
+    return step > 0 ? step * roundf(value / step) : value;
+}
+
 /* Mean and maximum of each channel over the samples of each set, then the logarithm of the number of samples, so that the
  * network can give a small set less weight. */
 static void pool(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
@@ -101,8 +105,8 @@ static void pool(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
                 sum += (double)y[i * n + j];
                 best = y[i * n + j] > y[best * n + j] ? i : best;
             }
-            mean[j] = (float)(sum / (double)n_samples);
-            top[j] = y[best * n + j];
+            mean[j] = round_to((float)(sum / (double)n_samples), hyper->step);
+            top[j] = round_to(y[best * n + j], hyper->step);
             largest[j] = best;
         }
         mean[2 * n] = (float)log((double)n_samples / USUAL_COUNT);

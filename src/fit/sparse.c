@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The encodings sparse-low, -mid and -high: a dictionary from its file, and a BRDF coded in it.
+ * The encodings sparse-*: a dictionary from its file, and a BRDF coded in it.
  */
 #include "fit/sparse.h"
 #include "brdf/brdf.h"
+#include "fit/fit.h"
 #include "math/math.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { CELLS = NQM_SPARSE_CELLS, CORE = NQM_SPARSE_CORE };
-
-/* Number of atoms at each budget; doc/encodings.md shows their effect. */
-static const size_t budget_atoms[] = {[NQM_BUDGET_LOW] = 4, [NQM_BUDGET_MID] = 8, [NQM_BUDGET_HIGH] = 32};
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
@@ -123,8 +121,8 @@ static nqm_status make_workspace(size_t n_atoms, workspace *w, nqm_error *err) {
     return status == NQM_OK ? nqm_sparse_grid_make(&w->grid, err) : status;
 }
 
-/* Replace the mapped channels of w->table by a linear combination of at most max_atoms atoms; returns their number. */
-static size_t approximate(const nqm_sparse_dictionary *dictionary, size_t max_atoms, workspace *w) {
+/* Replace the mapped channels of w->table by a linear combination of at most code->n atoms; returns their number. */
+static size_t approximate(const nqm_sparse_dictionary *dictionary, const nqm_code *code, workspace *w) {
     size_t n = dictionary->n_atoms, index[NQM_OMP_MAX_ATOMS];
     double coefficient[NQM_OMP_MAX_ATOMS];
     for (size_t i = 0; i < n * CORE; ++i)
@@ -141,7 +139,10 @@ static size_t approximate(const nqm_sparse_dictionary *dictionary, size_t max_at
         }
     }
     const nqm_omp_problem problem = {3, n, w->gram, w->correlation};
-    size_t n_chosen = nqm_omp(&problem, max_atoms, index, coefficient, w->scratch);
+    size_t n_chosen = nqm_omp(&problem, code->n, index, coefficient, w->scratch);
+    const double step = (double)code->step;
+    for (size_t a = 0; step > 0 && a < n_chosen; ++a)
+        coefficient[a] = step * round(coefficient[a] / step);
     memset(w->core, 0, 3 * CORE * sizeof *w->core);
     for (size_t a = 0; a < n_chosen; ++a)
         for (size_t i = 0; i < CORE; ++i)
@@ -178,7 +179,7 @@ static nqm_status make_brdf(const workspace *w, const char *name, nqm_brdf **brd
     return nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, w->rgb, name, brdf_ret, err);
 }
 
-nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref, size_t max_atoms,
+nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref, const nqm_code *code,
                              nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
     workspace w;
     *brdf_ret = NULL;
@@ -188,7 +189,7 @@ nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_
     if (status == NQM_OK) {
         memcpy(w.table, w.sample, 3 * CELLS * sizeof *w.table);
         nqm_sparse_map(&w.grid, dictionary->typical, w.table);
-        report->n_numbers = 2 * approximate(dictionary, max_atoms, &w);
+        report->n_numbers = 2 * approximate(dictionary, code, &w);
         nqm_sparse_unmap(&w.grid, dictionary->typical, w.table);
         report->loss = loss_of(&w);
         status = make_brdf(&w, nqm_brdf_get_info(ref).name, brdf_ret, err);
@@ -198,7 +199,7 @@ nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_
     return status;
 }
 
-nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_options *options,
+nqm_status nqm_fit_sparse(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
                           nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
     (void)options; /* the directions are the nodes of the table */
     size_t n_bytes = 0;
@@ -206,7 +207,7 @@ nqm_status nqm_fit_sparse(const nqm_brdf *ref, nqm_budget budget, const nqm_fit_
     nqm_sparse_dictionary *dictionary;
     nqm_status status = nqm_sparse_dictionary_parse(bytes, n_bytes, "built-in dictionary", &dictionary, err);
     if (status == NQM_OK)
-        status = nqm_sparse_encode(dictionary, ref, budget_atoms[budget], report, brdf_ret, err);
+        status = nqm_sparse_encode(dictionary, ref, &entry->code, report, brdf_ret, err);
     nqm_free(dictionary);
     return status;
 }

@@ -95,9 +95,9 @@ void nqm_sparse_tensors(const nqm_sparse_dictionary *dictionary, nqm_tensor tens
 NQM_MUST_CHECK nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                       nqm_sparse_dictionary **dictionary_ret, nqm_error *err);
 
-/** Code `ref` with at most `max_atoms` atoms. Fills loss, n_directions and n_numbers of the report. */
+/** Code `ref` with at most code->n atoms. Fills loss, n_directions and n_numbers of the report. */
 NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref,
-                                            size_t max_atoms, nqm_fit_report *report, nqm_brdf **brdf_ret,
+                                            const nqm_code *code, nqm_fit_report *report, nqm_brdf **brdf_ret,
                                             nqm_error *err);
 
 /* ---- learning ---------------------------------------------------------------------------------------------------- */

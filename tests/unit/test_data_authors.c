@@ -22,6 +22,13 @@ static int find_root(void **state) {
     return 0;
 }
 
+static void write_labels(const char *labels) {
+    FILE *f = fopen(csv_path, "w");
+    assert_non_null(f);
+    fputs(labels, f);
+    fclose(f);
+}
+
 static nqm_dataset *load(const char *labels, nqm_split split) {
     nqm_dataset *d;
     nqm_error err = {0};
@@ -75,6 +82,20 @@ static void reads_the_layout(void **state) {
     nqm_dataset_free(d);
 }
 
+/* Levels of sbrdf and hbrdf are part of the kind, also level 0. */
+static void kinds_keep_their_levels(void **state) {
+    (void)state;
+    write_labels("material,model,level,DeltaE,JOD\n"
+                 "brass_1,sbrdf,0,7,9\nbrass_2,sbrdf,1,8,8\nbrass_10,hbrdf,0,8,8\n"
+                 "felt_m_68_rgb_1,hbrdf,2,9,7\nfelt_m_68_rgb_2,nbrdf,0,9,7\n");
+    nqm_dataset *d = load(csv_path, NQM_SPLIT_ALL);
+    static const char *const kinds[] = {"sbrdf.0", "sbrdf.1", "hbrdf.0", "hbrdf.2", "nbrdf"};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        assert_string_equal(nqm_dataset_get_pair(d, i).kind, kinds[i]);
+    nqm_dataset_free(d);
+    unlink(csv_path);
+}
+
 static void split_as_asked(void **state) {
     (void)state;
     nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_TEST);
@@ -100,10 +121,7 @@ static void goes_on_from_there(void **state) {
 }
 
 static void refuse(const char *labels, nqm_status status, const char *words) {
-    FILE *f = fopen(csv_path, "w");
-    assert_non_null(f);
-    fputs(labels, f);
-    fclose(f);
+    write_labels(labels);
     nqm_dataset *d;
     nqm_error err = {0};
     assert_int_equal(nqm_dataset_load_authors(root, csv_path, NQM_SPLIT_ALL, &d, &err), status);
@@ -128,9 +146,8 @@ static void names_what_is_wrong(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_the_layout),
-        cmocka_unit_test(split_as_asked),
-        cmocka_unit_test(goes_on_from_there),
+        cmocka_unit_test(reads_the_layout),    cmocka_unit_test(kinds_keep_their_levels),
+        cmocka_unit_test(split_as_asked),      cmocka_unit_test(goes_on_from_there),
         cmocka_unit_test(names_what_is_wrong),
     };
     return cmocka_run_group_tests(tests, find_root, NULL);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The encodings hyper-*: more samples give a better network, and the number of threads does not change the bits. Their
+ * The encodings hyper-*: more samples and a finer latent vector give a better network, and the number of threads does not change the bits. Their
  * learning reduces the loss, is determined by its seed, can be stopped, and fails for a BRDF without values.
  */
 #include "brdf/brdf.h"
@@ -26,25 +26,38 @@ static double loss_of(const nqm_brdf *ref, const char *model) {
 }
 
 /* The losses are compared by their geometric means, so that the brightest material does not dominate. */
-static void more_samples_are_better(void **state) {
-    (void)state;
-    static const char *const refs[] = {"sgd:pink-fabric",
-                                       "sgd:maroon-plastic",
-                                       "sgd:yellow-paint",
-                                       "sgd:teflon",
-                                       "ggx:kd=0.3,0.1,0.05;alpha=0.25",
-                                       "ward:kd=0.1,0.2,0.3;ks=0.1;alpha=0.15"};
-    enum { N_REFS = sizeof refs / sizeof *refs };
-    double low = 0, mid = 0, high = 0;
-    for (size_t i = 0; i < N_REFS; ++i) {
-        nqm_brdf *ref = open_brdf(refs[i]);
-        low += log(loss_of(ref, "hyper-low")) / N_REFS;
-        mid += log(loss_of(ref, "hyper-mid")) / N_REFS;
-        high += log(loss_of(ref, "hyper-high")) / N_REFS;
+static void losses_of(const char *const models[3], double log_loss[3]) {
+    static const char *const materials[] = {"sgd:pink-fabric",
+                                            "sgd:maroon-plastic",
+                                            "sgd:yellow-paint",
+                                            "sgd:teflon",
+                                            "ggx:kd=0.3,0.1,0.05;alpha=0.25",
+                                            "ward:kd=0.1,0.2,0.3;ks=0.1;alpha=0.15"};
+    enum { N_MATERIALS = sizeof materials / sizeof *materials };
+    for (size_t m = 0; m < 3; ++m)
+        log_loss[m] = 0;
+    for (size_t i = 0; i < N_MATERIALS; ++i) {
+        nqm_brdf *ref = open_brdf(materials[i]);
+        for (size_t m = 0; m < 3; ++m)
+            log_loss[m] += log(loss_of(ref, models[m])) / N_MATERIALS;
         nqm_brdf_free(ref);
     }
-    if (!(low > mid + 0.1 && mid > high + 0.02 && high < log(0.015)))
-        fail_msg("mean losses %g, %g, %g", exp(low), exp(mid), exp(high));
+}
+
+static void more_samples_are_better(void **state) {
+    (void)state;
+    double loss[3];
+    losses_of((const char *const[]){"hyper-low", "hyper-mid", "hyper-high"}, loss);
+    if (!(loss[0] > loss[1] + 0.1 && loss[1] > loss[2] + 0.02 && loss[2] < log(0.015)))
+        fail_msg("mean losses %g, %g, %g", exp(loss[0]), exp(loss[1]), exp(loss[2]));
+}
+
+static void level_0_is_the_finest(void **state) {
+    (void)state;
+    double loss[3];
+    losses_of((const char *const[]){"hyper-0", "hyper-1", "hyper-2"}, loss);
+    if (!(loss[0] < loss[1] - 0.01 && loss[1] < loss[2] - 0.1))
+        fail_msg("mean losses %g, %g, %g", exp(loss[0]), exp(loss[1]), exp(loss[2]));
 }
 
 static void values_of(const char *model, size_t n, double *rgb) {
@@ -186,6 +199,7 @@ static int close_all(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(more_samples_are_better),
+        cmocka_unit_test(level_0_is_the_finest),
         cmocka_unit_test(encoding_does_not_depend_on_threads),
         cmocka_unit_test(brdfs_without_values_are_refused),
         cmocka_unit_test(learning_lowers_the_loss),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The sparse encoding: mapping and bases have exact inverses, a table in the span of the atoms is coded exactly, more
- * atoms reduce the loss, cells without a value are filled, and a BRDF without values is refused.
+ * atoms reduce the loss, coarser levels increase it, cells without a value are filled, and a BRDF without values is refused.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -106,7 +106,7 @@ static double loss_of(const nqm_sparse_dictionary *dictionary, const nqm_brdf *r
     nqm_fit_report report = {0};
     nqm_brdf *brdf;
     nqm_error err = {0};
-    if (nqm_sparse_encode(dictionary, ref, n_atoms, &report, &brdf, &err) != NQM_OK)
+    if (nqm_sparse_encode(dictionary, ref, &(nqm_code){.n = n_atoms}, &report, &brdf, &err) != NQM_OK)
         fail_msg("%s", err.message);
     assert_true(report.n_numbers <= 2 * n_atoms && report.n_directions > 1000);
     nqm_brdf_free(brdf);
@@ -150,6 +150,29 @@ static void more_atoms_come_nearer(void **state) {
     }
 }
 
+/* Rounding moves a single material either way, so the levels are compared by the geometric means of their losses. */
+static void level_0_is_the_finest(void **state) {
+    (void)state;
+    static const char *const presets[] = {"sgd:nickel",        "sgd:teflon",     "sgd:pink-fabric",
+                                          "sgd:yellow-paint",  "ward:pink-felt", "sgd:maroon-plastic",
+                                          "sgd:green-plastic", "sgd:red-plastic"};
+    static const char *const models[] = {"sparse-0", "sparse-1", "sparse-2"};
+    enum { N_PRESETS = sizeof presets / sizeof *presets };
+    double loss[3] = {0};
+    for (size_t i = 0; i < N_PRESETS; ++i) {
+        nqm_brdf *ref = open_brdf(presets[i]);
+        for (size_t m = 0; m < 3; ++m) {
+            nqm_fit_report report;
+            assert_int_equal(nqm_fit(ref, models[m], NULL, &report, NULL, NULL), NQM_OK);
+            assert_int_equal(report.n_numbers, 6);
+            loss[m] += log(report.loss) / N_PRESETS;
+        }
+        nqm_brdf_free(ref);
+    }
+    if (!(loss[0] < loss[1] - 0.1 && loss[1] < loss[2] - 0.01))
+        fail_msg("mean losses %g, %g, %g", exp(loss[0]), exp(loss[1]), exp(loss[2]));
+}
+
 /* ---- cells without a value --------------------------------------------------------------------------------------- */
 
 /* A grey BRDF without values for theta_d > `self` and for 0.1 < theta_h < 0.2, in radians. */
@@ -177,7 +200,7 @@ static void holes_are_filled(void **state) {
     nqm_brdf *brdf = with_holes(&limit), *empty = with_holes(&tiny), *coded;
     nqm_fit_report report;
     nqm_error err = {0};
-    assert_int_equal(nqm_sparse_encode(dictionary, brdf, 32, &report, &coded, NULL), NQM_OK);
+    assert_int_equal(nqm_sparse_encode(dictionary, brdf, &(nqm_code){.n = 32}, &report, &coded, NULL), NQM_OK);
     assert_true(report.loss < 0.01);
     static const double hd[][3] = {
         {0.05, 0.3, 1}, {0.5, 0.7, 2}, {0.15, 0.3, 1}, {0.05, 1.3, 1}}; /* 2 and 3 have no value */
@@ -186,7 +209,8 @@ static void holes_are_filled(void **state) {
     for (size_t i = 0; i < 3 * 4; ++i)
         assert_relative(rgb[i], 0.1, i < 6 ? 0.1 : 0.5);
     nqm_brdf_free(coded);
-    assert_int_equal(nqm_sparse_encode(dictionary, empty, 32, &report, &coded, &err), NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(nqm_sparse_encode(dictionary, empty, &(nqm_code){.n = 32}, &report, &coded, &err),
+                     NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "holes.bsdf"));
     assert_null(coded);
     nqm_brdf_free(brdf);
@@ -220,6 +244,7 @@ int main(void) {
         cmocka_unit_test(bases_keep_lengths),
         cmocka_unit_test(what_lies_in_the_span_is_coded_exactly),
         cmocka_unit_test(more_atoms_come_nearer),
+        cmocka_unit_test(level_0_is_the_finest),
         cmocka_unit_test(holes_are_filled),
         cmocka_unit_test(memory_runs_out),
     };
