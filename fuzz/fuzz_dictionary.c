@@ -37,7 +37,7 @@ static void code(const nqm_sparse_dictionary *dictionary) {
         return;
     if (nqm_brdf_open("lambert:kd=0.2", &ref, NULL) != NQM_OK)
         abort();
-    if (nqm_sparse_encode(dictionary, ref, 4, &report, &coded, NULL) == NQM_OK)
+    if (nqm_sparse_encode(dictionary, ref, &(nqm_code){.n = 4}, &report, &coded, NULL) == NQM_OK)
         nqm_brdf_free(coded);
     nqm_brdf_free(ref);
 }

@@ -54,7 +54,7 @@ static void what_was_learned_is_coded_well(void **state) {
     for (size_t i = 0; i < N; ++i) {
         nqm_fit_report report;
         nqm_brdf *brdf;
-        assert_int_equal(nqm_sparse_encode(dictionary, refs[i], 8, &report, &brdf, NULL), NQM_OK);
+        assert_int_equal(nqm_sparse_encode(dictionary, refs[i], &(nqm_code){.n = 8}, &report, &brdf, NULL), NQM_OK);
         assert_true(report.loss < 0.01);
         nqm_brdf_free(brdf);
     }
