@@ -146,10 +146,8 @@ static void memory_runs_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(means_are_those_of_both),
-        cmocka_unit_test(specs_open_again),
-        cmocka_unit_test(mistakes_are_named),
-        cmocka_unit_test(gaps_of_both),
+        cmocka_unit_test(means_are_those_of_both), cmocka_unit_test(specs_open_again),
+        cmocka_unit_test(mistakes_are_named),      cmocka_unit_test(gaps_of_both),
         cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests_name("brdf: between two others", tests, NULL, NULL);
