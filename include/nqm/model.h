@@ -49,7 +49,9 @@ typedef enum nqm_scalar {
     NQM_SCALAR_REF_PEAK,      /**< reference: log of the largest luminance, minus the mean log */
     NQM_SCALAR_REF_SPREAD,    /**< reference: standard deviation of log luminance */
     NQM_SCALAR_REF_COLOUR,    /**< reference: RMS of the opponents of log f_r */
-    NQM_SCALAR_COUNT
+    NQM_SCALAR_ESTIMATE, /**< the label estimated by light transport: log(Delta-E raised to 0.05); asinh of the shift of I, T,
+                                   P and of 30 times contrast; log(structure raised to 0.05); 0 without a transport matrix */
+    NQM_SCALAR_COUNT = NQM_SCALAR_ESTIMATE + 6
 } nqm_scalar;
 
 /** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */

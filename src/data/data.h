@@ -8,6 +8,7 @@
 #include "base/base.h"
 #include "base/names.h"
 #include "io/io.h"
+#include "model/model.h"
 #include "percept/percept.h"
 #include "sample/sample.h"
 #include <nqm/data.h>
@@ -31,9 +32,12 @@ struct nqm_dataset {
     uint32_t *pair_kind;    /* (n_pairs) index of the kind of distortion */
     double *delta_e;        /* (n_pairs) Delta-E ITP, >= 0 */
     double *jod;            /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
-    double *parts;          /* (n_pairs, NQM_LABEL_PARTS) of the label; NULL: unknown */
-    uint32_t *ref_group;    /* (n_refs) index of the material group */
-    uint8_t *group_split;   /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
+    float *transport; /* (n_directions, 3 NQM_TRANSPORT_POINTS) as `light` in nqm_transport, of the labels' scene; NULL:
+                                 unknown */
+    double *transport_points; /* (NQM_TRANSPORT_POINTS, 3) as `points` in nqm_transport; NULL if transport is */
+    double *parts;            /* (n_pairs, NQM_LABEL_PARTS) of the label; NULL: unknown */
+    uint32_t *ref_group;      /* (n_refs) index of the material group */
+    uint8_t *group_split;     /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
     nqm_names ref_names, group_names;
     nqm_names kind_names;    /* "ggx", "ward", "noise", ... */
     nqm_names kind_families; /* (n_kinds) "encoding", "published", ...; empty: unknown */
@@ -44,6 +48,11 @@ struct nqm_dataset {
     nqm_map file;    /* the arrays above point into this mapped file, */
     void *block;     /* or into this block from nqm_alloc() */
 };
+
+/** The transport matrix of a dataset; `light` is NULL if it has none. */
+static inline nqm_transport nqm_dataset_transport(const nqm_dataset *d) {
+    return (nqm_transport){d->n_directions, d->transport, d->transport_points};
+}
 
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */
 
@@ -61,6 +70,7 @@ typedef struct nqm_dataset_limits {
     size_t max_refs, max_pairs;   /* references and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
     bool has_parts;               /* allocate parts; the caller sets them */
+    bool has_transport;           /* the same of transport and transport_points */
     bool borrows_samples;         /* ref_rgb and test_rgb stay NULL: the caller sets them (and masks) to its own memory,
                                      which must outlive the dataset */
 } nqm_dataset_limits;
@@ -89,7 +99,7 @@ NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_s
 
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
 
-enum { NQM_DATASET_ARRAYS = 12 };
+enum { NQM_DATASET_ARRAYS = 14 };
 /** The i-th array as a tensor of the dataset file: name, type, shape, and values (NULL: it does not have the array). */
 nqm_tensor nqm_dataset_array(const nqm_dataset *dataset, size_t i);
 /** Whether a dataset may lack the i-th array. */

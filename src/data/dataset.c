@@ -19,19 +19,22 @@ static const struct {
     size_t n_dims;
     size_t n_last; /* the last dimension; 0: n_directions. The dimension between it and the first is n_directions. */
     bool is_optional;
+    size_t n_rows; /* 0: the number at n_offset */
 } arrays[NQM_DATASET_ARRAYS] = {
-    {"directions_deg", NQM_F64, FIELD(directions_deg), FIELD(n_directions), 2, 3, false},
-    {"ref_rgb", NQM_F32, FIELD(ref_rgb), FIELD(n_refs), 3, 3, false},
-    {"test_rgb", NQM_F32, FIELD(test_rgb), FIELD(n_pairs), 3, 3, false},
-    {"ref_used", NQM_U8, FIELD(ref_used), FIELD(n_refs), 2, 0, true},
-    {"test_used", NQM_U8, FIELD(test_used), FIELD(n_pairs), 2, 0, true},
-    {"pair_ref", NQM_U32, FIELD(pair_ref), FIELD(n_pairs), 1, 0, false},
-    {"pair_kind", NQM_U32, FIELD(pair_kind), FIELD(n_pairs), 1, 0, false},
-    {"delta_e", NQM_F64, FIELD(delta_e), FIELD(n_pairs), 1, 0, false},
-    {"jod", NQM_F64, FIELD(jod), FIELD(n_pairs), 1, 0, false},
-    {"ref_group", NQM_U32, FIELD(ref_group), FIELD(n_refs), 1, 0, false},
-    {"group_split", NQM_U8, FIELD(group_split), FIELD(n_groups), 1, 0, false},
-    {"parts", NQM_F64, FIELD(parts), FIELD(n_pairs), 2, NQM_LABEL_PARTS, true},
+    {"directions_deg", NQM_F64, FIELD(directions_deg), FIELD(n_directions), 2, 3, false, 0},
+    {"ref_rgb", NQM_F32, FIELD(ref_rgb), FIELD(n_refs), 3, 3, false, 0},
+    {"test_rgb", NQM_F32, FIELD(test_rgb), FIELD(n_pairs), 3, 3, false, 0},
+    {"ref_used", NQM_U8, FIELD(ref_used), FIELD(n_refs), 2, 0, true, 0},
+    {"test_used", NQM_U8, FIELD(test_used), FIELD(n_pairs), 2, 0, true, 0},
+    {"pair_ref", NQM_U32, FIELD(pair_ref), FIELD(n_pairs), 1, 0, false, 0},
+    {"pair_kind", NQM_U32, FIELD(pair_kind), FIELD(n_pairs), 1, 0, false, 0},
+    {"delta_e", NQM_F64, FIELD(delta_e), FIELD(n_pairs), 1, 0, false, 0},
+    {"jod", NQM_F64, FIELD(jod), FIELD(n_pairs), 1, 0, false, 0},
+    {"ref_group", NQM_U32, FIELD(ref_group), FIELD(n_refs), 1, 0, false, 0},
+    {"group_split", NQM_U8, FIELD(group_split), FIELD(n_groups), 1, 0, false, 0},
+    {"parts", NQM_F64, FIELD(parts), FIELD(n_pairs), 2, NQM_LABEL_PARTS, true, 0},
+    {"transport", NQM_F32, FIELD(transport), FIELD(n_directions), 2, 3 * NQM_TRANSPORT_POINTS, true, 0},
+    {"transport.points", NQM_F64, FIELD(transport_points), 0, 2, 3, true, NQM_TRANSPORT_POINTS},
 };
 
 nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {
@@ -39,7 +42,9 @@ nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {
     nqm_tensor t = {.name = arrays[i].name, .dtype = arrays[i].dtype, .n_dims = arrays[i].n_dims};
     t.n_bytes = nqm_dtype_size(t.dtype);
     memcpy(&t.data, fields + arrays[i].offset, sizeof t.data);
-    memcpy(&t.dims[0], fields + arrays[i].n_offset, sizeof t.dims[0]);
+    t.dims[0] = arrays[i].n_rows;
+    if (!t.dims[0])
+        memcpy(&t.dims[0], fields + arrays[i].n_offset, sizeof t.dims[0]);
     for (size_t k = 0; k < t.n_dims; ++k) {
         if (k > 0)
             t.dims[k] = arrays[i].n_last && k + 1 == t.n_dims ? arrays[i].n_last : d->n_directions;
@@ -140,6 +145,12 @@ static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error
     return NQM_OK;
 }
 
+static nqm_status check_transport(const nqm_dataset *d, const char *name, nqm_error *err) {
+    const nqm_transport transport = nqm_dataset_transport(d);
+    const char *fault = nqm_transport_fault(&transport);
+    return fault ? nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s", name, fault) : NQM_OK;
+}
+
 nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_error *err) {
     size_t n_columns = 3 * d->n_directions;
     nqm_status status = check_counts(d, name, err);
@@ -151,6 +162,8 @@ nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_erro
         status = check_indices(d->n_refs, d->ref_group, d->n_groups, "ref_group", name, err);
     if (status == NQM_OK)
         status = check_labels(d, name, err);
+    if (status == NQM_OK)
+        status = check_transport(d, name, err);
     if (status == NQM_OK)
         status = check_used(d->n_refs * d->n_directions, d->ref_used, "ref_used", name, err);
     if (status == NQM_OK)

@@ -50,8 +50,9 @@ static void pair_metrics(void *user, size_t i) {
     double metrics[NQM_METRIC_COUNT];
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
     const float *ref = d->ref_rgb + d->pair_ref[pair] * n_columns, *test = d->test_rgb + pair * n_columns;
-    nqm_compare_samples(&(nqm_comparison){d->directions, ref, 1, &test, used}, metrics,
-                        job->ev->scalars + pair * NQM_SCALAR_COUNT);
+    const nqm_transport transport = nqm_dataset_transport(d);
+    nqm_metrics_compute(d->directions, ref, test, used, metrics);
+    nqm_scalars_compute(d->directions, &transport, ref, test, used, job->ev->scalars + pair * NQM_SCALAR_COUNT);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
 }

@@ -167,7 +167,7 @@ uint64_t nqm_corpus_stream(const char *name);
 NQM_MUST_CHECK nqm_status nqm_corpus_random_spec(nqm_rng *rng, const char *model, char **spec_ret, nqm_error *err);
 
 /** Far tests that are drawn and rendered for each one that is kept. */
-enum { NQM_CORPUS_CANDIDATES = 3 };
+enum { NQM_CORPUS_CANDIDATES = 2 };
 /** Mark n_kept of n JODs (n) such that they are spread as evenly as possible; NaN is never marked. kept (n). */
 NQM_MUST_CHECK nqm_status nqm_corpus_spread(size_t n, const double *jod, size_t n_kept, uint8_t *kept, nqm_error *err);
 
@@ -216,6 +216,11 @@ struct nqm_corpus_context {
     bool (*step)(void *user, size_t n_tests); /* called with the number of finished tests, 0 during fits; true: stop */
     void *step_user;
 };
+
+/** Compute the transport matrix of the context's scene; shadows count, interreflection does not. light (n_directions, 3,
+ *  NQM_TRANSPORT_POINTS), points (NQM_TRANSPORT_POINTS, 3) as in nqm_transport. */
+NQM_MUST_CHECK nqm_status nqm_corpus_transport(const nqm_corpus_context *context, float *light, double *points,
+                                               nqm_error *err);
 
 /** The names of the learned encoders. */
 extern const char *const nqm_corpus_encoders[2];

@@ -101,6 +101,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .max_refs = c->n_refs,
                                        .max_pairs = c->n_tests,
                                        .has_parts = true,
+                                       .has_transport = true,
                                        .borrows_samples = true};
     nqm_dataset_builder b;
     nqm_dataset *dataset = NULL;
@@ -114,7 +115,9 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
         b.dataset->ref_used = c->ref_used;
         b.dataset->test_rgb = c->test_rgb;
         b.dataset->test_used = c->test_used;
-        status = add_kinds(c, &b, err);
+        status = nqm_corpus_transport(&c->context, b.dataset->transport, b.dataset->transport_points, err);
+        if (status == NQM_OK)
+            status = add_kinds(c, &b, err);
         for (size_t i = 0; status == NQM_OK && i < c->n_items; ++i)
             status = add_item(c, i, &test, &b, err);
         status = nqm_dataset_finish(&b, status, manifest, NULL, &dataset, err);

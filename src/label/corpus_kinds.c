@@ -172,11 +172,11 @@ static nqm_corpus_test draw_test(nqm_rng *rng, size_t ref, size_t n_fits, size_t
     return test;
 }
 
-/* One round of choices: each perturbation once, slow ones every other round, COMPOSED and REFIT twice. */
+/* One round of choices: each perturbation once, slow ones in every fourth round, COMPOSED and REFIT twice. */
 static size_t make_round(nqm_corpus_part part, size_t round, bool with_fits, size_t *choices) {
     size_t n = 0;
     for (size_t i = 0; i < N_PERTURBATIONS; ++i)
-        if ((part == NQM_CORPUS_TEST || !perturbations[i].unseen) && (!perturbations[i].slow || round % 2 == 0))
+        if ((part == NQM_CORPUS_TEST || !perturbations[i].unseen) && (!perturbations[i].slow || round % 4 == 0))
             choices[n++] = i;
     for (int k = 0; k < 2; ++k) {
         choices[n++] = COMPOSED;

@@ -10,18 +10,30 @@
 #include "sample/sample.h"
 #include <nqm/metric.h>
 
-/** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). scalars (NQM_SCALAR_COUNT)
- *  are finite for finite f_r >= 0, and NaN when no direction counts. */
-void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
-                         double *scalars);
+/** ITP times NQM_ITP_UNIT of the points that a transport matrix makes of samples: itp (NQM_TRANSPORT_POINTS, 3). Where `used` is 0
+ *  the values of `instead` take the place of those of rgb. rgb, instead: (n_directions, 3) f_r >= 0; used: (n_directions), NULL:
+ *  all are used. */
+void nqm_transport_picture(const nqm_transport *transport, const float *rgb, const float *instead, const uint8_t *used,
+                           double *itp);
+/** The label of two such pictures, the mean over the scenes. */
+nqm_label nqm_transport_compare(const nqm_transport *transport, const double *ref_itp, const double *test_itp);
+/** The label that the samples of a pair estimate; arguments as in nqm_metrics_compute(). */
+nqm_label nqm_transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
+                                 const uint8_t *used);
+
+/** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
+ *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
+void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
+                         const float *test, const uint8_t *used, double *scalars);
 
 /** Comparison of one reference with n tests at the same directions. */
 typedef struct nqm_comparison {
     const nqm_directions *directions;
-    const float *ref;         /* (n_directions, 3) f_r >= 0 */
-    size_t n;                 /* at most NQM_COMPARE_MAX */
-    const float *const *test; /* (n) of (n_directions, 3) */
-    const uint8_t *used;      /* (n, n_directions) nonzero where the direction counts; NULL: all */
+    const float *ref;          /* (n_directions, 3) f_r >= 0 */
+    size_t n;                  /* at most NQM_COMPARE_MAX */
+    const float *const *test;  /* (n) of (n_directions, 3) */
+    const uint8_t *used;       /* (n, n_directions) nonzero where the direction counts; NULL: all */
+    const nqm_label *estimate; /* (n) estimated by transport; NULL: none */
 } nqm_comparison;
 
 enum { NQM_COMPARE_MAX = 16 };

@@ -15,9 +15,10 @@ struct nqm_predictor {
     size_t samples_width; /* number of inputs that come from samples */
     size_t stride;        /* floats from one row of x to the next */
     nqm_inference_work *work;
-    float *t; /* (max_batch, 2, n_directions, 3) transformed reference and test */
-    float *x; /* (max_batch, stride) network inputs */
-    float *z; /* (max_batch, n_outputs) network outputs */
+    float *t;             /* (max_batch, 2, n_directions, 3) transformed reference and test */
+    float *x;             /* (max_batch, stride) network inputs */
+    float *z;             /* (max_batch, n_outputs) network outputs */
+    nqm_label *estimates; /* (max_batch) by transport, if the model has it */
 };
 
 nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
@@ -32,13 +33,21 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     const size_t stride = nqm_row_stride(samples_width + nqm_model_n_scalars(model));
     nqm_predictor *p;
     float *t, *x, *z;
+    nqm_label *estimates;
     status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, max_batch, 6 * n_directions * sizeof *t},
                                          {&x, max_batch, stride * sizeof *x},
-                                         {&z, max_batch, nqm_model_n_outputs(model) * sizeof *z}),
+                                         {&z, max_batch, nqm_model_n_outputs(model) * sizeof *z},
+                                         {&estimates, model->transport ? max_batch : 0, sizeof *estimates}),
                               err);
     if (status != NQM_OK)
         return status;
-    *p = (nqm_predictor){.model = model, .samples_width = samples_width, .stride = stride, .t = t, .x = x, .z = z};
+    *p = (nqm_predictor){.model = model,
+                         .samples_width = samples_width,
+                         .stride = stride,
+                         .t = t,
+                         .x = x,
+                         .z = z,
+                         .estimates = model->transport ? estimates : NULL};
     status = nqm_inference_work_create(net, max_batch, &p->work, err);
     if (status == NQM_OK)
         *predictor_ret = p;
@@ -71,6 +80,18 @@ static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
                          pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);
 }
 
+/* Estimate the labels of pairs [begin, end), which have the same reference. */
+static void estimate(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
+    const nqm_transport t = nqm_model_transport(p->model);
+    double ref_itp[3 * NQM_TRANSPORT_POINTS], test_itp[3 * NQM_TRANSPORT_POINTS];
+    nqm_transport_picture(&t, pairs->ref[begin], pairs->ref[begin], NULL, ref_itp);
+    for (size_t i = begin; i < end; ++i) {
+        nqm_transport_picture(&t, pairs->test[i], pairs->ref[i], pairs->used ? pairs->used + t.n_directions * i : NULL,
+                              test_itp);
+        p->estimates[i] = nqm_transport_compare(&t, ref_itp, test_itp);
+    }
+}
+
 /* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
 static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
     const nqm_model *m = p->model;
@@ -79,7 +100,8 @@ static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
                               .ref = pairs->ref[begin],
                               .n = end - begin,
                               .test = pairs->test + begin,
-                              .used = pairs->used ? pairs->used + m->directions->n * begin : NULL};
+                              .used = pairs->used ? pairs->used + m->directions->n * begin : NULL,
+                              .estimate = p->estimates ? p->estimates + begin : NULL};
     double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
     for (size_t i = begin; pairs->novelty && i < end; ++i)
         pairs->novelty[i] = NAN;
@@ -107,6 +129,8 @@ static void compose(void *user, size_t piece) {
         nqm_features_transform(n, pairs->ref[begin], ref_t);
         for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next)
             compose_samples(p, pairs, next, ref_t);
+        if (p->estimates)
+            estimate(p, pairs, begin, next);
         compose_scalars(p, pairs, begin, next);
     }
 }
@@ -155,8 +179,9 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         const float *z = p->z + i * n_outputs;
         const double bound =
             nqm_delta_e_bound(n, pairs->ref[i], pairs->test[i], pairs->used ? pairs->used + n * i : NULL);
+        const nqm_label *estimate = p->estimates ? &p->estimates[i] : NULL;
         double own;
-        jod[i] = nqm_model_jod(p->model, (double)*z, &own);
+        jod[i] = nqm_model_jod(p->model, (double)*z, estimate, &own);
         if (own > bound) { /* false for NaN: models that predict no Delta-E */
             own = bound;
             jod[i] = nqm_curve_jod(&p->model->curve, own);
@@ -164,7 +189,7 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         if (delta_e)
             delta_e[i] = own;
         if (pairs->labels)
-            pairs->labels[i] = nqm_model_has_parts(p->model) ? nqm_model_label(p->model, z)
+            pairs->labels[i] = nqm_model_has_parts(p->model) ? nqm_model_label(p->model, z, estimate)
                                                              : (nqm_label){nan, {nan, nan, nan}, nan, nan};
     }
 }

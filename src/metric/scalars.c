@@ -168,7 +168,8 @@ static void whole_scalars(const sums *s, double *out) {
     out[NQM_SCALAR_REF_COLOUR] = sqrt(mean(s->ref_colour2, s->n));
 }
 
-static void finish_scalars(const sums *s, const double *metrics, double *scalars) {
+static void finish_scalars(const sums *s, const double *metrics, const nqm_label *estimate, double *scalars) {
+    nqm_estimate_targets(estimate, scalars + NQM_SCALAR_ESTIMATE);
     for (size_t m = 0; m < NQM_SCALAR_RMS; ++m)
         scalars[NQM_SCALAR_METRICS + m] = log(metrics[m] + 1e-4);
     whole_scalars(s, scalars);
@@ -217,16 +218,21 @@ void nqm_compare_samples(const nqm_comparison *c, double *metrics, double *scala
         if (metrics)
             memcpy(metrics + k * NQM_METRIC_COUNT, m, sizeof m);
         if (scalars)
-            finish_scalars(&pair[k].scalars, m, scalars + k * NQM_SCALAR_COUNT);
+            finish_scalars(&pair[k].scalars, m, c->estimate ? &c->estimate[k] : NULL, scalars + k * NQM_SCALAR_COUNT);
     }
 }
 
 void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
                          double *metrics) {
-    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used}, metrics, NULL);
+    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used, NULL}, metrics, NULL);
 }
 
-void nqm_scalars_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
-                         double *scalars) {
-    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used}, NULL, scalars);
+void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
+                         const float *test, const uint8_t *used, double *scalars) {
+    nqm_label estimate;
+    const bool has_estimate = transport && transport->light;
+    if (has_estimate)
+        estimate = nqm_transport_estimate(transport, ref, test, used);
+    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used, has_estimate ? &estimate : NULL}, NULL,
+                        scalars);
 }

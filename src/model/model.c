@@ -74,6 +74,7 @@ void nqm_model_free(struct nqm_model *model) {
     for (size_t i = 0; i < NQM_PRECISION_COUNT; ++i)
         nqm_inference_net_free(model->inference[i]);
     nqm_free(model->interval);
+    nqm_free(model->transport);
     nqm_free(model->novelty_points);
     nqm_map_close(&model->file);
     nqm_free(model->memory);
@@ -93,7 +94,9 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
                            .layer_sizes = shape->sizes,
                            .directions = model->directions,
                            .calibration = model->calibration ? model->calibration : ""};
-    double at_low = nqm_model_jod(model, -INFINITY, NULL), at_high = nqm_model_jod(model, INFINITY, NULL);
+    const nqm_label equal = {0}, opposite = {.delta_e = 1e9}; /* the ends of the curve */
+    double at_low = nqm_model_jod(model, -INFINITY, model->transport ? &equal : NULL, NULL);
+    double at_high = nqm_model_jod(model, INFINITY, model->transport ? &opposite : NULL, NULL);
     info.jod_min = fmin(at_low, at_high); /* the JOD of a model that predicts Delta-E decreases with its output */
     info.jod_max = fmax(at_low, at_high);
     return info;

@@ -27,6 +27,17 @@ typedef struct nqm_output_range {
     double lo, hi;    /* normalised target at sigmoid 0 and 1 */
 } nqm_output_range;
 
+/** Points of the pictures that a transport matrix makes of samples. */
+enum { NQM_TRANSPORT_POINTS = 128 };
+/** Light transport of a scene: pictures of few points as linear functions of samples. Arrays are borrowed. */
+typedef struct nqm_transport {
+    size_t n_directions;
+    const float *light; /* (n_directions, 3, NQM_TRANSPORT_POINTS) cd/m2 per f_r of 1/sr; NULL: there is no matrix */
+    const double
+        *points; /* (NQM_TRANSPORT_POINTS, 3) fraction of the scene's picture; number of the scene, from 0, in ascending
+                             order; peak luminance of the display, cd/m2 */
+} nqm_transport;
+
 /** A trained metric. Immutable after creation; it owns its blocks and strings (nqm_alloc). */
 struct nqm_model {
     /* Plain values. They precede `params`, because nqm_model_copy() copies them with one memcpy. */
@@ -41,7 +52,9 @@ struct nqm_model {
     size_t n_novelty; /* blocks of NQM_NOVELTY_BLOCK training pairs for novelty.c; 0: none */
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
     float novelty_map[NQM_SCALAR_COUNT * NQM_SCALAR_COUNT];
-    double novelty_unit;   /* distance that has novelty 1; > 0 */
+    size_t n_transport;                                /* rows of `transport`: the number of directions; 0: none */
+    double transport_points[NQM_TRANSPORT_POINTS * 3]; /* as in nqm_transport */
+    double novelty_unit;                               /* distance that has novelty 1; > 0 */
     double novelty_growth; /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
     bool stores_half;      /* nqm_model_save() writes the hidden layers' weights as float16; they are already rounded */
     char sha256[65];       /* checksum of its file; "" when it was not read from a file */
@@ -49,6 +62,7 @@ struct nqm_model {
     nqm_params params;
     nqm_directions *directions;
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
+    float *transport; /* as `light` in nqm_transport; NULL: none */
     float *novelty_points; /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
     char *scalar_names;    /* of its scalar inputs, separated by commas; NULL: it has none */
     char *id, *recipe, *card, *licence, *manifest_sha256;
@@ -106,10 +120,19 @@ static inline size_t nqm_model_n_outputs(const struct nqm_model *model) {
  *  do not dominate: asinh of shift and of 30 times contrast, logarithm of structure (raised to min_structure > 0). */
 void nqm_parts_to_targets(const double parts[NQM_LABEL_PARTS], double min_structure, double targets[NQM_LABEL_PARTS]);
 void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[NQM_LABEL_PARTS]);
+/** Why the arrays of a transport matrix cannot be used; NULL: they can, or `light` is NULL. */
+const char *nqm_transport_fault(const nqm_transport *transport);
+/** The transport matrix of a model; `light` is NULL if it has none. */
+static inline nqm_transport nqm_model_transport(const struct nqm_model *model) {
+    return (nqm_transport){model->n_transport, model->transport, model->transport_points};
+}
+/** What the outputs of models with a transport matrix are added to: log(Delta-E) and the targets of the parts of the estimated
+ *  label, with Delta-E and structure raised to 0.05. NULL, of models without a matrix: 0. */
+void nqm_estimate_targets(const nqm_label *estimate, double targets[1 + NQM_LABEL_PARTS]);
 /** The parts of a label for the raw outputs z (n_outputs) of a model with parts; delta_e is the first output's. */
-nqm_label nqm_model_label(const struct nqm_model *model, const float *z);
+nqm_label nqm_model_label(const struct nqm_model *model, const float *z, const nqm_label *estimate);
 /** JOD for the network's raw output z; *delta_e_ret (NULL allowed) receives the predicted Delta-E (NaN: none). */
-double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret);
+double nqm_model_jod(const struct nqm_model *model, double z, const nqm_label *estimate, double *delta_e_ret);
 
 /** The names of all scalar features, separated by commas, as stored in model files; NULL when out of memory. Free with
  *  nqm_free(). */

@@ -237,7 +237,8 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_SCALARS] = model->scalar_names,
                                       [NQM_PART_INTERVAL] = model->calibration,
                                       [NQM_PART_NOVELTY] = points,
-                                      [NQM_PART_LABEL] = nqm_model_has_parts(model)};
+                                      [NQM_PART_LABEL] = nqm_model_has_parts(model),
+                                      [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport")};
     if (interval && !model->calibration)
         return refuse(r, interval, "needs the metadata 'calibration'");
     if (points && !(model->calibration && model->scalar_names))
@@ -251,6 +252,12 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
 
 static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     const float *std = model->features.std;
+    const nqm_transport transport = nqm_model_transport(model);
+    const char *transport_fault = model->transport ? nqm_transport_fault(&transport) : NULL;
+    if (model->transport && model->n_transport != model->directions->n)
+        transport_fault = "'transport' does not have a row for each direction";
+    if (transport_fault)
+        return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: %s", r->name, transport_fault);
     const char *bad = NULL,
                *fault = model->interval ? nqm_interval_table_fault(model->n_interval, model->interval) : NULL;
     if (fault)

@@ -43,6 +43,8 @@ const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"interval", NQM_PART_INTERVAL, NQM_F64, 0, 3, FIELD(interval), FIELD(n_interval)},
     {"novelty.points", NQM_PART_NOVELTY, NQM_F32, 0, N *NQM_NOVELTY_BLOCK, FIELD(novelty_points), FIELD(n_novelty)},
     {"novelty.map", NQM_PART_NOVELTY, NQM_F32, N, N, FIELD(novelty_map), 0},
+    {"transport", NQM_PART_TRANSPORT, NQM_F32, 0, 3 * NQM_TRANSPORT_POINTS, FIELD(transport), FIELD(n_transport)},
+    {"transport.points", NQM_PART_TRANSPORT, NQM_F64, NQM_TRANSPORT_POINTS, 3, FIELD(transport_points), 0},
     {"novelty.scale", NQM_PART_NOVELTY, NQM_F64, 0, 2, FIELD(novelty_unit), 0},
 };
 _Static_assert(sizeof(nqm_output_range) == 4 * sizeof(double) && sizeof(nqm_curve) == 3 * sizeof(double) &&
@@ -117,7 +119,8 @@ nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *e
                                       [NQM_PART_SCALARS] = model->scalar_names,
                                       [NQM_PART_INTERVAL] = model->interval,
                                       [NQM_PART_NOVELTY] = model->n_novelty > 0,
-                                      [NQM_PART_LABEL] = nqm_model_has_parts(model)};
+                                      [NQM_PART_LABEL] = nqm_model_has_parts(model),
+                                      [NQM_PART_TRANSPORT] = model->transport};
     c->half = model->stores_half ? half : NULL;
     collect(c, model, has);
     nqm_meta meta[2 + NQM_MODEL_TEXTS] = {{"format", NQM_MODEL_FORMAT}, {"schema", NQM_MODEL_SCHEMA}};

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
+#include <string.h>
 
 /* About as many units of asinh for a contrast as for a shift that looks as large (label.c mentions 0.03 and 1). */
 static const double contrast_unit = 30;
@@ -29,19 +30,51 @@ static double target_of(const nqm_output_range *o, double z) {
     return o->mean + o->std * (o->lo + (o->hi - o->lo) * nqm_sigmoid(z));
 }
 
-nqm_label nqm_model_label(const struct nqm_model *model, const float *z) {
-    double targets[NQM_LABEL_PARTS], parts[NQM_LABEL_PARTS];
+const char *nqm_transport_fault(const nqm_transport *t) {
+    double scene = 0;
+    if (!t->light)
+        return NULL;
+    if (!t->points)
+        return "'transport' without 'transport.points'";
+    for (size_t i = 0; i < t->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
+        if (!(t->light[i] >= 0) || isinf(t->light[i]))
+            return "'transport' has values that are negative or not finite";
+    for (const double *p = t->points; p < t->points + 3 * NQM_TRANSPORT_POINTS; p += 3) {
+        const double next = p > t->points ? scene + 1 : 0;
+        if (!(p[0] >= 0 && p[0] <= 1) || !(p[1] == scene || p[1] == next) || !(p[2] > 0))
+            return "'transport.points' is invalid";
+        scene = p[1];
+    }
+    return NULL;
+}
+
+void nqm_estimate_targets(const nqm_label *estimate, double targets[1 + NQM_LABEL_PARTS]) {
+    const double least = 0.05; /* Delta-E: nobody sees less */
+    double parts[NQM_LABEL_PARTS];
+    memset(targets, 0, (1 + NQM_LABEL_PARTS) * sizeof *targets);
+    if (!estimate)
+        return;
+    nqm_label_get_parts(estimate, parts);
+    targets[0] = log(fmax(estimate->delta_e, least));
+    nqm_parts_to_targets(parts, least, targets + 1);
+}
+
+nqm_label nqm_model_label(const struct nqm_model *model, const float *z, const nqm_label *estimate) {
+    double targets[1 + NQM_LABEL_PARTS], parts[NQM_LABEL_PARTS];
     nqm_label label;
+    nqm_estimate_targets(estimate, targets);
     for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
-        targets[k] = target_of(&model->parts[k], (double)z[1 + k]);
-    nqm_parts_from_targets(targets, parts);
+        targets[1 + k] += target_of(&model->parts[k], (double)z[1 + k]);
+    nqm_parts_from_targets(targets + 1, parts);
     nqm_label_set_parts(&label, parts);
-    (void)nqm_model_jod(model, (double)z[0], &label.delta_e);
+    (void)nqm_model_jod(model, (double)z[0], estimate, &label.delta_e);
     return label;
 }
 
-double nqm_model_jod(const struct nqm_model *model, double z, double *delta_e_ret) {
-    double target = target_of(&model->output, z);
+double nqm_model_jod(const struct nqm_model *model, double z, const nqm_label *estimate, double *delta_e_ret) {
+    double base[1 + NQM_LABEL_PARTS];
+    nqm_estimate_targets(estimate, base);
+    double target = base[0] + target_of(&model->output, z);
     double delta_e = model->target == NQM_TARGET_LOG_DELTA_E ? exp(target) : (double)NAN;
     if (delta_e_ret)
         *delta_e_ret = delta_e;

@@ -50,6 +50,12 @@ static const char *const scalar_names[NQM_SCALAR_COUNT] = {
     [NQM_SCALAR_REF_PEAK] = "ref_peak",
     [NQM_SCALAR_REF_SPREAD] = "ref_spread",
     [NQM_SCALAR_REF_COLOUR] = "ref_colour",
+    [NQM_SCALAR_ESTIMATE] = "estimate",
+    "estimate_i",
+    "estimate_t",
+    "estimate_p",
+    "estimate_contrast",
+    "estimate_structure",
 };
 
 const char *nqm_scalar_name(size_t i) {

@@ -30,16 +30,25 @@ double nqm_pq_from_luminance(double luminance_cdm2) {
     return pow((c1 + c2 * y) / (1 + c3 * y), m2);
 }
 
-void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp) {
-    double rgb[3], lms[3];
+void nqm_lms_from_rgb(const double *rgb_cdm2, double *lms) {
+    double rgb[3];
     for (int k = 0; k < 3; ++k)
         rgb[k] = fmin(fmax(rgb_cdm2[k], 0), 10000);
     double rgb2020[3];
     multiply(bt2020_from_bt709, rgb, 1, rgb2020);
     multiply(lms_from_bt2020, rgb2020, 1.0 / 4096, lms);
+}
+
+void nqm_itp_from_pq_lms(const double *pq_lms, double *itp) {
+    multiply(itp_from_pq_lms, pq_lms, 1.0 / 4096, itp);
+}
+
+void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp) {
+    double lms[3];
+    nqm_lms_from_rgb(rgb_cdm2, lms);
     for (int k = 0; k < 3; ++k)
         lms[k] = nqm_pq_from_luminance(lms[k]);
-    multiply(itp_from_pq_lms, lms, 1.0 / 4096, itp);
+    nqm_itp_from_pq_lms(lms, itp);
 }
 
 double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Labels with parts: the similarity of pictures seen apart, and what differs in words.
+ * Labels with parts: their definition by sums over two pictures, the similarity of pictures seen apart, and what differs in
+ * words.
  */
 #include "math/math.h"
 #include "percept/percept.h"
@@ -20,6 +21,46 @@ void nqm_label_set_parts(nqm_label *label, const double parts[NQM_LABEL_PARTS]) 
     label->contrast = parts[3];
     label->structure = parts[4];
 }
+
+/* ---- from pictures ----------------------------------------------------------------------------------------------- */
+
+void nqm_picture_sums_add(nqm_picture_sums *s, double weight, const double ref[3], const double test[3]) {
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+        double d = test[k] - ref[k];
+        s->shift[k] += weight * d;
+        square += d * d;
+    }
+    s->delta_e += weight * sqrt(square);
+    s->squares += weight * square;
+    s->ref += weight * ref[0];
+    s->ref_squares += weight * ref[0] * ref[0];
+    s->test += weight * test[0];
+    s->test_squares += weight * test[0] * test[0];
+}
+
+static double standard_deviation(double mean, double mean_of_squares) {
+    return sqrt(fmax(mean_of_squares - mean * mean, 0));
+}
+
+nqm_label nqm_picture_sums_label(const nqm_picture_sums *s) {
+    nqm_label label = {.delta_e = s->delta_e};
+    memcpy(label.shift, s->shift, sizeof label.shift);
+    label.structure = sqrt(fmax(s->squares - nqm_dot3(s->shift, s->shift), 0));
+    label.contrast =
+        log((1 + standard_deviation(s->test, s->test_squares)) / (1 + standard_deviation(s->ref, s->ref_squares)));
+    return label;
+}
+
+void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
+    mean->delta_e += share * label->delta_e;
+    for (int k = 0; k < 3; ++k)
+        mean->shift[k] += share * label->shift[k];
+    mean->contrast += share * label->contrast;
+    mean->structure += share * label->structure;
+}
+
+/* ---- what it says ------------------------------------------------------------------------------------------------ */
 
 double nqm_label_similarity(const nqm_label *label) {
     static const double noticed = 0.15; /* of the shift, by people who have adapted to it */

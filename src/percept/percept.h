@@ -12,10 +12,27 @@
 /** PQ signal in [0, 1] of an absolute luminance in cd/m2, clamped to [0, 10000] (the inverse EOTF of SMPTE ST 2084). */
 double nqm_pq_from_luminance(double luminance_cdm2);
 
+/** The steps of nqm_itp_from_rgb() before and after the PQ signal: linear LMS in cd/m2 of BT.709 RGB, and ITP of three signals. */
+void nqm_lms_from_rgb(const double *rgb_cdm2, double *lms);
+void nqm_itp_from_pq_lms(const double *pq_lms, double *itp);
+
 /** The parts of a label as an array: shift of I, T and P, contrast, structure. */
 enum { NQM_LABEL_PARTS = 5 };
 void nqm_label_get_parts(const nqm_label *label, double parts[NQM_LABEL_PARTS]);
 void nqm_label_set_parts(nqm_label *label, const double parts[NQM_LABEL_PARTS]);
+
+/** Sums over the points of two pictures, for the label that compares them. Zero before the first point. */
+typedef struct nqm_picture_sums {
+    double delta_e, shift[3], squares;
+    double ref, ref_squares, test, test_squares; /* of I */
+} nqm_picture_sums;
+/** Add a point. weight: its fraction of the picture; ref, test: ITP times NQM_ITP_UNIT. */
+void nqm_picture_sums_add(nqm_picture_sums *sums, double weight, const double ref[3], const double test[3]);
+/** The label of a whole picture. */
+nqm_label nqm_picture_sums_label(const nqm_picture_sums *sums);
+/** Add `share` of a label to a mean of labels. */
+void nqm_label_add(nqm_label *mean, double share, const nqm_label *label);
+#define NQM_ITP_UNIT 720 /**< Delta-E ITP of a distance of 1 in ITP */
 
 /** The value that nqm_curve_default() returns. */
 extern const nqm_curve nqm_curve_published;

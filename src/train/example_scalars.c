@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar features of the examples of a training, including scaled and noisy copies. They are computed once and
+ * The estimated labels and the scalar features of the examples of a training, including scaled and noisy copies. They are computed once and
  * whitened with the moments of the training examples. The transformed samples are converted back to f_r first, so that
  * the features of a copy match the samples that the network receives with them.
  */
@@ -8,6 +8,26 @@
 #include "train/train.h"
 
 #include <math.h>
+
+typedef struct estimate_job {
+    const nqm_examples *e;
+    size_t first;
+} estimate_job;
+
+static void estimate_pair(void *user, size_t r) {
+    const estimate_job *job = user;
+    const nqm_dataset *d = job->e->dataset;
+    const nqm_transport transport = nqm_dataset_transport(d);
+    const size_t n = 3 * d->n_directions, pair = job->first + r;
+    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->e->used_scratch + r * d->n_directions);
+    job->e->estimate[pair] =
+        nqm_transport_estimate(&transport, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, used);
+}
+
+void nqm_examples_estimate(nqm_examples *e) {
+    for (estimate_job job = {.e = e}; job.first < e->dataset->n_pairs; job.first += e->max_batch)
+        nqm_parallel_for(nqm_smaller(e->dataset->n_pairs - job.first, e->max_batch), estimate_pair, &job);
+}
 
 typedef struct scalar_job {
     const nqm_examples *e;
@@ -24,7 +44,8 @@ static void example_scalars(void *user, size_t r) {
     const uint8_t *used = nqm_examples_at(e, i, r, rho, &ref_t, &test_t);
     nqm_features_restore(n, ref_t, rho);
     nqm_features_restore(n, test_t, rho + n);
-    nqm_scalars_compute(e->dataset->directions, rho, rho + n, used, job->scalars + i * NQM_SCALAR_COUNT);
+    const nqm_transport transport = nqm_dataset_transport(e->dataset);
+    nqm_scalars_compute(e->dataset->directions, &transport, rho, rho + n, used, job->scalars + i * NQM_SCALAR_COUNT);
 }
 
 /* Mean and standard deviation over the training examples. A constant feature gets the standard deviation 1, so that its

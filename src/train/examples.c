@@ -156,13 +156,18 @@ static double raw_target(const nqm_examples *e, size_t row, size_t output) {
     const nqm_dataset *d = e->dataset;
     const double least = e->options->labels.min_delta_e;
     uint32_t pair = e->rows.row[row].pair;
-    double targets[NQM_LABEL_PARTS];
+    double targets[NQM_LABEL_PARTS], base[1 + NQM_LABEL_PARTS];
+    nqm_estimate_targets(e->estimate ? &e->estimate[pair] : NULL, base);
     if (output > 0) {
         nqm_parts_to_targets(d->parts + (size_t)pair * NQM_LABEL_PARTS, least, targets);
-        return targets[output - 1];
+        return targets[output - 1] - base[output];
     }
-    return e->options->labels.target == NQM_TARGET_JOD ? d->jod[pair] : log(fmax(d->delta_e[pair], least));
+    return e->options->labels.target == NQM_TARGET_JOD ? d->jod[pair] : log(fmax(d->delta_e[pair], least)) - base[0];
 }
+
+/* Corrections are limited to this many standard deviations, so that a few large ones do not take the resolution of the
+ * sigmoid. */
+static const double largest_correction = 6;
 
 /* Normalise the targets of an output to z-scores of the training examples, whose range becomes that of the sigmoid. */
 static nqm_status find_targets(nqm_examples *e, size_t output, nqm_error *err) {
@@ -180,6 +185,10 @@ static nqm_status find_targets(nqm_examples *e, size_t output, nqm_error *err) {
     const double std = sqrt(copies * squares / ((double)e->n_train - 1));
     if (!(std > 1e-9))
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the training labels do not differ: nothing can be learnt");
+    if (e->estimate) {
+        lo = fmax(lo, -largest_correction * std);
+        hi = fmin(hi, largest_correction * std);
+    }
     e->output[output] = (nqm_output_range){.mean = mean, .std = std, .lo = lo / std, .hi = hi / std};
     for (size_t i = 0; i < n_rows; ++i)
         e->target[i * e->n_outputs + output] = (float)((raw_target(e, i, output) - mean) / std);
@@ -201,6 +210,7 @@ static nqm_status allocate(nqm_examples *e, nqm_error *err) {
             {&e->noisy_t, e->rows.n_noisy, 2 * n * sizeof(float)}, {&e->target, n_rows, e->n_outputs * sizeof(float)},
             {&e->scalars, e->options->input.scalars ? n_rows - e->rows.n_train + e->n_train : 0,
              NQM_SCALAR_COUNT * sizeof(float)},
+            {&e->estimate, e->options->input.transport && d->transport ? d->n_pairs : 0, sizeof *e->estimate},
             {&e->scratch, e->max_batch, 2 * n * sizeof(float)}, {&e->used_scratch, e->max_batch, d->n_directions}),
         err);
 }
@@ -220,6 +230,10 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
         nqm_parallel_for(d->n_refs + d->n_pairs, transform, e);
         nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
         status = find_whitening(e, err);
+        if (!o->input.transport || !d->transport)
+            e->estimate = NULL;
+        else
+            nqm_examples_estimate(e);
     }
     if (status == NQM_OK && o->input.scalars)
         status = nqm_examples_find_scalars(e, err);

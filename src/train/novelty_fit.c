@@ -29,7 +29,8 @@ static void pair_scalars(void *user, size_t r) {
     const nqm_dataset *d = job->dataset;
     size_t i = job->first + r, pair = job->pairs[i], n = 3 * d->n_directions;
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + r * d->n_directions);
-    nqm_scalars_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, used,
+    const nqm_transport transport = nqm_dataset_transport(d);
+    nqm_scalars_compute(d->directions, &transport, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, used,
                         job->scalars + i * NQM_SCALAR_COUNT);
 }
 

@@ -33,6 +33,8 @@ static const nqm_option rows[] = {
      .help = "scalar features of the pair as further inputs"},
     {"scalar_scale", FIELD(input.scalar_scale), .metavar = "S", .help = "factor of the whitened scalar features",
      .min = 1e-6, .max = 1e6, .values = {"1", NULL, "8"}},
+    {"transport", FIELD(input.transport), .kind = NQM_OPTION_BOOL, .values = {"0", NULL, "1"},
+     .help = "if the dataset has a transport matrix, correct the label that it estimates"},
     {"hidden", FIELD(network.n_hidden), .kind = NQM_OPTION_SIZES, .metavar = "LIST", .max_sizes = NQM_TRAIN_MAX_HIDDEN,
      .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501"}},
     {"target", FIELD(labels.target), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_target_words,
@@ -103,6 +105,8 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
         status = nqm_fail(err, NQM_ERR_ARG, -1, "the options name no recipe or no model id");
     if (status == NQM_OK && o->run.resume && !o->run.checkpoint)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "resuming needs a checkpoint");
+    if (status == NQM_OK && o->input.transport && o->labels.target == NQM_TARGET_JOD)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "with transport the target is log_delta_e");
     return status;
 }
 

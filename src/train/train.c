@@ -223,6 +223,15 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     m->output = e->output[0];
     memcpy(m->parts, e->output + 1, (e->n_outputs - 1) * sizeof *m->parts);
     m->curve = nqm_curve_published;
+    if (e->estimate) {
+        const size_t n_bytes = directions->n * 3 * NQM_TRANSPORT_POINTS * sizeof *m->transport;
+        m->transport = nqm_alloc(n_bytes, 1);
+        if (!m->transport)
+            return nqm_fail_nomem(err, n_bytes);
+        memcpy(m->transport, r->dataset->transport, n_bytes);
+        memcpy(m->transport_points, r->dataset->transport_points, sizeof m->transport_points);
+        m->n_transport = directions->n;
+    }
     m->scalar_names = r->options->input.scalars ? nqm_scalar_names() : NULL;
     if (r->options->input.scalars && !m->scalar_names)
         return nqm_fail_nomem(err, NQM_SCALAR_COUNT);
@@ -239,8 +248,10 @@ static nqm_status judge_validation(const run *r, struct nqm_model *m, const floa
     nqm_status status = nqm_residuals_create(d, rows->n_validation, &residuals, err);
     for (size_t i = 0; status == NQM_OK && i < rows->n_validation; ++i) {
         const nqm_row *row = &rows->row[rows->n_train + i];
+        const nqm_label *estimate = r->examples.estimate ? &r->examples.estimate[row->pair] : NULL;
         if (!row->copy)
-            nqm_residuals_add(&residuals, d, row->pair, nqm_model_jod(m, (double)z[i * r->examples.n_outputs], NULL));
+            nqm_residuals_add(&residuals, d, row->pair,
+                              nqm_model_jod(m, (double)z[i * r->examples.n_outputs], estimate, NULL));
     }
     if (status == NQM_OK)
         report->validation_spearman = nqm_spearman(residuals.n, residuals.predicted, residuals.label);

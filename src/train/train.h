@@ -77,9 +77,11 @@ typedef struct nqm_examples {
     nqm_scalar_whitening scalar_whitening;
     size_t n_outputs; /* 1, or 1 + NQM_LABEL_PARTS */
     nqm_output_range output[1 + NQM_LABEL_PARTS];
-    float *target;         /* (rows.n_train + rows.n_validation, n_outputs) normalised, in the order of `rows` */
-    float *scratch;        /* (max_batch, 2, n_directions, 3) */
-    uint8_t *used_scratch; /* (max_batch, n_directions) */
+    nqm_label
+        *estimate;  /* (n_pairs) labels estimated by transport, which the network corrects; NULL: it predicts labels */
+    float *target;  /* (rows.n_train + rows.n_validation, n_outputs) normalised, in the order of `rows` */
+    float *scratch; /* (max_batch, 2, n_directions, 3) */
+    uint8_t *used_scratch;                  /* (max_batch, n_directions) */
     size_t max_batch, width, samples_width; /* widths of the input and of its prefix of samples */
 } nqm_examples;
 
@@ -110,6 +112,8 @@ void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, 
  */
 const uint8_t *nqm_examples_at(const nqm_examples *examples, size_t i, size_t slot, float *scratch, const float **ref_t,
                                const float **test_t);
+/** Compute `estimate` (example_scalars.c). */
+void nqm_examples_estimate(nqm_examples *examples);
 /** Compute `scalars` and their whitening, for options with scalars (example_scalars.c). */
 NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
 

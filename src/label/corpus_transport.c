@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The transport matrix of the scene of a corpus: few points of the scene's pictures as linear functions of the samples. Every
+ * light direction of a point is a half vector and a difference vector; the BRDF there is interpolated between the sampling
+ * directions, so the light from there is distributed to these.
+ */
+#include "label/corpus.h"
+#include "math/math.h"
+#include "model/model.h"
+#include "render/render.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Settings that ranked pairs like their labels in a trial (doc/notes.md). The light directions cost nothing later. */
+enum { N_NEAREST = 3, N_LIGHTS = 512 };
+static const double theta_d_scale = 0.2; /* of theta_d / 90 degrees, relative to the rank of theta_h in [0, 1] */
+
+typedef struct interpolation {
+    size_t n;
+    double *theta_h;  /* (n) ascending */
+    double *position; /* (n, 2) of the directions in the plane where the nearest are searched */
+    float *light;
+    double *points;
+} interpolation;
+
+static int compare_doubles(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Rank of theta_h among the sampling directions, which are denser where BRDFs change faster. */
+static double rank_of(const interpolation *p, double theta_h) {
+    size_t low = 0, high = p->n - 1;
+    if (p->n < 2 || theta_h <= p->theta_h[0])
+        return 0;
+    if (theta_h >= p->theta_h[high])
+        return 1;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        *(p->theta_h[middle] <= theta_h ? &low : &high) = middle;
+    }
+    const double width = p->theta_h[high] - p->theta_h[low];
+    return ((double)low + (width > 0 ? (theta_h - p->theta_h[low]) / width : 0)) / (double)(p->n - 1);
+}
+
+static void place(const interpolation *p, const double *half_diff, double *position) {
+    position[0] = rank_of(p, half_diff[0]);
+    position[1] = theta_d_scale * half_diff[1] / (NQM_PI / 2);
+}
+
+static nqm_status open_interpolation(const nqm_directions *directions, interpolation *p, nqm_error *err) {
+    const double *degrees = nqm_directions_degrees(directions);
+    p->n = nqm_directions_count(directions);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&p->theta_h, p->n, sizeof *p->theta_h}, {&p->position, p->n, 2 * sizeof *p->position}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < p->n; ++i)
+        p->theta_h[i] = degrees[3 * i] * NQM_PI / 180;
+    qsort(p->theta_h, p->n, sizeof *p->theta_h, compare_doubles);
+    for (size_t i = 0; i < p->n; ++i) {
+        const double half_diff[2] = {degrees[3 * i] * NQM_PI / 180, degrees[3 * i + 1] * NQM_PI / 180};
+        place(p, half_diff, p->position + 2 * i);
+    }
+    return NQM_OK;
+}
+
+/* Distribute the light of a ray (3) to the nearest directions, by inverse square distance. */
+static void distribute(const interpolation *p, size_t point, const double *half_diff, const double *light) {
+    const double softness = 0.02; /* distance; about that of neighbours */
+    size_t nearest[N_NEAREST] = {0}, n = 0;
+    double distance[N_NEAREST], at[2], sum = 0;
+    place(p, half_diff, at);
+    for (size_t i = 0; i < p->n; ++i) {
+        const double d = hypot(p->position[2 * i] - at[0], p->position[2 * i + 1] - at[1]);
+        if (n == N_NEAREST && d >= distance[n - 1])
+            continue;
+        n += n < N_NEAREST;
+        size_t k = n - 1;
+        for (; k > 0 && distance[k - 1] > d; --k) {
+            distance[k] = distance[k - 1];
+            nearest[k] = nearest[k - 1];
+        }
+        distance[k] = d;
+        nearest[k] = i;
+    }
+    for (size_t k = 0; k < n; ++k)
+        sum += distance[k] = 1 / pow(distance[k] + softness, 2);
+    for (size_t k = 0; k < n; ++k)
+        for (size_t c = 0; c < 3; ++c)
+            p->light[(3 * nearest[k] + c) * NQM_TRANSPORT_POINTS + point] += (float)(light[c] * distance[k] / sum);
+}
+
+static void distribute_point(const interpolation *p, const nqm_scene *scene, size_t i, size_t number, size_t point) {
+    const double *wo = scene->seen.point[i].wo;
+    const nqm_incident *incident = &scene->kept[i];
+    for (size_t j = 0; j < incident->n_rays; ++j) {
+        const nqm_ray *ray = &incident->ray[j];
+        double wi[3], half_diff[3], light[3];
+        for (size_t k = 0; k < 3; ++k) {
+            wi[k] = (double)ray->wi[k];
+            light[k] = (double)ray->weight[k] * scene->exposure;
+        }
+        nqm_normalize3(wi);
+        nqm_directions_to_half_diff(wi, wo, half_diff);
+        distribute(p, point, half_diff, light);
+    }
+    p->points[3 * point] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
+    p->points[3 * point + 1] = (double)number;
+    p->points[3 * point + 2] = scene->options.peak_cdm2;
+}
+
+nqm_status nqm_corpus_transport(const nqm_corpus_context *context, float *light, double *points, nqm_error *err) {
+    nqm_scene_options options = context->options->scene;
+    options.width = options.height = 0;
+    options.n_points = NQM_TRANSPORT_POINTS;
+    options.n_lights = N_LIGHTS;
+    options.interreflection = 0;
+    interpolation p = {.light = light, .points = points};
+    nqm_scene *scene;
+    nqm_status status = nqm_scene_create(&options, &scene, err);
+    if (status != NQM_OK)
+        return status;
+    status = open_interpolation(context->directions, &p, err);
+    const nqm_scene *const *parts =
+        scene->n_parts ? (const nqm_scene *const *)scene->parts : (const nqm_scene *const *)&scene;
+    size_t n_parts = scene->n_parts ? scene->n_parts : 1, point = 0;
+    memset(light, 0, p.n * 3 * NQM_TRANSPORT_POINTS * sizeof *light);
+    for (size_t s = 0; status == NQM_OK && s < n_parts; ++s)
+        for (size_t i = 0; i < parts[s]->seen.n && point < NQM_TRANSPORT_POINTS; ++i)
+            distribute_point(&p, parts[s], i, s, point++);
+    if (status == NQM_OK && point != NQM_TRANSPORT_POINTS)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %d for its transport matrix", point,
+                          NQM_TRANSPORT_POINTS);
+    nqm_free(p.theta_h);
+    nqm_scene_free(scene);
+    return status;
+}
