@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Makes the built-in models: material list, directions, corpora, training, evaluation, and the results appended to each
-# model card. Resumable: existing files in WORK are kept. Takes about an hour on two cores.
+# model card. Resumable: existing files in WORK are kept. Takes about two hours on two cores.
 # usage: models/make.sh DATA WORK   (DATA: folders rgl, nbrdf, nps, labels, scene; doc/corpus.md lists their sources)
 set -eu
 data=${1:?usage: models/make.sh DATA WORK}
@@ -9,8 +9,12 @@ mkdir -p "${2:?usage: models/make.sh DATA WORK}"
 work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
-# The paper's scene, a rotating bunny under the Pixar Campus light: eight views, labelled by points (doc/labels.md).
-scene="--light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --frames 8 --points 1536 --lights 128"
+# Model `default` predicts the standard set of scenes (doc/labels.md) for any two BRDFs. Labels of training pairs are estimated
+# from a third of the points of those of test pairs, which are those of `nqm label`.
+any_pair="--perturbations 62 --far 46 --roundings 4"
+# Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
+paper_scene="--light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --frames 8 --points 1536"
+paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0"
 
 NQM_TOOL=$nqm python3 "$here/scan.py" "$data" >"$work/materials.csv"
 
@@ -37,25 +41,29 @@ if [ ! -f "$work/directions.csv" ]; then
     # shellcheck disable=SC2086 # neither materials nor folders of the data have blanks in their names
     "$nqm" directions $references -o "$work/directions.csv"
 fi
-for part in train test; do
-    [ ! -f "$work/$part.safetensors" ] || continue
-    if [ $part = train ]; then only="train,validation"; else only="test"; fi
+# corpus NAME SPLITS OPTIONS: make the dataset WORK/NAME.safetensors.
+corpus() {
+    [ ! -f "$work/$1.safetensors" ] || return 0
     # shellcheck disable=SC2086 # a list of options
-    "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" $scene --work "$work/groups" \
-        --only $only --perturbations 30 -o "$work/$part.safetensors" --log
-    cp "$work/$part.safetensors.json" "$here/corpus-$part.json"
-done
+    "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" --work "$work/groups" \
+        --only "$2" $3 -o "$work/$1.safetensors" --log
+    cp "$work/$1.safetensors.json" "$here/corpus-$1.json"
+}
+corpus train train,validation "$any_pair --points 1024"
+corpus test test "$any_pair"
+corpus paper-train train,validation "$paper_scene $paper_pairs"
+corpus paper-test test "$paper_scene $paper_pairs"
 
-# judged NAME: the results of nqm eval as Markdown, for the model card.
+# judged NAME PREFIX: the results of nqm eval as Markdown, for the model card. PREFIX: of the datasets' names.
 judged() {
     echo "## Judged on"
     echo
     echo "The 20 materials of the authors' study with people, in every form: no model, whitening, direction or threshold has"
-    echo "seen them. Labels are those of \`nqm label\` (a rotating bunny under the Pixar Campus light), not of people. Manifest: corpus-test.json."
-    echo "\`clamp\`, \`ripple\` and \`hue\` are kinds of distortion that do not occur in training. Higher is better."
+    echo "seen them. Labels are those of \`nqm label\`$3, not of people. Manifest: corpus-$2test.json. \`clamp\`, \`ripple\`,"
+    echo "\`hue\`, \`between-log\`, \`white\`, \`random-lafortune\` and \`random-smooth\` are kinds of difference that do not occur in training."
     echo
     echo '```'
-    (cd "$work" && "$nqm" eval test.safetensors --model "$1.safetensors" --by all)
+    (cd "$work" && "$nqm" eval "$2test.safetensors" --model "$1.safetensors" --by all)
     echo '```'
     echo
     if [ "$1" = paper ]; then
@@ -64,22 +72,23 @@ judged() {
         echo "On the validation materials, half of which settled the recipe, on a smaller corpus (doc/training.md):"
         echo
         echo '```'
-        (cd "$work" && "$nqm" eval train.safetensors --split validation --model "$1.safetensors")
+        (cd "$work" && "$nqm" eval "$2train.safetensors" --split validation --model "$1.safetensors")
         echo '```'
     fi
     cat "$here/notes.md"
 }
 
-# train NAME RECIPE: train with a checkpoint, evaluate, append the results to the model card.
+# train NAME RECIPE PREFIX SCENE FILE [--half]: train with a checkpoint, evaluate, append the results to the model card.
 train() {
     if [ ! -f "$work/$1.safetensors" ]; then
         resume=
         [ ! -f "$work/$1.checkpoint" ] || resume=--resume
-        "$nqm" train "$work/train.safetensors" --recipe "$2" --id "$1" --licence MIT -o "$work/$1.safetensors" \
+        "$nqm" train "$work/$3train.safetensors" --recipe "$2" --id "$1" --licence MIT -o "$work/$1.safetensors" \
             --checkpoint "$work/$1.checkpoint" $resume --log "$work/$1.csv"
     fi
-    judged "$1" >"$work/$1.md"
-    "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" -o "$here/$1.safetensors"
+    judged "$1" "$3" "$4" >"$work/$1.md"
+    # shellcheck disable=SC2086 # no word or one
+    "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" ${6-} -o "$here/$5"
 }
-train default nqm
-train paper paper
+train default nqm "" " without options (four built-in scenes)" default.safetensors --half
+train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campus light)" full/paper.safetensors
