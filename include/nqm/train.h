@@ -75,6 +75,7 @@ typedef struct nqm_train_augmentation {
     int balance;          /**< 1: fill 7 equal label bins up to the fullest with noisy copies, before the split */
     double balance_sigma; /**< standard deviation of that noise, 1/sr; the same draw for both members of a pair */
     nqm_scale_copy scale_copy;
+    int swap; /**< 1: the second copy exchanges reference and test, so that any BRDF is a reference */
 } nqm_train_augmentation;
 
 /** Adam on the log-cosh loss. */

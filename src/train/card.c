@@ -73,6 +73,8 @@ static void write_training(FILE *out, const nqm_train_options *o, const nqm_trai
                 number(o->augmentation.balance_sigma, 6).text);
     if (o->augmentation.scale_copy != NQM_SCALE_NONE)
         fprintf(out, "Every example has a copy scaled by 0.95 to 1.05.\n");
+    if (o->augmentation.swap)
+        fprintf(out, "The second copy exchanges reference and test.\n");
     fprintf(out, "Loss (log-cosh of normalised labels): %s in training, %s on %zu validation examples.\n",
             number(r->train_loss, 4).text, number(r->validation_loss, 4).text, r->n_validation);
     if (isfinite(r->validation_spearman))

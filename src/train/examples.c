@@ -66,6 +66,9 @@ static void scale(const nqm_examples *e, size_t i, const float *ref_t, const flo
     const uint64_t seed = nqm_hash_u64(e->options->optimiser.seed, NQM_STREAM_SCALE);
     if (e->options->augmentation.scale_copy == NQM_SCALE_ELEMENT_TRANSFORMED) {
         scale_elements(n, nqm_hash_u64(seed, i), ref_t, test_t, out);
+    } else if (e->options->augmentation.scale_copy == NQM_SCALE_NONE) {
+        memcpy(out, ref_t, n * sizeof *out);
+        memcpy(out + n, test_t, n * sizeof *out);
     } else {
         const float k1 = (float)(cbrt(uniform_factor(seed, i)) - 1);
         nqm_kernels_get()->scale_log(n, k1, ref_t, out);
@@ -79,6 +82,10 @@ static size_t row_of(const nqm_examples *e, size_t i) {
     return i < e->n_train ? i % n_base : n_base + i - e->n_train;
 }
 
+static bool is_second_copy(const nqm_examples *e, size_t i) {
+    return i >= e->rows.n_train && i < e->n_train;
+}
+
 static void find_unscaled(const nqm_examples *e, const nqm_row *row, const float **ref_t, const float **test_t) {
     const size_t n = n_columns(e);
     *ref_t = row->copy ? noisy_ref_t(e, row) : e->ref_t + e->dataset->pair_ref[row->pair] * n;
@@ -90,7 +97,12 @@ const uint8_t *nqm_examples_at(const nqm_examples *e, size_t i, size_t slot, flo
     const size_t n = n_columns(e), row = row_of(e, i);
     const uint32_t pair = e->rows.row[row].pair;
     find_unscaled(e, &e->rows.row[row], ref_t, test_t);
-    if (i >= e->rows.n_train && i < e->n_train) {
+    if (is_second_copy(e, i)) {
+        if (e->options->augmentation.swap) {
+            const float *test = *ref_t;
+            *ref_t = *test_t;
+            *test_t = test;
+        }
         scale(e, row, *ref_t, *test_t, scratch);
         *ref_t = scratch;
         *test_t = scratch + n;
@@ -223,7 +235,7 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
     e->width = e->samples_width + (o->input.scalars ? NQM_SCALAR_COUNT : 0);
     e->n_outputs = d->parts && o->labels.parts_weight > 0 ? 1 + NQM_LABEL_PARTS : 1;
     nqm_status status = nqm_rows_create(d, o, &e->rows, err);
-    e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE ? 1 : 2);
+    e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE && !o->augmentation.swap ? 1 : 2);
     if (status == NQM_OK)
         status = allocate(e, err);
     if (status == NQM_OK) {
@@ -275,6 +287,9 @@ static void prefetch_row(const gather_job *job, size_t r) {
     }
 }
 
+/* The parts of a label that change their sign when reference and test are exchanged: the shifts and the contrast. */
+enum { N_SIGNED_PARTS = 4 };
+
 static void gather_row(const gather_job *job, size_t r) {
     const nqm_examples *e = job->e;
     const size_t i = example_of(job, r);
@@ -284,8 +299,11 @@ static void gather_row(const gather_job *job, size_t r) {
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->options->input.scalars)
         memcpy(x + e->samples_width, e->scalars + i * NQM_SCALAR_COUNT, NQM_SCALAR_COUNT * sizeof *x);
-    memcpy(job->to->target + r * e->n_outputs, e->target + row_of(e, i) * e->n_outputs,
-           e->n_outputs * sizeof *e->target);
+    float *target = job->to->target + r * e->n_outputs;
+    memcpy(target, e->target + row_of(e, i) * e->n_outputs, e->n_outputs * sizeof *target);
+    for (size_t output = 1; output < e->n_outputs && output <= N_SIGNED_PARTS; ++output)
+        if (e->options->augmentation.swap && is_second_copy(e, i))
+            target[output] = -target[output] - (float)(2 * e->output[output].mean / e->output[output].std);
 }
 
 /* Rows per task. Even, so that the same thread processes both rows of a rows_done() call: their results may share cache

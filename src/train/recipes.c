@@ -49,6 +49,8 @@ static const nqm_option rows[] = {
     {"scale_copy", FIELD(augmentation.scale_copy), .kind = NQM_OPTION_ENUM, .metavar = "WORD",
      .words = scale_copy_words, .help = "second copy of the pairs, scaled by 0.95 to 1.05",
      .values = {"pair_reflectance", "element_transformed", "pair_reflectance"}},
+    {"swap", FIELD(augmentation.swap), .kind = NQM_OPTION_BOOL, .values = {"0", NULL, "1"},
+     .help = "exchange reference and test in the second copy"},
     {"split_by_pair", "split", FIELD(split.by_pair), .kind = NQM_OPTION_BOOL, .metavar = "WORD", .words = split_words,
      .help = "validation drawn by group (of material) or by pair", .values = {"pair", "group", "group"}},
     {"validation_fraction", "validation", FIELD(split.validation_fraction), .metavar = "F",

@@ -321,6 +321,7 @@ static void scalars_of_examples(void **state) {
     t.with_masks = true;
     nqm_dataset *d = toy_dataset(&t);
     nqm_train_options o = recipe("nqm");
+    o.augmentation.swap = 0;
     nqm_examples e;
     assert_int_equal(nqm_examples_create(d, &o, 16, &e, NULL), NQM_OK);
     size_t n = 3 * d->n_directions, n_columns = NQM_SCALAR_COUNT;
@@ -361,6 +362,40 @@ static void scalars_of_examples(void **state) {
         }
     }
     nqm_free(x);
+    nqm_examples_free(&e);
+    nqm_dataset_free(d);
+}
+
+/* The second copy of an example exchanges reference and test: shifts and contrast change their sign, the rest stays. */
+static void exchanged_copies(void **state) {
+    (void)state;
+    toy_options t = toy_options_default();
+    nqm_dataset *d = toy_dataset(&t);
+    nqm_train_options o = recipe("nqm");
+    o.augmentation.scale_copy = NQM_SCALE_NONE;
+    o.input.layout = NQM_LAYOUT_REF_TEST;
+    o.input.scalars = 0;
+    d->parts = nqm_alloc(d->n_pairs, NQM_LABEL_PARTS * sizeof *d->parts);
+    for (size_t i = 0; i < d->n_pairs * NQM_LABEL_PARTS; ++i)
+        d->parts[i] = 0.5 + (double)(i * 7 % 13);
+    nqm_examples e;
+    assert_int_equal(nqm_examples_create(d, &o, 16, &e, NULL), NQM_OK);
+    assert_int_equal(e.n_train, 2 * e.rows.n_train);
+    const size_t index[2] = {3, 3 + e.rows.n_train}, n = 3 * d->n_directions;
+    float *x = nqm_alloc(2, e.width * sizeof *x), target[2 * (1 + NQM_LABEL_PARTS)];
+    gather(&e, 2, index, x, target);
+    assert_memory_equal(x, x + e.width + n, n * sizeof *x);
+    assert_memory_equal(x + n, x + e.width, n * sizeof *x);
+    for (size_t k = 0; k <= NQM_LABEL_PARTS; ++k) {
+        const nqm_output_range *o_k = &e.output[k];
+        const double plain = o_k->mean + o_k->std * (double)target[k],
+                     exchanged = o_k->mean + o_k->std * (double)target[1 + NQM_LABEL_PARTS + k];
+        const bool is_signed = k >= 1 && k <= 4;
+        assert_near(exchanged, is_signed ? -plain : plain, 1e-5);
+    }
+    nqm_free(x);
+    nqm_free(d->parts);
+    d->parts = NULL;
     nqm_examples_free(&e);
     nqm_dataset_free(d);
 }
@@ -426,6 +461,7 @@ int main(void) {
         cmocka_unit_test(whitening),
         cmocka_unit_test(scaled_by_pair),
         cmocka_unit_test(scaled_by_element),
+        cmocka_unit_test(exchanged_copies),
         cmocka_unit_test(masks_and_log_targets),
         cmocka_unit_test(scalars_of_examples),
         cmocka_unit_test(recipes_are_as_published),
