@@ -20,7 +20,7 @@ static void score(const struct nqm_model *model) {
         nqm_inference_work_create(net, 1, &work, NULL) != NQM_OK)
         abort();
     nqm_inference_run(work, 1, x, width, &z);
-    double jod = nqm_model_jod(model, (double)z, NULL), low, high;
+    double jod = nqm_model_jod(model, (double)z, NULL, NULL), low, high;
     double scalars[NQM_SCALAR_COUNT] = {3}, novelty = nqm_model_novelty(model, scalars);
     if (model->n_novelty && !(novelty >= 0))
         abort();

@@ -283,7 +283,7 @@ static void predictions_are_those_of_single_pairs(void **state) {
         double metrics[NQM_METRIC_COUNT], jod;
         nqm_metrics_compute(d->directions, ref, test, NULL, metrics);
         double scalars[NQM_SCALAR_COUNT];
-        nqm_scalars_compute(d->directions, ref, test, NULL, scalars);
+        nqm_scalars_compute(d->directions, NULL, ref, test, NULL, scalars);
         bool in_test = nqm_dataset_get_pair(d, pair).split == NQM_SPLIT_TEST;
         for (size_t i = 0; i < 2 + NQM_METRIC_COUNT; ++i) {
             double value = nqm_evaluation_values(ev, i)[pair];

@@ -212,11 +212,11 @@ static void far_tests_are_labelled(void **state) {
     nqm_corpus_options options = small_corpus(NQM_CORPUS_TEST);
     options.models = "";
     options.n_perturbations = 0;
-    options.n_far = 25;
+    options.n_far = 35;
     options.n_roundings = 3;
     nqm_dataset *d = build_from(materials, &options, "far.safetensors");
     size_t n = nqm_dataset_get_info(d).n_pairs, n_black = 0, n_white = 0, n_near = 0, n_others = 0;
-    assert_int_equal(n, 3 * (25 + 3));
+    assert_int_equal(n, 3 * (35 + 3));
     for (size_t i = 0; i < n; ++i) {
         nqm_dataset_pair pair = nqm_dataset_get_pair(d, i);
         if (strcmp(pair.family, "rounding") == 0)
@@ -234,7 +234,7 @@ static void far_tests_are_labelled(void **state) {
     assert_true(n_black > 0 && n_white > 0 && n_near > 5 && n_others > 5);
     json_t *manifest = json_loads(d->manifest, 0, NULL);
     json_t *families = json_object_get(manifest, "families"), *others = json_object_get(manifest, "other_materials");
-    assert_int_equal(json_integer_value(json_object_get(families, "far")), 3 * 25);
+    assert_int_equal(json_integer_value(json_object_get(families, "far")), 3 * 35);
     assert_int_equal(json_integer_value(json_object_get(families, "rounding")), 3 * 3);
     assert_int_equal(json_object_size(others), 1);
     assert_int_equal(sum_of(json_object_get(others, "test")), n_others);

@@ -418,16 +418,16 @@ static void jod_of_an_output(void **state) {
     (void)state;
     struct nqm_model *model = make_model();
     double delta_e;
-    assert_near(nqm_model_jod(model, 0, &delta_e), 5 + 2 * (-2 + 3.5 / 2), 1e-12);
+    assert_near(nqm_model_jod(model, 0, NULL, &delta_e), 5 + 2 * (-2 + 3.5 / 2), 1e-12);
     assert_true(isnan(delta_e));
-    assert_near(nqm_model_jod(model, 1e9, NULL), 5 + 2 * 1.5, 1e-12);
-    assert_near(nqm_model_jod(model, -1e9, NULL), 5 - 2 * 2, 1e-12);
+    assert_near(nqm_model_jod(model, 1e9, NULL, NULL), 5 + 2 * 1.5, 1e-12);
+    assert_near(nqm_model_jod(model, -1e9, NULL, NULL), 5 - 2 * 2, 1e-12);
     model->target = NQM_TARGET_LOG_DELTA_E;
     model->output.mean = log(11.0372467041016), model->output.lo = -1,
     model->output.hi = 1; /* a row of the authors' labels */
-    assert_near(nqm_model_jod(model, 0, &delta_e), 8.50837750985371, 1e-9);
+    assert_near(nqm_model_jod(model, 0, NULL, &delta_e), 8.50837750985371, 1e-9);
     assert_relative(delta_e, 11.0372467041016, 1e-12);
-    assert_true(nqm_model_jod(model, -1, NULL) > nqm_model_jod(model, 1, NULL));
+    assert_true(nqm_model_jod(model, -1, NULL, NULL) > nqm_model_jod(model, 1, NULL, NULL));
     nqm_model_free(model);
     nqm_model_free(NULL);
 }

@@ -345,7 +345,7 @@ static void scalars_of_examples(void **state) {
         size_t pair = e.rows.row[rows[r]].pair;
         double scalars[NQM_SCALAR_COUNT];
         float expected[NQM_SCALAR_COUNT];
-        nqm_scalars_compute(d->directions, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
+        nqm_scalars_compute(d->directions, NULL, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
                             nqm_dataset_pair_used(d, pair, used), scalars);
         nqm_scalars_whiten(&e.scalar_whitening, scalars, expected);
         for (size_t k = 0; k < n_columns; ++k) {

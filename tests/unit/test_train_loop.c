@@ -325,6 +325,7 @@ static void divergence_is_noticed(void **state) {
     broken = *toy;
     broken.jod = jod;
     o.labels.target = NQM_TARGET_JOD;
+    o.input.transport = 0;
     refuse(&broken, &o, NQM_ERR_INCOMPATIBLE, "labels do not differ");
     free(jod);
     free(rgb);

@@ -63,7 +63,7 @@ static int end(void **state) {
 static void scalars_of(size_t pair, double *scalars) {
     size_t n = 3 * dataset->n_directions;
     uint8_t *scratch = malloc(dataset->n_directions);
-    nqm_scalars_compute(dataset->directions, dataset->ref_rgb + dataset->pair_ref[pair] * n,
+    nqm_scalars_compute(dataset->directions, NULL, dataset->ref_rgb + dataset->pair_ref[pair] * n,
                         dataset->test_rgb + pair * n, nqm_dataset_pair_used(dataset, pair, scratch), scalars);
     free(scratch);
 }

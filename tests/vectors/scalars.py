@@ -104,6 +104,8 @@ def scalars(keep):
     out["ref_peak"] = numpy.log(lum(a).max() + DARK) - numpy.mean(l_ref)
     out["ref_spread"] = numpy.std(l_ref)
     out["ref_colour"] = numpy.sqrt(numpy.mean(numpy.square(opponents(numpy.log(a + DARK))).sum(axis=0)))
+    for name in ("", "_i", "_t", "_p", "_contrast", "_structure"):
+        out["estimate" + name] = 0.0  # without a transport matrix
     return out
 
 
