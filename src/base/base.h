@@ -163,6 +163,8 @@ nqm_rng nqm_rng_make(uint64_t seed, uint64_t stream);
 uint64_t nqm_rng_u64(nqm_rng *rng);
 /** Uniform in [0, 1), 53 bits. */
 double nqm_rng_uniform(nqm_rng *rng);
+/** Log-uniform in [low, high), low > 0. */
+double nqm_rng_log_uniform(nqm_rng *rng, double low, double high);
 /** Standard normal (Box-Muller). The second value of the pair is discarded, so that the state is only `s`. */
 double nqm_rng_normal(nqm_rng *rng);
 /** Uniform integer in [0, n), n > 0, without bias. */

@@ -28,38 +28,40 @@ typedef struct far_kind {
     double low, high;   /* log-uniform; of SCALED uniform */
 } far_kind;
 
+/* clang-format off */
 static const far_kind kinds[] = {
-    {.name = "other-same", .form = SAME, .per_round = 8},
-    {.name = "other-source", .form = SOURCE, .per_round = 8},
-    {.name = "between", .form = BETWEEN, .per_round = 8},
-    {.name = "between-log", .form = LOG_BETWEEN, .per_round = 4, .unseen = true},
-    {.name = "random-lambert", .form = RANDOM, .per_round = 1},
-    {.name = "random-ggx", .form = RANDOM, .per_round = 1},
-    {.name = "random-ward", .form = RANDOM, .per_round = 1},
-    {.name = "random-sgd", .form = RANDOM, .per_round = 1},
-    {.name = "random-ward-duer", .form = RANDOM, .per_round = 1},
-    {.name = "random-blinn-phong", .form = RANDOM, .per_round = 1},
-    {.name = "random-lafortune", .form = RANDOM, .per_round = 3, .unseen = true},
-    {.name = "random-cook-torrance", .form = RANDOM, .per_round = 1},
-    {.name = "random-low-cook-torrance", .form = RANDOM, .per_round = 1},
-    {.name = "random-ashikhmin-shirley", .form = RANDOM, .per_round = 1},
-    {.name = "random-low-ashikhmin-shirley", .form = RANDOM, .per_round = 1},
-    {.name = "random-abc", .form = RANDOM, .per_round = 1},
-    {.name = "random-smooth", .form = RANDOM, .per_round = 3, .unseen = true},
-    {.name = "path-ward", .form = PATH, .per_round = 1},
-    {.name = "path-ggx", .form = PATH, .per_round = 1},
-    {.name = "path-ward-duer", .form = PATH, .per_round = 1},
-    {.name = "path-blinn-phong", .form = PATH, .per_round = 1},
-    {.name = "path-lafortune", .form = PATH, .per_round = 1},
-    {.name = "path-cook-torrance", .form = PATH, .per_round = 1},
-    {.name = "path-ashikhmin-shirley", .form = PATH, .per_round = 1},
-    {.name = "path-abc", .form = PATH, .per_round = 1},
-    {.name = "path-smooth", .form = PATH, .per_round = 1},
-    {.name = "black", .form = ALBEDO, .per_round = 1, .low = 1e-5, .high = 0.005},
-    {.name = "white", .form = ALBEDO, .per_round = 2, .unseen = true, .low = 0.7, .high = 1},
-    {.name = "mirror", .form = MIRROR, .per_round = 1, .low = 0.001, .high = 0.05},
-    {.name = "scaled", .form = SCALED, .per_round = 1, .low = 0.5, .high = 3},
+    {"other-same", SAME, 8, false, 0, 0},
+    {"other-source", SOURCE, 8, false, 0, 0},
+    {"between", BETWEEN, 8, false, 0, 0},
+    {"between-log", LOG_BETWEEN, 4, true, 0, 0},
+    {"random-lambert", RANDOM, 1, false, 0, 0},
+    {"random-ggx", RANDOM, 1, false, 0, 0},
+    {"random-ward", RANDOM, 1, false, 0, 0},
+    {"random-sgd", RANDOM, 1, false, 0, 0},
+    {"random-ward-duer", RANDOM, 1, false, 0, 0},
+    {"random-blinn-phong", RANDOM, 1, false, 0, 0},
+    {"random-lafortune", RANDOM, 3, true, 0, 0},
+    {"random-cook-torrance", RANDOM, 1, false, 0, 0},
+    {"random-low-cook-torrance", RANDOM, 1, false, 0, 0},
+    {"random-ashikhmin-shirley", RANDOM, 1, false, 0, 0},
+    {"random-low-ashikhmin-shirley", RANDOM, 1, false, 0, 0},
+    {"random-abc", RANDOM, 1, false, 0, 0},
+    {"random-smooth", RANDOM, 3, true, 0, 0},
+    {"path-ward", PATH, 1, false, 0, 0},
+    {"path-ggx", PATH, 1, false, 0, 0},
+    {"path-ward-duer", PATH, 1, false, 0, 0},
+    {"path-blinn-phong", PATH, 1, false, 0, 0},
+    {"path-lafortune", PATH, 1, false, 0, 0},
+    {"path-cook-torrance", PATH, 1, false, 0, 0},
+    {"path-ashikhmin-shirley", PATH, 1, false, 0, 0},
+    {"path-abc", PATH, 1, false, 0, 0},
+    {"path-smooth", PATH, 1, false, 0, 0},
+    {"black", ALBEDO, 1, false, 1e-5, 0.005},
+    {"white", ALBEDO, 2, true, 0.7, 1},
+    {"mirror", MIRROR, 1, false, 0.001, 0.05},
+    {"scaled", SCALED, 1, false, 0.5, 3},
 };
+/* clang-format on */
 enum { N_KINDS = sizeof kinds / sizeof *kinds, MAX_ROUND = 64, MAX_STEPS = 8 };
 
 const char *nqm_corpus_far_kind(size_t i) {
@@ -114,10 +116,6 @@ static bool next_other(draw *d, const far_kind *kind, size_t *other_ret) {
 
 /* ---- one test ---------------------------------------------------------------------------------------------------- */
 
-static double log_uniform(nqm_rng *rng, double low, double high) {
-    return low * pow(high / low, nqm_rng_uniform(rng));
-}
-
 static nqm_status set_spec(nqm_corpus_test *test, const char *text, nqm_error *err) {
     test->base = NQM_BASE_SPEC;
     test->spec = nqm_strdup(text);
@@ -126,7 +124,7 @@ static nqm_status set_spec(nqm_corpus_test *test, const char *text, nqm_error *e
 
 static nqm_status draw_albedo(draw *d, const far_kind *kind, nqm_corpus_test *test, nqm_error *err) {
     char text[64], number[32];
-    double kd = nqm_round_digits(log_uniform(&d->rng, kind->low, kind->high), 4);
+    double kd = nqm_round_digits(nqm_rng_log_uniform(&d->rng, kind->low, kind->high), 4);
     kd = kd < 1e-4 ? 0 : kd; /* entirely black */
     snprintf(text, sizeof text, "lambert:kd=%s", nqm_format_double(number, sizeof number, kd));
     return set_spec(test, text, err);
@@ -134,7 +132,7 @@ static nqm_status draw_albedo(draw *d, const far_kind *kind, nqm_corpus_test *te
 
 static nqm_status draw_mirror(draw *d, const far_kind *kind, nqm_corpus_test *test, nqm_error *err) {
     char text[160], number[4][32];
-    double alpha = log_uniform(&d->rng, kind->low, kind->high);
+    double alpha = nqm_rng_log_uniform(&d->rng, kind->low, kind->high);
     nqm_format_double(number[3], sizeof number[3], nqm_round_digits(alpha, 4));
     for (int c = 0; c < 3; ++c)
         nqm_format_double(number[c], sizeof number[c], nqm_round_digits(0.5 + 0.5 * nqm_rng_uniform(&d->rng), 4));

@@ -121,7 +121,7 @@ static double draw_value(nqm_rng *rng, const perturbation *p, double size) {
 
 /* Draw the settings of a perturbation spec. */
 static void draw_perturbation(nqm_rng *rng, const perturbation *p, char text[80]) {
-    double size = p->faint * pow(p->strong / p->faint, nqm_rng_uniform(rng));
+    double size = nqm_rng_log_uniform(rng, p->faint, p->strong);
     size_t used = (size_t)snprintf(text, 80, "%s=", p->key ? p->key : p->kind);
     if (p->form == TINT) {
         put_tint(rng, size, text + used, 80 - used);

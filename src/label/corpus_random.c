@@ -43,13 +43,9 @@ static const range ranges[] = {
 /* clang-format on */
 static const double LOW_ALBEDO = 0.003, HIGH_ALBEDO = 0.9;
 
-static double log_uniform(nqm_rng *rng, double low, double high) {
-    return low * pow(high / low, nqm_rng_uniform(rng));
-}
-
 /* An albedo; half of them grey, the others with factors up to e between the channels. */
 static void draw_colour(nqm_rng *rng, double rgb[3]) {
-    double albedo = log_uniform(rng, LOW_ALBEDO, HIGH_ALBEDO);
+    double albedo = nqm_rng_log_uniform(rng, LOW_ALBEDO, HIGH_ALBEDO);
     bool is_grey = nqm_rng_uniform(rng) < 0.5;
     for (int c = 0; c < 3; ++c) {
         double factor = exp(-nqm_rng_uniform(rng));
@@ -64,7 +60,7 @@ static double draw_shape(nqm_rng *rng, const char *model, const nqm_spec_key *ke
         ++r;
     bool found = r < ranges + sizeof ranges / sizeof *ranges;
     double low = found ? r->low : key->low, high = found ? r->high : key->high;
-    return found && r->is_log ? log_uniform(rng, low, high) : low + (high - low) * nqm_rng_uniform(rng);
+    return found && r->is_log ? nqm_rng_log_uniform(rng, low, high) : low + (high - low) * nqm_rng_uniform(rng);
 }
 
 /* Albedo of the model without its base for ks = 1, for light at 45 degrees. */

@@ -25,11 +25,6 @@ typedef struct interpolation {
     double *points;
 } interpolation;
 
-static int compare_doubles(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Rank of theta_h among the sampling directions, which are denser where BRDFs change faster. */
 static double rank_of(const interpolation *p, double theta_h) {
     size_t low = 0, high = p->n - 1;
@@ -59,7 +54,7 @@ static nqm_status open_interpolation(const nqm_directions *directions, interpola
         return status;
     for (size_t i = 0; i < p->n; ++i)
         p->theta_h[i] = degrees[3 * i] * NQM_PI / 180;
-    qsort(p->theta_h, p->n, sizeof *p->theta_h, compare_doubles);
+    qsort(p->theta_h, p->n, sizeof *p->theta_h, nqm_compare_doubles);
     for (size_t i = 0; i < p->n; ++i) {
         const double half_diff[2] = {degrees[3 * i] * NQM_PI / 180, degrees[3 * i + 1] * NQM_PI / 180};
         place(p, half_diff, p->position + 2 * i);

@@ -38,6 +38,17 @@ double nqm_radical_inverse(size_t i, size_t base);
 
 /* ---- statistics -------------------------------------------------------------------------------------------------- */
 
+/** Compare two doubles, neither of them NaN, for qsort(). */
+int nqm_compare_doubles(const void *a, const void *b);
+
+/** A value and where it comes from. */
+typedef struct nqm_indexed {
+    double value;
+    size_t index;
+} nqm_indexed;
+
+/** Compare two nqm_indexed by value, equal values by index, for qsort(). */
+int nqm_compare_indexed(const void *a, const void *b);
 /** Ranks from 1, ties get their mean rank; x, rank: (n). `order` is scratch (n). */
 void nqm_ranks(size_t n, const double *x, double *rank, size_t *order);
 double nqm_mean(size_t n, const double *x);

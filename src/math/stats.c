@@ -32,15 +32,21 @@ void nqm_ranks(size_t n, const double *x, double *rank, size_t *order) {
     }
 }
 
-static int compare_doubles(const void *a, const void *b) {
+int nqm_compare_doubles(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+int nqm_compare_indexed(const void *a, const void *b) {
+    const nqm_indexed *x = a, *y = b;
+    int by_value = nqm_compare_doubles(&x->value, &y->value);
+    return by_value ? by_value : (x->index > y->index) - (x->index < y->index);
 }
 
 double nqm_quantile(size_t n, double *x, double q) {
     if (n == 0)
         return NAN;
-    qsort(x, n, sizeof *x, compare_doubles);
+    qsort(x, n, sizeof *x, nqm_compare_doubles);
     double at = q * (double)(n - 1);
     size_t below = (size_t)at;
     if (below + 1 >= n)

@@ -17,6 +17,7 @@
  *    DOI 10.1198/016214506000001437, section 6.2), averaged over materials: the width plus a penalty for each label
  *    outside.
  */
+#include "math/math.h"
 #include "train/calibrate.h"
 
 #include <math.h>
@@ -47,47 +48,34 @@ static double scale_at(const scales *s, const double *values, double y) {
     return (1 - t) * values[i - 1] + t * values[i];
 }
 
-/* A value and its pair, for sorting by value. */
-typedef struct item {
-    double value;
-    size_t pair;
-} item;
-
-static int by_value(const void *a, const void *b) {
-    const item *x = a, *y = b;
-    if (x->value != y->value)
-        return x->value < y->value ? -1 : 1;
-    return x->pair < y->pair ? -1 : x->pair > y->pair;
-}
-
 /* Data and scratch memory of one fit. */
 typedef struct fit {
     const nqm_residuals *r;
     size_t n_materials;
-    size_t *count;  /* (n_groups) pairs; owns all arrays */
-    double *y;      /* (n) y of the prediction */
-    double *error;  /* (n) y of the label minus y of the prediction */
-    double *times;  /* (n) exp(growth v) of step 5, by which errors are divided; 1 without novelty */
-    double *down;   /* (n) scale at the pair, estimated without its material */
-    double *up;     /* (n) likewise */
-    double *score;  /* (n) see step 3 */
-    item *sorted;   /* (n) pairs by prediction */
-    item *window;   /* (n) scratch */
-    size_t *kept;   /* (n) scratch: pairs of the other materials, by prediction */
-    item *by_score; /* (n) pairs by score */
-    size_t *inside; /* (n_groups) scratch: pairs inside the interval */
-    double *loss;   /* (N_GROWTHS, n_groups) mean interval score of each material; 0 without novelty */
+    size_t *count;         /* (n_groups) pairs; owns all arrays */
+    double *y;             /* (n) y of the prediction */
+    double *error;         /* (n) y of the label minus y of the prediction */
+    double *times;         /* (n) exp(growth v) of step 5, by which errors are divided; 1 without novelty */
+    double *down;          /* (n) scale at the pair, estimated without its material */
+    double *up;            /* (n) likewise */
+    double *score;         /* (n) see step 3 */
+    nqm_indexed *sorted;   /* (n) pairs by prediction */
+    nqm_indexed *window;   /* (n) scratch */
+    size_t *kept;          /* (n) scratch: pairs of the other materials, by prediction */
+    nqm_indexed *by_score; /* (n) pairs by score */
+    size_t *inside;        /* (n_groups) scratch: pairs inside the interval */
+    double *loss;          /* (N_GROWTHS, n_groups) mean interval score of each material; 0 without novelty */
 } fit;
 
 /* Weighted quantile of `n` sorted values: the smallest one with at least the fraction `level` of the weight at or below
  * it. Every material has the same total weight. step -1: quantile of the negated values. */
-static double weighted_quantile(const fit *f, size_t n, const item *values, int step) {
+static double weighted_quantile(const fit *f, size_t n, const nqm_indexed *values, int step) {
     double total = 0, sum = 0;
     for (size_t i = 0; i < n; ++i)
-        total += 1 / (double)f->count[f->r->group[values[i].pair]];
+        total += 1 / (double)f->count[f->r->group[values[i].index]];
     for (size_t k = 0; k < n; ++k) {
-        const item *v = &values[step > 0 ? k : n - 1 - k];
-        sum += 1 / (double)f->count[f->r->group[v->pair]];
+        const nqm_indexed *v = &values[step > 0 ? k : n - 1 - k];
+        sum += 1 / (double)f->count[f->r->group[v->index]];
         if (sum >= level * total)
             return step * v->value;
     }
@@ -98,8 +86,8 @@ static double weighted_quantile(const fit *f, size_t n, const item *values, int 
 static scales find_scales(const fit *f, size_t left_out) {
     size_t n = 0;
     for (size_t i = 0; i < f->r->n; ++i)
-        if (f->r->group[f->sorted[i].pair] != left_out)
-            f->kept[n++] = f->sorted[i].pair;
+        if (f->r->group[f->sorted[i].index] != left_out)
+            f->kept[n++] = f->sorted[i].index;
     size_t n_windows = n / PAIRS_PER_WINDOW;
     n_windows = n_windows < 1 ? 1 : n_windows > MAX_WINDOWS ? MAX_WINDOWS : n_windows;
     scales s = {.n = n_windows};
@@ -107,9 +95,9 @@ static scales find_scales(const fit *f, size_t left_out) {
         size_t begin = w ? n * (2 * w - 1) / (2 * n_windows) : 0;
         size_t end = w + 1 < n_windows ? n * (2 * w + 3) / (2 * n_windows) : n;
         for (size_t i = begin; i < end; ++i)
-            f->window[i - begin] = (item){f->error[f->kept[i]] / f->times[f->kept[i]], f->kept[i]};
+            f->window[i - begin] = (nqm_indexed){f->error[f->kept[i]] / f->times[f->kept[i]], f->kept[i]};
         s.at[w] = f->y[f->kept[begin + (end - begin) / 2]];
-        qsort(f->window, end - begin, sizeof *f->window, by_value);
+        qsort(f->window, end - begin, sizeof *f->window, nqm_compare_indexed);
         s.up[w] = fmax(least_scale, weighted_quantile(f, end - begin, f->window, 1));
         s.down[w] = fmax(least_scale, weighted_quantile(f, end - begin, f->window, -1));
     }
@@ -145,7 +133,7 @@ static double find_factor(const fit *f, size_t left_out) {
     for (size_t g = 0; g < f->r->n_groups; ++g)
         f->inside[g] = f->count[g];
     for (size_t i = f->r->n; i-- > 0;) {
-        size_t group = f->r->group[f->by_score[i].pair];
+        size_t group = f->r->group[f->by_score[i].index];
         if (group == left_out)
             continue;
         if (f->by_score[i].value < factor && !suffices(f, left_out, n))
@@ -183,8 +171,8 @@ static void find_scores(fit *f, double growth) {
         }
     }
     for (size_t i = 0; i < f->r->n; ++i)
-        f->by_score[i] = (item){f->score[i], i};
-    qsort(f->by_score, f->r->n, sizeof *f->by_score, by_value);
+        f->by_score[i] = (nqm_indexed){f->score[i], i};
+    qsort(f->by_score, f->r->n, sizeof *f->by_score, nqm_compare_indexed);
 }
 
 /* loss (n_groups) receives the mean interval score of each material, with the factor of the other materials. */
@@ -238,9 +226,9 @@ static void prepare(fit *f) {
         ++f->count[f->r->group[i]];
         f->y[i] = nqm_interval_y(f->r->predicted[i]);
         f->error[i] = nqm_interval_y(f->r->label[i]) - f->y[i];
-        f->sorted[i] = (item){f->y[i], i};
+        f->sorted[i] = (nqm_indexed){f->y[i], i};
     }
-    qsort(f->sorted, f->r->n, sizeof *f->sorted, by_value);
+    qsort(f->sorted, f->r->n, sizeof *f->sorted, nqm_compare_indexed);
     for (size_t k = 0; f->r->novelty && k < N_GROWTHS; ++k) {
         find_scores(f, growth_at(k));
         find_losses(f, f->loss + k * f->r->n_groups);

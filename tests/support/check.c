@@ -20,11 +20,6 @@ void check_relative(double actual, double expected, double tolerance, const char
     check_near(actual, expected, tolerance * fabs(expected), what, file, line);
 }
 
-int compare_doubles(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double csv_number(const nqm_csv *csv, size_t row, int column) {
     double value;
     assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);

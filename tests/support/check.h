@@ -25,9 +25,6 @@
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 
-/** Comparison for qsort(). */
-int compare_doubles(const void *a, const void *b);
-
 /** The value of a field as a double; fails if the field is not a number. */
 double csv_number(const nqm_csv *csv, size_t row, int column);
 

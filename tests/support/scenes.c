@@ -1,10 +1,40 @@
 /* SPDX-License-Identifier: MIT
  *
- * The checks of scenes.h.
+ * The functions of scenes.h.
  */
 #include "support/scenes.h"
 #include "base/memory_test.h"
 #include "support/check.h"
+
+nqm_scene *make_scene(const nqm_scene_options *o) {
+    nqm_scene *scene;
+    nqm_error err = {0};
+    if (nqm_scene_create(o, &scene, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return scene;
+}
+
+double *render_scene(const nqm_scene *scene, const nqm_brdf *brdf) {
+    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
+    assert_non_null(rgb);
+    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL), NQM_OK);
+    return rgb;
+}
+
+double *render_spec(const nqm_scene *scene, const char *spec) {
+    nqm_brdf *brdf = open_brdf(spec);
+    double *rgb = render_scene(scene, brdf);
+    nqm_brdf_free(brdf);
+    return rgb;
+}
+
+nqm_label label_specs(const nqm_scene *scene, const char *ref_spec, const char *test_spec) {
+    double *ref = render_spec(scene, ref_spec), *test = render_spec(scene, test_spec);
+    nqm_label label = nqm_scene_compare(scene, ref, test);
+    nqm_free(ref);
+    nqm_free(test);
+    return label;
+}
 
 void expect_no_scene(nqm_scene_options o, nqm_status expected) {
     nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */

@@ -82,12 +82,12 @@ static double compare_with_nps(const char *preset, const double *hd, double *rat
     for (size_t c = 0; c < 3; ++c) {
         for (size_t i = 0; i < N_PAIRS; ++i)
             sorted[i] = ours[3 * i + c] / theirs[3 * i + c];
-        qsort(sorted, N_PAIRS, sizeof *sorted, compare_doubles);
+        qsort(sorted, N_PAIRS, sizeof *sorted, nqm_compare_doubles);
         ratio[c] = sorted[N_PAIRS / 2];
     }
     for (size_t i = 0; i < 3 * N_PAIRS; ++i)
         difference[i] = fabs(ours[i] - theirs[i]) / theirs[i];
-    qsort(difference, 3 * N_PAIRS, sizeof *difference, compare_doubles);
+    qsort(difference, 3 * N_PAIRS, sizeof *difference, nqm_compare_doubles);
     return difference[3 * N_PAIRS / 2];
 }
 

@@ -4,6 +4,7 @@
  * and values are close to the published NBRDF of the same material where that is accurate. Skipped without the data.
  */
 #include "base/base.h"
+#include "math/math.h"
 #include "support/check.h"
 
 #include <dirent.h>
@@ -90,7 +91,7 @@ static double median_difference(const nqm_brdf *measured, const nqm_brdf *networ
         for (size_t c = 0; c < 3; ++c)
             difference[n++] = a[c] > 0 ? fabs(a[c] - b[c]) / a[c] : 1;
     }
-    qsort(difference, n, sizeof *difference, compare_doubles);
+    qsort(difference, n, sizeof *difference, nqm_compare_doubles);
     return difference[n / 2];
 }
 

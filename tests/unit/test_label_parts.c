@@ -12,29 +12,9 @@
 
 #include <math.h>
 
-static nqm_scene *make_scene(nqm_scene_options o) {
-    nqm_scene *scene;
-    nqm_error err = {0};
-    if (nqm_scene_create(&o, &scene, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return scene;
-}
-
-static double *render(const nqm_scene *scene, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
-    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
-    assert_non_null(rgb);
-    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL), NQM_OK);
-    nqm_brdf_free(brdf);
-    return rgb;
-}
-
 static nqm_label label_in(nqm_scene_options o, const char *ref_spec, const char *test_spec) {
-    nqm_scene *scene = make_scene(o);
-    double *ref = render(scene, ref_spec), *test = render(scene, test_spec);
-    nqm_label label = nqm_scene_compare(scene, ref, test);
-    nqm_free(ref);
-    nqm_free(test);
+    nqm_scene *scene = make_scene(&o);
+    nqm_label label = label_specs(scene, ref_spec, test_spec);
     nqm_scene_free(scene);
     return label;
 }
@@ -82,7 +62,7 @@ static void points_and_pixels_of_the_set(void **state) {
         o.n_points = picture ? 0 : 50;
         o.width = picture ? 12 : 0;
         o.height = picture ? 10 : 0;
-        nqm_scene *scene = make_scene(o);
+        nqm_scene *scene = make_scene(&o);
         const double *weight = nqm_scene_weights(scene);
         const size_t n = nqm_scene_count(scene), *pixel = nqm_scene_pixels(scene);
         double sum = 0, in_frame[4] = {0};
@@ -168,9 +148,9 @@ static void parts_follow_their_definitions(void **state) {
         o.shape = l == 0 && nqm_tracer_version() ? "blob" : "sphere";
         o.n_points = 120;
         o.n_lights = 64;
-        nqm_scene *scene = make_scene(o);
+        nqm_scene *scene = make_scene(&o);
         for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
-            double *ref = render(scene, pairs[i][0]), *test = render(scene, pairs[i][1]);
+            double *ref = render_spec(scene, pairs[i][0]), *test = render_spec(scene, pairs[i][1]);
             const nqm_label label = nqm_scene_compare(scene, ref, test),
                             expected = parts_by_definition(scene, ref, test, o.peak_cdm2);
             assert_relative(label.delta_e, expected.delta_e, 1e-12);
@@ -228,7 +208,7 @@ static void labels_keep_to_the_bound(void **state) {
         o.light = "sun";
     o.n_points = 240;
     o.n_lights = 32;
-    nqm_scene *scene = make_scene(o);
+    nqm_scene *scene = make_scene(&o);
     nqm_directions *directions;
     assert_int_equal(nqm_directions_create(NULL, 0, NULL, &directions, NULL), NQM_OK);
     const size_t n = nqm_directions_count(directions);
@@ -236,7 +216,7 @@ static void labels_keep_to_the_bound(void **state) {
     uint8_t *used = nqm_alloc(n, 1);
     size_t n_bounded = 0;
     for (size_t r = 0; r < 4; ++r) {
-        double *ref_picture = render(scene, refs[r]);
+        double *ref_picture = render_spec(scene, refs[r]);
         for (size_t c = 0; c < 10; ++c) {
             char spec[200];
             snprintf(spec, sizeof spec, "perturb:%s;of=%s", changes[c], refs[r]);
@@ -244,7 +224,7 @@ static void labels_keep_to_the_bound(void **state) {
             assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_ZERO, samples, used, NULL, NULL), NQM_OK);
             assert_int_equal(nqm_sample(test, directions, NQM_INVALID_ZERO, samples + 3 * n, used, NULL, NULL), NQM_OK);
             double bound = nqm_delta_e_bound(n, samples, samples + 3 * n, NULL);
-            double *picture = render(scene, spec);
+            double *picture = render_spec(scene, spec);
             double delta_e = nqm_scene_compare(scene, ref_picture, picture).delta_e;
             assert_true(delta_e <= bound + 1e-9);
             n_bounded += isfinite(bound);

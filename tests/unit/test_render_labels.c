@@ -6,6 +6,7 @@
 #include "math/math.h"
 #include "render/render.h"
 #include "support/check.h"
+#include "support/scenes.h"
 #include <nqm/label.h>
 
 #include <math.h>
@@ -37,24 +38,11 @@ static const char *const pair[N_PAIRS][2] = {
 };
 
 static void label_all(const nqm_scene_options *o, double *delta_e) {
-    nqm_scene *scene;
-    nqm_error err = {0};
-    if (nqm_scene_create(o, &scene, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    double *ref = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *ref);
-    double *test = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *test);
-    assert_true(ref && test);
+    nqm_scene *scene = make_scene(o);
     for (size_t i = 0; i < N_PAIRS; ++i) {
-        nqm_brdf *a = open_brdf(pair[i][0]), *b = open_brdf(pair[i][1]);
-        assert_int_equal(nqm_scene_render(scene, a, ref, NULL), NQM_OK);
-        assert_int_equal(nqm_scene_render(scene, b, test, NULL), NQM_OK);
-        delta_e[i] = nqm_scene_compare(scene, ref, test).delta_e;
+        delta_e[i] = label_specs(scene, pair[i][0], pair[i][1]).delta_e;
         assert_true(delta_e[i] > 0.1);
-        nqm_brdf_free(a);
-        nqm_brdf_free(b);
     }
-    nqm_free(ref);
-    nqm_free(test);
     nqm_scene_free(scene);
 }
 

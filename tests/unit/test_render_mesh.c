@@ -88,23 +88,6 @@ static int remove_files(void **state) {
     return 0;
 }
 
-static nqm_scene *make_scene(const nqm_scene_options *o) {
-    nqm_scene *scene;
-    nqm_error err = {0};
-    if (nqm_scene_create(o, &scene, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return scene;
-}
-
-static double *render(const nqm_scene *scene, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
-    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
-    assert_non_null(rgb);
-    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL), NQM_OK);
-    nqm_brdf_free(brdf);
-    return rgb;
-}
-
 static nqm_scene_options small_scene(const char *shape) {
     nqm_scene_options o = nqm_scene_options_default();
     o.shape = shape;
@@ -125,7 +108,7 @@ static void bowl_of_white(void **state) {
         o.light = white_path;
         o.interreflection = bounce;
         nqm_scene *scene = make_scene(&o);
-        double *rgb = render(scene, "lambert:kd=1,1,1"), mean = 0, expected = bounce ? 75 : 50;
+        double *rgb = render_spec(scene, "lambert:kd=1,1,1"), mean = 0, expected = bounce ? 75 : 50;
         for (size_t i = 0; i < scene->seen.n; ++i) {
             assert_relative(rgb[3 * i], expected, 0.12);
             mean += rgb[3 * i] * scene->seen.weight[i];
@@ -142,7 +125,7 @@ static void white_furnace_with_a_mesh(void **state) {
     o.light = white_path;
     o.shadows = 0;
     nqm_scene *scene = make_scene(&o);
-    double *rgb = render(scene, "lambert:kd=1,1,1");
+    double *rgb = render_spec(scene, "lambert:kd=1,1,1");
     for (size_t i = 0; i < 3 * scene->seen.n; ++i)
         assert_relative(rgb[i], 100, 0.005);
     nqm_free(rgb);
@@ -158,7 +141,7 @@ static void shadow_of_a_roof(void **state) {
     o.elevation_rad = NQM_PI / 4;
     o.n_points = 800;
     nqm_scene *scene = make_scene(&o);
-    double *rgb = render(scene, "lambert:kd=1,1,1"), top = -INFINITY, half = 0;
+    double *rgb = render_spec(scene, "lambert:kd=1,1,1"), top = -INFINITY, half = 0;
     size_t n_dark = 0;
     for (size_t i = 0; i < scene->seen.n; ++i)
         top = fmax(top, scene->seen.point[i].origin[1]);
@@ -198,7 +181,8 @@ static void equal_brdfs_give_exactly_zero(void **state) {
     for (int i = 0; i < 3; ++i) {
         nqm_scene_options o = mode(i);
         nqm_scene *scene = make_scene(&o);
-        double *a = render(scene, "sgd:nickel"), *b = render(scene, "sgd:nickel"), *c = render(scene, "ward:nickel");
+        double *a = render_spec(scene, "sgd:nickel"), *b = render_spec(scene, "sgd:nickel"),
+               *c = render_spec(scene, "ward:nickel");
         double *map = nqm_alloc(scene->seen.n, sizeof *map), sum = 0;
         assert_non_null(map);
         assert_true(nqm_scene_compare(scene, a, b).delta_e == 0);
@@ -225,7 +209,7 @@ static void threads_change_nothing(void **state) {
         for (int t = 0; t < 2; ++t) {
             omp_set_num_threads(t + 1);
             nqm_scene *scene = make_scene(&o);
-            rgb[t] = render(scene, "sgd:nickel");
+            rgb[t] = render_spec(scene, "sgd:nickel");
             n = nqm_scene_count(scene);
             nqm_scene_free(scene);
         }
@@ -316,12 +300,12 @@ static void kept_or_not_is_the_same(void **state) {
     (void)state;
     nqm_scene_options o = mode(2);
     nqm_scene *scene = make_scene(&o);
-    double *kept = render(scene, "sgd:nickel");
+    double *kept = render_spec(scene, "sgd:nickel");
     for (size_t i = 0; i < scene->seen.n; ++i)
         nqm_free(scene->kept[i].ray);
     nqm_free(scene->kept);
     scene->kept = NULL;
-    double *made = render(scene, "sgd:nickel");
+    double *made = render_spec(scene, "sgd:nickel");
     assert_memory_equal(kept, made, scene->seen.n * 3 * sizeof *kept);
     nqm_free(kept);
     nqm_free(made);

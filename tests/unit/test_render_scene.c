@@ -72,17 +72,13 @@ static nqm_light make_light(float grey, size_t first_cell, size_t n_cells, float
     return light;
 }
 
-static nqm_scene *make_scene(const char *path, size_t n_points, size_t n_lights, uint64_t seed) {
+static nqm_scene *make_sphere(const char *path, size_t n_points, size_t n_lights, uint64_t seed) {
     nqm_scene_options o = nqm_scene_options_default();
     o.light = path;
     o.n_points = n_points;
     o.n_lights = n_lights;
     o.seed = seed;
-    nqm_scene *scene;
-    nqm_error err = {0};
-    if (nqm_scene_create(&o, &scene, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return scene;
+    return make_scene(&o);
 }
 
 /* A Radiance file of 8 x 4 equal pixels (uncompressed, because rows are too short for run-length coding). */
@@ -98,15 +94,8 @@ static void write_constant_map(char *path, unsigned char mantissa) {
     fclose(f);
 }
 
-static double *render(const nqm_scene *scene, const nqm_brdf *brdf) {
-    double *rgb = nqm_alloc(nqm_scene_count(scene), 3 * sizeof *rgb);
-    assert_non_null(rgb);
-    assert_int_equal(nqm_scene_render(scene, brdf, rgb, NULL), NQM_OK);
-    return rgb;
-}
-
 static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf *test) {
-    double *a = render(scene, ref), *b = render(scene, test);
+    double *a = render_scene(scene, ref), *b = render_scene(scene, test);
     double delta_e = nqm_scene_compare(scene, a, b).delta_e;
     nqm_free(a);
     nqm_free(b);
@@ -196,9 +185,9 @@ static void white_furnace(void **state) {
     (void)state;
     char path[] = "/tmp/nqm-white-XXXXXX";
     write_constant_map(path, 77);
-    nqm_scene *scene = make_scene(path, 300, 384, 5);
+    nqm_scene *scene = make_sphere(path, 300, 384, 5);
     nqm_brdf *white = make_gloss(1, 0, 1);
-    double *rgb = render(scene, white);
+    double *rgb = render_scene(scene, white);
     for (size_t i = 0; i < 3 * nqm_scene_count(scene); ++i)
         assert_relative(rgb[i], nqm_scene_options_default().exposure_cdm2, 0.005);
     nqm_free(rgb);
@@ -209,8 +198,8 @@ static void white_furnace(void **state) {
 
 static void sphere_under_a_small_lamp(void **state) {
     (void)state;
-    nqm_scene *scene = make_scene("sun", 200, 16, 1); /* owns the surface points */
-    size_t cell = 40 * WIDTH + 30;                    /* high, left of and behind the viewer */
+    nqm_scene *scene = make_sphere("sun", 200, 16, 1); /* owns the surface points */
+    size_t cell = 40 * WIDTH + 30;                     /* high, left of and behind the viewer */
     nqm_light lamp = make_light(0, cell, 1, 1000);
     double towards[3], flux = 1000 * lamp.solid_angle[40]; /* interpolation spreads the cell but preserves its flux */
     nqm_light_direction(&lamp, cell, 0.5, 0.5, towards);
@@ -301,7 +290,7 @@ static void microfacets_under_the_sky(void **state) {
     assert_int_equal(nqm_light_draw("sun", &image, NULL), NQM_OK);
     assert_int_equal(nqm_light_create(&image, WIDTH, &sky, NULL), NQM_OK);
     nqm_free(image.rgb);
-    nqm_scene *scene = make_scene("sun", 40, 16, 1); /* owns the surface points */
+    nqm_scene *scene = make_sphere("sun", 40, 16, 1); /* owns the surface points */
     static const double alphas[] = {0.02, 0.06, 0.2};
     for (size_t a = 0; a < 3; ++a) {
         nqm_brdf *brdf = make_gloss(0.1, 1, alphas[a]);
@@ -348,7 +337,7 @@ static void no_fireflies(void **state) {
 
 static void equal_brdfs_give_exactly_zero(void **state) {
     (void)state;
-    nqm_scene *scene = make_scene("sun", 200, 100, 9);
+    nqm_scene *scene = make_sphere("sun", 200, 100, 9);
     nqm_brdf *a = make_gloss(0.2, 1, 0.01), *b = make_gloss(0.2, 1, 0.01);
     assert_true(label(scene, a, b) == 0);
     nqm_brdf_free(a);
@@ -361,9 +350,9 @@ static void labels_repeat(void **state) {
     static const double pair[][6] = {
         {0.1, 1, 0.004, 0.1, 1, 0.03}, {0.05, 1, 0.05, 0.05, 1, 0.07}, {0.3, 0.1, 0.2, 0.4, 0.1, 0.3}};
     nqm_scene_options standard = nqm_scene_options_default();
-    nqm_scene *first = make_scene("studio", standard.n_points, 0, 1);
-    nqm_scene *second = make_scene("studio", standard.n_points, 0, 2);
-    nqm_scene *finer = make_scene("studio", 2 * standard.n_points, 2 * nqm_scene_n_lights(&standard), 3);
+    nqm_scene *first = make_sphere("studio", standard.n_points, 0, 1);
+    nqm_scene *second = make_sphere("studio", standard.n_points, 0, 2);
+    nqm_scene *finer = make_sphere("studio", 2 * standard.n_points, 2 * nqm_scene_n_lights(&standard), 3);
     for (size_t i = 0; i < sizeof pair / sizeof *pair; ++i) {
         const double *p = pair[i];
         nqm_brdf *ref = make_gloss(p[0], p[1], p[2]), *test = make_gloss(p[3], p[4], p[5]);
@@ -387,8 +376,8 @@ static void threads_change_nothing(void **state) {
     int n_threads = omp_get_max_threads();
     for (int i = 0; i < 2; ++i) {
         omp_set_num_threads(i + 1);
-        nqm_scene *scene = make_scene("sun", 150, 384, 4);
-        rgb[i] = render(scene, brdf);
+        nqm_scene *scene = make_sphere("sun", 150, 384, 4);
+        rgb[i] = render_scene(scene, brdf);
         nqm_scene_free(scene);
     }
     omp_set_num_threads(n_threads);
@@ -405,8 +394,7 @@ static void brighter_than_the_display_is_clipped(void **state) {
     o.n_lights = 64;
     o.exposure_cdm2 = 10000;
     o.peak_cdm2 = 100;
-    nqm_scene *scene;
-    assert_int_equal(nqm_scene_create(&o, &scene, NULL), NQM_OK);
+    nqm_scene *scene = make_scene(&o);
     nqm_brdf *a = make_gloss(0.9, 0, 1), *b = make_gloss(1, 0, 1);
     assert_true(label(scene, a, b) == 0);
     nqm_brdf_free(a);
