@@ -46,8 +46,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 }
 
 blob fuzz_seed(void) {
-    toy_options o = {
-        .n_directions = 2, .n_groups = 3, .pairs_per_ref = 1, .with_masks = true, .splits = true, .seed = 1};
+    toy_options o = {.n_directions = 2,
+                     .n_groups = 3,
+                     .pairs_per_ref = 1,
+                     .with_masks = true,
+                     .with_transport = true,
+                     .splits = true,
+                     .seed = 1};
     nqm_dataset *d = toy_dataset(&o);
     const char *path = scratch_path("dataset");
     if (nqm_dataset_write(d, path, NULL, NULL) != NQM_OK)

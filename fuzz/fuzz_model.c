@@ -20,7 +20,8 @@ static void score(const struct nqm_model *model) {
         nqm_inference_work_create(net, 1, &work, NULL) != NQM_OK)
         abort();
     nqm_inference_run(work, 1, x, width, &z);
-    double jod = nqm_model_jod(model, (double)z, NULL, NULL), low, high;
+    const nqm_label estimate = {.delta_e = 1};
+    double jod = nqm_model_jod(model, (double)z, model->transport ? &estimate : NULL, NULL), low, high;
     double scalars[NQM_SCALAR_COUNT] = {3}, novelty = nqm_model_novelty(model, scalars);
     if (model->n_novelty && !(novelty >= 0))
         abort();
@@ -49,7 +50,13 @@ blob fuzz_seed(void) {
     enum { N_DIRECTIONS = 2 };
     static const char path[] = "fuzz_model.tmp";
     const double degrees[3 * N_DIRECTIONS] = {0};
-    struct nqm_model model = {.output = {.std = 1, .hi = 1}, .scalar_names = nqm_scalar_names()};
+    static float light[N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS];
+    struct nqm_model model = {.target = NQM_TARGET_LOG_DELTA_E,
+                              .curve = nqm_curve_published,
+                              .n_transport = N_DIRECTIONS,
+                              .transport = light,
+                              .output = {.std = 1, .hi = 1},
+                              .scalar_names = nqm_scalar_names()};
     if (!model.scalar_names || nqm_directions_from_degrees(N_DIRECTIONS, degrees, &model.directions, NULL) != NQM_OK)
         abort();
     double interval[6] = {0, 0, 1, 10, 9, 10};
@@ -62,6 +69,10 @@ blob fuzz_seed(void) {
     model.novelty_points = points;
     model.novelty_unit = model.novelty_growth = 1;
     model.scalars.scale = 1;
+    for (size_t i = 0; i < NQM_TRANSPORT_POINTS; ++i) {
+        model.transport_points[3 * i] = 1.0 / NQM_TRANSPORT_POINTS;
+        model.transport_points[3 * i + 2] = 1000;
+    }
     for (size_t i = 0; i < 3; ++i)
         model.features.std[i] = 1;
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)

@@ -143,6 +143,7 @@ typedef struct nqm_dataset_prediction {
     size_t n;
     const size_t *pairs; /* (n) */
     double *jod;         /* (n_pairs of the dataset) receives the JOD of each of the n pairs, at the pair's index */
+    double *novelty;     /* (n_pairs of the dataset) the same for nqm_model_novelty(); NULL: do not compute it */
     nqm_status (*batch_done)(void *user, size_t n,
                              nqm_error *err); /* called after each batch of n pairs; NULL: not called. A failure
                                                                         stops the prediction */

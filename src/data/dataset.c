@@ -147,7 +147,7 @@ static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error
 
 static nqm_status check_transport(const nqm_dataset *d, const char *name, nqm_error *err) {
     const nqm_transport transport = nqm_dataset_transport(d);
-    const char *fault = nqm_transport_fault(&transport);
+    const char *fault = nqm_transport_fault(&transport, true);
     return fault ? nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s", name, fault) : NQM_OK;
 }
 

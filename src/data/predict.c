@@ -14,20 +14,25 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
     const nqm_dataset *d = p->dataset;
     const size_t n_columns = 3 * d->n_directions;
     const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
-    double jod[NQM_PREDICT_BATCH];
+    double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH];
     for (size_t i = 0; i < n; ++i) {
         ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
         test[i] = d->test_rgb + pairs[i] * n_columns;
         nqm_dataset_pair_used(d, pairs[i], used + i * d->n_directions);
     }
-    const nqm_sampled_pairs batch = {
-        .n = n, .ref = ref, .test = test, .used = d->ref_used || d->test_used ? used : NULL};
+    const nqm_sampled_pairs batch = {.n = n,
+                                     .ref = ref,
+                                     .test = test,
+                                     .used = d->ref_used || d->test_used ? used : NULL,
+                                     .novelty = p->novelty ? novelty : NULL};
     nqm_predictor_run(predictor, &batch, jod, NULL);
     for (size_t i = 0; i < n; ++i) {
         if (!isfinite(jod[i]))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu", p->model->id,
                             pairs[i]);
         p->jod[pairs[i]] = jod[i];
+        if (p->novelty)
+            p->novelty[pairs[i]] = novelty[i];
     }
     return p->batch_done ? p->batch_done(p->user, n, err) : NQM_OK;
 }

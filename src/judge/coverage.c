@@ -21,8 +21,7 @@ static size_t range_of(double jod) {
 /* Whether a label is inside its interval; adds to the sums, which finish() converts to fractions and means. */
 static bool count(const nqm_evaluation *ev, size_t model, size_t pair, nqm_coverage *c) {
     double low, high, jod = ev->values[model * ev->dataset->n_pairs + pair], label = ev->dataset->jod[pair];
-    double novelty = nqm_model_novelty(ev->models[model], ev->scalars + pair * NQM_SCALAR_COUNT);
-    nqm_model_interval(ev->models[model], jod, novelty, &low, &high);
+    nqm_model_interval(ev->models[model], jod, ev->novelty[model * ev->dataset->n_pairs + pair], &low, &high);
     const nqm_dataset *d = ev->dataset;
     nqm_raise_low(d->n_directions, d->ref_rgb + 3 * d->n_directions * d->pair_ref[pair],
                   d->test_rgb + 3 * d->n_directions * pair, NULL, &low);

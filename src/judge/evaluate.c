@@ -83,6 +83,7 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
                                                .n = run->n,
                                                .pairs = run->pairs,
                                                .jod = ev->values + model * ev->dataset->n_pairs,
+                                               .novelty = ev->novelty + model * ev->dataset->n_pairs,
                                                .batch_done = tick,
                                                .user = run};
     return nqm_dataset_predict(&prediction, err);
@@ -133,6 +134,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     nqm_evaluation *ev;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
+                   {&made.novelty, n_models, dataset->n_pairs * sizeof(double)},
                    {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},
                    {&made.ref_class, dataset->n_refs, sizeof *made.ref_class},
                    {&made.names, n_predictors, sizeof *made.names}),

@@ -16,6 +16,7 @@ struct nqm_evaluation {
     nqm_split split;
     nqm_precision precision;
     double *values;     /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
+    double *novelty;    /* (n_models, n_pairs of the dataset) of nqm_model_novelty(), for predicted pairs */
     double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
     size_t *ref_class;  /* (n_refs) */
     const char **names; /* (n_predictors) */

@@ -214,6 +214,7 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
 static nqm_status read_array(reader *r, const nqm_model_array *a, struct nqm_model *model) {
     const nqm_tensor *tensor = nqm_safetensors_find(r->st, a->name);
     expectation e = {.name = a->name, .dtype = a->dtype, .rows = a->rows, .cols = a->cols};
+    e.is_large = a->part == NQM_PART_TRANSPORT;
     if (a->n_offset) /* any number of rows but 0 */
         e.rows = tensor && tensor->n_dims == 2 && tensor->dims[0] > 0 ? tensor->dims[0] : 1;
     nqm_status status = get(r, &e, &tensor);
@@ -238,7 +239,8 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_INTERVAL] = model->calibration,
                                       [NQM_PART_NOVELTY] = points,
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
-                                      [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport")};
+                                      [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport") ||
+                                                             nqm_safetensors_find(r->st, "transport.points")};
     if (interval && !model->calibration)
         return refuse(r, interval, "needs the metadata 'calibration'");
     if (points && !(model->calibration && model->scalar_names))
@@ -253,9 +255,11 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
 static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     const float *std = model->features.std;
     const nqm_transport transport = nqm_model_transport(model);
-    const char *transport_fault = model->transport ? nqm_transport_fault(&transport) : NULL;
+    const char *transport_fault = model->transport ? nqm_transport_fault(&transport, r->verify) : NULL;
     if (model->transport && model->n_transport != model->directions->n)
-        transport_fault = "'transport' does not have a row for each direction";
+        transport_fault = "tensor 'transport' does not have a row for each direction";
+    if (model->transport && model->target != NQM_TARGET_LOG_DELTA_E)
+        transport_fault = "tensor 'transport' needs the target log_delta_e";
     if (transport_fault)
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: %s", r->name, transport_fault);
     const char *bad = NULL,

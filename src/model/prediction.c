@@ -30,22 +30,34 @@ static double target_of(const nqm_output_range *o, double z) {
     return o->mean + o->std * (o->lo + (o->hi - o->lo) * nqm_sigmoid(z));
 }
 
-const char *nqm_transport_fault(const nqm_transport *t) {
-    double scene = 0;
-    if (!t->light)
-        return NULL;
-    if (!t->points)
-        return "'transport' without 'transport.points'";
-    for (size_t i = 0; i < t->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
-        if (!(t->light[i] >= 0) || isinf(t->light[i]))
-            return "'transport' has values that are negative or not finite";
-    for (const double *p = t->points; p < t->points + 3 * NQM_TRANSPORT_POINTS; p += 3) {
-        const double next = p > t->points ? scene + 1 : 0;
-        if (!(p[0] >= 0 && p[0] <= 1) || !(p[1] == scene || p[1] == next) || !(p[2] > 0))
-            return "'transport.points' is invalid";
+/* Whether the fractions of the points of every scene sum to 1, scenes are numbered from 0, and displays have a peak. */
+static const char *points_fault(const double *points) {
+    double scene = 0, sum = 0;
+    for (const double *p = points; p < points + 3 * NQM_TRANSPORT_POINTS; p += 3) {
+        const bool is_next = p > points && p[1] == scene + 1;
+        if (!(p[0] >= 0 && p[0] <= 1))
+            return "tensor 'transport.points' has a fraction outside 0 to 1";
+        if (!is_next && p[1] != scene)
+            return "tensor 'transport.points' does not number its scenes 0, 1, ... in ascending order";
+        if (!(p[2] > 0 && isfinite(p[2])))
+            return "tensor 'transport.points' has a peak luminance that is not positive and finite";
+        if (is_next && fabs(sum - 1) > 1e-6)
+            break;
+        sum = (is_next ? 0 : sum) + p[0];
         scene = p[1];
     }
-    return NULL;
+    return fabs(sum - 1) > 1e-6 ? "tensor 'transport.points' has fractions of a scene that do not sum to 1" : NULL;
+}
+
+const char *nqm_transport_fault(const nqm_transport *t, bool verify) {
+    if (!t->light && !t->points)
+        return NULL;
+    if (!t->light || !t->points)
+        return "tensors 'transport' and 'transport.points' need each other";
+    for (size_t i = 0; verify && i < t->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
+        if (!(t->light[i] >= 0 && isfinite(t->light[i])))
+            return "tensor 'transport' has a value that is negative or not finite";
+    return points_fault(t->points);
 }
 
 void nqm_estimate_targets(const nqm_label *estimate, double targets[1 + NQM_LABEL_PARTS]) {

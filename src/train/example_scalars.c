@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The estimated labels and the scalar features of the examples of a training, including scaled and noisy copies. They are computed once and
- * whitened with the moments of the training examples. The transformed samples are converted back to f_r first, so that
- * the features of a copy match the samples that the network receives with them.
+ * The estimated labels of the pairs, and the scalar features of the examples of a training, including scaled and noisy
+ * copies. Both are computed once; the features are whitened with the moments of the training examples. The transformed
+ * samples are converted back to f_r first, so that the features of a copy match the samples that the network receives
+ * with them.
  */
 #include "metric/metric.h"
 #include "train/train.h"
@@ -31,6 +32,7 @@ void nqm_examples_estimate(nqm_examples *e) {
 
 typedef struct scalar_job {
     const nqm_examples *e;
+    nqm_transport transport; /* only if the model gets it: predictions must compute the same features */
     size_t first;
     double *scalars; /* (n_train + n_validation, NQM_SCALAR_COUNT) */
 } scalar_job;
@@ -44,8 +46,8 @@ static void example_scalars(void *user, size_t r) {
     const uint8_t *used = nqm_examples_at(e, i, r, rho, &ref_t, &test_t);
     nqm_features_restore(n, ref_t, rho);
     nqm_features_restore(n, test_t, rho + n);
-    const nqm_transport transport = nqm_dataset_transport(e->dataset);
-    nqm_scalars_compute(e->dataset->directions, &transport, rho, rho + n, used, job->scalars + i * NQM_SCALAR_COUNT);
+    nqm_scalars_compute(e->dataset->directions, &job->transport, rho, rho + n, used,
+                        job->scalars + i * NQM_SCALAR_COUNT);
 }
 
 /* Mean and standard deviation over the training examples. A constant feature gets the standard deviation 1, so that its
@@ -70,7 +72,9 @@ nqm_status nqm_examples_find_scalars(nqm_examples *e, nqm_error *err) {
     if (!scalars)
         return nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *scalars);
     for (size_t first = 0; first < n; first += e->max_batch) {
-        scalar_job job = {e, first, scalars};
+        scalar_job job = {.e = e, .first = first, .scalars = scalars};
+        if (e->estimate)
+            job.transport = nqm_dataset_transport(e->dataset);
         nqm_parallel_for(nqm_smaller(n - first, e->max_batch), example_scalars, &job);
     }
     find_moments(e, scalars);

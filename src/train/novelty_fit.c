@@ -16,6 +16,7 @@
 
 typedef struct scalar_job {
     const nqm_dataset *dataset;
+    nqm_transport transport; /* the model's: its features must be those that predictions compute */
     size_t first;
     const size_t *pairs;
     uint8_t *used;   /* (SCALAR_BATCH, n_directions) */
@@ -29,15 +30,14 @@ static void pair_scalars(void *user, size_t r) {
     const nqm_dataset *d = job->dataset;
     size_t i = job->first + r, pair = job->pairs[i], n = 3 * d->n_directions;
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + r * d->n_directions);
-    const nqm_transport transport = nqm_dataset_transport(d);
-    nqm_scalars_compute(d->directions, &transport, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, used,
-                        job->scalars + i * NQM_SCALAR_COUNT);
+    nqm_scalars_compute(d->directions, &job->transport, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
+                        used, job->scalars + i * NQM_SCALAR_COUNT);
 }
 
-/* Compute the scalar features of pairs (n). Free *scalars_ret with nqm_free(). */
-static nqm_status find_scalars(const nqm_dataset *d, size_t n, const size_t *pairs, double **scalars_ret,
-                               nqm_error *err) {
-    scalar_job job = {.dataset = d, .pairs = pairs};
+/* Compute the scalar features of pairs (n) for a model. Free *scalars_ret with nqm_free(). */
+static nqm_status find_scalars(const struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
+                               double **scalars_ret, nqm_error *err) {
+    scalar_job job = {.dataset = d, .transport = nqm_model_transport(model), .pairs = pairs};
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&job.scalars, n, NQM_SCALAR_COUNT * sizeof *job.scalars},
                                                     {&job.used, SCALAR_BATCH, d->n_directions}),
                                          err);
@@ -158,7 +158,7 @@ static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, si
     double *scalars, *nearest = NULL;
     float *x;
     model->novelty_points = nqm_alloc(n_blocks, NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof *model->novelty_points);
-    nqm_status status = find_scalars(d, n, pairs, &scalars, err);
+    nqm_status status = find_scalars(model, d, n, pairs, &scalars, err);
     if (status == NQM_OK)
         status =
             nqm_alloc_arrays(NQM_ARRAYS({&nearest, n, sizeof *nearest}, {&x, n, NQM_SCALAR_COUNT * sizeof *x}), err);
@@ -199,7 +199,7 @@ nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, nq
     if (model->n_novelty == 0)
         return NQM_OK;
     double *scalars, *sorted = nqm_alloc(r->n, sizeof *sorted);
-    nqm_status status = find_scalars(d, r->n, r->pairs, &scalars, err);
+    nqm_status status = find_scalars(model, d, r->n, r->pairs, &scalars, err);
     if (status == NQM_OK && !sorted)
         status = nqm_fail_nomem(err, r->n * sizeof *sorted);
     if (status == NQM_OK) {

@@ -108,7 +108,8 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
     if (status == NQM_OK && o->run.resume && !o->run.checkpoint)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "resuming needs a checkpoint");
     if (status == NQM_OK && o->input.transport && o->labels.target == NQM_TARGET_JOD)
-        status = nqm_fail(err, NQM_ERR_ARG, -1, "with transport the target is log_delta_e");
+        status = nqm_fail(err, NQM_ERR_ARG, -1,
+                          "the option transport corrects a Delta-E: it needs the target log_delta_e (or no transport)");
     return status;
 }
 

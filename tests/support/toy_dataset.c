@@ -49,6 +49,27 @@ static void fill_mask(size_t n_rows, size_t n_directions, nqm_rng *rng, uint8_t 
         used[i] = i % n_directions == 0 || nqm_rng_uniform(rng) > 0.1;
 }
 
+/* Light from random directions on two scenes of different size. */
+static void fill_transport(nqm_dataset *d, nqm_rng *rng) {
+    const size_t n_first = 40;
+    for (size_t i = 0; i < d->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
+        d->transport[i] = nqm_rng_uniform(rng) < 0.5 ? (float)(20 * nqm_rng_uniform(rng)) : 0;
+    for (size_t i = 0; i < NQM_TRANSPORT_POINTS; ++i) {
+        const bool is_first = i < n_first;
+        d->transport_points[3 * i] = 1 / (double)(is_first ? n_first : NQM_TRANSPORT_POINTS - n_first);
+        d->transport_points[3 * i + 1] = is_first ? 0 : 1;
+        d->transport_points[3 * i + 2] = 1000;
+    }
+}
+
+/* Parts that differ in size and sign. */
+static void set_parts(double delta_e, nqm_rng *rng, double *parts) {
+    for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
+        parts[k] = delta_e * (nqm_rng_uniform(rng) - 0.5);
+    parts[3] *= 0.03;
+    parts[4] = 0.5 * delta_e;
+}
+
 /* Add one test: a copy of the reference's lobe that is scaled (gain) or has another width (gloss). */
 static void add_test(nqm_dataset_builder *b, size_t ref, lobe l, nqm_rng *rng) {
     const nqm_dataset *d = b->dataset;
@@ -65,6 +86,8 @@ static void add_test(nqm_dataset_builder *b, size_t ref, lobe l, nqm_rng *rng) {
     sample_lobe(d, &l, b->dataset->test_rgb + p * n);
     const double delta_e = label_delta_e(n, b->dataset->ref_rgb + ref * n, b->dataset->test_rgb + p * n);
     must(nqm_dataset_add_kind(b, is_gloss ? "gloss" : "gain", is_gloss ? "encoding" : "perturbation", &kind, NULL));
+    if (d->parts)
+        set_parts(delta_e, rng, b->dataset->parts + p * NQM_LABEL_PARTS);
     must(nqm_dataset_add_pair(b, (uint32_t)ref, name, kind, delta_e, nqm_curve_jod(&nqm_curve_published, delta_e),
                               NULL));
 }
@@ -87,7 +110,9 @@ nqm_dataset *toy_dataset(const toy_options *o) {
                                        .directions_deg = degrees,
                                        .max_refs = n_refs,
                                        .max_pairs = n_refs * o->pairs_per_ref,
-                                       .has_masks = o->with_masks};
+                                       .has_masks = o->with_masks,
+                                       .has_parts = o->with_transport,
+                                       .has_transport = o->with_transport};
     must(nqm_dataset_begin(&limits, &b, NULL));
     for (size_t r = 0; r < n_refs; ++r) {
         char name[32];
@@ -107,6 +132,8 @@ nqm_dataset *toy_dataset(const toy_options *o) {
     for (size_t r = 0; r < n_refs; ++r)
         for (size_t i = 0; i < o->pairs_per_ref; ++i)
             add_test(&b, r, lobes[r], &rng);
+    if (o->with_transport)
+        fill_transport(b.dataset, &rng);
     if (o->with_masks) {
         fill_mask(n_refs, o->n_directions, &rng, b.dataset->ref_used);
         fill_mask(b.max_pairs, o->n_directions, &rng, b.dataset->test_used);

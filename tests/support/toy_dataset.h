@@ -10,8 +10,9 @@
 
 typedef struct toy_options {
     size_t n_directions, n_groups, pairs_per_ref;
-    bool with_masks; /* a few directions have no value */
-    bool splits;     /* assign groups to all three splits; otherwise all are training groups */
+    bool with_masks;     /* a few directions have no value */
+    bool with_transport; /* a transport matrix of two scenes, and parts of labels */
+    bool splits;         /* assign groups to all three splits; otherwise all are training groups */
     uint64_t seed;
 } toy_options;
 

@@ -19,7 +19,7 @@ static nqm_dataset *toy;
 static int make_toy(void **state) {
     (void)state;
     toy_options o = toy_options_default();
-    o.with_masks = true;
+    o.with_masks = o.with_transport = true;
     o.n_groups = 4;
     o.pairs_per_ref = 3;
     toy = toy_dataset(&o);
@@ -59,6 +59,9 @@ static void round_trip(void **state) {
     assert_int_equal(nqm_dataset_hash(toy, before, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_hash(d, after, NULL), NQM_OK);
     assert_string_equal(before, after);
+    assert_memory_equal(d->transport, toy->transport, 16 * 3 * NQM_TRANSPORT_POINTS * sizeof *d->transport);
+    assert_memory_equal(d->transport_points, toy->transport_points,
+                        3 * NQM_TRANSPORT_POINTS * sizeof *d->transport_points);
     for (size_t i = 0; i < info.n_pairs; ++i) {
         nqm_dataset_pair a = nqm_dataset_get_pair(toy, i), b = nqm_dataset_get_pair(d, i);
         assert_string_equal(a.ref, b.ref);
@@ -149,6 +152,67 @@ static void broken_promises(void **state) {
     refuse(&d, "no pairs");
 }
 
+/* Datasets without a transport matrix are valid; half of it, or impossible values are not. */
+static void broken_transport(void **state) {
+    (void)state;
+    nqm_dataset d = *toy, *loaded;
+    d.transport = NULL;
+    refuse(&d, "need each other");
+    d.transport_points = NULL;
+    assert_int_equal(nqm_dataset_write(&d, path, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, &loaded, NULL), NQM_OK);
+    assert_null(nqm_dataset_transport(loaded).light);
+    nqm_dataset_free(loaded);
+    d.transport = toy->transport;
+    refuse(&d, "need each other");
+    const float bad[] = {-1e-9f, INFINITY, NAN};
+    float light[16 * 3 * NQM_TRANSPORT_POINTS];
+    d = *toy;
+    d.transport = light;
+    for (size_t i = 0; i < 3; ++i) {
+        memcpy(light, toy->transport, sizeof light);
+        light[sizeof light / sizeof *light - 1] = bad[i];
+        refuse(&d, "'transport' has a value that is negative or not finite");
+    }
+    double points[3 * NQM_TRANSPORT_POINTS];
+    memcpy(points, toy->transport_points, sizeof points);
+    d = *toy;
+    d.transport_points = points;
+    points[1] = 1;
+    refuse(&d, "number its scenes");
+    points[1] = 0;
+    points[2] = INFINITY;
+    refuse(&d, "peak luminance");
+    points[2] = NAN;
+    refuse(&d, "peak luminance");
+    /* files: a matrix of other directions, points of another shape */
+    nqm_tensor tensors[NQM_DATASET_ARRAYS];
+    static const char *const keys[] = {"format", "schema", "ref_names", "group_names", "kind_names", "pair_names"};
+    nqm_meta meta[6];
+    nqm_safetensors *st;
+    nqm_map map;
+    assert_int_equal(nqm_dataset_write(toy, path, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL), NQM_OK);
+    for (size_t i = 0; i < 6; ++i)
+        meta[i] = (nqm_meta){keys[i], nqm_safetensors_meta(st, keys[i])};
+    for (size_t wrong = NQM_DATASET_ARRAYS - 2; wrong < NQM_DATASET_ARRAYS; ++wrong) {
+        for (size_t i = 0; i < NQM_DATASET_ARRAYS; ++i)
+            tensors[i] = nqm_dataset_array(toy, i);
+        tensors[wrong].n_bytes -= tensors[wrong].n_bytes / tensors[wrong].dims[0];
+        tensors[wrong].dims[0] -= 1;
+        nqm_error err = {0};
+        assert_int_equal(nqm_safetensors_write("misshapen.tmp", NQM_DATASET_ARRAYS, tensors, 6, meta, NULL, NULL),
+                         NQM_OK);
+        assert_int_equal(nqm_dataset_load("misshapen.tmp", &loaded, &err), NQM_ERR_FORMAT);
+        assert_non_null(strstr(err.message, tensors[wrong].name));
+        assert_non_null(strstr(err.message, "type and shape"));
+    }
+    unlink("misshapen.tmp");
+    nqm_safetensors_free(st);
+    nqm_map_close(&map);
+}
+
 /* A change of any byte and truncation at any byte must be detected: the checksum covers the whole file. */
 static void damage_is_noticed(void **state) {
     (void)state;
@@ -211,6 +275,7 @@ int main(void) {
         cmocka_unit_test(families_may_be_missing),
         cmocka_unit_test(splits_belong_to_materials),
         cmocka_unit_test(broken_promises),
+        cmocka_unit_test(broken_transport),
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(foreign_files),
         cmocka_unit_test(memory_runs_out),

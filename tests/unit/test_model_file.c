@@ -20,12 +20,25 @@
 
 enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
 
-static bool with_scalars; /* whether the models here have scalar features */
+static bool with_scalars, with_transport; /* whether the models here have scalar features, a transport matrix */
 
 static const char *path_of_output(void) {
     static char path[64];
     snprintf(path, sizeof path, "test_net_model.%ld.tmp", (long)getpid());
     return path;
+}
+
+/* Two scenes of 64 points each. */
+static void add_transport(struct nqm_model *model) {
+    model->n_transport = N_DIRECTIONS;
+    model->transport = nqm_alloc(N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS, sizeof *model->transport);
+    for (size_t i = 0; i < N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS; ++i)
+        model->transport[i] = 0.25f * (float)(i % 1000);
+    for (size_t i = 0; i < NQM_TRANSPORT_POINTS; ++i) {
+        model->transport_points[3 * i] = 1.0 / 64;
+        model->transport_points[3 * i + 1] = (double)(i / 64);
+        model->transport_points[3 * i + 2] = 1000;
+    }
 }
 
 static struct nqm_model *make_model(void) {
@@ -48,7 +61,9 @@ static struct nqm_model *make_model(void) {
     model->scalars.scale = 1.5;
     model->scalar_names = with_scalars ? nqm_scalar_names() : NULL;
     model->features.layout = NQM_LAYOUT_REF_TEST;
-    model->target = NQM_TARGET_JOD;
+    model->target = with_transport ? NQM_TARGET_LOG_DELTA_E : NQM_TARGET_JOD;
+    if (with_transport)
+        add_transport(model);
     model->features.difference_scale = 3;
     model->output.mean = 5, model->output.std = 2;
     model->output.lo = -2, model->output.hi = 1.5;
@@ -113,6 +128,13 @@ static void round_trip(void **state) {
         assert_memory_equal(model->scalars.std, made->scalars.std, sizeof made->scalars.std);
         assert_near(model->scalars.scale, 1.5, 0);
         assert_string_equal(model->scalar_names, made->scalar_names);
+    }
+    assert_int_equal(model->transport != NULL, with_transport);
+    if (with_transport) {
+        assert_int_equal(model->n_transport, N_DIRECTIONS);
+        assert_memory_equal(model->transport, made->transport,
+                            N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS * sizeof *made->transport);
+        assert_memory_equal(model->transport_points, made->transport_points, sizeof made->transport_points);
     }
     assert_int_equal(model->features.layout, made->features.layout);
     assert_int_equal(model->target, made->target);
@@ -392,6 +414,60 @@ static void impossible_numbers(void **state) {
     }
 }
 
+/* A file in which the tensor `name` has other values must be refused with a message that contains `says`. */
+static void refuse_values(const char *name, const void *data, const char *says) {
+    contents c = open_contents();
+    size_t found = 0;
+    for (size_t k = 0; k < c.n_tensors; ++k)
+        if (strcmp(c.tensors[k].name, name) == 0) {
+            c.tensors[k].data = data;
+            ++found;
+        }
+    assert_int_equal(found, 1);
+    must_refuse(&c, says);
+    close_contents(&c);
+}
+
+static void impossible_transport(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    model->transport[100] = -1e-9f;
+    refuse_values("transport", model->transport, "tensor 'transport' has a value that is negative");
+    static const struct {
+        size_t i, k;
+        double value;
+        const char *says;
+    } bad[] = {{3, 0, -0.1, "a fraction outside 0 to 1"},
+               {3, 0, 1.1, "a fraction outside 0 to 1"},
+               {3, 0, 0.5, "do not sum to 1"},
+               {127, 0, 0, "do not sum to 1"},
+               {0, 1, 1, "number its scenes"},
+               {5, 1, 1, "do not sum to 1"},
+               {64, 1, 2, "number its scenes"},
+               {127, 1, 0, "number its scenes"},
+               {9, 1, 0.5, "number its scenes"},
+               {70, 2, 0, "peak luminance"},
+               {70, 2, -1000, "peak luminance"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        double points[3 * NQM_TRANSPORT_POINTS];
+        memcpy(points, model->transport_points, sizeof points);
+        points[3 * bad[i].i + bad[i].k] = bad[i].value;
+        refuse_values("transport.points", points, bad[i].says);
+    }
+    nqm_model_free(model);
+    contents c = open_contents();
+    c.meta[5].value = "jod";
+    must_refuse(&c, "'transport' needs the target log_delta_e");
+    c.meta[5].value = "log_delta_e";
+    for (size_t k = 0; k < c.n_tensors; ++k)
+        if (strcmp(c.tensors[k].name, "transport") == 0) {
+            c.tensors[k].dims[0] -= 1;
+            c.tensors[k].n_bytes -= 3 * NQM_TRANSPORT_POINTS * sizeof(float);
+        }
+    must_refuse(&c, "'transport' does not have a row for each direction");
+    close_contents(&c);
+}
+
 static void out_of_memory(void **state) {
     (void)state;
     size_t n;
@@ -432,6 +508,38 @@ static void jod_of_an_output(void **state) {
     nqm_model_free(NULL);
 }
 
+/* The outputs are added to the targets of the estimated label, raised to the floor. */
+static void correction_of_an_estimate(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model();
+    const nqm_label estimate = {.delta_e = 3, .shift = {1, -2, 0.5}, .contrast = 0.1, .structure = 2};
+    const nqm_label equal = {.delta_e = 0};
+    double delta_e, base[1 + NQM_LABEL_PARTS];
+    model->output = (nqm_output_range){.mean = 0.25, .std = 0.5, .lo = -1, .hi = 1};
+    assert_near(nqm_model_jod(model, 0, &estimate, &delta_e), nqm_curve_jod(&model->curve, 3 * exp(0.25)), 1e-12);
+    assert_relative(delta_e, 3 * exp(0.25), 1e-14);
+    (void)nqm_model_jod(model, 1e9, &estimate, &delta_e);
+    assert_relative(delta_e, 3 * exp(0.25 + 0.5), 1e-14);
+    (void)nqm_model_jod(model, 0, &equal, &delta_e);
+    assert_relative(delta_e, 0.05 * exp(0.25), 1e-14);
+    nqm_estimate_targets(&estimate, base);
+    const double expected[] = {log(3), asinh(1), asinh(-2), asinh(0.5), asinh(3), log(2)};
+    for (size_t i = 0; i < 1 + NQM_LABEL_PARTS; ++i)
+        assert_near(base[i], expected[i], 1e-15);
+    nqm_estimate_targets(NULL, base);
+    for (size_t i = 0; i < 1 + NQM_LABEL_PARTS; ++i)
+        assert_true(base[i] == 0);
+    for (size_t i = 0; i < NQM_LABEL_PARTS; ++i)
+        model->parts[i] = (nqm_output_range){.std = 1, .lo = -1, .hi = 1};
+    const nqm_label same = nqm_model_label(model, (const float[1 + NQM_LABEL_PARTS]){0}, &estimate);
+    assert_relative(same.delta_e, 3 * exp(0.25), 1e-14);
+    for (size_t i = 0; i < 3; ++i)
+        assert_near(same.shift[i], estimate.shift[i], 1e-14);
+    assert_near(same.contrast, 0.1, 1e-14);
+    assert_near(same.structure, 2, 1e-14);
+    nqm_model_free(model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(round_trip),
@@ -453,5 +561,18 @@ int main(void) {
         cmocka_unit_test(impossible_numbers),
     };
     with_scalars = true;
-    return n_failed + cmocka_run_group_tests_name("with scalar features", tests_with_scalars, NULL, NULL);
+    n_failed += cmocka_run_group_tests_name("with scalar features", tests_with_scalars, NULL, NULL);
+    const struct CMUnitTest tests_with_transport[] = {
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(unaligned_bytes),
+        cmocka_unit_test(weights_in_half),
+        cmocka_unit_test(each_tensor_is_checked),
+        cmocka_unit_test(each_text_is_checked),
+        cmocka_unit_test(impossible_numbers),
+        cmocka_unit_test(impossible_transport),
+        cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(correction_of_an_estimate),
+    };
+    with_transport = true;
+    return n_failed + cmocka_run_group_tests_name("with a transport matrix", tests_with_transport, NULL, NULL);
 }
