@@ -104,7 +104,7 @@ def main():
     options = parser.parse_args()
     nqm = os.environ.get("NQM_TOOL", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "build", "nqm"))
     pairs = list(make_pairs(nqm, options.data, options.refs, options.seed))
-    bunny = ["--shape", os.path.join(options.data, "scene", "bunny.ply"), "--frames", "8"]
+    bunny = ["--scene", "paper", "--shape", os.path.join(options.data, "scene", "bunny.ply")]
     found = {name: delta_e(nqm, pairs, words) for name, words in SCENES.items()}
     for name, file in MEASURED.items():
         found[name] = delta_e(nqm, pairs, ["--light", os.path.join(options.data, "scene", file), *bunny])

@@ -13,7 +13,7 @@ nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 # from a third of the points of those of test pairs, which are those of `nqm label`.
 any_pair="--perturbations 62 --far 46 --roundings 4"
 # Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
-paper_scene="--light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --frames 8 --points 1536"
+paper_scene="--scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
 paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0"
 
 NQM_TOOL=$nqm python3 "$here/scan.py" "$data" >"$work/materials.csv"

@@ -20,7 +20,15 @@ extern "C" {
  *  one after the other, and each scene has a quarter of the weight. */
 typedef struct nqm_scene nqm_scene;
 
+/** Which scene the options describe. */
+typedef enum nqm_scene_kind {
+    NQM_SCENE_STANDARD, /**< the standard set, or another scene if light or shape is given */
+    NQM_SCENE_PAPER /**< the scene of Kavoosighafi et al. 2025: light and shape, which are files and must both be given
+                             (the Pixar Campus light map and the Stanford bunny), in 8 views of the turntable */
+} nqm_scene_kind;
+
 typedef struct nqm_scene_options {
+    nqm_scene_kind scene; /**< default NQM_SCENE_STANDARD */
     const char
         *light; /**< "sun", "overcast", "studio", "interior", or a latitude-longitude map: RGBE in PNG, OpenEXR or
                                Radiance HDR; default NULL: the standard set, or "sun" if a shape is given */
@@ -30,7 +38,8 @@ typedef struct nqm_scene_options {
     size_t width, height; /**< picture in pixels, up to 8192; every pixel that shows the shape is a point. Default 0:
                                n_points points, distributed evenly over the pictures of all frames (faster) */
     size_t n_points;      /**< surface points in total if width is 0; 1 (standard set: 4) to 10^7; default 3072 */
-    size_t n_frames;      /**< views of the turntable, evenly over 360 degrees, 1 to 4096; default 1 */
+    size_t n_frames;      /**< views of the turntable, evenly over 360 degrees, 1 to 4096; default 0: 1, or 8 for
+                               NQM_SCENE_PAPER */
     double turn_rad;      /**< angle of the turntable in the first frame, its front to the right; default 0 */
     double elevation_rad; /**< of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */
     size_t n_lights;      /**< light directions per point, 16 to 65536; default 0: 128, or 96 if width is not 0 */
@@ -49,8 +58,8 @@ typedef struct nqm_scene_options {
 NQM_API nqm_scene_options nqm_scene_options_default(void);
 /** Create a scene; options NULL: the defaults. Light directions and shadows of every visible point are computed here, by
  *  multiple importance sampling with the balance heuristic (Veach and Guibas 1995, DOI 10.1145/218380.218498) over light
- *  map, mirror lobes of five widths and cosine. NQM_ERR_ARG (an option out of range; a shape other than the sphere in a
- *  build without Embree), or the error of reading the light map or mesh. */
+ *  map, mirror lobes of five widths and cosine. NQM_ERR_ARG (an option out of range; NQM_SCENE_PAPER without
+ *  light or shape; a shape other than the sphere in a build without Embree), or the error of reading the light map or mesh. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret,
                                                    nqm_error *err);
 /** Free a scene; NULL is allowed. */

@@ -37,7 +37,7 @@ static json_t *scene_json(const nqm_corpus_context *context) {
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:o,s:b,s:b,s:f,s:f,s:o}", "light", light, "light_width",
                      count(scene->light_width), "shape", shape, "width", count(scene->width), "height",
                      count(scene->height), "points", count(scene->width ? 0 : scene->n_points), "frames",
-                     count(scene->n_frames), "turn_deg", scene->turn_rad * degrees, "elevation_deg",
+                     count(nqm_scene_n_frames(scene)), "turn_deg", scene->turn_rad * degrees, "elevation_deg",
                      scene->elevation_rad * degrees, "lights", count(nqm_scene_n_lights(scene)), "shadows",
                      scene->shadows, "interreflection", scene->interreflection, "exposure_cdm2", scene->exposure_cdm2,
                      "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));

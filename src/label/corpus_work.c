@@ -43,7 +43,7 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const uint64_t counts[] = {scene->width,
                                scene->height,
                                scene->n_points,
-                               scene->n_frames,
+                               nqm_scene_n_frames(scene),
                                nqm_scene_n_lights(scene),
                                scene->light_width,
                                scene->seed,

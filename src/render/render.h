@@ -18,6 +18,8 @@
 extern const nqm_option_table nqm_scene_option_table;
 /** Light directions per point: n_lights, or the value that 0 stands for. */
 size_t nqm_scene_n_lights(const nqm_scene_options *options);
+/** Views of the turntable in each scene: n_frames, or the value that 0 stands for. */
+size_t nqm_scene_n_frames(const nqm_scene_options *options);
 /** Whether the options name no light and no shape, and so the standard set of NQM_STANDARD_SCENES scenes. */
 bool nqm_scene_is_standard(const nqm_scene_options *options);
 /** Frames of all scenes of the options together, for pixel indices. */
@@ -185,7 +187,7 @@ enum { NQM_STANDARD_SCENES = 4 };
 /** One scene, or several: then the points of the parts follow each other, and of the fields below `parts` only options, weight
  *  and pixel are used. */
 struct nqm_scene {
-    nqm_scene_options options; /* n_lights filled in; strings NULL */
+    nqm_scene_options options; /* n_lights and n_frames filled in; strings NULL */
     size_t n_parts;            /* 0: one scene */
     nqm_scene *parts[NQM_STANDARD_SCENES];
     nqm_light light;

@@ -21,19 +21,23 @@ static const double max_kept_bytes = 512.0 * 1024 * 1024;
 
 #define FIELD(name) .key = #name, .offset = offsetof(nqm_scene_options, name)
 
+static const char *const scene_words[] = {"standard", "paper", NULL};
+
 /* clang-format off */
 static const nqm_option rows[] = {
+    {FIELD(scene), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = scene_words,
+     .help = "'paper' is the paper's scene, 8 views of the bunny; it needs --shape bunny.ply and --light pixar_campus_rgbe.png"},
     {FIELD(shape), .kind = NQM_OPTION_TEXT, .metavar = "SHAPE",
      .help = "'sphere', 'blob', or a mesh: PLY or OBJ (default: without --light the standard set of scenes, else 'sphere')"},
     {FIELD(light), .kind = NQM_OPTION_TEXT, .metavar = "LIGHT",
-     .help = "'sun', 'overcast', 'studio', 'interior', or a latitude-longitude map: OpenEXR, Radiance HDR or RGBE in a PNG\n"
+     .help = "'sun', 'overcast', 'studio', 'interior', or a latitude-longitude map: OpenEXR, Radiance HDR or RGBE in a PNG "
              "(default: without --shape the standard set of scenes, else 'sun')"},
     {FIELD(width), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = MAX_SIDE},
     {FIELD(height), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = MAX_SIDE},
     {FIELD(n_points), .name = "points", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1e7,
      .values = {"3072"}, .help = "quick mode: surface points instead of a picture (0: the picture)"},
-    {FIELD(n_frames), .name = "frames", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 4096, .values = {"1"},
-     .help = "views of the turntable, evenly over 360 degrees"},
+    {FIELD(n_frames), .name = "frames", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 4096,
+     .help = "views of the turntable, evenly over 360 degrees (0: 1, or 8 for the paper's scene)"},
     {FIELD(turn_rad), .name = "turn", .metavar = "DEG", .scale = NQM_PI / 180,
      .help = "angle of the turntable in the first frame"},
     {FIELD(elevation_rad), .name = "elevation", .metavar = "DEG", .scale = NQM_PI / 180, .min = -90,
@@ -66,10 +70,21 @@ size_t nqm_scene_n_lights(const nqm_scene_options *options) {
     return options->width ? 96 : 128;
 }
 
+size_t nqm_scene_n_frames(const nqm_scene_options *options) {
+    enum { PAPER_FRAMES = 8 };
+    if (options->n_frames)
+        return options->n_frames;
+    return options->scene == NQM_SCENE_PAPER ? PAPER_FRAMES : 1;
+}
+
 static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
     nqm_status status = nqm_options_check(&nqm_scene_option_table, o, err);
     if (status != NQM_OK)
         return status;
+    if (o->scene == NQM_SCENE_PAPER && (!o->shape || !o->light))
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "the paper's scene needs both a shape and a light: --shape bunny.ply and --light "
+                        "pixar_campus_rgbe.png (doc/corpus.md has their sources)");
     if (o->n_lights && o->n_lights < MIN_LIGHTS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions per point; at least %d are needed",
                         o->n_lights, (int)MIN_LIGHTS);
@@ -192,7 +207,7 @@ bool nqm_scene_is_standard(const nqm_scene_options *options) {
 }
 
 size_t nqm_scene_frames(const nqm_scene_options *options) {
-    return options->n_frames * (nqm_scene_is_standard(options) ? NQM_STANDARD_SCENES : 1);
+    return nqm_scene_n_frames(options) * (nqm_scene_is_standard(options) ? NQM_STANDARD_SCENES : 1);
 }
 
 /* Concatenate the weights and pixels of the parts; each part has the same total weight. */
@@ -236,16 +251,16 @@ static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_e
 /* ---- entry -------------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret, nqm_error *err) {
-    nqm_scene_options defaults = nqm_scene_options_default();
-    const nqm_scene_options *o = options ? options : &defaults;
+    nqm_scene_options o = options ? *options : nqm_scene_options_default();
     *scene_ret = NULL;
-    nqm_status status = check_options(o, err);
+    nqm_status status = check_options(&o, err);
     if (status != NQM_OK)
         return status;
     nqm_scene *scene = nqm_alloc(1, sizeof *scene);
     if (!scene)
         return nqm_fail_nomem(err, sizeof *scene);
-    status = nqm_scene_is_standard(o) ? fill_parts(scene, o, err) : fill_scene(scene, o, err);
+    o.n_frames = nqm_scene_n_frames(&o);
+    status = nqm_scene_is_standard(&o) ? fill_parts(scene, &o, err) : fill_scene(scene, &o, err);
     if (status == NQM_OK)
         *scene_ret = scene;
     else

@@ -50,6 +50,22 @@ small="--points 200 --lights 100"
     ! cmp -s "$dir/one" "$dir/out" || fail "the seed changes nothing"
 }
 
+# The paper's scene: eight views, of a shape and a light that must be given.
+paper="--scene paper --shape sphere --light sun --points 50 --json"
+# shellcheck disable=SC2086
+label 0 sgd:nickel ward:nickel $paper
+cp "$dir/out" "$dir/one"
+label 0 sgd:nickel ward:nickel --shape sphere --light sun --points 50 --frames 8 --json
+cmp "$dir/one" "$dir/out" || fail "--scene paper has not 8 frames"
+# shellcheck disable=SC2086
+label 0 sgd:nickel ward:nickel $paper --frames 2
+[ "$(number frames 1)" = 2 ] || fail "--scene paper ignores --frames"
+for some in "" "--shape sphere" "--light sun"; do
+    # shellcheck disable=SC2086
+    label 2 sgd:nickel ward:nickel --scene paper $some
+    grep -q 'needs both a shape and a light: --shape .* --light ' "$dir/err" || fail "--scene paper $some: $(cat "$dir/err")"
+done
+
 # The other tests are labelled if one cannot be opened.
 label 3 sgd:nickel "$dir/nowhere.bsdf" sgd:nickel --points 50 --lights 50 --json
 [ "$(number delta_e_itp 1)" = null ] || fail "a missing test has a label"

@@ -323,7 +323,7 @@ static void bad_options(void **state) {
     o = good, o.width = o.height = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.width = o.height = 4096, o.n_frames = 2, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.n_points = 1000000, o.n_lights = 60000, expect_no_scene(o, NQM_ERR_ARG);
-    o = good, o.n_frames = 0, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.n_frames = 4097, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.light_width = 100, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.elevation_rad = 2, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.turn_rad = NAN, expect_no_scene(o, NQM_ERR_ARG);

@@ -402,6 +402,23 @@ static void brighter_than_the_display_is_clipped(void **state) {
     nqm_scene_free(scene);
 }
 
+/* The paper's scene sets the number of frames only, unless it is given. */
+static void paper_scene_has_eight_frames(void **state) {
+    (void)state;
+    nqm_scene_options o = nqm_scene_options_default();
+    assert_int_equal(nqm_scene_n_frames(&o), 1);
+    o.scene = NQM_SCENE_PAPER;
+    o.light = "sun";
+    o.shape = "sphere";
+    o.n_points = 50;
+    for (size_t n = 0; n < 4; n += 3) {
+        o.n_frames = n;
+        nqm_scene *scene = make_scene(&o);
+        assert_int_equal(scene->options.n_frames, n ? n : 8);
+        nqm_scene_free(scene);
+    }
+}
+
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void bad_options_and_lights(void **state) {
@@ -409,6 +426,10 @@ static void bad_options_and_lights(void **state) {
     nqm_scene_options good = nqm_scene_options_default(), o;
     o = good, o.n_points = 0, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.n_points = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.scene = NQM_SCENE_PAPER, expect_no_scene(o, NQM_ERR_ARG);
+    o.light = "sun", expect_no_scene(o, NQM_ERR_ARG);
+    o.light = NULL, o.shape = "sphere", expect_no_scene(o, NQM_ERR_ARG);
+    o = good, o.scene = (nqm_scene_kind)2, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.n_lights = 3, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.n_lights = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.exposure_cdm2 = NAN, expect_no_scene(o, NQM_ERR_ARG);
@@ -443,6 +464,7 @@ int main(void) {
         cmocka_unit_test(labels_repeat),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(brighter_than_the_display_is_clipped),
+        cmocka_unit_test(paper_scene_has_eight_frames),
         cmocka_unit_test(bad_options_and_lights),
         cmocka_unit_test(out_of_memory),
     };

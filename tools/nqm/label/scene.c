@@ -38,6 +38,7 @@ void scene_args_end(scene_args *a) {
         s->width = s->height = 0;
     else if (!a->size)
         s->n_points = nqm_scene_options_default().n_points;
+    s->n_frames = nqm_scene_n_frames(s);
 }
 
 json_t *json_scene(const nqm_scene_options *s) {

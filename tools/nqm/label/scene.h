@@ -21,7 +21,7 @@ scene_args scene_args_begin(void);
 /** The row of --size, for the options of a verb. */
 #define OPTION_ROW_SIZE(args)                                                                                          \
     { "size", 0, OPTION_TEXT, &(args)->size, "N|WxH", "picture in pixels", 0, 0 }
-/** After parsing: set width and height, or report the error and exit. */
+/** After parsing: set width, height and n_frames, or report the error and exit. */
 void scene_args_end(scene_args *a);
 /** The scene in JSON documents. */
 json_t *json_scene(const nqm_scene_options *scene);
