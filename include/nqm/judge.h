@@ -22,7 +22,7 @@ typedef struct nqm_estimate {
 
 /** How well one predictor agrees with the labels. Correlations are signed so that higher is better. */
 typedef struct nqm_agreement {
-    const char *name;      /**< the model's id, else nqm_metric_name() */
+    const char *name;      /**< the model's id, nqm_metric_name(), or "estimate" */
     size_t n, n_materials; /**< pairs and material groups */
     size_t n_ordered;      /**< pairs of tests of one material whose labels differ by more than order_margin */
     nqm_estimate spearman; /**< over all pairs */
@@ -36,9 +36,13 @@ typedef struct nqm_agreement {
 
 /** Which pairs to judge, and how. From nqm_eval_options_default(). */
 typedef struct nqm_eval_options {
-    nqm_split split;            /**< default NQM_SPLIT_ALL */
-    const char *kind;           /**< only this kind of distortion; NULL: all */
-    const char *family;         /**< only kinds of this family; NULL: all */
+    nqm_split split;    /**< default NQM_SPLIT_ALL */
+    const char *kind;   /**< only this kind of distortion; NULL: all */
+    const char *family; /**< only kinds of this family; NULL: all */
+    /** Only "near" (approximations of the reference: all known families but the next two), "far" or "rounding" (these
+     *  families); or "unseen" (kinds that the dataset's manifest lists as missing in the training part of such corpora) or "seen"
+     *  (the others, if it lists any). NULL: all. */
+    const char *subset;
     const char *material_class; /**< only references of this class; NULL: all */
     double jod_from, jod_to;    /**< only labels in [from, to); default 0 and infinity */
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
@@ -54,8 +58,9 @@ NQM_API nqm_eval_options nqm_eval_options_default(void);
 
 /**
  * Predictions of models and of the nine scalar metrics for the pairs of a dataset: made once, judged on any number of
- * selections. Predictors are numbered: the n_models models in their order, then the NQM_METRIC_COUNT metrics in the order of
- * nqm_metric. Immutable; any thread.
+ * selections. Predictors are numbered: the n_models models in their order; the NQM_METRIC_COUNT metrics in the order of
+ * nqm_metric; and, if the dataset has a transport matrix, "estimate", the label that it estimates from the samples alone.
+ * Immutable; any thread.
  */
 typedef struct nqm_evaluation nqm_evaluation;
 
@@ -73,8 +78,13 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *datas
                                                         nqm_evaluation **evaluation_ret, nqm_error *err);
 /** Free an evaluation; NULL is allowed. */
 NQM_API void nqm_evaluation_free(nqm_evaluation *evaluation);
-/** (n_pairs of the dataset) predictions of predictor i: JOD of a model, distance of a metric; NaN for pairs outside the
- *  split. Owned by the evaluation. */
+/** Number of predictors: n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix. */
+NQM_API size_t nqm_evaluation_count(const nqm_evaluation *evaluation);
+/** (n_pairs of the dataset) labels with parts by predictor i: a model that predicts parts, or the estimate; NULL for others. NaN
+ *  for pairs outside the split. Owned by the evaluation. */
+NQM_API const nqm_label *nqm_evaluation_labels(const nqm_evaluation *evaluation, size_t i);
+/** (n_pairs of the dataset) predictions of predictor i: JOD of a model or the estimate, distance of a metric; NaN for pairs
+ *  outside the split. Owned by the evaluation. */
 NQM_API const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
 /** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN outside the split. Owned by the evaluation. */
 NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
@@ -83,7 +93,7 @@ NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, s
  * Judge every predictor on the pairs that `options` selects. All predictors see the same resamples.
  *
  * @param options  NULL: the defaults
- * @param results  (n_models + NQM_METRIC_COUNT)
+ * @param results  (nqm_evaluation_count())
  * @return NQM_ERR_ARG (order_margin), NQM_ERR_INCOMPATIBLE (no pair is left), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation,
@@ -145,6 +155,30 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *
                                                           const nqm_eval_options *options, size_t model,
                                                           nqm_coverage *coverage_ret, nqm_error *err);
 
+/** How well a model predicts one part of the labels (similarity: nqm_label_similarity()), beside two controls: Spearman
+ *  correlations over all pairs. */
+typedef struct nqm_part_agreement {
+    const char *part; /**< "shift_i", "shift_t", "shift_p", "contrast", "structure" or "similarity" */
+    size_t n, n_materials;
+    nqm_estimate model;    /**< of the part that the model predicts */
+    nqm_estimate estimate; /**< of the part estimated by light transport; NaN if the dataset has no transport matrix */
+    nqm_estimate scalar;   /**< of the best of the scalar features that are closest to the part by definition */
+    const char *scalar_name; /**< its name */
+} nqm_part_agreement;
+enum { NQM_EVAL_PARTS = 6 };
+
+/**
+ * Judge the parts that one model predicts on the pairs that `options` selects, on the resamples of nqm_evaluation_judge().
+ *
+ * @param model    number of a predictor that is a model with parts: nqm_evaluation_labels() is not NULL
+ * @param options  NULL: the defaults
+ * @param results  (NQM_EVAL_PARTS)
+ * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or the labels have no parts), NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *evaluation,
+                                                             const nqm_eval_options *options, size_t model,
+                                                             nqm_part_agreement *results, nqm_error *err);
+
 /* ---- choices of people ------------------------------------------------------------------------------------------- */
 
 /** How well one predictor agrees with the choices. */
@@ -160,7 +194,7 @@ typedef struct nqm_choice_agreement {
  * Judge every predictor of an evaluation of nqm_human_dataset() on the choices.
  *
  * @param options  n_bootstrap and seed are used; NULL: the defaults
- * @param results  (n_models + NQM_METRIC_COUNT)
+ * @param results  (nqm_evaluation_count())
  * @return NQM_ERR_ARG (scores, or an evaluation of another dataset), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,

@@ -128,6 +128,9 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
     return (nqm_split)dataset->group_split[dataset->ref_group[dataset->pair_ref[pair]]];
 }
 
+/** Set unseen (n_kinds): whether the manifest lists the kind as one that the training part of such corpora does not have. */
+void nqm_dataset_unseen_kinds(const nqm_dataset *dataset, bool *unseen);
+
 /** The material class of a reference: an index for nqm_material_class_name(). */
 size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
 
@@ -144,12 +147,14 @@ typedef struct nqm_dataset_prediction {
     const size_t *pairs; /* (n) */
     double *jod;         /* (n_pairs of the dataset) receives the JOD of each of the n pairs, at the pair's index */
     double *novelty;     /* (n_pairs of the dataset) the same for nqm_model_novelty(); NULL: do not compute it */
+    nqm_label
+        *labels; /* (n_pairs of the dataset) the same for parts, NaN if the model predicts none; NULL: not stored */
     nqm_status (*batch_done)(void *user, size_t n,
                              nqm_error *err); /* called after each batch of n pairs; NULL: not called. A failure
                                                                         stops the prediction */
     void *user;
 } nqm_dataset_prediction;
-/** @return NQM_ERR_INCOMPATIBLE: model and dataset have different directions; NQM_ERR_NUMERIC: a JOD is not finite;
+/** @return NQM_ERR_INCOMPATIBLE: model and dataset have different directions; NQM_ERR_NUMERIC: a JOD or part is not finite;
  *          NQM_ERR_NOMEM; any failure of batch_done */
 NQM_MUST_CHECK nqm_status nqm_dataset_predict(const nqm_dataset_prediction *prediction, nqm_error *err);
 

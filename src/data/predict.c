@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Predicts the JOD of pairs of a dataset with a model, in batches.
+ * Predicts the JOD, the novelty and the parts of the label of pairs of a dataset with a model, in batches.
  */
 #include "data/data.h"
 #include "metric/metric.h"
@@ -9,12 +9,22 @@
 #include <math.h>
 #include <string.h>
 
+static bool is_finite(const nqm_label *label) {
+    double parts[NQM_LABEL_PARTS];
+    bool finite = true;
+    nqm_label_get_parts(label, parts);
+    for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
+        finite = finite && isfinite(parts[k]);
+    return finite;
+}
+
 static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *predictor, size_t n,
                                 const size_t *pairs, uint8_t *used, nqm_error *err) {
     const nqm_dataset *d = p->dataset;
     const size_t n_columns = 3 * d->n_directions;
     const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
     double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH];
+    nqm_label labels[NQM_PREDICT_BATCH];
     for (size_t i = 0; i < n; ++i) {
         ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
         test[i] = d->test_rgb + pairs[i] * n_columns;
@@ -24,15 +34,18 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
                                      .ref = ref,
                                      .test = test,
                                      .used = d->ref_used || d->test_used ? used : NULL,
-                                     .novelty = p->novelty ? novelty : NULL};
+                                     .novelty = p->novelty ? novelty : NULL,
+                                     .labels = p->labels ? labels : NULL};
     nqm_predictor_run(predictor, &batch, jod, NULL);
     for (size_t i = 0; i < n; ++i) {
-        if (!isfinite(jod[i]))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD for pair %zu", p->model->id,
-                            pairs[i]);
+        if (!isfinite(jod[i]) || (p->labels && nqm_model_has_parts(p->model) && !is_finite(&labels[i])))
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD or parts for pair %zu",
+                            p->model->id, pairs[i]);
         p->jod[pairs[i]] = jod[i];
         if (p->novelty)
             p->novelty[pairs[i]] = novelty[i];
+        if (p->labels)
+            p->labels[pairs[i]] = labels[i];
     }
     return p->batch_done ? p->batch_done(p->user, n, err) : NQM_OK;
 }

@@ -127,6 +127,18 @@ nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, 
     return status;
 }
 
+nqm_status nqm_judge_spearman(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_estimate *spearman,
+                              nqm_error *err) {
+    nqm_bootstrap b = {.judgement = j, .seed = seed, .n_resamples = n_bootstrap, .without_kendall = true};
+    nqm_status status = begin(&b, err);
+    for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p) {
+        spearman[p].value = nqm_spearman(j->n, j->prediction + p * j->n, j->label);
+        nqm_interval95(b.n_resamples, resampled(&b, p, NQM_STATISTIC_SPEARMAN), spearman[p].ci95);
+    }
+    nqm_free(b.sums);
+    return status;
+}
+
 /* ---- contrasts --------------------------------------------------------------------------------------------------- */
 
 nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch) {

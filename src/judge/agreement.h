@@ -32,6 +32,10 @@ NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_boo
 NQM_MUST_CHECK nqm_status nqm_judge_contrasts(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                               size_t n_contrasts, nqm_contrast *contrasts, nqm_error *err);
 
+/** Compute only `spearman` (n_predictors) of the results of nqm_judge(), with the same resamples. */
+NQM_MUST_CHECK nqm_status nqm_judge_spearman(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
+                                             nqm_estimate *spearman, nqm_error *err);
+
 /** Set the flags best_of_family and best_baseline of metrics (NQM_METRIC_COUNT) according to `spearman`. */
 void nqm_mark_best(nqm_agreement *metrics);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Predictions of models and of the nine scalar metrics for the pairs of a dataset. evaluate_judge.c judges selections
- * of them.
+ * Predictions of models, of the nine scalar metrics and of light transport for the pairs of a dataset. evaluate_judge.c judges
+ * selections of them.
  */
 #include "judge/evaluate.h"
 #include "kernel/kernel.h"
@@ -46,15 +46,26 @@ typedef struct metric_job {
 static void pair_metrics(void *user, size_t i) {
     const metric_job *job = user;
     const nqm_dataset *d = job->ev->dataset;
-    size_t pair = job->pairs[i], n_columns = 3 * d->n_directions;
+    nqm_evaluation *ev = job->ev;
+    size_t pair = job->pairs[i], n_columns = 3 * d->n_directions, first = ev->n_models;
     double metrics[NQM_METRIC_COUNT];
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
     const float *ref = d->ref_rgb + d->pair_ref[pair] * n_columns, *test = d->test_rgb + pair * n_columns;
     const nqm_transport transport = nqm_dataset_transport(d);
-    nqm_metrics_compute(d->directions, ref, test, used, metrics);
-    nqm_scalars_compute(d->directions, &transport, ref, test, used, job->ev->scalars + pair * NQM_SCALAR_COUNT);
+    if (ev->estimates) {
+        ev->estimates[pair] = nqm_transport_estimate(&transport, ref, test, used);
+        ev->values[(first + NQM_METRIC_COUNT) * d->n_pairs + pair] =
+            nqm_curve_jod(&nqm_curve_published, ev->estimates[pair].delta_e);
+    }
+    const nqm_comparison comparison = {.directions = d->directions,
+                                       .ref = ref,
+                                       .n = 1,
+                                       .test = &test,
+                                       .used = used,
+                                       .estimate = ev->estimates ? &ev->estimates[pair] : NULL};
+    nqm_compare_samples(&comparison, metrics, ev->scalars + pair * NQM_SCALAR_COUNT);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
-        job->ev->values[(job->ev->n_models + m) * d->n_pairs + pair] = metrics[m];
+        ev->values[(first + m) * d->n_pairs + pair] = metrics[m];
 }
 
 /* ---- predictors -------------------------------------------------------------------------------------------------- */
@@ -84,6 +95,7 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
                                                .pairs = run->pairs,
                                                .jod = ev->values + model * ev->dataset->n_pairs,
                                                .novelty = ev->novelty + model * ev->dataset->n_pairs,
+                                               .labels = ev->labels + model * ev->dataset->n_pairs,
                                                .batch_done = tick,
                                                .user = run};
     return nqm_dataset_predict(&prediction, err);
@@ -120,11 +132,42 @@ static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm
     return status;
 }
 
+static void fill(size_t n, double *values, double value) {
+    for (size_t i = 0; i < n; ++i)
+        values[i] = value;
+}
+
+static void fill_labels(size_t n, nqm_label *labels, double value) {
+    for (size_t i = 0; i < n; ++i)
+        labels[i] = (nqm_label){value, {value, value, value}, value, value};
+}
+
+/* Nothing is predicted yet. */
+static void begin(nqm_evaluation *ev) {
+    const nqm_dataset *d = ev->dataset;
+    const double nan = (double)NAN;
+    fill(ev->n_predictors * d->n_pairs, ev->values, nan);
+    fill(ev->n_models * d->n_pairs, ev->novelty, nan);
+    fill(NQM_SCALAR_COUNT * d->n_pairs, ev->scalars, nan);
+    fill_labels(ev->n_models * d->n_pairs, ev->labels, nan);
+    fill_labels(ev->estimates ? d->n_pairs : 0, ev->estimates, nan);
+    for (size_t i = 0; i < d->n_refs; ++i)
+        ev->ref_class[i] = nqm_dataset_ref_class(d, i);
+    nqm_dataset_unseen_kinds(d, ev->unseen);
+    for (size_t i = 0; i < d->n_kinds; ++i)
+        ev->has_unseen = ev->has_unseen || ev->unseen[i];
+    for (size_t i = 0; i < ev->n_predictors; ++i)
+        ev->names[i] = i < ev->n_models                      ? ev->models[i]->id
+                       : i < ev->n_models + NQM_METRIC_COUNT ? nqm_metric_name((nqm_metric)(i - ev->n_models))
+                                                             : "estimate";
+}
+
 nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
                                  const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
     *evaluation_ret = NULL;
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    const size_t n_predictors = n_models + NQM_METRIC_COUNT;
+    const bool has_estimate = dataset->transport;
+    const size_t n_predictors = n_models + NQM_METRIC_COUNT + has_estimate;
     nqm_evaluation made = {.dataset = dataset,
                            .n_models = n_models,
                            .n_predictors = n_predictors,
@@ -134,22 +177,20 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     nqm_evaluation *ev;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
-                   {&made.novelty, n_models, dataset->n_pairs * sizeof(double)},
+                   {&made.novelty, n_models, dataset->n_pairs * sizeof *made.novelty},
+                   {&made.labels, n_models, dataset->n_pairs * sizeof *made.labels},
+                   {&made.estimates, has_estimate ? dataset->n_pairs : 0, sizeof *made.estimates},
                    {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},
                    {&made.ref_class, dataset->n_refs, sizeof *made.ref_class},
+                   {&made.unseen, dataset->n_kinds, sizeof *made.unseen},
                    {&made.names, n_predictors, sizeof *made.names}),
         err);
     if (status != NQM_OK)
         return status;
+    if (!has_estimate)
+        made.estimates = NULL;
     *ev = made;
-    for (size_t i = 0; i < n_predictors * dataset->n_pairs; ++i)
-        ev->values[i] = NAN;
-    for (size_t i = 0; i < NQM_SCALAR_COUNT * dataset->n_pairs; ++i)
-        ev->scalars[i] = NAN;
-    for (size_t i = 0; i < dataset->n_refs; ++i)
-        ev->ref_class[i] = nqm_dataset_ref_class(dataset, i);
-    for (size_t i = 0; i < n_predictors; ++i)
-        ev->names[i] = i < n_models ? models[i]->id : nqm_metric_name((nqm_metric)(i - n_models));
+    begin(ev);
     status = predict_all(ev, &o, err);
     if (status == NQM_OK)
         *evaluation_ret = ev;
@@ -160,6 +201,16 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
 
 void nqm_evaluation_free(nqm_evaluation *ev) {
     nqm_free(ev); /* one block */
+}
+
+size_t nqm_evaluation_count(const nqm_evaluation *ev) {
+    return ev->n_predictors;
+}
+
+const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
+    if (i < ev->n_models)
+        return nqm_model_has_parts(ev->models[i]) ? ev->labels + i * ev->dataset->n_pairs : NULL;
+    return i == ev->n_models + NQM_METRIC_COUNT ? ev->estimates : NULL;
 }
 
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {

@@ -15,10 +15,15 @@ struct nqm_evaluation {
     const nqm_model *const *models;
     nqm_split split;
     nqm_precision precision;
-    double *values;     /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
-    double *novelty;    /* (n_models, n_pairs of the dataset) of nqm_model_novelty(), for predicted pairs */
+    double *values;    /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
+    double *novelty;   /* (n_models, n_pairs of the dataset) of nqm_model_novelty(); NaN likewise */
+    nqm_label *labels; /* (n_models, n_pairs of the dataset) with parts; NaN likewise, and if the model predicts none */
+    nqm_label
+        *estimates;     /* (n_pairs of the dataset) by light transport; NaN likewise; NULL: the dataset has no matrix */
     double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
     size_t *ref_class;  /* (n_refs) */
+    bool has_unseen;    /* of any kind */
+    bool *unseen;       /* (n_kinds) nqm_dataset_unseen_kinds() */
     const char **names; /* (n_predictors) */
 };
 

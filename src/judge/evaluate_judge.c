@@ -15,6 +15,10 @@ typedef struct chosen {
     double *prediction; /* (n_predictors, n) */
 } chosen;
 
+static bool is_metric(const nqm_evaluation *ev, size_t predictor) {
+    return predictor >= ev->n_models && predictor < ev->n_models + NQM_METRIC_COUNT;
+}
+
 static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     nqm_status status =
@@ -26,7 +30,7 @@ static nqm_status collect(const nqm_evaluation *ev, chosen *c, nqm_error *err) {
     for (size_t k = 0; k < c->pairs.n; ++k)
         c->label[k] = d->jod[c->pairs.pairs[k]];
     for (size_t i = 0; i < ev->n_predictors; ++i) {
-        double sign = i < ev->n_models ? 1 : -1; /* metrics are distances: negate them */
+        double sign = is_metric(ev, i) ? -1 : 1; /* metrics are distances: negate them */
         for (size_t k = 0; k < c->pairs.n; ++k)
             c->prediction[i * c->pairs.n + k] = sign * ev->values[i * d->n_pairs + c->pairs.pairs[k]];
     }
@@ -71,7 +75,7 @@ nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options
         status = nqm_judge(&j, o.n_bootstrap, o.seed, results, err);
     for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
         results[i].name = ev->names[i];
-        if (i >= ev->n_models || ev->dataset->order_only)
+        if (is_metric(ev, i) || ev->dataset->order_only)
             clear_errors(&results[i]);
     }
     if (status == NQM_OK)

@@ -104,5 +104,5 @@ run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors"
 grep -q '"inside": 0\.' "$dir/out" || grep -q '"inside": 1\.0' "$dir/out" || fail "eval --json"
 [ "$(grep -c '"interval": null' "$dir/out")" = 1 ] || fail "eval --json without a calibration"
 run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --bootstrap 0 --csv
-head -n 1 "$dir/out" | grep -q ',coverage,.*,interval_width$' || fail "CSV header of eval"
+head -n 1 "$dir/out" | grep -q ',coverage,.*,interval_width,' || fail "CSV header of eval"
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of eval"

@@ -73,7 +73,7 @@ has '"order_margin": 2.0' '"ci95_order": \[' '"ci95_pearson": \['
 
 run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of a dataset"
-head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width$' || fail "CSV columns"
+head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width,' || fail "CSV columns"
 
 # Errors.
 run 2 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --by kind

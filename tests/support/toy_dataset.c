@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/toy_dataset.h"
-#include "percept/percept.h"
-
 #include "math/math.h"
+#include "metric/metric.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 toy_options toy_options_default(void) {
-    return (toy_options){.n_directions = 16, .n_groups = 24, .pairs_per_ref = 12, .splits = true, .seed = 1};
+    return (toy_options){.n_directions = 16,
+                         .n_groups = 24,
+                         .pairs_per_ref = 12,
+                         .splits = true,
+                         .families = {"perturbation", "encoding"},
+                         .seed = 1};
 }
 
 static void must(nqm_status status) {
@@ -62,16 +66,8 @@ static void fill_transport(nqm_dataset *d, nqm_rng *rng) {
     }
 }
 
-/* Parts that differ in size and sign. */
-static void set_parts(double delta_e, nqm_rng *rng, double *parts) {
-    for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
-        parts[k] = delta_e * (nqm_rng_uniform(rng) - 0.5);
-    parts[3] *= 0.03;
-    parts[4] = 0.5 * delta_e;
-}
-
 /* Add one test: a copy of the reference's lobe that is scaled (gain) or has another width (gloss). */
-static void add_test(nqm_dataset_builder *b, size_t ref, lobe l, nqm_rng *rng) {
+static void add_test(nqm_dataset_builder *b, const toy_options *o, size_t ref, lobe l, nqm_rng *rng) {
     const nqm_dataset *d = b->dataset;
     const size_t p = d->n_pairs, n = 3 * d->n_directions;
     const bool is_gloss = p % 2;
@@ -85,11 +81,22 @@ static void add_test(nqm_dataset_builder *b, size_t ref, lobe l, nqm_rng *rng) {
         l.albedo[k] *= is_gloss ? 1 : amount;
     sample_lobe(d, &l, b->dataset->test_rgb + p * n);
     const double delta_e = label_delta_e(n, b->dataset->ref_rgb + ref * n, b->dataset->test_rgb + p * n);
-    must(nqm_dataset_add_kind(b, is_gloss ? "gloss" : "gain", is_gloss ? "encoding" : "perturbation", &kind, NULL));
-    if (d->parts)
-        set_parts(delta_e, rng, b->dataset->parts + p * NQM_LABEL_PARTS);
+    must(nqm_dataset_add_kind(b, is_gloss ? "gloss" : "gain", o->families[is_gloss], &kind, NULL));
     must(nqm_dataset_add_pair(b, (uint32_t)ref, name, kind, delta_e, nqm_curve_jod(&nqm_curve_published, delta_e),
                               NULL));
+}
+
+/* Parts of labels; then the matrix is changed a little, so that its estimates are not exact. */
+static void fill_parts(nqm_dataset *d, nqm_rng *rng) {
+    const size_t n = 3 * d->n_directions;
+    const nqm_transport transport = nqm_dataset_transport(d);
+    for (size_t p = 0; p < d->n_pairs; ++p) {
+        const nqm_label label =
+            nqm_transport_estimate(&transport, d->ref_rgb + d->pair_ref[p] * n, d->test_rgb + p * n, NULL);
+        nqm_label_get_parts(&label, d->parts + p * NQM_LABEL_PARTS);
+    }
+    for (size_t i = 0; i < d->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
+        d->transport[i] *= (float)(0.8 + 0.4 * nqm_rng_uniform(rng));
 }
 
 nqm_dataset *toy_dataset(const toy_options *o) {
@@ -131,14 +138,19 @@ nqm_dataset *toy_dataset(const toy_options *o) {
     }
     for (size_t r = 0; r < n_refs; ++r)
         for (size_t i = 0; i < o->pairs_per_ref; ++i)
-            add_test(&b, r, lobes[r], &rng);
-    if (o->with_transport)
-        fill_transport(b.dataset, &rng);
+            add_test(&b, o, r, lobes[r], &rng);
     if (o->with_masks) {
         fill_mask(n_refs, o->n_directions, &rng, b.dataset->ref_used);
         fill_mask(b.max_pairs, o->n_directions, &rng, b.dataset->test_used);
     }
-    must(nqm_dataset_finish(&b, NQM_OK, "{\"made_by\": \"toy_dataset\"}", NULL, &dataset, NULL));
+    if (o->with_transport) {
+        fill_transport(b.dataset, &rng);
+        fill_parts(b.dataset, &rng);
+    }
+    char manifest[100] = "{\"made_by\": \"toy_dataset\"}";
+    if (o->unseen)
+        snprintf(manifest, sizeof manifest, "{\"unseen_kinds\": [\"%s\"]}", o->unseen);
+    must(nqm_dataset_finish(&b, NQM_OK, manifest, NULL, &dataset, NULL));
     nqm_free(degrees);
     nqm_free(lobes);
     return dataset;

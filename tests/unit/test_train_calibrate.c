@@ -321,6 +321,12 @@ static void labels_inside_are_counted(void **state) {
     assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &again, NULL), NQM_OK);
     assert_true(again.n < n && isnan(again.inside.ci95[0]));
     assert_int_equal(nqm_evaluation_coverage(ev, &o, 1, &again, NULL), NQM_ERR_ARG); /* a metric */
+    o.jod_from = 0;
+    o.subset = "near";
+    assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &again, NULL), NQM_OK);
+    assert_true(again.n == c.n && again.inside.value == c.inside.value);
+    o.subset = "far";
+    assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &again, NULL), NQM_ERR_INCOMPATIBLE);
     nqm_evaluation_free(ev);
 }
 

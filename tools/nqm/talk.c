@@ -275,6 +275,20 @@ json_t *json_label_parts(const nqm_label *l) {
                      nqm_label_describe(l, words));
 }
 
+const char *const label_columns[LABEL_COLUMNS] = {"shift_i",  "shift_t",   "shift_p",
+                                                  "contrast", "structure", "similarity_jod"};
+
+void print_csv_label_names(FILE *out) {
+    for (size_t i = 0; i < LABEL_COLUMNS; ++i)
+        fprintf(out, ",%s", label_columns[i]);
+}
+
+void print_csv_label(FILE *out, const nqm_label *l) {
+    const double values[LABEL_COLUMNS] = {l->shift[0], l->shift[1],  l->shift[2],
+                                          l->contrast, l->structure, nqm_label_similarity(l)};
+    print_csv_numbers(out, LABEL_COLUMNS, values);
+}
+
 const char *jod_words(double jod) {
     if (jod >= 9.5)
         return "practically the same";

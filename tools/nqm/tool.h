@@ -155,6 +155,11 @@ json_t *json_tool(void);
 const char *tool_build_info(void);
 /** The parts of a label, its similarity and what differs in words, as JSON; null if they are NaN. */
 json_t *json_label_parts(const nqm_label *label);
+/** Columns of a label's parts and similarity in CSV. Printed, each follows a comma. */
+enum { LABEL_COLUMNS = 6 };
+extern const char *const label_columns[LABEL_COLUMNS];
+void print_csv_label_names(FILE *out);
+void print_csv_label(FILE *out, const nqm_label *label);
 /** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *jod_words(double jod);
 /** Print two lines about the intervals of a model; the same as JSON, null without intervals. */

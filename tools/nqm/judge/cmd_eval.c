@@ -8,10 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8 };
-static const char *const by_words[] = {"none", "kind", "range", "family", "class", "both", "all", NULL};
+enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8, BY_SUBSET = 16 };
+static const char *const by_words[] = {"none", "kind", "range", "family", "class", "subset", "both", "all", NULL};
 static const int by_masks[] = {
-    0, BY_KIND, BY_RANGE, BY_FAMILY, BY_CLASS, BY_KIND | BY_RANGE, BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS};
+    0,        BY_KIND,   BY_RANGE,           BY_FAMILY,
+    BY_CLASS, BY_SUBSET, BY_KIND | BY_RANGE, BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS | BY_SUBSET};
 
 /* Labels above this value mean "hardly visible": the range in which a quality metric matters most and is least
  * accurate. */
@@ -32,14 +33,14 @@ static void open_models(eval_run *run, char *list) {
 
 /* ---- selections -------------------------------------------------------------------------------------------------- */
 
-/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A class without pairs is left
- * out. */
+/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A class or subset without pairs is
+ * left out. */
 static void judge_selection(const eval_run *run, const nqm_eval_options *o, const char *by, const char *name) {
     json_t *rows = json_array(), *key = json_name(name);
     judge_pairs(run, o, rows);
     if (!json_object_get(run->selections, by))
         json_object_set_new(run->selections, by, json_object());
-    if (json_array_size(rows) || !o->material_class)
+    if (json_array_size(rows) || !(o->material_class || o->subset))
         json_object_set(json_object_get(run->selections, by), json_string_value(key), rows);
     json_decref(rows);
     json_decref(key);
@@ -67,6 +68,13 @@ static void judge_classes(const eval_run *run, nqm_eval_options o) {
     for (size_t i = 0; i < NQM_MATERIAL_CLASS_COUNT; ++i) {
         o.material_class = nqm_material_class_name(i);
         judge_selection(run, &o, "by_class", o.material_class);
+    }
+}
+
+static void judge_subsets(const eval_run *run, nqm_eval_options o) {
+    for (size_t i = 0; subset_words[i]; ++i) {
+        o.subset = subset_words[i];
+        judge_selection(run, &o, "by_subset", o.subset);
     }
 }
 
@@ -133,16 +141,18 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
     nqm_error err = {0};
     if (run->is_choice && by)
         stop(EXIT_USAGE, "--by: choices have one table only");
-    run->n_predictors = run->n_models + NQM_METRIC_COUNT;
     run->results = json_array();
     run->selections = json_object();
     must(nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o, &run->evaluation,
                                &err),
          &err);
+    run->n_predictors = nqm_evaluation_count(run->evaluation);
     if (run->is_choice)
         judge_choices(run, o, run->results);
     else
         judge_pairs(run, o, run->results);
+    if (by & BY_SUBSET)
+        judge_subsets(run, *o);
     if (by & BY_FAMILY)
         judge_families(run, *o);
     if (by & BY_KIND)
@@ -163,8 +173,9 @@ int cmd_eval(int argc, char **argv) {
     const option options[] = {
         {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
         {"by", 0, OPTION_TEXT, &a.by, "WORD",
-         "further tables: by family or kind of distortion, class of the reference material, JOD range; both (kind and "
-         "range), all or none",
+         "further tables: by subset (near, far, rounding; seen, unseen), family or kind of distortion, class of the "
+         "reference "
+         "material, JOD range; both (kind and range), all or none",
          0, 0},
         {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
         {"human", 0, OPTION_FLAG, &a.human, NULL,
@@ -176,8 +187,8 @@ int cmd_eval(int argc, char **argv) {
          "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
          "human scores: 0)",
          0, 1e9},
-        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV", "also write label, predictions and scalar features of every pair", 0,
-         0},
+        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV",
+         "also write label, predictions, scalar features and parts of every pair", 0, 0},
         {"json", 0, OPTION_FORMAT, &a.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &a.format, NULL, "print CSV", FORMAT_CSV, 0},
         {0}};
@@ -187,9 +198,13 @@ int cmd_eval(int argc, char **argv) {
             "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
             "folder with --labels, whose pairs all count as test pairs). Prints correlations over all pairs and as\n"
             "the mean over materials, the fraction of tests in the right order and the errors of the models in JOD,\n"
-            "with 95 % intervals, and compares each model with the best of the eight baselines. --human does the\n"
+            "with 95 % intervals, and compares each model with the best of the eight baselines, with the log "
+            "difference\n"
+            "and with the estimate by light transport; then how well models predict the parts of labels. --human does "
+            "the\n"
             "same for the scores of people, or prints the fraction of their choices that is predicted.",
         .example = "nqm eval corpus.safetensors --by both\n"
+                   "nqm eval corpus.safetensors --by subset\n"
                    "nqm eval corpus.safetensors --model default,paper,my.safetensors --split validation --json\n"
                    "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
                    "nqm eval --human opinions.csv --root brdfs --model default,paper",

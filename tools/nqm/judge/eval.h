@@ -9,6 +9,9 @@
 #include "judge/evaluate.h"
 #include "nqm/score/score.h"
 
+/** The values of nqm_eval_options.subset, NULL-terminated. */
+extern const char *const subset_words[];
+
 typedef struct eval_run {
     const char *dataset_path, *split_name;
     nqm_human *human;   /* answers of people; NULL: labels */
@@ -34,7 +37,7 @@ void print_evaluation(const eval_run *run, result_format format);
 /** Write label, predictions and scalar features of every pair that was judged, as CSV. */
 void write_pairs(const eval_run *run, const char *path);
 
-/** Id of a model or name of a metric. */
+/** Id of a model, name of a metric, or "estimate". */
 const char *predictor_name(const eval_run *run, size_t predictor);
 
 #endif

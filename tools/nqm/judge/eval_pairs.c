@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm eval --pairs - writes label, predictions and scalar features of every judged pair as CSV, for plots and for
+ * nqm eval --pairs - writes label, predictions, scalar features and parts of every judged pair as CSV, for plots and for
  * models/control.py, which fits a control model to the features.
  */
 #include "nqm/judge/eval.h"
@@ -17,6 +17,15 @@ static void write_number(FILE *out, double value) {
     print_csv_number(out, value);
 }
 
+/* Columns of the parts of a label. prefix: of their names. */
+static void write_part_names(FILE *out, const char *prefix) {
+    for (size_t k = 0; k < LABEL_COLUMNS; ++k) {
+        char name[200];
+        snprintf(name, sizeof name, "%.150s%s%s", prefix, *prefix ? ":" : "", label_columns[k]);
+        write_text(out, name);
+    }
+}
+
 static void write_head(const eval_run *run, FILE *out) {
     fputs("ref,material,test,kind,split,delta_e,jod", out);
     for (size_t i = 0; i < run->n_predictors; ++i)
@@ -24,6 +33,11 @@ static void write_head(const eval_run *run, FILE *out) {
     fputs(",family,class", out);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         fprintf(out, ",scalar:%s", nqm_scalar_name(i));
+    if (run->dataset->parts)
+        write_part_names(out, "");
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        if (nqm_evaluation_labels(run->evaluation, i))
+            write_part_names(out, predictor_name(run, i));
     fputc('\n', out);
 }
 
@@ -42,6 +56,14 @@ static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     write_text(out, p.material_class);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         write_number(out, nqm_evaluation_scalars(run->evaluation, pair)[i]);
+    if (run->dataset->parts) {
+        nqm_label label = {.delta_e = p.delta_e};
+        nqm_label_set_parts(&label, run->dataset->parts + pair * NQM_LABEL_PARTS);
+        print_csv_label(out, &label);
+    }
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        if (nqm_evaluation_labels(run->evaluation, i))
+            print_csv_label(out, &nqm_evaluation_labels(run->evaluation, i)[pair]);
     fputc('\n', out);
 }
 

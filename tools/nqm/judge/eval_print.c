@@ -120,8 +120,18 @@ static void print_contrasts(const json_t *row) {
     }
 }
 
+static const char *subset_text(const char *subset) {
+    static const char *const texts[] = {"near pairs", "far pairs", "nearly equal pairs (rounding)",
+                                        "kinds of distortion in training", "kinds of distortion not in training"};
+    size_t i = 0;
+    while (strcmp(subset_words[i], subset) != 0)
+        ++i;
+    return texts[i];
+}
+
 static void print_coverage(const json_t *row) {
     const json_t *c = json_object_get(row, "interval"), *ranges = json_object_get(c, "by_predicted_jod");
+    const json_t *subsets = json_object_get(c, "by_subset");
     char inside[64], by_material[64];
     if (!json_is_object(c))
         return;
@@ -137,6 +147,11 @@ static void print_coverage(const json_t *row) {
                    number_at(r, "n"), number_at(r, "mean_width"));
     }
     printf(" in all: width %.2f\n", number_at(c, "mean_width"));
+    for (size_t i = 0; i < json_array_size(subsets); ++i) {
+        const json_t *s = json_array_get(subsets, i);
+        printf("  %-39s  %s of %.0f, width %.2f\n", subset_text(text_at(s, "subset")),
+               estimate_text(s, "inside", "ci95", 100, " %", 1, inside), number_at(s, "n"), number_at(s, "mean_width"));
+    }
 }
 
 static void print_cell(const text_column *column, const char *text) {
@@ -178,6 +193,26 @@ static void print_pairs_table(const eval_run *run, const char *by, const char *n
     print_rows(rows, pair_text);
 }
 
+static void print_parts(const eval_run *run, const char *by, const char *name, const json_t *rows) {
+    (void)run, (void)by;
+    for (size_t i = 0; i < json_array_size(rows); ++i) {
+        const json_t *row = json_array_get(rows, i), *parts = json_object_get(row, "parts");
+        if (!json_array_size(parts))
+            continue;
+        printf("\nParts of the label, %s: Spearman of the parts that %.40s predicts, %.0f pairs of %.0f materials\n",
+               name, text_at(row, "name"), number_at(row, "n"), number_at(row, "n_materials"));
+        printf("%-12s  %-22s  %-22s  %s\n", "", "predicted [95 %]", "estimate", "scalar feature");
+        for (size_t k = 0; k < json_array_size(parts); ++k) {
+            const json_t *part = json_array_get(parts, k), *scalar = json_object_get(part, "scalar");
+            char predicted[64], estimate[64], control[64];
+            printf("%-12s  %-22s  %-22s  %-22s %s\n", text_at(part, "part"),
+                   estimate_text(part, "spearman", "ci95", 1, "", 3, predicted),
+                   estimate_text(json_object_get(part, "estimate"), "spearman", "ci95", 1, "", 3, estimate),
+                   estimate_text(scalar, "spearman", "ci95", 1, "", 3, control), text_at(scalar, "name"));
+        }
+    }
+}
+
 static void print_pairs_text(const eval_run *run) {
     const char *label = run->human ? nqm_human_get_info(run->human).kind_name : "JOD";
     if (run->human)
@@ -185,11 +220,15 @@ static void print_pairs_text(const eval_run *run) {
     else
         printf("dataset  %s, split: %s\n", run->dataset_path, run->split_name);
     print_tables(run, print_pairs_table);
+    print_tables(run, print_parts);
     printf(
         "\nCorrelations with the labels (%s), signed so that higher is better. Intervals: bootstrap over materials.\n"
         "The mean by material counts materials with at least 3 pairs. MAE, RMSE in JOD. * best of its family.\n"
         "Order: share in the right order of the tests of one material whose labels differ by more than %g.\n",
         label, run->order_margin);
+    if (run->n_predictors > run->n_models + NQM_METRIC_COUNT)
+        puts(
+            "Estimate: the label that the light transport of the scene estimates from the samples, without a network.");
 }
 
 static void print_choices_text(const eval_run *run) {
@@ -258,7 +297,12 @@ static const char pair_columns[] =
     "coverage=interval.inside,coverage_low=interval.ci95.0,coverage_high=interval.ci95.1,"
     "coverage_by_material=interval.by_material,coverage_by_material_low=interval.ci95_by_material.0,"
     "coverage_by_material_high=interval.ci95_by_material.1,coverage_lowest=interval.lowest,"
-    "interval_width=interval.mean_width";
+    "interval_width=interval.mean_width,"
+    "rival_3=contrasts.estimate.with,difference_3=contrasts.estimate.spearman.difference,"
+    "difference_3_low=contrasts.estimate.spearman.ci95.0,difference_3_high=contrasts.estimate.spearman.ci95.1,"
+    "share_3_below_0=contrasts.estimate.spearman.share_below_0,"
+    "part,estimate=estimate.spearman,estimate_low=estimate.ci95.0,estimate_high=estimate.ci95.1,"
+    "scalar=scalar.name,scalar_spearman=scalar.spearman,scalar_low=scalar.ci95.0,scalar_high=scalar.ci95.1";
 static const char choice_columns[] =
     "name,type,triplets,choices,agreement,ci95_low=ci95.0,ci95_high=ci95.1,majority,ceiling,ceiling_other_people,"
     "best_of_family,best_baseline,"
@@ -296,6 +340,27 @@ static void print_csv_line(const char *columns, const json_t *row, const json_t 
     }
 }
 
+/* The lines of a model besides that of its row: coverage by subset, and parts. `facts` are changed. */
+static void print_csv_details(const json_t *row, json_t *facts) {
+    const json_t *parts = json_object_get(row, "parts"), *subsets = value_at(row, "interval.by_subset");
+    json_object_del(facts, "best_of_family");
+    json_object_del(facts, "best_baseline");
+    json_object_set(facts, "name", json_object_get(row, "name"));
+    json_object_set_new(facts, "type", json_string("part"));
+    for (size_t i = 0; i < json_array_size(parts); ++i)
+        print_csv_line(pair_columns, json_array_get(parts, i), facts);
+    json_object_set_new(facts, "type", json_string("coverage"));
+    json_object_set_new(facts, "by", json_string("subset"));
+    for (size_t i = 0; i < json_array_size(subsets); ++i) {
+        json_t *s = json_array_get(subsets, i);
+        json_t *line =
+            json_pack("{s:O,s:O,s:O,s:O}", "selection", json_object_get(s, "subset"), "n", json_object_get(s, "n"),
+                      "n_materials", json_object_get(s, "n_materials"), "interval", s);
+        print_csv_line(pair_columns, line, facts);
+        json_decref(line);
+    }
+}
+
 static void print_csv_table(const eval_run *run, const char *by, const char *name, const json_t *rows) {
     json_t *facts =
         json_pack("{s:s,s:s,s:b,s:b}", "by", by, "selection", name, "best_of_family", 0, "best_baseline", 0);
@@ -303,6 +368,8 @@ static void print_csv_table(const eval_run *run, const char *by, const char *nam
         json_object_update_new(facts, human_json(run->human));
     for (size_t i = 0; i < json_array_size(rows); ++i)
         print_csv_line(run->is_choice ? choice_columns : pair_columns, json_array_get(rows, i), facts);
+    for (size_t i = 0; i < json_array_size(rows) && !run->is_choice; ++i)
+        print_csv_details(json_array_get(rows, i), facts);
     json_decref(facts);
 }
 

@@ -8,12 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The two metrics with which each model is compared. */
-enum { RIVAL_BASELINE, RIVAL_LOG_DIFF, N_RIVALS };
+/* The predictors with which each model is compared. */
+enum { RIVAL_BASELINE, RIVAL_LOG_DIFF, RIVAL_ESTIMATE, N_RIVALS };
+
+const char *const subset_words[] = {"near", "far", "rounding", "seen", "unseen", NULL};
 
 const char *predictor_name(const eval_run *run, size_t predictor) {
-    return predictor < run->n_models ? nqm_model_get_info(run->models[predictor]).id
-                                     : nqm_metric_name((nqm_metric)(predictor - run->n_models));
+    return run->evaluation->names[predictor];
 }
 
 /* ---- parts of a row ---------------------------------------------------------------------------------------------- */
@@ -66,21 +67,31 @@ static json_t *coverage_json(const nqm_coverage *c) {
     return json;
 }
 
+/* Number of the predictor that is the estimate by light transport; that of no predictor if there is none. */
+static size_t estimate_of(const eval_run *run) {
+    return run->n_models + NQM_METRIC_COUNT;
+}
+
 /* Append a row with its name, its type and, of a metric, its marks; the caller adds the values. NULL: out of memory. */
 static json_t *append_row(const eval_run *run, json_t *rows, int best_of_family, int best_baseline) {
     const size_t i = json_array_size(rows);
-    const bool is_model = i < run->n_models;
-    json_t *row = json_pack("{s:s,s:s}", "name", predictor_name(run, i), "type", is_model ? "model" : "metric");
-    if (!is_model)
+    const bool is_metric = i >= run->n_models && i < estimate_of(run);
+    json_t *row = json_pack("{s:s,s:s}", "name", predictor_name(run, i), "type",
+                            is_metric           ? "metric"
+                            : i < run->n_models ? "model"
+                                                : "estimate");
+    if (is_metric)
         json_object_update_new(
             row, json_pack("{s:b,s:b}", "best_of_family", best_of_family, "best_baseline", best_baseline));
     return json_array_append_new(rows, row) == 0 ? row : NULL;
 }
 
-/* The metric with which contrast `i` of a model compares it: a predictor, or the model itself if there is none. */
+/* The predictor with which contrast `i` of a model compares it; the model itself if there is none. */
 static size_t rival_of(const eval_run *run, size_t model, size_t i, size_t best_baseline) {
     if (i == RIVAL_LOG_DIFF)
         return run->n_models + NQM_METRIC_LOG_DIFF;
+    if (i == RIVAL_ESTIMATE)
+        return estimate_of(run) < run->n_predictors ? estimate_of(run) : model;
     return best_baseline < run->n_predictors ? best_baseline : model;
 }
 
@@ -100,14 +111,62 @@ static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts
     return list;
 }
 
-/* The coverage of a model's intervals; null if it has none, or if labels are not JODs. */
-static json_t *model_coverage_json(const eval_run *run, const nqm_eval_options *o, size_t model) {
+/* The coverage in each subset that has pairs. */
+static json_t *subset_coverage_json(const eval_run *run, nqm_eval_options o, size_t model) {
+    json_t *list = json_array();
+    for (size_t i = 0; subset_words[i]; ++i) {
+        nqm_error err = {0};
+        nqm_coverage c;
+        o.subset = subset_words[i];
+        const nqm_status status = nqm_evaluation_coverage(run->evaluation, &o, model, &c, &err);
+        if (status == NQM_ERR_INCOMPATIBLE) /* no pair */
+            continue;
+        must(status, &err);
+        json_t *entry = json_pack("{s:s,s:I,s:I}", "subset", o.subset, "n", (json_int_t)c.n, "n_materials",
+                                  (json_int_t)c.n_materials);
+        set_estimate(entry, "inside", "ci95", &c.inside);
+        json_object_set_new(entry, "mean_width", json_number(c.mean_width));
+        json_array_append_new(list, entry);
+    }
+    return list;
+}
+
+/* The coverage of a model's intervals, over all pairs also by subset; null if it has none, or if labels are not JODs. */
+static json_t *model_coverage_json(const eval_run *run, const nqm_eval_options *o, size_t model, bool with_subsets) {
     nqm_error err = {0};
     nqm_coverage coverage;
     if (!run->is_jod || !*nqm_model_get_info(run->models[model]).calibration)
         return json_null();
     must(nqm_evaluation_coverage(run->evaluation, o, model, &coverage, &err), &err);
-    return coverage_json(&coverage);
+    json_t *json = coverage_json(&coverage);
+    if (with_subsets)
+        json_object_set_new(json, "by_subset", subset_coverage_json(run, *o, model));
+    return json;
+}
+
+static json_t *spearman_json(const nqm_estimate *e) {
+    json_t *json = json_object();
+    set_estimate(json, "spearman", "ci95", e);
+    return json;
+}
+
+/* How well a model predicts the parts of labels; null if either has no parts. */
+static json_t *parts_json(const eval_run *run, const nqm_eval_options *o, size_t model) {
+    nqm_error err = {0};
+    nqm_part_agreement parts[NQM_EVAL_PARTS];
+    if (!run->evaluation->dataset->parts || !nqm_evaluation_labels(run->evaluation, model))
+        return json_null();
+    must(nqm_evaluation_judge_parts(run->evaluation, o, model, parts, &err), &err);
+    json_t *list = json_array();
+    for (const nqm_part_agreement *p = parts; p < parts + NQM_EVAL_PARTS; ++p) {
+        json_t *entry = json_pack("{s:s,s:I,s:I,s:o,s:o}", "part", p->part, "n", (json_int_t)p->n, "n_materials",
+                                  (json_int_t)p->n_materials, "estimate", spearman_json(&p->estimate), "scalar",
+                                  spearman_json(&p->scalar));
+        set_estimate(entry, "spearman", "ci95", &p->model);
+        json_object_set_new(json_object_get(entry, "scalar"), "name", json_string(p->scalar_name));
+        json_array_append_new(list, entry);
+    }
+    return list;
 }
 
 void judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
@@ -117,7 +176,7 @@ void judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
     nqm_agreement *results = allocate(run->n_predictors, sizeof *results);
     nqm_contrast *contrasts = allocate(n_contrasts + 1, sizeof *contrasts);
     const nqm_status status = nqm_evaluation_judge(run->evaluation, o, results, &err);
-    const bool is_empty = status == NQM_ERR_INCOMPATIBLE && rows != run->results;
+    const bool is_whole = rows == run->results, is_empty = status == NQM_ERR_INCOMPATIBLE && !is_whole;
     if (!is_empty)
         must(status, &err);
     for (size_t i = run->n_models; i < run->n_predictors; ++i)
@@ -134,7 +193,9 @@ void judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
         set_agreement(row, &results[i]);
         if (i < run->n_models) {
             json_object_set_new(row, "contrasts", contrasts_json(run, contrasts + i * N_RIVALS));
-            json_object_set_new(row, "interval", model_coverage_json(run, o, i));
+            json_object_set_new(row, "interval", model_coverage_json(run, o, i, is_whole));
+            if (is_whole || o->subset)
+                json_object_set_new(row, "parts", parts_json(run, o, i));
         }
     }
     free(results);

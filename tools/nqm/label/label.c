@@ -94,12 +94,10 @@ json_t *json_labels(const label_run *run) {
 }
 
 static const char csv_columns[] = "test,delta_e_itp,jod,error";
-static const char csv_part_columns[] = ",shift_i,shift_t,shift_p,contrast,structure,similarity_jod";
 
 static void print_csv_test(const label_run *run, const label_item *item) {
     const nqm_label *l = &item->label;
     const double values[] = {l->delta_e, item->jod};
-    const double parts[] = {l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_similarity(l)};
     print_csv_text(stdout, item->name);
     print_csv_numbers(stdout, 2, values);
     putchar(',');
@@ -108,7 +106,7 @@ static void print_csv_test(const label_run *run, const label_item *item) {
         putchar(',');
         print_csv_text(stdout, run->items[item->reference].name);
     }
-    print_csv_numbers(stdout, sizeof parts / sizeof *parts, parts);
+    print_csv_label(stdout, l);
     putchar('\n');
 }
 
@@ -127,8 +125,11 @@ void print_labels(const label_run *run) {
         print_json(json_labels(run));
         return;
     }
-    if (run->format == FORMAT_CSV)
-        printf("%s%s%s\n", csv_columns, run->n_groups > 1 ? ",reference" : "", csv_part_columns);
+    if (run->format == FORMAT_CSV) {
+        printf("%s%s", csv_columns, run->n_groups > 1 ? ",reference" : "");
+        print_csv_label_names(stdout);
+        putchar('\n');
+    }
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i)) {

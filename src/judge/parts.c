@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * How well a model predicts the parts of labels, beside what light transport estimates and the scalar features that are closest
+ * to each part by definition.
+ */
+#include "judge/agreement.h"
+#include "judge/evaluate.h"
+#include "model/model.h"
+
+#include <math.h>
+
+enum { MAX_SCALARS = 2, MAX_PREDICTORS = 2 + MAX_SCALARS };
+enum { LOG_DIFF = NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF };
+
+/* A part, and the scalar features that are its control. */
+typedef struct part {
+    const char *name;
+    size_t n_scalars, scalars[MAX_SCALARS];
+    double sign; /* of their correlation with the part */
+} part;
+
+/* The parts of an array of NQM_LABEL_PARTS, then the similarity. */
+static const part parts[NQM_EVAL_PARTS] = {{"shift_i", 2, {NQM_SCALAR_BIAS, NQM_SCALAR_ENERGY}, 1},
+                                           {"shift_t", 1, {NQM_SCALAR_CHROMA_B}, 1},
+                                           {"shift_p", 1, {NQM_SCALAR_CHROMA_RG}, 1},
+                                           {"contrast", 2, {NQM_SCALAR_PEAK, NQM_SCALAR_WIDTH}, 1},
+                                           {"structure", 1, {NQM_SCALAR_SHAPE}, 1},
+                                           {"similarity", 1, {LOG_DIFF}, -1}};
+
+static double part_of(const nqm_label *label, size_t part_index) {
+    double values[NQM_LABEL_PARTS];
+    nqm_label_get_parts(label, values);
+    return part_index < NQM_LABEL_PARTS ? values[part_index] : nqm_label_similarity(label);
+}
+
+/* The label of a pair, without its Delta-E. */
+static nqm_label label_of(const nqm_dataset *d, size_t pair) {
+    nqm_label label = {.delta_e = NAN};
+    nqm_label_set_parts(&label, d->parts + pair * NQM_LABEL_PARTS);
+    return label;
+}
+
+/* What is judged: the model, its controls, and last, if the dataset has it, the estimate. */
+typedef struct work {
+    const nqm_evaluation *ev;
+    const nqm_label *model;
+    nqm_selection pairs;
+    double *label, *prediction; /* (n), (MAX_PREDICTORS, n) */
+} work;
+
+static void collect(const work *w, size_t part_index) {
+    const nqm_evaluation *ev = w->ev;
+    const part *p = &parts[part_index];
+    const size_t n = w->pairs.n;
+    for (size_t i = 0; i < n; ++i) {
+        const size_t pair = w->pairs.pairs[i];
+        const nqm_label label = label_of(ev->dataset, pair);
+        w->label[i] = part_of(&label, part_index);
+        w->prediction[i] = part_of(&w->model[pair], part_index);
+        for (size_t k = 0; k < p->n_scalars; ++k)
+            w->prediction[(1 + k) * n + i] = p->sign * ev->scalars[pair * NQM_SCALAR_COUNT + p->scalars[k]];
+        if (ev->estimates)
+            w->prediction[(1 + p->n_scalars) * n + i] = part_of(&ev->estimates[pair], part_index);
+    }
+}
+
+static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t part_index, nqm_part_agreement *result,
+                             nqm_error *err) {
+    const part *p = &parts[part_index];
+    const nqm_judgement j = {.n = w->pairs.n,
+                             .n_groups = w->pairs.n_groups,
+                             .n_predictors = 1 + p->n_scalars + (w->ev->estimates != NULL),
+                             .group_begin = w->pairs.group_begin,
+                             .label = w->label,
+                             .prediction = w->prediction};
+    nqm_estimate spearman[MAX_PREDICTORS];
+    collect(w, part_index);
+    nqm_status status = nqm_judge_spearman(&j, o->n_bootstrap, o->seed, spearman, err);
+    if (status != NQM_OK)
+        return status;
+    size_t best = 1;
+    for (size_t k = 2; k <= p->n_scalars; ++k)
+        if (isnan(spearman[best].value) || spearman[k].value > spearman[best].value)
+            best = k;
+    *result = (nqm_part_agreement){.part = p->name,
+                                   .n = j.n,
+                                   .n_materials = j.n_groups,
+                                   .model = spearman[0],
+                                   .estimate = {NAN, {NAN, NAN}},
+                                   .scalar = spearman[best],
+                                   .scalar_name = nqm_scalar_name(p->scalars[best - 1])};
+    if (w->ev->estimates)
+        result->estimate = spearman[1 + p->n_scalars];
+    return NQM_OK;
+}
+
+nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *ev, const nqm_eval_options *options, size_t model,
+                                      nqm_part_agreement *results, nqm_error *err) {
+    const nqm_eval_options o = options ? *options : nqm_eval_options_default();
+    work w = {.ev = ev, .model = model < ev->n_models ? nqm_evaluation_labels(ev, model) : NULL};
+    if (!w.model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "predictor %zu is no model with parts", model);
+    if (!ev->dataset->parts)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels of the dataset have no parts");
+    nqm_status status = nqm_selection_create(ev, &o, &w.pairs, err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&w.label, w.pairs.n, sizeof *w.label},
+                                         {&w.prediction, MAX_PREDICTORS, w.pairs.n * sizeof *w.prediction}),
+                              err);
+    for (size_t i = 0; status == NQM_OK && i < NQM_EVAL_PARTS; ++i)
+        status = judge_part(&w, &o, i, &results[i], err);
+    nqm_free(w.label);
+    nqm_selection_free(&w.pairs);
+    return status;
+}

@@ -1,0 +1,67 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Parts of labels: nqm eval judges those that a model with six outputs predicts, by subset of pairs too, and counts labels
+# inside intervals by subset; nqm score, batch and report print them.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+OMP_NUM_THREADS=1 # these networks are too small to use more threads
+export OMP_NUM_THREADS
+"${NQM_BUILD:?}/tests/tiny_dataset" "$dir/toy.safetensors" 1 48 parts
+"$NQM_BUILD/tests/tiny_dataset" "$dir/plain.safetensors" 1 48
+small="--hidden 32,16 --batch 64 --lr-first 0.001 --epochs 3"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/six.safetensors" $small --id six
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/without.safetensors" $small --id one --parts-weight 0
+both=$dir/six.safetensors,$dir/without.safetensors
+
+# holds PATTERN...: the last standard output matches every pattern.
+holds() {
+    for pattern in "$@"; do
+        grep -q -- "$pattern" "$dir/out" || fail "no '$pattern' in $(cat "$dir/out")"
+    done
+}
+# lines N PATTERN: N lines of it match.
+lines() { [ "$(grep -c -- "$2" "$dir/out")" = "$1" ] || fail "not $1 lines '$2' in $(cat "$dir/out")"; }
+
+# ---- eval: text. The toy's kinds are near ("gain") and far ("gloss", which its manifest lists as unseen).
+run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --pairs "$dir/pairs.csv"
+holds '^estimate  ' '^six less estimate: ' '^Parts of the label, all: .* that six predicts, 288 pairs of 12 materials' '^Estimate: '
+holds '^shift_i  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *\(bias\|energy\)$'
+holds '^contrast  .* \(peak\|width\)$' '^structure  .* shape$' '^similarity  .* log_log_diff$'
+holds '^  near pairs  *[0-9.]* % \[.*\] of 144, width ' '^  far pairs  .* of 144, ' '^  kinds of distortion in training  .* of 144, ' \
+    '^  kinds of distortion not in training  .* of 144, '
+lines 1 '^Parts of the label'
+lines 0 'nearly equal'
+head -n 1 "$dir/pairs.csv" |
+    grep -q ',estimate,family,.*,shift_i,.*,similarity_jod,six:shift_i,.*,six:similarity_jod,estimate:shift_i,.*,estimate:similarity_jod$' ||
+    fail "head of the pairs: $(head -n 1 "$dir/pairs.csv")"
+[ "$(sed 's/"[^"]*"/x/g' "$dir/pairs.csv" | awk -F, '{print NF}' | sort -u | wc -l)" = 1 ] || fail "fields of the pairs"
+run 0 eval "$dir/toy.safetensors" -m "$dir/six.safetensors" --bootstrap 0 --by subset
+holds '^near: 144 pairs of 12 materials' '^far: 144 pairs' '^unseen: 144 pairs' '^Parts of the label, far: ' '^shift_p  *[01].[0-9]*  *[01].[0-9]*  *[01].[0-9]* '
+lines 0 '^rounding'
+
+# JSON and CSV have the same.
+run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --by subset --json
+holds '"type": "estimate"' '"with": "estimate"' '"by_subset": \[' '"subset": "near"' '"part": "similarity"' '"name": "chroma_b"' '"by_subset": {'
+[ "$(number part 1)" = '"shift_i"' ] || fail "order of the parts"
+lines 30 '"part": "' # six parts of all pairs and of four subsets
+lines 5 '"parts": null'
+run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --csv
+lines 6 '^all,all,six,part,288,12,'
+lines 4 '^subset,[a-z]*,six,coverage,144,12,'
+lines 1 '^all,all,estimate,estimate,288,12,'
+[ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields"
+head -n 1 "$dir/out" | grep -q ',rival_3,.*,part,estimate,estimate_low,estimate_high,scalar,scalar_spearman,scalar_low,scalar_high$' || fail "CSV header"
+awk -F, 'NR == 1 {for (i = 1; i <= NF; ++i) at[$i] = i}
+    $(at["part"]) == "shift_t" && $(at["scalar"]) == "chroma_b" && $(at["estimate"]) > 0.9 && $(at["spearman"]) > 0.5 {++n}
+    $4 == "coverage" && $(at["coverage"]) > 0.5 && $(at["interval_width"]) > 0 && $(at["spearman"]) == "" {++n}
+    END {exit n != 9}' "$dir/out" || fail "CSV values: $(cat "$dir/out")"
+
+# Without parts in the labels or the model, and without a matrix, there is none of that.
+run 0 eval "$dir/plain.safetensors" -m "$dir/six.safetensors" --bootstrap 0
+lines 0 '^estimate\|^Parts\|^Estimate\|less estimate'
+lines 1 '^  near pairs'
+run 0 eval "$dir/toy.safetensors" -m "$dir/without.safetensors" --bootstrap 0
+lines 0 '^Parts'
+lines 1 '^estimate'
