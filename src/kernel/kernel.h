@@ -7,6 +7,7 @@
  * A hidden layer computes y = dropout(GELU(LayerNorm(x W^T + b))) for a batch of rows:
  *
  *   product, row_product   C = A B         x W^T with W^T in panels: the forward pass, and the gradient of the input
+ *   strided_product        C = A B         of floats in other layouts
  *   gradient               C = A^T B       the gradient of the weights, tile by tile
  *   hidden_row, _back      one row after the product, and its backward pass
  *   adam                   one step of the optimiser
@@ -73,6 +74,16 @@ typedef struct nqm_row_product {
     const void *b; /**< (n_panels, stride, NQM_PANEL) */
     void *c;       /**< float or int32_t, as in nqm_product */
 } nqm_row_product;
+
+/** C (m, NQM_PANEL) = A B, or C + A B, of floats with any strides. */
+typedef struct nqm_strided_product {
+    size_t m, k;
+    bool add;       /**< start from C; false: from 0 */
+    const float *a; /**< (m, k), lda floats from row to row and `step` from column to column */
+    const float *b; /**< (k, NQM_PANEL), ldb floats from row to row */
+    float *c;       /**< (m, NQM_PANEL), ldc floats from row to row */
+    size_t lda, step, ldb, ldc;
+} nqm_strided_product;
 
 /** Arrays that are prefetched while a tile of a gradient is computed: weights and Adam's two moments. */
 enum { NQM_PREFETCH = 3 };
@@ -157,6 +168,8 @@ typedef struct nqm_kernels {
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
     /** One row times several panels: the same bits as `product` with m = 1. */
     void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
+    /** Rows of the light transport (metric/transport.c). */
+    void (*strided_product)(const nqm_strided_product *p);
     /** NULL for NQM_PRECISION_INT8: training is in float or bfloat16. */
     void (*gradient[NQM_PRECISION_COUNT])(const nqm_tile_gradient *g);
     /** The sum of x y over n floats. */

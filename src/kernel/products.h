@@ -6,6 +6,7 @@
  * WORD, RIGHT    an element of A and a vector of elements of B
  * NUMBER, SUM    an element of C and a vector of them
  * MADD           sum + a b
+ * STRIDED        defined: the file has strided_product(), for floats
  * GRADIENT_NEXT  the weight gradient prefetches A this many words ahead; 0: it does not. Undefined: there is no gradient
  *
  * A tile of C stays in registers while A and B are read once; each word of A is broadcast to a vector.
@@ -53,48 +54,73 @@ INLINE void NAME(multiply_tile)(NAME(tile) t) {
         (SUM *)(c + i * t.ldc + j * LANES) = sum[i][j];
 }
 
-/* Rows [row, row + n) and TILE_COLUMNS columns of a product. */
-INLINE void NAME(multiply_rows)(const nqm_product *p, size_t row, size_t n, size_t column) {
-    NAME(multiply_tile)
-    ((NAME(tile)){.rows = n,
-                  .words = p->words,
-                  .a = (const WORD *)p->a + row * p->lda,
+/* n rows from `row` on, where t is the tile of row 0. */
+INLINE void NAME(multiply_some)(NAME(tile) t, size_t row, size_t n) {
+    t.rows = n;
+    t.a += row * t.row_step;
+    t.c += row * t.ldc;
+    NAME(multiply_tile)(t);
+}
+
+/* All m rows, where t is the tile of row 0. */
+INLINE void NAME(multiply_rows)(NAME(tile) t, size_t m) {
+    size_t i = 0;
+    for (; i + TILE_ROWS <= m; i += TILE_ROWS)
+        NAME(multiply_some)(t, i, TILE_ROWS);
+#define REST(n)                                                                                                        \
+    case n:                                                                                                            \
+        NAME(multiply_some)(t, i, (n) < TILE_ROWS ? (n) : 1);                                                          \
+        break;
+    switch (m - i) {
+        REST(1)
+        REST(2)
+        REST(3)
+        REST(4)
+        REST(5)
+        REST(6)
+        REST(7)
+        REST(8)
+        REST(9)
+        REST(10)
+        REST(11)
+    default: /* TILE_ROWS is at most 12 */
+        break;
+    }
+#undef REST
+}
+
+static void NAME(product)(const nqm_product *p) {
+    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
+        NAME(multiply_rows)
+    ((NAME(tile)){.words = p->words,
+                  .a = p->a,
                   .row_step = p->lda,
                   .word_step = 1,
                   .b = (const WORD *)p->b + column,
                   .ldb = NQM_PANEL,
-                  .c = (NUMBER *)p->c + row * p->ldc + column,
+                  .c = (NUMBER *)p->c + column,
                   .ldc = p->ldc,
-                  .add = p->add});
+                  .add = p->add},
+     p->m);
 }
 
-static void NAME(product)(const nqm_product *p) {
-    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {
-        size_t i = 0;
-        for (; i + TILE_ROWS <= p->m; i += TILE_ROWS)
-            NAME(multiply_rows)(p, i, TILE_ROWS, column);
-#define REST(n)                                                                                                        \
-    case n:                                                                                                            \
-        NAME(multiply_rows)(p, i, (n) < TILE_ROWS ? (n) : 1, column);                                                  \
-        break;
-        switch (p->m - i) {
-            REST(1)
-            REST(2)
-            REST(3)
-            REST(4)
-            REST(5)
-            REST(6)
-            REST(7)
-            REST(8)
-            REST(9)
-            REST(10)
-            REST(11)
-        default: /* TILE_ROWS is at most 12 */
-            break;
-        }
-#undef REST
-    }
+#ifdef STRIDED
+static void strided_product(const nqm_strided_product *p) {
+    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
+        NAME(multiply_rows)
+    ((NAME(tile)){.words = p->k,
+                  .a = p->a,
+                  .row_step = p->lda,
+                  .word_step = p->step,
+                  .b = p->b + column,
+                  .ldb = p->ldb,
+                  .c = p->c + column,
+                  .ldc = p->ldc,
+                  .add = p->add},
+     p->m);
 }
+#undef STRIDED
+#endif
 
 /* One row times n neighbouring panels from b on. */
 INLINE void NAME(multiply_row)(size_t n, const nqm_row_product *p, const WORD *restrict b, NUMBER *restrict c) {

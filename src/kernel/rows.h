@@ -228,6 +228,7 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .gemm = nqm_gemm_onednn,                                                                                       \
         .product = {product_f32, product_bf16, product_int8},                                                          \
         .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \
+        .strided_product = strided_product,                                                                            \
         .gradient = {gradient_f32, gradient_bf16, NULL},                                                               \
         .hidden_row = hidden_row,                                                                                      \
         .dot = dot,                                                                                                    \

@@ -108,6 +108,17 @@ static void row_product_int8(const nqm_row_product *p) {
     multiply_panels(p, product_int8);
 }
 
+static void strided_product(const nqm_strided_product *p) {
+    for (size_t i = 0; i < p->m; ++i)
+        for (size_t j = 0; j < NQM_PANEL; ++j) {
+            float *c = p->c + i * p->ldc + j;
+            double sum = p->add ? (double)*c : 0;
+            for (size_t u = 0; u < p->k; ++u)
+                sum += (double)p->a[i * p->lda + u * p->step] * (double)p->b[u * p->ldb + j];
+            *c = (float)sum;
+        }
+}
+
 static void gradient(const nqm_tile_gradient *g, word_product product) {
     const uint32_t *left = g->left, *right = g->right;
     for (size_t i = 0; i < NQM_STRIP; ++i)
@@ -285,6 +296,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .gemm = gemm,
     .product = {product_f32, product_bf16, product_int8},
     .row_product = {row_product_f32, row_product_bf16, row_product_int8},
+    .strided_product = strided_product,
     .gradient = {gradient_f32, gradient_bf16, NULL},
     .dot = dot,
     .hidden_row = hidden_row,

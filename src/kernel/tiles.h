@@ -67,12 +67,13 @@ enum {
 
 _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");
 
-#define PRECISION     f32
-#define WORD          float
-#define RIGHT         vector_f
-#define NUMBER        float
-#define SUM           vector_f
-#define MADD          MADD_F32
+#define PRECISION f32
+#define WORD      float
+#define RIGHT     vector_f
+#define NUMBER    float
+#define SUM       vector_f
+#define MADD      MADD_F32
+#define STRIDED
 #define GRADIENT_NEXT (2 * NQM_STRIP)
 #include "kernel/products.h"
 

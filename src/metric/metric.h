@@ -10,16 +10,24 @@
 #include "sample/sample.h"
 #include <nqm/metric.h>
 
-/** ITP times NQM_ITP_UNIT of the points that a transport matrix makes of samples: itp (NQM_TRANSPORT_POINTS, 3). Where `used` is 0
- *  the values of `instead` take the place of those of rgb. rgb, instead: (n_directions, 3) f_r >= 0; used: (n_directions), NULL:
- *  all are used. */
-void nqm_transport_picture(const nqm_transport *transport, const float *rgb, const float *instead, const uint8_t *used,
-                           double *itp);
+enum { NQM_COMPARE_MAX = 16, NQM_TRANSPORT_MAX = 2 * NQM_COMPARE_MAX };
+
+/** Samples of which a transport matrix makes a picture. */
+typedef struct nqm_transport_samples {
+    const float *rgb;     /* (n_directions, 3) f_r >= 0 */
+    const float *instead; /* the values where `used` is 0 */
+    const uint8_t *used;  /* (n_directions); NULL: all are used */
+} nqm_transport_samples;
+/** Compute n pictures, at most NQM_TRANSPORT_MAX: (n, 3, NQM_TRANSPORT_POINTS) ITP on the display, in units of Delta-E
+ *  (NQM_ITP_UNIT). A picture does not depend on the other pictures of the call. */
+void nqm_transport_pictures(const nqm_transport *transport, size_t n, const nqm_transport_samples *samples,
+                            float *pictures);
 /** The label of two such pictures, the mean over the scenes. */
-nqm_label nqm_transport_compare(const nqm_transport *transport, const double *ref_itp, const double *test_itp);
-/** The label that the samples of a pair estimate; arguments as in nqm_metrics_compute(). */
-nqm_label nqm_transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
-                                 const uint8_t *used);
+nqm_label nqm_transport_compare(const nqm_transport *transport, const float *ref, const float *test);
+/** Estimate the labels of n pairs of samples, at most NQM_COMPARE_MAX; arguments as in nqm_sampled_pairs. Where a direction is
+ *  dropped, the test has the values of the reference. Consecutive pairs with the same `ref` pointer share its picture. */
+void nqm_transport_estimate(const nqm_transport *transport, size_t n, const float *const *ref, const float *const *test,
+                            const uint8_t *used, nqm_label *estimates);
 
 /** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
  *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
@@ -35,8 +43,6 @@ typedef struct nqm_comparison {
     const uint8_t *used;       /* (n, n_directions) nonzero where the direction counts; NULL: all */
     const nqm_label *estimate; /* (n) estimated by transport; NULL: none */
 } nqm_comparison;
-
-enum { NQM_COMPARE_MAX = 16 };
 
 /** Compute metrics (n, NQM_METRIC_COUNT) and scalar features (n, NQM_SCALAR_COUNT) in one pass; either may be NULL. */
 void nqm_compare_samples(const nqm_comparison *comparison, double *metrics, double *scalars);

@@ -80,16 +80,11 @@ static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
                          pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);
 }
 
-/* Estimate the labels of pairs [begin, end), which have the same reference. */
+/* Estimate the labels of pairs [begin, end). */
 static void estimate(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
     const nqm_transport t = nqm_model_transport(p->model);
-    double ref_itp[3 * NQM_TRANSPORT_POINTS], test_itp[3 * NQM_TRANSPORT_POINTS];
-    nqm_transport_picture(&t, pairs->ref[begin], pairs->ref[begin], NULL, ref_itp);
-    for (size_t i = begin; i < end; ++i) {
-        nqm_transport_picture(&t, pairs->test[i], pairs->ref[i], pairs->used ? pairs->used + t.n_directions * i : NULL,
-                              test_itp);
-        p->estimates[i] = nqm_transport_compare(&t, ref_itp, test_itp);
-    }
+    nqm_transport_estimate(&t, end - begin, pairs->ref + begin, pairs->test + begin,
+                           pairs->used ? pairs->used + t.n_directions * begin : NULL, p->estimates + begin);
 }
 
 /* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
@@ -124,13 +119,13 @@ static void compose(void *user, size_t piece) {
     const nqm_sampled_pairs *pairs = job->pairs;
     const size_t n = 3 * p->model->directions->n, last = (piece + 1) * job->n_at_once;
     const size_t end = last < pairs->n ? last : pairs->n;
+    if (p->estimates)
+        estimate(p, pairs, piece * job->n_at_once, end);
     for (size_t begin = piece * job->n_at_once, next; begin < end; begin = next) {
         float *ref_t = p->t + 2 * begin * n;
         nqm_features_transform(n, pairs->ref[begin], ref_t);
         for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next)
             compose_samples(p, pairs, next, ref_t);
-        if (p->estimates)
-            estimate(p, pairs, begin, next);
         compose_scalars(p, pairs, begin, next);
     }
 }

@@ -116,6 +116,43 @@ static void products_of_every_table(void **state) {
     assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
 }
 
+/* Strided products have the bits of a product of the same factors. */
+static void strided_products_of_every_table(void **state) {
+    (void)state;
+    enum { M = 13, K = 37, STEP = 3, LDA = STEP * K + 5, LDB = 2 * NQM_PANEL, LDC = NQM_PANEL + 8 };
+    nqm_rng rng = nqm_rng_make(seed, 3);
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (size_t m = 1; m <= M; ++m) {
+            const size_t n_a = (m - 1) * LDA + (K - 1) * STEP + 1; /* exactly, so that sanitizers see reads beyond */
+            float *a = random_block(&rng, n_a), *b = random_block(&rng, (K - 1) * LDB + NQM_PANEL);
+            float *dense_a = nqm_alloc(m * K, sizeof *dense_a), *dense_b = nqm_alloc(K * NQM_PANEL, sizeof *dense_b);
+            float c[M * LDC] = {0}, expected[M * LDC] = {0};
+            for (size_t u = 0; u < K; ++u) {
+                memcpy(dense_b + u * NQM_PANEL, b + u * LDB, NQM_PANEL * sizeof *b);
+                for (size_t i = 0; i < m; ++i)
+                    dense_a[i * K + u] = a[i * LDA + u * STEP];
+            }
+            for (int add = 0; add < 2; ++add) { /* the second adds to the first */
+                nqm_kernels_at(t)->strided_product(&(nqm_strided_product){.m = m,
+                                                                          .k = K,
+                                                                          .add = add,
+                                                                          .a = a,
+                                                                          .b = b,
+                                                                          .c = c,
+                                                                          .lda = LDA,
+                                                                          .step = STEP,
+                                                                          .ldb = LDB,
+                                                                          .ldc = LDC});
+                nqm_kernels_at(t)->product[NQM_PRECISION_F32](&(nqm_product){
+                    .m = m, .words = K, .add = add, .a = dense_a, .b = dense_b, .c = expected, .lda = K, .ldc = LDC});
+                assert_memory_equal(c, expected, sizeof c);
+            }
+            float *const blocks[] = {a, b, dense_a, dense_b};
+            for (size_t i = 0; i < 4; ++i)
+                nqm_free(blocks[i]);
+        }
+}
+
 /* The plain loops against hand-computed values of x w^T with the rounding of each precision. */
 static void the_definition_by_hand(void **state) {
     (void)state;
@@ -511,6 +548,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_definition_by_hand),
         cmocka_unit_test(products_of_every_table),
+        cmocka_unit_test(strided_products_of_every_table),
         cmocka_unit_test(the_same_bits),
         cmocka_unit_test(panels_packed_one_by_one),
         cmocka_unit_test(panels_and_back),

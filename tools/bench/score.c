@@ -31,7 +31,7 @@ typedef struct job {
     nqm_predictor *predictor;
     size_t batch, turn;
     bool is_shared; /* references are shared */
-    float z[MAX_BATCH];
+    float z[MAX_BATCH * (1 + NQM_LABEL_PARTS)];
     double jod[MAX_BATCH];
 } job;
 

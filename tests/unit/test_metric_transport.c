@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Estimates by light transport: pictures and labels against NumPy (tests/vectors/transport.py), dropped directions, exact zeros
+ * of equal pairs, and the same bits for any cut and order of a batch and any number of threads.
+ */
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/tiny_model.h"
+
+#include <float.h>
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+enum { N = 7, BRDFS = 5, POINTS = NQM_TRANSPORT_POINTS, PARTS = 1 + NQM_LABEL_PARTS };
+
+static float light[N * 3 * POINTS], rgb[BRDFS][3 * N];
+static double points[3 * POINTS], itp[BRDFS][POINTS][3], itp_used[BRDFS][POINTS][3];
+static double labels[BRDFS][PARTS], labels_used[BRDFS][PARTS];
+static uint8_t used[BRDFS][N];
+static const nqm_transport transport = {N, light, points};
+
+static int read_vectors(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        size_t n_bytes;
+        void *to;
+    } tensors[] = {{"light", sizeof light, light},    {"points", sizeof points, points},
+                   {"rgb", sizeof rgb, rgb},          {"used", sizeof used, used},
+                   {"itp", sizeof itp, itp},          {"itp_used", sizeof itp_used, itp_used},
+                   {"labels", sizeof labels, labels}, {"labels_used", sizeof labels_used, labels_used}};
+    nqm_map map;
+    nqm_safetensors *st;
+    if (nqm_map_open(test_vector("transport.safetensors"), &map, NULL) != NQM_OK ||
+        nqm_safetensors_parse(map.data, map.n_bytes, "transport", &st, NULL) != NQM_OK)
+        return -1;
+    for (size_t i = 0; i < sizeof tensors / sizeof *tensors; ++i) {
+        const nqm_tensor *tensor = nqm_safetensors_find(st, tensors[i].name);
+        assert_non_null(tensor);
+        assert_int_equal(tensor->n_bytes, tensors[i].n_bytes);
+        memcpy(tensors[i].to, tensor->data, tensor->n_bytes);
+    }
+    nqm_safetensors_free(st);
+    nqm_map_close(&map);
+    return 0;
+}
+
+static nqm_label estimate(const float *ref, const float *test, const uint8_t *mask) {
+    nqm_label label;
+    nqm_transport_estimate(&transport, 1, &ref, &test, mask, &label);
+    return label;
+}
+
+/* ---- against NumPy ----------------------------------------------------------------------------------------------- */
+
+/* Errors of the table for PQ, 4e-6 and 6e-6 for black, times 720 and the sum of the magnitudes of a row of the matrix. */
+static void check_picture(const float *picture, double expected[POINTS][3]) {
+    static const double tolerance[3] = {720 * 6e-6, 720 * 4e-6 * 3.4, 720 * 4e-6 * 8.8};
+    for (size_t p = 0; p < POINTS; ++p)
+        for (size_t k = 0; k < 3; ++k)
+            assert_near((double)picture[k * POINTS + p], expected[p][k], tolerance[k]);
+}
+
+static void check_label(const nqm_label *label, const double *expected) {
+    double parts[NQM_LABEL_PARTS];
+    nqm_label_get_parts(label, parts);
+    assert_near(label->delta_e, expected[0], 1e-3 + 1e-4 * expected[0]);
+    for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
+        assert_near(parts[k], expected[1 + k], k == 3 ? 1e-4 : 1e-3 + 1e-4 * expected[0]);
+}
+
+static void against_numpy(void **state) {
+    (void)state;
+    nqm_transport_samples samples[2 * BRDFS];
+    float pictures[2 * BRDFS][3 * POINTS];
+    for (size_t i = 0; i < BRDFS; ++i) {
+        samples[i] = (nqm_transport_samples){.rgb = rgb[i]};
+        samples[BRDFS + i] = (nqm_transport_samples){.rgb = rgb[i], .instead = rgb[0], .used = used[i]};
+    }
+    nqm_transport_pictures(&transport, 2 * BRDFS, samples, pictures[0]);
+    for (size_t i = 0; i < BRDFS; ++i) {
+        check_picture(pictures[i], itp[i]);
+        check_picture(pictures[BRDFS + i], itp_used[i]);
+        const nqm_label all = estimate(rgb[0], rgb[i], NULL), kept = estimate(rgb[0], rgb[i], used[i]);
+        check_label(&all, labels[i]);
+        check_label(&kept, labels_used[i]);
+    }
+}
+
+/* ---- exact properties -------------------------------------------------------------------------------------------- */
+
+static void equal_pairs_give_zero(void **state) {
+    (void)state;
+    const nqm_label zero = {.delta_e = 0};
+    for (size_t i = 0; i < BRDFS; ++i) {
+        float copy[3 * N];
+        memcpy(copy, rgb[i], sizeof copy);
+        nqm_label label = estimate(rgb[i], copy, NULL);
+        assert_memory_equal(&label, &zero, sizeof zero);
+        for (size_t k = 0; k < N; ++k) /* differs only where directions are dropped */
+            if (!used[i][k])
+                copy[3 * k + 1] += 1;
+        label = estimate(rgb[i], copy, used[i]);
+        assert_memory_equal(&label, &zero, sizeof zero);
+    }
+}
+
+static void extremes_are_finite(void **state) {
+    (void)state;
+    const float black[3 * N] = {0};
+    float bright[3 * N];
+    for (size_t i = 0; i < 3 * N; ++i)
+        bright[i] = FLT_MAX;
+    const nqm_label a = estimate(black, bright, NULL), b = estimate(bright, black, NULL);
+    assert_true(isfinite(a.delta_e) && a.delta_e > 100 && isfinite(a.structure) && isfinite(a.contrast));
+    assert_near(a.delta_e, b.delta_e, 0);
+    assert_near(a.shift[0], -b.shift[0], 0);
+}
+
+/* Pairs in one call have the bits of single pairs, in any order and whether or not neighbours share a reference. */
+static void batches_give_the_same_bits(void **state) {
+    (void)state;
+    const float *ref[NQM_COMPARE_MAX], *test[NQM_COMPARE_MAX];
+    uint8_t masks[NQM_COMPARE_MAX * N];
+    nqm_label batch[NQM_COMPARE_MAX];
+    for (size_t turn = 0; turn < 5; ++turn)
+        for (size_t n = 1; n <= NQM_COMPARE_MAX; ++n) {
+            for (size_t i = 0; i < n; ++i) {
+                ref[i] = rgb[(turn + i / (1 + turn)) % BRDFS];
+                test[i] = rgb[(7 * i + turn) % BRDFS];
+                memcpy(masks + i * N, used[(i + turn) % BRDFS], N);
+            }
+            nqm_transport_estimate(&transport, n, ref, test, masks, batch);
+            for (size_t i = 0; i < n; ++i) {
+                const nqm_label single = estimate(ref[i], test[i], masks + i * N);
+                assert_memory_equal(&batch[i], &single, sizeof single);
+            }
+        }
+}
+
+/* The same for the JOD of a model that corrects estimates. */
+static void predictions_give_the_same_bits(void **state) {
+    (void)state;
+    enum { N_PAIRS = 75, N_DIRECTIONS = 130 };
+    nqm_model *model;
+    nqm_predictor *predictor;
+    nqm_rng rng = nqm_rng_make(5, 0);
+    static float samples[2 * N_PAIRS * 3 * N_DIRECTIONS];
+    const float *ref[N_PAIRS], *test[N_PAIRS];
+    double expected[N_PAIRS], jod[N_PAIRS];
+    assert_int_equal(make_tiny_model(N_DIRECTIONS, &model, NULL), NQM_OK);
+    model->transport = nqm_alloc(N_DIRECTIONS * 3 * POINTS, sizeof *model->transport);
+    model->n_transport = N_DIRECTIONS;
+    memcpy(model->transport_points, points, sizeof points);
+    for (size_t i = 0; i < N_DIRECTIONS * 3 * POINTS; ++i)
+        model->transport[i] = (float)nqm_rng_uniform(&rng);
+    for (size_t i = 0; i < 2 * N_PAIRS * 3 * N_DIRECTIONS; ++i)
+        samples[i] = (float)nqm_rng_uniform(&rng);
+    for (size_t i = 0; i < N_PAIRS; ++i) {
+        ref[i] = samples + i / 4 * 3 * N_DIRECTIONS;
+        test[i] = samples + (N_PAIRS + i) * 3 * N_DIRECTIONS;
+    }
+    assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, N_PAIRS, &predictor, NULL), NQM_OK);
+    for (size_t i = 0; i < N_PAIRS; ++i)
+        nqm_predictor_run(predictor, &(nqm_sampled_pairs){.n = 1, .ref = ref + i, .test = test + i}, expected + i,
+                          NULL);
+    for (int n_threads = 1; n_threads <= 2; ++n_threads) {
+        omp_set_num_threads(n_threads);
+        for (size_t cut = 1; cut <= N_PAIRS; cut = 2 * cut + 1) {
+            for (size_t first = 0; first < N_PAIRS; first += cut)
+                nqm_predictor_run(predictor,
+                                  &(nqm_sampled_pairs){
+                                      .n = nqm_smaller(cut, N_PAIRS - first), .ref = ref + first, .test = test + first},
+                                  jod + first, NULL);
+            assert_memory_equal(jod, expected, sizeof jod);
+        }
+    }
+    nqm_predictor_free(predictor);
+    nqm_model_free(model);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(against_numpy),
+        cmocka_unit_test(equal_pairs_give_zero),
+        cmocka_unit_test(extremes_are_finite),
+        cmocka_unit_test(batches_give_the_same_bits),
+        cmocka_unit_test(predictions_give_the_same_bits),
+    };
+    return cmocka_run_group_tests(tests, read_vectors, NULL);
+}
