@@ -26,8 +26,15 @@ void nqm_transport_pictures(const nqm_transport *transport, size_t n, const nqm_
 nqm_label nqm_transport_compare(const nqm_transport *transport, const float *ref, const float *test);
 /** Estimate the labels of n pairs of samples, at most NQM_COMPARE_MAX; arguments as in nqm_sampled_pairs. Where a direction is
  *  dropped, the test has the values of the reference. Consecutive pairs with the same `ref` pointer share its picture. */
-void nqm_transport_estimate(const nqm_transport *transport, size_t n, const float *const *ref, const float *const *test,
-                            const uint8_t *used, nqm_label *estimates);
+void nqm_transport_estimates(const nqm_transport *transport, size_t n, const float *const *ref,
+                             const float *const *test, const uint8_t *used, nqm_label *estimates);
+/** The same for one pair. */
+static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
+                                               const uint8_t *used) {
+    nqm_label label;
+    nqm_transport_estimates(transport, 1, &ref, &test, used, &label);
+    return label;
+}
 
 /** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
  *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */

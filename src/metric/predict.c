@@ -83,8 +83,8 @@ static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
 /* Estimate the labels of pairs [begin, end). */
 static void estimate(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
     const nqm_transport t = nqm_model_transport(p->model);
-    nqm_transport_estimate(&t, end - begin, pairs->ref + begin, pairs->test + begin,
-                           pairs->used ? pairs->used + t.n_directions * begin : NULL, p->estimates + begin);
+    nqm_transport_estimates(&t, end - begin, pairs->ref + begin, pairs->test + begin,
+                            pairs->used ? pairs->used + t.n_directions * begin : NULL, p->estimates + begin);
 }
 
 /* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */

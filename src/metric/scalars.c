@@ -232,7 +232,7 @@ void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *
     nqm_label estimate;
     const bool has_estimate = transport && transport->light;
     if (has_estimate)
-        nqm_transport_estimate(transport, 1, &ref, &test, used, &estimate);
+        estimate = nqm_transport_estimate(transport, ref, test, used);
     nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used, has_estimate ? &estimate : NULL}, NULL,
                         scalars);
 }

@@ -133,8 +133,8 @@ nqm_label nqm_transport_compare(const nqm_transport *t, const float *ref, const 
     return mean;
 }
 
-void nqm_transport_estimate(const nqm_transport *t, size_t n, const float *const *ref, const float *const *test,
-                            const uint8_t *used, nqm_label *estimates) {
+void nqm_transport_estimates(const nqm_transport *t, size_t n, const float *const *ref, const float *const *test,
+                             const uint8_t *used, nqm_label *estimates) {
     nqm_transport_samples samples[NQM_TRANSPORT_MAX] = {{0}};
     float pictures[NQM_TRANSPORT_MAX * 3 * POINTS];
     size_t n_pictures = 0, ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX]; /* pictures of pair i */

@@ -21,8 +21,8 @@ static void estimate_pair(void *user, size_t r) {
     const nqm_transport transport = nqm_dataset_transport(d);
     const size_t n = 3 * d->n_directions, pair = job->first + r;
     const uint8_t *used = nqm_dataset_pair_used(d, pair, job->e->used_scratch + r * d->n_directions);
-    const float *ref = d->ref_rgb + d->pair_ref[pair] * n, *test = d->test_rgb + pair * n;
-    nqm_transport_estimate(&transport, 1, &ref, &test, used, &job->e->estimate[pair]);
+    job->e->estimate[pair] =
+        nqm_transport_estimate(&transport, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, used);
 }
 
 void nqm_examples_estimate(nqm_examples *e) {

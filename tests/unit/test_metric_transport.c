@@ -47,9 +47,7 @@ static int read_vectors(void **state) {
 }
 
 static nqm_label estimate(const float *ref, const float *test, const uint8_t *mask) {
-    nqm_label label;
-    nqm_transport_estimate(&transport, 1, &ref, &test, mask, &label);
-    return label;
+    return nqm_transport_estimate(&transport, ref, test, mask);
 }
 
 /* ---- against NumPy ----------------------------------------------------------------------------------------------- */
@@ -131,7 +129,7 @@ static void batches_give_the_same_bits(void **state) {
                 test[i] = rgb[(7 * i + turn) % BRDFS];
                 memcpy(masks + i * N, used[(i + turn) % BRDFS], N);
             }
-            nqm_transport_estimate(&transport, n, ref, test, masks, batch);
+            nqm_transport_estimates(&transport, n, ref, test, masks, batch);
             for (size_t i = 0; i < n; ++i) {
                 const nqm_label single = estimate(ref[i], test[i], masks + i * N);
                 assert_memory_equal(&batch[i], &single, sizeof single);
