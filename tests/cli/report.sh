@@ -46,6 +46,11 @@ xmllint --noout "$page" || fail "not well-formed"
 [ "$(query 'count(//table[@class="metrics"][1]/tbody/tr)')" = 27 ] || fail "nine metrics a test"
 [ "$(query 'count(//img)') $(query 'count(//img[string-length(@alt) > 10])')" = "18 18" ] || fail "6 pictures a test, with words"
 
+# What differs, in words and numbers; this model predicts no parts, so only those of the pictures.
+[ "$(query 'string(//section[@class="test"][h2/span="ward:nickel"]/p[@class="words"])' | grep -c '^In the pictures: [a-z ,]*\.$')" = 1 ] || fail "words"
+[ "$(query 'string(//section[@class="test"][h2/span="sgd:nickel"]/p[@class="words"]/strong)')" = 'no visible difference' ] || fail "words of equal BRDFs"
+[ "$(query 'count(//table[@class="parts"]/tbody/tr)') $(query 'string(//table[@class="parts"]/tbody/tr/td[6])')" = "3 10.00" ] || fail "parts"
+
 # ---- self-contained: no addresses, and the policy forbids loading
 query 'string(//meta[@http-equiv="Content-Security-Policy"]/@content)' | grep -q "^default-src 'none'; img-src data:;" || fail "policy"
 [ "$(query 'count(//@src) - count(//img/@src[starts-with(., "data:image/png;base64,iVBORw0KGgo")])')" = 0 ] || fail "foreign src"
@@ -92,6 +97,14 @@ run 0 report sgd:nickel ward:nickel -m "$dir/calibrated.safetensors" --size 24 -
 cp "$page" "$dir/first.html"
 OMP_NUM_THREADS=1 run 0 report sgd:nickel ward:nickel -m "$dir/calibrated.safetensors" --size 24 -o "$page"
 cmp "$page" "$dir/first.html" || fail "another page the second time"
+
+# ---- the parts of a model that predicts them
+"$NQM_BUILD/tests/tiny_dataset" "$dir/parts.safetensors" 1 24 parts
+run 0 train "$dir/parts.safetensors" -o "$dir/six.safetensors" --hidden 16 --batch 64 --epochs 1
+run 0 report sgd:nickel ward:nickel -m "$dir/six.safetensors" --size 24 -o "$page" --json
+[ "$(query 'string(//p[@class="words"]/strong[1])')" = "$(sed -n 's/^ *"words": "\(.*\)"$/\1/p' "$dir/out")" ] || fail "predicted words"
+[ "$(query 'string(//table[@class="parts"]/tbody/tr[1]/td[6])')" = "$(printf %.2f "$(number similarity_jod 1)")" ] || fail "similarity"
+[ "$(query 'count(//table[@class="parts"]/tbody/tr)')" = 2 ] || fail "rows of parts"
 
 # ---- errors: the exit code; the old page is unchanged, and there is no new file
 cp "$page" "$dir/first.html"

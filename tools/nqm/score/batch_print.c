@@ -16,6 +16,13 @@ static bool is_added(const batch_form *form, const char *name) {
     for (size_t i = 0; i < sizeof added / sizeof *added; ++i)
         if (strcmp(name, added[i]) == 0)
             return true;
+    if (nqm_model_has_parts(form->model)) {
+        for (size_t i = 0; i < LABEL_COLUMNS; ++i)
+            if (strcmp(name, label_columns[i]) == 0)
+                return true;
+        if (strcmp(name, "words") == 0 || strcmp(name, "parts") == 0)
+            return true;
+    }
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (form->metrics[m] && strcmp(name, nqm_metric_name((nqm_metric)m)) == 0)
             return true;
@@ -40,7 +47,7 @@ static void print_csv_head(const batch_form *form, FILE *out) {
         fputs(i ? "," : "", out);
         print_csv_text(out, form->list->column[i]);
     }
-    print_csv_score_names(out, form->metrics);
+    print_csv_score_names(out, form->model, form->metrics);
     fputs(",warnings,error\n", out);
 }
 
@@ -53,7 +60,7 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
             if (list->cell[i].column == column)
                 print_csv_text(out, list->cell[i].text);
     }
-    print_csv_score(out, form->metrics, r);
+    print_csv_score(out, form->model, form->metrics, r);
     fputc(',', out);
     char text[4600] = ""; /* at most seven remarks of up to 600 bytes */
     for (size_t i = 0, n = 0; i < json_array_size(warnings) && n < sizeof text; ++i)
@@ -109,7 +116,13 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
             print_json_number(out, comma, nqm_metric_name((nqm_metric)m), r->metrics[m]);
             comma = ",";
         }
-    fputs("},\"warnings\":", out);
+    fputs("},", out);
+    if (!isnan(r->similarity)) {
+        fputs("\"parts\":", out);
+        print_json_value(out, json_label_parts(&r->parts));
+        fputc(',', out);
+    }
+    fputs("\"warnings\":", out);
     print_json_value(out, json_incref(warnings));
     if (r->status != NQM_OK) {
         fputs(",\"error\":", out);

@@ -115,7 +115,9 @@ static void print_text(const score_run *run) {
 }
 
 static void print_csv(const score_run *run) {
-    puts("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,error");
+    fputs("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred", stdout);
+    print_csv_part_names(stdout, run->model);
+    puts(",error");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         const nqm_score_result *r = &row->result;
@@ -126,6 +128,7 @@ static void print_csv(const score_run *run) {
         putchar(',');
         print_csv_text(stdout, row->pair.test);
         print_csv_numbers(stdout, 5, (double[]){r->jod, r->jod_low, r->jod_high, row->over_next, row->best_preferred});
+        print_csv_parts(stdout, run->model, r);
         putchar(',');
         print_csv_text(stdout, row->rank ? "" : row->err.message);
         putchar('\n');

@@ -58,9 +58,13 @@ void choose_metrics(const char *text, bool *chosen);
 /** The "model" member of results: id, sha256, parameters, and the precision when it is not f32. */
 json_t *model_json(const nqm_model *model, nqm_precision precision);
 
-/** Columns of results in CSV, each after a comma: jod, jod_low, jod_high, delta_e_itp, identical, n_valid and metrics. */
-void print_csv_score_names(FILE *out, const bool *metrics);
-void print_csv_score(FILE *out, const bool *metrics, const nqm_score_result *result);
+/** Columns of the parts that a model predicts in CSV, each after a comma: those of a label, and `words`. None for a model that
+ *  predicts none. */
+void print_csv_part_names(FILE *out, const nqm_model *model);
+void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *result);
+/** Columns of results, likewise: jod, jod_low, jod_high, delta_e_itp, identical, n_valid, the parts, and metrics. */
+void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics);
+void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *result);
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
 void print_jod(const scored_pair *row, bool calibrated);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */

@@ -139,16 +139,34 @@ json_t *model_json(const nqm_model *model, nqm_precision precision) {
     return json;
 }
 
-void print_csv_score_names(FILE *out, const bool *metrics) {
+void print_csv_part_names(FILE *out, const nqm_model *model) {
+    if (!nqm_model_has_parts(model))
+        return;
+    print_csv_label_names(out);
+    fputs(",words", out);
+}
+
+void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *r) {
+    char words[NQM_LABEL_TEXT] = "";
+    if (!nqm_model_has_parts(model))
+        return;
+    print_csv_label(out, &r->parts);
+    fputc(',', out);
+    print_csv_text(out, isnan(r->similarity) ? "" : nqm_label_describe(&r->parts, words));
+}
+
+void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics) {
     fputs(",jod,jod_low,jod_high,delta_e_itp,identical,n_valid", out);
+    print_csv_part_names(out, model);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
             fprintf(out, ",%s", nqm_metric_name((nqm_metric)m));
 }
 
-void print_csv_score(FILE *out, const bool *metrics, const nqm_score_result *r) {
+void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *r) {
     print_csv_numbers(out, 4, (double[]){r->jod, r->jod_low, r->jod_high, r->delta_e});
     fprintf(out, ",%d,%zu", r->identical, r->n_valid);
+    print_csv_parts(out, model, r);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
             print_csv_numbers(out, 1, &r->metrics[m]);

@@ -4,6 +4,7 @@
  */
 #include "nqm/show/report.h"
 
+#include <math.h>
 #include <string.h>
 
 static const label_item *item_of(const report_page *page, size_t test) {
@@ -27,6 +28,38 @@ static void put_verdict(const report_page *page, const scored_pair *row, const l
          " The mean colour difference of the pictures below is \xce\x94"
          "E&#160;ITP %.2f, which corresponds to JOD %.2f.</p>\n",
          item->label.delta_e, item->jod);
+}
+
+/* What differs in words, as predicted and in the pictures. */
+static void put_words(FILE *out, const nqm_score_result *r, const nqm_label *rendered) {
+    char words[NQM_LABEL_TEXT];
+    html(out, "<p class='words'>");
+    if (!isnan(r->similarity))
+        html(out, "Predicted: <strong>%s</strong>. ", nqm_label_describe(&r->parts, words));
+    html(out, "In the pictures: <strong>%s</strong>.</p>\n", nqm_label_describe(rendered, words));
+}
+
+static void put_parts_row(FILE *out, const char *name, const nqm_label *l) {
+    html(out,
+         "<tr><th scope='row'>%s</th><td class='n'>%.2f</td><td class='n'>%.2f</td><td class='n'>%.2f</td>"
+         "<td class='n'>%.3f</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
+         name, l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_similarity(l));
+}
+
+/* The same as numbers. */
+static void put_parts(FILE *out, const nqm_score_result *r, const nqm_label *rendered) {
+    html(out, "<div class='scroll' role='region' aria-label='Parts of the difference' tabindex='0'>\n"
+              "<table class='parts'><caption>Parts of the difference, test minus reference</caption>\n<thead><tr><th "
+              "scope='col'>Label</th><th scope='col' class='n'>brighter</th>"
+              "<th scope='col' class='n'>bluer</th><th scope='col' class='n'>redder</th>"
+              "<th scope='col' class='n'>contrast</th><th scope='col' class='n'>structure</th>"
+              "<th scope='col' class='n'>seen apart</th></tr></thead>\n<tbody>\n");
+    if (!isnan(r->similarity))
+        put_parts_row(out, "Predicted", &r->parts);
+    put_parts_row(out, "Pictures", rendered);
+    html(out, "</tbody></table>\n</div>\n<p class='note'>In units of \xce\x94"
+              "E&#160;ITP; contrast: logarithm of a ratio; structure: what remains without the mean shift; seen apart: "
+              "JOD of pictures that are not next to each other.</p>\n");
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
@@ -123,7 +156,9 @@ void put_test(const report_page *page, size_t place) {
     if (strcmp(name, row->pair.test) != 0)
         html(page->out, "<p class='argument'><code>%s</code></p>\n", row->pair.test);
     put_verdict(page, row, item_of(page, row->order));
+    put_words(page->out, &row->result, &item_of(page, row->order)->label);
     put_pictures(page, row->order);
+    put_parts(page->out, &row->result, &item_of(page, row->order)->label);
     put_differences(page, row->order, row);
     html(page->out, "</section>\n");
 }
