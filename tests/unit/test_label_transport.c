@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Transport matrices of corpora: pictures by the matrix against renderings of the same points. A constant BRDF has no error of
+ * interpolation, so that its picture tests the light; a smooth lobe tests how light is distributed to the sampling directions.
+ */
+#include "label/corpus.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/scenes.h"
+
+#include <math.h>
+
+enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 500 };
+
+static const char white[] = "lambert:kd=.8,.5,.2", satin[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04",
+                  glossy[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.2;f0=.04";
+
+/* A transport matrix and the scene with its points. */
+typedef struct fixture {
+    nqm_directions *directions;
+    nqm_scene *scene;
+    float light[MAX_DIRECTIONS * 3 * POINTS];
+    double points[3 * POINTS];
+    nqm_transport transport;
+} fixture;
+
+static fixture f;
+
+static nqm_directions *make_directions(size_t n) {
+    nqm_directions_options o = nqm_directions_options_default();
+    nqm_directions *directions;
+    o.n = n;
+    assert_int_equal(nqm_directions_create(&o, 0, NULL, &directions, NULL), NQM_OK);
+    return directions;
+}
+
+static nqm_scene_options scene_of(const char *light, const char *shape) {
+    nqm_scene_options o = nqm_scene_options_default();
+    o.light = light;
+    o.shape = nqm_tracer_version() || !shape ? shape : "sphere";
+    o.n_points = POINTS;
+    o.n_lights = 512; /* as corpus_transport.c */
+    return o;
+}
+
+/* The matrix is of the scene of a corpus with other numbers of points and lights. */
+static void make(size_t n_directions, const nqm_scene_options *o) {
+    nqm_corpus_options options = nqm_corpus_options_default();
+    options.scene = *o;
+    options.scene.n_points = 300;
+    options.scene.n_lights = 32;
+    f.directions = make_directions(n_directions);
+    f.scene = make_scene(o);
+    const nqm_corpus_context context = {.options = &options, .directions = f.directions, .scene = f.scene};
+    assert_int_equal(nqm_corpus_transport(&context, f.light, f.points, NULL), NQM_OK);
+    f.transport = (nqm_transport){n_directions, f.light, f.points};
+    assert_null(nqm_transport_fault(&f.transport, true));
+}
+
+static void drop(void) {
+    nqm_directions_free(f.directions);
+    nqm_scene_free(f.scene);
+}
+
+static float *sample(const char *spec) {
+    nqm_brdf *brdf = open_brdf(spec);
+    float *rgb = nqm_alloc(f.transport.n_directions, 3 * sizeof *rgb);
+    assert_int_equal(nqm_sample(brdf, f.directions, NQM_INVALID_ZERO, rgb, NULL, NULL, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+    return rgb;
+}
+
+/* The radiance of a point by the matrix. */
+static double light_of(const float *rgb, size_t point, size_t channel) {
+    double sum = 0;
+    for (size_t k = 0; k < f.transport.n_directions; ++k)
+        sum += (double)rgb[3 * k + channel] * (double)f.light[(3 * k + channel) * POINTS + point];
+    return sum;
+}
+
+/* Sum of the absolute errors of a picture, relative to the sum of the picture. */
+static double error_of(const char *spec) {
+    float *rgb = sample(spec);
+    double *picture = render_spec(f.scene, spec), error = 0, sum = 0;
+    for (size_t i = 0; i < POINTS; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            error += fabs(light_of(rgb, i, c) - picture[3 * i + c]);
+            sum += picture[3 * i + c];
+        }
+    nqm_free(rgb);
+    nqm_free(picture);
+    return error / sum;
+}
+
+/* The estimated label of a pair against the label of the same points. */
+static void check_label(const char *ref, const char *test, double tolerance) {
+    float *a = sample(ref), *b = sample(test);
+    const nqm_label label = label_specs(f.scene, ref, test),
+                    estimate = nqm_transport_estimate(&f.transport, a, b, NULL);
+    assert_relative(estimate.delta_e, label.delta_e, tolerance);
+    assert_near(estimate.shift[0], label.shift[0], tolerance * label.delta_e);
+    nqm_free(a);
+    nqm_free(b);
+}
+
+static void a_sphere(void **state) {
+    (void)state;
+    const nqm_scene_options o = scene_of("studio", "sphere");
+    make(500, &o);
+    for (size_t i = 0; i < POINTS; ++i) {
+        assert_near(f.points[3 * i], 1.0 / POINTS, 1e-15);
+        assert_true(f.points[3 * i + 1] == 0 && f.points[3 * i + 2] == o.peak_cdm2);
+    }
+    assert_true(error_of(white) < 1e-5);
+    assert_true(error_of(satin) < 0.05);
+    assert_true(error_of(glossy) < 0.1);
+    check_label(white, "lambert:kd=.7,.5,.3", 1e-3);
+    check_label(satin, glossy, 0.25);
+    drop();
+}
+
+/* The scene of the paper has a mesh in several views, seen from the horizon. */
+static void a_mesh_in_eight_views(void **state) {
+    (void)state;
+    nqm_scene_options o = scene_of("interior", "blob");
+    o.n_frames = 8;
+    o.peak_cdm2 = 500;
+    o.interreflection = 1; /* the matrix has none */
+    make(500, &o);
+    nqm_scene_free(f.scene);
+    o.interreflection = 0;
+    f.scene = make_scene(&o);
+    double sum = 0;
+    for (size_t i = 0; i < POINTS; ++i) {
+        sum += f.points[3 * i];
+        assert_true(f.points[3 * i + 1] == 0 && f.points[3 * i + 2] == 500);
+    }
+    assert_near(sum, 1, 1e-9);
+    assert_true(error_of(white) < 1e-5);
+    assert_true(error_of(satin) < 0.05);
+    check_label(white, "lambert:kd=.7,.5,.3", 1e-3);
+    drop();
+}
+
+static void the_standard_set(void **state) {
+    (void)state;
+    if (!nqm_tracer_version())
+        skip();
+    const nqm_scene_options o = scene_of(NULL, NULL);
+    make(200, &o);
+    double sum[NQM_STANDARD_SCENES] = {0};
+    for (size_t i = 0; i < POINTS; ++i) {
+        const double number = f.points[3 * i + 1];
+        assert_true(number == (double)(i / (POINTS / NQM_STANDARD_SCENES)));
+        sum[(size_t)number] += f.points[3 * i];
+    }
+    for (size_t s = 0; s < NQM_STANDARD_SCENES; ++s)
+        assert_near(sum[s], 1, 1e-9);
+    assert_true(error_of(white) < 1e-5);
+    check_label(white, "lambert:kd=.7,.5,.3", 1e-3);
+    drop();
+}
+
+/* All light comes from the only direction, or from the two. */
+static void few_directions(void **state) {
+    (void)state;
+    const nqm_scene_options o = scene_of("overcast", "sphere");
+    for (size_t n = 1; n <= 2; ++n) {
+        make(n, &o);
+        assert_true(error_of(white) < 1e-5);
+        drop();
+    }
+}
+
+static void the_same_bits_again(void **state) {
+    (void)state;
+    const nqm_scene_options o = scene_of("sun", "sphere");
+    make(20, &o);
+    float *before = nqm_alloc(20 * 3 * POINTS, sizeof *before);
+    memcpy(before, f.light, 20 * 3 * POINTS * sizeof *before);
+    drop();
+    make(20, &o);
+    assert_memory_equal(f.light, before, 20 * 3 * POINTS * sizeof *before);
+    drop();
+    nqm_free(before);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sphere),       cmocka_unit_test(a_mesh_in_eight_views), cmocka_unit_test(the_standard_set),
+        cmocka_unit_test(few_directions), cmocka_unit_test(the_same_bits_again),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
