@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Training of models that correct estimates by light transport: targets, the matrix in the model, predictions recomputed from
+ * the network's output, training without the matrix, equal bits after resuming, and the refused target.
+ */
+#include "math/math.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/predict.h"
+#include "support/toy_dataset.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { N = 16, OUTPUTS = 1 + NQM_LABEL_PARTS };
+
+static const char checkpoint[] = "test_train_transport.checkpoint", model_path[] = "test_train_transport.model";
+
+static nqm_dataset *toy;
+
+static int make_toy(void **state) {
+    (void)state;
+    toy_options o = toy_options_default();
+    o.with_transport = true;
+    toy = toy_dataset(&o);
+    omp_set_num_threads(1); /* these networks are too small to use more threads */
+    return 0;
+}
+
+static int drop_toy(void **state) {
+    (void)state;
+    nqm_dataset_free(toy);
+    unlink(checkpoint);
+    unlink(model_path);
+    return 0;
+}
+
+static nqm_train_options small(void) {
+    nqm_train_options o;
+    assert_int_equal(nqm_train_options_recipe("nqm", &o, NULL), NQM_OK);
+    o.network.n_hidden = 1;
+    o.network.hidden[0] = 24;
+    o.optimiser.batch = 32;
+    o.optimiser.epochs = 6;
+    o.optimiser.lr_first = 1e-3;
+    return o;
+}
+
+static nqm_model *train(const nqm_train_options *o, nqm_train_report *report) {
+    nqm_model *model;
+    nqm_error err = {0};
+    if (nqm_train(toy, o, &model, report, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return model;
+}
+
+static const float *ref_of(size_t pair) {
+    return toy->ref_rgb + toy->pair_ref[pair] * 3 * N;
+}
+
+static const float *test_of(size_t pair) {
+    return toy->test_rgb + pair * 3 * N;
+}
+
+static nqm_label estimate_of(size_t pair) {
+    const nqm_transport transport = nqm_dataset_transport(toy);
+    return nqm_transport_estimate(&transport, ref_of(pair), test_of(pair), NULL);
+}
+
+/* Normalised targets are the differences of label and estimate; their range is at most 6 standard deviations. */
+static void targets_are_corrections(void **state) {
+    (void)state;
+    const nqm_train_options o = small();
+    nqm_examples e;
+    assert_int_equal(nqm_examples_create(toy, &o, 64, &e, NULL), NQM_OK);
+    assert_int_equal(e.n_outputs, OUTPUTS);
+    for (size_t i = 0; i < e.rows.n_train + e.rows.n_validation; ++i) {
+        const size_t pair = e.rows.row[i].pair;
+        const nqm_label estimate = estimate_of(pair);
+        double expected[OUTPUTS], base[OUTPUTS];
+        expected[0] = log(fmax(toy->delta_e[pair], 0.05));
+        nqm_parts_to_targets(toy->parts + pair * NQM_LABEL_PARTS, 0.05, expected + 1);
+        nqm_estimate_targets(&estimate, base);
+        for (size_t k = 0; k < OUTPUTS; ++k) {
+            const double correction = e.output[k].mean + e.output[k].std * (double)e.target[i * OUTPUTS + k];
+            assert_near(base[k] + correction, expected[k], 1e-5);
+        }
+    }
+    for (size_t k = 0; k < OUTPUTS; ++k)
+        assert_true(e.output[k].lo >= -6 && e.output[k].hi <= 6 && e.output[k].lo < e.output[k].hi);
+    nqm_examples_free(&e);
+}
+
+/* The network's outputs for a pair, with features composed here. */
+static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport *transport, float *z) {
+    enum { WIDTH = 9 * N + NQM_SCALAR_COUNT };
+    float ref_t[3 * N], test_t[3 * N], x[WIDTH];
+    double scalars[NQM_SCALAR_COUNT];
+    const nqm_inference_net *net;
+    nqm_inference_work *work;
+    nqm_features_transform(3 * N, ref_of(pair), ref_t);
+    nqm_features_transform(3 * N, test_of(pair), test_t);
+    nqm_features_compose(&model->features, N, ref_t, test_t, NULL, x);
+    nqm_scalars_compute(toy->directions, transport, ref_of(pair), test_of(pair), NULL, scalars);
+    nqm_scalars_whiten(&model->scalars, scalars, x + 9 * N);
+    assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
+    nqm_inference_run(work, 1, x, WIDTH, z);
+    nqm_inference_work_free(work);
+}
+
+/* Predictions are the estimate plus the outputs; a part is checked, too. */
+static void check_predictions(const nqm_model *model, bool has_transport) {
+    const nqm_transport transport = nqm_model_transport(model);
+    nqm_predictor *predictor;
+    assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL), NQM_OK);
+    for (size_t pair = 0; pair < toy->n_pairs; pair += 5) {
+        const float *ref = ref_of(pair), *test = test_of(pair);
+        const nqm_label estimate = estimate_of(pair), *base = has_transport ? &estimate : NULL;
+        nqm_label label;
+        float z[OUTPUTS];
+        double jod, delta_e, expected;
+        nqm_predictor_run(predictor, &(nqm_sampled_pairs){.n = 1, .ref = &ref, .test = &test, .labels = &label}, &jod,
+                          &delta_e);
+        outputs_of(model, pair, &transport, z);
+        const double expected_jod = nqm_model_jod(model, (double)z[0], base, &expected);
+        const nqm_label expected_label = nqm_model_label(model, z, base);
+        if (expected <= nqm_delta_e_bound(N, ref, test, NULL)) {
+            assert_relative(delta_e, expected, 1e-6);
+            assert_near(jod, expected_jod, 1e-6);
+        }
+        assert_near(label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(label.shift[0])));
+        assert_near(label.structure, expected_label.structure, 1e-5 * (1 + label.structure));
+    }
+    nqm_predictor_free(predictor);
+}
+
+/* The report of the training is about the predictions that users get: features must not differ between the two. */
+static void check_report(const nqm_model *model, const nqm_train_report *report) {
+    size_t n = 0, *pairs = nqm_alloc(toy->n_pairs, sizeof *pairs);
+    double *all = nqm_alloc(toy->n_pairs, sizeof *all), *jod = nqm_alloc(toy->n_pairs, sizeof *jod),
+           *label = nqm_alloc(toy->n_pairs, sizeof *label);
+    for (size_t i = 0; i < toy->n_pairs; ++i)
+        if (nqm_dataset_pair_split(toy, i) == NQM_SPLIT_VALIDATION)
+            pairs[n++] = i;
+    const nqm_dataset_prediction p = {.dataset = toy, .model = model, .n = n, .pairs = pairs, .jod = all};
+    assert_int_equal(nqm_dataset_predict(&p, NULL), NQM_OK);
+    for (size_t i = 0; i < n; ++i) {
+        jod[i] = all[pairs[i]];
+        label[i] = toy->jod[pairs[i]];
+    }
+    assert_near(nqm_spearman(n, jod, label), report->validation_spearman,
+                0.01); /* predictions keep to nqm_delta_e_bound() */
+    nqm_free(pairs);
+    nqm_free(all);
+    nqm_free(jod);
+    nqm_free(label);
+}
+
+static void models_correct_the_estimate(void **state) {
+    (void)state;
+    const nqm_train_options o = small();
+    nqm_train_report report;
+    nqm_model *model = train(&o, &report), *loaded;
+    assert_int_equal(model->n_transport, N);
+    assert_memory_equal(model->transport, toy->transport, N * 3 * NQM_TRANSPORT_POINTS * sizeof *model->transport);
+    assert_memory_equal(model->transport_points, toy->transport_points, sizeof model->transport_points);
+    check_predictions(model, true);
+    check_report(model, &report);
+    assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(model_path, &loaded, NULL), NQM_OK);
+    check_predictions(loaded, true);
+    nqm_model_free(loaded);
+    nqm_model_free(model);
+}
+
+/* Without the option the model knows nothing of the matrix, and neither do its features. */
+static void without_transport(void **state) {
+    (void)state;
+    nqm_train_options o = small();
+    nqm_train_report report;
+    o.input.transport = 0;
+    nqm_model *model = train(&o, &report);
+    assert_null(model->transport);
+    for (size_t k = NQM_SCALAR_ESTIMATE; k < NQM_SCALAR_COUNT; ++k) {
+        assert_true(model->scalars.mean[k] == 0);
+        assert_true(model->scalars.std[k] == 1);
+    }
+    check_predictions(model, false);
+    check_report(model, &report);
+    nqm_model_free(model);
+}
+
+/* The content of a model's file as its checksum. */
+static void checksum_of(const nqm_model *model, char sha256[65]) {
+    nqm_model *loaded;
+    assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(model_path, &loaded, NULL), NQM_OK);
+    memcpy(sha256, loaded->sha256, 65);
+    nqm_model_free(loaded);
+}
+
+static void resumes_to_the_same_bits(void **state) {
+    (void)state;
+    nqm_train_options o = small();
+    char whole[65], resumed[65];
+    nqm_model *model;
+    o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* only this schedule permits another number of epochs */
+    for (int n_threads = 1; n_threads <= 2; ++n_threads) {
+        omp_set_num_threads(n_threads);
+        o.optimiser.epochs = 6;
+        o.run.checkpoint = NULL;
+        o.run.resume = 0;
+        model = train(&o, NULL);
+        checksum_of(model, n_threads == 1 ? whole : resumed);
+        nqm_model_free(model);
+    }
+    assert_string_equal(whole, resumed);
+    unlink(checkpoint);
+    o.run.checkpoint = checkpoint;
+    o.optimiser.epochs = 3;
+    nqm_model_free(train(&o, NULL));
+    o.run.resume = 1;
+    o.optimiser.epochs = 6;
+    model = train(&o, NULL);
+    checksum_of(model, resumed);
+    assert_string_equal(whole, resumed);
+    nqm_model_free(model);
+    /* the same without the matrix is another training */
+    nqm_error err = {0};
+    o.input.transport = 0;
+    assert_int_equal(nqm_train(toy, &o, &model, NULL, &err), NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "transport"));
+    omp_set_num_threads(1);
+}
+
+static void the_target_is_a_delta_e(void **state) {
+    (void)state;
+    nqm_train_options o = small();
+    nqm_model *model;
+    nqm_error err = {0};
+    o.labels.target = NQM_TARGET_JOD;
+    assert_int_equal(nqm_train(toy, &o, &model, NULL, &err), NQM_ERR_ARG);
+    assert_null(model);
+    assert_non_null(strstr(err.message, "transport"));
+    assert_non_null(strstr(err.message, "log_delta_e"));
+    o.input.transport = 0;
+    o.labels.parts_weight = 0;
+    model = train(&o, NULL);
+    assert_null(model->transport);
+    nqm_model_free(model);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(targets_are_corrections), cmocka_unit_test(models_correct_the_estimate),
+        cmocka_unit_test(without_transport),       cmocka_unit_test(resumes_to_the_same_bits),
+        cmocka_unit_test(the_target_is_a_delta_e),
+    };
+    return cmocka_run_group_tests(tests, make_toy, drop_toy);
+}
