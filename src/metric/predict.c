@@ -4,6 +4,7 @@
  * converts the outputs to JOD.
  */
 #include "kernel/panel.h"
+#include "math/math.h"
 #include "metric/metric.h"
 #include "net/inference.h"
 #include "percept/percept.h"
@@ -158,6 +159,16 @@ void nqm_raise_low(size_t n_directions, const float *ref, const float *test, con
 
 /* ---- prediction -------------------------------------------------------------------------------------------------- */
 
+/* The label for the outputs z of a model with parts. Delta-E, the length of the shift and structure are at most `bound`. */
+static nqm_label bounded_label(const nqm_model *model, const float *z, const nqm_label *estimate, double bound) {
+    const nqm_label whole = nqm_model_label(model, z, estimate);
+    const double shift = sqrt(nqm_dot3(whole.shift, whole.shift));
+    const double size = fmax(whole.delta_e, fmax(shift, fmax(whole.structure, fabs(whole.contrast))));
+    nqm_label label = {.delta_e = 0};
+    nqm_label_add(&label, size > bound ? bound / size : 1, &whole);
+    return label;
+}
+
 void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double *jod, double *delta_e) {
     const size_t enough_pieces = 8, share = (pairs->n + enough_pieces - 1) / enough_pieces;
     compose_job job = {p, pairs, share < NQM_COMPARE_MAX ? share : NQM_COMPARE_MAX};
@@ -184,7 +195,7 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         if (delta_e)
             delta_e[i] = own;
         if (pairs->labels)
-            pairs->labels[i] = nqm_model_has_parts(p->model) ? nqm_model_label(p->model, z, estimate)
+            pairs->labels[i] = nqm_model_has_parts(p->model) ? bounded_label(p->model, z, estimate, bound)
                                                              : (nqm_label){nan, {nan, nan, nan}, nan, nan};
     }
 }

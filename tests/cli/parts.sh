@@ -80,6 +80,11 @@ run 4 batch "$dir/named.csv" -m "$dir/six.safetensors"
 says "'words'"
 run 0 batch "$dir/named.csv" -m "$dir/without.safetensors"
 
+# The parts of a pair that differs by rounding only are as certainly small as its Delta-E.
+run 0 score sgd:chrome 'perturb:bits=12;of=sgd:chrome' -m "$dir/six.safetensors" --csv
+awk -F, 'NR == 2 && $9 * $9 < 0.01 && $10 * $10 < 0.01 && $11 * $11 < 0.01 && $13 < 0.1 && $14 > 9.9 {good = 1} END {exit !good}' "$dir/out" ||
+    fail "rounding: $(cat "$dir/out")"
+
 # ---- eval: without parts in the labels or the model, and without a matrix, there is none of that.
 run 0 eval "$dir/plain.safetensors" -m "$dir/six.safetensors" --bootstrap 0
 lines 0 '^estimate\|^Parts\|^Estimate\|less estimate'
