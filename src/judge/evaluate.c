@@ -24,6 +24,8 @@ static const nqm_option rows[] = {
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the resampling"},
     {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
      .help = "arithmetic of the network"},
+    {FIELD(apart), .kind = NQM_OPTION_BOOL, .off_name = "",
+     .help = "with --human: judge models by the similarity of materials that are seen apart"},
 };
 /* clang-format on */
 
@@ -114,6 +116,19 @@ static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
     return status;
 }
 
+/* Replace the JODs of predictors with parts by the similarity. */
+static void judge_apart(nqm_evaluation *ev) {
+    for (size_t p = 0; p < ev->n_predictors; ++p) {
+        const nqm_label *labels = nqm_evaluation_labels(ev, p);
+        double *values = ev->values + p * ev->dataset->n_pairs;
+        for (size_t i = 0; labels && i < ev->dataset->n_pairs; ++i) {
+            const double similarity = nqm_label_similarity(&labels[i]);
+            if (!isnan(similarity))
+                values[i] = similarity;
+        }
+    }
+}
+
 static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     predict_run run = {.ev = ev, .pairs = nqm_alloc(d->n_pairs, sizeof *run.pairs)};
@@ -128,6 +143,8 @@ static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm
         status = predict_model(&run, m, err);
     if (status == NQM_OK)
         status = predict_metrics(&run, err);
+    if (status == NQM_OK && o->apart)
+        judge_apart(ev);
     nqm_free(run.pairs);
     return status;
 }

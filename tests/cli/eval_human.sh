@@ -92,3 +92,9 @@ says 'bad.csv: line 3'
 printf 'reference,test,score\nlambert:kd=.2,lambert:kd=.3,1\nlambert:kd=.2,lambert:kx=.3,2\n' >"$dir/bad.csv"
 run 2 eval --human "$dir/bad.csv" --model none
 says 'bad.csv: row 2'
+
+# Materials seen apart: a model without parts keeps its JOD; --apart is about people only.
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors" --apart --json
+grep -q '"agreement"' "$dir/out" || fail "no agreement"
+run 2 eval "$dir/toy.safetensors" --apart --model none
+says '--apart needs --human'

@@ -207,7 +207,8 @@ int cmd_eval(int argc, char **argv) {
                    "nqm eval corpus.safetensors --by subset\n"
                    "nqm eval corpus.safetensors --model default,paper,my.safetensors --split validation --json\n"
                    "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
-                   "nqm eval --human opinions.csv --root brdfs --model default,paper",
+                   "nqm eval --human opinions.csv --root brdfs --model default,paper\n"
+                   "nqm eval --human choices.csv --root brdfs --apart",
         .options = options,
         .table = &nqm_eval_option_table,
         .table_target = &a.options,
@@ -216,6 +217,8 @@ int cmd_eval(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     if (a.human ? a.labels != NULL : a.root != NULL)
         stop(EXIT_USAGE, a.human ? "--labels and --human exclude each other" : "--root needs --human");
+    if (a.options.apart && !a.human)
+        stop(EXIT_USAGE, "--apart needs --human");
     eval_run run = {
         .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
     const int by = by_masks[choose("by", by_words, a.by)];
