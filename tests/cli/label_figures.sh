@@ -30,6 +30,12 @@ label 0 sgd:nickel ward:nickel --size 32 --shrink 2 --map "$dir/small.png"
 set -- "$1" $(png_size "$dir/small.png")
 [ "$2" -lt "$1" ] || fail "--shrink shrinks nothing"
 
+# A figure shows all four scenes: they take as many pixels as one picture with twice the --size.
+label 0 sgd:nickel ward:nickel --light sun --size 64 --map "$dir/sun.png"
+label 0 sgd:nickel ward:nickel --size 32 --map "$dir/set.png"
+[ "$(png_size "$dir/sun.png")" = "$(png_size "$dir/set.png")" ] || fail "four scenes do not fill the place of one"
+! cmp -s "$dir/sun.png" "$dir/set.png" || fail "the standard set is the sun"
+
 # Groups: every test is compared with its own reference.
 label 0 sgd:nickel ward:nickel + $lambert $lambert lambert:kd=.4,.4,.4 --size 16 --grid "$dir/grid.png" \
     --rows "a metal,a grey" --columns "reference,first,second" --csv

@@ -82,7 +82,7 @@ SOURCE_DATE_EPOCH=86400 report 0 sgd:nickel ward:nickel -o "$page" --shrink 2 --
 query 'string(//p[@class="quote"])' | grep -q '; 1970-01-02\.$' || fail "SOURCE_DATE_EPOCH"
 [ "$(query 'string(/html/head/title)')" = "How closely ward:nickel matches sgd:nickel" ] || fail "title of one test"
 [ "$(query 'count(//table[@class="matrix"])')" = 0 ] || fail "a comparison with nothing"
-[ "$(query 'string(//img[1]/@width)')" = 12 ] || fail "--shrink"
+[ "$(query 'string(//img[1]/@width)')" = 36 ] || fail "--shrink, and not three columns of eight pictures"
 
 # ---- the interval of a model that has one
 [ "$(query 'count(//*[@class="interval"])')" = 0 ] || fail "an interval of a model that has none"

@@ -68,7 +68,7 @@ int cmd_dataset(int argc, char **argv) {
         {"directions", 0, OPTION_NEEDED, &directions_path, "CSV", "sampling directions, from `nqm directions`", 0, 0},
         {"log", 0, OPTION_FLAG, &log, NULL, "progress as lines on standard error, for log files", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the manifest as JSON", 0, 0},
-        OPTION_ROW_SIZE(&scene),
+        OPTION_ROW_SIZE(&scene, "pixels of a frame: label pictures instead of points"),
         {0}};
     const command cmd = {
         .usage = "MATERIALS.csv --directions CSV -o FILE [options]",

@@ -57,7 +57,8 @@ int cmd_label(int argc, char **argv) {
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
         {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one per line", FORMAT_QUIET, 0},
-        OPTION_ROW_SIZE(&scene),
+        OPTION_ROW_SIZE(&scene,
+                        "pixels of a frame, if it is to be a picture (with a figure: 256 for all frames together)"),
         {0}};
     const command cmd = {
         .usage = "REF TEST... [+ REF TEST...]... [options]",
@@ -75,8 +76,8 @@ int cmd_label(int argc, char **argv) {
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
-    if (!scene.size && (run.map || run.grid || run.keep))
-        scene.size = "256";
+    if (run.map || run.grid || run.keep)
+        scene.side = 256;
     scene_args_end(&scene);
     run.scene_options = scene.scene;
     check_label(&run, shrink);

@@ -62,8 +62,9 @@ static void write_frames(const render_run *run, json_t *files) {
     for (size_t frame = 0; frame < run->scene.n_frames; ++frame) {
         char path[4096];
         nqm_error err = {0};
+        const canvas c = one_frame(&run->scene, frame);
         frame_path(run, frame + 1, path, sizeof path);
-        frame_picture(run->made, &run->scene, frame, run->blank, run->rgb_cdm2, run->picture);
+        draw_picture(run->made, &c, run->blank, run->rgb_cdm2, run->picture);
         must(nqm_picture_write(path, &picture, run->supersample, &tone, &err), &err);
         json_array_append_new(files, json_name(path));
     }
@@ -74,7 +75,8 @@ static void run_render(render_run *run) {
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
     run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
     run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
-    run->blank = make_backdrop(run->made, &run->scene, run->backdrop);
+    const canvas first = one_frame(&run->scene, 0);
+    run->blank = make_backdrop(run->made, &first, run->backdrop);
     must(render_brdf(run->made, run->brdf, run->rgb_cdm2, &err), &err);
     json_t *files = json_array();
     write_frames(run, files);
@@ -101,7 +103,7 @@ int cmd_render(int argc, char **argv) {
         {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
         {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points per pixel", 1, 16},
         {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
-        OPTION_ROW_SIZE(&scene),
+        OPTION_ROW_SIZE(&scene, "pixels of a frame"),
         {0}};
     const command cmd = {
         .usage = "BRDF -o FILE [options]",

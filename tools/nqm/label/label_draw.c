@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The figures of nqm label, of the first frame: one row per test (reference, test, map of Delta-E), or one row per reference
- * (reference and its tests); and every frame as a file.
+ * The figures of nqm label: one row per test (reference, test, map of Delta-E), or one row per reference (reference and its
+ * tests), each with all frames of the scene; and every frame as a file.
  */
 #include "nqm/label/label.h"
 
@@ -16,14 +16,14 @@ enum { MAX_CELLS = 64, MAX_TITLES = 2048 };
 /* Picture, map and texts of an item. */
 typedef struct view {
     char name[128], caption[64];
-    double *picture; /* (height, width, 3); NULL: the item failed */
+    double *picture; /* (height, width, 3) of a canvas; NULL: the item failed */
     double *map;     /* (height, width); NULL also for references */
 } view;
 
 typedef struct drawing {
     const label_run *run;
-    size_t n_pixels;
-    double *backdrops[2]; /* BACKDROP_WHITE, BACKDROP_BLACK */
+    canvas all;           /* frames */
+    double *backdrops[2]; /* BACKDROP_WHITE, BACKDROP_BLACK, of all frames; the beginning is that of one */
     double *delta_e;      /* (points) */
     view *views;          /* (n_items) */
 } drawing;
@@ -32,19 +32,21 @@ static bool is_reference(const label_run *run, size_t i) {
     return run->items[i].reference == i;
 }
 
-/* Fill the picture and the map of item i in one frame. */
-static void view_frame(const drawing *d, size_t i, size_t frame, const double *blank, const view *v) {
+/* Fill the picture and the map of item i. */
+static void fill_view(const drawing *d, size_t i, const canvas *c, backdrop kind) {
+    const view *v = &d->views[i];
     const label_run *run = d->run;
     const label_item *item = &run->items[i];
-    frame_picture(run->scene, &run->scene_options, frame, blank, item->rgb_cdm2, v->picture);
+    draw_picture(run->scene, c, d->backdrops[kind], item->rgb_cdm2, v->picture);
     if (!v->map)
         return;
     nqm_scene_delta_e_map(run->scene, run->items[item->reference].rgb_cdm2, item->rgb_cdm2, d->delta_e);
-    frame_map(run->scene, &run->scene_options, frame, d->delta_e, v->map);
+    draw_map(run->scene, c, d->delta_e, v->map);
 }
 
 static void make_views(drawing *d) {
     const label_run *run = d->run;
+    const size_t n_pixels = d->all.width * d->all.height;
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         view *v = &d->views[i];
@@ -53,12 +55,12 @@ static void make_views(drawing *d) {
             snprintf(v->caption, sizeof v->caption, "failed");
             continue;
         }
-        v->picture = allocate(3 * d->n_pixels, sizeof *v->picture);
+        v->picture = allocate(3 * n_pixels, sizeof *v->picture);
         if (!is_reference(run, i)) {
-            v->map = allocate(d->n_pixels, sizeof *v->map);
+            v->map = allocate(n_pixels, sizeof *v->map);
             snprintf(v->caption, sizeof v->caption, "\u0394E %.1f \u00b7 JOD %.2f", item->label.delta_e, item->jod);
         }
-        view_frame(d, i, 0, d->backdrops[BACKDROP_WHITE], v);
+        fill_view(d, i, &d->all, BACKDROP_WHITE);
     }
 }
 
@@ -75,15 +77,15 @@ static void cut_titles(const char *list, char copy[MAX_TITLES], size_t n, const 
     }
 }
 
-static nqm_figure figure_of(const drawing *d, size_t n_rows, size_t n_columns, const nqm_panel *panels) {
-    const nqm_scene_options *o = &d->run->scene_options;
+static nqm_figure figure_of(const drawing *d, const canvas *c, size_t n_rows, size_t n_columns,
+                            const nqm_panel *panels) {
     return (nqm_figure){.n_rows = n_rows,
                         .n_columns = n_columns,
-                        .width = o->width,
-                        .height = o->height,
+                        .width = c->width,
+                        .height = c->height,
                         .supersample = d->run->shrink,
                         .panels = panels,
-                        .tone = tone_of(o)};
+                        .tone = tone_of(&d->run->scene_options)};
 }
 
 /* Write a figure with titles: those of the command line where they are given. */
@@ -99,7 +101,7 @@ static void write_titled(const drawing *d, const char *path, nqm_figure figure, 
 }
 
 /* One row per test: reference, test, map. */
-static void draw_map(const drawing *d) {
+static void draw_tests(const drawing *d) {
     const label_run *run = d->run;
     nqm_panel panels[3 * MAX_CELLS] = {0};
     const char *rows[MAX_CELLS] = {0}, *columns[3] = {"reference", "test", "difference"};
@@ -113,7 +115,7 @@ static void draw_map(const drawing *d) {
         panels[3 * n + 2] = (nqm_panel){.delta_e = test->map, .caption = test->caption};
         ++n;
     }
-    write_titled(d, run->map, figure_of(d, n, 3, panels), rows, columns);
+    write_titled(d, run->map, figure_of(d, &d->all, n, 3, panels), rows, columns);
 }
 
 static size_t count_columns(const label_run *run) {
@@ -140,7 +142,7 @@ static void draw_grid(const drawing *d) {
         else if (!columns[column])
             columns[column] = d->views[i].name;
     }
-    write_titled(d, run->grid, figure_of(d, run->n_groups, n_columns, panels), rows, columns);
+    write_titled(d, run->grid, figure_of(d, &d->all, run->n_groups, n_columns, panels), rows, columns);
     free(panels);
 }
 
@@ -164,19 +166,20 @@ static void keep_item(const drawing *d, size_t i, size_t frame) {
     } forms[] = {{BACKDROP_WHITE, ".png"}, {BACKDROP_BLACK, ".exr"}};
     const nqm_scene_options *o = &d->run->scene_options;
     const nqm_tone tone = tone_of(o);
+    const canvas c = one_frame(o, frame);
     const view *v = &d->views[i];
     const nqm_picture picture = {.width = o->width, .height = o->height, .rgb_cdm2 = v->picture};
     char path[4096];
     nqm_error err = {0};
     for (size_t k = 0; k < sizeof forms / sizeof *forms; ++k) {
-        view_frame(d, i, frame, d->backdrops[forms[k].backdrop], v);
+        fill_view(d, i, &c, forms[k].backdrop);
         keep_path(d, i, frame, forms[k].suffix, path, sizeof path);
         must(nqm_picture_write(path, &picture, 1, &tone, &err), &err);
     }
     if (!v->map)
         return;
     const nqm_panel panel = {.delta_e = v->map, .caption = v->caption};
-    nqm_figure figure = figure_of(d, 1, 1, &panel);
+    nqm_figure figure = figure_of(d, &c, 1, 1, &panel);
     figure.supersample = 1;
     keep_path(d, i, frame, "-difference.png", path, sizeof path);
     must(nqm_figure_write(path, &figure, &err), &err);
@@ -195,16 +198,16 @@ void draw_labels(const label_run *run) {
         return;
     if (run->n_items - run->n_groups > MAX_CELLS || count_columns(run) > MAX_CELLS || run->n_groups > MAX_CELLS)
         stop(EXIT_LIMIT, "a figure can show at most %d tests", (int)MAX_CELLS);
-    const nqm_scene_options *o = &run->scene_options;
+    const canvas all = all_frames(&run->scene_options);
     drawing d = {.run = run,
-                 .n_pixels = o->width * o->height,
-                 .backdrops = {[BACKDROP_WHITE] = make_backdrop(run->scene, o, BACKDROP_WHITE),
-                               [BACKDROP_BLACK] = make_backdrop(run->scene, o, BACKDROP_BLACK)},
+                 .all = all,
+                 .backdrops = {[BACKDROP_WHITE] = make_backdrop(run->scene, &all, BACKDROP_WHITE),
+                               [BACKDROP_BLACK] = make_backdrop(run->scene, &all, BACKDROP_BLACK)},
                  .delta_e = allocate(nqm_scene_count(run->scene), sizeof *d.delta_e),
                  .views = allocate(run->n_items, sizeof *d.views)};
     make_views(&d);
     if (run->map)
-        draw_map(&d);
+        draw_tests(&d);
     if (run->grid)
         draw_grid(&d);
     if (run->keep) /* last, because it overwrites the views with other frames */

@@ -34,11 +34,13 @@ void scene_args_end(scene_args *a) {
     if (a->size && !parse_size(a->size, &s->width, &s->height))
         stop(EXIT_USAGE, "--size needs a size in pixels, '256' or '320x200', with sides of at most %d pixels, not '%s'",
              (int)MAX_SIDE, a->size);
+    s->n_frames = nqm_scene_n_frames(s);
     if (s->n_points)
         s->width = s->height = 0;
+    else if (!a->size && a->side)
+        s->width = s->height = a->side / all_frames(s).n_columns;
     else if (!a->size)
         s->n_points = nqm_scene_options_default().n_points;
-    s->n_frames = nqm_scene_n_frames(s);
 }
 
 json_t *json_scene(const nqm_scene_options *s) {
@@ -64,35 +66,61 @@ json_t *json_scene(const nqm_scene_options *s) {
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-double *make_backdrop(const nqm_scene *scene, const nqm_scene_options *o, backdrop kind) {
+canvas one_frame(const nqm_scene_options *o, size_t frame) {
+    return (canvas){.first = frame, .n_columns = 1, .n_rows = 1, .width = o->width, .height = o->height};
+}
+
+canvas all_frames(const nqm_scene_options *o) {
+    canvas c = one_frame(o, 0);
+    const size_t n = nqm_scene_frames(o);
+    while (c.n_columns * c.n_columns < n)
+        ++c.n_columns;
+    c.n_rows = (n + c.n_columns - 1) / c.n_columns;
+    c.width *= c.n_columns;
+    c.height *= c.n_rows;
+    return c;
+}
+
+double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop kind) {
     static const double white_cdm2 = 10000;
-    size_t n = 3 * o->width * o->height;
+    size_t n = 3 * c->width * c->height;
     double *blank = allocate(n, sizeof *blank);
     if (kind == BACKDROP_LIGHT)
-        nqm_scene_background(scene, 0, blank);
+        nqm_scene_background(scene, c->first, blank);
     for (size_t i = 0; kind == BACKDROP_WHITE && i < n; ++i)
         blank[i] = white_cdm2;
     return blank;
 }
 
-void frame_picture(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *blank,
-                   const double *rgb_cdm2, double *picture) {
-    size_t n = o->width * o->height;
-    const size_t *pixel = nqm_scene_pixels(scene);
-    memcpy(picture, blank, 3 * n * sizeof *picture);
-    for (size_t i = 0; i < nqm_scene_count(scene); ++i)
-        if (pixel[i] >= frame * n && pixel[i] < (frame + 1) * n)
-            memcpy(picture + 3 * (pixel[i] - frame * n), rgb_cdm2 + 3 * i, 3 * sizeof *picture);
+/* Index in the canvas of pixel i of the scene; SIZE_MAX if the canvas does not show it. */
+static size_t place_of(const canvas *c, size_t pixel) {
+    const size_t width = c->width / c->n_columns, height = c->height / c->n_rows, frame = pixel / (width * height);
+    if (frame < c->first || frame - c->first >= c->n_columns * c->n_rows)
+        return SIZE_MAX;
+    const size_t cell = frame - c->first, x = pixel % width, y = pixel / width % height;
+    return (cell / c->n_columns * height + y) * c->width + cell % c->n_columns * width + x;
 }
 
-void frame_map(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *values, double *map) {
-    size_t n = o->width * o->height;
+void draw_picture(const nqm_scene *scene, const canvas *c, const double *blank, const double *rgb_cdm2,
+                  double *picture) {
     const size_t *pixel = nqm_scene_pixels(scene);
-    for (size_t i = 0; i < n; ++i)
+    memcpy(picture, blank, 3 * c->width * c->height * sizeof *picture);
+    for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
+        const size_t place = place_of(c, pixel[i]);
+        if (place != SIZE_MAX)
+            memcpy(picture + 3 * place, rgb_cdm2 + 3 * i, 3 * sizeof *picture);
+    }
+}
+
+void draw_map(const nqm_scene *scene, const canvas *c, const double *values, double *map) {
+    const size_t *pixel = nqm_scene_pixels(scene);
+    for (size_t i = 0; i < c->width * c->height; ++i)
         map[i] = (double)NAN;
-    for (size_t i = 0; i < nqm_scene_count(scene); ++i)
-        if (pixel[i] >= frame * n && pixel[i] < (frame + 1) * n)
-            map[pixel[i] - frame * n] = values[i];
+    for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
+        const size_t place = place_of(c, pixel[i]);
+        if (place != SIZE_MAX)
+            map[place] = values[i];
+    }
 }
 
 nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, nqm_error *err) {

@@ -13,14 +13,15 @@
 /** Scene options of the command line: the target of nqm_scene_option_table, and the size of the picture. */
 typedef struct scene_args {
     nqm_scene_options scene; /**< complete after scene_args_end() */
-    const char *size;        /**< "256" or "320x200", of a picture if --points is not given; NULL: points */
+    const char *size;        /**< "256" or "320x200", of a frame if --points is not given; NULL: see `side` */
+    size_t side;             /**< without `size`: of the picture of all frames, in pixels; 0: points */
 } scene_args;
 
-/** The defaults of the library; set `size` for the default size of a picture. */
+/** The defaults of the library; set `size` or `side` for the default size of a picture. */
 scene_args scene_args_begin(void);
 /** The row of --size, for the options of a verb. */
-#define OPTION_ROW_SIZE(args)                                                                                          \
-    { "size", 0, OPTION_TEXT, &(args)->size, "N|WxH", "picture in pixels", 0, 0 }
+#define OPTION_ROW_SIZE(args, help)                                                                                    \
+    { "size", 0, OPTION_TEXT, &(args)->size, "N|WxH", help, 0, 0 }
 /** After parsing: set width, height and n_frames, or report the error and exit. */
 void scene_args_end(scene_args *a);
 /** The scene in JSON documents. */
@@ -28,14 +29,24 @@ json_t *json_scene(const nqm_scene_options *scene);
 
 typedef enum backdrop { BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_LIGHT } backdrop;
 
-/** A background of one frame: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to
- *  white. */
-double *make_backdrop(const nqm_scene *scene, const nqm_scene_options *o, backdrop kind);
-/** Copy the background and write the points of a frame over it. rgb_cdm2: (points, 3); picture (height, width, 3). */
-void frame_picture(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *blank,
-                   const double *rgb_cdm2, double *picture);
+/** A picture of one frame, or of all frames of a scene, or of the scenes of the standard set, in a grid. */
+typedef struct canvas {
+    size_t first, n_columns, n_rows; /**< the first frame, and the grid of it and the frames after it */
+    size_t width, height;            /**< of the grid, pixels */
+} canvas;
+
+canvas one_frame(const nqm_scene_options *o, size_t frame);
+/** As many columns as rows, or one more. */
+canvas all_frames(const nqm_scene_options *o);
+
+/** A background: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to white.
+ *  BACKDROP_LIGHT: of one frame. */
+double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop kind);
+/** Copy the background and write the points over it. rgb_cdm2: (points, 3); picture (height, width, 3). */
+void draw_picture(const nqm_scene *scene, const canvas *c, const double *blank, const double *rgb_cdm2,
+                  double *picture);
 /** The same for one value per point: map (height, width), NaN outside the shape. */
-void frame_map(const nqm_scene *scene, const nqm_scene_options *o, size_t frame, const double *values, double *map);
+void draw_map(const nqm_scene *scene, const canvas *c, const double *values, double *map);
 
 /** Open a BRDF and render it: rgb_cdm2 (points, 3). */
 nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, nqm_error *err);

@@ -94,7 +94,7 @@ int cmd_report(int argc, char **argv) {
     char date[DATE_SIZE];
     report_run run = {.scores = {.options = nqm_score_options_default()}};
     scene_args scene = scene_args_begin();
-    scene.size = "400"; /* sharp on paper */
+    scene.side = 400; /* sharp on paper */
     const option options[] = {
         {"output", 'o', OPTION_NEEDED, &output, "FILE.html", "the page", 0, 0},
         {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
@@ -107,7 +107,7 @@ int cmd_report(int argc, char **argv) {
          "smallest fraction of valid directions of a pair", 0, 1},
         {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
-        OPTION_ROW_SIZE(&scene),
+        OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together)"),
         {0}};
     const command cmd = {
         .usage = "REF TEST... -o FILE.html [options]",

@@ -28,6 +28,7 @@ typedef struct report_page {
     const report_run *run;
     FILE *out;
     char *figure;          /* temporary file for a figure, a .png */
+    canvas all;            /* frames of the scene, the pictures of the page */
     double *white;         /* backdrop (height, width, 3) */
     double *picture, *map; /* (height, width, 3), (height, width) */
     double *delta_e;       /* (tests, points) */
@@ -46,7 +47,7 @@ void put_test(const report_page *page, size_t place);
 /** Allocate the buffers for drawing, and free them. */
 void begin_figures(report_page *page);
 void end_figures(report_page *page);
-/** The rendered picture of a label item, first frame. */
+/** The rendered picture of a label item, with all frames. */
 void put_picture(const report_page *page, size_t item, const char *alt);
 /** Map of the differences between the pictures of a test and the reference; the colour scale of all such maps. */
 void put_map(const report_page *page, size_t test, const char *alt);

@@ -9,17 +9,14 @@
 
 enum { SCALE_STEPS = 256 };
 
-static const nqm_scene_options *scene_options(const report_page *page) {
-    return &page->run->labels.scene_options;
-}
-
 void begin_figures(report_page *page) {
     const label_run *labels = &page->run->labels;
-    const nqm_scene_options *o = scene_options(page);
     size_t n_tests = labels->n_items - 1, n_points = nqm_scene_count(labels->scene);
-    page->white = make_backdrop(labels->scene, o, BACKDROP_WHITE);
-    page->picture = allocate(3 * o->width * o->height, sizeof *page->picture);
-    page->map = allocate(o->width * o->height, sizeof *page->map);
+    page->all = all_frames(&labels->scene_options);
+    const size_t n_pixels = page->all.width * page->all.height;
+    page->white = make_backdrop(labels->scene, &page->all, BACKDROP_WHITE);
+    page->picture = allocate(3 * n_pixels, sizeof *page->picture);
+    page->map = allocate(n_pixels, sizeof *page->map);
     page->delta_e = allocate(n_tests * n_points, sizeof *page->delta_e);
     const double **maps = allocate(n_tests, sizeof *maps);
     nqm_error err = {0};
@@ -47,7 +44,7 @@ static void embed(const report_page *page, const char *alt, size_t width, size_t
 
 /* The picture in page->figure; its colours are tone-mapped or on the scale of all maps. */
 static void put_pixels(const report_page *page, nqm_picture picture, size_t shrink, const char *alt) {
-    const nqm_tone tone = tone_of(scene_options(page));
+    const nqm_tone tone = tone_of(&page->run->labels.scene_options);
     nqm_error err = {0};
     picture.delta_e_max = page->delta_e_max;
     must(nqm_picture_write(page->figure, &picture, shrink, &tone, &err), &err);
@@ -56,17 +53,17 @@ static void put_pixels(const report_page *page, nqm_picture picture, size_t shri
 
 void put_picture(const report_page *page, size_t item, const char *alt) {
     const label_run *labels = &page->run->labels;
-    const nqm_scene_options *o = scene_options(page);
-    frame_picture(labels->scene, o, 0, page->white, labels->items[item].rgb_cdm2, page->picture);
-    put_pixels(page, (nqm_picture){.width = o->width, .height = o->height, .rgb_cdm2 = page->picture}, labels->shrink,
+    const canvas *c = &page->all;
+    draw_picture(labels->scene, c, page->white, labels->items[item].rgb_cdm2, page->picture);
+    put_pixels(page, (nqm_picture){.width = c->width, .height = c->height, .rgb_cdm2 = page->picture}, labels->shrink,
                alt);
 }
 
 void put_map(const report_page *page, size_t test, const char *alt) {
     const label_run *labels = &page->run->labels;
-    const nqm_scene_options *o = scene_options(page);
-    frame_map(labels->scene, o, 0, page->delta_e + test * nqm_scene_count(labels->scene), page->map);
-    put_pixels(page, (nqm_picture){.width = o->width, .height = o->height, .delta_e = page->map}, labels->shrink, alt);
+    const canvas *c = &page->all;
+    draw_map(labels->scene, c, page->delta_e + test * nqm_scene_count(labels->scene), page->map);
+    put_pixels(page, (nqm_picture){.width = c->width, .height = c->height, .delta_e = page->map}, labels->shrink, alt);
 }
 
 void put_scale(const report_page *page, const char *alt) {

@@ -188,16 +188,20 @@ static void put_brdf(FILE *out, const char *term, const nqm_brdf *brdf) {
 static void put_scene(const report_page *page) {
     const nqm_scene_options *o = &page->run->labels.scene_options;
     json_t *scene = json_scene(o);
+    if (nqm_scene_is_standard(o))
+        html(page->out, "the standard set of four scenes");
+    else
+        html(page->out, "%s under %s", json_string_value(json_object_get(scene, "shape")),
+             json_string_value(json_object_get(scene, "light")));
     html(page->out,
-         "%s under %s, %zu \xc3\x97 %zu pixels, %zu light directions per point, a white surface at %.6g cd/m\xc2\xb2, "
+         ", %zu \xc3\x97 %zu pixels, %zu light directions per point, a white surface at %.6g cd/m\xc2\xb2, "
          "peak %.6g cd/m\xc2\xb2, seed %zu",
-         json_string_value(json_object_get(scene, "shape")), json_string_value(json_object_get(scene, "light")),
          o->width, o->height, nqm_scene_n_lights(o), o->exposure_cdm2, o->peak_cdm2, o->seed);
     if (o->turn_rad != 0 || o->elevation_rad != 0)
         html(page->out, ", turned by %.6g\xc2\xb0, seen from %.6g\xc2\xb0",
              json_real_value(json_object_get(scene, "turn")), json_real_value(json_object_get(scene, "elevation")));
     if (o->n_frames > 1)
-        html(page->out, ", mean of %zu views, of which the first is shown", o->n_frames);
+        html(page->out, ", %zu views", o->n_frames);
     html(page->out, "%s%s", o->shadows ? "" : ", no shadows", o->interreflection ? ", one interreflection" : "");
     json_decref(scene);
 }
