@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Score a few BRDFs without any files. Published SGD parameters of MERL materials (Bagher et al. 2012) serve as references,
-# published Ward fits (Ngan et al. 2005) and perturbed copies as approximations.
+# Score a few BRDFs without any files, and label some by rendering. Published SGD parameters of MERL materials (Bagher et al. 2012)
+# serve as references; published Ward fits (Ngan et al. 2005), perturbed copies and other materials are compared with them.
 # usage: demo.sh PATH-TO-NQM
 set -eu
 nqm=${1:-nqm}
@@ -17,5 +17,10 @@ run score sgd:blue-rubber ward:blue-rubber "perturb:tint=1.2,1,1;of=sgd:blue-rub
 run score sgd:gold-metallic-paint "perturb:noise=0.02;of=sgd:gold-metallic-paint" \
     "perturb:noise=0.1;of=sgd:gold-metallic-paint" "perturb:noise=0.4;of=sgd:gold-metallic-paint" --metrics all
 run check sgd:nickel
+echo
+echo "Materials that really differ: first predicted from the BRDFs, then measured on rendered pictures (JOD, Delta-E and words)."
+set -- sgd:red-fabric sgd:chrome sgd:pink-fabric sgd:green-fabric
+run score "$@"
+run label "$@"
 echo
 echo "Next: nqm score YOUR_REFERENCE YOUR_APPROXIMATION (MERL .binary, RGL .bsdf, NBRDF .h5, or a spec; nqm info list)"
