@@ -66,10 +66,13 @@ static nqm_status open_interpolation(const nqm_directions *directions, interpola
 static void distribute(const interpolation *p, size_t point, const double *half_diff, const double *light) {
     const double softness = 0.02; /* distance; about that of neighbours */
     size_t nearest[N_NEAREST] = {0}, n = 0;
-    double distance[N_NEAREST], at[2], sum = 0;
+    double distance[N_NEAREST], at[2], sum = 0, farthest = 0;
     place(p, half_diff, at);
     for (size_t i = 0; i < p->n; ++i) {
-        const double d = hypot(p->position[2 * i] - at[0], p->position[2 * i + 1] - at[1]);
+        const double x = p->position[2 * i] - at[0], y = p->position[2 * i + 1] - at[1];
+        if (n == N_NEAREST && x * x + y * y > farthest)
+            continue;
+        const double d = hypot(x, y);
         if (n == N_NEAREST && d >= distance[n - 1])
             continue;
         n += n < N_NEAREST;
@@ -80,6 +83,7 @@ static void distribute(const interpolation *p, size_t point, const double *half_
         }
         distance[k] = d;
         nearest[k] = i;
+        farthest = (1 + 1e-9) * distance[n - 1] * distance[n - 1]; /* spares most calls of the slow hypot() */
     }
     for (size_t k = 0; k < n; ++k)
         sum += distance[k] = 1 / pow(distance[k] + softness, 2);
@@ -88,7 +92,19 @@ static void distribute(const interpolation *p, size_t point, const double *half_
             p->light[(3 * nearest[k] + c) * NQM_TRANSPORT_POINTS + point] += (float)(light[c] * distance[k] / sum);
 }
 
-static void distribute_point(const interpolation *p, const nqm_scene *scene, size_t i, size_t number, size_t point) {
+/* The points of a scene, which has a number in its set; `first`: its first column of the matrix. */
+typedef struct scene_job {
+    const interpolation *to;
+    const nqm_scene *scene;
+    size_t number, first;
+} scene_job;
+
+/* Every point writes its own column, so that points may be computed in any order. */
+static void distribute_point(void *user, size_t i) {
+    const scene_job *job = user;
+    const interpolation *p = job->to;
+    const nqm_scene *scene = job->scene;
+    const size_t point = job->first + i;
     const double *wo = scene->seen.point[i].wo;
     const nqm_incident *incident = &scene->kept[i];
     for (size_t j = 0; j < incident->n_rays; ++j) {
@@ -103,7 +119,7 @@ static void distribute_point(const interpolation *p, const nqm_scene *scene, siz
         distribute(p, point, half_diff, light);
     }
     p->points[3 * point] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
-    p->points[3 * point + 1] = (double)number;
+    p->points[3 * point + 1] = (double)job->number;
     p->points[3 * point + 2] = scene->options.peak_cdm2;
 }
 
@@ -121,14 +137,16 @@ nqm_status nqm_corpus_transport(const nqm_corpus_context *context, float *light,
     status = open_interpolation(context->directions, &p, err);
     const nqm_scene *const *parts =
         scene->n_parts ? (const nqm_scene *const *)scene->parts : (const nqm_scene *const *)&scene;
-    size_t n_parts = scene->n_parts ? scene->n_parts : 1, point = 0;
+    size_t n_parts = scene->n_parts ? scene->n_parts : 1, first = 0;
     memset(light, 0, p.n * 3 * NQM_TRANSPORT_POINTS * sizeof *light);
-    for (size_t s = 0; status == NQM_OK && s < n_parts; ++s)
-        for (size_t i = 0; i < parts[s]->seen.n && point < NQM_TRANSPORT_POINTS; ++i)
-            distribute_point(&p, parts[s], i, s, point++);
-    if (status == NQM_OK && point != NQM_TRANSPORT_POINTS)
-        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %d for its transport matrix", point,
-                          NQM_TRANSPORT_POINTS);
+    if (status == NQM_OK && nqm_scene_count(scene) != NQM_TRANSPORT_POINTS)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %d for its transport matrix",
+                          nqm_scene_count(scene), NQM_TRANSPORT_POINTS);
+    for (size_t s = 0; status == NQM_OK && s < n_parts; ++s) {
+        scene_job job = {.to = &p, .scene = parts[s], .number = s, .first = first};
+        nqm_parallel_for(parts[s]->seen.n, distribute_point, &job);
+        first += parts[s]->seen.n;
+    }
     nqm_free(p.theta_h);
     nqm_scene_free(scene);
     return status;

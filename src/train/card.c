@@ -65,9 +65,11 @@ static void write_data(FILE *out, const nqm_dataset *d) {
         fprintf(out, "Validation examples were drawn from the training split.\n");
 }
 
-static void write_training(FILE *out, const nqm_train_options *o, const nqm_train_report *r) {
+static void write_training(FILE *out, const nqm_train_options *o, const nqm_dataset *d, const nqm_train_report *r) {
     fprintf(out, "\n## Training\n\n%zu epochs of %zu examples in batches of %zu (%zu steps), seed %llu.\n", r->epochs,
             r->n_train, o->optimiser.batch, r->n_steps, (unsigned long long)o->optimiser.seed);
+    if (o->input.transport && d->transport)
+        fprintf(out, "The network corrects the label that light transport of the labels' scene estimates.\n");
     if (o->augmentation.balance)
         fprintf(out, "Label bins were balanced by noisy copies (sigma %s).\n",
                 number(o->augmentation.balance_sigma, 6).text);
@@ -112,7 +114,7 @@ char *nqm_model_card(const nqm_dataset *d, const nqm_train_options *o, const nqm
     fprintf(out, "# Model `%s`\n\n", m->id);
     write_network(out, o, m);
     write_data(out, d);
-    write_training(out, o, report);
+    write_training(out, o, d, report);
     write_limits(out, o, d);
     if (o->card)
         fprintf(out, "\n%s", o->card);

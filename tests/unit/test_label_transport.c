@@ -9,6 +9,8 @@
 #include "support/scenes.h"
 
 #include <math.h>
+#include <omp.h>
+#include <string.h>
 
 enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 500 };
 
@@ -172,13 +174,15 @@ static void few_directions(void **state) {
     }
 }
 
-static void the_same_bits_again(void **state) {
+static void the_same_bits_on_any_threads(void **state) {
     (void)state;
     const nqm_scene_options o = scene_of("sun", "sphere");
+    omp_set_num_threads(1);
     make(20, &o);
     float *before = nqm_alloc(20 * 3 * POINTS, sizeof *before);
     memcpy(before, f.light, 20 * 3 * POINTS * sizeof *before);
     drop();
+    omp_set_num_threads(2);
     make(20, &o);
     assert_memory_equal(f.light, before, 20 * 3 * POINTS * sizeof *before);
     drop();
@@ -187,8 +191,11 @@ static void the_same_bits_again(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sphere),       cmocka_unit_test(a_mesh_in_eight_views), cmocka_unit_test(the_standard_set),
-        cmocka_unit_test(few_directions), cmocka_unit_test(the_same_bits_again),
+        cmocka_unit_test(a_sphere),
+        cmocka_unit_test(a_mesh_in_eight_views),
+        cmocka_unit_test(the_standard_set),
+        cmocka_unit_test(few_directions),
+        cmocka_unit_test(the_same_bits_on_any_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -115,6 +115,7 @@ static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport 
 static void check_predictions(const nqm_model *model, bool has_transport) {
     const nqm_transport transport = nqm_model_transport(model);
     nqm_predictor *predictor;
+    size_t n_checked = 0;
     assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL), NQM_OK);
     for (size_t pair = 0; pair < toy->n_pairs; pair += 5) {
         const float *ref = ref_of(pair), *test = test_of(pair);
@@ -127,13 +128,15 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
         outputs_of(model, pair, &transport, z);
         const double expected_jod = nqm_model_jod(model, (double)z[0], base, &expected);
         const nqm_label expected_label = nqm_model_label(model, z, base);
-        if (expected <= nqm_delta_e_bound(N, ref, test, NULL)) {
-            assert_relative(delta_e, expected, 1e-6);
-            assert_near(jod, expected_jod, 1e-6);
-        }
+        if (isfinite(nqm_delta_e_bound(N, ref, test, NULL))) /* nearly equal samples: a bound may decide */
+            continue;
+        assert_relative(delta_e, expected, 1e-6);
+        assert_near(jod, expected_jod, 1e-6);
         assert_near(label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(label.shift[0])));
         assert_near(label.structure, expected_label.structure, 1e-5 * (1 + label.structure));
+        ++n_checked;
     }
+    assert_true(n_checked > 10);
     nqm_predictor_free(predictor);
 }
 
