@@ -3,6 +3,7 @@
  * Estimates by light transport: pictures and labels against NumPy (tests/vectors/transport.py), dropped directions, exact zeros
  * of equal pairs, and the same bits for any cut and order of a batch and any number of threads.
  */
+#include "kernel/kernel.h"
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/tiny_model.h"
@@ -68,8 +69,7 @@ static void check_label(const nqm_label *label, const double *expected) {
         assert_near(parts[k], expected[1 + k], k == 3 ? 1e-4 : 1e-3 + 1e-4 * expected[0]);
 }
 
-static void against_numpy(void **state) {
-    (void)state;
+static void compare_with_numpy(void) {
     nqm_transport_samples samples[2 * BRDFS];
     float pictures[2 * BRDFS][3 * POINTS];
     for (size_t i = 0; i < BRDFS; ++i) {
@@ -117,8 +117,7 @@ static void extremes_are_finite(void **state) {
 }
 
 /* Pairs in one call have the bits of single pairs, in any order and whether or not neighbours share a reference. */
-static void batches_give_the_same_bits(void **state) {
-    (void)state;
+static void cut_batches(void) {
     const float *ref[NQM_COMPARE_MAX], *test[NQM_COMPARE_MAX];
     uint8_t masks[NQM_COMPARE_MAX * N];
     nqm_label batch[NQM_COMPARE_MAX];
@@ -135,6 +134,24 @@ static void batches_give_the_same_bits(void **state) {
                 assert_memory_equal(&batch[i], &single, sizeof single);
             }
         }
+}
+
+static void on_every_table(void (*test)(void)) {
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        nqm_kernels_use(nqm_kernels_at(t));
+        test();
+    }
+    nqm_kernels_use(NULL);
+}
+
+static void against_numpy(void **state) {
+    (void)state;
+    on_every_table(compare_with_numpy);
+}
+
+static void batches_give_the_same_bits(void **state) {
+    (void)state;
+    on_every_table(cut_batches);
 }
 
 /* The same for the JOD of a model that corrects estimates. */
