@@ -3,6 +3,7 @@
  * Training of models that correct estimates by light transport: targets, the matrix in the model, predictions recomputed from
  * the network's output, training without the matrix, equal bits after resuming, and the refused target.
  */
+#include "judge/evaluate.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "support/check.h"
@@ -24,6 +25,7 @@ static int make_toy(void **state) {
     (void)state;
     toy_options o = toy_options_default();
     o.with_transport = true;
+    o.n_groups = 48; /* enough validation materials for a calibration */
     toy = toy_dataset(&o);
     omp_set_num_threads(1); /* these networks are too small to use more threads */
     return 0;
@@ -196,6 +198,27 @@ static void without_transport(void **state) {
     nqm_model_free(model);
 }
 
+/* The novelty of a pair in an evaluation is that of a score: its features come from the model's matrix, not the dataset's. */
+static void novelty_by_the_models_matrix(void **state) {
+    (void)state;
+    for (int with_transport = 0; with_transport < 2; ++with_transport) {
+        nqm_train_options o = small();
+        o.input.transport = with_transport;
+        nqm_model *model = train(&o, NULL);
+        const nqm_transport transport = nqm_model_transport(model);
+        nqm_evaluation *ev;
+        assert_true(model->n_novelty > 0);
+        assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, &ev, NULL), NQM_OK);
+        for (size_t pair = 0; pair < toy->n_pairs; pair += 7) {
+            double scalars[NQM_SCALAR_COUNT];
+            nqm_scalars_compute(toy->directions, &transport, ref_of(pair), test_of(pair), NULL, scalars);
+            assert_near(ev->novelty[pair], nqm_model_novelty(model, scalars), 1e-12);
+        }
+        nqm_evaluation_free(ev);
+        nqm_model_free(model);
+    }
+}
+
 /* The content of a model's file as its checksum. */
 static void checksum_of(const nqm_model *model, char sha256[65]) {
     nqm_model *loaded;
@@ -258,9 +281,9 @@ static void the_target_is_a_delta_e(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(targets_are_corrections), cmocka_unit_test(models_correct_the_estimate),
-        cmocka_unit_test(without_transport),       cmocka_unit_test(resumes_to_the_same_bits),
-        cmocka_unit_test(the_target_is_a_delta_e),
+        cmocka_unit_test(targets_are_corrections),  cmocka_unit_test(models_correct_the_estimate),
+        cmocka_unit_test(without_transport),        cmocka_unit_test(novelty_by_the_models_matrix),
+        cmocka_unit_test(resumes_to_the_same_bits), cmocka_unit_test(the_target_is_a_delta_e),
     };
     return cmocka_run_group_tests(tests, make_toy, drop_toy);
 }
