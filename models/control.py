@@ -25,7 +25,8 @@ CURVE = (-14.11196939758611, -0.47364347065458806, -0.21479944748134167)  # DESI
 MIN_DELTA_E = 0.05  # as --min-delta-e of nqm train
 GRID = [{"max_leaf_nodes": leaves, "min_samples_leaf": least, "l2_regularization": 1.0} for leaves in (8, 16, 31) for least in (10, 40)]
 MAX_TREES, LEARNING_RATE, FOLDS, EDGE = 600, 0.05, 5, 9.5
-FIXED = {"ref", "material", "test", "kind", "split", "delta_e", "jod", "family", "class"}
+FIXED = {"ref", "material", "test", "kind", "split", "delta_e", "jod", "family", "class", "shift_i", "shift_t", "shift_p",
+         "contrast", "structure", "similarity_jod"}
 METRICS = ["rmse", "mae", "rms_crwe", "ma_crwe", "rms_loge", "ma_loge", "rms_logwe", "ma_logwe", "log_diff"]
 
 
@@ -135,8 +136,11 @@ def judge(prediction, jod, material, n_bootstrap, has_jod):
 
 
 def selections(part):
-    """(by, name, mask) of every table: all pairs, then by family, kind, class and range."""
+    """(by, name, mask) of every table: all pairs, then near and far pairs, and by family, kind, class and range."""
     yield "all", "all", numpy.ones(len(part.rows), bool)
+    far = numpy.isin(part.column("family"), ["far", "rounding"])
+    yield "subset", "near", ~far
+    yield "subset", "far", part.column("family") == "far"
     for by in ("family", "kind", "class"):
         values = part.column(by)
         for value in sorted(set(values) - {""}):
@@ -153,7 +157,7 @@ def recipe_of(name):
 def predictions_of(part, control, seeds):
     """name -> (values, whether the values are in JOD, where higher is better)"""
     out = {}
-    models = [name for name in part.rows[0] if name not in FIXED and name not in METRICS and not name.startswith("scalar:")]
+    models = [name for name in part.rows[0] if name not in FIXED and name not in METRICS and ":" not in name]
     for name in models + METRICS:
         values = numpy.array([float(row[name]) for row in part.rows])
         out[name] = (values, True) if name in models else (-values, False)
@@ -170,7 +174,7 @@ def judge_all(part, predictions, n_bootstrap):
     for by, name, mask in selections(part):
         if mask.any():
             for predictor, (values, has_jod) in predictions.items():
-                n = n_bootstrap if by == "all" else 0
+                n = n_bootstrap if by in ("all", "subset") else 0
                 figures = judge(values[mask], part.jod[mask], part.material[mask], n, has_jod)
                 results.append({"by": by, "selection": name, "name": predictor, **figures})
     return results
@@ -199,9 +203,11 @@ def show(results, predictions):
     width = max(len(name) for name in predictions) + 2
     print(f"{'':{width}}{'Spearman [95 %]':24}{'mean by material':24}{'MAE':>6}")
     for r in results:
-        if r["by"] == "all":
+        if r["by"] in ("all", "subset"):
             pooled = "{:.3f} [{:.3f}, {:.3f}]".format(r["spearman"], *r["ci95"])
             means = "{:.3f} [{:.3f}, {:.3f}]".format(r["spearman_mean_by_material"], *r["ci95_mean_by_material"])
+            if r["name"] == next(iter(predictions)):
+                print(f"{r['selection']}: {r['n']} pairs")
             print(f"{r['name']:{width}}{pooled:24}{means:24}" + ("" if numpy.isnan(r["mae"]) else f"{r['mae']:6.3f}"))
     for s in over_seeds(results):
         if s["by"] == "all":

@@ -36,7 +36,7 @@ static const nqm_option rows[] = {
     {"transport", FIELD(input.transport), .kind = NQM_OPTION_BOOL, .values = {"0", NULL, "1"},
      .help = "if the dataset has a transport matrix, correct the label that it estimates"},
     {"hidden", FIELD(network.n_hidden), .kind = NQM_OPTION_SIZES, .metavar = "LIST", .max_sizes = NQM_TRAIN_MAX_HIDDEN,
-     .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501"}},
+     .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501", NULL, "256,128"}},
     {"target", FIELD(labels.target), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_target_words,
      .help = "what the network predicts", .values = {"jod", NULL, "log_delta_e"}},
     {"min_delta_e", FIELD(labels.min_delta_e), .metavar = "E", .unit = "Delta-E ITP",
@@ -82,7 +82,7 @@ static const nqm_option rows[] = {
     {"precision", FIELD(optimiser.precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = precision_words,
      .help = "of the factors of all matrix products", .storage = NQM_STORED_UNLESS_ZERO, .values = {"f32"}},
     {"epochs", FIELD(optimiser.epochs), .kind = NQM_OPTION_SIZE, .metavar = "N",
-     .help = "passes over the training pairs", .min = 1, .max = 1e6, .values = {"100", NULL, "40"}},
+     .help = "passes over the training pairs", .min = 1, .max = 1e6, .values = {"100", NULL, "8"}},
 
     {"checkpoint", FIELD(run.checkpoint), .kind = NQM_OPTION_TEXT, .metavar = "FILE", .storage = NQM_NOT_STORED,
      .help = "rewritten after each epoch"},

@@ -439,7 +439,7 @@ static void options_out_of_range(void **state) {
     o.optimiser.lr_deeper = NAN;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
-    o.network.hidden[2] = 0;
+    o.network.hidden[1] = 0;
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
     o = recipe("nqm");
     o.input.scalar_scale = 0;
