@@ -92,3 +92,5 @@ train() {
 }
 train default nqm "" " without options (four built-in scenes)" default.safetensors --half
 train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campus light)" full/paper.safetensors
+echo "build nqm again, so that it contains the new models; then draw the figures of the pages:"
+echo "  sh doc/figures/make.sh $data && sh doc/gallery/make.sh $data $work/train.safetensors $work/default.csv"

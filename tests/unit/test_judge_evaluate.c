@@ -11,6 +11,7 @@
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/toy_dataset.h"
+#include "support/training.h"
 
 #include <math.h>
 #include <omp.h>
@@ -244,15 +245,8 @@ static void best_variants(void **state) {
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
-    nqm_train_options o;
-    nqm_model *model;
-    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
-    o.network.n_hidden = 1;
-    o.network.hidden[0] = 32;
-    o.optimiser.batch = 64;
-    o.optimiser.epochs = 5;
-    assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
-    return model;
+    const nqm_train_options o = small_recipe(recipe, 32, 5);
+    return train_model(d, &o, NULL);
 }
 
 /* Predict and judge one model. */

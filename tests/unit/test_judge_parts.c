@@ -8,6 +8,7 @@
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/toy_dataset.h"
+#include "support/training.h"
 
 #include <math.h>
 #include <omp.h>
@@ -15,15 +16,8 @@
 #include <string.h>
 
 static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
-    nqm_train_options o;
-    nqm_model *model;
-    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
-    o.network.n_hidden = 1;
-    o.network.hidden[0] = 32;
-    o.optimiser.batch = 64;
-    o.optimiser.epochs = 3;
-    assert_int_equal(nqm_train(d, &o, &model, NULL, NULL), NQM_OK);
-    return model;
+    const nqm_train_options o = small_recipe(recipe, 32, 3);
+    return train_model(d, &o, NULL);
 }
 
 static nqm_dataset *dataset;

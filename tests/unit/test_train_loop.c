@@ -7,6 +7,7 @@
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/toy_dataset.h"
+#include "support/training.h"
 
 #include <math.h>
 #include <omp.h>
@@ -34,25 +35,12 @@ static int drop_toy(void **state) {
     return 0;
 }
 
-/* Options of a network that is small enough to train quickly. */
+/* A network with two hidden layers. */
 static nqm_train_options small(const char *recipe) {
-    nqm_train_options o;
-    assert_int_equal(nqm_train_options_recipe(recipe, &o, NULL), NQM_OK);
+    nqm_train_options o = small_recipe(recipe, 48, 4);
     o.network.n_hidden = 2;
-    o.network.hidden[0] = 48;
     o.network.hidden[1] = 24;
-    o.optimiser.batch = 32;
-    o.optimiser.epochs = 4;
-    o.optimiser.lr_first = 1e-3;
     return o;
-}
-
-static nqm_model *train(const nqm_train_options *o, nqm_train_report *report) {
-    nqm_model *model;
-    nqm_error err = {0};
-    if (nqm_train(toy, o, &model, report, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return model;
 }
 
 /* The content of a model's file; free with free(). */
@@ -87,7 +75,7 @@ static void learns(void **state) {
         o.network.dropout = 0.05;
         o.split.by_pair = 0;
         nqm_train_report report;
-        nqm_model *model = train(&o, &report);
+        nqm_model *model = train_model(toy, &o, &report);
         assert_int_equal(report.epochs, 40);
         assert_int_equal(report.n_steps, 40 * ((report.n_train + 31) / 32));
         assert_true(report.validation_loss < (i == 2 ? 0.05 : 0.15));
@@ -107,7 +95,7 @@ static void saved_and_loaded(void **state) {
     nqm_train_options o = small("nqm");
     o.optimiser.epochs = 20;
     o.card = "Made by a test.";
-    nqm_model *model = train(&o, NULL), *loaded;
+    nqm_model *model = train_model(toy, &o, NULL), *loaded;
     assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(model_path, &loaded, NULL), NQM_OK);
     assert_int_equal(strlen(nqm_model_get_info(loaded).sha256), 64);
@@ -135,13 +123,13 @@ static void repeats_itself_on_any_threads(void **state) {
         o.network.hidden[0] = 512; /* large enough for more than one thread */
         o.optimiser.batch = 256;
         o.optimiser.epochs = 1;
-        nqm_model *one = train(&o, NULL);
+        nqm_model *one = train_model(toy, &o, NULL);
         omp_set_num_threads(2);
-        nqm_model *two = train(&o, NULL);
+        nqm_model *two = train_model(toy, &o, NULL);
         omp_set_num_threads(1);
         assert_same_model(one, two);
         o.optimiser.seed = 2;
-        nqm_model *other = train(&o, NULL);
+        nqm_model *other = train_model(toy, &o, NULL);
         assert_true(memcmp(one->params.block, other->params.block, one->params.n * sizeof(float)) != 0);
         nqm_model_free(one);
         nqm_model_free(two);
@@ -195,18 +183,18 @@ static void resumes_to_the_same_bits(void **state) {
         o.run.epoch_done = note_losses;
         o.run.epoch_user = &whole;
         nqm_train_report a, b;
-        nqm_model *uninterrupted = train(&o, &a);
+        nqm_model *uninterrupted = train_model(toy, &o, &a);
         o.run.checkpoint = checkpoint;
         o.run.epoch_done = NULL;
         o.optimiser.epochs = 3;
-        nqm_model_free(train(&o, NULL));
+        nqm_model_free(train_model(toy, &o, NULL));
         o.run.resume = 1;
         o.optimiser.epochs = 5;
-        nqm_model_free(train(&o, NULL));
+        nqm_model_free(train_model(toy, &o, NULL));
         o.optimiser.epochs = 9;
         o.run.epoch_done = note_losses;
         o.run.epoch_user = &parts;
-        nqm_model *resumed = train(&o, &b);
+        nqm_model *resumed = train_model(toy, &o, &b);
         assert_same_model(uninterrupted, resumed);
         assert_int_equal(b.epochs_resumed, 5);
         assert_int_equal(a.n_steps, b.n_steps);
@@ -215,7 +203,7 @@ static void resumes_to_the_same_bits(void **state) {
         assert_true(whole.value[8][2] < whole.value[0][2]);
         nqm_model_free(resumed);
         parts.n = 0;
-        resumed = train(&o, NULL); /* training is complete: returns the model without an epoch */
+        resumed = train_model(toy, &o, NULL); /* training is complete: returns the model without an epoch */
         assert_same_model(uninterrupted, resumed);
         nqm_model_free(uninterrupted);
         nqm_model_free(resumed);
@@ -242,14 +230,14 @@ static void cosine_schedule(void **state) {
     o.run.epoch_done = note_losses;
     o.run.epoch_user = &l;
     unlink(checkpoint);
-    nqm_model *model = train(&o, NULL);
+    nqm_model *model = train_model(toy, &o, NULL);
     const double expected[6] = {1, (2 + sqrt(3)) / 4, 0.75, 0.5, 0.25, (2 - sqrt(3)) / 4};
     assert_int_equal(l.n, 6);
     for (size_t i = 0; i < 6; ++i)
         assert_near(l.value[i][2], o.optimiser.lr_first * expected[i], 1e-15);
     l.n = 0;
     o.run.resume = 1;
-    nqm_model *resumed = train(&o, NULL);
+    nqm_model *resumed = train_model(toy, &o, NULL);
     assert_same_model(model, resumed);
     o.optimiser.epochs = 9;
     refuse(toy, &o, NQM_ERR_INCOMPATIBLE, "epochs 6, not 9");
@@ -261,12 +249,12 @@ static void stopped_and_resumed(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
     o.optimiser.epochs = 60; /* about a second: the ticker calls more than once */
-    nqm_model *uninterrupted = train(&o, NULL);
+    nqm_model *uninterrupted = train_model(toy, &o, NULL);
     unlink(checkpoint);
     o.run.checkpoint = checkpoint;
     stop_during(&o);
     o.run.resume = access(checkpoint, F_OK) == 0;
-    nqm_model *resumed = train(&o, NULL);
+    nqm_model *resumed = train_model(toy, &o, NULL);
     assert_same_model(uninterrupted, resumed);
     nqm_model_free(uninterrupted);
     nqm_model_free(resumed);
@@ -277,7 +265,7 @@ static void checkpoints_of_others(void **state) {
     nqm_train_options o = small("nqm");
     o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* only this schedule permits another number of epochs */
     o.run.checkpoint = checkpoint;
-    nqm_model_free(train(&o, NULL));
+    nqm_model_free(train_model(toy, &o, NULL));
     o.run.resume = 1;
     nqm_train_options other = o;
     other.optimiser.batch = 64;

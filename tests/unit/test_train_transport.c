@@ -9,6 +9,7 @@
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/toy_dataset.h"
+#include "support/training.h"
 
 #include <math.h>
 #include <omp.h>
@@ -39,25 +40,6 @@ static int drop_toy(void **state) {
     return 0;
 }
 
-static nqm_train_options small(void) {
-    nqm_train_options o;
-    assert_int_equal(nqm_train_options_recipe("nqm", &o, NULL), NQM_OK);
-    o.network.n_hidden = 1;
-    o.network.hidden[0] = 24;
-    o.optimiser.batch = 32;
-    o.optimiser.epochs = 6;
-    o.optimiser.lr_first = 1e-3;
-    return o;
-}
-
-static nqm_model *train(const nqm_train_options *o, nqm_train_report *report) {
-    nqm_model *model;
-    nqm_error err = {0};
-    if (nqm_train(toy, o, &model, report, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return model;
-}
-
 static const float *ref_of(size_t pair) {
     return toy->ref_rgb + toy->pair_ref[pair] * 3 * N;
 }
@@ -74,7 +56,7 @@ static nqm_label estimate_of(size_t pair) {
 /* Normalised targets are the differences of label and estimate; their range is at most 6 standard deviations. */
 static void targets_are_corrections(void **state) {
     (void)state;
-    const nqm_train_options o = small();
+    const nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_examples e;
     assert_int_equal(nqm_examples_create(toy, &o, 64, &e, NULL), NQM_OK);
     assert_int_equal(e.n_outputs, OUTPUTS);
@@ -166,9 +148,9 @@ static void check_report(const nqm_model *model, const nqm_train_report *report)
 
 static void models_correct_the_estimate(void **state) {
     (void)state;
-    const nqm_train_options o = small();
+    const nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_train_report report;
-    nqm_model *model = train(&o, &report), *loaded;
+    nqm_model *model = train_model(toy, &o, &report), *loaded;
     assert_int_equal(model->n_transport, N);
     assert_memory_equal(model->transport, toy->transport, N * 3 * NQM_TRANSPORT_POINTS * sizeof *model->transport);
     assert_memory_equal(model->transport_points, toy->transport_points, sizeof model->transport_points);
@@ -184,10 +166,10 @@ static void models_correct_the_estimate(void **state) {
 /* Without the option the model knows nothing of the matrix, and neither do its features. */
 static void without_transport(void **state) {
     (void)state;
-    nqm_train_options o = small();
+    nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_train_report report;
     o.input.transport = 0;
-    nqm_model *model = train(&o, &report);
+    nqm_model *model = train_model(toy, &o, &report);
     assert_null(model->transport);
     for (size_t k = NQM_SCALAR_ESTIMATE; k < NQM_SCALAR_COUNT; ++k) {
         assert_true(model->scalars.mean[k] == 0);
@@ -202,9 +184,9 @@ static void without_transport(void **state) {
 static void novelty_by_the_models_matrix(void **state) {
     (void)state;
     for (int with_transport = 0; with_transport < 2; ++with_transport) {
-        nqm_train_options o = small();
+        nqm_train_options o = small_recipe("nqm", 24, 6);
         o.input.transport = with_transport;
-        nqm_model *model = train(&o, NULL);
+        nqm_model *model = train_model(toy, &o, NULL);
         const nqm_transport transport = nqm_model_transport(model);
         nqm_evaluation *ev;
         assert_true(model->n_novelty > 0);
@@ -230,7 +212,7 @@ static void checksum_of(const nqm_model *model, char sha256[65]) {
 
 static void resumes_to_the_same_bits(void **state) {
     (void)state;
-    nqm_train_options o = small();
+    nqm_train_options o = small_recipe("nqm", 24, 6);
     char whole[65], resumed[65];
     nqm_model *model;
     o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* only this schedule permits another number of epochs */
@@ -239,7 +221,7 @@ static void resumes_to_the_same_bits(void **state) {
         o.optimiser.epochs = 6;
         o.run.checkpoint = NULL;
         o.run.resume = 0;
-        model = train(&o, NULL);
+        model = train_model(toy, &o, NULL);
         checksum_of(model, n_threads == 1 ? whole : resumed);
         nqm_model_free(model);
     }
@@ -247,10 +229,10 @@ static void resumes_to_the_same_bits(void **state) {
     unlink(checkpoint);
     o.run.checkpoint = checkpoint;
     o.optimiser.epochs = 3;
-    nqm_model_free(train(&o, NULL));
+    nqm_model_free(train_model(toy, &o, NULL));
     o.run.resume = 1;
     o.optimiser.epochs = 6;
-    model = train(&o, NULL);
+    model = train_model(toy, &o, NULL);
     checksum_of(model, resumed);
     assert_string_equal(whole, resumed);
     nqm_model_free(model);
@@ -264,7 +246,7 @@ static void resumes_to_the_same_bits(void **state) {
 
 static void the_target_is_a_delta_e(void **state) {
     (void)state;
-    nqm_train_options o = small();
+    nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_model *model;
     nqm_error err = {0};
     o.labels.target = NQM_TARGET_JOD;
@@ -274,7 +256,7 @@ static void the_target_is_a_delta_e(void **state) {
     assert_non_null(strstr(err.message, "log_delta_e"));
     o.input.transport = 0;
     o.labels.parts_weight = 0;
-    model = train(&o, NULL);
+    model = train_model(toy, &o, NULL);
     assert_null(model->transport);
     nqm_model_free(model);
 }
