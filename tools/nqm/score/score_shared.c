@@ -82,7 +82,7 @@ static void add_counts(json_t *remarks, const remark_terms *terms, const char *w
         add_remark(remarks, "%s: no value at %zu of %zu directions, %s", who, n_invalid, terms->n_directions,
                    remedy[terms->invalid]);
     if (n_unusual)
-        add_remark(remarks, "%s: far brighter at %zu of %zu directions than what the model was trained on", who,
+        add_remark(remarks, "%s: at %zu of %zu directions far brighter than most BRDFs of the training", who,
                    n_unusual, terms->n_directions);
 }
 
