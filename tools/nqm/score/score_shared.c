@@ -82,8 +82,8 @@ static void add_counts(json_t *remarks, const remark_terms *terms, const char *w
         add_remark(remarks, "%s: no value at %zu of %zu directions, %s", who, n_invalid, terms->n_directions,
                    remedy[terms->invalid]);
     if (n_unusual)
-        add_remark(remarks, "%s: at %zu of %zu directions far brighter than most BRDFs of the training", who,
-                   n_unusual, terms->n_directions);
+        add_remark(remarks, "%s: at %zu of %zu directions far brighter than most BRDFs of the training", who, n_unusual,
+                   terms->n_directions);
 }
 
 json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r) {
