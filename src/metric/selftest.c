@@ -143,9 +143,10 @@ static nqm_status check_brdfs(nqm_error *err) {
 
 /* ---- built-in models --------------------------------------------------------------------------------------------- */
 
-/* Run the network on three rows of random input. */
+enum { BATCH = 3 };
+
+/* Run the network on rows of random input. z: (BATCH, outputs of the network) */
 static nqm_status run_network(const nqm_inference_net *net, size_t width, float *z, nqm_error *err) {
-    enum { BATCH = 3 };
     float *x = nqm_alloc(BATCH, width * sizeof *x);
     nqm_inference_work *work = NULL;
     nqm_status status =
@@ -162,7 +163,7 @@ static nqm_status run_network(const nqm_inference_net *net, size_t width, float 
 
 /* Compare the output of the current kernels with that of the plain loops. */
 static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
-    float fast[3], plain[3];
+    float fast[BATCH * (1 + NQM_LABEL_PARTS)], plain[BATCH * (1 + NQM_LABEL_PARTS)];
     const size_t width = model->params.shape.sizes[0];
     const nqm_inference_net *net;
     nqm_status status = nqm_model_inference(model, NQM_PRECISION_F32, &net, err);
@@ -174,7 +175,7 @@ static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
     nqm_kernels_use(&nqm_kernels_scalar); /* affects other threads too: they compute the same values, more slowly */
     status = run_network(net, width, plain, err);
     nqm_kernels_use(in_use);
-    for (size_t i = 0; status == NQM_OK && i < 3; ++i)
+    for (size_t i = 0; status == NQM_OK && i < BATCH * nqm_model_n_outputs(model); ++i)
         if (!(fabs((double)fast[i] - (double)plain[i]) <= 1e-4 * fmax(1, fabs((double)plain[i]))))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s': output %g, by plain loops %g", model->id,
                             (double)fast[i], (double)plain[i]);
