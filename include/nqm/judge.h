@@ -49,8 +49,8 @@ typedef struct nqm_eval_options {
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
     uint64_t seed;              /**< of the resampling; default 1 */
     nqm_precision precision;    /**< of the models' predictions; default NQM_PRECISION_F32 */
-    int apart; /**< 1: judge models and the estimate by nqm_label_similarity(), for answers of people who did not
-                                     see the materials beside each other; models without parts are judged by their JOD */
+    int apart;                /**< 1: judge by nqm_label_similarity() where there are parts: for answers about materials
+                                     that people did not see beside each other */
     nqm_progress_fn progress; /**< NULL: none */
     void *progress_user;
 } nqm_eval_options;

@@ -41,8 +41,7 @@ typedef struct nqm_train_input {
     double difference_scale; /**< factor of the differences in REF_DIFF_ABSDIFF */
     int scalars;             /**< 1: the scalar features (nqm_scalar) follow the samples */
     double scalar_scale;     /**< factor of the whitened scalar features */
-    int transport; /**< 1: if the dataset has a transport matrix, the network predicts corrections to the label that it
-                                  estimates */
+    int transport; /**< 1: the network corrects the label that the dataset's transport matrix, if any, estimates */
     nqm_whitening whitening;
 } nqm_train_input;
 

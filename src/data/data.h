@@ -23,17 +23,16 @@ struct nqm_dataset {
     size_t n_directions, n_refs, n_groups, n_kinds, n_pairs;
     nqm_directions *directions; /* owned */
     /* Arrays, listed in dataset.c; only the code that builds a dataset writes to them. */
-    double *directions_deg; /* (n_directions, 3) theta_h, theta_d, phi_d */
-    float *ref_rgb;         /* (n_refs, n_directions, 3) f_r in 1/sr, finite, >= 0 */
-    float *test_rgb;        /* (n_pairs, n_directions, 3) */
-    uint8_t *ref_used;      /* (n_refs, n_directions) 0: no value, 1: used; NULL: all are used */
-    uint8_t *test_used;     /* (n_pairs, n_directions) as ref_used */
-    uint32_t *pair_ref;     /* (n_pairs) index of the reference */
-    uint32_t *pair_kind;    /* (n_pairs) index of the kind of distortion */
-    double *delta_e;        /* (n_pairs) Delta-E ITP, >= 0 */
-    double *jod;            /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
-    float *transport; /* (n_directions, 3 NQM_TRANSPORT_POINTS) as `light` in nqm_transport, of the labels' scene; NULL:
-                                 unknown */
+    double *directions_deg;   /* (n_directions, 3) theta_h, theta_d, phi_d */
+    float *ref_rgb;           /* (n_refs, n_directions, 3) f_r in 1/sr, finite, >= 0 */
+    float *test_rgb;          /* (n_pairs, n_directions, 3) */
+    uint8_t *ref_used;        /* (n_refs, n_directions) 0: no value, 1: used; NULL: all are used */
+    uint8_t *test_used;       /* (n_pairs, n_directions) as ref_used */
+    uint32_t *pair_ref;       /* (n_pairs) index of the reference */
+    uint32_t *pair_kind;      /* (n_pairs) index of the kind of distortion */
+    double *delta_e;          /* (n_pairs) Delta-E ITP, >= 0 */
+    double *jod;              /* (n_pairs) label; the loader accepts [0, 11]: human scores reach 10.26 */
+    float *transport;         /* (n_directions, 3 NQM_TRANSPORT_POINTS) as `light` in nqm_transport; NULL: unknown */
     double *transport_points; /* (NQM_TRANSPORT_POINTS, 3) as `points` in nqm_transport; NULL if transport is */
     double *parts;            /* (n_pairs, NQM_LABEL_PARTS) of the label; NULL: unknown */
     uint32_t *ref_group;      /* (n_refs) index of the material group */

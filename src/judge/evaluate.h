@@ -18,13 +18,12 @@ struct nqm_evaluation {
     double *values;    /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
     double *novelty;   /* (n_models, n_pairs of the dataset) of nqm_model_novelty(); NaN likewise */
     nqm_label *labels; /* (n_models, n_pairs of the dataset) with parts; NaN likewise, and if the model predicts none */
-    nqm_label
-        *estimates;     /* (n_pairs of the dataset) by light transport; NaN likewise; NULL: the dataset has no matrix */
-    double *scalars;    /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
-    size_t *ref_class;  /* (n_refs) */
-    bool has_unseen;    /* of any kind */
-    bool *unseen;       /* (n_kinds) nqm_dataset_unseen_kinds() */
-    const char **names; /* (n_predictors) */
+    nqm_label *estimates; /* (n_pairs of the dataset) by light transport; NaN likewise; NULL: there is no matrix */
+    double *scalars;      /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
+    size_t *ref_class;    /* (n_refs) */
+    bool has_unseen;      /* of any kind */
+    bool *unseen;         /* (n_kinds) nqm_dataset_unseen_kinds() */
+    const char **names;   /* (n_predictors) */
 };
 
 /** The pairs selected by options, sorted by material group; groups without such pairs are left out. */

@@ -66,30 +66,27 @@ static nqm_status open_interpolation(const nqm_directions *directions, interpola
 static void distribute(const interpolation *p, size_t point, const double *half_diff, const double *light) {
     const double softness = 0.02; /* distance; about that of neighbours */
     size_t nearest[N_NEAREST] = {0}, n = 0;
-    double distance[N_NEAREST], at[2], sum = 0, farthest = 0;
+    double square[N_NEAREST], at[2], sum = 0;
     place(p, half_diff, at);
     for (size_t i = 0; i < p->n; ++i) {
-        const double x = p->position[2 * i] - at[0], y = p->position[2 * i + 1] - at[1];
-        if (n == N_NEAREST && x * x + y * y > farthest)
-            continue;
-        const double d = hypot(x, y);
-        if (n == N_NEAREST && d >= distance[n - 1])
+        const double x = p->position[2 * i] - at[0], y = p->position[2 * i + 1] - at[1], d = x * x + y * y;
+        if (n == N_NEAREST && d >= square[n - 1])
             continue;
         n += n < N_NEAREST;
         size_t k = n - 1;
-        for (; k > 0 && distance[k - 1] > d; --k) {
-            distance[k] = distance[k - 1];
+        for (; k > 0 && square[k - 1] > d; --k) {
+            square[k] = square[k - 1];
             nearest[k] = nearest[k - 1];
         }
-        distance[k] = d;
+        square[k] = d;
         nearest[k] = i;
-        farthest = (1 + 1e-9) * distance[n - 1] * distance[n - 1]; /* spares most calls of the slow hypot() */
     }
+    double share[N_NEAREST];
     for (size_t k = 0; k < n; ++k)
-        sum += distance[k] = 1 / pow(distance[k] + softness, 2);
+        sum += share[k] = pow(sqrt(square[k]) + softness, -2);
     for (size_t k = 0; k < n; ++k)
         for (size_t c = 0; c < 3; ++c)
-            p->light[(3 * nearest[k] + c) * NQM_TRANSPORT_POINTS + point] += (float)(light[c] * distance[k] / sum);
+            p->light[(3 * nearest[k] + c) * NQM_TRANSPORT_POINTS + point] += (float)(light[c] * share[k] / sum);
 }
 
 /* The points of a scene, which has a number in its set; `first`: its first column of the matrix. */
