@@ -41,6 +41,29 @@ static double root_mean(double sum, double n) {
     return sqrt(sum / n);
 }
 
+/* Derivatives of the two kinds of sums by b, added to by_b; slope: derivative of the result by the sum. */
+static void squares_slope(double slope, const double *a, const double *b, const double *weight, double *by_b) {
+#pragma omp simd
+    for (size_t i = 0; i < 3 * NQM_STRETCH; ++i)
+        by_b[i] += slope * weight[i] * 2 * (b[i] - a[i]);
+}
+
+static void magnitudes_slope(double slope, const double *a, const double *b, const double *weight, double *by_b) {
+#pragma omp simd
+    for (size_t i = 0; i < 3 * NQM_STRETCH; ++i)
+        by_b[i] += slope * weight[i] * ((b[i] > a[i] ? 1. : 0.) - (b[i] < a[i] ? 1. : 0.));
+}
+
+/* Derivatives of mean() and root_mean() by the sum. */
+static double mean_slope(double sum, double n) {
+    (void)sum;
+    return 1 / n;
+}
+
+static double root_mean_slope(double sum, double n) {
+    return sum > 0 ? 0.5 / sqrt(sum * n) : 0;
+}
+
 /* A metric is finish(sum of add() over all stretches, number of values). A new metric needs an enumerator and a row;
  * its JSON key, column, option value and row in reports are derived from them. */
 typedef struct metric_row {
@@ -48,12 +71,20 @@ typedef struct metric_row {
     int scale; /* NQM_SCALE_* of the compared values */
     double (*add)(const double *a, const double *b, const double *weight);
     double (*finish)(double sum, double n);
+    void (*add_slope)(double slope, const double *a, const double *b, const double *weight, double *by_b);
+    double (*finish_slope)(double sum, double n);
 } metric_row;
 
 #define RMS(scale_, name_, of)                                                                                         \
-    { {name_, "root mean square difference of " of, of, 1}, scale_, sum_of_squares, root_mean }
+    {                                                                                                                  \
+        {name_, "root mean square difference of " of, of, 1}, scale_, sum_of_squares, root_mean, squares_slope,        \
+            root_mean_slope                                                                                            \
+    }
 #define MEAN(scale_, name_, of, is_baseline_)                                                                          \
-    { {name_, "mean absolute difference of " of, of, is_baseline_}, scale_, sum_of_magnitudes, mean }
+    {                                                                                                                  \
+        {name_, "mean absolute difference of " of, of, is_baseline_}, scale_, sum_of_magnitudes, mean,                 \
+            magnitudes_slope, mean_slope                                                                               \
+    }
 #define CUBE_ROOT "\xe2\x88\x9b(c f)"
 
 static const metric_row rows[NQM_METRIC_COUNT] = {
@@ -88,6 +119,19 @@ void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics) {
         metrics[m] = rows[m].finish(sums->sum[m], sums->n);
 }
 
+void nqm_metric_slopes(const nqm_metric_sums *sums, double *slopes) {
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        slopes[m] = rows[m].finish_slope(sums->sum[m], sums->n);
+}
+
+void nqm_metric_slopes_add(const double *slopes, const nqm_scaled *ref, const nqm_scaled *test, const double *weight,
+                           double by_scale[NQM_SCALES][3 * NQM_STRETCH]) {
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+        const int scale = rows[m].scale;
+        rows[m].add_slope(slopes[m], ref->scale[scale], test->scale[scale], weight, by_scale[scale]);
+    }
+}
+
 /* ---- scales ------------------------------------------------------------------------------------------------------ */
 
 /* y = log(x + NQM_DARK) */
@@ -116,4 +160,21 @@ void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const f
     kernels->log_1p(3 * n, weighted, scaled->scale[NQM_SCALE_LOG1P_CF]);
     log_of(3 * n, f, scaled->scale[NQM_SCALE_LOG_F]);
     log_of(n, scaled->luminance, scaled->log_luminance);
+}
+
+void nqm_unscale_stretch(const nqm_directions *directions, size_t stretch, const nqm_scaled *scaled,
+                         double by_scale[NQM_SCALES][3 * NQM_STRETCH], double *gradient) {
+    const size_t first = stretch * NQM_STRETCH, n = nqm_stretch_size(directions->n, stretch);
+    const double *f = scaled->scale[NQM_SCALE_F], *root = scaled->scale[NQM_SCALE_CBRT_CF];
+    const double min_root = cbrt(NQM_CUBE_ROOT_FLOOR);
+    double cosines[3 * NQM_STRETCH];
+    for (size_t i = 0; i < 3 * n; ++i)
+        cosines[i] = directions->cosines[first + i / 3];
+    for (size_t i = 0; i < 3 * n; ++i) {
+        const double c = cosines[i], r = root[i] > min_root ? root[i] : min_root;
+        gradient[3 * first + i] = by_scale[NQM_SCALE_F][i] + by_scale[NQM_SCALE_CBRT_CF][i] * c / (3 * r * r) +
+                                  by_scale[NQM_SCALE_LOG1P_F][i] / (1 + f[i]) +
+                                  by_scale[NQM_SCALE_LOG1P_CF][i] * c / (1 + c * f[i]) +
+                                  by_scale[NQM_SCALE_LOG_F][i] / (f[i] + NQM_DARK);
+    }
 }

@@ -41,6 +41,27 @@ static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, c
 void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
                          const float *test, const uint8_t *used, double *scalars);
 
+/**
+ * The derivatives of a weighted sum of scalar features by the samples of the test, sum_i weights[i] d scalars[i] / d test.
+ * Features from NQM_SCALAR_ESTIMATE are the caller's: their weights are ignored. All arithmetic is double. Where a
+ * derivative does not exist:
+ * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives;
+ * - a maximum: that of the first direction that attains it;
+ * - the cube root of c f (c = cos(theta_i) cos(theta_o)): as if c f were at least 1e-9 (NQM_CUBE_ROOT_FLOOR);
+ * - test at 0: from the right.
+ * Derivatives are 0 where a direction is not used, and everywhere if none is. Where the values are computed too,
+ * metric/sums.h shares the first half of the work.
+ *
+ * @param ref, test, used  as in nqm_metrics_compute()
+ * @param weights          (NQM_SCALAR_COUNT) finite
+ * @param gradient         (n_directions, 3) receives them
+ */
+void nqm_scalars_gradient(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
+                          const double *weights, double *gradient);
+/** The same for the metrics; weights: (NQM_METRIC_COUNT). */
+void nqm_metrics_gradient(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
+                          const double *weights, double *gradient);
+
 /** Comparison of one reference with n tests at the same directions. */
 typedef struct nqm_comparison {
     const nqm_directions *directions;

@@ -39,4 +39,17 @@ void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm
 /** Compute metrics (NQM_METRIC_COUNT) from the sums. */
 void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
 
+/** Values below it count as this value in the derivative of the cube root, which is infinite at 0. */
+#define NQM_CUBE_ROOT_FLOOR 1e-9
+
+/** Derivatives, back from the metrics to samples. sums (n > 0) of all stretches; slopes (NQM_METRIC_COUNT) receives the
+ *  derivative of each metric by its sum, 0 where it is infinite. */
+void nqm_metric_slopes(const nqm_metric_sums *sums, double *slopes);
+/** Add derivatives of the weighted sum of all metrics' sums, by the values of the test on each scale. slopes: its weights. */
+void nqm_metric_slopes_add(const double *slopes, const nqm_scaled *ref, const nqm_scaled *test, const double *weight,
+                           double by_scale[NQM_SCALES][3 * NQM_STRETCH]);
+/** gradient (n_directions, 3): set one stretch to the derivatives by f_r, from those by the values on each scale. */
+void nqm_unscale_stretch(const nqm_directions *directions, size_t stretch, const nqm_scaled *scaled,
+                         double by_scale[NQM_SCALES][3 * NQM_STRETCH], double *gradient);
+
 #endif
