@@ -7,6 +7,9 @@
  * Cook-Torrance and Ashikhmin-Shirley with Schlick's reflectance f0; the latter two with an index of refraction, and two
  * models whose tails are those of the ABC power spectrum (Low, Kronander, Ynnerman and Unger 2012, DOI
  * 10.1145/2077341.2077350). doc/brdf.md has the formulas.
+ *
+ * Values and derivatives come from the same functions: a lobe receives NULL instead of an array for its derivatives when
+ * only the value is needed.
  */
 #include "brdf/spec.h"
 #include "math/math.h"
@@ -25,6 +28,9 @@ static inline half_angles half_angles_of(const double *wi, const double *wo) {
     double xy = x * x + y * y;
     return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
 }
+
+/* d (kd / pi) / d kd */
+static const double PER_KD = 1 / NQM_PI;
 
 /* ---- Lambert ----------------------------------------------------------------------------------------------------- */
 
@@ -47,9 +53,18 @@ static void lambert_eval(const void *state, size_t n, const double *wi, const do
             rgb[3 * i + (size_t)c] = self->f[c];
 }
 
+static void lambert_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
+                             double *jacobian) {
+    lambert_eval(state, n, wi, wo, rgb);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            jacobian[(3 * i + c) * 3 + c] = PER_KD;
+}
+
 const nqm_analytic_model nqm_lambert_model = {
     .schema = {"lambert", 1, {{.name = "kd", .n = 3, .low = 0, .high = 10, .required = true}}},
-    .class_ = {.format = "lambert", .reciprocal = 1, .eval = lambert_eval, .free = nqm_free},
+    .class_ =
+        {.format = "lambert", .reciprocal = 1, .eval = lambert_eval, .jacobian = lambert_jacobian, .free = nqm_free},
     .state_size = sizeof(lambert),
     .prepare = lambert_prepare,
 };
@@ -59,8 +74,10 @@ const nqm_analytic_model nqm_lambert_model = {
 typedef struct ggx {
     double diffuse[3]; /* kd / pi */
     double ks[3], f0[3];
-    double alpha2;
+    double alpha2, d_alpha2; /* alpha^2 and its derivative */
 } ggx;
+
+enum { GGX_KS = 3, GGX_ALPHA = 6, GGX_F0 = 7, GGX_N = 10 }; /* columns of the derivatives; kd begins at 0 */
 
 static void ggx_prepare(const nqm_spec_values *values, void *state) {
     ggx *self = state;
@@ -70,6 +87,7 @@ static void ggx_prepare(const nqm_spec_values *values, void *state) {
         self->f0[c] = values->v[3][c];
     }
     self->alpha2 = values->v[2][0] * values->v[2][0];
+    self->d_alpha2 = 2 * values->v[2][0];
 }
 
 /* Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)), divided by 2 cos, so that the cosines in the denominator of
@@ -79,20 +97,54 @@ static double ggx_visibility(double cosine, double alpha2) {
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
 }
 
-static void ggx_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    const ggx *self = state;
+/* d log ggx_visibility() / d alpha^2, from the visibility: the square root is 1 / visibility - cosine. */
+static double ggx_visibility_slope(double cosine, double visibility) {
+    return -visibility * visibility * (1 - cosine * cosine) / (2 * (1 - cosine * visibility));
+}
+
+/* D V V. slope: NULL, or receives the derivative by alpha^2. */
+INLINED double ggx_lobe(double alpha2, double tan2_h, const double *wi, const double *wo, double *slope) {
+    double sec2_h = 1 + tan2_h;
+    double spread = (1 + tan2_h / alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
+    double d = 1 / (NQM_PI * alpha2 * spread * spread);
+    double visibility_i = ggx_visibility(wi[2], alpha2), visibility_o = ggx_visibility(wo[2], alpha2);
+    double visibility = visibility_i * visibility_o;
+    double lobe = d * visibility; /* grouped so that exchanging light and viewer gives the same bits */
+    if (slope)
+        *slope = lobe * ((tan2_h - alpha2) / (alpha2 * (tan2_h + alpha2)) + ggx_visibility_slope(wi[2], visibility_i) +
+                         ggx_visibility_slope(wo[2], visibility_o));
+    return lobe;
+}
+
+/* jacobian: NULL, or receives the derivatives. */
+INLINED void ggx_values(const ggx *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian) {
     for (size_t i = 0; i < n; ++i) {
         half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
-        double sec2_h = 1 + h.tan2_h;
-        double spread = (1 + h.tan2_h / self->alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
-        double d = 1 / (NQM_PI * self->alpha2 * spread * spread);
-        double visibility = ggx_visibility(wi[3 * i + 2], self->alpha2) * ggx_visibility(wo[3 * i + 2], self->alpha2);
-        double lobe = d * visibility; /* grouped so that exchanging light and viewer gives the same bits */
+        double slope = 0;
+        double lobe = ggx_lobe(self->alpha2, h.tan2_h, wi + 3 * i, wo + 3 * i, jacobian ? &slope : NULL);
         double m = 1 - h.cos_d;
         double schlick = m * m * m * m * m;
-        for (size_t c = 0; c < 3; ++c)
-            rgb[3 * i + c] = self->diffuse[c] + self->ks[c] * lobe * (self->f0[c] + (1 - self->f0[c]) * schlick);
+        for (size_t c = 0; c < 3; ++c) {
+            double fresnel = self->f0[c] + (1 - self->f0[c]) * schlick;
+            rgb[3 * i + c] = self->diffuse[c] + self->ks[c] * lobe * fresnel;
+            if (jacobian) {
+                double *row = jacobian + (3 * i + c) * GGX_N;
+                row[c] = PER_KD;
+                row[GGX_KS + c] = lobe * fresnel;
+                row[GGX_ALPHA] = self->ks[c] * fresnel * slope * self->d_alpha2;
+                row[GGX_F0 + c] = self->ks[c] * lobe * (1 - schlick);
+            }
+        }
     }
+}
+
+static void ggx_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
+    ggx_values(state, n, wi, wo, rgb, NULL);
+}
+
+static void ggx_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
+                         double *jacobian) {
+    ggx_values(state, n, wi, wo, rgb, jacobian);
 }
 
 const nqm_analytic_model nqm_ggx_model = {
@@ -103,14 +155,15 @@ const nqm_analytic_model nqm_ggx_model = {
                 {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
                 {.name = "f0", .n = 3, .low = 0, .high = 1, .fallback = 0.04}}},
     .doi = "10.2312/EGWR/EGSR07/195-206",
-    .class_ = {.format = "ggx", .reciprocal = 1, .eval = ggx_eval, .free = nqm_free},
+    .class_ = {.format = "ggx", .reciprocal = 1, .eval = ggx_eval, .jacobian = ggx_jacobian, .free = nqm_free},
     .state_size = sizeof(ggx),
     .prepare = ggx_prepare,
 };
 
 /* ---- models of the form kd / pi + ks L: the lobe L is one function for all channels ------------------------------ */
 
-enum { KD, KS, FIRST_SHAPE };
+enum { KD, KS, FIRST_SHAPE, MAX_SHAPE = 3 };
+enum { LOBE_KS = 3, LOBE_SHAPE = 6 }; /* columns of the derivatives; kd begins at 0 */
 
 /** Schlick 1994 (DOI 10.1111/1467-8659.1330233). */
 static inline double schlick_factor(double f0, double cosine) {
@@ -120,32 +173,80 @@ static inline double schlick_factor(double f0, double cosine) {
 
 /** A prepared model of the form kd / pi + ks L. */
 typedef struct lobe {
-    double diffuse[3];  /**< kd / pi */
-    double specular[3]; /**< ks times the constant factors of L */
-    double shape[3];    /**< parameters of the lobe; their meaning depends on the model */
+    double diffuse[3];       /**< kd / pi */
+    double specular[3];      /**< ks times the constant factors of L */
+    double shape[MAX_SHAPE]; /**< shape of the lobe; its meaning depends on the model */
+
+    /* For the derivatives by the parameters, the keys after kd and ks: */
+    double factor;                        /**< the constant factors of L */
+    double d_log_factor[MAX_SHAPE];       /**< d log factor / d parameter */
+    double d_shape[MAX_SHAPE][MAX_SHAPE]; /**< d shape / d parameter: (shape, parameter) */
 } lobe;
 
 /** Fill the state from a schema that begins with kd, ks, whose other values become the shape; `factor` is the constant part
  *  of L. */
 static lobe make_lobe(const nqm_spec_values *values, double factor) {
-    lobe made;
+    lobe made = {.factor = factor};
     for (size_t c = 0; c < 3; ++c) {
         made.diffuse[c] = values->v[KD][c] / NQM_PI;
         made.specular[c] = values->v[KS][c] * factor;
         made.shape[c] = values->v[FIRST_SHAPE + c][0];
+        made.d_shape[c][c] = 1;
     }
     return made;
 }
 
-/** L without its constant factors. Written so that exchanging light and viewer gives the same bits. */
-typedef double (*lobe_fn)(const double *shape, const double *wi, const double *wo);
+/** The first parameter is a width alpha; the shape has 1 / alpha^2, and `factor` is proportional to it. */
+static lobe make_lobe_of_width(const nqm_spec_values *values, double factor) {
+    double alpha = values->v[FIRST_SHAPE][0];
+    lobe made = make_lobe(values, factor);
+    made.shape[0] = 1 / (alpha * alpha);
+    made.d_shape[0][0] = -2 / (alpha * alpha * alpha);
+    made.d_log_factor[0] = -2 / alpha;
+    return made;
+}
 
-/** Evaluate n pairs. Inlined, so that the compiler can inline `f` too. */
-static inline void eval_lobe(const lobe *self, lobe_fn f, size_t n, const double *wi, const double *wo, double *rgb) {
+/** The first parameter is an exponent n of cos theta_h; the shape has -n / 2, and the factor is (n + offset) / divisor. */
+static lobe make_lobe_of_exponent(const nqm_spec_values *values, double offset, double divisor) {
+    double n = values->v[FIRST_SHAPE][0];
+    lobe made = make_lobe(values, (n + offset) / divisor);
+    made.shape[0] = -0.5 * n;
+    made.d_shape[0][0] = -0.5;
+    made.d_log_factor[0] = 1 / (n + offset);
+    return made;
+}
+
+/** L without its constant factors. Written so that exchanging light and viewer gives the same bits. d: NULL, or receives
+ *  the derivatives by the shape. */
+typedef double (*lobe_fn)(const double *shape, const double *wi, const double *wo, double *d);
+
+/** Derivatives of L, without its constant factors, by the parameters, from L and its derivatives by the shape. */
+INLINED void chain_rule(const lobe *self, size_t n_shape, double value, const double *d, double *by_parameter) {
+    for (size_t k = 0; k < n_shape; ++k) {
+        by_parameter[k] = value * self->d_log_factor[k];
+        for (size_t s = 0; s < n_shape; ++s)
+            by_parameter[k] += d[s] * self->d_shape[s][k];
+    }
+}
+
+/** Evaluate n pairs. jacobian: NULL, or receives the derivatives. Inlined, so that the compiler can inline `f` too. */
+INLINED void lobe_values(const lobe *self, lobe_fn f, size_t n_shape, size_t n, const double *wi, const double *wo,
+                         double *rgb, double *jacobian) {
     for (size_t i = 0; i < n; ++i) {
-        double value = f(self->shape, wi + 3 * i, wo + 3 * i);
-        for (size_t c = 0; c < 3; ++c)
+        double d[MAX_SHAPE], by_parameter[MAX_SHAPE];
+        double value = f(self->shape, wi + 3 * i, wo + 3 * i, jacobian ? d : NULL);
+        if (jacobian)
+            chain_rule(self, n_shape, value, d, by_parameter);
+        for (size_t c = 0; c < 3; ++c) {
             rgb[3 * i + c] = self->diffuse[c] + self->specular[c] * value;
+            if (jacobian) {
+                double *row = jacobian + (3 * i + c) * (LOBE_SHAPE + n_shape);
+                row[c] = PER_KD;
+                row[LOBE_KS + c] = self->factor * value;
+                for (size_t k = 0; k < n_shape; ++k)
+                    row[LOBE_SHAPE + k] = self->specular[c] * by_parameter[k];
+            }
+        }
     }
 }
 
@@ -158,29 +259,48 @@ static inline void eval_lobe(const lobe *self, lobe_fn f, size_t n, const double
 /** Define the model MODEL with the lobe function LOBE; the variadic arguments are its keys after kd and ks. */
 #define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_KEYS, ...)                                                       \
     static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
-        eval_lobe(state, LOBE, n, wi, wo, rgb);                                                                        \
+        lobe_values(state, LOBE, N_KEYS - FIRST_SHAPE, n, wi, wo, rgb, NULL);                                          \
+    }                                                                                                                  \
+    static void LOBE##_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,          \
+                                double *jacobian) {                                                                    \
+        lobe_values(state, LOBE, N_KEYS - FIRST_SHAPE, n, wi, wo, rgb, jacobian);                                      \
     }                                                                                                                  \
     const nqm_analytic_model MODEL = {                                                                                 \
         .schema = {NAME, N_KEYS, {LOBE_KEYS, __VA_ARGS__}},                                                            \
         .doi = DOI,                                                                                                    \
-        .class_ = {.format = NAME, .reciprocal = 1, .eval = LOBE##_eval, .free = nqm_free},                            \
+        .class_ =                                                                                                      \
+            {.format = NAME, .reciprocal = 1, .eval = LOBE##_eval, .jacobian = LOBE##_jacobian, .free = nqm_free},     \
         .state_size = sizeof(lobe),                                                                                    \
         .prepare = PREPARE,                                                                                            \
     }
 
 /* ---- Ward -------------------------------------------------------------------------------------------------------- */
 
+static void ward_duer_prepare(const nqm_spec_values *values, void *state) {
+    double alpha = values->v[FIRST_SHAPE][0];
+    *(lobe *)state = make_lobe_of_width(values, 1 / (4 * NQM_PI * alpha * alpha));
+}
+
+/* One division instead of a product with the factor: rounded as in earlier versions. */
 static void ward_prepare(const nqm_spec_values *values, void *state) {
     double alpha = values->v[FIRST_SHAPE][0];
     lobe *self = state;
-    *self = make_lobe(values, 1);
-    for (int c = 0; c < 3; ++c)
-        self->specular[c] /= 4 * NQM_PI * alpha * alpha;
-    self->shape[0] = 1 / (alpha * alpha);
+    ward_duer_prepare(values, self);
+    for (size_t c = 0; c < 3; ++c)
+        self->specular[c] = values->v[KS][c] / (4 * NQM_PI * alpha * alpha);
 }
 
-static double ward(const double *shape, const double *wi, const double *wo) {
-    return exp(-half_angles_of(wi, wo).tan2_h * shape[0]) / sqrt(wi[2] * wo[2]);
+/* exp(-tan^2 theta_h / alpha^2) / divisor */
+INLINED double ward_lobe(double inverse_alpha2, double divisor, const double *wi, const double *wo, double *d) {
+    double tan2_h = half_angles_of(wi, wo).tan2_h;
+    double value = exp(-tan2_h * inverse_alpha2) / divisor;
+    if (d)
+        d[0] = -tan2_h * value;
+    return value;
+}
+
+INLINED double ward(const double *shape, const double *wi, const double *wo, double *d) {
+    return ward_lobe(shape[0], sqrt(wi[2] * wo[2]), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, ward_prepare, 3,
@@ -188,15 +308,8 @@ LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, ward_prepare, 
 
 /* ---- Ward-Duer --------------------------------------------------------------------------------------------------- */
 
-static void ward_duer_prepare(const nqm_spec_values *values, void *state) {
-    double alpha = values->v[FIRST_SHAPE][0];
-    lobe *self = state;
-    *self = make_lobe(values, 1 / (4 * NQM_PI * alpha * alpha));
-    self->shape[0] = 1 / (alpha * alpha);
-}
-
-static double ward_duer(const double *shape, const double *wi, const double *wo) {
-    return exp(-half_angles_of(wi, wo).tan2_h * shape[0]) / (wi[2] * wo[2]);
+INLINED double ward_duer(const double *shape, const double *wi, const double *wo, double *d) {
+    return ward_lobe(shape[0], wi[2] * wo[2], wi, wo, d);
 }
 
 LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", ward_duer, ward_duer_prepare, 3,
@@ -205,15 +318,16 @@ LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", w
 /* ---- Blinn-Phong ------------------------------------------------------------------------------------------------- */
 
 static void blinn_phong_prepare(const nqm_spec_values *values, void *state) {
-    double n = values->v[FIRST_SHAPE][0];
-    lobe *self = state;
-    *self = make_lobe(values, (n + 2) / (2 * NQM_PI));
-    self->shape[0] = -0.5 * n;
+    *(lobe *)state = make_lobe_of_exponent(values, 2, 2 * NQM_PI);
 }
 
 /* cos^n theta_h = (1 + tan^2 theta_h)^(-n / 2) */
-static double blinn_phong(const double *shape, const double *wi, const double *wo) {
-    return exp(shape[0] * log1p(half_angles_of(wi, wo).tan2_h));
+INLINED double blinn_phong(const double *shape, const double *wi, const double *wo, double *d) {
+    double log_sec2_h = log1p(half_angles_of(wi, wo).tan2_h);
+    double value = exp(shape[0] * log_sec2_h);
+    if (d)
+        d[0] = log_sec2_h * value;
+    return value;
 }
 
 LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_phong, blinn_phong_prepare, 3,
@@ -223,7 +337,8 @@ LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_
 
 enum { CXY = FIRST_SHAPE, CZ, EXPONENT };
 
-/* Only the ratio of the coefficients matters: they are scaled so that the larger is 1. */
+/* Only the ratio of the coefficients matters: they are scaled so that the larger is 1. The shape of the larger is always 0,
+ * so its derivatives are 0. */
 static void lafortune_prepare(const nqm_spec_values *values, void *state) {
     double cxy = values->v[CXY][0], cz = values->v[CZ][0], n = values->v[EXPONENT][0];
     double largest = fmax(-cxy, cz);
@@ -231,17 +346,34 @@ static void lafortune_prepare(const nqm_spec_values *values, void *state) {
     *self = make_lobe(values, (n + 2) / (2 * NQM_PI));
     self->shape[0] = (largest + cxy) / largest;
     self->shape[1] = (largest - cz) / largest;
+    self->d_log_factor[EXPONENT - FIRST_SHAPE] = 1 / (n + 2);
+    self->d_shape[0][0] = self->d_shape[1][1] = 0;
+    if (-cxy >= cz) { /* shape[1] = 1 + cz / cxy */
+        self->d_shape[1][0] = -cz / (cxy * cxy);
+        self->d_shape[1][1] = 1 / cxy;
+    } else { /* shape[0] = 1 + cxy / cz */
+        self->d_shape[0][0] = 1 / cz;
+        self->d_shape[0][1] = -cxy / (cz * cz);
+    }
 }
 
 /* The generalised cosine is cos(alpha) - a (-xy) - b z with a = 1 - |cxy|, b = 1 - cz (scaled), cos(alpha) between
  * viewer and mirrored light; 1 - cos(alpha) is half the squared distance between these two unit vectors, which loses no
  * precision for narrow lobes. */
-static double lafortune(const double *shape, const double *wi, const double *wo) {
+INLINED double lafortune(const double *shape, const double *wi, const double *wo, double *d) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], dz = wi[2] - wo[2];
     double deficit = 0.5 * (x * x + y * y + dz * dz); /* 1 - cos(alpha) */
     double xy = wi[0] * wo[0] + wi[1] * wo[1], z = wi[2] * wo[2];
     deficit += shape[1] * z - shape[0] * xy;
-    return deficit < 1 ? exp(shape[2] * log1p(-deficit)) : 0;
+    double log_cosine = deficit < 1 ? log1p(-deficit) : 0;
+    double value = deficit < 1 ? exp(shape[2] * log_cosine) : 0;
+    if (d) {
+        double by_deficit = value > 0 ? -shape[2] * value / (1 - deficit) : 0;
+        d[0] = -by_deficit * xy;
+        d[1] = by_deficit * z;
+        d[2] = log_cosine * value;
+    }
+    return value;
 }
 
 LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune, lafortune_prepare, 5,
@@ -249,41 +381,56 @@ LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune,
            {.name = "cz", .n = 1, .low = 0, .high = 10, .required = true},
            {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
 
+/* ---- Fresnel terms and shadowing --------------------------------------------------------------------------------- */
+
+/* A reflectance and its derivative by its parameter. */
+typedef struct reflectance {
+    double value, slope;
+} reflectance;
+
+/* schlick_factor() is linear in f0. */
+INLINED reflectance schlick(double f0, double cosine) {
+    return (reflectance){schlick_factor(f0, cosine), 1 - schlick_factor(0, cosine)};
+}
+
 /* Reflectance of unpolarised light at a dielectric, as Cook and Torrance 1982 write it. */
-static inline double dielectric(double eta, double cosine) {
+INLINED reflectance dielectric(double eta, double cosine) {
     double g = sqrt(fmax(0, eta * eta + cosine * cosine - 1));
-    double a = (g - cosine) / (g + cosine);
-    double b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
-    return 0.5 * a * a * (1 + b * b);
+    double a = (g - cosine) / (g + cosine), d_a = 2 * cosine / ((g + cosine) * (g + cosine));
+    double q = cosine * (g - cosine) + 1;
+    double b = (cosine * (g + cosine) - 1) / q, d_b = 2 * cosine * (1 - cosine * cosine) / (q * q);
+    double d_g = g > 0 ? eta / g : 0;
+    return (reflectance){0.5 * a * a * (1 + b * b), (a * (1 + b * b) * d_a + a * a * b * d_b) * d_g};
 }
 
 /* Shadowing and masking of V-grooves (Torrance and Sparrow 1967), divided by cos theta_i cos theta_o. */
-static inline double grooves(half_angles h, const double *wi, const double *wo) {
+INLINED double grooves(half_angles h, const double *wi, const double *wo) {
     double cos_h = 1 / sqrt(1 + h.tan2_h);
     return fmin(1, 2 * cos_h * fmin(wi[2], wo[2]) / h.cos_d) / (wi[2] * wo[2]);
 }
 
 /* ---- Cook-Torrance ----------------------------------------------------------------------------------------------- */
 
-/* Beckmann's distribution without its constant 1 / (pi alpha^2), multiplied by grooves(). */
-static double beckmann_grooves(half_angles h, double inverse_alpha2, const double *wi, const double *wo) {
+/* Beckmann's distribution without its constant 1 / (pi alpha^2), multiplied by grooves() and f. */
+INLINED double beckmann_lobe(half_angles h, double inverse_alpha2, reflectance f, const double *wi, const double *wo,
+                             double *d) {
     double sec2_h = 1 + h.tan2_h;
-    return exp(-h.tan2_h * inverse_alpha2) * sec2_h * sec2_h * grooves(h, wi, wo);
-}
-
-static void prepare_beckmann(const nqm_spec_values *values, double factor, lobe *self) {
-    double alpha = values->v[FIRST_SHAPE][0];
-    *self = make_lobe(values, factor / (alpha * alpha));
-    self->shape[0] = 1 / (alpha * alpha);
+    double value = exp(-h.tan2_h * inverse_alpha2) * sec2_h * sec2_h * grooves(h, wi, wo);
+    if (d) {
+        d[0] = -h.tan2_h * value * f.value;
+        d[1] = value * f.slope;
+    }
+    return value * f.value;
 }
 
 static void cook_torrance_prepare(const nqm_spec_values *values, void *state) {
-    prepare_beckmann(values, 1 / (NQM_PI * NQM_PI), state);
+    double alpha = values->v[FIRST_SHAPE][0];
+    *(lobe *)state = make_lobe_of_width(values, 1 / (NQM_PI * NQM_PI) / (alpha * alpha));
 }
 
-static double cook_torrance(const double *shape, const double *wi, const double *wo) {
+INLINED double cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
-    return beckmann_grooves(h, shape[0], wi, wo) * schlick_factor(shape[1], h.cos_d);
+    return beckmann_lobe(h, shape[0], schlick(shape[1], h.cos_d), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance, cook_torrance_prepare, 4,
@@ -292,12 +439,13 @@ LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", co
 
 /* The distribution of Cook and Torrance 1982 itself, which lacks 1 / pi. */
 static void low_cook_torrance_prepare(const nqm_spec_values *values, void *state) {
-    prepare_beckmann(values, 1 / NQM_PI, state);
+    double alpha = values->v[FIRST_SHAPE][0];
+    *(lobe *)state = make_lobe_of_width(values, 1 / NQM_PI / (alpha * alpha));
 }
 
-static double low_cook_torrance(const double *shape, const double *wi, const double *wo) {
+INLINED double low_cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
-    return beckmann_grooves(h, shape[0], wi, wo) * dielectric(shape[1], h.cos_d);
+    return beckmann_lobe(h, shape[0], dielectric(shape[1], h.cos_d), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_low_cook_torrance_model, "low-cook-torrance", "10.1145/357290.357293", low_cook_torrance,
@@ -307,28 +455,32 @@ LOBE_MODEL(nqm_low_cook_torrance_model, "low-cook-torrance", "10.1145/357290.357
 /* ---- Ashikhmin-Shirley ------------------------------------------------------------------------------------------- */
 
 static void ashikhmin_prepare(const nqm_spec_values *values, void *state) {
-    double n = values->v[FIRST_SHAPE][0];
-    lobe *self = state;
-    *self = make_lobe(values, (n + 1) / (8 * NQM_PI));
-    self->shape[0] = -0.5 * n;
+    *(lobe *)state = make_lobe_of_exponent(values, 1, 8 * NQM_PI);
 }
 
-static double ashikhmin(half_angles h, double exponent, const double *wi, const double *wo) {
-    return exp(exponent * log1p(h.tan2_h)) / (h.cos_d * fmax(wi[2], wo[2]));
+INLINED double ashikhmin_lobe(half_angles h, double exponent, reflectance f, const double *wi, const double *wo,
+                              double *d) {
+    double log_sec2_h = log1p(h.tan2_h);
+    double value = exp(exponent * log_sec2_h) / (h.cos_d * fmax(wi[2], wo[2]));
+    if (d) {
+        d[0] = log_sec2_h * value * f.value;
+        d[1] = value * f.slope;
+    }
+    return value * f.value;
 }
 
-static double ashikhmin_shirley(const double *shape, const double *wi, const double *wo) {
+INLINED double ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
-    return ashikhmin(h, shape[0], wi, wo) * schlick_factor(shape[1], h.cos_d);
+    return ashikhmin_lobe(h, shape[0], schlick(shape[1], h.cos_d), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_ashikhmin_shirley_model, "ashikhmin-shirley", "10.1080/10867651.2000.10487522", ashikhmin_shirley,
            ashikhmin_prepare, 4, {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true},
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
 
-static double low_ashikhmin_shirley(const double *shape, const double *wi, const double *wo) {
+INLINED double low_ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
-    return ashikhmin(h, shape[0], wi, wo) * dielectric(shape[1], h.cos_d);
+    return ashikhmin_lobe(h, shape[0], dielectric(shape[1], h.cos_d), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10867651.2000.10487522",
@@ -340,17 +492,30 @@ LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10
 static void prepare_abc(const nqm_spec_values *values, double factor, lobe *self) {
     *self = make_lobe(values, factor);
     self->shape[1] = -self->shape[1];
+    self->d_shape[1][1] = -1;
 }
 
 static void abc_prepare(const nqm_spec_values *values, void *state) {
     prepare_abc(values, 1 / NQM_PI, state); /* the published amplitudes are for a model with this factor */
 }
 
-static double abc(const double *shape, const double *wi, const double *wo) {
+/* (1 + B x)^-C geometry f; the shape is B, -C, eta. */
+INLINED double abc_lobe(const double *shape, double x, double geometry, reflectance f, double *d) {
+    double log_base = log1p(shape[0] * x);
+    double value = exp(shape[1] * log_base) * geometry;
+    if (d) {
+        d[0] = shape[1] * x / (1 + shape[0] * x) * value * f.value;
+        d[1] = log_base * value * f.value;
+        d[2] = value * f.slope;
+    }
+    return value * f.value;
+}
+
+INLINED double abc(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
     double sec_h = sqrt(1 + h.tan2_h);
     double one_minus_cos_h = h.tan2_h / (sec_h * (sec_h + 1));
-    return exp(shape[1] * log1p(shape[0] * one_minus_cos_h)) * grooves(h, wi, wo) * dielectric(shape[2], h.cos_d);
+    return abc_lobe(shape, one_minus_cos_h, grooves(h, wi, wo), dielectric(shape[2], h.cos_d), d);
 }
 
 #define ABC_KEYS                                                                                                       \
@@ -367,11 +532,11 @@ static void smooth_prepare(const nqm_spec_values *values, void *state) {
 
 /* In the plane of projected directions, the sum of both directions is the deviation from the mirror direction, and half
  * the length of their difference is the sine of the angle at which the Fresnel term is evaluated (equation 14). */
-static double smooth(const double *shape, const double *wi, const double *wo) {
+INLINED double smooth(const double *shape, const double *wi, const double *wo, double *d) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], dx = wi[0] - wo[0], dy = wi[1] - wo[1];
     double deviation2 = x * x + y * y;
     double cosine = sqrt(fmax(0, 1 - 0.25 * (dx * dx + dy * dy)));
-    return exp(shape[1] * log1p(shape[0] * deviation2)) * dielectric(shape[2], cosine);
+    return abc_lobe(shape, deviation2, 1, dielectric(shape[2], cosine), d);
 }
 
 LOBE_MODEL(nqm_smooth_model, "smooth", "10.1145/2077341.2077350", smooth, smooth_prepare, 5, ABC_KEYS);

@@ -197,6 +197,11 @@ static void mark_horizon(size_t i, double *rgb, uint8_t *flag) {
         flag[i] = NQM_VALUE_HORIZON;
 }
 
+/* Written so that NaN counts as below. */
+static bool is_above_horizon(const double *wi, const double *wo) {
+    return wi[2] > 0 && wo[2] > 0;
+}
+
 static void eval_block(const nqm_brdf *brdf, size_t m, const double *wi, const double *wo, double *raw) {
     if (brdf->class_->eval) {
         brdf->class_->eval(brdf->self, m, wi, wo, raw);
@@ -215,7 +220,7 @@ void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const doubl
     for (size_t i = 0; i < n;) {
         size_t m = 0;
         for (; i < n && m < BLOCK; ++i) {
-            if (!(wi[3 * i + 2] > 0) || !(wo[3 * i + 2] > 0)) { /* written so that NaN counts as below */
+            if (!is_above_horizon(wi + 3 * i, wo + 3 * i)) {
                 mark_horizon(i, rgb, flag);
                 continue;
             }
@@ -271,6 +276,45 @@ void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, d
             nqm_half_diff_to_pair(hd + 3 * (i + k), wi + 3 * k, wo + 3 * k);
         nqm_brdf_eval(brdf, m, wi, wo, rgb + 3 * i, flag ? flag + i : NULL);
     }
+}
+
+/* ---- derivatives by the parameters ------------------------------------------------------------------------------- */
+
+size_t nqm_brdf_parameter_count(const nqm_brdf *brdf) {
+    return brdf->class_->jacobian ? brdf->info.n_values : 0;
+}
+
+/* Clamp a raw value as eval does; channels that eval replaces by 0 have the derivatives 0. jacobian: (3, n_parameters). */
+static void settle_derivatives(size_t n_parameters, double *rgb, double *jacobian) {
+    const double raw[3] = {rgb[0], rgb[1], rgb[2]};
+    const nqm_value_flag flag = settle_value(rgb);
+    for (size_t c = 0; flag != NQM_VALUE_OK && c < 3; ++c)
+        if (flag == NQM_VALUE_INVALID || raw[c] < 0)
+            memset(jacobian + c * n_parameters, 0, n_parameters * sizeof *jacobian);
+}
+
+nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb,
+                             double *jacobian, nqm_error *err) {
+    enum { RUN = 64 }; /* pairs per call: their rows stay in the L1 cache between memset() and the last change */
+    const size_t n_parameters = nqm_brdf_parameter_count(brdf), row = 3 * n_parameters;
+    if (n_parameters == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: only analytic models have derivatives by their parameters, not '%s'",
+                        brdf->info.name, brdf->info.format);
+    for (size_t i = 0, m; i < n; i += m) {
+        const size_t most = n - i < RUN ? n - i : RUN;
+        size_t n_above = 0;
+        while (n_above < most && is_above_horizon(wi + 3 * (i + n_above), wo + 3 * (i + n_above)))
+            ++n_above;
+        m = n_above ? n_above : 1;
+        memset(jacobian + row * i, 0, row * m * sizeof *jacobian);
+        if (n_above)
+            brdf->class_->jacobian(brdf->self, m, wi + 3 * i, wo + 3 * i, rgb + 3 * i, jacobian + row * i);
+        else
+            mark_horizon(i, rgb, NULL);
+        for (size_t k = i; k < i + n_above; ++k)
+            settle_derivatives(n_parameters, rgb + 3 * k, jacobian + row * k);
+    }
+    return NQM_OK;
 }
 
 void nqm_half_diff_to_directions(const double *hd, double *wi, double *wo) {

@@ -25,6 +25,10 @@ typedef struct nqm_brdf_class {
      * brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
+    /** As eval, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
+     * entries that are not 0. rgb has the bits of eval. NULL: the format has no parameters. */
+    void (*jacobian)(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
+
     /** Release `self`. */
     void (*free)(void *self);
 } nqm_brdf_class;

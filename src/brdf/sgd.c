@@ -25,8 +25,9 @@ typedef struct shadowing {
 } shadowing;
 
 typedef struct sgd {
-    double diffuse[3];  /* kd / pi */
-    double specular[3]; /* ks K / pi^2 */
+    double diffuse[3];               /* kd / pi */
+    double specular[3];              /* ks K / pi^2 */
+    double per_ks[3], per_k_norm[3]; /* K / pi^2, ks / pi^2 */
     double alpha[3], inverse_alpha[3], p[3], f0[3], f1[3];
     shadowing g[3];
 } sgd;
@@ -48,13 +49,30 @@ static shadowing make_shadowing(const nqm_spec_values *values, int channel) {
     return g;
 }
 
-static double shadow(const shadowing *g, double cosine, double theta) {
-    if (cosine >= g->cos_one)
-        return 1;
-    if (cosine <= g->cos_zero)
-        return 0;
-    double x = theta - g->theta0;
-    return x > 0 ? fmax(0, 1 - g->lambda * expm1(exp(g->log_c + g->k * log(x)))) : 1;
+/* G and its derivatives. */
+typedef struct shadow {
+    double g, by_lambda, by_c, by_k, by_theta0;
+} shadow;
+
+/* The derivatives are those of the branch; they are left out if not `slopes`. */
+INLINED shadow shadow_at(const shadowing *s, double cosine, double theta, bool slopes) {
+    if (cosine >= s->cos_one)
+        return (shadow){.g = 1};
+    if (cosine <= s->cos_zero)
+        return (shadow){.g = 0};
+    double x = theta - s->theta0;
+    if (!(x > 0))
+        return (shadow){.g = 1};
+    double log_x = log(x), y = exp(s->log_c + s->k * log_x), growth = expm1(y);
+    shadow at = {.g = fmax(0, 1 - s->lambda * growth)};
+    if (slopes && at.g > 0) {
+        double by_y = -s->lambda * (growth + 1);
+        at.by_lambda = -growth;
+        at.by_c = by_y * exp(s->k * log_x);
+        at.by_k = by_y * y * log_x;
+        at.by_theta0 = -by_y * s->k * y / x;
+    }
+    return at;
 }
 
 static void sgd_prepare(const nqm_spec_values *values, void *state) {
@@ -62,6 +80,8 @@ static void sgd_prepare(const nqm_spec_values *values, void *state) {
     for (int c = 0; c < 3; ++c) {
         self->diffuse[c] = values->v[KD][c] / NQM_PI;
         self->specular[c] = values->v[KS][c] * values->v[K_NORM][c] / (NQM_PI * NQM_PI);
+        self->per_ks[c] = values->v[K_NORM][c] / (NQM_PI * NQM_PI);
+        self->per_k_norm[c] = values->v[KS][c] / (NQM_PI * NQM_PI);
         self->alpha[c] = values->v[ALPHA][c];
         self->inverse_alpha[c] = 1 / values->v[ALPHA][c];
         self->p[c] = values->v[P][c];
@@ -71,26 +91,72 @@ static void sgd_prepare(const nqm_spec_values *values, void *state) {
     }
 }
 
-static void sgd_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    const sgd *self = state;
-    for (size_t i = 0; i < n; ++i) {
-        const double *in = wi + 3 * i, *out = wo + 3 * i;
-        double x = in[0] + out[0], y = in[1] + out[1], z = in[2] + out[2];
-        double xy = x * x + y * y;
-        double tan2_h = xy / (z * z), sec2_h = 1 + tan2_h;
-        double cos_d = fmin(1, 0.5 * sqrt(xy + z * z)); /* |wi + wo| = 2 cos theta_d */
-        double m = 1 - cos_d;
-        double schlick = m * m * m * m * m;
-        double geometry = sec2_h * sec2_h / (in[2] * out[2]);
-        double theta_i = acos(fmin(1, in[2])), theta_o = acos(fmin(1, out[2]));
-        for (size_t c = 0; c < 3; ++c) {
-            double t = self->alpha[c] + tan2_h * self->inverse_alpha[c];
-            double g = shadow(&self->g[c], in[2], theta_i) * shadow(&self->g[c], out[2], theta_o);
-            double fresnel = self->f0[c] - self->f1[c] * cos_d + (1 - self->f0[c]) * schlick;
-            double d = exp(-t - self->p[c] * log(t));
-            rgb[3 * i + c] = self->diffuse[c] + self->specular[c] * d * geometry * g * fresnel;
-        }
+/* What the three channels of a pair have in common. */
+typedef struct sgd_angles {
+    double cos_i, cos_o, theta_i, theta_o, cos_d;
+    double tan2_h, geometry; /* geometry: 1 / (cos^4 theta_h cos theta_i cos theta_o) */
+    double schlick;          /* (1 - cos theta_d)^5 */
+} sgd_angles;
+
+INLINED sgd_angles sgd_angles_of(const double *in, const double *out) {
+    double x = in[0] + out[0], y = in[1] + out[1], z = in[2] + out[2];
+    double xy = x * x + y * y;
+    double tan2_h = xy / (z * z), sec2_h = 1 + tan2_h;
+    double cos_d = fmin(1, 0.5 * sqrt(xy + z * z)); /* |wi + wo| = 2 cos theta_d */
+    double m = 1 - cos_d;
+    return (sgd_angles){.cos_i = in[2],
+                        .cos_o = out[2],
+                        .theta_i = acos(fmin(1, in[2])),
+                        .theta_o = acos(fmin(1, out[2])),
+                        .cos_d = cos_d,
+                        .tan2_h = tan2_h,
+                        .geometry = sec2_h * sec2_h / (in[2] * out[2]),
+                        .schlick = m * m * m * m * m};
+}
+
+/* f of channel c. row: NULL, or receives the derivatives. */
+INLINED double sgd_value(const sgd *self, const sgd_angles *a, size_t c, double *row) {
+    shadow in = shadow_at(&self->g[c], a->cos_i, a->theta_i, row != NULL);
+    shadow out = shadow_at(&self->g[c], a->cos_o, a->theta_o, row != NULL);
+    double t = self->alpha[c] + a->tan2_h * self->inverse_alpha[c], log_t = log(t);
+    double g = in.g * out.g;
+    double fresnel = self->f0[c] - self->f1[c] * a->cos_d + (1 - self->f0[c]) * a->schlick;
+    double d = exp(-t - self->p[c] * log_t);
+    double facets = self->specular[c] * d * a->geometry, specular = facets * g * fresnel;
+    if (row) {
+        double tan2_over_alpha2 = a->tan2_h * self->inverse_alpha[c] * self->inverse_alpha[c];
+        double by_g = facets * fresnel, by_fresnel = facets * g;
+        row[3 * KD + c] = 1 / NQM_PI;
+        row[3 * KS + c] = self->per_ks[c] * d * a->geometry * g * fresnel;
+        row[3 * ALPHA + c] = -specular * (1 + self->p[c] / t) * (1 - tan2_over_alpha2);
+        row[3 * P + c] = -specular * log_t;
+        row[3 * F0 + c] = by_fresnel * (1 - a->schlick);
+        row[3 * F1 + c] = -by_fresnel * a->cos_d;
+        row[3 * K_NORM + c] = self->per_k_norm[c] * d * a->geometry * g * fresnel;
+        row[3 * LAMBDA + c] = by_g * (in.by_lambda * out.g + in.g * out.by_lambda);
+        row[3 * C + c] = by_g * (in.by_c * out.g + in.g * out.by_c);
+        row[3 * K_POWER + c] = by_g * (in.by_k * out.g + in.g * out.by_k);
+        row[3 * THETA0 + c] = by_g * (in.by_theta0 * out.g + in.g * out.by_theta0);
     }
+    return self->diffuse[c] + specular;
+}
+
+/* jacobian: NULL, or receives the derivatives. */
+INLINED void sgd_values(const sgd *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian) {
+    for (size_t i = 0; i < n; ++i) {
+        const sgd_angles angles = sgd_angles_of(wi + 3 * i, wo + 3 * i);
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = sgd_value(self, &angles, c, jacobian ? jacobian + (3 * i + c) * 3 * N_KEYS : NULL);
+    }
+}
+
+static void sgd_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
+    sgd_values(state, n, wi, wo, rgb, NULL);
+}
+
+static void sgd_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
+                         double *jacobian) {
+    sgd_values(state, n, wi, wo, rgb, jacobian);
 }
 
 const nqm_analytic_model nqm_sgd_model = {
@@ -108,7 +174,7 @@ const nqm_analytic_model nqm_sgd_model = {
                 [K_POWER] = {.name = "k", .n = 3, .low = 0.1, .high = 1e4, .required = true},
                 [THETA0] = {.name = "theta0", .n = 3, .low = -4, .high = 4, .required = true}}},
     .doi = "10.1111/j.1467-8659.2012.03147.x",
-    .class_ = {.format = "sgd", .reciprocal = 1, .eval = sgd_eval, .free = nqm_free},
+    .class_ = {.format = "sgd", .reciprocal = 1, .eval = sgd_eval, .jacobian = sgd_jacobian, .free = nqm_free},
     .state_size = sizeof(sgd),
     .prepare = sgd_prepare,
 };

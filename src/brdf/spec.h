@@ -42,6 +42,10 @@ NQM_MUST_CHECK nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const ch
  * out of memory. */
 char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values);
 
+/** For functions that models call for values and for values with derivatives: when inlined, a constant NULL for the
+ *  derivatives removes their code. */
+#define INLINED static inline __attribute__((always_inline))
+
 /** A model in closed form. */
 typedef struct nqm_analytic_model {
     nqm_spec_schema schema;

@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm_brdf_jacobian(): every analytic model against fourth-order central differences of opened specs, at random parameters
+ * and directions and at the kinks that the header names; values against nqm_brdf_eval(); BRDFs without parameters.
+ */
+#include "base/base.h"
+#include "brdf/spec.h"
+#include "math/math.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+#define POINTER_TO(NAME) &(NAME),
+static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NULL};
+
+enum { MAX_PARAMETERS = 33, N_PAIRS = 150 };
+
+/* ---- random specs and directions --------------------------------------------------------------------------------- */
+
+/* Ranges in which lobes have values at most random directions, and sgd's shadowing does not reach 0 (a kink). */
+static const struct {
+    const char *key;
+    double low, high;
+} ranges[] = {{"kd", 0.05, 0.9}, {"ks", 0.05, 2},    {"alpha", 0.03, 0.8}, {"f0", 0.02, 0.95},   {"n", 0.5, 1000},
+              {"cxy", 0.3, 2},   {"cz", 0.3, 2},     {"eta", 1.02, 5},     {"B", 1, 1e5},        {"C", 0.1, 3},
+              {"p", 0.1, 2},     {"f1", 0.005, 0.1}, {"K", 0.5, 50},       {"lambda", 0.1, 0.5}, {"c", 0.02, 0.25},
+              {"k", 0.5, 3},     {"theta0", 0.05, 1}};
+
+static double random_value(const char *key, nqm_rng *rng) {
+    size_t i = 0;
+    while (strcmp(ranges[i].key, key) != 0)
+        ++i;
+    double v = nqm_rng_log_uniform(rng, ranges[i].low, ranges[i].high);
+    return strcmp(key, "cxy") == 0 ? -v : v;
+}
+
+static nqm_spec_values random_values(const nqm_spec_schema *schema, nqm_rng *rng) {
+    nqm_spec_values values = {.given = ~0u};
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        for (size_t c = 0; c < schema->keys[k].n; ++c)
+            values.v[k][c] = random_value(schema->keys[k].name, rng);
+    return values;
+}
+
+static nqm_brdf *open_values(const nqm_spec_schema *schema, const nqm_spec_values *values) {
+    nqm_spec_values copy = *values;
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        if (schema->keys[k].n == 1)
+            copy.v[k][1] = copy.v[k][2] = copy.v[k][0];
+    char *spec = nqm_spec_format(schema, &copy);
+    assert_non_null(spec);
+    nqm_brdf *brdf = open_brdf(spec);
+    nqm_free(spec);
+    return brdf;
+}
+
+/* Pairs above the horizon, most of them in or near the highlight. */
+static void draw_pairs(size_t n, nqm_rng *rng, double *wi, double *wo) {
+    for (size_t i = 0; i < n;) {
+        double u = nqm_rng_uniform(rng);
+        const double hd[3] = {1.5 * u * u, 1.5 * nqm_rng_uniform(rng), NQM_PI * nqm_rng_uniform(rng)};
+        nqm_half_diff_to_directions(hd, wi + 3 * i, wo + 3 * i);
+        i += wi[3 * i + 2] > 0.02 && wo[3 * i + 2] > 0.02;
+    }
+}
+
+/* ---- central differences ----------------------------------------------------------------------------------------- */
+
+/* rgb (n, 3) with the parameter (key, channel) moved by `step`. */
+static void eval_moved(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t key, size_t channel,
+                       double step, size_t n, const double *wi, const double *wo, double *rgb) {
+    nqm_spec_values moved = *values;
+    moved.v[key][channel] += step;
+    nqm_brdf *brdf = open_values(schema, &moved);
+    nqm_brdf_eval(brdf, n, wi, wo, rgb, NULL);
+    nqm_brdf_free(brdf);
+}
+
+/* (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12h. numeric: (n, 3) */
+static void differences(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t key, size_t channel,
+                        size_t n, const double *wi, const double *wo, double *numeric) {
+    static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
+    double rgb[3 * N_PAIRS];
+    const double h = 2e-5 * fabs(values->v[key][channel]);
+    memset(numeric, 0, 3 * n * sizeof *numeric);
+    for (size_t s = 0; s < 4; ++s) {
+        eval_moved(schema, values, key, channel, at[s] * h, n, wi, wo, rgb);
+        for (size_t i = 0; i < 3 * n; ++i)
+            numeric[i] += weight[s] * rgb[i] / (12 * h);
+    }
+}
+
+/* sgd: differences over theta = theta0, where the shadowing begins, are not derivatives. */
+static bool is_near_kink(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t channel, const double *wi,
+                         const double *wo) {
+    const size_t last = schema->n_keys - 1;
+    const double theta0 = values->v[last][channel];
+    return strcmp(schema->keys[last].name, "theta0") == 0 &&
+           (fabs(acos(wi[2]) - theta0) < 0.03 || fabs(acos(wo[2]) - theta0) < 0.03);
+}
+
+/* Compare all rows. The size of a row is the largest of its entries times their parameters, and the value. */
+static void check_rows(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t n, const double *wi,
+                       const double *wo) {
+    static double jacobian[N_PAIRS * 3 * MAX_PARAMETERS], numeric[MAX_PARAMETERS][3 * N_PAIRS];
+    double rgb[3 * N_PAIRS], expected[3 * N_PAIRS], scale[MAX_PARAMETERS];
+    nqm_brdf *brdf = open_values(schema, values);
+    const size_t n_parameters = nqm_brdf_parameter_count(brdf);
+    assert_int_equal(nqm_brdf_jacobian(brdf, n, wi, wo, rgb, jacobian, NULL), NQM_OK);
+    nqm_brdf_eval(brdf, n, wi, wo, expected, NULL);
+    assert_memory_equal(rgb, expected, 3 * n * sizeof *rgb);
+    size_t p = 0;
+    for (size_t key = 0; key < schema->n_keys; ++key)
+        for (size_t c = 0; c < schema->keys[key].n; ++c, ++p) {
+            scale[p] = fabs(values->v[key][c]);
+            differences(schema, values, key, c, n, wi, wo, numeric[p]);
+        }
+    assert_int_equal(p, n_parameters);
+    for (size_t i = 0; i < 3 * n; ++i) {
+        if (is_near_kink(schema, values, i % 3, wi + i - i % 3, wo + i - i % 3))
+            continue;
+        const double *row = jacobian + i * n_parameters;
+        double size = rgb[i];
+        for (p = 0; p < n_parameters; ++p)
+            size = fmax(size, fabs(row[p]) * scale[p]);
+        for (p = 0; p < n_parameters; ++p)
+            assert_near(row[p], numeric[p][i], 1e-7 * fabs(row[p]) + 1e-9 * size / scale[p]);
+    }
+    nqm_brdf_free(brdf);
+}
+
+static void test_central_differences(void **state) {
+    (void)state;
+    static double wi[3 * N_PAIRS], wo[3 * N_PAIRS];
+    nqm_rng rng = nqm_rng_make(13, 0);
+    for (const nqm_analytic_model *const *model = models; *model; ++model)
+        for (int repeat = 0; repeat < 12; ++repeat) {
+            const nqm_spec_values values = random_values(&(*model)->schema, &rng);
+            draw_pairs(N_PAIRS, &rng, wi, wo);
+            check_rows(&(*model)->schema, &values, N_PAIRS, wi, wo);
+        }
+}
+
+/* ---- branches ---------------------------------------------------------------------------------------------------- */
+
+/* The Jacobian (3, *n_ret) of one pair; valid until the next call. */
+static const double *jacobian_at(const char *spec, const double *wi, const double *wo, double *rgb, size_t *n_ret) {
+    static double jacobian[3 * MAX_PARAMETERS];
+    nqm_brdf *brdf = open_brdf(spec);
+    *n_ret = nqm_brdf_parameter_count(brdf);
+    assert_int_equal(nqm_brdf_jacobian(brdf, 1, wi, wo, rgb, jacobian, NULL), NQM_OK);
+    for (size_t i = 0; i < 3 * *n_ret; ++i)
+        assert_true(isfinite(jacobian[i]));
+    nqm_brdf_free(brdf);
+    return jacobian;
+}
+
+/* A unit vector of azimuth 0 (cosine with the x axis positive) or pi. */
+static void direction(double theta, int sign, double *w) {
+    w[0] = sign * sin(theta);
+    w[1] = 0;
+    w[2] = cos(theta);
+}
+
+static void test_lafortune_branches(void **state) {
+    (void)state;
+    double wi[3], wo[3], rgb[3];
+    size_t n;
+    direction(1.2, 1, wi);
+    direction(1.2, 1, wo); /* back towards the light: the generalised cosine is negative */
+    const double *j = jacobian_at("lafortune:kd=.3;ks=.2;cz=.5;n=3", wi, wo, rgb, &n);
+    assert_int_equal(n, 9);
+    for (size_t i = 0; i < 3 * n; ++i)
+        assert_true(j[i] == (i % n == i / n ? 1 / NQM_PI : 0));
+
+    direction(0.5, 1, wi);
+    direction(0.8, -1, wo);
+    double on_tie[9];
+    memcpy(on_tie, jacobian_at("lafortune:ks=.2;cxy=-.7;cz=.7;n=30", wi, wo, rgb, &n), sizeof on_tie);
+    j = jacobian_at("lafortune:ks=.2;cxy=-.7000000001;cz=.7;n=30", wi, wo, rgb, &n);
+    for (size_t i = 0; i < 9; ++i)
+        assert_near(on_tie[i], j[i], 1e-6 * fabs(j[i]) + 1e-12);
+    j = jacobian_at("lafortune:ks=.2;cxy=-.6999999999;cz=.7;n=30", wi, wo, rgb, &n);
+    assert_true(fabs(on_tie[6] - j[6]) > 0.1 * fabs(j[6])); /* the other branch differs */
+}
+
+static void test_eta_of_one_at_grazing(void **state) {
+    (void)state;
+    static const char *const specs[] = {"low-cook-torrance:ks=.2;alpha=.3;eta=1", "abc:ks=.2;B=10;C=1;eta=1",
+                                        "low-ashikhmin-shirley:ks=.2;n=10;eta=1", "smooth:ks=.2;B=10;C=1;eta=1"};
+    double wi[3], wo[3], rgb[3];
+    size_t n;
+    direction(NQM_PI / 2 - 1e-9, 1, wi); /* eta^2 + cos^2 - 1 rounds to 0 */
+    direction(NQM_PI / 2 - 1e-9, -1, wo);
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+        const double *j = jacobian_at(specs[i], wi, wo, rgb, &n);
+        assert_true(j[n - 1] == 0); /* eta is the last key */
+    }
+}
+
+#define SGD "sgd:kd=.1;ks=.4;alpha=.1;p=.6;K=9;lambda=2;c=.9;k=3"
+
+static void test_sgd_branches(void **state) {
+    (void)state;
+    enum { LAMBDA = 3 * 7, N = 33 };
+    double wi[3], wo[3], rgb[3];
+    size_t n;
+    direction(0.3, 1, wi);
+    direction(0.4, -1, wo); /* both below theta0: G = 1 */
+    const double *j = jacobian_at(SGD ";f0=.2;f1=.01;theta0=.6", wi, wo, rgb, &n);
+    assert_int_equal(n, N);
+    assert_true(rgb[0] > 0.1);
+    for (size_t i = 0; i < 3 * n; ++i)
+        assert_true(i % n < LAMBDA || j[i] == 0);
+
+    direction(1.5, -1, wo); /* G = 0 */
+    j = jacobian_at(SGD ";f0=.2;f1=.01;theta0=.1", wi, wo, rgb, &n);
+    for (size_t i = 0; i < 3 * n; ++i)
+        assert_true(j[i] == (i % n == i / n ? 1 / NQM_PI : 0));
+
+    direction(0.4, -1, wo); /* F negative, so that green is negative and is replaced by 0 */
+    j = jacobian_at(SGD ";f0=.2;f1=.01,9,.01;theta0=.6", wi, wo, rgb, &n);
+    assert_true(rgb[0] > 0 && rgb[1] == 0 && rgb[2] > 0);
+    for (size_t i = 0; i < n; ++i)
+        assert_true(j[n + i] == 0);
+    assert_true(j[0] == 1 / NQM_PI && j[2 * n + 2] == 1 / NQM_PI);
+}
+
+/* Parameters at the ends of their ranges give finite derivatives. */
+static void test_ends_of_ranges(void **state) {
+    (void)state;
+    static const char *const specs[] = {
+        "lambert:kd=0",
+        "ggx:ks=0;alpha=1e-4;f0=0",
+        "ggx:alpha=10;f0=1",
+        "ward:ks=0;alpha=1e-4",
+        "ward-duer:ks=1;alpha=10",
+        "blinn-phong:ks=0;n=0",
+        "blinn-phong:ks=1;n=1e8",
+        "lafortune:ks=1;cz=0;n=0",
+        "lafortune:ks=1;cxy=-.01;cz=10;n=1e8",
+        "cook-torrance:ks=1;alpha=1e-4;f0=0",
+        "low-cook-torrance:ks=1;alpha=10;eta=1",
+        "low-cook-torrance:ks=1;alpha=1e-4;eta=1000",
+        "ashikhmin-shirley:ks=1;n=0;f0=1",
+        "low-ashikhmin-shirley:ks=1;n=1e8;eta=1",
+        "abc:ks=1;B=0;C=0;eta=1",
+        "abc:ks=1;B=1e9;C=100;eta=1000",
+        "smooth:ks=1;B=1e9;C=0;eta=1",
+        SGD ";f0=0;f1=0;theta0=-4",
+    };
+    static double wi[3 * N_PAIRS], wo[3 * N_PAIRS];
+    double rgb[3];
+    size_t n;
+    nqm_rng rng = nqm_rng_make(14, 0);
+    draw_pairs(N_PAIRS, &rng, wi, wo);
+    direction(0, 1, wi);
+    direction(0, 1, wo);
+    for (size_t s = 0; s < sizeof specs / sizeof *specs; ++s)
+        for (size_t i = 0; i < N_PAIRS; ++i)
+            jacobian_at(specs[s], wi + 3 * i, wo + 3 * i, rgb, &n);
+}
+
+/* Many pairs in one call, some below the horizon: each row is that of the pair alone. */
+static void test_horizon_between_pairs(void **state) {
+    (void)state;
+    static double wi[3 * N_PAIRS], wo[3 * N_PAIRS], rgb[3 * N_PAIRS], jacobian[3 * 10 * N_PAIRS];
+    const char *spec = "ggx:kd=.1,.2,.3;ks=.5;alpha=.2;f0=.1,.2,.4";
+    nqm_rng rng = nqm_rng_make(15, 0);
+    draw_pairs(N_PAIRS, &rng, wi, wo);
+    static const size_t below[] = {0, 5, 6, 70, N_PAIRS - 1};
+    for (size_t k = 0; k < sizeof below / sizeof *below; ++k)
+        wo[3 * below[k] + 2] *= k % 2 ? 0 : -1;
+    memset(rgb, 1, sizeof rgb);
+    memset(jacobian, 1, sizeof jacobian);
+    nqm_brdf *brdf = open_brdf(spec);
+    assert_int_equal(nqm_brdf_jacobian(brdf, N_PAIRS, wi, wo, rgb, jacobian, NULL), NQM_OK);
+    for (size_t i = 0; i < N_PAIRS; ++i) {
+        double rgb_of_one[3];
+        size_t n;
+        const double *alone = jacobian_at(spec, wi + 3 * i, wo + 3 * i, rgb_of_one, &n);
+        assert_memory_equal(jacobian + 3 * n * i, alone, 3 * n * sizeof *alone);
+        assert_memory_equal(rgb + 3 * i, rgb_of_one, sizeof rgb_of_one);
+        if (wo[3 * i + 2] <= 0)
+            for (size_t k = 0; k < 3 * n; ++k)
+                assert_true(alone[k] == 0 && rgb_of_one[k / n] == 0);
+    }
+    nqm_brdf_free(brdf);
+}
+
+/* ---- which BRDFs have parameters --------------------------------------------------------------------------------- */
+
+static void test_parameter_counts(void **state) {
+    (void)state;
+    static const struct {
+        const char *spec;
+        size_t n;
+    } cases[] = {{"lambert:kd=.2", 3},
+                 {"ggx:alpha=.1", 10},
+                 {"ward:nickel", 7},
+                 {"lafortune:nickel", 9},
+                 {"cook-torrance:nickel", 8},
+                 {"abc:nickel", 9},
+                 {"sgd:nickel", 33},
+                 {"perturb:gloss=.8;of=ggx:alpha=.1", 0},
+                 {"between:t=.3;with=(ggx:alpha=.2);of=ggx:alpha=.1", 0}};
+    const double up[3] = {0, 0, 1};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        double rgb[3], jacobian[3 * MAX_PARAMETERS];
+        nqm_error err;
+        nqm_brdf *brdf = open_brdf(cases[i].spec);
+        assert_int_equal(nqm_brdf_parameter_count(brdf), cases[i].n);
+        nqm_status status = nqm_brdf_jacobian(brdf, 1, up, up, rgb, jacobian, &err);
+        assert_int_equal(status, cases[i].n ? NQM_OK : NQM_ERR_ARG);
+        if (status != NQM_OK)
+            assert_non_null(strstr(err.message, "analytic"));
+        nqm_brdf_free(brdf);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_central_differences),   cmocka_unit_test(test_lafortune_branches),
+        cmocka_unit_test(test_eta_of_one_at_grazing), cmocka_unit_test(test_sgd_branches),
+        cmocka_unit_test(test_ends_of_ranges),        cmocka_unit_test(test_horizon_between_pairs),
+        cmocka_unit_test(test_parameter_counts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
