@@ -50,7 +50,7 @@ struct nqm_dataset {
 
 /** The transport matrix of a dataset; `light` is NULL if it has none. */
 static inline nqm_transport nqm_dataset_transport(const nqm_dataset *d) {
-    return (nqm_transport){d->n_directions, d->transport, d->transport_points};
+    return (nqm_transport){d->n_directions, NQM_TRANSPORT_POINTS, d->transport, d->transport_points};
 }
 
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */

@@ -217,10 +217,10 @@ struct nqm_corpus_context {
     void *step_user;
 };
 
-/** Compute the transport matrix of the context's scene; shadows count, interreflection does not. light (n_directions, 3,
- *  NQM_TRANSPORT_POINTS), points (NQM_TRANSPORT_POINTS, 3) as in nqm_transport. */
-NQM_MUST_CHECK nqm_status nqm_corpus_transport(const nqm_corpus_context *context, float *light, double *points,
-                                               nqm_error *err);
+/** Compute the transport matrix of a scene; shadows count, interreflection does not. light (n_directions, 3, n_points), points
+ *  (n_points, 3) as in nqm_transport. */
+NQM_MUST_CHECK nqm_status nqm_transport_fill(const nqm_scene_options *scene, const nqm_directions *directions,
+                                             size_t n_points, float *light, double *points, nqm_error *err);
 
 /** The names of the learned encoders. */
 extern const char *const nqm_corpus_encoders[2];

@@ -105,6 +105,8 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .borrows_samples = true};
     nqm_dataset_builder b;
     nqm_dataset *dataset = NULL;
+    nqm_scene_options scene = c->context.options->scene;
+    scene.n_lights = 0; /* the default of matrices, not that of the labels */
     char sha256[65], *manifest = nqm_corpus_manifest(&c->context, c->n_items, c->items);
     if (!manifest)
         return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory ran out");
@@ -115,7 +117,8 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
         b.dataset->ref_used = c->ref_used;
         b.dataset->test_rgb = c->test_rgb;
         b.dataset->test_used = c->test_used;
-        status = nqm_corpus_transport(&c->context, b.dataset->transport, b.dataset->transport_points, err);
+        status = nqm_transport_fill(&scene, c->context.directions, NQM_TRANSPORT_POINTS, b.dataset->transport,
+                                    b.dataset->transport_points, err);
         if (status == NQM_OK)
             status = add_kinds(c, &b, err);
         for (size_t i = 0; status == NQM_OK && i < c->n_items; ++i)

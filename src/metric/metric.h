@@ -18,12 +18,16 @@ typedef struct nqm_transport_samples {
     const float *instead; /* the values where `used` is 0 */
     const uint8_t *used;  /* (n_directions); NULL: all are used */
 } nqm_transport_samples;
-/** Compute n pictures, at most NQM_TRANSPORT_MAX: (n, 3, NQM_TRANSPORT_POINTS) ITP on the display, in units of Delta-E
- *  (NQM_ITP_UNIT). A picture does not depend on the other pictures of the call. */
-void nqm_transport_pictures(const nqm_transport *transport, size_t n, const nqm_transport_samples *samples,
-                            float *pictures);
-/** The label of two such pictures, the mean over the scenes. */
-nqm_label nqm_transport_compare(const nqm_transport *transport, const float *ref, const float *test);
+/** The light of points [first, first + n_points), at most NQM_TRANSPORT_POINTS, in n pictures, at most NQM_TRANSPORT_MAX: rgb
+ *  (n, 3, n_points) cd/m2. first and n_points are multiples of NQM_PANEL. A picture does not depend on the others. */
+void nqm_transport_radiance(const nqm_transport *transport, size_t first, size_t n_points, size_t n,
+                            const nqm_transport_samples *samples, float *rgb);
+/** The same as ITP on the display, in units of Delta-E (NQM_ITP_UNIT). */
+void nqm_transport_pictures(const nqm_transport *transport, size_t first, size_t n_points, size_t n,
+                            const nqm_transport_samples *samples, float *pictures);
+/** Whether a point is the last of its scene; and the share of a scene in the label. */
+bool nqm_transport_ends_scene(const nqm_transport *transport, size_t point);
+double nqm_transport_share(const nqm_transport *transport);
 /** Estimate the labels of n pairs of samples, at most NQM_COMPARE_MAX; arguments as in nqm_sampled_pairs. Where a direction is
  *  dropped, the test has the values of the reference. Consecutive pairs with the same `ref` pointer share its picture. */
 void nqm_transport_estimates(const nqm_transport *transport, size_t n, const float *const *ref,
@@ -35,6 +39,18 @@ static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, c
     nqm_transport_estimates(transport, 1, &ref, &test, used, &label);
     return label;
 }
+
+/** ITP of a picture of all points like nqm_transport_pictures(), but exactly and in double, and the light: rgb, itp (3,
+ *  n_points). */
+void nqm_transport_see(const nqm_transport *transport, const nqm_transport_samples *samples, float *rgb, double *itp);
+/** The label of two such pictures. */
+nqm_label nqm_transport_label(const nqm_transport *transport, const double *ref, const double *test);
+/** The gradient of sum_k weights_k label_k, over the members of that label, by the samples of the test: gradient (n_directions,
+ *  3) receives it; 0 where `used` is 0. rgb: light of the test's picture; scratch: (3, n_points). Points brighter than the
+ *  display have no part in it. */
+void nqm_transport_gradient(const nqm_transport *transport, const nqm_label *weights, const double *ref,
+                            const double *test, const float *rgb, const uint8_t *used, float *scratch,
+                            double *gradient);
 
 /** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
  *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
@@ -111,6 +127,21 @@ double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *tes
 
 /** Raise the lower end of an interval (NaN: there is none) to the JOD at that bound. */
 void nqm_raise_low(size_t n_directions, const float *ref, const float *test, const uint8_t *used, double *jod_low);
+
+/** The factor in that bound of the channel with the largest ratio: the gradient of the bound by f_r is `slope` at *at_ret, an
+ *  index into (n_directions, 3), and 0 elsewhere; 0 without a bound, and for equal samples. */
+double nqm_delta_e_bound_slope(size_t n_directions, const float *ref, const float *test, const uint8_t *used,
+                               size_t *at_ret);
+
+/** Workspace for scores with gradients, for one thread at a time; in float, whatever the precision of scores. The model must
+ *  outlive it. */
+typedef struct nqm_gradients nqm_gradients;
+NQM_MUST_CHECK nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gradients **gradients_ret,
+                                               nqm_error *err);
+void nqm_gradients_free(nqm_gradients *gradients);
+/** Compute values (n) and gradients (n, n_directions, 3) as nqm_score_grad(); n at most max_batch. */
+void nqm_gradients_run(nqm_gradients *gradients, nqm_score_quantity of, size_t n, const nqm_sample_pair *pairs,
+                       double *values, float *out);
 
 /** One BRDF of a pair, sampled at the model's directions. */
 typedef struct nqm_member {

@@ -13,20 +13,22 @@
 
 struct nqm_predictor {
     const nqm_model *model;
-    size_t samples_width; /* number of inputs that come from samples */
-    size_t stride;        /* floats from one row of x to the next */
-    nqm_inference_work *work;
-    float *t;             /* (max_batch, 2, n_directions, 3) transformed reference and test */
-    float *x;             /* (max_batch, stride) network inputs */
-    float *z;             /* (max_batch, n_outputs) network outputs */
-    nqm_label *estimates; /* (max_batch) by transport, if the model has it */
+    size_t samples_width;     /* number of inputs that come from samples */
+    size_t stride;            /* floats from one row of x to the next */
+    nqm_inference_work *work; /* NULL: the model has no network */
+    float *t;                 /* (max_batch, 2, n_directions, 3) transformed reference and test */
+    float *x;                 /* (max_batch, stride) network inputs */
+    float *z;                 /* (max_batch, n_outputs) network outputs */
+    nqm_label *estimates;     /* (max_batch) by transport, if the model has it */
 };
 
 nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
                                 nqm_predictor **predictor_ret, nqm_error *err) {
     *predictor_ret = NULL;
-    const nqm_inference_net *net;
-    nqm_status status = nqm_model_inference(model, precision, &net, err);
+    const nqm_inference_net *net = NULL;
+    nqm_status status = NQM_OK;
+    if (nqm_model_has_network(model))
+        status = nqm_model_inference(model, precision, &net, err);
     if (status != NQM_OK)
         return status;
     const size_t n_directions = model->directions->n;
@@ -49,7 +51,8 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
                          .x = x,
                          .z = z,
                          .estimates = model->transport ? estimates : NULL};
-    status = nqm_inference_work_create(net, max_batch, &p->work, err);
+    if (net)
+        status = nqm_inference_work_create(net, max_batch, &p->work, err);
     if (status == NQM_OK)
         *predictor_ret = p;
     else
@@ -124,9 +127,11 @@ static void compose(void *user, size_t piece) {
         estimate(p, pairs, piece * job->n_at_once, end);
     for (size_t begin = piece * job->n_at_once, next; begin < end; begin = next) {
         float *ref_t = p->t + 2 * begin * n;
-        nqm_features_transform(n, pairs->ref[begin], ref_t);
+        if (p->work)
+            nqm_features_transform(n, pairs->ref[begin], ref_t);
         for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next)
-            compose_samples(p, pairs, next, ref_t);
+            if (p->work)
+                compose_samples(p, pairs, next, ref_t);
         compose_scalars(p, pairs, begin, next);
     }
 }
@@ -148,6 +153,22 @@ double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *tes
             worst = fmaxf(worst, a > b ? a / b : b / a);
     }
     return worst < large ? delta_e_per_log * log((double)worst) : INFINITY;
+}
+
+double nqm_delta_e_bound_slope(size_t n_directions, const float *ref, const float *test, const uint8_t *used,
+                               size_t *at_ret) {
+    float worst = 1;
+    double slope = 0;
+    *at_ret = 0;
+    for (size_t k = 0; k < 3 * n_directions; ++k) {
+        const float a = ref[k] + darkness, b = test[k] + darkness, ratio = a > b ? a / b : b / a;
+        if ((!used || used[k / 3]) && ratio > worst) {
+            worst = ratio;
+            *at_ret = k;
+            slope = (b > a ? delta_e_per_log : -delta_e_per_log) / (double)b;
+        }
+    }
+    return slope;
 }
 
 void nqm_raise_low(size_t n_directions, const float *ref, const float *test, const uint8_t *used, double *jod_low) {
@@ -178,7 +199,8 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         compose(&job, 0);
     else
         nqm_parallel_for((pairs->n + job.n_at_once - 1) / job.n_at_once, compose, &job);
-    nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
+    if (p->work)
+        nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
     const size_t n = p->model->directions->n, n_outputs = nqm_model_n_outputs(p->model);
     const double nan = (double)NAN;
     for (size_t i = 0; i < pairs->n; ++i) {

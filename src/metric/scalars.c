@@ -23,18 +23,18 @@ static double mean(double sum, double n) {
 
 static void zone_scalars(const nqm_scalar_sums *s, double *out) {
     for (size_t z = 0; z < NQM_ZONES_H; ++z) {
-        nqm_light zone = nqm_lights_join(s->cell + z * NQM_ZONES_D, NQM_ZONES_D);
+        nqm_light_sum zone = nqm_lights_join(s->cell + z * NQM_ZONES_D, NQM_ZONES_D);
         out[NQM_SCALAR_ZONE_BIAS + z] = nqm_light_contrast(&zone).l;
         out[NQM_SCALAR_ZONE_RMS + z] = log_size(sqrt(mean(s->zone_l2[z], zone.n)));
     }
-    nqm_light highlight = nqm_lights_join(s->cell, NQM_HIGHLIGHT_CELLS),
-              flank = nqm_lights_join(s->cell + NQM_HIGHLIGHT_CELLS, NQM_CELLS - NQM_HIGHLIGHT_CELLS);
+    nqm_light_sum highlight = nqm_lights_join(s->cell, NQM_HIGHLIGHT_CELLS),
+                  flank = nqm_lights_join(s->cell + NQM_HIGHLIGHT_CELLS, NQM_CELLS - NQM_HIGHLIGHT_CELLS);
     out[NQM_SCALAR_WIDTH] = nqm_light_contrast(&highlight).l - nqm_light_contrast(&flank).l;
     out[NQM_SCALAR_GRAZING_BIAS] = mean(s->grazing_l, s->grazing_n);
     out[NQM_SCALAR_GRAZING_RMS] = log_size(sqrt(mean(s->grazing_l2, s->grazing_n)));
     double l2 = 0, uv2 = 0;
     for (size_t i = 0; i < NQM_CELLS; ++i) {
-        nqm_contrast c = nqm_light_contrast(&s->cell[i]);
+        nqm_light_ratio c = nqm_light_contrast(&s->cell[i]);
         l2 += s->cell[i].n * c.l * c.l;
         uv2 += s->cell[i].n * (c.u * c.u + c.v * c.v);
     }
@@ -44,7 +44,7 @@ static void zone_scalars(const nqm_scalar_sums *s, double *out) {
 
 static void whole_scalars(const nqm_scalar_sums *s, double *out) {
     double bias = mean(s->l, s->n), level = mean(s->ref_log, s->n);
-    nqm_contrast energy = nqm_light_contrast(&s->weighted);
+    nqm_light_ratio energy = nqm_light_contrast(&s->weighted);
     out[NQM_SCALAR_RMS] = log_size(sqrt(mean(s->squares, 3 * s->n)));
     out[NQM_SCALAR_MAX] = log_size(s->max_l);
     out[NQM_SCALAR_TAIL] = log_size(sqrt(sqrt(mean(s->l4, s->n))));

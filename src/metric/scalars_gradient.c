@@ -29,7 +29,7 @@ static double mean_slope(double n) {
 }
 
 /* Add the derivatives by the sums of n parts; `by`: those by the contrast of all parts together, whose light is `sum`. */
-static void contrast_slope(const nqm_light *sum, nqm_contrast by, size_t n, nqm_light *parts) {
+static void contrast_slope(const nqm_light_sum *sum, nqm_light_ratio by, size_t n, nqm_light_sum *parts) {
     static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const double floor = NQM_DARK * sum->n, by_ratio[3] = {by.u - 0.5 * by.v, -by.u - 0.5 * by.v, by.v};
     if (!(sum->n > 0))
@@ -43,13 +43,13 @@ static void contrast_slope(const nqm_light *sum, nqm_contrast by, size_t n, nqm_
 }
 
 /* The same for the log ratio of luminance of n of the cells. */
-static void bias_slope(const nqm_light *cells, double weight, size_t n, nqm_light *by_cells) {
-    const nqm_light sum = nqm_lights_join(cells, n);
-    contrast_slope(&sum, (nqm_contrast){.l = weight}, n, by_cells);
+static void bias_slope(const nqm_light_sum *cells, double weight, size_t n, nqm_light_sum *by_cells) {
+    const nqm_light_sum sum = nqm_lights_join(cells, n);
+    contrast_slope(&sum, (nqm_light_ratio){.l = weight}, n, by_cells);
 }
 
 static void smooth_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_sums *by) {
-    nqm_contrast c[NQM_CELLS];
+    nqm_light_ratio c[NQM_CELLS];
     double l2 = 0, uv2 = 0;
     for (size_t i = 0; i < NQM_CELLS; ++i) {
         c[i] = nqm_light_contrast(&s->cell[i]);
@@ -60,7 +60,7 @@ static void smooth_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_
     const double by_uv2 = w[NQM_SCALAR_SMOOTH_CHROMA] * root_mean_slope(uv2, s->n);
     for (size_t i = 0; i < NQM_CELLS; ++i) {
         const double n2 = 2 * s->cell[i].n;
-        const nqm_contrast by_c = {by_l2 * n2 * c[i].l, by_uv2 * n2 * c[i].u, by_uv2 * n2 * c[i].v};
+        const nqm_light_ratio by_c = {by_l2 * n2 * c[i].l, by_uv2 * n2 * c[i].u, by_uv2 * n2 * c[i].v};
         contrast_slope(&s->cell[i], by_c, 1, &by->cell[i]);
     }
 }
@@ -81,10 +81,10 @@ static void zone_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_su
 }
 
 static void energy_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_sums *by) {
-    const nqm_contrast c = nqm_light_contrast(&s->weighted);
+    const nqm_light_ratio c = nqm_light_contrast(&s->weighted);
     const double chroma = hypot(c.u, c.v);
     const double by_chroma = chroma > 0 ? w[NQM_SCALAR_ENERGY_CHROMA] * log_size_slope(chroma) / chroma : 0;
-    const nqm_contrast by_c = {w[NQM_SCALAR_ENERGY], by_chroma * c.u, by_chroma * c.v};
+    const nqm_light_ratio by_c = {w[NQM_SCALAR_ENERGY], by_chroma * c.u, by_chroma * c.v};
     contrast_slope(&s->weighted, by_c, 1, &by->weighted);
 }
 
@@ -148,7 +148,7 @@ static double by_log_luminance(const nqm_scalar_sums *s, double l, size_t zone, 
 static void direction_slopes(const nqm_scalar_sums *s, const double *degrees, double cosines, const nqm_scaled *ref,
                              const nqm_scaled *test, size_t i, nqm_scalar_sums *by, scale_slopes by_scale) {
     static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const nqm_difference x = nqm_difference_at(ref, test, i);
+    const nqm_log_difference x = nqm_difference_at(ref, test, i);
     const size_t cell = nqm_cell_of(degrees);
     double by_luminance =
         by_log_luminance(s, x.l, cell / NQM_ZONES_D, nqm_is_grazing(cosines), by) / (test->luminance[i] + NQM_DARK);

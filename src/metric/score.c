@@ -22,6 +22,8 @@ struct nqm_scorer {
     nqm_score_options options;
     nqm_sample_cache *cache;   /* of nqm_scorer_run_named(), created by its first call */
     nqm_predictor *predictor;  /* for batches of at most `room` pairs */
+    nqm_gradients *gradients;  /* of nqm_score_grad(), created by its first call */
+    size_t gradient_room;      /* its largest batch */
     size_t room;               /* capacity of the arrays, pairs */
     nqm_member *member;        /* (room, 2) reference and test of each pair of the block; owns all arrays */
     size_t *place;             /* (room) index of each pair in the following arrays, which are grouped by reference */
@@ -111,6 +113,7 @@ void nqm_scorer_free(nqm_scorer *scorer) {
         return;
     nqm_sample_cache_free(scorer->cache);
     nqm_predictor_free(scorer->predictor);
+    nqm_gradients_free(scorer->gradients);
     nqm_free(scorer->member);
     nqm_free(scorer);
 }
@@ -376,15 +379,22 @@ static nqm_status check_samples(const nqm_model *model, size_t pair, const char 
     return NQM_OK;
 }
 
+static nqm_status check_pairs(const nqm_model *model, size_t n, const nqm_sample_pair *pairs, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        if (i == 0 || pairs[i].ref != pairs[i - 1].ref)
+            status = check_samples(model, i, "reference", pairs[i].ref, err);
+        if (status == NQM_OK)
+            status = check_samples(model, i, "test", pairs[i].test, err);
+    }
+    return status;
+}
+
 nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sample_pair *pairs,
                                   nqm_score_result *results, nqm_error *err) {
     nqm_status status = n_pairs ? reserve(s, n_pairs, false, err) : NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < n_pairs; ++i) {
-        if (i == 0 || pairs[i].ref != pairs[i - 1].ref)
-            status = check_samples(s->model, i, "reference", pairs[i].ref, err);
-        if (status == NQM_OK)
-            status = check_samples(s->model, i, "test", pairs[i].test, err);
-    }
+    if (status == NQM_OK)
+        status = check_pairs(s->model, n_pairs, pairs, err);
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i) {
@@ -394,6 +404,50 @@ nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sampl
                 (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = count_unusual(s->model, p->test)};
         }
         score_block(s, n, results + begin);
+    }
+    return status;
+}
+
+/* ---- gradients --------------------------------------------------------------------------------------------------- */
+
+static nqm_status check_used(const nqm_scorer *s, size_t n, const nqm_sample_pair *pairs, nqm_error *err) {
+    const size_t n_directions = s->model->directions->n;
+    for (size_t i = 0; i < n; ++i) {
+        size_t n_used = 0;
+        for (size_t k = 0; k < n_directions; ++k)
+            n_used += !pairs[i].used || pairs[i].used[k];
+        if (n_used == 0 || (double)n_used < s->options.min_valid_fraction * (double)n_directions)
+            return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                            "pair %zu: %zu of %zu directions are used, at least %.0f needed", i, n_used, n_directions,
+                            ceil(s->options.min_valid_fraction * (double)n_directions));
+    }
+    return NQM_OK;
+}
+
+static nqm_status reserve_gradients(nqm_scorer *s, size_t n_pairs, nqm_error *err) {
+    const size_t n = nqm_smaller(n_pairs, NQM_SCORE_BLOCK);
+    if (n <= s->gradient_room)
+        return NQM_OK;
+    nqm_gradients_free(s->gradients);
+    s->gradient_room = 0;
+    nqm_status status = nqm_gradients_create(s->model, n, &s->gradients, err);
+    s->gradient_room = status == NQM_OK ? n : 0;
+    return status;
+}
+
+nqm_status nqm_score_grad(nqm_scorer *s, nqm_score_quantity of, size_t n_pairs, const nqm_sample_pair *pairs,
+                          double *values, float *gradients, nqm_error *err) {
+    if (of == NQM_SCORE_DELTA_E && s->model->target != NQM_TARGET_LOG_DELTA_E)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "model '%s' predicts no Delta-E", s->model->id);
+    nqm_status status = reserve_gradients(s, n_pairs, err);
+    if (status == NQM_OK)
+        status = check_pairs(s->model, n_pairs, pairs, err);
+    if (status == NQM_OK)
+        status = check_used(s, n_pairs, pairs, err);
+    for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
+        n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
+        nqm_gradients_run(s->gradients, of, n, pairs + begin, values + begin,
+                          gradients + 3 * s->model->directions->n * begin);
     }
     return status;
 }

@@ -35,7 +35,7 @@ bool nqm_is_grazing(double cosines) {
 
 /* ---- sums of reflectance ----------------------------------------------------------------------------------------- */
 
-static void add_light(nqm_light *to, double weight, const double *ref, const double *test) {
+static void add_light(nqm_light_sum *to, double weight, const double *ref, const double *test) {
     to->n += weight;
     for (int k = 0; k < 3; ++k) {
         to->ref[k] += weight * ref[k];
@@ -43,19 +43,19 @@ static void add_light(nqm_light *to, double weight, const double *ref, const dou
     }
 }
 
-nqm_contrast nqm_light_contrast(const nqm_light *sum) {
+nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum) {
     double ratio[3], floor = NQM_DARK * sum->n;
     if (!(sum->n > 0))
-        return (nqm_contrast){0};
+        return (nqm_light_ratio){0};
     for (int k = 0; k < 3; ++k)
         ratio[k] = log((sum->test[k] + floor) / (sum->ref[k] + floor));
-    return (nqm_contrast){.l = log((nqm_luminance(sum->test) + floor) / (nqm_luminance(sum->ref) + floor)),
-                          .u = ratio[0] - ratio[1],
-                          .v = ratio[2] - 0.5 * (ratio[0] + ratio[1])};
+    return (nqm_light_ratio){.l = log((nqm_luminance(sum->test) + floor) / (nqm_luminance(sum->ref) + floor)),
+                             .u = ratio[0] - ratio[1],
+                             .v = ratio[2] - 0.5 * (ratio[0] + ratio[1])};
 }
 
-nqm_light nqm_lights_join(const nqm_light *parts, size_t n) {
-    nqm_light whole = {0};
+nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n) {
+    nqm_light_sum whole = {0};
     for (size_t i = 0; i < n; ++i) {
         whole.n += parts[i].n;
         for (int k = 0; k < 3; ++k) {
@@ -73,7 +73,7 @@ static void add_direction(nqm_scalar_sums *s, const double *degrees, double cosi
                           const nqm_scaled *test, size_t i) {
     const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i;
     const double *f = ref->scale[NQM_SCALE_F] + 3 * i, *g = test->scale[NQM_SCALE_F] + 3 * i;
-    const nqm_difference by = nqm_difference_at(ref, test, i);
+    const nqm_log_difference by = nqm_difference_at(ref, test, i);
     const double l = by.l, *d = by.d, ref_log = ref->log_luminance[i];
     double ref_u = a[0] - a[1], ref_v = a[2] - 0.5 * (a[0] + a[1]);
     const size_t cell = nqm_cell_of(degrees);

@@ -20,17 +20,17 @@ enum {
 };
 
 /** Sum of the reflectance of both members over a set of directions; n: number of directions, or sum of weights. */
-typedef struct nqm_light {
+typedef struct nqm_light_sum {
     double n, ref[3], test[3];
-} nqm_light;
+} nqm_light_sum;
 
-/** Sums over directions; the letters are those of nqm_difference. */
+/** Sums over directions; the letters are those of nqm_log_difference. */
 typedef struct nqm_scalar_sums {
     double n, l, l2, l4, root_l, max_l, squares, u, v, uv2;
     double zone_l2[NQM_ZONES_H], grazing_n, grazing_l, grazing_l2;
     double ref_log, ref_log2, ref_colour2, peak_ref, peak_test;
-    nqm_light cell[NQM_CELLS];
-    nqm_light weighted; /**< by cos(theta_i) cos(theta_o) */
+    nqm_light_sum cell[NQM_CELLS];
+    nqm_light_sum weighted; /**< by cos(theta_i) cos(theta_o) */
 } nqm_scalar_sums;
 
 /** Sums of one test and its reference. */
@@ -40,14 +40,14 @@ typedef struct nqm_pair_sums {
 } nqm_pair_sums;
 
 /** How the members differ in one direction: d of log f_r, l of log luminance, u and v of the opponent channels of log f_r. */
-typedef struct nqm_difference {
+typedef struct nqm_log_difference {
     double d[3], l, u, v;
-} nqm_difference;
+} nqm_log_difference;
 /** That of direction i of a stretch. */
-static inline nqm_difference nqm_difference_at(const nqm_scaled *ref, const nqm_scaled *test, size_t i) {
+static inline nqm_log_difference nqm_difference_at(const nqm_scaled *ref, const nqm_scaled *test, size_t i) {
     const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i, *b = test->scale[NQM_SCALE_LOG_F] + 3 * i;
     const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return (nqm_difference){
+    return (nqm_log_difference){
         {d[0], d[1], d[2]}, test->log_luminance[i] - ref->log_luminance[i], d[0] - d[1], d[2] - 0.5 * (d[0] + d[1])};
 }
 
@@ -57,13 +57,13 @@ size_t nqm_cell_of(const double *degrees);
 bool nqm_is_grazing(double cosines);
 
 /** Difference of summed reflectance. l: log ratio of luminance; u, v: opponent channels of the log ratios of RGB. */
-typedef struct nqm_contrast {
+typedef struct nqm_light_ratio {
     double l, u, v;
-} nqm_contrast;
+} nqm_light_ratio;
 /** 0 for no direction. */
-nqm_contrast nqm_light_contrast(const nqm_light *sum);
+nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum);
 /** The sum of n parts. */
-nqm_light nqm_lights_join(const nqm_light *parts, size_t n);
+nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n);
 
 /** One stretch of test k of a comparison. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */
 typedef struct nqm_test_stretch {

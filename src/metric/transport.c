@@ -3,7 +3,7 @@
  * An estimate of the label of two sampled BRDFs without a network. In a scene with fixed light the radiance of every point is
  * linear in the BRDF (precomputed radiance transfer: Sloan et al. 2002, DOI 10.1145/566654.566612), so a matrix makes a picture
  * of few points from samples; the label of two such pictures is the estimate. nqm dataset makes the matrix
- * (label/corpus_transport.c); models correct the estimate.
+ * (label/transport.c); models correct the estimate.
  */
 #include "kernel/kernel.h"
 #include "math/math.h"
@@ -14,7 +14,8 @@
 #include <pthread.h>
 #include <string.h>
 
-enum { POINTS = NQM_TRANSPORT_POINTS };
+/* Points and directions that are computed together: their pictures and their rows of the matrix stay in the L2 cache. */
+enum { POINTS = NQM_TRANSPORT_POINTS, DIRECTIONS = 64 };
 
 _Static_assert(POINTS % NQM_PANEL == 0, "the kernel computes whole panels");
 
@@ -54,88 +55,107 @@ static float pq_signal(float luminance) {
     return pq_table[cell] + t * (pq_table[cell + 1] - pq_table[cell]);
 }
 
-/* y (3, POINTS) = the sums of rows k of m times channels k of x (3, POINTS). */
-static void multiply_points(float m[3][3], const float *x, float *y) {
+/* y (3, n) = the sums of rows k of m times channels k of x (3, n). */
+static void multiply_points(float m[3][3], size_t n, const float *x, float *y) {
     for (size_t i = 0; i < 3; ++i)
 #pragma omp simd
-        for (size_t p = 0; p < POINTS; ++p)
-            y[i * POINTS + p] = m[0][i] * x[p] + m[1][i] * x[POINTS + p] + m[2][i] * x[2 * POINTS + p];
+        for (size_t p = 0; p < n; ++p)
+            y[i * n + p] = m[0][i] * x[p] + m[1][i] * x[n + p] + m[2][i] * x[2 * n + p];
 }
 
-/* picture (3, POINTS), in: RGB radiance in cd/m2; out: ITP on the display, in units of Delta-E. */
-static void see(const nqm_transport *t, float *picture) {
+/* picture (3, n) of the points from `first` on, in: RGB radiance in cd/m2; out: ITP on the display, in units of Delta-E. */
+static void see(const nqm_transport *t, size_t first, size_t n, float *picture) {
     float lms[3 * POINTS];
-    for (size_t p = 0; p < POINTS; ++p) {
-        const float peak = (float)t->points[3 * p + 2];
-        for (float *x = picture + p; x < picture + 3 * POINTS; x += POINTS)
+    for (size_t p = 0; p < n; ++p) {
+        const float peak = (float)t->points[3 * (first + p) + 2];
+        for (float *x = picture + p; x < picture + 3 * n; x += n)
             *x = *x < peak ? *x : peak;
     }
-    multiply_points(lms_of, picture, lms);
-    for (size_t i = 0; i < 3 * POINTS; ++i)
+    multiply_points(lms_of, n, picture, lms);
+    for (size_t i = 0; i < 3 * n; ++i)
         lms[i] = pq_signal(lms[i]);
-    multiply_points(itp_of, lms, picture);
+    multiply_points(itp_of, n, lms, picture);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-/* Directions of one pass over the pictures: their rows of the matrix stay in the L2 cache. */
-enum { BLOCK = 64 };
+/* Directions [direction, direction + n_directions) and points [point, point + n_points) of a matrix. */
+typedef struct block {
+    size_t direction, n_directions, point, n_points;
+} block;
 
-/* Add the light of directions [first, first + n_block) to n pictures. */
-static void add_directions(const nqm_transport *t, size_t first, size_t n_block, size_t n,
-                           const nqm_transport_samples *samples, float *pictures) {
+/* Add the light of a block to n pictures. */
+static void add_light(const nqm_transport *t, block b, size_t n, const nqm_transport_samples *samples, float *rgb) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    float f[NQM_TRANSPORT_MAX * 3 * BLOCK];
+    float f[NQM_TRANSPORT_MAX * 3 * DIRECTIONS];
     for (size_t i = 0; i < n; ++i) {
         const nqm_transport_samples *s = &samples[i];
-        memcpy(f + i * 3 * BLOCK, s->rgb + 3 * first, 3 * n_block * sizeof *f);
-        for (size_t k = 0; s->used && k < n_block; ++k)
-            if (!s->used[first + k])
-                memcpy(f + 3 * (i * BLOCK + k), s->instead + 3 * (first + k), 3 * sizeof *f);
+        memcpy(f + i * 3 * DIRECTIONS, s->rgb + 3 * b.direction, 3 * b.n_directions * sizeof *f);
+        for (size_t k = 0; s->used && k < b.n_directions; ++k)
+            if (!s->used[b.direction + k])
+                memcpy(f + 3 * (i * DIRECTIONS + k), s->instead + 3 * (b.direction + k), 3 * sizeof *f);
     }
-    for (size_t column = 0; column < 3 * POINTS; column += NQM_PANEL)
-        kernels->strided_product(&(nqm_strided_product){.m = n,
-                                                        .k = n_block,
-                                                        .add = first > 0,
-                                                        .a = f + column / POINTS,
-                                                        .lda = 3 * BLOCK,
-                                                        .step = 3,
-                                                        .b = t->light + first * 3 * POINTS + column,
-                                                        .ldb = 3 * POINTS,
-                                                        .c = pictures + column,
-                                                        .ldc = 3 * POINTS});
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t p = 0; p < b.n_points; p += NQM_PANEL)
+            kernels->strided_product(
+                &(nqm_strided_product){.m = n,
+                                       .k = b.n_directions,
+                                       .add = b.direction > 0,
+                                       .a = f + c,
+                                       .lda = 3 * DIRECTIONS,
+                                       .step = 3,
+                                       .b = t->light + (3 * b.direction + c) * t->n_points + b.point + p,
+                                       .ldb = 3 * t->n_points,
+                                       .c = rgb + c * b.n_points + p,
+                                       .ldc = 3 * b.n_points});
 }
 
-void nqm_transport_pictures(const nqm_transport *t, size_t n, const nqm_transport_samples *samples, float *pictures) {
+void nqm_transport_radiance(const nqm_transport *t, size_t first, size_t n_points, size_t n,
+                            const nqm_transport_samples *samples, float *rgb) {
+    block b = {.point = first, .n_points = n_points};
+    for (; b.direction < t->n_directions; b.direction += b.n_directions) {
+        b.n_directions = nqm_smaller(t->n_directions - b.direction, DIRECTIONS);
+        add_light(t, b, n, samples, rgb);
+    }
+}
+
+void nqm_transport_pictures(const nqm_transport *t, size_t first, size_t n_points, size_t n,
+                            const nqm_transport_samples *samples, float *pictures) {
     pthread_once(&tables_once, fill_tables);
-    for (size_t first = 0; first < t->n_directions; first += BLOCK)
-        add_directions(t, first, nqm_smaller(t->n_directions - first, BLOCK), n, samples, pictures);
+    nqm_transport_radiance(t, first, n_points, n, samples, pictures);
     for (size_t i = 0; i < n; ++i)
-        see(t, pictures + i * 3 * POINTS);
+        see(t, first, n_points, pictures + i * 3 * n_points);
 }
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
-nqm_label nqm_transport_compare(const nqm_transport *t, const float *ref, const float *test) {
-    nqm_label mean = {.delta_e = 0};
-    const double share = 1 / (1 + t->points[3 * POINTS - 2]); /* one over the number of scenes */
-    for (size_t p = 0; p < POINTS;) {
-        nqm_picture_sums sums = {0};
-        const double scene = t->points[3 * p + 1];
-        for (; p < POINTS && t->points[3 * p + 1] <= scene; ++p) {
-            const double a[3] = {(double)ref[p], (double)ref[POINTS + p], (double)ref[2 * POINTS + p]};
-            const double b[3] = {(double)test[p], (double)test[POINTS + p], (double)test[2 * POINTS + p]};
-            nqm_picture_sums_add(&sums, t->points[3 * p], a, b);
+bool nqm_transport_ends_scene(const nqm_transport *t, size_t point) {
+    return point + 1 == t->n_points || t->points[3 * point + 4] > t->points[3 * point + 1];
+}
+
+double nqm_transport_share(const nqm_transport *t) {
+    return 1 / (1 + t->points[3 * t->n_points - 2]);
+}
+
+/* Add the points of two pictures from `first` on; `sums` are those of the current scene. */
+static void add_points(const nqm_transport *t, size_t first, size_t n, const float *ref, const float *test,
+                       nqm_picture_sums *sums, nqm_label *mean) {
+    for (size_t p = 0; p < n; ++p) {
+        const double a[3] = {(double)ref[p], (double)ref[n + p], (double)ref[2 * n + p]};
+        const double b[3] = {(double)test[p], (double)test[n + p], (double)test[2 * n + p]};
+        nqm_picture_sums_add(sums, t->points[3 * (first + p)], a, b);
+        if (nqm_transport_ends_scene(t, first + p)) {
+            const nqm_label label = nqm_picture_sums_label(sums);
+            nqm_label_add(mean, nqm_transport_share(t), &label);
+            *sums = (nqm_picture_sums){0};
         }
-        const nqm_label label = nqm_picture_sums_label(&sums);
-        nqm_label_add(&mean, share, &label);
     }
-    return mean;
 }
 
 void nqm_transport_estimates(const nqm_transport *t, size_t n, const float *const *ref, const float *const *test,
                              const uint8_t *used, nqm_label *estimates) {
     nqm_transport_samples samples[NQM_TRANSPORT_MAX] = {{0}};
+    nqm_picture_sums sums[NQM_COMPARE_MAX] = {{0}};
     float pictures[NQM_TRANSPORT_MAX * 3 * POINTS];
     size_t n_pictures = 0, ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX]; /* pictures of pair i */
     for (size_t i = 0; i < n; ++i) {
@@ -146,8 +166,13 @@ void nqm_transport_estimates(const nqm_transport *t, size_t n, const float *cons
         test_at[i] = n_pictures;
         samples[n_pictures++] = (nqm_transport_samples){
             .rgb = test[i], .instead = ref[i], .used = used ? used + i * t->n_directions : NULL};
+        estimates[i] = (nqm_label){.delta_e = 0};
     }
-    nqm_transport_pictures(t, n_pictures, samples, pictures);
-    for (size_t i = 0; i < n; ++i)
-        estimates[i] = nqm_transport_compare(t, pictures + ref_at[i] * 3 * POINTS, pictures + test_at[i] * 3 * POINTS);
+    for (size_t first = 0, n_points; first < t->n_points; first += n_points) {
+        n_points = nqm_smaller(t->n_points - first, POINTS);
+        nqm_transport_pictures(t, first, n_points, n_pictures, samples, pictures);
+        for (size_t i = 0; i < n; ++i)
+            add_points(t, first, n_points, pictures + ref_at[i] * 3 * n_points, pictures + test_at[i] * 3 * n_points,
+                       &sums[i], &estimates[i]);
+    }
 }

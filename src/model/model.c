@@ -75,6 +75,7 @@ void nqm_model_free(struct nqm_model *model) {
         nqm_inference_net_free(model->inference[i]);
     nqm_free(model->interval);
     nqm_free(model->transport);
+    nqm_free(model->transport_points);
     nqm_free(model->novelty_points);
     nqm_map_close(&model->file);
     nqm_free(model->memory);
@@ -100,6 +101,26 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
     info.jod_min = fmin(at_low, at_high); /* the JOD of a model that predicts Delta-E decreases with its output */
     info.jod_max = fmax(at_low, at_high);
     return info;
+}
+
+nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *t, nqm_error *err) {
+    const size_t n_light = t->n_directions * 3 * t->n_points, n_points = 3 * t->n_points;
+    float *light = nqm_alloc(n_light, sizeof *light);
+    double *points = nqm_alloc(n_points, sizeof *points);
+    if (!light || !points) {
+        nqm_free(light);
+        nqm_free(points);
+        return nqm_fail_nomem(err, n_light * sizeof *light);
+    }
+    memcpy(light, t->light, n_light * sizeof *light);
+    memcpy(points, t->points, n_points * sizeof *points);
+    nqm_free(model->transport);
+    nqm_free(model->transport_points);
+    model->transport = light;
+    model->transport_points = points;
+    model->n_transport = t->n_directions;
+    model->n_points = t->n_points;
+    return NQM_OK;
 }
 
 /* ---- copies ------------------------------------------------------------------------------------------------------ */
@@ -139,7 +160,8 @@ static bool copy_blocks(const nqm_model *from, nqm_model *to) {
     }
     for (const nqm_model_array *a = nqm_model_arrays; ok && a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a)
         ok = !a->n_offset ||
-             copy_block(from, a->offset, nqm_model_rows(from, a) * a->cols * nqm_dtype_size(a->dtype), to);
+             copy_block(from, a->offset, nqm_model_rows(from, a) * nqm_model_cols(from, a) * nqm_dtype_size(a->dtype),
+                        to);
     return ok;
 }
 
@@ -149,7 +171,7 @@ nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_erro
     if (!copy)
         return nqm_fail_nomem(err, sizeof *copy);
     memcpy(copy, model, offsetof(struct nqm_model, params));
-    nqm_status status = copy_params(&model->params, &copy->params, err);
+    nqm_status status = nqm_model_has_network(model) ? copy_params(&model->params, &copy->params, err) : NQM_OK;
     if (status == NQM_OK && !copy_blocks(model, copy))
         status = nqm_fail_nomem(err, sizeof *copy);
     if (status == NQM_OK)

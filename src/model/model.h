@@ -27,14 +27,14 @@ typedef struct nqm_output_range {
     double lo, hi;    /* normalised target at sigmoid 0 and 1 */
 } nqm_output_range;
 
-/** Points of the pictures that a transport matrix makes of samples. */
-enum { NQM_TRANSPORT_POINTS = 128 };
+/** Points of the pictures that the transport matrix of a dataset makes of samples; other matrices have any multiple of
+ *  NQM_TRANSPORT_STEP up to NQM_TRANSPORT_MAX_POINTS. */
+enum { NQM_TRANSPORT_POINTS = 128, NQM_TRANSPORT_STEP = 32, NQM_TRANSPORT_MAX_POINTS = 4096 };
 /** Light transport of a scene: pictures of few points as linear functions of samples. Arrays are borrowed. */
 typedef struct nqm_transport {
-    size_t n_directions;
-    const float *light; /* (n_directions, 3, NQM_TRANSPORT_POINTS) cd/m2 per f_r of 1/sr; NULL: there is no matrix */
-    const double
-        *points; /* (NQM_TRANSPORT_POINTS, 3) fraction of the scene's picture; number of the scene, from 0, in ascending
+    size_t n_directions, n_points;
+    const float *light;   /* (n_directions, 3, n_points) cd/m2 per f_r of 1/sr; NULL: there is no matrix */
+    const double *points; /* (n_points, 3) fraction of the scene's picture; number of the scene, from 0, in ascending
                              order; peak luminance of the display, cd/m2 */
 } nqm_transport;
 
@@ -52,19 +52,19 @@ struct nqm_model {
     size_t n_novelty; /* blocks of NQM_NOVELTY_BLOCK training pairs for novelty.c; 0: none */
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
     float novelty_map[NQM_SCALAR_COUNT * NQM_SCALAR_COUNT];
-    size_t n_transport;                                /* rows of `transport`: the number of directions; 0: none */
-    double transport_points[NQM_TRANSPORT_POINTS * 3]; /* as in nqm_transport */
-    double novelty_unit;                               /* distance that has novelty 1; > 0 */
-    double novelty_growth; /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
-    bool stores_half;      /* nqm_model_save() writes the hidden layers' weights as float16; they are already rounded */
-    char sha256[65];       /* checksum of its file; "" when it was not read from a file */
+    size_t n_transport, n_points; /* directions and points of `transport`; 0: none */
+    double novelty_unit;          /* distance that has novelty 1; > 0 */
+    double novelty_growth;        /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
+    bool stores_half; /* nqm_model_save() writes the hidden layers' weights as float16; they are already rounded */
+    char sha256[65];  /* checksum of its file; "" when it was not read from a file */
     /* Owned blocks. */
     nqm_params params;
     nqm_directions *directions;
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *transport; /* as `light` in nqm_transport; NULL: none */
-    float *novelty_points; /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
-    char *scalar_names;    /* of its scalar inputs, separated by commas; NULL: it has none */
+    double *transport_points; /* as `points` in nqm_transport; NULL: none */
+    float *novelty_points;    /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
+    char *scalar_names;       /* of its scalar inputs, separated by commas; NULL: it has none */
     char *id, *recipe, *card, *licence, *manifest_sha256;
     char *training;        /* JSON: options and report of the training */
     char *golden;          /* JSON: pairs of specs and the JOD of each when the model was created; NULL: none */
@@ -108,11 +108,16 @@ NQM_MUST_CHECK nqm_status nqm_model_copy(const nqm_model *model, nqm_model **cop
  *  nqm_model_save() then stores them. The golden scores must be recomputed. NQM_ERR_NUMERIC: a weight is too
  *  large. */
 NQM_MUST_CHECK nqm_status nqm_model_round_to_half(nqm_model *model, nqm_error *err);
+/** Whether the model has a network. Without one, its predictions are the estimates of its transport matrix: as if all outputs z
+ *  were 0, with ranges that have no correction there. */
+static inline bool nqm_model_has_network(const struct nqm_model *model) {
+    return model->params.shape.n_layers > 0;
+}
 /** Whether the model predicts the parts of a label: by one output each, after that of its target. */
 static inline bool nqm_model_has_parts(const struct nqm_model *model) {
-    return model->params.shape.sizes[model->params.shape.n_layers] > 1;
+    return !nqm_model_has_network(model) || model->params.shape.sizes[model->params.shape.n_layers] > 1;
 }
-/** Outputs of the network. */
+/** Number of outputs z. */
 static inline size_t nqm_model_n_outputs(const struct nqm_model *model) {
     return nqm_model_has_parts(model) ? 1 + NQM_LABEL_PARTS : 1;
 }
@@ -125,8 +130,10 @@ void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[
 const char *nqm_transport_fault(const nqm_transport *transport, bool verify);
 /** The transport matrix of a model; `light` is NULL if it has none. */
 static inline nqm_transport nqm_model_transport(const struct nqm_model *model) {
-    return (nqm_transport){model->n_transport, model->transport, model->transport_points};
+    return (nqm_transport){model->n_transport, model->n_points, model->transport, model->transport_points};
 }
+/** Give a model that is not shared yet a copy of a transport matrix. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *transport, nqm_error *err);
 /** What the outputs of models with a transport matrix are added to: log(Delta-E) and the targets of the parts of the estimated
  *  label, with Delta-E and structure raised to 0.05. NULL, of models without a matrix: 0. */
 void nqm_estimate_targets(const nqm_label *estimate, double targets[1 + NQM_LABEL_PARTS]);
@@ -135,12 +142,21 @@ nqm_label nqm_model_label(const struct nqm_model *model, const float *z, const n
 /** JOD for the network's raw output z; *delta_e_ret (NULL allowed) receives the predicted Delta-E (NaN: none). */
 double nqm_model_jod(const struct nqm_model *model, double z, const nqm_label *estimate, double *delta_e_ret);
 
+/** The derivatives of that JOD, or of the Delta-E, by z and by the estimate's Delta-E; 0 where Delta-E is raised to the least. */
+void nqm_model_slopes(const struct nqm_model *model, double z, const nqm_label *estimate, bool of_jod, double *by_z,
+                      double *by_delta_e);
+/** Add the gradient of sum_k weights_k targets_k (1 + NQM_LABEL_PARTS), over nqm_estimate_targets(), by the estimate. */
+void nqm_estimate_gradient(const nqm_label *estimate, const double *weights, nqm_label *gradient);
+
 /** The names of all scalar features, separated by commas, as stored in model files; NULL when out of memory. Free with
  *  nqm_free(). */
 char *nqm_scalar_names(void);
 
 /** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
 void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
+/** The gradient of sum dx x by the scalar features; 0 for NaN and outside the range of the inputs. */
+void nqm_scalars_whiten_back(const nqm_scalar_whitening *whitening, const double *scalars, const float *dx,
+                             double *gradient);
 
 /** The 95 % interval around a predicted JOD (see nqm_score_result); NaN if the model has no calibration. It widens with
  *  `novelty`, from nqm_model_novelty(); NaN counts as 1, and models without novelty data ignore it. */

@@ -42,7 +42,7 @@ typedef struct nqm_model_array {
     const char *name;
     nqm_model_part part;
     nqm_dtype dtype;
-    size_t rows, cols; /* rows 0: a vector of length `cols` */
+    size_t rows, cols; /* rows 0: a vector of length `cols`; cols 0: three for each point of the transport matrix */
     size_t offset;     /* of the first value */
     size_t
         n_offset; /* if it is not 0, the values are in an owned block, whose address is at `offset`, and the number of
@@ -61,6 +61,9 @@ static inline void **nqm_model_block(const nqm_model *model, size_t offset) {
 /** The number of rows of an array; 0: a vector. */
 static inline size_t nqm_model_rows(const nqm_model *model, const nqm_model_array *array) {
     return array->n_offset ? *(const size_t *)nqm_model_at(model, array->n_offset) : array->rows;
+}
+static inline size_t nqm_model_cols(const nqm_model *model, const nqm_model_array *array) {
+    return array->cols ? array->cols : 3 * model->n_points;
 }
 
 #endif

@@ -69,6 +69,8 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
         shape->n_layers = l + 1;
     }
     size_t n = shape->n_layers;
+    if (n == 0 && nqm_safetensors_find(r->st, "transport") && !nqm_safetensors_find(r->st, "layers.0.bias"))
+        return NQM_OK; /* a model without a network */
     const bool known = n > 0 && (shape->sizes[n] == 1 || shape->sizes[n] == 1 + NQM_LABEL_PARTS);
     if (!known) /* a hidden layer is the last */
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.%zu.weight' is missing", r->name, n);
@@ -190,10 +192,12 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
     size_t width = model->params.shape.sizes[0], n_scalars = nqm_model_n_scalars(model);
     size_t per_direction = nqm_features_width(model->features.layout, 1);
     size_t n = width > n_scalars ? (width - n_scalars) / per_direction : 0;
-    if (n == 0 || n * per_direction + n_scalars != width)
+    const nqm_tensor *tensor = nqm_safetensors_find(r->st, "directions_deg");
+    if (!nqm_model_has_network(model))
+        n = tensor && tensor->n_dims == 2 ? tensor->dims[0] : 1;
+    else if (n == 0 || n * per_direction + n_scalars != width)
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.0.weight': input of %zu does not fit the layout",
                         r->name, width);
-    const nqm_tensor *tensor;
     nqm_error inner = {0};
     nqm_status status =
         get(r, &(expectation){.name = "directions_deg", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
@@ -213,7 +217,7 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
 
 static nqm_status read_array(reader *r, const nqm_model_array *a, struct nqm_model *model) {
     const nqm_tensor *tensor = nqm_safetensors_find(r->st, a->name);
-    expectation e = {.name = a->name, .dtype = a->dtype, .rows = a->rows, .cols = a->cols};
+    expectation e = {.name = a->name, .dtype = a->dtype, .rows = a->rows, .cols = nqm_model_cols(model, a)};
     e.is_large = a->part == NQM_PART_TRANSPORT;
     if (a->n_offset) /* any number of rows but 0 */
         e.rows = tensor && tensor->n_dims == 2 && tensor->dims[0] > 0 ? tensor->dims[0] : 1;

@@ -43,8 +43,8 @@ const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"interval", NQM_PART_INTERVAL, NQM_F64, 0, 3, FIELD(interval), FIELD(n_interval)},
     {"novelty.points", NQM_PART_NOVELTY, NQM_F32, 0, N *NQM_NOVELTY_BLOCK, FIELD(novelty_points), FIELD(n_novelty)},
     {"novelty.map", NQM_PART_NOVELTY, NQM_F32, N, N, FIELD(novelty_map), 0},
-    {"transport", NQM_PART_TRANSPORT, NQM_F32, 0, 3 * NQM_TRANSPORT_POINTS, FIELD(transport), FIELD(n_transport)},
-    {"transport.points", NQM_PART_TRANSPORT, NQM_F64, NQM_TRANSPORT_POINTS, 3, FIELD(transport_points), 0},
+    {"transport.points", NQM_PART_TRANSPORT, NQM_F64, 0, 3, FIELD(transport_points), FIELD(n_points)},
+    {"transport", NQM_PART_TRANSPORT, NQM_F32, 0, 0, FIELD(transport), FIELD(n_transport)},
     {"novelty.scale", NQM_PART_NOVELTY, NQM_F64, 0, 2, FIELD(novelty_unit), 0},
 };
 _Static_assert(sizeof(nqm_output_range) == 4 * sizeof(double) && sizeof(nqm_curve) == 3 * sizeof(double) &&
@@ -94,7 +94,8 @@ static void collect(contents *c, const struct nqm_model *model, const bool *has)
     for (const nqm_model_array *a = nqm_model_arrays; a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a) {
         const void *values = a->n_offset ? *nqm_model_block(model, a->offset) : nqm_model_at(model, a->offset);
         if (has[a->part])
-            c->tensor[c->n++] = nqm_tensor_of(a->name, a->dtype, nqm_model_rows(model, a), a->cols, values);
+            c->tensor[c->n++] =
+                nqm_tensor_of(a->name, a->dtype, nqm_model_rows(model, a), nqm_model_cols(model, a), values);
     }
 }
 

@@ -31,9 +31,9 @@ static double target_of(const nqm_output_range *o, double z) {
 }
 
 /* Whether the fractions of the points of every scene sum to 1, scenes are numbered from 0, and displays have a peak. */
-static const char *points_fault(const double *points) {
+static const char *points_fault(size_t n_points, const double *points) {
     double scene = 0, sum = 0;
-    for (const double *p = points; p < points + 3 * NQM_TRANSPORT_POINTS; p += 3) {
+    for (const double *p = points; p < points + 3 * n_points; p += 3) {
         const bool is_next = p > points && p[1] == scene + 1;
         if (!(p[0] >= 0 && p[0] <= 1))
             return "tensor 'transport.points' has a fraction outside 0 to 1";
@@ -54,14 +54,17 @@ const char *nqm_transport_fault(const nqm_transport *t, bool verify) {
         return NULL;
     if (!t->light || !t->points)
         return "tensors 'transport' and 'transport.points' need each other";
-    for (size_t i = 0; verify && i < t->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
+    if (t->n_points % NQM_TRANSPORT_STEP || t->n_points > NQM_TRANSPORT_MAX_POINTS)
+        return "tensor 'transport.points' has a number of points that is no multiple of 32 up to 4096";
+    for (size_t i = 0; verify && i < t->n_directions * 3 * t->n_points; ++i)
         if (!(t->light[i] >= 0 && isfinite(t->light[i])))
             return "tensor 'transport' has a value that is negative or not finite";
-    return points_fault(t->points);
+    return points_fault(t->n_points, t->points);
 }
 
+static const double least = 0.05; /* Delta-E: nobody sees less */
+
 void nqm_estimate_targets(const nqm_label *estimate, double targets[1 + NQM_LABEL_PARTS]) {
-    const double least = 0.05; /* Delta-E: nobody sees less */
     double parts[NQM_LABEL_PARTS];
     memset(targets, 0, (1 + NQM_LABEL_PARTS) * sizeof *targets);
     if (!estimate)
@@ -91,6 +94,27 @@ double nqm_model_jod(const struct nqm_model *model, double z, const nqm_label *e
     if (delta_e_ret)
         *delta_e_ret = delta_e;
     return model->target == NQM_TARGET_LOG_DELTA_E ? nqm_curve_jod(&model->curve, delta_e) : target;
+}
+
+void nqm_model_slopes(const struct nqm_model *model, double z, const nqm_label *estimate, bool of_jod, double *by_z,
+                      double *by_delta_e) {
+    const nqm_output_range *o = &model->output;
+    const double s = nqm_sigmoid(z);
+    double delta_e, by_target = 1;
+    (void)nqm_model_jod(model, z, estimate, &delta_e);
+    if (model->target == NQM_TARGET_LOG_DELTA_E)
+        by_target = delta_e * (of_jod ? nqm_curve_slope(&model->curve, delta_e) : 1);
+    *by_z = by_target * o->std * (o->hi - o->lo) * s * (1 - s);
+    *by_delta_e = estimate && estimate->delta_e > least ? by_target / estimate->delta_e : 0;
+}
+
+void nqm_estimate_gradient(const nqm_label *estimate, const double *weights, nqm_label *gradient) {
+    const double contrast = contrast_unit * estimate->contrast;
+    gradient->delta_e += estimate->delta_e > least ? weights[0] / estimate->delta_e : 0;
+    for (int k = 0; k < 3; ++k)
+        gradient->shift[k] += weights[1 + k] / sqrt(1 + estimate->shift[k] * estimate->shift[k]);
+    gradient->contrast += weights[4] * contrast_unit / sqrt(1 + contrast * contrast);
+    gradient->structure += estimate->structure > least ? weights[5] / estimate->structure : 0;
 }
 
 static nqm_input_groups input_groups(const struct nqm_model *model) {

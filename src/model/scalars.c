@@ -72,10 +72,18 @@ char *nqm_scalar_names(void) {
     return text;
 }
 
+static const double most = 5;
+
 void nqm_scalars_whiten(const nqm_scalar_whitening *w, const double *scalars, float *x) {
-    const double most = 5;
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
         double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
         x[i] = isnan(z) ? 0 : (float)(w->scale * fmin(fmax(z, -most), most));
+    }
+}
+
+void nqm_scalars_whiten_back(const nqm_scalar_whitening *w, const double *scalars, const float *dx, double *gradient) {
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+        const double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
+        gradient[i] = fabs(z) < most ? (double)dx[i] * w->scale / (double)w->std[i] : 0;
     }
 }

@@ -23,6 +23,13 @@ double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
     return 10 / (1 + exp(-z)); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */
 }
 
+double nqm_curve_slope(const nqm_curve *curve, double delta_e) {
+    if (delta_e <= 0)
+        return 0;
+    const double share = nqm_curve_jod(curve, delta_e) / 10;
+    return -10 * share * (1 - share) * curve->b1 * curve->b3 * pow(delta_e, curve->b3 - 1);
+}
+
 typedef struct scores {
     size_t n;
     const double *delta_e, *jod; /* (n) */

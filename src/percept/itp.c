@@ -23,11 +23,21 @@ static void multiply(const double m[3][3], const double *x, double scale, double
         y[i] = (m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2]) * scale;
 }
 
+/* Constants of SMPTE ST 2084. */
+static const double m1 = 2610.0 / 16384, m2 = 2523.0 / 4096 * 128;
+static const double c1 = 3424.0 / 4096, c2 = 2413.0 / 4096 * 32, c3 = 2392.0 / 4096 * 32;
+
 double nqm_pq_from_luminance(double luminance_cdm2) {
-    static const double m1 = 2610.0 / 16384, m2 = 2523.0 / 4096 * 128;
-    static const double c1 = 3424.0 / 4096, c2 = 2413.0 / 4096 * 32, c3 = 2392.0 / 4096 * 32;
     double y = pow(fmin(fmax(luminance_cdm2, 0), 10000) / 10000, m1);
     return pow((c1 + c2 * y) / (1 + c3 * y), m2);
+}
+
+double nqm_pq_slope(double luminance_cdm2) {
+    if (luminance_cdm2 >= 10000)
+        return 0;
+    const double x = fmax(luminance_cdm2, 0x1p-30) / 10000, y = pow(x, m1);
+    const double top = c1 + c2 * y, bottom = 1 + c3 * y, inner = (c2 - c1 * c3) / (bottom * bottom) * m1 * y / x;
+    return m2 * pow(top / bottom, m2 - 1) * inner / 10000;
 }
 
 void nqm_lms_from_rgb(const double *rgb_cdm2, double *lms) {
@@ -49,6 +59,25 @@ void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp) {
     for (int k = 0; k < 3; ++k)
         lms[k] = nqm_pq_from_luminance(lms[k]);
     nqm_itp_from_pq_lms(lms, itp);
+}
+
+/* y = the transpose of m times x. */
+static void multiply_transposed(const double m[3][3], const double *x, double scale, double *y) {
+    for (int i = 0; i < 3; ++i)
+        y[i] = (m[0][i] * x[0] + m[1][i] * x[1] + m[2][i] * x[2]) * scale;
+}
+
+void nqm_rgb_gradient(const double *rgb_cdm2, const double *by_itp, double *by_rgb) {
+    double lms[3], by_lms[3], by_rgb2020[3];
+    nqm_lms_from_rgb(rgb_cdm2, lms);
+    multiply_transposed(itp_from_pq_lms, by_itp, 1.0 / 4096, by_lms);
+    for (int k = 0; k < 3; ++k)
+        by_lms[k] *= nqm_pq_slope(lms[k]);
+    multiply_transposed(lms_from_bt2020, by_lms, 1.0 / 4096, by_rgb2020);
+    multiply_transposed(bt2020_from_bt709, by_rgb2020, 1, by_rgb);
+    for (int k = 0; k < 3; ++k)
+        if (!(rgb_cdm2[k] >= 0 && rgb_cdm2[k] < 10000))
+            by_rgb[k] = 0;
 }
 
 double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2) {

@@ -52,6 +52,21 @@ nqm_label nqm_picture_sums_label(const nqm_picture_sums *s) {
     return label;
 }
 
+void nqm_picture_gradient(const nqm_picture_sums *s, const nqm_label *weights, double weight, const double ref[3],
+                          const double test[3], double gradient[3]) {
+    const double structure = sqrt(fmax(s->squares - nqm_dot3(s->shift, s->shift), 0));
+    const double deviation = standard_deviation(s->test, s->test_squares);
+    const double d[3] = {test[0] - ref[0], test[1] - ref[1], test[2] - ref[2]}, length = sqrt(nqm_dot3(d, d));
+    for (int k = 0; k < 3; ++k) {
+        gradient[k] = weights->shift[k];
+        gradient[k] += length > 0 ? weights->delta_e * d[k] / length : 0;
+        gradient[k] += structure > 0 ? weights->structure * (d[k] - s->shift[k]) / structure : 0;
+    }
+    gradient[0] += deviation > 0 ? weights->contrast * (test[0] - s->test) / (deviation * (1 + deviation)) : 0;
+    for (int k = 0; k < 3; ++k)
+        gradient[k] *= weight;
+}
+
 void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
     mean->delta_e += share * label->delta_e;
     for (int k = 0; k < 3; ++k)

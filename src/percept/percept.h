@@ -12,9 +12,18 @@
 /** PQ signal in [0, 1] of an absolute luminance in cd/m2, clamped to [0, 10000] (the inverse EOTF of SMPTE ST 2084). */
 double nqm_pq_from_luminance(double luminance_cdm2);
 
+/** Its derivative; 0 from 10000 on. It has no limit at 0: below 2^-30 cd/m2, the value there. */
+double nqm_pq_slope(double luminance_cdm2);
+/** The gradient of a function of ITP by RGB from that by ITP: nqm_itp_from_rgb() backwards. All (3). Channels outside [0, 10000]
+ *  get 0. */
+void nqm_rgb_gradient(const double *rgb_cdm2, const double *by_itp, double *by_rgb);
+
 /** The steps of nqm_itp_from_rgb() before and after the PQ signal: linear LMS in cd/m2 of BT.709 RGB, and ITP of three signals. */
 void nqm_lms_from_rgb(const double *rgb_cdm2, double *lms);
 void nqm_itp_from_pq_lms(const double *pq_lms, double *itp);
+
+/** The derivative of nqm_curve_jod(); 0 for a Delta-E of 0 or less. */
+double nqm_curve_slope(const nqm_curve *curve, double delta_e);
 
 /** The parts of a label as an array: shift of I, T and P, contrast, structure. */
 enum { NQM_LABEL_PARTS = 5 };
@@ -30,6 +39,11 @@ typedef struct nqm_picture_sums {
 void nqm_picture_sums_add(nqm_picture_sums *sums, double weight, const double ref[3], const double test[3]);
 /** The label of a whole picture. */
 nqm_label nqm_picture_sums_label(const nqm_picture_sums *sums);
+/** The gradient of sum_k weights_k label_k, over the members of nqm_picture_sums_label(), by the test's ITP times NQM_ITP_UNIT
+ *  at one point: (3). sums: of the whole picture; weight: as above. Where a root has no derivative (equal points, equal
+ *  pictures, pictures of one value), its part of the gradient is 0. */
+void nqm_picture_gradient(const nqm_picture_sums *sums, const nqm_label *weights, double weight, const double ref[3],
+                          const double test[3], double gradient[3]);
 /** Add `share` of a label to a mean of labels. */
 void nqm_label_add(nqm_label *mean, double share, const nqm_label *label);
 #define NQM_ITP_UNIT 720 /**< Delta-E ITP of a distance of 1 in ITP */

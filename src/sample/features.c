@@ -40,3 +40,19 @@ void nqm_features_compose(const nqm_features *features, size_t n_directions, con
         for (size_t member = 0; !used[k] && member < n_members; ++member)
             memset(x + member * n + 3 * k, 0, 3 * sizeof *x);
 }
+
+void nqm_features_gradient(const nqm_features *features, size_t n_directions, const float *test_t, const uint8_t *used,
+                           const float *x, const float *dx, double *gradient) {
+    const size_t n = 3 * n_directions;
+    const bool differs = features->layout != NQM_LAYOUT_REF_TEST;
+    const double least = cbrt(NQM_LEAST_F), scale = differs ? features->difference_scale : 1;
+    for (size_t i = 0; i < n; ++i) {
+        if (used && !used[i / 3])
+            continue;
+        double by_t = (double)dx[n + i];
+        if (differs)
+            by_t += x[n + i] > 0 ? (double)dx[2 * n + i] : x[n + i] < 0 ? -(double)dx[2 * n + i] : 0;
+        const double root = fmax(expm1((double)test_t[i]), least);
+        gradient[i] += by_t * scale / ((double)features->std[i % 3] * 3 * root * root * (root + 1));
+    }
+}

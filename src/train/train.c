@@ -224,13 +224,10 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     memcpy(m->parts, e->output + 1, (e->n_outputs - 1) * sizeof *m->parts);
     m->curve = nqm_curve_published;
     if (e->estimate) {
-        const size_t n_bytes = directions->n * 3 * NQM_TRANSPORT_POINTS * sizeof *m->transport;
-        m->transport = nqm_alloc(n_bytes, 1);
-        if (!m->transport)
-            return nqm_fail_nomem(err, n_bytes);
-        memcpy(m->transport, r->dataset->transport, n_bytes);
-        memcpy(m->transport_points, r->dataset->transport_points, sizeof m->transport_points);
-        m->n_transport = directions->n;
+        const nqm_transport transport = nqm_dataset_transport(r->dataset);
+        nqm_status status = nqm_model_set_transport(m, &transport, err);
+        if (status != NQM_OK)
+            return status;
     }
     m->scalar_names = r->options->input.scalars ? nqm_scalar_names() : NULL;
     if (r->options->input.scalars && !m->scalar_names)

@@ -41,7 +41,7 @@ static nqm_scene_options scene_of(const char *light, const char *shape) {
     o.light = light;
     o.shape = nqm_tracer_version() || !shape ? shape : "sphere";
     o.n_points = POINTS;
-    o.n_lights = 512; /* as corpus_transport.c */
+    o.n_lights = 512; /* as transport.c */
     return o;
 }
 
@@ -53,9 +53,8 @@ static void make(size_t n_directions, const nqm_scene_options *o) {
     options.scene.n_lights = 32;
     f.directions = make_directions(n_directions);
     f.scene = make_scene(o);
-    const nqm_corpus_context context = {.options = &options, .directions = f.directions, .scene = f.scene};
-    assert_int_equal(nqm_corpus_transport(&context, f.light, f.points, NULL), NQM_OK);
-    f.transport = (nqm_transport){n_directions, f.light, f.points};
+    assert_int_equal(nqm_transport_fill(&options.scene, f.directions, POINTS, f.light, f.points, NULL), NQM_OK);
+    f.transport = (nqm_transport){n_directions, POINTS, f.light, f.points};
     assert_null(nqm_transport_fault(&f.transport, true));
 }
 

@@ -19,7 +19,7 @@ static float light[N * 3 * POINTS], rgb[BRDFS][3 * N];
 static double points[3 * POINTS], itp[BRDFS][POINTS][3], itp_used[BRDFS][POINTS][3];
 static double labels[BRDFS][PARTS], labels_used[BRDFS][PARTS];
 static uint8_t used[BRDFS][N];
-static const nqm_transport transport = {N, light, points};
+static const nqm_transport transport = {N, POINTS, light, points};
 
 static int read_vectors(void **state) {
     (void)state;
@@ -76,7 +76,7 @@ static void compare_with_numpy(void) {
         samples[i] = (nqm_transport_samples){.rgb = rgb[i]};
         samples[BRDFS + i] = (nqm_transport_samples){.rgb = rgb[i], .instead = rgb[0], .used = used[i]};
     }
-    nqm_transport_pictures(&transport, 2 * BRDFS, samples, pictures[0]);
+    nqm_transport_pictures(&transport, 0, POINTS, 2 * BRDFS, samples, pictures[0]);
     for (size_t i = 0; i < BRDFS; ++i) {
         check_picture(pictures[i], itp[i]);
         check_picture(pictures[BRDFS + i], itp_used[i]);
@@ -165,11 +165,11 @@ static void predictions_give_the_same_bits(void **state) {
     const float *ref[N_PAIRS], *test[N_PAIRS];
     double expected[N_PAIRS], jod[N_PAIRS];
     assert_int_equal(make_tiny_model(N_DIRECTIONS, &model, NULL), NQM_OK);
-    model->transport = nqm_alloc(N_DIRECTIONS * 3 * POINTS, sizeof *model->transport);
-    model->n_transport = N_DIRECTIONS;
-    memcpy(model->transport_points, points, sizeof points);
+    static float random[N_DIRECTIONS * 3 * POINTS];
     for (size_t i = 0; i < N_DIRECTIONS * 3 * POINTS; ++i)
-        model->transport[i] = (float)nqm_rng_uniform(&rng);
+        random[i] = (float)nqm_rng_uniform(&rng);
+    const nqm_transport matrix = {N_DIRECTIONS, POINTS, random, points};
+    assert_int_equal(nqm_model_set_transport(model, &matrix, NULL), NQM_OK);
     for (size_t i = 0; i < 2 * N_PAIRS * 3 * N_DIRECTIONS; ++i)
         samples[i] = (float)nqm_rng_uniform(&rng);
     for (size_t i = 0; i < N_PAIRS; ++i) {

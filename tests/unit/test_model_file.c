@@ -30,15 +30,17 @@ static const char *path_of_output(void) {
 
 /* Two scenes of 64 points each. */
 static void add_transport(struct nqm_model *model) {
-    model->n_transport = N_DIRECTIONS;
-    model->transport = nqm_alloc(N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS, sizeof *model->transport);
-    for (size_t i = 0; i < N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS; ++i)
-        model->transport[i] = 0.25f * (float)(i % 1000);
+    static float light[N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS];
+    static double points[3 * NQM_TRANSPORT_POINTS];
+    for (size_t i = 0; i < sizeof light / sizeof *light; ++i)
+        light[i] = 0.25f * (float)(i % 1000);
     for (size_t i = 0; i < NQM_TRANSPORT_POINTS; ++i) {
-        model->transport_points[3 * i] = 1.0 / 64;
-        model->transport_points[3 * i + 1] = (double)(i / 64);
-        model->transport_points[3 * i + 2] = 1000;
+        points[3 * i] = 1.0 / 64;
+        points[3 * i + 1] = (double)(i / 64);
+        points[3 * i + 2] = 1000;
     }
+    const nqm_transport transport = {N_DIRECTIONS, NQM_TRANSPORT_POINTS, light, points};
+    assert_int_equal(nqm_model_set_transport(model, &transport, NULL), NQM_OK);
 }
 
 static struct nqm_model *make_model(void) {
@@ -134,7 +136,8 @@ static void round_trip(void **state) {
         assert_int_equal(model->n_transport, N_DIRECTIONS);
         assert_memory_equal(model->transport, made->transport,
                             N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS * sizeof *made->transport);
-        assert_memory_equal(model->transport_points, made->transport_points, sizeof made->transport_points);
+        assert_memory_equal(model->transport_points, made->transport_points,
+                            3 * NQM_TRANSPORT_POINTS * sizeof *made->transport_points);
     }
     assert_int_equal(model->features.layout, made->features.layout);
     assert_int_equal(model->target, made->target);

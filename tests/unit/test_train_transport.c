@@ -153,7 +153,8 @@ static void models_correct_the_estimate(void **state) {
     nqm_model *model = train_model(toy, &o, &report), *loaded;
     assert_int_equal(model->n_transport, N);
     assert_memory_equal(model->transport, toy->transport, N * 3 * NQM_TRANSPORT_POINTS * sizeof *model->transport);
-    assert_memory_equal(model->transport_points, toy->transport_points, sizeof model->transport_points);
+    assert_memory_equal(model->transport_points, toy->transport_points,
+                        3 * NQM_TRANSPORT_POINTS * sizeof *model->transport_points);
     check_predictions(model, true);
     check_report(model, &report);
     assert_int_equal(nqm_model_save(model, model_path, NULL), NQM_OK);

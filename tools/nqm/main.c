@@ -29,6 +29,7 @@ static const verb verbs[] = {
     {"label", cmd_label, "compute Delta-E ITP and JOD of pairs by rendering"},
     {"dataset", cmd_dataset, "make a training corpus from a list of materials"},
     {"regress", cmd_regress, "fit the curve from Delta-E ITP to JOD to human scores"},
+    {"transport", cmd_transport, "make a metric for a scene of your own, without training"},
     {"train", cmd_train, "train a model on a dataset"},
     {"calibrate", cmd_calibrate, "calibrate the intervals around the JOD of a model"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The estimate by light transport (metric/transport.c) in double and with the exact PQ signal, and its gradient by the samples
+ * of the test: from the label back to the pictures, from ITP back to light, and through the transpose of the matrix.
+ */
+#include "kernel/kernel.h"
+#include "metric/metric.h"
+
+#include <math.h>
+
+void nqm_transport_see(const nqm_transport *t, const nqm_transport_samples *samples, float *rgb, double *itp) {
+    const size_t n = t->n_points;
+    float block[3 * NQM_TRANSPORT_POINTS];
+    for (size_t first = 0, n_block; first < n; first += n_block) {
+        n_block = nqm_smaller(n - first, NQM_TRANSPORT_POINTS);
+        nqm_transport_radiance(t, first, n_block, 1, samples, block);
+        for (size_t p = 0; p < n_block; ++p) {
+            double shown[3], point[3];
+            for (size_t k = 0; k < 3; ++k) {
+                rgb[k * n + first + p] = block[k * n_block + p];
+                shown[k] = fmin((double)block[k * n_block + p], t->points[3 * (first + p) + 2]);
+            }
+            nqm_itp_from_rgb(shown, point);
+            for (size_t k = 0; k < 3; ++k)
+                itp[k * n + first + p] = NQM_ITP_UNIT * point[k];
+        }
+    }
+}
+
+static void point_of(const double *picture, size_t n, size_t p, double *point) {
+    for (size_t k = 0; k < 3; ++k)
+        point[k] = picture[k * n + p];
+}
+
+/* The sums of the scene that begins at point `first`; *end receives the point after it. */
+static nqm_picture_sums sum_scene(const nqm_transport *t, size_t first, const double *ref, const double *test,
+                                  size_t *end) {
+    nqm_picture_sums sums = {0};
+    size_t p = first;
+    do {
+        double a[3], b[3];
+        point_of(ref, t->n_points, p, a);
+        point_of(test, t->n_points, p, b);
+        nqm_picture_sums_add(&sums, t->points[3 * p], a, b);
+    } while (!nqm_transport_ends_scene(t, p++));
+    *end = p;
+    return sums;
+}
+
+nqm_label nqm_transport_label(const nqm_transport *t, const double *ref, const double *test) {
+    nqm_label mean = {.delta_e = 0};
+    for (size_t first = 0, end; first < t->n_points; first = end) {
+        const nqm_picture_sums sums = sum_scene(t, first, ref, test, &end);
+        const nqm_label label = nqm_picture_sums_label(&sums);
+        nqm_label_add(&mean, nqm_transport_share(t), &label);
+    }
+    return mean;
+}
+
+/* The gradient by the light (3) of point p. */
+static void light_gradient(const nqm_transport *t, const nqm_picture_sums *sums, const nqm_label *weights, size_t p,
+                           const double *ref, const double *test, const float *rgb, float *scratch) {
+    const size_t n = t->n_points;
+    const double peak = t->points[3 * p + 2], weight = t->points[3 * p] * nqm_transport_share(t) * NQM_ITP_UNIT;
+    double a[3], b[3], by_itp[3], by_rgb[3], shown[3];
+    point_of(ref, n, p, a);
+    point_of(test, n, p, b);
+    nqm_picture_gradient(sums, weights, weight, a, b, by_itp);
+    for (size_t k = 0; k < 3; ++k)
+        shown[k] = fmin((double)rgb[k * n + p], peak);
+    nqm_rgb_gradient(shown, by_itp, by_rgb);
+    for (size_t k = 0; k < 3; ++k)
+        scratch[k * n + p] = (double)rgb[k * n + p] < peak ? (float)by_rgb[k] : 0;
+}
+
+void nqm_transport_gradient(const nqm_transport *t, const nqm_label *weights, const double *ref, const double *test,
+                            const float *rgb, const uint8_t *used, float *scratch, double *gradient) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    for (size_t first = 0, end; first < t->n_points; first = end) {
+        const nqm_picture_sums sums = sum_scene(t, first, ref, test, &end);
+        for (size_t p = first; p < end; ++p)
+            light_gradient(t, &sums, weights, p, ref, test, rgb, scratch);
+    }
+    for (size_t i = 0; i < 3 * t->n_directions; ++i) {
+        const bool counts = !used || used[i / 3];
+        gradient[i] =
+            counts ? (double)kernels->dot(t->n_points, t->light + i * t->n_points, scratch + i % 3 * t->n_points) : 0;
+    }
+}

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The forward pass of a network that keeps what the backward pass needs, and the backward pass to its inputs, without gradients
+ * of weights.
+ */
+#include "net/input_gradient.h"
+#include "kernel/panel.h"
+
+#include <string.h>
+
+enum { ROWS = 16 }; /* of a task */
+
+typedef struct layer {
+    size_t in, out;
+    nqm_panels forward, backward; /* W^T and W */
+} layer;
+
+struct nqm_gradient_net {
+    const nqm_params *params;
+    size_t n_hidden;
+    layer layer[NQM_NET_MAX_LAYERS];
+};
+
+/* Rows of max_batch. Views into the block that begins with this struct. */
+struct nqm_gradient_work {
+    const nqm_gradient_net *net;
+    size_t n, stride; /* rows of the call; floats from row to row of y and dy */
+    float *xhat[NQM_NET_MAX_LAYERS], *slope[NQM_NET_MAX_LAYERS], *rstd[NQM_NET_MAX_LAYERS];
+    float *y, *dy; /* outputs of a layer, and the gradient by them */
+    float *unused; /* (max_batch, stride) sums of the gradients of bias, gamma and beta, which nobody reads */
+};
+
+/* ---- creation ---------------------------------------------------------------------------------------------------- */
+
+nqm_status nqm_gradient_net_create(const nqm_params *params, nqm_gradient_net **net_ret, nqm_error *err) {
+    *net_ret = NULL;
+    nqm_gradient_net *net = nqm_alloc(1, sizeof *net);
+    if (!net)
+        return nqm_fail_nomem(err, sizeof *net);
+    net->params = params;
+    net->n_hidden = params->shape.n_layers - 1;
+    nqm_status status = NQM_OK;
+    for (size_t l = 0; status == NQM_OK && l < net->n_hidden; ++l) {
+        layer *to = &net->layer[l];
+        to->in = params->shape.sizes[l];
+        to->out = params->shape.sizes[l + 1];
+        status = nqm_panels_create(NQM_PRECISION_F32, to->in, to->out, &to->forward, err);
+        if (status == NQM_OK)
+            status = nqm_panels_create(NQM_PRECISION_F32, to->out, to->in, &to->backward, err);
+        if (status != NQM_OK)
+            break;
+        nqm_panels_pack(&to->forward, (nqm_weights){params->layer[l].w, params->layer[l].half, to->in});
+        nqm_panels_transpose(&to->forward, &to->backward);
+    }
+    if (status == NQM_OK)
+        *net_ret = net;
+    else
+        nqm_gradient_net_free(net);
+    return status;
+}
+
+void nqm_gradient_net_free(nqm_gradient_net *net) {
+    for (size_t l = 0; net && l < net->n_hidden; ++l) {
+        nqm_panels_free(&net->layer[l].forward);
+        nqm_panels_free(&net->layer[l].backward);
+    }
+    nqm_free(net);
+}
+
+nqm_status nqm_gradient_work_create(const nqm_gradient_net *net, size_t max_batch, nqm_gradient_work **work_ret,
+                                    nqm_error *err) {
+    size_t widest = 0;
+    nqm_gradient_work *work;
+    float *y, *dy, *unused, *kept;
+    *work_ret = NULL;
+    for (size_t l = 0; l < net->n_hidden; ++l)
+        widest = nqm_larger(widest, net->layer[l].out);
+    const size_t stride = nqm_row_stride(widest), row = stride * sizeof *y;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&work, 1, sizeof *work}, {&y, max_batch, row},
+                                                    {&dy, max_batch, row}, {&unused, max_batch, row},
+                                                    {&kept, net->n_hidden * max_batch, 2 * row + sizeof *kept}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
+    *work = (nqm_gradient_work){.net = net, .stride = stride, .y = y, .dy = dy, .unused = unused};
+    for (size_t l = 0; l < net->n_hidden; ++l) {
+        work->xhat[l] = kept + 2 * l * max_batch * stride;
+        work->slope[l] = work->xhat[l] + max_batch * stride;
+        work->rstd[l] = kept + 2 * net->n_hidden * max_batch * stride + l * max_batch;
+    }
+    *work_ret = work;
+    return NQM_OK;
+}
+
+void nqm_gradient_work_free(nqm_gradient_work *work) {
+    nqm_free(work);
+}
+
+/* ---- passes ------------------------------------------------------------------------------------------------------ */
+
+/* A hidden layer of all rows. */
+typedef struct layer_job {
+    nqm_gradient_work *work;
+    size_t l;
+} layer_job;
+
+static void hidden_rows(void *user, size_t piece) {
+    const layer_job *job = user;
+    const nqm_gradient_work *w = job->work;
+    const nqm_layer *p = &w->net->params->layer[job->l];
+    for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i)
+        nqm_kernels_get()->hidden_row(&(nqm_hidden_row){.n = w->net->layer[job->l].out,
+                                                        .bias = p->b,
+                                                        .gamma = p->gamma,
+                                                        .beta = p->beta,
+                                                        .x = w->xhat[job->l] + i * w->stride,
+                                                        .y = w->y + i * w->stride,
+                                                        .slope = w->slope[job->l] + i * w->stride,
+                                                        .rstd = w->rstd[job->l] + i});
+}
+
+static void hidden_rows_back(void *user, size_t piece) {
+    const layer_job *job = user;
+    const nqm_gradient_work *w = job->work;
+    for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i) {
+        float *unused = w->unused + i * w->stride;
+        nqm_kernels_get()->hidden_row_back(&(nqm_hidden_row_back){.n = w->net->layer[job->l].out,
+                                                                  .gamma = w->net->params->layer[job->l].gamma,
+                                                                  .xhat = w->xhat[job->l] + i * w->stride,
+                                                                  .slope = w->slope[job->l] + i * w->stride,
+                                                                  .rstd = w->rstd[job->l][i],
+                                                                  .dy = w->dy + i * w->stride,
+                                                                  .dbias = unused,
+                                                                  .dgamma = unused,
+                                                                  .dbeta = unused});
+    }
+}
+
+static size_t n_pieces(size_t n) {
+    return nqm_ceil_div(n, ROWS);
+}
+
+void nqm_gradient_forward(nqm_gradient_work *w, size_t n, const float *x, float *z) {
+    const nqm_gradient_net *net = w->net;
+    const nqm_layer *output = &net->params->layer[net->n_hidden];
+    const size_t n_last = net->layer[net->n_hidden - 1].out, n_outputs = net->params->shape.sizes[net->n_hidden + 1];
+    w->n = n;
+    for (size_t l = 0; l < net->n_hidden; ++l) {
+        const float *from = l > 0 ? w->y : x;
+        layer_job job = {w, l};
+        nqm_multiply(&net->layer[l].forward, n, from, l > 0 ? w->stride : nqm_row_stride(net->layer[l].in), false,
+                     w->xhat[l], w->stride);
+        nqm_parallel_for(n_pieces(n), hidden_rows, &job);
+    }
+    for (size_t i = 0; i < n * n_outputs; ++i) {
+        const size_t o = i % n_outputs;
+        z[i] = output->b[o] + nqm_kernels_get()->dot(n_last, w->y + i / n_outputs * w->stride, output->w + o * n_last);
+    }
+}
+
+void nqm_gradient_backward(nqm_gradient_work *w, size_t n, const float *dz, float *dx) {
+    const nqm_gradient_net *net = w->net;
+    const nqm_layer *output = &net->params->layer[net->n_hidden];
+    const size_t n_last = net->layer[net->n_hidden - 1].out, n_outputs = net->params->shape.sizes[net->n_hidden + 1];
+    for (size_t i = 0; i < n; ++i) {
+        float *dy = memset(w->dy + i * w->stride, 0, n_last * sizeof *dy);
+        for (size_t o = 0; o < n_outputs; ++o)
+            for (size_t k = 0; k < n_last; ++k)
+                dy[k] += dz[i * n_outputs + o] * output->w[o * n_last + k];
+    }
+    for (size_t l = net->n_hidden; l-- > 0;) {
+        layer_job job = {w, l};
+        nqm_parallel_for(n_pieces(n), hidden_rows_back, &job);
+        if (l == 0) {
+            nqm_multiply(&net->layer[0].backward, n, w->dy, w->stride, false, dx, nqm_row_stride(net->layer[0].in));
+        } else {
+            float *below = w->y;
+            nqm_multiply(&net->layer[l].backward, n, w->dy, w->stride, false, below, w->stride);
+            w->y = w->dy;
+            w->dy = below;
+        }
+    }
+}

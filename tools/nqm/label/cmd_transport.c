@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm transport - makes the transport matrix of a scene, a model without a network.
+ */
+#include "model/model.h"
+#include "nqm/label/scene.h"
+
+#include <string.h>
+
+int cmd_transport(int argc, char **argv) {
+    const char *path = NULL, *directions_name = NULL, *name = "transport";
+    bool json = false;
+    scene_args scene = scene_args_begin();
+    const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE", "the model to write", 0, 0},
+                              {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
+                               "sampling directions (default: those of `nqm score`)", 0, 0},
+                              {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
+                              {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
+                              {0}};
+    const command cmd = {
+        .usage = "make -o FILE [options]",
+        .about =
+            "Make a metric for a scene of your own, without training: with fixed light, every point of a picture is\n"
+            "linear in the BRDF, so a matrix makes small pictures from samples. The result is a model for --model, "
+            "which\n"
+            "predicts the Delta-E ITP and JOD of this scene. --points is a multiple of 32 (default 128, of all scenes\n"
+            "together). --model transport has the standard scenes.",
+        .example = "nqm transport make --light studio --shape sphere -o studio.safetensors\n"
+                   "nqm score sgd:nickel ward:nickel --model studio.safetensors",
+        .options = options,
+        .table = &nqm_scene_option_table,
+        .table_target = &scene.scene,
+        .min_arguments = 1,
+    };
+    parse_arguments(&cmd, argc, argv);
+    if (strcmp(argv[0], "make") != 0)
+        stop(EXIT_USAGE, "'%s' is not known here; there is: make", argv[0]);
+    const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;
+    nqm_directions *directions = open_directions(directions_name);
+    nqm_model *model;
+    nqm_error err = {0};
+    must(nqm_transport_create(&scene.scene, directions, n_points, name, &model, &err), &err);
+    must(nqm_model_save(model, output_path(path), &err), &err);
+    if (json)
+        print_document(json_model(model));
+    else
+        report(EXIT_OK, "%s: %zu directions, %zu points", path, nqm_directions_count(directions), n_points);
+    nqm_model_free(model);
+    nqm_directions_free(directions);
+    return EXIT_OK;
+}
