@@ -13,13 +13,41 @@
 extern "C" {
 #endif
 
-/** The loss of a fit: a mean over directions and channels. c = cos(theta_i) cos(theta_o), f_r in 1/sr. */
+/** The loss of a fit: root mean square or mean absolute difference over directions and channels. c = cos(theta_i)
+ *  cos(theta_o), f_r in 1/sr. The first four have names of their own, the others those of the scalar metrics. */
 typedef enum nqm_fit_loss {
-    NQM_FIT_LOG = 0,   /**< squared difference of log(1 + f_r); the default */
-    NQM_FIT_LOG_COS,   /**< squared difference of log(1 + c f_r) */
-    NQM_FIT_CUBE_ROOT, /**< squared difference of cbrt(f_r) */
-    NQM_FIT_LINEAR     /**< squared difference of f_r */
+    NQM_FIT_LOG = 0, /**< "log": root mean square difference of log(1 + f_r); the default; equal to NQM_FIT_RMS_LOGE */
+    NQM_FIT_LOG_COS, /**< "log-cos": equal to NQM_FIT_RMS_LOGWE */
+    NQM_FIT_CUBE_ROOT, /**< "cube-root": root mean square difference of cbrt(f_r) */
+    NQM_FIT_LINEAR,    /**< "linear": equal to NQM_FIT_RMSE */
+    NQM_FIT_RMSE,      /**< root mean square difference of f_r */
+    NQM_FIT_MAE,       /**< mean absolute difference of f_r */
+    NQM_FIT_RMS_CRWE,  /**< root mean square difference of cbrt(c f_r) */
+    NQM_FIT_MA_CRWE,   /**< mean absolute difference of cbrt(c f_r) */
+    NQM_FIT_RMS_LOGE,  /**< root mean square difference of log(1 + f_r) */
+    NQM_FIT_MA_LOGE,   /**< mean absolute difference of log(1 + f_r) */
+    NQM_FIT_RMS_LOGWE, /**< root mean square difference of log(1 + c f_r) */
+    NQM_FIT_MA_LOGWE,  /**< mean absolute difference of log(1 + c f_r) */
+    NQM_FIT_LOG_DIFF,  /**< mean absolute difference of log(f_r + 0.003) */
+    NQM_FIT_N_LOSSES
 } nqm_fit_loss;
+
+/** A differentiable loss of the caller: a function of f_r at fixed directions. The arrays belong to the caller. */
+typedef struct nqm_fit_visual {
+    size_t n;              /**< direction pairs, > 0 */
+    const double *wi, *wo; /**< (n, 3) unit vectors above the horizon */
+    /** The loss at rgb (n, 3), f_r in 1/sr; gradient (n, 3) receives its derivatives by rgb. NaN ends the fit with
+     *  NQM_ERR_NUMERIC. Called by one thread at a time. */
+    double (*eval)(void *user, const double *rgb, double *gradient);
+    void *user; /**< passed to `eval` */
+} nqm_fit_visual;
+
+/** One term of a loss that is a weighted sum. */
+typedef struct nqm_fit_term {
+    double weight;                /**< > 0 */
+    nqm_fit_loss loss;            /**< unless `visual` */
+    const nqm_fit_visual *visual; /**< NULL: `loss` */
+} nqm_fit_term;
 
 /** A narrower range for one parameter of an analytic model's lobe. */
 typedef struct nqm_fit_bound {
@@ -28,7 +56,11 @@ typedef struct nqm_fit_bound {
 } nqm_fit_bound;
 
 typedef struct nqm_fit_options {
-    nqm_fit_loss loss;    /**< of analytic models; default NQM_FIT_LOG */
+    nqm_fit_loss loss; /**< of analytic models; default NQM_FIT_LOG */
+    const nqm_fit_term
+        *terms;           /**< (n_terms) of analytic models: their sum replaces `loss`; owned by the caller; default
+                                  NULL */
+    size_t n_terms;       /**< 0 to 8; default 0 */
     size_t n_directions;  /**< direction pairs, 200 to 1000000; default 6000 */
     double max_polar_rad; /**< largest polar angle of both directions, 0.1 to 89.9 degrees; default 80 degrees */
     double
@@ -41,7 +73,17 @@ typedef struct nqm_fit_options {
     const nqm_fit_bound *bounds; /**< (n_bounds) for analytic models; owned by the caller; default NULL */
     size_t n_bounds;             /**< default 0 */
     uint64_t seed;               /**< of the direction pairs; default 1 */
-    nqm_progress_fn progress;    /**< NULL: silent */
+    const char
+        *start; /**< a spec of the model ("ggx:kd=..."), from which the loss is minimised; of RGB lobe parameters the
+                          red value counts; default NULL: from the starts above. Analytic models */
+    size_t
+        n_random; /**< > 0: this many random starts instead of those above: shapes uniform in the scale of the search,
+                          the albedos that fit best by NQM_FIT_LOG times factors log-uniform in [1/20, 20]; a function of
+                          `start_seed` and the directions only, equal for all losses; at most 1000; default 0 */
+    uint64_t start_seed; /**< of the random starts; default 1 */
+    int immediate;       /**< 1: random starts minimise the whole loss from the first step; 0 (default): they are first
+                            fitted by least squares, then by the BRDF-space terms, and visual terms come in last */
+    nqm_progress_fn progress; /**< NULL: silent. Called by the calling thread */
     void *progress_user;
 } nqm_fit_options;
 
@@ -50,7 +92,8 @@ NQM_API nqm_fit_options nqm_fit_options_default(void);
 
 typedef struct nqm_fit_report {
     char spec[512]; /**< analytic models: the result as a spec for nqm_brdf_open(); otherwise "": nqm_brdf_save() it */
-    double loss;    /**< analytic models: root mean square residual of the loss; networks: mean absolute difference of
+    double
+        loss; /**< analytic models: value of the loss, or of the sum of the terms; networks: mean absolute difference of
                               log(1 + cos(theta_i) f_r); sparse codes: mean absolute difference of log(1 + c f_r) */
     size_t n_directions; /**< direction pairs in that loss */
     size_t best_start;   /**< index of the start that gave the result; 0 if there is only one */
@@ -73,10 +116,11 @@ NQM_API int nqm_fit_model_has(const char *name, const char *key);
 
 /**
  * Fit `model` to `ref`. Analytic models are one lobe with a specular RGB colour over a Lambert base: each start solves the
- * albedos by linear least squares, and the best starts are refined by Levenberg-Marquardt over all parameters. The result
- * is deterministic.
+ * albedos by linear least squares, and the best starts are refined by Levenberg-Marquardt over all parameters. A loss that is
+ * not one root mean square continues from there by L-BFGS (NLopt), first under its BRDF-space terms, then under all terms.
+ * Without BRDF-space terms the least-squares fit is that of NQM_FIT_LOG. The result is deterministic.
  *
- * @param options   NULL: the defaults. `loss`, `n_starts` and `bounds` apply to analytic models; networks and sparse codes
+ * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
  *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the
  *                  horizon
  * @param brdf_ret  NULL, or receives the result; free with nqm_brdf_free()

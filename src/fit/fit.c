@@ -5,13 +5,14 @@
 #include "fit/fit.h"
 #include "math/math.h"
 
+#include <math.h>
 #include <string.h>
+
+enum { MAX_TERMS = 8 };
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
 #define FIELD(name) .key = #name, .offset = offsetof(nqm_fit_options, name)
-
-const char *const nqm_fit_loss_words[] = {"log", "log-cos", "cube-root", "linear", NULL};
 
 /* clang-format off */
 static const nqm_option rows[] = {
@@ -25,6 +26,12 @@ static const nqm_option rows[] = {
     {FIELD(n_starts), .name = "starts", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 100, .values = {"12"},
      .help = "lobe widths to start from (analytic models)"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the direction pairs"},
+    {FIELD(n_random), .name = "random-starts", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
+     .values = {"0"}, .help = "start from this many random values instead (analytic models)"},
+    {FIELD(start_seed), .name = "start-seed", .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"},
+     .help = "seed of the random starts"},
+    {FIELD(immediate), .kind = NQM_OPTION_BOOL, .off_name = "", .values = {"0"},
+     .help = "random starts minimise the whole loss from the first step"},
 };
 /* clang-format on */
 
@@ -63,22 +70,55 @@ void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *v, cha
                          nqm_format_double(value, sizeof value, v->shape[s]));
 }
 
+static nqm_status check_terms(const nqm_fit_options *options, nqm_error *err) {
+    if (options->n_terms > MAX_TERMS)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "a loss has at most %d terms", MAX_TERMS);
+    for (size_t i = 0; i < options->n_terms; ++i) {
+        const nqm_fit_term *term = &options->terms[i];
+        if (!(term->weight > 0 && isfinite(term->weight)))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "the weight of a loss must be positive, not %g", term->weight);
+        if (!term->visual && (unsigned)term->loss >= NQM_FIT_N_LOSSES)
+            return nqm_fail(err, NQM_ERR_ARG, -1, "there is no loss %d", (int)term->loss);
+        if (term->visual && (term->visual->n == 0 || !term->visual->eval))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "a visual loss needs directions and a function");
+    }
+    return NQM_OK;
+}
+
+/* The loss of the rounded result. */
+static nqm_status measure(const nqm_fit_entry *model, const nqm_fit_target *target, const nqm_fit_options *options,
+                          const nqm_fit_values *values, double *loss, nqm_error *err) {
+    nqm_fit_term only = {.weight = 1, .loss = options->loss};
+    nqm_fit_objective objective;
+    nqm_status status = nqm_fit_objective_make(model, target, options->n_terms ? options->n_terms : 1,
+                                               options->n_terms ? options->terms : &only, &objective, err);
+    if (status == NQM_OK)
+        status = nqm_fit_objective_eval(&objective, true, values, loss, NULL, err);
+    nqm_fit_objective_free(&objective);
+    return status;
+}
+
 static nqm_status fit_analytic(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
                                nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_fit_entry model = *entry;
     nqm_fit_target target = {0};
-    nqm_fit_values values;
+    nqm_fit_candidate found;
+    nqm_fit_options first = *options;
     nqm_status status = nqm_fit_apply_bounds(options, &model, err);
     if (status == NQM_OK)
-        status = nqm_fit_target_make(ref, options, &target, err);
+        status = check_terms(options, err);
+    first.loss = nqm_fit_first_loss(options);
     if (status == NQM_OK)
-        status = nqm_fit_solve(&model, &target, options, &values, &report->best_start, err);
+        status = nqm_fit_target_make(ref, &first, &target, err);
+    if (status == NQM_OK)
+        status = nqm_fit_minimise(&model, &target, options, &found, err);
     if (status == NQM_OK) {
-        round_values(&model, &values);
-        nqm_fit_write_spec(&model, &values, report->spec);
+        round_values(&model, &found.values);
+        nqm_fit_write_spec(&model, &found.values, report->spec);
         report->n_directions = target.n;
+        report->best_start = found.start;
         report->n_numbers = 6 + model.n_shape;
-        status = nqm_fit_loss_of_spec(&target, report->spec, &report->loss, err);
+        status = measure(&model, &target, options, &found.values, &report->loss, err);
     }
     if (status == NQM_OK)
         status = nqm_brdf_open(report->spec, brdf_ret, err);

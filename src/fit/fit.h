@@ -11,8 +11,34 @@
 #include "fit/encoders.h"
 
 extern const nqm_option_table nqm_fit_option_table;
-/** The words of nqm_fit_loss, NULL-terminated. */
+
+/* ---- losses ------------------------------------------------------------------------------------------------------ */
+
+/** What a loss compares. weight: c or 1. */
+typedef enum nqm_fit_curve {
+    NQM_FIT_CURVE_LINEAR,    /* weight f */
+    NQM_FIT_CURVE_LOG,       /* log(1 + weight f) */
+    NQM_FIT_CURVE_CUBE_ROOT, /* cbrt(weight f) */
+    NQM_FIT_CURVE_LOG_OFFSET /* log(weight f + 0.003) */
+} nqm_fit_curve;
+
+typedef struct nqm_fit_loss_entry {
+    nqm_fit_curve curve;
+    bool weighted; /* by c */
+    int power;     /* 2: root mean square, 1: mean absolute difference */
+} nqm_fit_loss_entry;
+
+/** Indexed by nqm_fit_loss (fit_loss.c). */
+extern const nqm_fit_loss_entry nqm_fit_losses[];
+/** The words of nqm_fit_loss, NULL-terminated. The first NQM_FIT_N_CORPUS_LOSSES are those of the paths in corpora. */
 extern const char *const nqm_fit_loss_words[];
+enum { NQM_FIT_N_CORPUS_LOSSES = 4 };
+
+/** The curve of a loss and its derivative by f; f >= 0. */
+double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
+double nqm_fit_transform_slope(nqm_fit_loss loss, double weight, double f);
+
+/* ---- models ------------------------------------------------------------------------------------------------------ */
 
 enum { NQM_FIT_MAX_SHAPE = 3 };
 
@@ -63,41 +89,145 @@ typedef struct nqm_fit_values {
 /** The spec of `model` with exactly these values. */
 void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *values, char spec[512]);
 
+/** The base with kd = 1 and the lobe with ks = 1 of a model at fixed directions. */
+typedef struct nqm_fit_lobes {
+    const nqm_fit_entry *model;
+    size_t n;
+    const double *wi, *wo;           /* (n, 3), borrowed */
+    double *rgb;                     /* (n, 3) scratch; owns the block of the arrays below */
+    double *diffuse, *lobe;          /* (n) */
+    double shape[NQM_FIT_MAX_SHAPE]; /* of `lobe`; zeros: not evaluated yet */
+} nqm_fit_lobes;
+
+/** Allocate the arrays and evaluate the base; nqm_free(lobes->rgb) also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_fit_lobes_make(const nqm_fit_entry *model, size_t n, const double *wi, const double *wo,
+                                             nqm_fit_lobes *lobes, nqm_error *err);
+/** Evaluate the lobe, unless it already has this shape. */
+NQM_MUST_CHECK nqm_status nqm_fit_lobes_set(nqm_fit_lobes *lobes, const double *shape, nqm_error *err);
+/** slope (n): derivative of the lobe by the position of shape k in its range; scratch (n). */
+NQM_MUST_CHECK nqm_status nqm_fit_lobes_slope(nqm_fit_lobes *lobes, size_t k, double *slope, double *scratch,
+                                              nqm_error *err);
+/** rgb (n, 3): f_r with the albedos of `v`; the lobe must have its shape. */
+void nqm_fit_lobes_combine(const nqm_fit_lobes *lobes, const nqm_fit_values *v, double *rgb);
+/** f_r of a spec: rgb (n, 3). */
+NQM_MUST_CHECK nqm_status nqm_fit_eval_spec(const char *spec, size_t n, const double *wi, const double *wo, double *rgb,
+                                            nqm_error *err);
+
 /** The reference at the directions of the fit. */
 typedef struct nqm_fit_target {
     nqm_fit_loss loss;
     size_t n;
     double *wi, *wo; /* (n, 3); wi owns the block of all arrays */
-    double *weight;  /* (n) factor of f_r inside the loss: cos(theta_i) cos(theta_o), or 1 */
+    double *weight;  /* (n) factor of f_r inside the loss: c or 1 */
     double *rgb;     /* (n, 3) f_r of the reference */
     double *goal;    /* (n, 3) nqm_fit_transform() of it */
+    double rounding; /* of the kinks of mean absolute losses: |r| becomes sqrt(r^2 + rounding^2) - rounding */
 } nqm_fit_target;
 
 /** Draw the directions and sample `ref` there; nqm_free(target->wi) also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *options,
                                               nqm_fit_target *target, nqm_error *err);
 
-/** The transform inside the loss: log(1 + weight f), cbrt(f) or f; f >= 0. */
-double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
+/** The same directions under another loss. Borrows the directions and f_r; nqm_free(target->weight). */
+NQM_MUST_CHECK nqm_status nqm_fit_target_under(const nqm_fit_target *from, nqm_fit_loss loss, nqm_fit_target *target,
+                                               nqm_error *err);
+/** The target's loss of rgb (n, 3); gradient (n, 3) receives its derivatives, NULL: not computed. Where a difference of a
+ *  mean absolute loss is 0 its derivative counts as 0; the derivative of cbrt(x) below x = 1e-6 is that at 1e-6. */
+double nqm_fit_loss_value(const nqm_fit_target *target, const double *rgb, double *gradient);
 
-/** f_r of a spec at the target's directions: rgb (n, 3). */
-NQM_MUST_CHECK nqm_status nqm_fit_eval_spec(const nqm_fit_target *target, const char *spec, double *rgb,
-                                            nqm_error *err);
+/* ---- least squares (fit_solve.c) ---------------------------------------------------------------------------------- */
 
-/** Find the best values of a model for a target; *start_ret receives the index of the start that led to them. */
-NQM_MUST_CHECK nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *target,
-                                        const nqm_fit_options *options, nqm_fit_values *values, size_t *start_ret,
-                                        nqm_error *err);
+enum { NQM_FIT_MAX_REFINED = 4 };
+/* Within the ranges of the specs, beyond those of real surfaces. */
+#define NQM_FIT_MAX_KD 10.0
+#define NQM_FIT_MAX_KS 1e6
 
-/** A point on the path of the optimiser: n_steps (up to 1000) steps of Levenberg-Marquardt from random values, which are a
- *  function of the seed: shapes uniform in the scale of the search, the albedos that are best for them times random factors. */
+/** The workspace of a search under the root mean square of a target's differences. */
+typedef struct nqm_fit_search {
+    const nqm_fit_target *target;
+    nqm_fit_lobes lobes;
+    nqm_status failure; /* of the last evaluation of residuals; *err has the message */
+    nqm_ticker *ticker; /* NULL: silent */
+    double done, total; /* for the ticker */
+    nqm_error *err;
+} nqm_fit_search;
+
+/** Values of a model and their loss. */
+typedef struct nqm_fit_candidate {
+    nqm_fit_values values;
+    double loss;
+    size_t start;
+} nqm_fit_candidate;
+
+/** nqm_fit_search_end() it also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_fit_search_begin(const nqm_fit_entry *model, const nqm_fit_target *target,
+                                               nqm_ticker *ticker, nqm_fit_search *search, nqm_error *err);
+void nqm_fit_search_end(nqm_fit_search *search);
+/** Refine the best of the starts of the options: best (NQM_FIT_MAX_REFINED), in no order. */
+NQM_MUST_CHECK nqm_status nqm_fit_search_starts(nqm_fit_search *search, const nqm_fit_options *options,
+                                                nqm_fit_candidate *best, size_t *n_best);
+/** Replace the values by better ones by Levenberg-Marquardt; with_albedos: in turn with linear solutions of the albedos. */
+NQM_MUST_CHECK nqm_status nqm_fit_search_refine(nqm_fit_search *search, nqm_fit_candidate *candidate,
+                                                bool with_albedos);
+/** Random values: shapes uniform in the scale of the search, the albedos that are best for them times factors log-uniform
+ *  in [1/20, 20]. */
+NQM_MUST_CHECK nqm_status nqm_fit_search_random(nqm_fit_search *search, nqm_rng *rng, nqm_fit_values *values);
+/** Report progress; true: the caller must stop with nqm_fit_cancelled(). */
+bool nqm_fit_tick(nqm_fit_search *search);
+nqm_status nqm_fit_cancelled(nqm_error *err);
+
+/** A point on the path of the optimiser: n_steps (up to 1000) steps of Levenberg-Marquardt from nqm_fit_search_random()
+ *  under the target's loss, a function of the seed. */
 NQM_MUST_CHECK nqm_status nqm_fit_follow(const nqm_fit_entry *model, const nqm_fit_target *target, uint64_t seed,
                                          size_t n_steps, nqm_fit_values *values, nqm_error *err);
 /** The same for a model's name; spec receives the point. NQM_ERR_ARG: the model is not analytic. */
 NQM_MUST_CHECK nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
                                        uint64_t seed, size_t n_steps, char spec[512], nqm_error *err);
 
-/** Root mean square residual of a spec; NQM_ERR_NOMEM, or what opening it gives. */
+/* ---- weighted sums ------------------------------------------------------------------------------------------------ */
+
+/** One term at its directions. */
+typedef struct nqm_fit_part {
+    nqm_fit_term term;
+    nqm_fit_target target; /* of a BRDF-space term */
+    nqm_fit_lobes lobes;
+    double *rgb, *gradient;  /* (n, 3) f_r, and the derivatives of the term by it; rgb owns the block */
+    double *slope, *scratch; /* (n) */
+    double value;            /* of the last evaluation */
+} nqm_fit_part;
+
+/** A weighted sum of terms as a function of the values of a model. */
+typedef struct nqm_fit_objective {
+    const nqm_fit_entry *model;
+    size_t n;
+    nqm_fit_part *parts; /* (n) */
+} nqm_fit_objective;
+
+/** Prepare the terms; `target` gives the directions of BRDF-space terms and must outlive the objective. Free it also after
+ *  a failure. */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_make(const nqm_fit_entry *model, const nqm_fit_target *target,
+                                                 size_t n_terms, const nqm_fit_term *terms,
+                                                 nqm_fit_objective *objective, nqm_error *err);
+void nqm_fit_objective_free(nqm_fit_objective *objective);
+/** The sum (visual: with the visual terms) and its gradient (NULL: not computed), in which `shape` has the derivatives by
+ *  the positions in the ranges. NQM_ERR_NUMERIC: a term is not finite. */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_eval(nqm_fit_objective *objective, bool visual, const nqm_fit_values *v,
+                                                 double *value, nqm_fit_values *gradient, nqm_error *err);
+/** Minimise it from candidate->values (fit_descend.c); they and the loss are replaced, never by worse ones. */
+NQM_MUST_CHECK nqm_status nqm_fit_descend(nqm_fit_objective *objective, bool visual, nqm_ticker *ticker,
+                                          nqm_fit_candidate *candidate, nqm_error *err);
+/** The best values under the loss of the options (fit_minimise.c); candidate->start is the index of their start.
+ *  `target` is one of the options. */
+NQM_MUST_CHECK nqm_status nqm_fit_minimise(const nqm_fit_entry *model, const nqm_fit_target *target,
+                                           const nqm_fit_options *options, nqm_fit_candidate *candidate,
+                                           nqm_error *err);
+/** The loss by whose squares a fit of these options begins: that of the BRDF-space term with the largest weight. */
+nqm_fit_loss nqm_fit_first_loss(const nqm_fit_options *options);
+/** Values of a spec of the model, inside its ranges. NQM_ERR_ARG: another model, or a faulty spec. */
+NQM_MUST_CHECK nqm_status nqm_fit_read_spec(const nqm_fit_entry *model, const char *spec, nqm_fit_values *values,
+                                            nqm_error *err);
+
+/** Loss of a spec; NQM_ERR_NOMEM, or what opening it gives. */
 NQM_MUST_CHECK nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret,
                                                nqm_error *err);
 

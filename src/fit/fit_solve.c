@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The search of a fit. For a given lobe shape f_r is linear in the albedos kd and ks, so each start solves two unknowns
+ * The search of a fit by least squares. For a given lobe shape f_r is linear in the albedos kd and ks, so each start solves two unknowns
  * per channel by non-negative least squares with weights that make the transformed residual linear. The best starts are
  * then refined over all parameters by Levenberg-Marquardt, in unbounded coordinates (logarithms, logits). Its finite
  * differences use absolute steps: relative ones vanish where a logarithm crosses 0.
@@ -11,46 +11,14 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_REFINED = 4, N_ROUNDS = 3, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
-static const double MIN_ALBEDO = 1e-7, MAX_KD = 10,
-                    MAX_KS = 1e6; /* within the ranges of the specs, beyond those of real surfaces */
+enum { N_ROUNDS = 3, N_REWEIGHTED = 6, MAX_PARAMETERS = 6 + NQM_FIT_MAX_SHAPE };
+static const double MIN_ALBEDO = 1e-7, MAX_KD = NQM_FIT_MAX_KD, MAX_KS = NQM_FIT_MAX_KS;
 
-typedef struct search {
-    const nqm_fit_entry *model;
-    const nqm_fit_target *target;
-    double *rgb;                          /* (n, 3) scratch */
-    double *diffuse;                      /* (n) the base with kd = 1 */
-    double *lobe;                         /* (n) the lobe with ks = 1 and `lobe_shape` */
-    double lobe_shape[NQM_FIT_MAX_SHAPE]; /* zeros: not evaluated yet */
-    nqm_status failure;                   /* of the last evaluation of residuals; *err has the message */
-    nqm_error *err;
-} search;
+typedef nqm_fit_search search;
+typedef nqm_fit_candidate candidate;
 
-typedef struct candidate {
-    nqm_fit_values values;
-    double loss;
-    size_t start;
-} candidate;
-
-/* The red channel of a model with these values at the target's directions: lobe (n). */
-static nqm_status eval_lobe(search *s, const nqm_fit_values *values, double *lobe) {
-    char spec[512];
-    nqm_fit_write_spec(s->model, values, spec);
-    nqm_status status = nqm_fit_eval_spec(s->target, spec, s->rgb, s->err);
-    for (size_t i = 0; status == NQM_OK && i < s->target->n; ++i)
-        lobe[i] = s->rgb[3 * i];
-    return status;
-}
-
-/* Evaluate the lobe for `shape`, unless it already has that shape (when only the albedos changed). */
 static nqm_status set_shape(search *s, const double *shape) {
-    size_t n_bytes = s->model->n_shape * sizeof *shape;
-    if (memcmp(s->lobe_shape, shape, n_bytes) == 0)
-        return NQM_OK;
-    nqm_fit_values unit = {.ks = {1, 1, 1}};
-    memcpy(unit.shape, shape, n_bytes);
-    memcpy(s->lobe_shape, shape, n_bytes);
-    return eval_lobe(s, &unit, s->lobe);
+    return nqm_fit_lobes_set(&s->lobes, shape, s->err);
 }
 
 /* Root mean square residual of the values; residual (n, 3) receives the residuals, NULL: not stored. */
@@ -59,7 +27,7 @@ static double loss_of(const search *s, const nqm_fit_values *v, double *residual
     double sum = 0;
     for (size_t i = 0; i < t->n; ++i)
         for (size_t c = 0; c < 3; ++c) {
-            double f = v->kd[c] * s->diffuse[i] + v->ks[c] * s->lobe[i];
+            double f = v->kd[c] * s->lobes.diffuse[i] + v->ks[c] * s->lobes.lobe[i];
             double r = nqm_fit_transform(t->loss, t->weight[i], f) - t->goal[3 * i + c];
             if (residual)
                 residual[3 * i + c] = r;
@@ -107,7 +75,7 @@ static void solve_albedos(const search *s, nqm_fit_values *v) {
         for (int round = 0; round < N_REWEIGHTED; ++round) {
             double sums[5] = {0};
             for (size_t i = 0; i < t->n; ++i) {
-                double a = s->diffuse[i], b = s->lobe[i], y = t->rgb[3 * i + c];
+                double a = s->lobes.diffuse[i], b = s->lobes.lobe[i], y = t->rgb[3 * i + c];
                 double f = round ? v->kd[c] * a + v->ks[c] * b : y; /* round 0: the tangent at the reference */
                 double w = secant(t->loss, t->weight[i], f, y, t->goal[3 * i + c]);
                 double ww = w * w;
@@ -154,8 +122,8 @@ static void from_free(const nqm_fit_entry *model, const double *x, nqm_fit_value
 static int lsq_residuals(void *user, const double *x, double *residual) {
     search *s = user;
     nqm_fit_values v;
-    from_free(s->model, x, &v);
-    s->failure = set_shape(s, v.shape);
+    from_free(s->lobes.model, x, &v);
+    s->failure = nqm_fit_tick(s) ? nqm_fit_cancelled(s->err) : set_shape(s, v.shape);
     if (s->failure != NQM_OK)
         return -1;
     (void)loss_of(s, &v, residual);
@@ -184,14 +152,14 @@ static nqm_status keep_better(search *s, const nqm_fit_values *v, candidate *bes
 /* One run of Levenberg-Marquardt over all parameters, starting from *values; they are unchanged if it diverges. */
 static nqm_status descend(search *s, int max_evaluations, nqm_fit_values *values) {
     double x[MAX_PARAMETERS], rms;
-    nqm_lsq_problem problem = {.n_parameters = s->model->n_shape + 6,
+    nqm_lsq_problem problem = {.n_parameters = s->lobes.model->n_shape + 6,
                                .n_residuals = 3 * s->target->n,
                                .residuals = lsq_residuals,
                                .user = s,
                                .step = 1e-5,
                                .tolerance = 1e-6,
                                .max_evaluations = max_evaluations};
-    to_free(s->model, values, x);
+    to_free(s->lobes.model, values, x);
     nqm_error err = {0};
     nqm_status status = nqm_lsq_solve(&problem, x, &rms, &err);
     if (status == NQM_ERR_NUMERIC)
@@ -203,7 +171,7 @@ static nqm_status descend(search *s, int max_evaluations, nqm_fit_values *values
             *s->err = err;
         return status;
     }
-    from_free(s->model, x, values);
+    from_free(s->lobes.model, x, values);
     drop_traces(values);
     return NQM_OK;
 }
@@ -246,7 +214,7 @@ static nqm_status score_start(search *s, candidate *start) {
 
 /* Number of starts that are refined: more if they differ in more than the width. */
 static size_t n_refined(const nqm_fit_entry *model) {
-    return model->n_start > 2 ? MAX_REFINED : 2;
+    return model->n_start > 2 ? NQM_FIT_MAX_REFINED : 2;
 }
 
 /* Insert `c` into the sorted list of at most n_max candidates with the smallest losses. */
@@ -273,57 +241,59 @@ static void make_start(const nqm_fit_entry *model, size_t i, size_t n_widths, do
 }
 
 static nqm_status scan_starts(search *s, const nqm_fit_options *options, candidate *best, size_t *n_best) {
-    nqm_ticker ticker = {.fn = options->progress, .user = options->progress_user};
-    size_t n = options->n_starts * s->model->n_start;
+    size_t n = options->n_starts * s->lobes.model->n_start;
+    s->total = (double)(n + n_refined(s->lobes.model));
     for (size_t i = 0; i < n; ++i) {
         candidate c = {.start = i};
-        make_start(s->model, i, options->n_starts, c.values.shape);
+        make_start(s->lobes.model, i, options->n_starts, c.values.shape);
         nqm_status status = score_start(s, &c);
         if (status != NQM_OK)
             return status;
-        insert(best, n_best, n_refined(s->model), &c);
-        if (nqm_tick(&ticker, "fit", (double)(i + 1), (double)(n + n_refined(s->model))))
-            return nqm_fail(s->err, NQM_ERR_CANCELLED, -1, "fit: stopped");
+        insert(best, n_best, n_refined(s->lobes.model), &c);
+        s->done = (double)(i + 1);
+        if (nqm_fit_tick(s))
+            return nqm_fit_cancelled(s->err);
     }
     return NQM_OK;
 }
 
-/* Allocate the arrays of a search and evaluate the diffuse base; nqm_free(s->rgb) also after a failure. */
-static nqm_status begin_search(search *s) {
-    nqm_fit_values base = {.kd = {1, 1, 1}};
-    size_t n = s->target->n;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&s->rgb, n, 3 * sizeof(double)}, {&s->diffuse, n, sizeof(double)}, {&s->lobe, n, sizeof(double)}),
-        s->err);
-    if (status != NQM_OK)
-        return status;
-    make_start(s->model, 0, 1, base.shape);
-    return eval_lobe(s, &base, s->diffuse);
+bool nqm_fit_tick(search *s) {
+    return nqm_tick(s->ticker, "fit", s->done, s->total);
 }
 
-nqm_status nqm_fit_solve(const nqm_fit_entry *model, const nqm_fit_target *target, const nqm_fit_options *options,
-                         nqm_fit_values *values, size_t *start_ret, nqm_error *err) {
-    search s = {.model = model, .target = target, .err = err};
-    candidate best[MAX_REFINED] = {{.loss = INFINITY}};
-    size_t n_best = 0, winner = 0;
-    nqm_status status = begin_search(&s);
-    if (status == NQM_OK)
-        status = scan_starts(&s, options, best, &n_best);
-    for (size_t i = 0; status == NQM_OK && i < n_best; ++i) {
-        status = refine(&s, &best[i]);
-        winner = best[i].loss < best[winner].loss ? i : winner;
+nqm_status nqm_fit_cancelled(nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_CANCELLED, -1, "fit: stopped");
+}
+
+nqm_status nqm_fit_search_begin(const nqm_fit_entry *model, const nqm_fit_target *target, nqm_ticker *ticker, search *s,
+                                nqm_error *err) {
+    *s = (search){.target = target, .ticker = ticker, .err = err};
+    return nqm_fit_lobes_make(model, target->n, target->wi, target->wo, &s->lobes, err);
+}
+
+void nqm_fit_search_end(search *s) {
+    nqm_free(s->lobes.rgb);
+}
+
+nqm_status nqm_fit_search_starts(search *s, const nqm_fit_options *options, candidate *best, size_t *n_best) {
+    *n_best = 0;
+    nqm_status status = scan_starts(s, options, best, n_best);
+    for (size_t i = 0; status == NQM_OK && i < *n_best; ++i) {
+        status = refine(s, &best[i]);
+        s->done += 1;
     }
-    if (status == NQM_OK && !isfinite(best[winner].loss))
-        status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the %s fit gave no finite result", model->name);
-    if (status == NQM_OK) {
-        *values = best[winner].values;
-        *start_ret = best[winner].start;
-    }
-    nqm_free(s.rgb);
     return status;
 }
 
-/* ---- paths ------------------------------------------------------------------------------------------------------- */
+nqm_status nqm_fit_search_refine(search *s, candidate *c, bool with_albedos) {
+    nqm_status status = set_shape(s, c->values.shape);
+    if (status != NQM_OK)
+        return status;
+    c->loss = loss_of(s, &c->values, NULL);
+    return with_albedos ? refine(s, c) : refine_once(s, c);
+}
+
+/* ---- random starts ------------------------------------------------------------------------------------------------------- */
 
 /* Albedos times random factors in [1/20, 20]. */
 static void scatter_albedos(nqm_rng *rng, double albedo[3]) {
@@ -331,29 +301,36 @@ static void scatter_albedos(nqm_rng *rng, double albedo[3]) {
         albedo[c] = fmax(albedo[c], 1e-3) * pow(20, 2 * nqm_rng_uniform(rng) - 1);
 }
 
+nqm_status nqm_fit_search_random(search *s, nqm_rng *rng, nqm_fit_values *values) {
+    nqm_fit_values start = {.kd = {0}};
+    for (size_t k = 0; k < s->lobes.model->n_shape; ++k)
+        start.shape[k] = nqm_fit_shape_value(&s->lobes.model->shape[k], nqm_rng_uniform(rng));
+    nqm_status status = set_shape(s, start.shape);
+    if (status != NQM_OK)
+        return status;
+    solve_albedos(s, &start);
+    scatter_albedos(rng, start.kd);
+    scatter_albedos(rng, start.ks);
+    for (size_t c = 0; c < 3; ++c) {
+        start.kd[c] = fmin(start.kd[c], MAX_KD);
+        start.ks[c] = fmin(start.ks[c], MAX_KS);
+    }
+    *values = start;
+    return NQM_OK;
+}
+
 nqm_status nqm_fit_follow(const nqm_fit_entry *model, const nqm_fit_target *target, uint64_t seed, size_t n_steps,
                           nqm_fit_values *values, nqm_error *err) {
-    search s = {.model = model, .target = target, .err = err};
+    search s;
     nqm_rng rng = nqm_rng_make(seed, 0);
-    nqm_fit_values start = {.kd = {0}};
-    for (size_t k = 0; k < model->n_shape; ++k)
-        start.shape[k] = nqm_fit_shape_value(&model->shape[k], nqm_rng_uniform(&rng));
-    nqm_status status = begin_search(&s);
+    nqm_fit_values start;
+    nqm_status status = nqm_fit_search_begin(model, target, NULL, &s, err);
     if (status == NQM_OK)
-        status = set_shape(&s, start.shape);
-    if (status == NQM_OK) {
-        solve_albedos(&s, &start);
-        scatter_albedos(&rng, start.kd);
-        scatter_albedos(&rng, start.ks);
-        for (size_t c = 0; c < 3; ++c) {
-            start.kd[c] = fmin(start.kd[c], MAX_KD);
-            start.ks[c] = fmin(start.ks[c], MAX_KS);
-        }
-        if (n_steps > 0)
-            status = descend(&s, 1 + (int)n_steps, &start); /* the first evaluation is at the start */
-    }
+        status = nqm_fit_search_random(&s, &rng, &start);
+    if (status == NQM_OK && n_steps > 0)
+        status = descend(&s, 1 + (int)n_steps, &start); /* the first evaluation is at the start */
     if (status == NQM_OK)
         *values = start;
-    nqm_free(s.rgb);
+    nqm_fit_search_end(&s);
     return status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reference at the directions of a fit, and the transform of the loss. Most direction pairs are uniform over the cap
+ * The reference at the directions of a fit. Most direction pairs are uniform over the cap
  * of the hemisphere; the others have half vectors dense around the normal, because the lobe of a polished metal (0.2
  * degrees) would otherwise contain a millionth of all pairs.
  */
@@ -33,19 +33,6 @@ void nqm_fit_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double
     } while (wi[2] < cos_max || wo[2] < cos_max);
 }
 
-double nqm_fit_transform(nqm_fit_loss loss, double weight, double f) {
-    switch (loss) {
-    case NQM_FIT_LOG:
-    case NQM_FIT_LOG_COS:
-        return log1p(weight * f);
-    case NQM_FIT_CUBE_ROOT:
-        return cbrt(f);
-    case NQM_FIT_LINEAR:
-        break;
-    }
-    return f;
-}
-
 static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
     nqm_rng rng = nqm_rng_make(options->seed, 0);
     size_t n_highlight = (size_t)(options->highlight_fraction * (double)options->n_directions + 0.5);
@@ -58,7 +45,6 @@ static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
         } else {
             nqm_fit_draw_uniform(&rng, options->max_polar_rad, wi, wo);
         }
-        target->weight[i] = options->loss == NQM_FIT_LOG_COS ? wi[2] * wo[2] : 1;
     }
 }
 
@@ -71,10 +57,17 @@ static void drop_invalid(nqm_fit_target *target, const uint8_t *flag) {
         memmove(target->wi + 3 * kept, target->wi + 3 * i, 3 * sizeof(double));
         memmove(target->wo + 3 * kept, target->wo + 3 * i, 3 * sizeof(double));
         memmove(target->rgb + 3 * kept, target->rgb + 3 * i, 3 * sizeof(double));
-        target->weight[kept] = target->weight[i];
         ++kept;
     }
     target->n = kept;
+}
+
+/* The weights and the transformed reference of the target's loss. */
+static void set_goal(nqm_fit_target *target) {
+    for (size_t i = 0; i < target->n; ++i)
+        target->weight[i] = nqm_fit_losses[target->loss].weighted ? target->wi[3 * i + 2] * target->wo[3 * i + 2] : 1;
+    for (size_t i = 0; i < 3 * target->n; ++i)
+        target->goal[i] = nqm_fit_transform(target->loss, target->weight[i / 3], target->rgb[i]);
 }
 
 nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_target *target,
@@ -95,32 +88,28 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
     if (target->n < MIN_VALID)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; a fit needs %d",
                         nqm_brdf_get_info(ref).name, target->n, n, MIN_VALID);
-    for (size_t i = 0; i < 3 * target->n; ++i)
-        target->goal[i] = nqm_fit_transform(target->loss, target->weight[i / 3], target->rgb[i]);
+    set_goal(target);
     return NQM_OK;
 }
 
-nqm_status nqm_fit_eval_spec(const nqm_fit_target *target, const char *spec, double *rgb, nqm_error *err) {
-    nqm_brdf *brdf;
-    nqm_status status = nqm_brdf_open(spec, &brdf, err);
+nqm_status nqm_fit_target_under(const nqm_fit_target *from, nqm_fit_loss loss, nqm_fit_target *target, nqm_error *err) {
+    *target = *from;
+    target->loss = loss;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&target->weight, from->n, sizeof(double)}, {&target->goal, from->n, 3 * sizeof(double)}), err);
     if (status == NQM_OK)
-        nqm_brdf_eval(brdf, target->n, target->wi, target->wo, rgb, NULL);
-    nqm_brdf_free(brdf);
+        set_goal(target);
     return status;
 }
 
 nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret, nqm_error *err) {
     size_t n = 3 * target->n;
-    double *rgb = nqm_alloc(n, sizeof *rgb), sum = 0;
+    double *rgb = nqm_alloc(n, sizeof *rgb);
     if (!rgb)
         return nqm_fail_nomem(err, n * sizeof *rgb);
-    nqm_status status = nqm_fit_eval_spec(target, spec, rgb, err);
-    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
-        double residual = nqm_fit_transform(target->loss, target->weight[i / 3], rgb[i]) - target->goal[i];
-        sum += residual * residual;
-    }
-    nqm_free(rgb);
+    nqm_status status = nqm_fit_eval_spec(spec, target->n, target->wi, target->wo, rgb, err);
     if (status == NQM_OK)
-        *loss_ret = sqrt(sum / (double)n);
+        *loss_ret = nqm_fit_loss_value(target, rgb, NULL);
+    nqm_free(rgb);
     return status;
 }

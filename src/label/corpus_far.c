@@ -149,14 +149,12 @@ static void draw_between(draw *d, const far_kind *kind, nqm_corpus_test *test) {
 }
 
 static void draw_path(draw *d, const char *model, nqm_corpus_test *test) {
-    size_t n_losses = 0, k = 0;
-    while (nqm_fit_loss_words[n_losses])
-        ++n_losses;
+    size_t k = 0;
     while (strcmp(nqm_fit_model(k), model) != 0)
         ++k;
     test->base = NQM_BASE_PATH;
     test->path.model = nqm_fit_model(k);
-    test->path.loss = (nqm_fit_loss)nqm_rng_below(&d->rng, n_losses);
+    test->path.loss = (nqm_fit_loss)nqm_rng_below(&d->rng, NQM_FIT_N_CORPUS_LOSSES);
     test->path.n_steps = (size_t)nqm_rng_below(&d->rng, MAX_STEPS + 1);
     test->path.seed = nqm_rng_below(&d->rng, 1000000);
 }

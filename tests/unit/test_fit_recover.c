@@ -139,7 +139,7 @@ static void bad_arguments_are_refused(void **state) {
         options.max_polar_rad = k == 1 ? 2 : options.max_polar_rad;
         options.highlight_fraction = k == 2 ? 1.5 : options.highlight_fraction;
         options.n_starts = k == 3 ? 0 : options.n_starts;
-        options.loss = k == 4 ? (nqm_fit_loss)9 : options.loss;
+        options.loss = k == 4 ? (nqm_fit_loss)99 : options.loss;
         assert_int_equal(nqm_fit(brdf, "ward", &options, &report, NULL, &err), NQM_ERR_ARG);
     }
     nqm_brdf_free(brdf);

@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Losses of fits: words and values are those of the scalar metrics, gradients agree with central differences, every loss
+ * recovers known parameters from random starts, losses of the caller, given starts, faulty terms.
+ */
+#include "fit/fit.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/fitting.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N = 200 };
+static const char truth_ggx[] = "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.1;f0=0.3";
+static const char truth_ward[] = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.1";
+
+/* ---- a loss of the caller: the mean squared difference of cbrt(f + 0.01) ------------------------------------------- */
+
+typedef struct roots {
+    double wi[3 * N], wo[3 * N], goal[3 * N];
+    size_t n_calls;
+    nqm_fit_visual visual;
+} roots;
+
+static double roots_eval(void *user, const double *rgb, double *gradient) {
+    roots *r = user;
+    double sum = 0;
+    ++r->n_calls;
+    for (size_t i = 0; i < 3 * N; ++i) {
+        double root = cbrt(rgb[i] + 0.01), difference = root - r->goal[i];
+        sum += difference * difference;
+        gradient[i] = 2 * difference / (3 * root * root) / (3 * N);
+    }
+    return sum / (3 * N);
+}
+
+static void make_roots(const char *truth, roots *r) {
+    nqm_rng rng = nqm_rng_make(7, 0);
+    nqm_brdf *ref = open_brdf(truth);
+    *r = (roots){.visual = {.n = N, .eval = roots_eval, .user = r}};
+    for (size_t i = 0; i < N; ++i) {
+        double hd[3];
+        nqm_fit_draw_dense(&rng, 1.2, 1.2, 6, hd);
+        nqm_half_diff_to_directions(hd, r->wi + 3 * i, r->wo + 3 * i);
+    }
+    r->visual.wi = r->wi;
+    r->visual.wo = r->wo;
+    nqm_brdf_eval(ref, N, r->wi, r->wo, r->goal, NULL);
+    for (size_t i = 0; i < 3 * N; ++i)
+        r->goal[i] = cbrt(r->goal[i] + 0.01);
+    nqm_brdf_free(ref);
+}
+
+/* ---- the table ---------------------------------------------------------------------------------------------------- */
+
+static void words_are_those_of_the_metrics(void **state) {
+    (void)state;
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        assert_string_equal(nqm_fit_loss_words[NQM_FIT_RMSE + m], nqm_metric_name((nqm_metric)m));
+    assert_null(nqm_fit_loss_words[NQM_FIT_N_LOSSES]);
+}
+
+/* The values of all losses at directions of the half-vector list are those of nqm_metrics_compute(). */
+static void values_are_those_of_the_metrics(void **state) {
+    (void)state;
+    nqm_directions *directions;
+    float rgb[2][3 * 500];
+    double metrics[NQM_METRIC_COUNT], test_rgb[3 * 500];
+    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf(truth_ward);
+    assert_int_equal(nqm_directions_create(NULL, 0, NULL, &directions, NULL), NQM_OK);
+    assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_DROP, rgb[0], NULL, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_sample(test, directions, NQM_INVALID_DROP, rgb[1], NULL, NULL, NULL), NQM_OK);
+    nqm_metrics_compute(directions, rgb[0], rgb[1], NULL, metrics);
+    double wi[3 * 500], wo[3 * 500], ref_rgb[3 * 500];
+    for (size_t i = 0; i < 500; ++i) {
+        double hd[3];
+        for (size_t k = 0; k < 3; ++k)
+            hd[k] = nqm_directions_degrees(directions)[3 * i + k] * acos(-1) / 180;
+        nqm_half_diff_to_directions(hd, wi + 3 * i, wo + 3 * i);
+    }
+    nqm_brdf_eval(ref, 500, wi, wo, ref_rgb, NULL);
+    nqm_brdf_eval(test, 500, wi, wo, test_rgb, NULL);
+    const nqm_fit_target from = {.n = 500, .wi = wi, .wo = wo, .rgb = ref_rgb};
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+        nqm_fit_target target;
+        assert_int_equal(nqm_fit_target_under(&from, (nqm_fit_loss)(NQM_FIT_RMSE + m), &target, NULL), NQM_OK);
+        assert_relative(nqm_fit_loss_value(&target, test_rgb, NULL), metrics[m], 1e-5);
+        nqm_free(target.weight);
+    }
+    nqm_brdf_free(ref);
+    nqm_brdf_free(test);
+    nqm_directions_free(directions);
+}
+
+/* ---- gradients ---------------------------------------------------------------------------------------------------- */
+
+/* Coordinate j of the values: positions of the shapes, then kd, ks. */
+static void shift(const nqm_fit_entry *model, nqm_fit_values *v, size_t j, double by) {
+    if (j < model->n_shape) {
+        const nqm_fit_shape *s = &model->shape[j];
+        v->shape[j] = nqm_fit_shape_value(s, nqm_fit_shape_position(s, v->shape[j]) + by);
+        return;
+    }
+    double *albedo = j < model->n_shape + 3 ? v->kd : v->ks;
+    albedo[(j - model->n_shape) % 3] += by;
+}
+
+static double gradient_at(const nqm_fit_entry *model, const nqm_fit_values *g, size_t j) {
+    const double *albedo = j < model->n_shape + 3 ? g->kd : g->ks;
+    return j < model->n_shape ? g->shape[j] : albedo[(j - model->n_shape) % 3];
+}
+
+static double value_at(nqm_fit_objective *objective, const nqm_fit_values *v) {
+    double value;
+    assert_int_equal(nqm_fit_objective_eval(objective, true, v, &value, NULL, NULL), NQM_OK);
+    return value;
+}
+
+static void check_gradient(const char *name, const nqm_fit_term *terms, size_t n_terms, const nqm_fit_values *at) {
+    const double h = 1e-5;
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 400;
+    const nqm_fit_entry *model;
+    nqm_fit_target target;
+    nqm_fit_objective objective;
+    nqm_fit_values gradient;
+    double value;
+    nqm_brdf *ref = open_brdf("sgd:blue-rubber");
+    assert_int_equal(nqm_fit_entry_find(name, &model, NULL), NQM_OK);
+    assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
+    assert_int_equal(nqm_fit_objective_make(model, &target, n_terms, terms, &objective, NULL), NQM_OK);
+    assert_int_equal(nqm_fit_objective_eval(&objective, true, at, &value, &gradient, NULL), NQM_OK);
+    for (size_t j = 0; j < model->n_shape + 6; ++j) {
+        nqm_fit_values high = *at, low = *at;
+        shift(model, &high, j, h);
+        shift(model, &low, j, -h);
+        double difference = (value_at(&objective, &high) - value_at(&objective, &low)) / (2 * h);
+        double found = gradient_at(model, &gradient, j);
+        if (!(fabs(found - difference) <= 1e-5 * fabs(difference) + 1e-6 * value))
+            fail_msg("%s, loss %d, coordinate %zu: %.9g instead of %.9g", name, (int)terms->loss, j, found, difference);
+    }
+    nqm_fit_objective_free(&objective);
+    nqm_free(target.wi);
+    nqm_brdf_free(ref);
+}
+
+static void gradients_are_those_of_differences(void **state) {
+    (void)state;
+    const nqm_fit_values ggx = {{0.15, 0.2}, {0.02, 0.05, 0.2}, {0.3, 0.2, 0.1}};
+    const nqm_fit_values ward = {{0.15}, {0.02, 0.05, 0.2}, {0.3, 0.2, 0.1}};
+    const nqm_fit_values smooth = {{900, 1.1, 1.6}, {0.02, 0.05, 0.2}, {0.3, 0.2, 0.1}};
+    roots r;
+    make_roots("sgd:blue-rubber", &r);
+    for (int loss = 0; loss < NQM_FIT_N_LOSSES; ++loss) {
+        const nqm_fit_term terms[] = {{.weight = 1.5, .loss = (nqm_fit_loss)loss}, {.weight = 2, .visual = &r.visual}};
+        check_gradient("ggx", terms, 1, &ggx);
+        check_gradient("ggx", terms, 2, &ggx);
+        check_gradient("ward", terms, 2, &ward);
+        check_gradient("smooth", terms, 2, &smooth);
+    }
+}
+
+/* ---- fits --------------------------------------------------------------------------------------------------------- */
+
+static void check_recovery(const char *truth, const char *model, const nqm_fit_options *options) {
+    nqm_fit_report r = fit_spec(truth, model, options);
+    check_spec_values(r.spec, truth, "alpha", 5e-3);
+    check_spec_values(r.spec, truth, "kd", 1e-2);
+    if (strcmp(model, "ward") == 0)
+        check_spec_values(r.spec, truth, "ks", 1e-2);
+    assert_true(r.loss < 1e-3);
+}
+
+static void every_loss_finds_the_truth_from_random_starts(void **state) {
+    (void)state;
+    for (int loss = 0; loss < NQM_FIT_N_LOSSES; ++loss)
+        for (int immediate = 0; immediate < 2; ++immediate) {
+            nqm_fit_options options = nqm_fit_options_default();
+            options.loss = (nqm_fit_loss)loss;
+            options.n_directions = 500;
+            options.n_random = 3;
+            options.immediate = immediate;
+            check_recovery(truth_ward, "ward", &options);
+            check_recovery(truth_ggx, "ggx", &options);
+        }
+}
+
+static void mean_absolute_losses_beat_the_fit_by_squares(void **state) {
+    (void)state;
+    static const nqm_fit_loss absolute[] = {NQM_FIT_MAE, NQM_FIT_MA_CRWE, NQM_FIT_MA_LOGE, NQM_FIT_MA_LOGWE};
+    nqm_fit_options options = nqm_fit_options_default();
+    nqm_brdf *ref = open_brdf("sgd:nickel");
+    nqm_fit_target target;
+    for (int k = 0; k < 4; ++k) {
+        double squares;
+        options.loss = (nqm_fit_loss)(absolute[k] - 1); /* root mean square of the same */
+        nqm_fit_report start = fit_spec("sgd:nickel", "ward", &options);
+        options.loss = absolute[k];
+        nqm_fit_report r = fit_spec("sgd:nickel", "ward", &options);
+        assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
+        assert_int_equal(nqm_fit_loss_of_spec(&target, start.spec, &squares, NULL), NQM_OK);
+        assert_true(r.loss < 0.999 * squares);
+        nqm_free(target.wi);
+    }
+    nqm_brdf_free(ref);
+}
+
+static void a_loss_of_the_caller_alone_and_in_a_sum(void **state) {
+    (void)state;
+    roots r;
+    make_roots(truth_ggx, &r);
+    const nqm_fit_term sum[] = {{.weight = 1, .loss = NQM_FIT_LOG_DIFF}, {.weight = 0.5, .visual = &r.visual}};
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 1500;
+    options.terms = sum;
+    for (int k = 0; k < 3; ++k) {
+        options.terms = k ? sum + 1 : sum;
+        options.n_terms = k ? 1 : 2;
+        options.n_random = k == 2 ? 8 : 0;
+        options.immediate = k == 2;
+        check_recovery(truth_ggx, "ggx", &options);
+    }
+    assert_true(r.n_calls > 20);
+}
+
+static void a_given_start_is_polished(void **state) {
+    (void)state;
+    roots r;
+    make_roots(truth_ggx, &r);
+    const nqm_fit_term term = {.weight = 1, .visual = &r.visual};
+    nqm_fit_options options = nqm_fit_options_default();
+    options.start = "ggx:kd=0.2;ks=0.2;alpha=0.15;f0=0.2";
+    for (size_t n_terms = 0; n_terms < 2; ++n_terms) {
+        options.terms = &term;
+        options.n_terms = n_terms;
+        check_recovery(truth_ggx, "ggx", &options);
+    }
+    nqm_fit_report report;
+    nqm_error err = {0};
+    nqm_brdf *ref = open_brdf(truth_ggx);
+    static const char *const faulty[] = {"ward:kd=0.2;ks=0.2;alpha=0.1", "ggx:alpha=wide", "ggx:", "ggx"};
+    for (int k = 0; k < 4; ++k) {
+        options.start = faulty[k];
+        assert_int_equal(nqm_fit(ref, "ggx", &options, &report, NULL, &err), NQM_ERR_ARG);
+    }
+    nqm_brdf_free(ref);
+}
+
+/* ---- failures ----------------------------------------------------------------------------------------------------- */
+
+static double no_number(void *user, const double *rgb, double *gradient) {
+    (void)user;
+    (void)rgb;
+    (void)gradient;
+    return NAN;
+}
+
+static void faulty_terms_are_refused(void **state) {
+    (void)state;
+    roots r;
+    make_roots(truth_ward, &r);
+    nqm_fit_visual empty = r.visual, broken = r.visual;
+    empty.n = 0;
+    broken.eval = no_number;
+    const nqm_fit_term terms[] = {{.weight = 0},
+                                  {.weight = INFINITY},
+                                  {.weight = 1, .loss = NQM_FIT_N_LOSSES},
+                                  {.weight = 1, .visual = &empty},
+                                  {.weight = 1, .visual = &broken}};
+    nqm_brdf *ref = open_brdf(truth_ward);
+    nqm_fit_report report;
+    for (int k = 0; k < 5; ++k) {
+        nqm_fit_options options = nqm_fit_options_default();
+        options.n_directions = 200;
+        options.terms = &terms[k];
+        options.n_terms = 1;
+        assert_int_equal(nqm_fit(ref, "ward", &options, &report, NULL, NULL), k < 4 ? NQM_ERR_ARG : NQM_ERR_NUMERIC);
+    }
+    nqm_brdf_free(ref);
+}
+
+static int stop_in_polish(void *user, const char *stage, double done, double total) {
+    (void)done;
+    (void)total;
+    *(bool *)user = strcmp(stage, "polish") == 0;
+    return *(bool *)user;
+}
+
+static double slow(void *user, const double *rgb, double *gradient) {
+    const double begin = nqm_clock_s();
+    while (nqm_clock_s() < begin + 0.03)
+        ;
+    return roots_eval(user, rgb, gradient);
+}
+
+static void a_polish_can_be_stopped(void **state) {
+    (void)state;
+    roots r;
+    bool stopped = false;
+    make_roots("sgd:nickel", &r);
+    r.visual.eval = slow;
+    const nqm_fit_term term = {.weight = 1, .visual = &r.visual};
+    nqm_fit_options options = nqm_fit_options_default();
+    nqm_fit_report report;
+    options.terms = &term;
+    options.n_terms = 1;
+    options.progress = stop_in_polish;
+    options.progress_user = &stopped;
+    nqm_brdf *ref = open_brdf("sgd:nickel");
+    assert_int_equal(nqm_fit(ref, "ggx", &options, &report, NULL, NULL), NQM_ERR_CANCELLED);
+    assert_true(stopped);
+    nqm_brdf_free(ref);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_are_those_of_the_metrics),
+        cmocka_unit_test(values_are_those_of_the_metrics),
+        cmocka_unit_test(gradients_are_those_of_differences),
+        cmocka_unit_test(every_loss_finds_the_truth_from_random_starts),
+        cmocka_unit_test(mean_absolute_losses_beat_the_fit_by_squares),
+        cmocka_unit_test(a_loss_of_the_caller_alone_and_in_a_sum),
+        cmocka_unit_test(a_given_start_is_polished),
+        cmocka_unit_test(faulty_terms_are_refused),
+        cmocka_unit_test(a_polish_can_be_stopped),
+    };
+    return cmocka_run_group_tests_name("fit: losses", tests, NULL, NULL);
+}
