@@ -8,7 +8,7 @@ function(nqm_embed name kind files header sources)
   set(rows "")
   foreach(file IN LISTS files)
     get_filename_component(model ${file} NAME_WE)
-    set(symbol nqm_${kind}_${model})
+    string(MAKE_C_IDENTIFIER nqm_${kind}_${model} symbol)
     string(APPEND assembly
       "    .balign 64\n    .globl ${symbol}_begin\n    .hidden ${symbol}_begin\n${symbol}_begin:\n"
       "    .incbin \"${file}\"\n"

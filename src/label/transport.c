@@ -7,6 +7,7 @@
  */
 #include "label/corpus.h"
 #include "math/math.h"
+#include "metric/metric.h"
 #include "model/model.h"
 #include "render/render.h"
 
@@ -203,12 +204,15 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, const nqm_direct
         status = nqm_directions_from_degrees(n, nqm_directions_degrees(directions), &m->directions, err);
     if (status == NQM_OK)
         status = set_texts(m, id, err);
-    nqm_free(light);
-    nqm_free(points);
     if (status == NQM_OK) {
         set_constants(m);
+        status = nqm_golden_make(m, &m->golden, err);
+    }
+    nqm_free(light);
+    nqm_free(points);
+    if (status == NQM_OK)
         *model_ret = m;
-    } else
+    else
         nqm_model_free(m);
     return status;
 }

@@ -176,7 +176,7 @@ nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err) {
         const char *id = name ? name : nqm_model_builtin_name(i);
         nqm_model *model;
         status = nqm_model_builtin(id, &model, err);
-        if (status == NQM_OK)
+        if (status == NQM_OK && (name || nqm_model_get_info(model).n_layers > 0))
             status = bench_model(bench, model, id, err);
         nqm_model_free(model);
     }

@@ -53,6 +53,12 @@ typedef struct option {
     double min, max; /* for numbers; both 0: any finite value */
 } option;
 
+/** The rows of the model that scores. */
+#define OPTION_ROWS_MODEL(target)                                                                                      \
+    {"model", 'm', OPTION_TEXT, (target), "MODEL", "a built-in model's name or a model file", 0, 0}, {                 \
+        "metric", 0, OPTION_TEXT, (target), "MODEL", "the same: transport has no network and no intervals", 0, 0       \
+    }
+
 /** A verb; its name is that of set_verb(). */
 typedef struct command {
     const char *usage;   /* after the name: "REF TEST... [options]" */

@@ -110,7 +110,7 @@ int cmd_batch(int argc, char **argv) {
         {"output", 'o', OPTION_TEXT, &output, "FILE", "write .csv, .jsonl or .json instead of standard output", 0, 0},
         {"resume", 0, OPTION_FLAG, &resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
         {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
-        {"model", 'm', OPTION_TEXT, &model_name, "MODEL", "a built-in model's name or a model file", 0, 0},
+        OPTION_ROWS_MODEL(&model_name),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
         {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of the list start", 0, 0},
         {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},

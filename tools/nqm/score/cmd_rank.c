@@ -174,7 +174,7 @@ int cmd_rank(int argc, char **argv) {
     run.options.metrics = 0;
     const option options[] = {
         {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
-        {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        OPTION_ROWS_MODEL(&model),
         {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
         {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},

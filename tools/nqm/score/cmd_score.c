@@ -104,7 +104,7 @@ int cmd_score(int argc, char **argv) {
     double fail_under = (double)-INFINITY;
     score_run run = {.options = nqm_score_options_default()};
     const option options[] = {
-        {"model", 'm', OPTION_TEXT, &model, "MODEL", "a built-in model's name or a model file", 0, 0},
+        OPTION_ROWS_MODEL(&model),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
          "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
         {"fail-under", 0, OPTION_NUMBER, &fail_under, "JOD", "exit with 1 when a score is below this", 0, 10},

@@ -100,7 +100,7 @@ int cmd_report(int argc, char **argv) {
         {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
         {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]",
          0, 0},
-        {"model", 'm', OPTION_TEXT, &model, "MODEL", "name of a built-in model, or a model file", 0, 0},
+        OPTION_ROWS_MODEL(&model),
         {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "for directions without a value: drop, zero, nearest, error", 0,
          0},
         {"min-valid", 0, OPTION_NUMBER, &run.scores.options.min_valid_fraction, "F",

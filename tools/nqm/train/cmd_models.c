@@ -12,8 +12,8 @@
 /* "1500-1024-716-501-1" */
 static const char *layers_text(const nqm_model_info *info, char *text, size_t n_text) {
     size_t at = 0;
-    text[0] = '\0';
-    for (size_t l = 0; l <= info->n_layers && at < n_text; ++l)
+    snprintf(text, n_text, "no network");
+    for (size_t l = 0; info->n_layers > 0 && l <= info->n_layers && at < n_text; ++l)
         at += (size_t)snprintf(text + at, n_text - at, "%s%zu", l ? "-" : "", info->layer_sizes[l]);
     return text;
 }
@@ -21,7 +21,7 @@ static const char *layers_text(const nqm_model_info *info, char *text, size_t n_
 json_t *json_model(const nqm_model *model) {
     const nqm_model_info info = nqm_model_get_info(model);
     json_t *layers = json_array(), *calibration = json_loads(info.calibration, 0, NULL); /* NULL for "" */
-    for (size_t l = 0; l <= info.n_layers; ++l)
+    for (size_t l = 0; info.n_layers > 0 && l <= info.n_layers; ++l)
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
     return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
                      "parameters", (json_int_t)info.n_parameters, "sha256", info.sha256, "layers", layers, "directions",
@@ -99,7 +99,7 @@ static int list_models(bool json) {
     if (!json && nqm_model_builtin_count() == 0)
         report(EXIT_OK, "none is built in; `nqm train` makes model files");
     else if (!json)
-        printf("%-12s %-10s %10s  %-24s %s\n", "model", "recipe", "parameters", "layers", "sha256");
+        printf("%-15s %-10s %10s  %-24s %s\n", "model", "recipe", "parameters", "layers", "sha256");
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
         nqm_model *model = open_model(nqm_model_builtin_name(i));
         const nqm_model_info info = nqm_model_get_info(model);
@@ -107,7 +107,7 @@ static int list_models(bool json) {
         if (json)
             json_array_append_new(list, json_model(model));
         else
-            printf("%-12s %-10s %10zu  %-24s %.16s...\n", info.id, info.recipe, info.n_parameters,
+            printf("%-15s %-10s %10zu  %-24s %.16s...\n", info.id, info.recipe, info.n_parameters,
                    layers_text(&info, layers, sizeof layers), info.sha256);
         nqm_model_free(model);
     }
