@@ -37,4 +37,10 @@ void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *m
 /** Read the bytes as a mesh and check an accepted mesh. */
 void fuzz_mesh(const uint8_t *data, size_t n_bytes);
 
+/** Read the bytes as a model file, with and without its checksum, and score with an accepted model. */
+void fuzz_model(const uint8_t *data, size_t n_bytes);
+/** A model without a network, two scenes of few points at two directions; and a model's file, which frees it. */
+struct nqm_model *fuzz_model_make(void);
+blob fuzz_model_save(struct nqm_model *model);
+
 #endif

@@ -16,18 +16,22 @@ nqm_curve nqm_curve_default(void) {
     return nqm_curve_published;
 }
 
+/* Of JOD / 10; delta_e > 0. */
+static double logit(const nqm_curve *curve, double delta_e) {
+    return curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
+}
+
 double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
     if (delta_e <= 0) /* the limit for b3 < 0, without computing 0 to a negative power */
         return 10;
-    double z = curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
-    return 10 / (1 + exp(-z)); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */
+    return 10 / (1 + exp(-logit(curve, delta_e))); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */
 }
 
 double nqm_curve_slope(const nqm_curve *curve, double delta_e) {
     if (delta_e <= 0)
         return 0;
-    const double share = nqm_curve_jod(curve, delta_e) / 10;
-    return -10 * share * (1 - share) * curve->b1 * curve->b3 * pow(delta_e, curve->b3 - 1);
+    const double z = logit(curve, delta_e), both = (1 + exp(-z)) * (1 + exp(z)); /* 1 / (share (1 - share)) */
+    return isfinite(both) ? -10 / both * curve->b1 * curve->b3 * pow(delta_e, curve->b3 - 1) : 0;
 }
 
 typedef struct scores {

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The gradient of a network by its inputs: against central differences of plain loops in double, with weights of float and of
+ * binary16; equal bits for any batch size and number of threads; failing allocations.
+ */
+#include "base/memory_test.h"
+#include "kernel/panel.h"
+#include "net/input_gradient.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+enum { WIDTH = 75, WIDEST = 100, OUTPUTS = 6, ROWS = 37, CHECKED = 3 /* rows compared with differences */ };
+
+static const nqm_net_shape shapes[] = {
+    {4, {WIDTH, WIDEST, 64, 33, OUTPUTS}}, {2, {WIDTH, 40, 1}}, {3, {WIDTH, 7, 70, 1}}};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+static nqm_params params;
+static uint16_t *half; /* the hidden layers' weights, if they are binary16 */
+static size_t n_outputs, stride;
+static float *x, dz[ROWS * OUTPUTS];
+
+/* The paper's formulas, in double: sum dz z of one row. */
+static double weighted_output(const double *row, const float *weights) {
+    double from[WIDEST], to[WIDEST], sum = 0;
+    memcpy(from, row, WIDTH * sizeof *from);
+    for (size_t l = 0; l < params.shape.n_layers; ++l) {
+        const nqm_layer *layer = &params.layer[l];
+        const size_t n_in = params.shape.sizes[l], n = params.shape.sizes[l + 1];
+        double mean = 0, variance = 0;
+        for (size_t j = 0; j < n; ++j) {
+            to[j] = (double)layer->b[j];
+            for (size_t i = 0; i < n_in; ++i)
+                to[j] += (double)layer->w[j * n_in + i] * from[i];
+            mean += to[j] / (double)n;
+        }
+        for (size_t j = 0; j < n; ++j)
+            variance += (to[j] - mean) * (to[j] - mean) / (double)n;
+        for (size_t j = 0; j < n && layer->gamma; ++j) {
+            const double v = (double)layer->gamma[j] * (to[j] - mean) / sqrt(variance + 1e-5) + (double)layer->beta[j];
+            to[j] = v * 0.5 * erfc(-v / sqrt(2));
+        }
+        memcpy(from, to, n * sizeof *to);
+    }
+    for (size_t o = 0; o < n_outputs; ++o)
+        sum += (double)weights[o] * from[o];
+    return sum;
+}
+
+/* Round the hidden layers' weights to binary16 and keep them in both formats. */
+static void round_weights(void) {
+    half = nqm_alloc(params.n, sizeof *half);
+    for (size_t l = 0, at = 0; l + 1 < params.shape.n_layers; ++l) {
+        const size_t n = params.shape.sizes[l] * params.shape.sizes[l + 1];
+        nqm_half_from_float(n, params.layer[l].w, half + at);
+        nqm_half_to_float(n, half + at, params.layer[l].w);
+        at += n;
+    }
+}
+
+static void make(const nqm_net_shape *shape, bool is_half) {
+    nqm_rng rng = nqm_rng_make(7, 0);
+    n_outputs = shape->sizes[shape->n_layers];
+    stride = nqm_row_stride(WIDTH);
+    assert_int_equal(nqm_params_create(shape, &params, NULL), NQM_OK);
+    nqm_params_init(&params, 5);
+    for (size_t l = 0; l < shape->n_layers; ++l)
+        for (size_t i = 0; i < shape->sizes[l + 1]; ++i) {
+            params.layer[l].b[i] = (float)nqm_rng_normal(&rng);
+            if (params.layer[l].gamma) {
+                params.layer[l].gamma[i] = (float)(1 + 0.2 * nqm_rng_normal(&rng));
+                params.layer[l].beta[i] = (float)(0.2 * nqm_rng_normal(&rng));
+            }
+        }
+    x = nqm_alloc(ROWS * stride, sizeof *x);
+    for (size_t i = 0; i < ROWS * WIDTH; ++i)
+        x[i / WIDTH * stride + i % WIDTH] = (float)nqm_rng_normal(&rng);
+    for (size_t i = 0; i < ROWS * n_outputs; ++i)
+        dz[i] = (float)nqm_rng_normal(&rng);
+    half = NULL;
+    if (is_half)
+        round_weights();
+}
+
+static void drop(void) {
+    nqm_params_free(&params);
+    nqm_free(x);
+    nqm_free(half);
+}
+
+/* The parameters as a model file has them: without floats where there is binary16. */
+static nqm_params stored(void) {
+    nqm_params p = params;
+    for (size_t l = 0, at = 0; half && l + 1 < p.shape.n_layers; ++l) {
+        p.layer[l].w = NULL;
+        p.layer[l].half = half + at;
+        at += p.shape.sizes[l] * p.shape.sizes[l + 1];
+    }
+    return p;
+}
+
+/* All rows, `batch` at a time. */
+static void run(size_t batch, float *z, float *dx) {
+    const nqm_params p = stored();
+    nqm_gradient_net *net;
+    nqm_gradient_work *work;
+    assert_int_equal(nqm_gradient_net_create(&p, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_gradient_work_create(net, batch, &work, NULL), NQM_OK);
+    for (size_t first = 0; first < ROWS; first += batch) {
+        const size_t n = nqm_smaller(batch, ROWS - first);
+        nqm_gradient_forward(work, n, x + first * stride, z + first * n_outputs);
+        nqm_gradient_backward(work, n, dz + first * n_outputs, dx + first * stride);
+    }
+    nqm_gradient_work_free(work);
+    nqm_gradient_net_free(net);
+}
+
+/* The error of row i relative to the largest entry, by central differences of order 4. */
+static double gradient_error(size_t i, const float *dx) {
+    double row[WIDTH], largest = 0, worst = 0;
+    const double h = 1e-3;
+    const float *weights = dz + i * n_outputs;
+    for (size_t k = 0; k < WIDTH; ++k)
+        row[k] = (double)x[i * stride + k];
+    for (size_t k = 0; k < WIDTH; ++k) {
+        const double at = row[k];
+        double f[4];
+        for (int s = 0; s < 4; ++s) {
+            row[k] = at + h * (s < 2 ? s - 2 : s - 1);
+            f[s] = weighted_output(row, weights);
+        }
+        row[k] = at;
+        const double expected = (8 * (f[2] - f[1]) - (f[3] - f[0])) / (12 * h);
+        largest = fmax(largest, fabs(expected));
+        worst = fmax(worst, fabs((double)dx[i * stride + k] - expected));
+    }
+    return worst / largest;
+}
+
+static void check_values(const char *name) {
+    float *dx = nqm_alloc(ROWS * stride, sizeof *dx), z[ROWS * OUTPUTS];
+    double worst = 0;
+    run(ROWS, z, dx);
+    for (size_t i = 0; i < CHECKED; ++i) {
+        double row[WIDTH], sum = 0;
+        for (size_t k = 0; k < WIDTH; ++k)
+            row[k] = (double)x[i * stride + k];
+        for (size_t o = 0; o < n_outputs; ++o)
+            sum += (double)dz[i * n_outputs + o] * (double)z[i * n_outputs + o];
+        assert_near(sum, weighted_output(row, dz + i * n_outputs), 1e-5);
+        worst = fmax(worst, gradient_error(i, dx));
+    }
+    print_message("%s, %zu layers%s: %.2g\n", name, params.shape.n_layers, half ? ", binary16" : "", worst);
+    assert_true(worst <= 1e-5);
+    nqm_free(dx);
+}
+
+static void against_differences(void **state) {
+    (void)state;
+    for (size_t s = 0; s < 2 * SHAPES; ++s) {
+        make(&shapes[s / 2], s % 2);
+        for (size_t t = 0; nqm_kernels_at(t); ++t) {
+            nqm_kernels_use(nqm_kernels_at(t));
+            check_values(nqm_kernels_at(t)->name);
+        }
+        nqm_kernels_use(NULL);
+        drop();
+    }
+}
+
+static void the_same_bits(void **state) {
+    (void)state;
+    static const size_t batches[] = {ROWS, 1, 2, 13, 20};
+    const int threads = omp_get_max_threads();
+    make(&shapes[0], false);
+    const size_t n_bytes = ROWS * stride * sizeof(float);
+    float *dx = nqm_alloc(n_bytes, 1), *all_dx = nqm_alloc(n_bytes, 1), z[ROWS * OUTPUTS], all_z[ROWS * OUTPUTS];
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        nqm_kernels_use(nqm_kernels_at(t));
+        omp_set_num_threads(1);
+        run(ROWS, all_z, all_dx);
+        for (size_t b = 0; b < 2 * sizeof batches / sizeof *batches; ++b) {
+            omp_set_num_threads((int)b % 2 + 1);
+            run(batches[b / 2], z, dx);
+            assert_memory_equal(z, all_z, sizeof z);
+            for (size_t i = 0; i < ROWS; ++i)
+                assert_memory_equal(dx + i * stride, all_dx + i * stride, WIDTH * sizeof *dx);
+        }
+    }
+    omp_set_num_threads(threads);
+    nqm_kernels_use(NULL);
+    nqm_free(dx);
+    nqm_free(all_dx);
+    drop();
+}
+
+/* A gradient of 0 by the outputs gives 0 for the inputs, whatever the workspace held before. */
+static void no_weight_no_gradient(void **state) {
+    (void)state;
+    make(&shapes[0], false);
+    float *dx = nqm_alloc(ROWS * stride, sizeof *dx), z[ROWS * OUTPUTS];
+    memset(dz, 0, sizeof dz);
+    run(5, z, dx);
+    for (size_t i = 0; i < ROWS * WIDTH; ++i)
+        assert_true(dx[i / WIDTH * stride + i % WIDTH] == 0);
+    nqm_free(dx);
+    drop();
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    make(&shapes[0], false);
+    bool made = false;
+    for (long n = 0; !made; ++n) {
+        nqm_gradient_net *net = NULL;
+        nqm_gradient_work *work = NULL;
+        nqm_alloc_fail_after(n);
+        nqm_status status = nqm_gradient_net_create(&params, &net, NULL);
+        if (status == NQM_OK)
+            status = nqm_gradient_work_create(net, 3, &work, NULL);
+        nqm_alloc_fail_after(-1);
+        made = status == NQM_OK;
+        assert_true(made || (status == NQM_ERR_NOMEM && !work));
+        nqm_gradient_work_free(work);
+        nqm_gradient_net_free(net);
+        assert_true(n < 60);
+    }
+    nqm_gradient_work_free(NULL);
+    nqm_gradient_net_free(NULL);
+    drop();
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(against_differences),
+        cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(no_weight_no_gradient),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
