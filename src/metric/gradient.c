@@ -25,7 +25,7 @@ struct nqm_gradients {
     nqm_pair_sums *sums;               /* (max_batch) of the scalar features */
     double *scalars;                   /* (max_batch, NQM_SCALAR_COUNT) */
     nqm_label *estimate, *by_estimate; /* (max_batch) by light transport, and the gradient by it */
-    float *rgb, *scratch;              /* (max_batch, 3, n_points) light of the test; scratch */
+    double *rgb, *scratch;             /* (max_batch, 3, n_points) light of the test; scratch */
     double *seen;                      /* (max_batch, 2, 3, n_points) ITP of reference and test */
     double *sum;                       /* (max_batch, 2, n_directions, 3) gradients by f_r: sum and one summand */
 };

@@ -3,27 +3,35 @@
  * The estimate by light transport (metric/transport.c) in double and with the exact PQ signal, and its gradient by the samples
  * of the test: from the label back to the pictures, from ITP back to light, and through the transpose of the matrix.
  */
-#include "kernel/kernel.h"
 #include "metric/metric.h"
 
 #include <math.h>
+#include <string.h>
 
-void nqm_transport_see(const nqm_transport *t, const nqm_transport_samples *samples, float *rgb, double *itp) {
+/* Light (3, n_points) of samples. The gradient of close pairs depends on small differences of these sums. */
+static void add_light(const nqm_transport *t, const nqm_transport_samples *s, double *rgb) {
     const size_t n = t->n_points;
-    float block[3 * NQM_TRANSPORT_POINTS];
-    for (size_t first = 0, n_block; first < n; first += n_block) {
-        n_block = nqm_smaller(n - first, NQM_TRANSPORT_POINTS);
-        nqm_transport_radiance(t, first, n_block, 1, samples, block);
-        for (size_t p = 0; p < n_block; ++p) {
-            double shown[3], point[3];
-            for (size_t k = 0; k < 3; ++k) {
-                rgb[k * n + first + p] = block[k * n_block + p];
-                shown[k] = fmin((double)block[k * n_block + p], t->points[3 * (first + p) + 2]);
-            }
-            nqm_itp_from_rgb(shown, point);
-            for (size_t k = 0; k < 3; ++k)
-                itp[k * n + first + p] = NQM_ITP_UNIT * point[k];
-        }
+    memset(rgb, 0, 3 * n * sizeof *rgb);
+    for (size_t i = 0; i < 3 * t->n_directions; ++i) {
+        const double f = (double)(!s->used || s->used[i / 3] ? s->rgb[i] : s->instead[i]);
+        const float *light = t->light + i * n;
+        double *to = rgb + i % 3 * n;
+#pragma omp simd
+        for (size_t p = 0; p < n; ++p)
+            to[p] += f * (double)light[p];
+    }
+}
+
+void nqm_transport_see(const nqm_transport *t, const nqm_transport_samples *samples, double *rgb, double *itp) {
+    const size_t n = t->n_points;
+    add_light(t, samples, rgb);
+    for (size_t p = 0; p < n; ++p) {
+        double shown[3], point[3];
+        for (size_t k = 0; k < 3; ++k)
+            shown[k] = fmin(rgb[k * n + p], t->points[3 * p + 2]);
+        nqm_itp_from_rgb(shown, point);
+        for (size_t k = 0; k < 3; ++k)
+            itp[k * n + p] = NQM_ITP_UNIT * point[k];
     }
 }
 
@@ -59,7 +67,7 @@ nqm_label nqm_transport_label(const nqm_transport *t, const double *ref, const d
 
 /* The gradient by the light (3) of point p. */
 static void light_gradient(const nqm_transport *t, const nqm_picture_sums *sums, const nqm_label *weights, size_t p,
-                           const double *ref, const double *test, const float *rgb, float *scratch) {
+                           const double *ref, const double *test, const double *rgb, double *by_light) {
     const size_t n = t->n_points;
     const double peak = t->points[3 * p + 2], weight = t->points[3 * p] * nqm_transport_share(t) * NQM_ITP_UNIT;
     double a[3], b[3], by_itp[3], by_rgb[3], shown[3];
@@ -67,23 +75,28 @@ static void light_gradient(const nqm_transport *t, const nqm_picture_sums *sums,
     point_of(test, n, p, b);
     nqm_picture_gradient(sums, weights, weight, a, b, by_itp);
     for (size_t k = 0; k < 3; ++k)
-        shown[k] = fmin((double)rgb[k * n + p], peak);
+        shown[k] = fmin(rgb[k * n + p], peak);
     nqm_rgb_gradient(shown, by_itp, by_rgb);
     for (size_t k = 0; k < 3; ++k)
-        scratch[k * n + p] = (double)rgb[k * n + p] < peak ? (float)by_rgb[k] : 0;
+        by_light[k * n + p] = rgb[k * n + p] < peak ? by_rgb[k] : 0;
+}
+
+static double dot(size_t n, const float *x, const double *y) {
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < n; ++i)
+        sum += (double)x[i] * y[i];
+    return sum;
 }
 
 void nqm_transport_gradient(const nqm_transport *t, const nqm_label *weights, const double *ref, const double *test,
-                            const float *rgb, const uint8_t *used, float *scratch, double *gradient) {
-    const nqm_kernels *kernels = nqm_kernels_get();
-    for (size_t first = 0, end; first < t->n_points; first = end) {
+                            const double *rgb, const uint8_t *used, double *scratch, double *gradient) {
+    const size_t n = t->n_points;
+    for (size_t first = 0, end; first < n; first = end) {
         const nqm_picture_sums sums = sum_scene(t, first, ref, test, &end);
         for (size_t p = first; p < end; ++p)
             light_gradient(t, &sums, weights, p, ref, test, rgb, scratch);
     }
-    for (size_t i = 0; i < 3 * t->n_directions; ++i) {
-        const bool counts = !used || used[i / 3];
-        gradient[i] =
-            counts ? (double)kernels->dot(t->n_points, t->light + i * t->n_points, scratch + i % 3 * t->n_points) : 0;
-    }
+    for (size_t i = 0; i < 3 * t->n_directions; ++i)
+        gradient[i] = !used || used[i / 3] ? dot(n, t->light + i * n, scratch + i % 3 * n) : 0;
 }
