@@ -198,9 +198,10 @@ typedef enum nqm_score_quantity {
  * the estimate by light transport. The network computes in float, whatever the precision of the scorer; values agree with
  * those of nqm_scorer_run_samples() within 0.001 JOD.
  *
- * Where a function has no derivative, the gradient is that of one side, always finite: 0 for equal pairs and at equal samples
- * whose magnitude counts, for unused directions, for scalar features and pixels that are clamped; of several equal maxima the
- * first counts; roots and logarithms of an f_r below 1e-6 1/sr have the derivative at 1e-6.
+ * Where a function has no derivative, the gradient is that of one side, always finite: 0 at equal samples whose magnitude
+ * counts, for unused directions, for scalar features and pixels that are clamped; of several equal maxima the first counts; roots
+ * of an f_r below 1e-6 1/sr have the derivative at 1e-6. Models that predict Delta-E give equal pairs a gradient of 0, and pairs
+ * that hardly differ that of the bound on their score, which is 0 except at the sample with the largest ratio.
  *
  * @param pairs      (n_pairs) any number; pairs of the same reference in succession are faster
  * @param values     (n_pairs) receives the scores

@@ -7,15 +7,15 @@
 #include "kernel/panel.h"
 #include "net/input_gradient.h"
 #include "support/check.h"
+#include "support/double_network.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
-enum { WIDTH = 75, WIDEST = 100, OUTPUTS = 6, ROWS = 37, CHECKED = 3 /* rows compared with differences */ };
+enum { WIDTH = 75, OUTPUTS = 6, ROWS = 37, CHECKED = 3 /* rows compared with differences */ };
 
-static const nqm_net_shape shapes[] = {
-    {4, {WIDTH, WIDEST, 64, 33, OUTPUTS}}, {2, {WIDTH, 40, 1}}, {3, {WIDTH, 7, 70, 1}}};
+static const nqm_net_shape shapes[] = {{4, {WIDTH, 100, 64, 33, OUTPUTS}}, {2, {WIDTH, 40, 1}}, {3, {WIDTH, 7, 70, 1}}};
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 static nqm_params params;
@@ -23,30 +23,12 @@ static uint16_t *half; /* the hidden layers' weights, if they are binary16 */
 static size_t n_outputs, stride;
 static float *x, dz[ROWS * OUTPUTS];
 
-/* The paper's formulas, in double: sum dz z of one row. */
+/* Sum dz z of one row. */
 static double weighted_output(const double *row, const float *weights) {
-    double from[WIDEST], to[WIDEST], sum = 0;
-    memcpy(from, row, WIDTH * sizeof *from);
-    for (size_t l = 0; l < params.shape.n_layers; ++l) {
-        const nqm_layer *layer = &params.layer[l];
-        const size_t n_in = params.shape.sizes[l], n = params.shape.sizes[l + 1];
-        double mean = 0, variance = 0;
-        for (size_t j = 0; j < n; ++j) {
-            to[j] = (double)layer->b[j];
-            for (size_t i = 0; i < n_in; ++i)
-                to[j] += (double)layer->w[j * n_in + i] * from[i];
-            mean += to[j] / (double)n;
-        }
-        for (size_t j = 0; j < n; ++j)
-            variance += (to[j] - mean) * (to[j] - mean) / (double)n;
-        for (size_t j = 0; j < n && layer->gamma; ++j) {
-            const double v = (double)layer->gamma[j] * (to[j] - mean) / sqrt(variance + 1e-5) + (double)layer->beta[j];
-            to[j] = v * 0.5 * erfc(-v / sqrt(2));
-        }
-        memcpy(from, to, n * sizeof *to);
-    }
+    double z[OUTPUTS], sum = 0;
+    double_network(&params, row, z);
     for (size_t o = 0; o < n_outputs; ++o)
-        sum += (double)weights[o] * from[o];
+        sum += (double)weights[o] * z[o];
     return sum;
 }
 
@@ -65,16 +47,7 @@ static void make(const nqm_net_shape *shape, bool is_half) {
     nqm_rng rng = nqm_rng_make(7, 0);
     n_outputs = shape->sizes[shape->n_layers];
     stride = nqm_row_stride(WIDTH);
-    assert_int_equal(nqm_params_create(shape, &params, NULL), NQM_OK);
-    nqm_params_init(&params, 5);
-    for (size_t l = 0; l < shape->n_layers; ++l)
-        for (size_t i = 0; i < shape->sizes[l + 1]; ++i) {
-            params.layer[l].b[i] = (float)nqm_rng_normal(&rng);
-            if (params.layer[l].gamma) {
-                params.layer[l].gamma[i] = (float)(1 + 0.2 * nqm_rng_normal(&rng));
-                params.layer[l].beta[i] = (float)(0.2 * nqm_rng_normal(&rng));
-            }
-        }
+    make_random_params(shape, 5, &params);
     x = nqm_alloc(ROWS * stride, sizeof *x);
     for (size_t i = 0; i < ROWS * WIDTH; ++i)
         x[i / WIDTH * stride + i % WIDTH] = (float)nqm_rng_normal(&rng);

@@ -8,6 +8,7 @@
 #include "model/model.h"
 #include "net/inference_state.h"
 #include "support/check.h"
+#include "support/double_network.h"
 
 #include <math.h>
 #include <nqm/train.h>
@@ -30,47 +31,20 @@ static nqm_params params;
 static float x[ROWS * STRIDE];
 static double expected[ROWS];
 
-/* The paper's formulas, in double. */
 static double forward(const float *row) {
-    double from[WIDTH], to[WIDTH];
+    double from[WIDTH], z;
     for (size_t i = 0; i < WIDTH; ++i)
         from[i] = (double)row[i];
-    for (size_t l = 0; l < params.shape.n_layers; ++l) {
-        const nqm_layer *layer = &params.layer[l];
-        const size_t n_in = params.shape.sizes[l], n = params.shape.sizes[l + 1];
-        double mean = 0, variance = 0;
-        for (size_t j = 0; j < n; ++j) {
-            to[j] = (double)layer->b[j];
-            for (size_t i = 0; i < n_in; ++i)
-                to[j] += (double)layer->w[j * n_in + i] * from[i];
-            mean += to[j] / (double)n;
-        }
-        for (size_t j = 0; j < n; ++j)
-            variance += (to[j] - mean) * (to[j] - mean) / (double)n;
-        for (size_t j = 0; j < n && layer->gamma; ++j) {
-            double v = (double)layer->gamma[j] * (to[j] - mean) / sqrt(variance + 1e-5) + (double)layer->beta[j];
-            to[j] = v * 0.5 * erfc(-v / sqrt(2));
-        }
-        memcpy(from, to, n * sizeof *to);
-    }
-    return from[0];
+    double_network(&params, from, &z);
+    return z;
 }
 
 /* Runs of 1 to 5 consecutive rows have the same reference. */
 static int setup(void **state) {
     (void)state;
     const nqm_net_shape shape = {4, {WIDTH, 100, 64, 33, 1}};
-    assert_int_equal(nqm_params_create(&shape, &params, NULL), NQM_OK);
-    nqm_params_init(&params, seed);
-    nqm_rng rng = nqm_rng_make(seed, 1);
-    for (size_t l = 0; l < shape.n_layers; ++l)
-        for (size_t i = 0; i < shape.sizes[l + 1]; ++i) {
-            params.layer[l].b[i] = (float)nqm_rng_normal(&rng);
-            if (params.layer[l].gamma) {
-                params.layer[l].gamma[i] = (float)(1 + 0.2 * nqm_rng_normal(&rng));
-                params.layer[l].beta[i] = (float)(0.2 * nqm_rng_normal(&rng));
-            }
-        }
+    make_random_params(&shape, seed, &params);
+    nqm_rng rng = nqm_rng_make(seed, 2);
     for (size_t i = 0; i < ROWS; ++i) {
         float *row = x + i * STRIDE;
         for (size_t j = 0; j < STRIDE; ++j)

@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm_score_grad() for small models of each kind against central differences of the whole composition in plain double; kinks,
+ * refusals, agreement with scores, the same bits for any batch and number of threads.
+ */
+#include "base/memory_test.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/double_features.h"
+#include "support/double_network.h"
+#include "support/double_transport.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+enum { N = DOUBLE_N, N_VALUES = DOUBLE_VALUES, N_SCALARS = NQM_SCALAR_COUNT };
+
+/* ---- models ------------------------------------------------------------------------------------------------------ */
+
+typedef struct kind {
+    const char *name;
+    bool has_network, has_difference, has_scalars, has_transport;
+} kind;
+
+static const kind kinds[] = {{"paper", true, false, false, false},
+                             {"scalars", true, true, true, false},
+                             {"scalars and transport", true, true, true, true},
+                             {"transport", false, false, false, true}};
+enum { KINDS = sizeof kinds / sizeof *kinds, PAPER = 0, ALL = 2 };
+
+static const nqm_output_range jod_range = {.mean = 5, .std = 2, .lo = -2, .hi = 2.2},
+                              correction = {.mean = 0.1, .std = 0.5, .lo = -1.2, .hi = 1};
+
+/* Scalar features near those of the pairs here; some are beyond the range of inputs. */
+static void set_whitening(nqm_model *m) {
+    const gradient_pair p = make_pair(1, 0.2, 40);
+    double scalars[N_SCALARS];
+    const nqm_transport t = nqm_model_transport(m);
+    nqm_scalars_compute(directions, &t, p.ref, p.test, p.used, scalars);
+    for (size_t i = 0; i < N_SCALARS; ++i) {
+        m->scalars.mean[i] = (float)(scalars[i] - 0.3 * ((double)(i % 7) - 3) - (i % 11 == 5 ? 20 : 0));
+        m->scalars.std[i] = 1 + 0.1f * (float)(i % 5);
+    }
+    m->scalars.scale = 0.8;
+}
+
+static nqm_model *make_model(const kind *k) {
+    nqm_model *m = nqm_alloc(1, sizeof *m);
+    const size_t width = (k->has_difference ? 3U : 2U) * N_VALUES + (k->has_scalars ? (size_t)N_SCALARS : 0);
+    const nqm_net_shape shape = {3, {width, 24, 10, k->has_transport ? 1 + NQM_LABEL_PARTS : 1}};
+    nqm_transport t = make_transport(64, 2, 1500);
+    m->target = k->has_difference || k->has_transport ? NQM_TARGET_LOG_DELTA_E : NQM_TARGET_JOD;
+    m->output = m->target == NQM_TARGET_JOD ? jod_range : correction;
+    m->curve = nqm_curve_published;
+    m->features.layout = k->has_difference ? NQM_LAYOUT_REF_DIFF_ABSDIFF : NQM_LAYOUT_REF_TEST;
+    m->features.difference_scale = 3;
+    for (size_t i = 0; i < 3; ++i) {
+        m->features.mean[i] = 0.4f + 0.05f * (float)i;
+        m->features.std[i] = 0.3f;
+    }
+    for (size_t i = 0; i < NQM_LABEL_PARTS; ++i)
+        m->parts[i] = correction;
+    m->id = nqm_strdup(k->name);
+    m->scalar_names = k->has_scalars ? nqm_scalar_names() : NULL;
+    assert_int_equal(nqm_directions_from_degrees(N, directions->degrees, &m->directions, NULL), NQM_OK);
+    if (k->has_network)
+        make_random_params(&shape, 3, &m->params);
+    else
+        m->output = (nqm_output_range){.std = 1, .lo = -1, .hi = 1};
+    if (k->has_transport)
+        assert_int_equal(nqm_model_set_transport(m, &t, NULL), NQM_OK);
+    if (k->has_scalars)
+        set_whitening(m);
+    drop_transport(&t);
+    return m;
+}
+
+/* ---- the score in plain double ----------------------------------------------------------------------------------- */
+
+static double whitened(const nqm_model *m, double f, size_t k) {
+    return (log1p(cbrt(f)) - (double)m->features.mean[k]) / (double)m->features.std[k];
+}
+
+static void set_samples(const nqm_model *m, const double *f, const double *g, const uint8_t *used, double *x) {
+    const bool differs = m->features.layout != NQM_LAYOUT_REF_TEST;
+    for (size_t i = 0; i < N_VALUES; ++i) {
+        const double a = whitened(m, f[i], i % 3), b = whitened(m, g[i], i % 3);
+        const double by = m->features.difference_scale * (b - a);
+        x[i] = used[i / 3] ? a : 0;
+        x[N_VALUES + i] = !used[i / 3] ? 0 : differs ? by : b;
+        if (differs)
+            x[2 * N_VALUES + i] = used[i / 3] ? fabs(by) : 0;
+    }
+}
+
+static void set_scalars(const nqm_model *m, const double *f, const double *g, const uint8_t *used,
+                        const nqm_label *label, double *x) {
+    double s[N_SCALARS] = {0};
+    features_of(f, g, used, s);
+    if (label) {
+        const double estimate[] = {log(fmax(label->delta_e, 0.05)), asinh(label->shift[0]),
+                                   asinh(label->shift[1]),          asinh(label->shift[2]),
+                                   asinh(30 * label->contrast),     log(fmax(label->structure, 0.05))};
+        memcpy(s + NQM_SCALAR_ESTIMATE, estimate, sizeof estimate);
+    }
+    for (size_t i = 0; i < N_SCALARS; ++i) {
+        const double z = (s[i] - (double)m->scalars.mean[i]) / (double)m->scalars.std[i];
+        x[i] = m->scalars.scale * fmin(fmax(z, -5), 5);
+    }
+}
+
+enum { QUANTITIES = 2 };
+
+/* values: by nqm_score_quantity; NaN if the model does not predict it. */
+static void double_scores(const nqm_model *m, const double *f, const double *g, const uint8_t *used, double *values) {
+    double x[3 * N_VALUES + N_SCALARS], z[1 + NQM_LABEL_PARTS] = {0};
+    const nqm_transport t = nqm_model_transport(m);
+    const bool differs = m->features.layout != NQM_LAYOUT_REF_TEST;
+    nqm_label label = {.delta_e = 1};
+    if (t.light)
+        label = double_label(&t, f, g, used);
+    if (m->params.shape.n_layers) {
+        set_samples(m, f, g, used, x);
+        if (m->scalar_names)
+            set_scalars(m, f, g, used, t.light ? &label : NULL, x + (differs ? 3 : 2) * N_VALUES);
+        double_network(&m->params, x, z);
+    }
+    const nqm_output_range *o = &m->output;
+    const double target = o->mean + o->std * (o->lo + (o->hi - o->lo) / (1 + exp(-z[0])));
+    const double delta_e = exp(target + log(fmax(label.delta_e, 0.05)));
+    const nqm_curve *c = &m->curve;
+    values[NQM_SCORE_JOD] = 10 * (1 - 1 / (1 + exp(c->b1 * (-pow(delta_e, c->b3) - c->b2))));
+    values[NQM_SCORE_DELTA_E] = delta_e;
+    if (m->target == NQM_TARGET_JOD) {
+        values[NQM_SCORE_JOD] = target;
+        values[NQM_SCORE_DELTA_E] = (double)NAN;
+    }
+}
+
+/* Central differences of order 4: gradient (QUANTITIES, N_VALUES). */
+static void differentiate(const nqm_model *m, const gradient_pair *p, double (*gradient)[N_VALUES]) {
+    static const double steps[4] = {-2, -1, 1, 2};
+    double f[N_VALUES], g[N_VALUES];
+    to_double(p->ref, f);
+    to_double(p->test, g);
+    for (size_t i = 0; i < N_VALUES; ++i) {
+        const double at = g[i], h = 1e-3 * (at + 1e-3);
+        double v[4][QUANTITIES];
+        if (!(at > 0))
+            continue; /* below 0 there is nothing */
+        for (size_t s = 0; s < 4; ++s) {
+            g[i] = at + steps[s] * h;
+            double_scores(m, f, g, p->used, v[s]);
+        }
+        g[i] = at;
+        for (size_t of = 0; of < QUANTITIES; ++of)
+            gradient[of][i] = (8 * (v[2][of] - v[1][of]) - (v[3][of] - v[0][of])) / (12 * h);
+    }
+}
+
+/* ---- comparison -------------------------------------------------------------------------------------------------- */
+
+static nqm_scorer *make_scorer(const nqm_model *m) {
+    nqm_scorer *scorer;
+    assert_int_equal(nqm_scorer_create(m, NULL, &scorer, NULL), NQM_OK);
+    return scorer;
+}
+
+static double gradient_of(const nqm_model *m, nqm_score_quantity of, const gradient_pair *p, float *gradient) {
+    const nqm_sample_pair pair = {p->ref, p->test, p->used};
+    nqm_scorer *scorer = make_scorer(m);
+    nqm_score_result result;
+    double value;
+    assert_int_equal(nqm_score_grad(scorer, of, 1, &pair, &value, gradient, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_run_samples(scorer, 1, &pair, &result, NULL), NQM_OK);
+    if (of == NQM_SCORE_JOD)
+        assert_near(value, result.jod, 0.001);
+    else
+        assert_relative(value, result.delta_e, 0.001);
+    nqm_scorer_free(scorer);
+    return value;
+}
+
+static bool predicts(const nqm_model *m, nqm_score_quantity of) {
+    return of == NQM_SCORE_JOD || m->target == NQM_TARGET_LOG_DELTA_E;
+}
+
+/* The largest error relative to the largest entry; of entries with f_r > 0 only. */
+static double gradient_error(const gradient_pair *p, const float *gradient, const double *expected) {
+    double largest = 0, error = 0;
+    for (size_t i = 0; i < N_VALUES; ++i) {
+        if (!(p->test[i] > 0))
+            continue;
+        largest = fmax(largest, fabs(expected[i]));
+        error = fmax(error, fabs((double)gradient[i] - expected[i]));
+    }
+    return error / largest;
+}
+
+/* The network computes in float; without one, rounding limits the differences. */
+static void check_pair(const nqm_model *m, const gradient_pair *p) {
+    double f[N_VALUES], g[N_VALUES], values[QUANTITIES], expected[QUANTITIES][N_VALUES];
+    float gradient[N_VALUES];
+    to_double(p->ref, f);
+    to_double(p->test, g);
+    double_scores(m, f, g, p->used, values);
+    differentiate(m, p, expected);
+    for (nqm_score_quantity of = NQM_SCORE_JOD; of <= NQM_SCORE_DELTA_E; ++of) {
+        if (!predicts(m, of))
+            continue;
+        assert_relative(gradient_of(m, of, p, gradient), values[of], 1e-5);
+        const double error = gradient_error(p, gradient, expected[of]);
+        print_message("%s, %s %.4g: %.2g\n", m->id, of == NQM_SCORE_JOD ? "JOD" : "Delta-E", values[of], error);
+        assert_true(error <= (m->params.shape.n_layers ? 1e-5 : 1e-6));
+    }
+}
+
+static void on_every_kind(void (*test)(const nqm_model *m)) {
+    for (size_t k = 0; k < KINDS; ++k) {
+        nqm_model *m = make_model(&kinds[k]);
+        test(m);
+        nqm_model_free(m);
+    }
+}
+
+/* ---- tests ------------------------------------------------------------------------------------------------------- */
+
+static void ordinary(const nqm_model *m) {
+    gradient_pair p = make_pair(2, 0.05, 40);
+    check_pair(m, &p);
+    p = make_pair(3, 0.6, 70);
+    for (size_t i = 0; i < N; i += 13) /* dropped */
+        p.used[i] = 0;
+    check_pair(m, &p);
+    float gradient[N_VALUES], changed[N_VALUES];
+    (void)gradient_of(m, NQM_SCORE_JOD, &p, gradient);
+    for (size_t i = 0; i < N_VALUES; ++i)
+        if (!p.used[i / 3]) {
+            assert_true(gradient[i] == 0);
+            p.test[i] = 1e3f;
+        }
+    (void)gradient_of(m, NQM_SCORE_JOD, &p, changed);
+    assert_memory_equal(gradient, changed, sizeof gradient);
+}
+
+static void against_differences(void **state) {
+    (void)state;
+    on_every_kind(ordinary);
+}
+
+/* Where f_r is 0 the gradient is that at 1e-6 or finite; elsewhere as ever. */
+static void zeros(const nqm_model *m) {
+    gradient_pair p = make_pair(4, 0.4, 20);
+    float at_zero[N_VALUES], near_zero[N_VALUES];
+    for (size_t i = 0; i < N_VALUES; i += 5)
+        p.test[i] = 0;
+    check_pair(m, &p);
+    (void)gradient_of(m, NQM_SCORE_JOD, &p, at_zero);
+    for (size_t i = 0; i < N_VALUES; i += 5)
+        p.test[i] = 1e-24f;
+    (void)gradient_of(m, NQM_SCORE_JOD, &p, near_zero);
+    for (size_t i = 0; i < N_VALUES; ++i)
+        assert_near((double)at_zero[i], (double)near_zero[i], 1e-3 * fabs((double)near_zero[i]) + 1e-6);
+    memset(p.test, 0, sizeof p.test);
+    (void)gradient_of(m, NQM_SCORE_JOD, &p, at_zero);
+    for (size_t i = 0; i < N_VALUES; ++i)
+        assert_true(isfinite(at_zero[i]));
+}
+
+static void zero_reflectance(void **state) {
+    (void)state;
+    on_every_kind(zeros);
+}
+
+static void equal(const nqm_model *m) {
+    gradient_pair p = make_pair(5, 0.4, 20);
+    float gradient[N_VALUES];
+    memcpy(p.test, p.ref, sizeof p.test);
+    for (nqm_score_quantity of = NQM_SCORE_JOD; of <= NQM_SCORE_DELTA_E; ++of) {
+        if (!predicts(m, of))
+            continue;
+        const double value = gradient_of(m, of, &p, gradient);
+        const bool is_bounded = m->target == NQM_TARGET_LOG_DELTA_E;
+        assert_true(!is_bounded || value == (of == NQM_SCORE_JOD ? 10 : 0));
+        for (size_t i = 0; i < N_VALUES; ++i)
+            assert_true(is_bounded ? gradient[i] == 0 : isfinite(gradient[i]));
+    }
+}
+
+static void equal_pair(void **state) {
+    (void)state;
+    on_every_kind(equal);
+}
+
+/* The bound on Delta-E is active: 120 times the largest difference of log(f + 0.003). */
+static void nearly_equal(const nqm_model *m) {
+    static const double factors[] = {1.0001, 0.9999};
+    if (m->target != NQM_TARGET_LOG_DELTA_E)
+        return;
+    for (size_t k = 0; k < 2; ++k) {
+        gradient_pair p = make_pair(6, 0.4, 20);
+        float gradient[N_VALUES];
+        memcpy(p.test, p.ref, sizeof p.test);
+        const size_t at = 17;
+        p.test[at + 9] = (float)((double)p.ref[at + 9] * (1 + (factors[k] - 1) / 10)); /* not the largest */
+        p.test[at] = (float)((double)p.ref[at] * factors[k]);
+        p.test[0] = 2 * p.ref[0];
+        p.used[0] = 0;
+        const double a = (double)p.ref[at] + 0.003, b = (double)p.test[at] + 0.003, bound = 120 * fabs(log(b / a));
+        const double slope = (b > a ? 120 : -120) / b, h = 1e-6 * bound;
+        assert_relative(gradient_of(m, NQM_SCORE_DELTA_E, &p, gradient), bound, 2e-3); /* ratios of floats */
+        assert_relative((double)gradient[at], slope, 1e-6);
+        for (size_t i = 0; i < N_VALUES; ++i)
+            assert_true(i == at || gradient[i] == 0);
+        (void)gradient_of(m, NQM_SCORE_JOD, &p, gradient);
+        const double by_bound = (nqm_curve_jod(&m->curve, bound + h) - nqm_curve_jod(&m->curve, bound - h)) / (2 * h);
+        assert_near((double)gradient[at], slope * by_bound, 1e-2 * fabs(slope * by_bound) + 1e-4);
+    }
+}
+
+static void nearly_equal_pair(void **state) {
+    (void)state;
+    on_every_kind(nearly_equal);
+}
+
+static void refuse(nqm_scorer *scorer, nqm_score_quantity of, const nqm_sample_pair *pairs, nqm_status status,
+                   const char *words) {
+    float gradients[2 * N_VALUES] = {42};
+    double values[2] = {42, 42};
+    nqm_error err = {0};
+    assert_int_equal(nqm_score_grad(scorer, of, 2, pairs, values, gradients, &err), status);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' lacks '%s'", err.message, words);
+    assert_true(values[0] == 42 && values[1] == 42 && gradients[0] == 42);
+}
+
+static void refusals(void **state) {
+    (void)state;
+    nqm_model *m = make_model(&kinds[PAPER]);
+    nqm_scorer *scorer = make_scorer(m);
+    gradient_pair p = make_pair(7, 0.4, 20), bad = p;
+    nqm_sample_pair pairs[2] = {{p.ref, p.test, NULL}, {p.ref, bad.test, NULL}};
+    bad.test[100] = NAN;
+    refuse(scorer, NQM_SCORE_JOD, pairs, NQM_ERR_ARG, "pair 1");
+    bad.test[100] = -1;
+    refuse(scorer, NQM_SCORE_JOD, pairs, NQM_ERR_ARG, "direction 33");
+    bad.test[100] = INFINITY;
+    refuse(scorer, NQM_SCORE_JOD, pairs, NQM_ERR_ARG, "test");
+    bad = p;
+    for (size_t i = 0; i < N; ++i)
+        bad.used[i] = i % 5 != 0;
+    pairs[1].used = bad.used;
+    refuse(scorer, NQM_SCORE_JOD, pairs, NQM_ERR_INCOMPATIBLE, "pair 1: 120 of 150 directions are used");
+    memset(bad.used, 1, N);
+    refuse(scorer, NQM_SCORE_DELTA_E, pairs, NQM_ERR_ARG, "'paper' predicts no Delta-E");
+    assert_int_equal(nqm_score_grad(scorer, NQM_SCORE_JOD, 0, NULL, NULL, NULL, NULL), NQM_OK);
+    nqm_scorer_free(scorer);
+    nqm_model_free(m);
+}
+
+enum { MANY = NQM_SCORE_BLOCK + 30 };
+
+/* MANY pairs, `batch` in a call. */
+static void run(const nqm_model *m, const nqm_sample_pair *pairs, size_t batch, double *values, float *gradients) {
+    nqm_scorer *scorer = make_scorer(m);
+    for (size_t first = 0; first < MANY; first += batch)
+        assert_int_equal(nqm_score_grad(scorer, NQM_SCORE_DELTA_E, nqm_smaller(batch, MANY - first), pairs + first,
+                                        values + first, gradients + first * N_VALUES, NULL),
+                         NQM_OK);
+    nqm_scorer_free(scorer);
+}
+
+static void the_same_bits(void **state) {
+    (void)state;
+    enum { DISTINCT = 9 };
+    static gradient_pair p[DISTINCT];
+    static nqm_sample_pair pairs[MANY];
+    static float all[MANY * N_VALUES], gradients[MANY * N_VALUES];
+    static const size_t batches[] = {MANY, 1, 2, 50};
+    double all_values[MANY], values[MANY];
+    const int threads = omp_get_max_threads();
+    nqm_model *m = make_model(&kinds[ALL]);
+    for (size_t i = 0; i < DISTINCT; ++i)
+        p[i] = make_pair(i, 0.1 * (double)i, 20);
+    for (size_t i = 0; i < MANY; ++i)
+        pairs[i] = (nqm_sample_pair){p[i / 3 % DISTINCT].ref, p[(i * i + i) % DISTINCT].test, p[0].used};
+    omp_set_num_threads(1);
+    run(m, pairs, 7, all_values, all);
+    for (size_t b = 0; b < 8; ++b) {
+        omp_set_num_threads((int)(b % 2 + 1));
+        run(m, pairs, batches[b / 2], values, gradients);
+        assert_memory_equal(values, all_values, sizeof values);
+        assert_memory_equal(gradients, all, sizeof gradients);
+    }
+    omp_set_num_threads(threads);
+    nqm_model_free(m);
+}
+
+/* A call that ran out of memory may be repeated. */
+static void out_of_memory(void **state) {
+    (void)state;
+    nqm_model *m = make_model(&kinds[ALL]);
+    nqm_scorer *scorer = make_scorer(m);
+    const gradient_pair p = make_pair(8, 0.4, 20);
+    const nqm_sample_pair pairs[2] = {{p.ref, p.test, NULL}, {p.ref, p.test, NULL}};
+    float gradients[2 * N_VALUES];
+    double values[2];
+    for (size_t n_pairs = 1; n_pairs <= 2; ++n_pairs) {
+        bool done = false;
+        for (long n = 0; !done; ++n) {
+            nqm_alloc_fail_after(n);
+            const nqm_status status = nqm_score_grad(scorer, NQM_SCORE_JOD, n_pairs, pairs, values, gradients, NULL);
+            nqm_alloc_fail_after(-1);
+            done = status == NQM_OK;
+            assert_true(done || status == NQM_ERR_NOMEM);
+            assert_true(n < 40 && (done ? n > 0 : 1));
+        }
+    }
+    nqm_scorer_free(scorer);
+    nqm_model_free(m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(against_differences), cmocka_unit_test(zero_reflectance), cmocka_unit_test(equal_pair),
+        cmocka_unit_test(nearly_equal_pair),   cmocka_unit_test(refusals),         cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
+}
