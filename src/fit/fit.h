@@ -79,6 +79,8 @@ NQM_MUST_CHECK nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, n
 /** Position of a value in its range, 0 to 1 in the scale of the search; and the inverse. */
 double nqm_fit_shape_position(const nqm_fit_shape *shape, double value);
 double nqm_fit_shape_value(const nqm_fit_shape *shape, double position);
+/** The derivative of the value by the position. */
+double nqm_fit_shape_derivative(const nqm_fit_shape *shape, double value);
 
 /** Values of a model's parameters. */
 typedef struct nqm_fit_values {
@@ -104,9 +106,8 @@ NQM_MUST_CHECK nqm_status nqm_fit_lobes_make(const nqm_fit_entry *model, size_t 
                                              nqm_fit_lobes *lobes, nqm_error *err);
 /** Evaluate the lobe, unless it already has this shape. */
 NQM_MUST_CHECK nqm_status nqm_fit_lobes_set(nqm_fit_lobes *lobes, const double *shape, nqm_error *err);
-/** slope (n): derivative of the lobe by the position of shape k in its range; scratch (n). */
-NQM_MUST_CHECK nqm_status nqm_fit_lobes_slope(nqm_fit_lobes *lobes, size_t k, double *slope, double *scratch,
-                                              nqm_error *err);
+/** slopes (n_shape, n): derivatives of the lobe by the positions of its shape in their ranges. */
+NQM_MUST_CHECK nqm_status nqm_fit_lobes_slopes(nqm_fit_lobes *lobes, double *slopes, nqm_error *err);
 /** rgb (n, 3): f_r with the albedos of `v`; the lobe must have its shape. */
 void nqm_fit_lobes_combine(const nqm_fit_lobes *lobes, const nqm_fit_values *v, double *rgb);
 /** f_r of a spec: rgb (n, 3). */
@@ -191,9 +192,9 @@ typedef struct nqm_fit_part {
     nqm_fit_term term;
     nqm_fit_target target; /* of a BRDF-space term */
     nqm_fit_lobes lobes;
-    double *rgb, *gradient;  /* (n, 3) f_r, and the derivatives of the term by it; rgb owns the block */
-    double *slope, *scratch; /* (n) */
-    double value;            /* of the last evaluation */
+    double *rgb, *gradient; /* (n, 3) f_r, and the derivatives of the term by it; rgb owns the block */
+    double *slopes;         /* (n_shape, n) */
+    double value;           /* of the last evaluation */
 } nqm_fit_part;
 
 /** A weighted sum of terms as a function of the values of a model. */

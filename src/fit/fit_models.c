@@ -178,3 +178,16 @@ double nqm_fit_shape_value(const nqm_fit_shape *shape, double position) {
     }
     return low + (high - low) * position;
 }
+
+double nqm_fit_shape_derivative(const nqm_fit_shape *shape, double value) {
+    double low = shape->low, high = shape->high;
+    switch (shape->scale) {
+    case NQM_FIT_SCALE_LOG:
+        return value * log(high / low);
+    case NQM_FIT_SCALE_LOG_REST:
+        return (value - 1) * log((1 - high) / (1 - low));
+    case NQM_FIT_SCALE_LINEAR:
+        break;
+    }
+    return high - low;
+}

@@ -22,7 +22,7 @@ static nqm_status make_part(const nqm_fit_entry *model, const nqm_fit_target *ta
     if (status == NQM_OK)
         status =
             nqm_alloc_arrays(NQM_ARRAYS({&part->rgb, n, 3 * sizeof(double)}, {&part->gradient, n, 3 * sizeof(double)},
-                                        {&part->slope, n, sizeof(double)}, {&part->scratch, n, sizeof(double)}),
+                                        {&part->slopes, n, model->n_shape * sizeof(double)}),
                              err);
     return status;
 }
@@ -59,13 +59,11 @@ static nqm_status add_gradient(nqm_fit_part *part, const nqm_fit_values *v, nqm_
             sum->kd[c] += weight * part->gradient[3 * i + c] * lobes->diffuse[i];
             sum->ks[c] += weight * part->gradient[3 * i + c] * lobes->lobe[i];
         }
-    nqm_status status = NQM_OK;
-    for (size_t k = 0; status == NQM_OK && k < lobes->model->n_shape; ++k) {
-        status = nqm_fit_lobes_slope(&part->lobes, k, part->slope, part->scratch, err);
-        for (size_t i = 0; status == NQM_OK && i < lobes->n; ++i)
+    nqm_status status = nqm_fit_lobes_slopes(&part->lobes, part->slopes, err);
+    for (size_t k = 0; status == NQM_OK && k < lobes->model->n_shape; ++k)
+        for (size_t i = 0; i < lobes->n; ++i)
             for (size_t c = 0; c < 3; ++c)
-                sum->shape[k] += weight * part->gradient[3 * i + c] * v->ks[c] * part->slope[i];
-    }
+                sum->shape[k] += weight * part->gradient[3 * i + c] * v->ks[c] * part->slopes[k * lobes->n + i];
     return status;
 }
 

@@ -137,7 +137,7 @@ static void check_gradient(const char *name, const nqm_fit_term *terms, size_t n
         shift(model, &low, j, -h);
         double difference = (value_at(&objective, &high) - value_at(&objective, &low)) / (2 * h);
         double found = gradient_at(model, &gradient, j);
-        if (!(fabs(found - difference) <= 1e-5 * fabs(difference) + 1e-6 * value))
+        if (!(fabs(found - difference) <= 1e-6 * fabs(difference) + 1e-7 * value))
             fail_msg("%s, loss %d, coordinate %zu: %.9g instead of %.9g", name, (int)terms->loss, j, found, difference);
     }
     nqm_fit_objective_free(&objective);
