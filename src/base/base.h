@@ -192,6 +192,9 @@ static inline uint64_t nqm_hash_keyed(uint64_t key, uint64_t counter) {
 /** Call body(user, i) for i in [0, n) on OpenMP threads with dynamic scheduling. Bodies must write to disjoint memory,
  *  so that results do not depend on the number of threads. */
 void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user);
+/** Limit the threads of parallel loops that the calling thread starts from now on; returns the limit before. For small loops
+ *  called thousands of times, in which threads wait longer than they work. */
+int nqm_limit_threads(int n_threads);
 
 /* ---- SHA-256 ----------------------------------------------------------------------------------------------------- */
 

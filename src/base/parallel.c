@@ -4,12 +4,19 @@
  */
 #include "base/base.h"
 
+#include <omp.h>
 #include <time.h>
 
 void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user) {
 #pragma omp parallel for schedule(dynamic, 1)
     for (size_t i = 0; i < n; ++i)
         body(user, i);
+}
+
+int nqm_limit_threads(int n_threads) {
+    int before = omp_get_max_threads();
+    omp_set_num_threads(n_threads);
+    return before;
 }
 
 double nqm_clock_s(void) {

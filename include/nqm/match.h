@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/match.h - fits that look right: analytic models fitted by the predicted difference of pictures, by distances of BRDF
+ * values, or by sums of both. In libnqm-full only. Any thread.
+ */
+#ifndef NQM_MATCH_H
+#define NQM_MATCH_H
+
+#include <nqm/fit.h>
+#include <nqm/metric.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * What a match minimises. `text` is a sum "WEIGHT*WORD+WEIGHT*WORD..." of at most 8 terms; a weight that is left out is 1. The
+ * words:
+ *  - "nqm": the Delta-E ITP that `metric` predicts; 10 - JOD for a model that predicts none (both 0 for equal BRDFs);
+ *  - "transport": the same of `transport`;
+ *  - the losses of nqm_fit_loss: "log", "rmse", ..., "log_diff".
+ *
+ * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
+ * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "nqm"), and of all eight
+ * the one with the smallest Delta-E by `transport` is the result.
+ */
+typedef struct nqm_match_loss {
+    const char *text;
+    const nqm_model *metric;    /**< NULL: not needed by `text` */
+    const nqm_model *transport; /**< NULL: not needed by `text` */
+} nqm_match_loss;
+
+typedef struct nqm_match_report {
+    nqm_fit_report fit; /**< of the result; `loss`: value of the sum, or of "auto" the value by `transport` */
+    char selected[128]; /**< of "auto": how the result came about ("log-cos, then nqm"); otherwise "" */
+    double
+        difference; /**< value of "transport" at the result; NaN without `transport`, and for models that are not analytic */
+} nqm_match_report;
+
+/**
+ * Fit `model` to `ref` by a loss. As nqm_fit(), with these differences: the sum is minimised first under its BRDF-space terms
+ * (without any: NQM_FIT_LOG), and perceptual terms come in last; candidates of "auto" are computed in parallel, and the result
+ * does not depend on the number of threads. Models that are not analytic have their own losses, and `loss` does not apply.
+ *
+ * @param options     NULL: the defaults of nqm_fit_options_default(). `loss` and `terms` are not used
+ * @param report_ret  receives the report
+ * @param brdf_ret    NULL, or receives the result; free with nqm_brdf_free()
+ * @return as nqm_fit(); NQM_ERR_ARG also for a fault in `text`, whose word the message names, and for a word without its model;
+ *         NQM_ERR_INCOMPATIBLE also when `ref` has values at too few directions of a model
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
+                                            const nqm_fit_options *options, nqm_match_report *report_ret,
+                                            nqm_brdf **brdf_ret, nqm_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

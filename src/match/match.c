@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits by perceptual losses, and the selection among several of them.
+ */
+#include "match/match.h"
+#include "fit/fit.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+/* ---- one fit ----------------------------------------------------------------------------------------------------- */
+
+/* Arguments of all fits of a match. */
+typedef struct setting {
+    const nqm_brdf *ref;
+    const char *model;
+    const nqm_match_loss *loss;
+    nqm_fit_options options;
+} setting;
+
+/* A sum as the terms of a fit. */
+typedef struct binding {
+    nqm_match_visual metric, transport;
+    size_t n;
+    nqm_fit_term terms[NQM_MATCH_MAX_TERMS];
+} binding;
+
+static const char *word_of(nqm_match_kind kind) {
+    return kind == NQM_MATCH_METRIC ? "nqm" : "transport";
+}
+
+static nqm_status bind_term(const setting *s, const nqm_match_term *term, binding *b, nqm_error *err) {
+    nqm_fit_term *to = &b->terms[b->n++];
+    *to = (nqm_fit_term){.weight = term->weight, .loss = term->loss};
+    if (term->kind == NQM_MATCH_VALUES)
+        return NQM_OK;
+    bool is_metric = term->kind == NQM_MATCH_METRIC;
+    const nqm_model *model = is_metric ? s->loss->metric : s->loss->transport;
+    nqm_match_visual *visual = is_metric ? &b->metric : &b->transport;
+    if (!model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss '%s' needs a model", word_of(term->kind));
+    to->visual = &visual->visual;
+    return visual->scorer ? NQM_OK : nqm_match_visual_make(model, s->ref, visual, err);
+}
+
+static void release(binding *b) {
+    nqm_match_visual_free(&b->metric);
+    nqm_match_visual_free(&b->transport);
+}
+
+/* A NaN of a metric ends a fit: its own reason replaces that of the fit. */
+static nqm_status explain(const binding *b, nqm_status status, nqm_error *err) {
+    const nqm_error *failure = b->metric.failure.status != NQM_OK ? &b->metric.failure : &b->transport.failure;
+    if (status != NQM_ERR_NUMERIC || failure->status == NQM_OK)
+        return status;
+    return nqm_fail(err, failure->status, -1, "%s", failure->message);
+}
+
+/* Fit by a sum; start: a spec to start from, NULL: as the options say. */
+static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, const char *start, nqm_fit_report *report,
+                          nqm_brdf **brdf_ret, nqm_error *err) {
+    binding b = {.n = 0};
+    nqm_fit_options options = s->options;
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
+        status = bind_term(s, &sum->terms[i], &b, err);
+    options.terms = b.terms;
+    options.n_terms = b.n;
+    options.start = start ? start : options.start;
+    int n_threads = nqm_limit_threads(1); /* of a score of one pair */
+    if (status == NQM_OK)
+        status = explain(&b, nqm_fit(s->ref, s->model, &options, report, brdf_ret, err), err);
+    nqm_limit_threads(n_threads);
+    release(&b);
+    return status;
+}
+
+/* ---- selection among candidates ---------------------------------------------------------------------------------- */
+
+static const nqm_fit_loss candidate_losses[] = {NQM_FIT_LOG, NQM_FIT_LOG_COS, NQM_FIT_RMS_CRWE, NQM_FIT_LOG_DIFF};
+enum { N_CANDIDATES = sizeof candidate_losses / sizeof *candidate_losses };
+
+/* A fit under a loss between values, and its polished form. */
+typedef struct candidate {
+    struct {
+        nqm_fit_report report;
+        double difference; /* NaN: failed */
+    } forms[2];
+    nqm_error err; /* why it was not completed */
+} candidate;
+
+typedef struct selection {
+    setting setting; /* with progress by report_progress() */
+    const nqm_match_sum *polish;
+    candidate candidates[N_CANDIDATES];
+    pthread_t caller;
+    nqm_ticker ticker; /* of the caller's callback */
+    atomic_int n_done, stopped;
+} selection;
+
+/* Of the caller's thread only; the other threads see its answer. */
+static int report_progress(void *user, const char *stage, double done, double total) {
+    selection *s = user;
+    (void)stage;
+    (void)done;
+    (void)total;
+    if (pthread_equal(pthread_self(), s->caller) &&
+        nqm_tick(&s->ticker, "fit", atomic_load(&s->n_done), 2 * N_CANDIDATES + 1))
+        atomic_store(&s->stopped, 1);
+    return atomic_load(&s->stopped);
+}
+
+static nqm_status compare(const setting *s, const nqm_brdf *brdf, double *difference, nqm_error *err) {
+    nqm_match_visual visual;
+    nqm_status status = nqm_match_visual_make(s->loss->transport, s->ref, &visual, err);
+    if (status == NQM_OK)
+        status = nqm_match_visual_value(&visual, brdf, difference, err);
+    nqm_match_visual_free(&visual);
+    return status;
+}
+
+static nqm_status make_form(const selection *s, const nqm_match_sum *sum, const char *start, nqm_fit_report *report,
+                            double *difference, nqm_error *err) {
+    nqm_brdf *brdf;
+    nqm_status status = fit_sum(&s->setting, sum, start, report, &brdf, err);
+    if (status == NQM_OK)
+        status = compare(&s->setting, brdf, difference, err);
+    nqm_brdf_free(brdf);
+    return status;
+}
+
+static void make_candidate(void *user, size_t i) {
+    selection *s = user;
+    candidate *c = &s->candidates[i];
+    const nqm_match_sum single = {.n = 1, .terms = {{.weight = 1, .loss = candidate_losses[i]}}};
+    c->forms[0].difference = c->forms[1].difference = NAN;
+    nqm_status status = make_form(s, &single, NULL, &c->forms[0].report, &c->forms[0].difference, &c->err);
+    atomic_fetch_add(&s->n_done, 1);
+    if (status == NQM_OK)
+        status =
+            make_form(s, s->polish, c->forms[0].report.spec, &c->forms[1].report, &c->forms[1].difference, &c->err);
+    atomic_fetch_add(&s->n_done, 1);
+}
+
+/* The first error other than a divergence, which loses only its candidate. */
+static const nqm_error *failure_of(const selection *s) {
+    for (size_t i = 0; i < N_CANDIDATES; ++i)
+        if (s->candidates[i].err.status != NQM_OK && s->candidates[i].err.status != NQM_ERR_NUMERIC)
+            return &s->candidates[i].err;
+    return NULL;
+}
+
+static nqm_status choose(const selection *s, const char *text, nqm_match_report *report, nqm_error *err) {
+    double best = INFINITY;
+    for (size_t i = 0; i < 2 * N_CANDIDATES; ++i) {
+        const candidate *c = &s->candidates[i / 2];
+        if (!(c->forms[i % 2].difference < best))
+            continue;
+        best = c->forms[i % 2].difference;
+        report->fit = c->forms[i % 2].report;
+        report->fit.loss = report->difference = best;
+        snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[candidate_losses[i / 2]],
+                 i % 2 ? ", then " : "", i % 2 ? text : "");
+    }
+    return best < INFINITY ? NQM_OK : nqm_fail(err, NQM_ERR_NUMERIC, -1, "no candidate of the loss auto has a result");
+}
+
+static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum *polish, nqm_match_report *report,
+                              nqm_brdf **brdf_ret, nqm_error *err) {
+    const nqm_match_loss *loss = setting_of_all->loss;
+    if (!loss->transport)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a model for transport");
+    selection *s = nqm_alloc(1, sizeof *s);
+    if (!s)
+        return nqm_fail_nomem(err, sizeof *s);
+    s->setting = *setting_of_all;
+    s->polish = polish;
+    s->caller = pthread_self();
+    s->ticker = (nqm_ticker){.fn = s->setting.options.progress, .user = s->setting.options.progress_user};
+    s->setting.options.progress = report_progress;
+    s->setting.options.progress_user = s;
+    nqm_parallel_for(N_CANDIDATES, make_candidate, s);
+    const nqm_error *failure = failure_of(s);
+    nqm_status status = failure ? nqm_fail(err, failure->status, failure->byte_offset, "%s", failure->message)
+                                : choose(s, strchr(loss->text, ':') ? loss->text + 5 : "nqm", report, err);
+    nqm_free(s);
+    return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
+}
+
+/* ---- public entry ------------------------------------------------------------------------------------------------ */
+
+nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
+                     const nqm_fit_options *options_or_null, nqm_match_report *report_ret, nqm_brdf **brdf_ret,
+                     nqm_error *err) {
+    setting s = {.ref = ref, .model = model, .loss = loss};
+    s.options = options_or_null ? *options_or_null : nqm_fit_options_default();
+    nqm_match_report report = {.difference = NAN};
+    nqm_brdf *brdf = NULL;
+    nqm_match_sum sum;
+    const nqm_fit_entry *entry;
+    if (brdf_ret)
+        *brdf_ret = NULL;
+    nqm_status status = nqm_match_parse(loss->text, &sum, err);
+    if (status == NQM_OK)
+        status = nqm_fit_entry_find(model, &entry, err);
+    if (status != NQM_OK)
+        return status;
+    if (entry->encode)
+        status = nqm_fit(ref, model, &s.options, &report.fit, &brdf, err);
+    else if (sum.is_auto)
+        status = select_best(&s, &sum, &report, &brdf, err);
+    else
+        status = fit_sum(&s, &sum, NULL, &report.fit, &brdf, err);
+    if (status == NQM_OK && !entry->encode && !sum.is_auto && loss->transport)
+        status = compare(&s, brdf, &report.difference, err);
+    if (status == NQM_OK)
+        *report_ret = report;
+    if (status == NQM_OK && brdf_ret)
+        *brdf_ret = brdf;
+    else
+        nqm_brdf_free(brdf);
+    return status;
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * match.h - the parts of a match: the text of a loss, and metrics as differentiable losses of fits.
+ */
+#ifndef NQM_SRC_MATCH_H
+#define NQM_SRC_MATCH_H
+
+#include "base/base.h"
+#include <nqm/match.h>
+
+enum { NQM_MATCH_MAX_TERMS = 8 };
+
+/** What a term of a sum is. */
+typedef enum nqm_match_kind { NQM_MATCH_VALUES, NQM_MATCH_METRIC, NQM_MATCH_TRANSPORT } nqm_match_kind;
+
+typedef struct nqm_match_term {
+    double weight;
+    nqm_match_kind kind;
+    nqm_fit_loss loss; /* of NQM_MATCH_VALUES */
+} nqm_match_term;
+
+typedef struct nqm_match_sum {
+    bool is_auto;
+    size_t n;
+    nqm_match_term terms[NQM_MATCH_MAX_TERMS]; /* of "auto": those of the polish */
+} nqm_match_sum;
+
+/** NQM_ERR_ARG names the word at fault. */
+NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
+
+/** A metric against one reference, as a loss of a fit. Used by one thread at a time. */
+typedef struct nqm_match_visual {
+    nqm_fit_visual visual;
+    nqm_scorer *scorer;
+    nqm_score_quantity quantity; /* NQM_SCORE_JOD: the loss is 10 minus it */
+    double *wi, *wo;             /* (n, 3); wi owns the block of the arrays */
+    float *ref, *test, *slopes;  /* (n, 3) */
+    uint8_t *used;               /* (n) */
+    nqm_error failure;           /* of the last evaluation */
+} nqm_match_visual;
+
+/** NQM_ERR_INCOMPATIBLE: too few directions have a value. Free it also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
+                                                nqm_error *err);
+void nqm_match_visual_free(nqm_match_visual *visual);
+/** The loss of a BRDF. */
+NQM_MUST_CHECK nqm_status nqm_match_visual_value(nqm_match_visual *visual, const nqm_brdf *brdf, double *value,
+                                                 nqm_error *err);
+
+#endif

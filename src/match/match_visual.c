@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A metric as a loss of fits: the scores and gradients of nqm_score_grad() at the directions of the model. Directions at
+ * which the reference has no value are left out.
+ */
+#include "match/match.h"
+#include "math/math.h"
+
+#include <math.h>
+
+static nqm_status score(nqm_match_visual *v, double *value, nqm_error *err) {
+    const nqm_sample_pair pair = {.ref = v->ref, .test = v->test, .used = v->used};
+    return nqm_score_grad(v->scorer, v->quantity, 1, &pair, value, v->slopes, err);
+}
+
+static double evaluate(void *user, const double *rgb, double *gradient) {
+    nqm_match_visual *v = user;
+    size_t n = 3 * v->visual.n;
+    double value;
+    for (size_t i = 0; i < n; ++i)
+        v->test[i] = v->used[i / 3] ? (float)rgb[i] : 0;
+    if (score(v, &value, &v->failure) != NQM_OK)
+        return NAN;
+    double sign = v->quantity == NQM_SCORE_JOD ? -1 : 1;
+    for (size_t i = 0; i < n; ++i)
+        gradient[i] = sign * (double)v->slopes[i];
+    return v->quantity == NQM_SCORE_JOD ? 10 - value : value;
+}
+
+/* The reference at the directions of the model. */
+static nqm_status sample(const nqm_directions *directions, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
+    const double *degrees = nqm_directions_degrees(directions);
+    nqm_status status = nqm_sample(ref, directions, NQM_INVALID_DROP, v->ref, v->used, NULL, err);
+    for (size_t i = 0; i < v->visual.n; ++i) {
+        double hd[3];
+        for (size_t k = 0; k < 3; ++k)
+            hd[k] = degrees[3 * i + k] * NQM_PI / 180;
+        nqm_half_diff_to_directions(hd, v->wi + 3 * i, v->wo + 3 * i);
+        v->used[i] = nqm_has_value(v->used[i]) && v->wi[3 * i + 2] > 0 && v->wo[3 * i + 2] > 0;
+    }
+    return status;
+}
+
+nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
+    const nqm_directions *directions = nqm_model_get_info(model).directions;
+    size_t n = nqm_directions_count(directions);
+    nqm_score_options options = nqm_score_options_default();
+    options.metrics = 0;
+    *v = (nqm_match_visual){.quantity = NQM_SCORE_DELTA_E};
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&v->wi, n, 3 * sizeof(double)}, {&v->wo, n, 3 * sizeof(double)},
+                                                    {&v->ref, n, 3 * sizeof(float)}, {&v->test, n, 3 * sizeof(float)},
+                                                    {&v->slopes, n, 3 * sizeof(float)}, {&v->used, n, 1}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
+    v->visual = (nqm_fit_visual){.n = n, .wi = v->wi, .wo = v->wo, .eval = evaluate, .user = v};
+    status = sample(directions, ref, v, err);
+    if (status == NQM_OK)
+        status = nqm_scorer_create(model, &options, &v->scorer, err);
+    if (status != NQM_OK)
+        return status;
+    /* The reference against itself shows whether it has enough values, and whether the model predicts a Delta-E. */
+    double value;
+    nqm_error fault = {0};
+    memcpy(v->test, v->ref, 3 * n * sizeof *v->test);
+    if (score(v, &value, &fault) == NQM_ERR_ARG)
+        v->quantity = NQM_SCORE_JOD;
+    return score(v, &value, err);
+}
+
+void nqm_match_visual_free(nqm_match_visual *v) {
+    nqm_scorer_free(v->scorer);
+    nqm_free(v->wi);
+}
+
+nqm_status nqm_match_visual_value(nqm_match_visual *v, const nqm_brdf *brdf, double *value, nqm_error *err) {
+    double *rgb = nqm_alloc(v->visual.n, 6 * sizeof *rgb);
+    if (!rgb)
+        return nqm_fail_nomem(err, v->visual.n * 6 * sizeof *rgb);
+    nqm_brdf_eval(brdf, v->visual.n, v->wi, v->wo, rgb, NULL);
+    *value = evaluate(v, rgb, rgb + 3 * v->visual.n);
+    nqm_free(rgb);
+    if (!isnan(*value))
+        return NQM_OK;
+    return nqm_fail(err, v->failure.status, -1, "%s", v->failure.message);
+}
