@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits by perceptual losses: texts of losses, values and gradients of metrics as losses, known parameters recovered from
+ * random starts, the selection of auto and its independence of threads, stopping, faults.
+ */
+#include "fit/fit.h"
+#include "match/match.h"
+#include "support/check.h"
+#include "support/fitting.h"
+#include <nqm/label.h>
+
+#include <math.h>
+#include <string.h>
+
+static const char truth_ggx[] = "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15;f0=0.3";
+static const char truth_ward[] = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15";
+
+static nqm_model *metric, *transport, *paper;
+
+static int open_models(void **state) {
+    (void)state;
+    nqm_scene_options scene = nqm_scene_options_default();
+    scene.shape = "sphere";
+    scene.light = "studio";
+    assert_int_equal(nqm_model_builtin("default", &metric, NULL), NQM_OK);
+    assert_int_equal(nqm_model_builtin("paper", &paper, NULL), NQM_OK);
+    assert_int_equal(nqm_transport_create(&scene, nqm_model_get_info(metric).directions, 64, "test", &transport, NULL),
+                     NQM_OK);
+    return 0;
+}
+
+static int close_models(void **state) {
+    (void)state;
+    nqm_model_free(metric);
+    nqm_model_free(paper);
+    nqm_model_free(transport);
+    return 0;
+}
+
+static nqm_match_report match(const char *spec, const char *model, const char *text, const nqm_fit_options *options) {
+    const nqm_match_loss loss = {text, metric, transport};
+    nqm_error err = {0};
+    nqm_match_report report;
+    nqm_brdf *ref = open_brdf(spec);
+    if (nqm_match(ref, model, &loss, options, &report, NULL, &err) != NQM_OK)
+        fail_msg("%s: %s", text, err.message);
+    nqm_brdf_free(ref);
+    return report;
+}
+
+/* ---- texts -------------------------------------------------------------------------------------------------------- */
+
+static void texts_become_terms(void **state) {
+    (void)state;
+    nqm_match_sum sum;
+    assert_int_equal(nqm_match_parse("log_diff+0.2*nqm+1e+2*transport", &sum, NULL), NQM_OK);
+    assert_false(sum.is_auto);
+    assert_int_equal(sum.n, 3);
+    assert_true(sum.terms[0].weight == 1 && sum.terms[0].kind == NQM_MATCH_VALUES &&
+                sum.terms[0].loss == NQM_FIT_LOG_DIFF);
+    assert_true(sum.terms[1].weight == 0.2 && sum.terms[1].kind == NQM_MATCH_METRIC);
+    assert_true(sum.terms[2].weight == 100 && sum.terms[2].kind == NQM_MATCH_TRANSPORT);
+    assert_int_equal(nqm_match_parse("auto", &sum, NULL), NQM_OK);
+    assert_true(sum.is_auto && sum.n == 1 && sum.terms[0].kind == NQM_MATCH_METRIC);
+    assert_int_equal(nqm_match_parse("auto:log+transport", &sum, NULL), NQM_OK);
+    assert_true(sum.is_auto && sum.n == 2 && sum.terms[1].kind == NQM_MATCH_TRANSPORT);
+}
+
+static void faulty_texts_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *message;
+    } cases[] = {{"log+lgo", "'lgo'"},
+                 {"", "''"},
+                 {"log+", "''"},
+                 {"2*", "''"},
+                 {"-1*log", "'-1*log'"},
+                 {"0*log", "> 0"},
+                 {"2log", "'2log'"},
+                 {"auto+log", "'auto'"},
+                 {"auto:auto", "'auto'"},
+                 {"auto:", "''"},
+                 {"automatic", "'automatic'"},
+                 {"log+log+log+log+log+log+log+log+log", "8"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_match_sum sum;
+        nqm_error err = {0};
+        assert_int_equal(nqm_match_parse(cases[i].text, &sum, &err), NQM_ERR_ARG);
+        if (!strstr(err.message, cases[i].message))
+            fail_msg("%s: %s", cases[i].text, err.message);
+    }
+}
+
+/* ---- metrics as losses -------------------------------------------------------------------------------------------- */
+
+static void values_are_those_of_scores(void **state) {
+    (void)state;
+    const nqm_model *models[] = {metric, transport, paper};
+    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf(truth_ward);
+    for (int k = 0; k < 3; ++k) {
+        nqm_match_visual visual;
+        nqm_score_result result;
+        double value;
+        const nqm_brdf *tests[] = {test};
+        assert_int_equal(nqm_match_visual_make(models[k], ref, &visual, NULL), NQM_OK);
+        assert_int_equal(nqm_match_visual_value(&visual, test, &value, NULL), NQM_OK);
+        assert_int_equal(nqm_score(models[k], ref, 1, tests, NULL, &result, NULL), NQM_OK);
+        assert_relative(value, k < 2 ? result.delta_e : 10 - result.jod, 1e-3);
+        nqm_match_visual_free(&visual);
+    }
+    nqm_brdf_free(ref);
+    nqm_brdf_free(test);
+}
+
+/* The derivative along a direction in the space of the values; differences of floats bound the accuracy. */
+static void gradients_are_those_of_differences(void **state) {
+    (void)state;
+    const nqm_fit_values at = {{0.15, 0.2}, {0.02, 0.05, 0.2}, {0.3, 0.2, 0.1}};
+    const nqm_model *models[] = {metric, transport, paper};
+    const double h = 3e-4;
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 300;
+    nqm_brdf *ref = open_brdf("sgd:blue-rubber");
+    for (int k = 0; k < 3; ++k) {
+        const nqm_fit_entry *entry;
+        nqm_match_visual visual;
+        nqm_fit_target target;
+        nqm_fit_objective objective;
+        nqm_fit_values slopes, low = at, high = at;
+        double value, below, above;
+        assert_int_equal(nqm_fit_entry_find("ggx", &entry, NULL), NQM_OK);
+        assert_int_equal(nqm_match_visual_make(models[k], ref, &visual, NULL), NQM_OK);
+        assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
+        const nqm_fit_term terms[] = {{.weight = 1, .loss = NQM_FIT_LOG_COS},
+                                      {.weight = 0.2, .visual = &visual.visual}};
+        assert_int_equal(nqm_fit_objective_make(entry, &target, 2, terms, &objective, NULL), NQM_OK);
+        assert_int_equal(nqm_fit_objective_eval(&objective, true, &at, &value, &slopes, NULL), NQM_OK);
+        double expected = slopes.shape[0] * 0.1 + slopes.shape[1];
+        for (size_t c = 0; c < 3; ++c) {
+            expected += 0.1 * slopes.kd[c] + slopes.ks[c];
+            high.kd[c] += 0.1 * h, low.kd[c] -= 0.1 * h;
+            high.ks[c] += h, low.ks[c] -= h;
+        }
+        for (size_t s = 0; s < 2; ++s) {
+            double by = s ? h : 0.1 * h, position = nqm_fit_shape_position(&entry->shape[s], at.shape[s]);
+            high.shape[s] = nqm_fit_shape_value(&entry->shape[s], position + by);
+            low.shape[s] = nqm_fit_shape_value(&entry->shape[s], position - by);
+        }
+        assert_int_equal(nqm_fit_objective_eval(&objective, true, &high, &above, NULL, NULL), NQM_OK);
+        assert_int_equal(nqm_fit_objective_eval(&objective, true, &low, &below, NULL, NULL), NQM_OK);
+        assert_relative((above - below) / (2 * h), expected, 5e-3);
+        nqm_fit_objective_free(&objective);
+        nqm_match_visual_free(&visual);
+        nqm_free(target.wi);
+    }
+    nqm_brdf_free(ref);
+}
+
+/* ---- fits --------------------------------------------------------------------------------------------------------- */
+
+static void perceptual_losses_find_the_truth_from_random_starts(void **state) {
+    (void)state;
+    static const char *const texts[] = {"nqm", "transport", "log_diff+0.2*nqm"};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; ++k) {
+        nqm_fit_options options = nqm_fit_options_default();
+        options.n_directions = 600;
+        options.n_random = 6;
+        options.immediate = 1;
+        nqm_match_report ward = match(truth_ward, "ward", texts[k], &options);
+        nqm_match_report ggx = match(truth_ggx, "ggx", texts[k], &options);
+        if (!(ward.difference < 0.5 && ggx.difference < 0.5))
+            fail_msg("%s: Delta-E %g and %g: %s, %s", texts[k], ward.difference, ggx.difference, ward.fit.spec,
+                     ggx.fit.spec);
+        check_spec_values(ward.fit.spec, truth_ward, "alpha", 0.05);
+        check_spec_values(ggx.fit.spec, truth_ggx, "kd", 0.1);
+        assert_string_equal(ward.selected, "");
+    }
+}
+
+static void a_loss_between_values_is_that_of_fit(void **state) {
+    (void)state;
+    nqm_match_report report = match("sgd:nickel", "ward", "log-cos", NULL);
+    nqm_fit_options options = nqm_fit_options_default();
+    options.loss = NQM_FIT_LOG_COS;
+    assert_string_equal(report.fit.spec, fit_spec("sgd:nickel", "ward", &options).spec);
+    assert_true(report.difference > 0);
+}
+
+static void perceptual_losses_lower_the_difference(void **state) {
+    (void)state;
+    double log = match("sgd:nickel", "ward", "log", NULL).difference;
+    assert_true(match("sgd:nickel", "ward", "transport", NULL).difference < 0.9 * log);
+    assert_true(match("sgd:nickel", "ward", "nqm", NULL).fit.loss > 0);
+}
+
+static void auto_is_the_best_of_its_candidates(void **state) {
+    (void)state;
+    static const char *const candidates[] = {"log", "log-cos", "rms_crwe", "log_diff"};
+    static const char *const refs[] = {"sgd:nickel", "sgd:red-plastic"};
+    for (int r = 0; r < 2; ++r) {
+        nqm_match_report best = match(refs[r], "ggx", "auto", NULL);
+        assert_true(best.fit.loss == best.difference);
+        assert_true(best.selected[0]);
+        for (int k = 0; k < 4; ++k)
+            assert_true(best.difference <= match(refs[r], "ggx", candidates[k], NULL).difference + 1e-6);
+    }
+}
+
+static void threads_do_not_change_the_result(void **state) {
+    (void)state;
+    char specs[2][512];
+    for (int k = 0; k < 2; ++k) {
+        int before = nqm_limit_threads(k + 1);
+        snprintf(specs[k], sizeof specs[k], "%s", match("sgd:nickel", "ggx", "auto:transport", NULL).fit.spec);
+        nqm_limit_threads(before);
+    }
+    assert_string_equal(specs[0], specs[1]);
+}
+
+static void other_encodings_keep_their_loss(void **state) {
+    (void)state;
+    nqm_match_report report = match("sgd:nickel", "hyper-low", "auto", NULL);
+    assert_string_equal(report.fit.spec, "");
+    assert_true(isnan(report.difference));
+}
+
+/* ---- stopping and faults ------------------------------------------------------------------------------------------ */
+
+static double first_call_s;
+
+static int stop(void *user, const char *stage, double done, double total) {
+    (void)stage;
+    (void)total;
+    if (done < *(double *)user)
+        return 0;
+    if (first_call_s == 0)
+        first_call_s = nqm_clock_s();
+    return 1;
+}
+
+static void a_match_can_be_stopped(void **state) {
+    (void)state;
+    nqm_brdf *ref = open_brdf("sgd:nickel");
+    const nqm_match_loss loss = {"auto", metric, transport};
+    for (double done = 0; done < 2; ++done) {
+        nqm_fit_options options = nqm_fit_options_default();
+        nqm_match_report report;
+        first_call_s = 0;
+        options.progress = stop;
+        options.progress_user = &done;
+        assert_int_equal(nqm_match(ref, "ggx", &loss, &options, &report, NULL, NULL), NQM_ERR_CANCELLED);
+        assert_true(nqm_clock_s() < first_call_s + 1);
+    }
+    nqm_brdf_free(ref);
+}
+
+/* Values only where theta_i is below `user` radians. */
+static void steep_eval(void *user, size_t n, const double *wi, const double *wo, double *rgb) {
+    (void)wo;
+    for (size_t i = 0; i < 3 * n; ++i)
+        rgb[i] = wi[3 * (i / 3) + 2] > cos(*(double *)user) ? 0.2 : NAN;
+}
+
+static nqm_brdf *steep(double *limit) {
+    nqm_brdf *brdf;
+    const nqm_brdf_callbacks callbacks = {.eval = steep_eval, .user = limit, .name = "steep"};
+    assert_int_equal(nqm_brdf_create(&callbacks, &brdf, NULL), NQM_OK);
+    return brdf;
+}
+
+static void missing_values_are_left_out(void **state) {
+    (void)state;
+    double limit = 1.25, narrow = 0.5;
+    const nqm_match_loss loss = {"transport", metric, transport};
+    nqm_match_report report;
+    nqm_brdf *most = steep(&limit), *few = steep(&narrow);
+    assert_int_equal(nqm_match(most, "ward", &loss, NULL, &report, NULL, NULL), NQM_OK);
+    assert_true(report.difference < 0.5);
+    check_spec_values(report.fit.spec, "ward:kd=0.628319;ks=0;alpha=0.1", "kd", 0.05);
+    assert_int_equal(nqm_match(few, "ward", &loss, NULL, &report, NULL, NULL), NQM_ERR_INCOMPATIBLE);
+    nqm_brdf_free(most);
+    nqm_brdf_free(few);
+}
+
+static void faults_are_named(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *model, *message;
+    } cases[] = {{"nqm", "ggx", "'nqm'"},
+                 {"log+transport", "ggx", "'transport'"},
+                 {"auto", "ggx", "'auto'"},
+                 {"log+lgo", "ggx", "'lgo'"},
+                 {"log", "phong", "'phong'"}};
+    nqm_brdf *ref = open_brdf("sgd:nickel"), *brdf;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const nqm_match_loss loss = {cases[i].text, NULL, NULL};
+        nqm_match_report report;
+        nqm_error err = {0};
+        assert_int_equal(nqm_match(ref, cases[i].model, &loss, NULL, &report, &brdf, &err), NQM_ERR_ARG);
+        assert_null(brdf);
+        if (!strstr(err.message, cases[i].message))
+            fail_msg("%s: %s", cases[i].text, err.message);
+    }
+    nqm_brdf_free(ref);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(texts_become_terms),
+        cmocka_unit_test(faulty_texts_are_refused),
+        cmocka_unit_test(values_are_those_of_scores),
+        cmocka_unit_test(gradients_are_those_of_differences),
+        cmocka_unit_test(perceptual_losses_find_the_truth_from_random_starts),
+        cmocka_unit_test(a_loss_between_values_is_that_of_fit),
+        cmocka_unit_test(perceptual_losses_lower_the_difference),
+        cmocka_unit_test(auto_is_the_best_of_its_candidates),
+        cmocka_unit_test(threads_do_not_change_the_result),
+        cmocka_unit_test(other_encodings_keep_their_loss),
+        cmocka_unit_test(a_match_can_be_stopped),
+        cmocka_unit_test(missing_values_are_left_out),
+        cmocka_unit_test(faults_are_named),
+    };
+    return cmocka_run_group_tests_name("match", tests, open_models, close_models);
+}
