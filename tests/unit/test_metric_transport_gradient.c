@@ -129,6 +129,47 @@ static void points_and_scenes(void **state) {
     }
 }
 
+/* Rows [first, first + n) of a matrix as a matrix of one scene. */
+static nqm_transport part_of(const nqm_transport *t, size_t first, size_t n) {
+    nqm_transport part = make_transport(n, 1, 1e5);
+    float *light = (float *)(uintptr_t)part.light;
+    double *points = (double *)(uintptr_t)part.points;
+    for (size_t i = 0; i < N_VALUES; ++i)
+        memcpy(light + i * n, t->light + i * t->n_points + first, n * sizeof *light);
+    memcpy(points, t->points + 3 * first, 3 * n * sizeof *points);
+    for (size_t p = 0; p < n; ++p)
+        points[3 * p + 1] = 0;
+    return part;
+}
+
+/* More points than are computed together: the label is the mean of those of the scenes, each alone. */
+static void sum_of_parts(void **state) {
+    (void)state;
+    enum { POINTS = 288, SCENES = 3, PART = POINTS / SCENES };
+    const gradient_pair p = make_pair(9, 0.2, 70);
+    static estimated all, part;
+    nqm_transport t = make_transport(POINTS, SCENES, 900);
+    nqm_label fast = {.delta_e = 0}, exact = {.delta_e = 0};
+    double sum[N_VALUES] = {0};
+    for (size_t s = 0; s < SCENES; ++s) {
+        nqm_transport one = part_of(&t, s * PART, PART);
+        const nqm_label label = nqm_transport_estimate(&one, p.ref, p.test, NULL);
+        estimate(&one, &p, NULL, &part);
+        nqm_label_add(&fast, 1.0 / SCENES, &label);
+        nqm_label_add(&exact, 1.0 / SCENES, &part.label);
+        for (size_t i = 0; i < N_VALUES; ++i)
+            sum[i] += part.gradient[N_WEIGHTS - 1][i] / SCENES;
+        drop_transport(&one);
+    }
+    const nqm_label whole = nqm_transport_estimate(&t, p.ref, p.test, NULL);
+    estimate(&t, &p, NULL, &all);
+    assert_labels_near(&whole, &fast, 1e-12);
+    assert_labels_near(&all.label, &exact, 1e-12);
+    for (size_t i = 0; i < N_VALUES; ++i)
+        assert_near(all.gradient[N_WEIGHTS - 1][i], sum[i], 1e-12);
+    drop_transport(&t);
+}
+
 /* Channels above the peak have no influence. */
 static void above_the_peak(void **state) {
     (void)state;
@@ -200,8 +241,9 @@ static void black_test(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ordinary_pairs),     cmocka_unit_test(points_and_scenes), cmocka_unit_test(above_the_peak),
-        cmocka_unit_test(dropped_directions), cmocka_unit_test(equal_pair),        cmocka_unit_test(black_test),
+        cmocka_unit_test(ordinary_pairs), cmocka_unit_test(points_and_scenes),  cmocka_unit_test(sum_of_parts),
+        cmocka_unit_test(above_the_peak), cmocka_unit_test(dropped_directions), cmocka_unit_test(equal_pair),
+        cmocka_unit_test(black_test),
     };
     return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
 }

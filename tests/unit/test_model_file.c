@@ -20,7 +20,10 @@
 
 enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
 
-static bool with_scalars, with_transport; /* whether the models here have scalar features, a transport matrix */
+/* Whether the models here have a network, scalar features, a transport matrix; points of that. */
+static bool with_network = true, with_scalars, with_transport;
+enum { MAX_POINTS = 3 * NQM_TRANSPORT_POINTS };
+static size_t n_points = NQM_TRANSPORT_POINTS;
 
 static const char *path_of_output(void) {
     static char path[64];
@@ -28,26 +31,28 @@ static const char *path_of_output(void) {
     return path;
 }
 
-/* Two scenes of 64 points each. */
+/* Two scenes of as many points each. */
 static void add_transport(struct nqm_model *model) {
-    static float light[N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS];
-    static double points[3 * NQM_TRANSPORT_POINTS];
+    static float light[N_DIRECTIONS * 3 * MAX_POINTS];
+    static double points[3 * MAX_POINTS];
     for (size_t i = 0; i < sizeof light / sizeof *light; ++i)
         light[i] = 0.25f * (float)(i % 1000);
-    for (size_t i = 0; i < NQM_TRANSPORT_POINTS; ++i) {
-        points[3 * i] = 1.0 / 64;
-        points[3 * i + 1] = (double)(i / 64);
+    for (size_t i = 0; i < n_points; ++i) {
+        points[3 * i] = 2 / (double)n_points;
+        points[3 * i + 1] = (double)(i / (n_points / 2));
         points[3 * i + 2] = 1000;
     }
-    const nqm_transport transport = {N_DIRECTIONS, NQM_TRANSPORT_POINTS, light, points};
+    const nqm_transport transport = {N_DIRECTIONS, n_points, light, points};
     assert_int_equal(nqm_model_set_transport(model, &transport, NULL), NQM_OK);
 }
 
 static struct nqm_model *make_model(void) {
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
     const nqm_net_shape shape = {3, {6 * N_DIRECTIONS + (with_scalars ? NQM_SCALAR_COUNT : 0), 16, 5, 1}};
-    assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
-    nqm_params_init(&model->params, 3);
+    if (with_network) {
+        assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
+        nqm_params_init(&model->params, 3);
+    }
     double degrees[3 * N_DIRECTIONS];
     for (size_t i = 0; i < 3 * N_DIRECTIONS; ++i)
         degrees[i] = 1.5 * (double)i;
@@ -69,6 +74,8 @@ static struct nqm_model *make_model(void) {
     model->features.difference_scale = 3;
     model->output.mean = 5, model->output.std = 2;
     model->output.lo = -2, model->output.hi = 1.5;
+    for (size_t i = 0; i < NQM_LABEL_PARTS; ++i)
+        model->parts[i] = (nqm_output_range){0.1 * (double)i, 1, -1, 1 + (double)i};
     model->curve = nqm_curve_published;
     model->id = nqm_strdup("test"), model->recipe = nqm_strdup("paper"), model->licence = nqm_strdup("MIT");
     model->card = nqm_strdup("# Card\n\"quoted\""), model->training = nqm_strdup("{\"epochs\":1}");
@@ -117,9 +124,13 @@ static void round_trip(void **state) {
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(model->params.n, made->params.n);
     assert_null(model->params.block); /* weights are used in place */
-    assert_true((const unsigned char *)model->params.layer[0].w > file);
-    assert_int_equal((uintptr_t)model->params.layer[0].w % 64, 0);
-    assert_true(output_of(model) == output_of(made));
+    assert_int_equal(nqm_model_has_network(model), with_network);
+    if (with_network) {
+        assert_true((const unsigned char *)model->params.layer[0].w > file);
+        assert_int_equal((uintptr_t)model->params.layer[0].w % 64, 0);
+        assert_true(output_of(model) == output_of(made));
+    } else
+        assert_memory_equal(model->parts, made->parts, sizeof made->parts);
     assert_int_equal(model->directions->n, N_DIRECTIONS);
     assert_memory_equal(model->directions->degrees, made->directions->degrees, 3 * N_DIRECTIONS * sizeof(double));
     assert_memory_equal(model->features.mean, made->features.mean, sizeof made->features.mean);
@@ -134,10 +145,10 @@ static void round_trip(void **state) {
     assert_int_equal(model->transport != NULL, with_transport);
     if (with_transport) {
         assert_int_equal(model->n_transport, N_DIRECTIONS);
-        assert_memory_equal(model->transport, made->transport,
-                            N_DIRECTIONS * 3 * NQM_TRANSPORT_POINTS * sizeof *made->transport);
+        assert_int_equal(model->n_points, n_points);
+        assert_memory_equal(model->transport, made->transport, N_DIRECTIONS * 3 * n_points * sizeof *made->transport);
         assert_memory_equal(model->transport_points, made->transport_points,
-                            3 * NQM_TRANSPORT_POINTS * sizeof *made->transport_points);
+                            3 * n_points * sizeof *made->transport_points);
     }
     assert_int_equal(model->features.layout, made->features.layout);
     assert_int_equal(model->target, made->target);
@@ -471,6 +482,48 @@ static void impossible_transport(void **state) {
     close_contents(&c);
 }
 
+/* Files of models with a transport matrix that has other shapes than the model's directions and scenes. */
+static void impossible_shapes(void **state) {
+    (void)state;
+    static const struct {
+        size_t n_points, n_columns; /* rows of transport.points; columns of transport */
+        const char *says;
+    } bad[] = {{100, 300, "no multiple of 32 up to 4096"},
+               {128, 256, "'transport' has the wrong type or shape"},
+               {96, 384, "'transport' has the wrong type or shape"},
+               {4128, 3 * 4128, "no multiple of 32 up to 4096"}};
+    static const float light[N_DIRECTIONS * 3 * 4128];
+    static double points[3 * 4128];
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        contents c = open_contents();
+        for (size_t k = 0; k < c.n_tensors; ++k) {
+            if (strcmp(c.tensors[k].name, "transport") == 0)
+                c.tensors[k] = nqm_tensor_of("transport", NQM_F32, N_DIRECTIONS, bad[i].n_columns, light);
+            if (strcmp(c.tensors[k].name, "transport.points") == 0)
+                c.tensors[k] = nqm_tensor_of("transport.points", NQM_F64, bad[i].n_points, 3, points);
+        }
+        must_refuse(&c, bad[i].says);
+        close_contents(&c);
+    }
+}
+
+/* A file without layers needs a transport matrix, and has no part of a layer. */
+static void neither_network_nor_transport(void **state) {
+    (void)state;
+    static const float bias[16];
+    contents c = open_contents();
+    c.tensors[c.n_tensors++] = nqm_tensor_of("layers.0.bias", NQM_F32, 0, 16, bias);
+    must_refuse(&c, "'layers.0.weight' is missing");
+    c.tensors[c.n_tensors - 1].name = "layers.1.weight";
+    must_refuse(&c, "'layers.1.weight' does not belong in a model");
+    --c.n_tensors;
+    for (size_t k = 0; k < c.n_tensors; ++k)
+        if (strncmp(c.tensors[k].name, "transport", strlen("transport")) == 0)
+            c.tensors[k--] = c.tensors[--c.n_tensors];
+    must_refuse(&c, "'layers.0.weight' is missing");
+    close_contents(&c);
+}
+
 static void out_of_memory(void **state) {
     (void)state;
     size_t n;
@@ -577,5 +630,17 @@ int main(void) {
         cmocka_unit_test(correction_of_an_estimate),
     };
     with_transport = true;
-    return n_failed + cmocka_run_group_tests_name("with a transport matrix", tests_with_transport, NULL, NULL);
+    n_failed += cmocka_run_group_tests_name("with a transport matrix", tests_with_transport, NULL, NULL);
+    const struct CMUnitTest tests_without_network[] = {
+        cmocka_unit_test(round_trip),           cmocka_unit_test(damage),
+        cmocka_unit_test(impossible_transport), cmocka_unit_test(each_tensor_is_checked),
+        cmocka_unit_test(out_of_memory),        cmocka_unit_test(neither_network_nor_transport),
+    };
+    with_network = with_scalars = false;
+    n_failed += cmocka_run_group_tests_name("without a network", tests_without_network, NULL, NULL);
+    const struct CMUnitTest tests_of_points[] = {cmocka_unit_test(round_trip), cmocka_unit_test(each_tensor_is_checked),
+                                                 cmocka_unit_test(impossible_shapes)};
+    for (n_points = 32; n_points <= MAX_POINTS; n_points *= 3)
+        n_failed += cmocka_run_group_tests_name("numbers of points", tests_of_points, NULL, NULL);
+    return n_failed;
 }

@@ -19,6 +19,15 @@ void open_output(const char *path, output_file *out) {
     open_outputs = out;
 }
 
+void require_output(const char *path) {
+    nqm_error err = {0};
+    nqm_outfile file;
+    if (strcmp(path, "-") == 0)
+        return;
+    must(nqm_outfile_open(path, &file, &err), &err);
+    nqm_outfile_abort(&file);
+}
+
 void close_output(output_file *out) {
     nqm_error err = {0};
     output_file **link = &open_outputs;

@@ -192,6 +192,8 @@ typedef struct output_file {
 
 /** Open; "-" is standard output. On failure, report the error and exit. */
 void open_output(const char *path, output_file *out);
+/** Report an error and exit if open_output() would: before long work. */
+void require_output(const char *path);
 /** Close, and rename to the final name; a zeroed file is allowed. On failure, report the error and exit. */
 void close_output(output_file *out);
 /** Remove the temporary files of all open outputs (stop() does). */

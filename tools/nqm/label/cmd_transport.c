@@ -7,6 +7,17 @@
 
 #include <string.h>
 
+/* Properties of the written file, which has a checksum; of the model, if the file is standard output. */
+static json_t *written_model(const char *path, const nqm_model *model) {
+    nqm_model *loaded = NULL;
+    nqm_error err = {0};
+    if (strcmp(path, "-") != 0)
+        must(nqm_model_load(path, &loaded, &err), &err);
+    json_t *document = json_model(loaded ? loaded : model);
+    nqm_model_free(loaded);
+    return document;
+}
+
 int cmd_transport(int argc, char **argv) {
     const char *path = NULL, *directions_name = NULL, *name = "transport";
     bool json = false;
@@ -39,10 +50,11 @@ int cmd_transport(int argc, char **argv) {
     nqm_directions *directions = open_directions(directions_name);
     nqm_model *model;
     nqm_error err = {0};
+    require_output(path);
     must(nqm_transport_create(&scene.scene, directions, n_points, name, &model, &err), &err);
     must(nqm_model_save(model, output_path(path), &err), &err);
     if (json)
-        print_document(json_model(model));
+        print_document(written_model(path, model));
     else
         report(EXIT_OK, "%s: %zu directions, %zu points", path, nqm_directions_count(directions), n_points);
     nqm_model_free(model);

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Models without a network that nqm_transport_create() makes: their scores are those of the scene, files and copies score the
+ * same, golden scores, and refusals.
+ */
+#include "base/memory_test.h"
+#include "metric/metric.h"
+#include "support/check.h"
+#include "support/scenes.h"
+#include "support/temp_file.h"
+
+#include <math.h>
+#include <nqm/label.h>
+#include <string.h>
+
+static const char white[] = "lambert:kd=.8,.5,.2", grey[] = "lambert:kd=.5,.5,.5",
+                  satin[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04";
+
+static nqm_directions *directions;
+
+static int make_directions(void **state) {
+    nqm_directions_options o = nqm_directions_options_default();
+    o.n = 300;
+    assert_int_equal(nqm_directions_create(&o, 0, NULL, &directions, NULL), NQM_OK);
+    return make_temp_file(state);
+}
+
+static int free_directions(void **state) {
+    nqm_directions_free(directions);
+    return remove_temp_file(state);
+}
+
+static nqm_scene_options studio(void) {
+    nqm_scene_options o = nqm_scene_options_default();
+    o.light = "studio";
+    o.shape = "sphere";
+    return o;
+}
+
+static nqm_model *make_model(const nqm_scene_options *o, size_t n_points) {
+    nqm_model *model;
+    nqm_error err = {0};
+    if (nqm_transport_create(o, directions, n_points, "mine", &model, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return model;
+}
+
+static nqm_score_result score(const nqm_model *model, const char *ref_spec, const char *test_spec) {
+    nqm_brdf *ref = open_brdf(ref_spec), *test = open_brdf(test_spec);
+    const nqm_brdf *tests[] = {test};
+    nqm_score_result result;
+    assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &result, NULL), NQM_OK);
+    assert_int_equal(result.status, NQM_OK);
+    nqm_brdf_free(ref);
+    nqm_brdf_free(test);
+    return result;
+}
+
+/* Constant BRDFs have no error of interpolation, so that only points and lights differ: the scene here has the model's. */
+static void scores_are_of_the_scene(void **state) {
+    (void)state;
+    nqm_scene_options o = studio();
+    nqm_model *model = make_model(&o, 96);
+    o.n_points = 96;
+    o.n_lights = 512; /* as transport.c */
+    nqm_scene *scene = make_scene(&o);
+    const nqm_label label = label_specs(scene, white, grey);
+    const nqm_score_result result = score(model, white, grey), same = score(model, satin, satin);
+    assert_relative(result.delta_e, label.delta_e, 1e-3);
+    assert_near(result.jod, nqm_curve_jod(&nqm_curve_published, label.delta_e), 0.002);
+    assert_near(result.parts.shift[0], label.shift[0], 1e-3 * label.delta_e);
+    assert_near(result.parts.contrast, label.contrast, 1e-3);
+    assert_near(result.parts.structure, label.structure, 1e-3 * label.delta_e);
+    assert_true(isnan(result.jod_low) && isnan(result.novelty));
+    assert_true(same.identical && same.jod == 10 && same.delta_e == 0);
+    nqm_scene_free(scene);
+    nqm_model_free(model);
+}
+
+static void facts(void **state) {
+    (void)state;
+    const nqm_scene_options o = studio();
+    nqm_model *model = make_model(&o, 32);
+    const nqm_model_info info = nqm_model_get_info(model);
+    assert_string_equal(info.id, "mine");
+    assert_string_equal(info.recipe, "transport");
+    assert_true(info.n_layers == 0 && info.n_parameters == 0);
+    assert_int_equal(nqm_directions_count(info.directions), 300);
+    assert_near(info.jod_max, 10, 1e-6);
+    assert_near(info.jod_min, 0, 0.1);
+    assert_string_equal(info.calibration, "");
+    nqm_model_free(model);
+}
+
+static void assert_same_scores(const nqm_model *a, const nqm_model *b) {
+    const nqm_score_result x = score(a, white, satin), y = score(b, white, satin);
+    assert_true(x.jod == y.jod && x.delta_e == y.delta_e && x.parts.structure == y.parts.structure);
+}
+
+static void files_and_copies(void **state) {
+    (void)state;
+    const nqm_scene_options o = studio();
+    nqm_model *model = make_model(&o, 160), *loaded, *copy;
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_copy(loaded, &copy, NULL), NQM_OK);
+    assert_same_scores(model, loaded);
+    nqm_model_free(loaded);
+    assert_same_scores(model, copy);
+    assert_int_equal(nqm_golden_check(copy, NULL), NQM_OK);
+    for (size_t i = 0; i < copy->n_transport * 3 * copy->n_points; ++i)
+        copy->transport[i] *= 0.5f; /* other light */
+    assert_int_equal(nqm_golden_check(copy, NULL), NQM_ERR_NUMERIC);
+    nqm_model_free(copy);
+    nqm_model_free(model);
+}
+
+/* One more point or direction matters little. */
+static void the_standard_scenes(void **state) {
+    (void)state;
+    if (!nqm_tracer_version())
+        skip();
+    nqm_model *few = make_model(NULL, 128), *many = make_model(NULL, 512);
+    assert_relative(score(few, white, grey).delta_e, score(many, white, grey).delta_e, 0.05);
+    nqm_model_free(few);
+    nqm_model_free(many);
+}
+
+static void refuse(nqm_scene_options o, size_t n_points, nqm_status status, const char *words) {
+    nqm_model *model;
+    nqm_error err = {0};
+    assert_int_equal(nqm_transport_create(&o, directions, n_points, "mine", &model, &err), status);
+    assert_null(model);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' lacks '%s'", err.message, words);
+}
+
+static void refusals(void **state) {
+    (void)state;
+    static const size_t bad_points[] = {0, 1, 33, 127, 4128};
+    nqm_scene_options o = studio();
+    for (size_t i = 0; i < sizeof bad_points / sizeof *bad_points; ++i)
+        refuse(o, bad_points[i], NQM_ERR_ARG, "is no multiple of 32 up to 4096");
+    o.light = "/nowhere/light.hdr";
+    refuse(o, 32, NQM_ERR_IO, "/nowhere/light.hdr");
+    o = studio();
+    o.shape = "/nowhere/shape.ply";
+    refuse(o, 32, NQM_ERR_IO, "/nowhere/shape.ply");
+}
+
+static void out_of_memory(void **state) {
+    (void)state;
+    nqm_scene_options o = studio();
+    o.n_lights = 16;
+    nqm_model *model = NULL;
+    for (long n = 0; !model; ++n) {
+        nqm_alloc_fail_after(n);
+        const nqm_status status = nqm_transport_create(&o, directions, 32, "mine", &model, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_ERR_NOMEM ? !model : status == NQM_OK);
+        assert_true(n < 500);
+    }
+    nqm_model_free(model);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scores_are_of_the_scene), cmocka_unit_test(facts),    cmocka_unit_test(files_and_copies),
+        cmocka_unit_test(the_standard_scenes),     cmocka_unit_test(refusals), cmocka_unit_test(out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, make_directions, free_directions);
+}
