@@ -16,8 +16,8 @@ enum { MAX_TERMS = 8 };
 
 /* clang-format off */
 static const nqm_option rows[] = {
-    {FIELD(loss), .kind = NQM_OPTION_ENUM, .metavar = "NAME", .words = nqm_fit_loss_words, .values = {"log"},
-     .help = "loss of analytic models"},
+    {FIELD(loss), .name = "", .kind = NQM_OPTION_ENUM, .metavar = "NAME", .words = nqm_fit_loss_words, .values = {"log"},
+     .help = ""},
     {FIELD(n_directions), .name = "samples", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 200, .max = 1000000,
      .values = {"6000"}, .help = "direction pairs of the fit"},
     {FIELD(max_polar_rad), .name = "max-polar", .metavar = "DEG", .min = 0.1, .max = 89.9,

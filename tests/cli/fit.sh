@@ -14,19 +14,36 @@ echo "$spec" | awk -F'[=;,]' '
 "$tool" info "$spec" --json | grep -q '"ward"' || fail "info does not take $spec"
 
 "$tool" fit "$ref" --model ward --json >"$dir/ward.json"
-for key in spec model loss_name loss metrics; do
+for key in spec model loss_name loss metrics jod jod_low jod_high delta_e_itp; do
     grep -q "\"$key\":" "$dir/ward.json" || fail "no $key: $(cat "$dir/ward.json")"
 done
 grep -qF "\"$spec\"" "$dir/ward.json" || fail "JSON says another spec than -q"
 [ "$(grep -c '"[rml][a-z_]*": [0-9.e+-]*,*$' "$dir/ward.json")" -ge 9 ] || fail "nine metrics: $(cat "$dir/ward.json")"
-"$tool" fit "$ref" --model ward --report --loss cube-root | grep -q "(cube-root), 6000 directions" || fail "report"
+"$tool" fit "$ref" --model ward --verbose --loss cube-root | grep -q "(cube-root), 6000 directions" || fail "verbose"
 "$tool" fit "$ref" --model ward -q --seed 2 >/dev/null
 
-# Several models: one row per model, in the order of the arguments, without duplicates.
+# Several models: one row per model, the best JOD first, without duplicates.
 "$tool" fit "$ref" --model abc,ward,abc --samples 500 >"$dir/table"
-awk 'NR == 1 && $1 == "model" {ok++} NR == 2 && $1 == "abc" && $5 ~ /^abc:/ {ok++} NR == 3 && $1 == "ward" {ok++}
+awk 'NR == 1 && $1 == "model" && $4 == "JOD" {ok++} NR == 2 && $1 == "ward" && $4 == "10.00" {ok++}
+     NR == 3 && $1 == "abc" && $4 < 10 && $NF ~ /^abc:/ {ok++}
      END {exit !(ok == 3 && NR == 3)}' "$dir/table" || fail "table: $(cat "$dir/table")"
 "$tool" fit "$ref" --model ward,lafortune,smooth --samples 500 --json | grep -c '"spec": "' | grep -qx 3 || fail "results in JSON"
+
+# Losses: words, sums, and the selection among candidates, which JSON names; the words that are wrong are named alone.
+for loss in log_diff ma_crwe nqm transport log_diff+0.2*nqm; do
+    "$tool" fit "$ref" --model ward --samples 500 --loss "$loss" --json >"$dir/out"
+    grep -qF "\"loss_name\": \"$loss\"" "$dir/out" || fail "$loss: $(cat "$dir/out")"
+done
+"$tool" fit sgd:nickel --model ward --samples 500 --loss auto --json >"$dir/auto.json"
+grep -q '"selected": "[a-z_-]*\(, then nqm\)*"' "$dir/auto.json" || fail "auto: $(cat "$dir/auto.json")"
+"$tool" transport make --shape sphere --light sun --points 32 -o "$dir/sun.safetensors" >/dev/null 2>&1
+"$tool" fit sgd:nickel --model ward --samples 500 --loss auto:transport --transport "$dir/sun.safetensors" --metric transport -q |
+    grep -q '^ward:' || fail "a scene of the user's"
+"$tool" fit "$ref" --model ward --samples 500 --random-starts 3 --immediate -q >/dev/null
+refuses 2 "there is no loss 'lgo'" fit "$ref" --loss log+lgo
+refuses 2 "fit a model 'wrad'" fit "$ref" --model encodings,wrad
+"$tool" fit "$ref" --model ward,encodings --samples 20 2>"$dir/err" || true
+! grep -q "model 'encodings'" "$dir/err" || fail "encodings in a list"
 
 # Bounds apply only to models that have the parameter; the number of starts must be an integer.
 "$tool" fit "$ref" --model ward,blinn-phong --bounds alpha=.2:.5 --starts 3 --samples 500 -q >"$dir/bounded"
@@ -61,6 +78,10 @@ refuses 2 . fit "$ref" --model ward --bounds alpha=.5:.1
 refuses 2 . fit "$ref" --model ward --bounds f0=.1:.5
 refuses 2 . fit "$ref" --starts 0
 refuses 3 . fit "$ref" -o "$dir/no/such/"
+# Output paths are checked before the fit.
+refuses 3 'no/such.safetensors' fit "$ref" --model hyper-low -o "$dir/no/such.safetensors"
+refuses 3 'no/such.html' fit "$ref" --report "$dir/no/such.html"
+refuses 2 'must be a file' fit "$ref" --report -
 refuses 2 . fit "$ref" --loss square
 refuses 2 . fit "$ref" --samples 3
 refuses 2 . fit
@@ -68,3 +89,13 @@ refuses 3 . fit "$dir/missing.bsdf"
 refuses 2 . fit 'ward:kd=5000'
 echo nonsense >"$dir/bad.bsdf"
 refuses 4 . fit "$dir/bad.bsdf"
+
+# The report: the fit by log and the one by the loss, with pictures.
+"$tool" plot network default -o "$dir/probe.png" 2>"$dir/err" || {
+    grep -q 'NQM_CAIRO is off' "$dir/err" || fail "nothing can be drawn"
+    exit 0
+}
+"$tool" fit sgd:nickel --model ward --samples 500 --loss log_diff+nqm --report "$dir/page.html" -q >"$dir/out"
+grep -qF "$(cat "$dir/out")" "$dir/page.html" || fail "the fit in the page"
+grep -q 'ward, loss log_diff+nqm' "$dir/page.html" && grep -q 'ward, loss log (before)' "$dir/page.html" || fail "names in the page"
+[ "$(grep -o '<img' "$dir/page.html" | wc -l)" = 12 ] || fail "pictures in the page"

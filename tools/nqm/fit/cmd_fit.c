@@ -4,13 +4,15 @@
  * spec or a file.
  */
 #include "fit/fit.h"
-#include "nqm/tool.h"
+#include "match/match.h"
+#include "nqm/fit/fit_run.h"
+#include "nqm/show/report.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-enum { FIT_MAX_MODELS = 32, FIT_MAX_BOUNDS = 8, FIT_MAX_PATH = 4096 };
+enum { FIT_MAX_MODELS = 32, FIT_MAX_BOUNDS = 8 };
 
 /* The models to fit, in the order of the command line. */
 typedef struct fit_request {
@@ -20,16 +22,6 @@ typedef struct fit_request {
     nqm_fit_bound bounds[FIT_MAX_BOUNDS]; /* their keys are the texts above */
     size_t n_bounds;
 } fit_request;
-
-/* The result of one model. */
-typedef struct fitted {
-    const char *model;
-    nqm_error err; /* status NQM_OK, or the error of the model: then the fields below are not set */
-    nqm_fit_report fit;
-    double metrics[NQM_METRIC_COUNT];
-    double seconds;
-    char path[FIT_MAX_PATH]; /* of the file written; "" if the result is a spec or was not written */
-} fitted;
 
 /* ---- arguments --------------------------------------------------------------------------------------------------- */
 
@@ -50,21 +42,33 @@ static void add_model(fit_request *request, const char *name) {
         request->models[request->n_models++] = name;
 }
 
-/* "all", "encodings", or names separated by commas. */
+/* Number of models of the word "all" or "encodings", which are the first of the list; 0: another word. */
+static size_t group_size(const char *text, size_t n) {
+    bool all = n == 3 && strncmp(text, "all", n) == 0, encodings = n == 9 && strncmp(text, "encodings", n) == 0;
+    return all ? FIT_MAX_MODELS : encodings ? NQM_FIT_N_ENCODINGS : 0;
+}
+
+static void add_word(const char *text, size_t n, fit_request *request) {
+    size_t n_group = group_size(text, n), i = 0;
+    for (size_t k = 0; k < n_group && nqm_fit_model(k); ++k)
+        add_model(request, nqm_fit_model(k));
+    if (n_group)
+        return;
+    while (nqm_fit_model(i) && !(strncmp(nqm_fit_model(i), text, n) == 0 && nqm_fit_model(i)[n] == 0))
+        ++i;
+    if (!nqm_fit_model(i))
+        stop_unknown(text, n);
+    add_model(request, nqm_fit_model(i));
+}
+
+/* Names, "all" and "encodings", separated by commas. */
 static void choose_models(const char *text, fit_request *request) {
-    size_t n = strcmp(text, "all") == 0 ? FIT_MAX_MODELS : strcmp(text, "encodings") == 0 ? NQM_FIT_N_ENCODINGS : 0;
-    for (size_t i = 0; i < n && nqm_fit_model(i); ++i)
-        add_model(request, nqm_fit_model(i));
-    for (size_t n_name = 0; n == 0; text += n_name + 1) {
-        size_t i = 0;
-        n_name = strcspn(text, ",");
-        while (nqm_fit_model(i) && !(strncmp(nqm_fit_model(i), text, n_name) == 0 && nqm_fit_model(i)[n_name] == 0))
-            ++i;
-        if (!nqm_fit_model(i))
-            stop_unknown(text, n_name);
-        add_model(request, nqm_fit_model(i));
-        if (!text[n_name])
-            break;
+    for (;; ++text) {
+        size_t n = strcspn(text, ",");
+        add_word(text, n, request);
+        text += n;
+        if (!*text)
+            return;
     }
 }
 
@@ -116,12 +120,19 @@ typedef struct output {
     bool folder;
 } output;
 
+/* Create the folder, or check that the file can be created. */
 static output prepare_output(const char *path, size_t n_models) {
     output out = {.path = path};
+    nqm_outfile trial;
+    nqm_error err = {0};
     size_t n = path ? strlen(path) : 0;
     out.folder = n > 0 && (n_models > 1 || path[n - 1] == '/' || is_folder(path));
     if (out.folder && !is_folder(path) && mkdir(path, 0777) != 0)
         stop(EXIT_OPEN, "%s: cannot create this folder", path);
+    if (path && !out.folder && strcmp(path, "-") != 0) {
+        must(nqm_outfile_open(path, &trial, &err), &err);
+        nqm_outfile_abort(&trial);
+    }
     return out;
 }
 
@@ -137,23 +148,42 @@ static nqm_status write_result(const nqm_brdf *brdf, const output *out, fitted *
     return nqm_brdf_save(brdf, output_path(f->path), err);
 }
 
-static nqm_status fit_one(const nqm_brdf *ref, const nqm_fit_options *options, const nqm_directions *directions,
-                          const output *out, fitted *f, nqm_error *err) {
+/* Arguments of all fits. */
+typedef struct fit_terms {
+    const nqm_brdf *ref;
+    nqm_match_loss loss;
+    const nqm_directions *directions; /* of the metrics */
+    nqm_scorer *scorer;
+    const output *out;
+    bool with_before; /* for the report */
+} fit_terms;
+
+static nqm_status score_fit(const fit_terms *terms, const nqm_brdf *brdf, fitted *f, nqm_error *err) {
+    nqm_status status = measure(terms->ref, brdf, terms->directions, f->metrics, err);
+    return status == NQM_OK ? nqm_scorer_run(terms->scorer, terms->ref, 1, &brdf, &f->score, err) : status;
+}
+
+static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options, fitted *f, nqm_error *err) {
     nqm_brdf *brdf = NULL;
     double begin = nqm_clock_s();
-    nqm_status status = nqm_fit(ref, f->model, options, &f->fit, &brdf, err);
+    nqm_status status = nqm_match(terms->ref, f->model, &terms->loss, options, &f->match, &brdf, err);
+    const bool is_spec = status == NQM_OK && f->match.fit.spec[0];
     f->seconds = nqm_clock_s() - begin;
     if (status == NQM_OK)
-        status = measure(ref, brdf, directions, f->metrics, err);
-    if (status == NQM_OK && out->path && !f->fit.spec[0])
-        status = write_result(brdf, out, f, err);
+        status = score_fit(terms, brdf, f, err);
+    if (status == NQM_OK && terms->out->path && !is_spec)
+        status = write_result(brdf, terms->out, f, err);
     nqm_brdf_free(brdf);
+    if (status == NQM_OK && is_spec && terms->with_before) {
+        nqm_fit_report before;
+        status = nqm_fit(terms->ref, f->model, options, &before, NULL, err);
+        memcpy(f->before, before.spec, sizeof f->before);
+    }
     return status;
 }
 
 /* Fit all models; an error of one of several is reported and stored in its result. Returns the largest exit code. */
-static int fit_all(const nqm_brdf *ref, const fit_request *request, const nqm_fit_options *common,
-                   const nqm_directions *directions, const output *out, fitted *f) {
+static int fit_all(const fit_terms *terms, const fit_request *request, const nqm_fit_options *common, fitted *f) {
     int worst = EXIT_OK;
     for (size_t i = 0; i < request->n_models; ++i) {
         f[i].model = request->models[i];
@@ -165,7 +195,7 @@ static int fit_all(const nqm_brdf *ref, const fit_request *request, const nqm_fi
                 bounds[options.n_bounds++] = request->bounds[b];
         note_progress("%s (%zu of %zu)", f[i].model, i + 1, request->n_models);
         nqm_error err = {0};
-        if (fit_one(ref, &options, directions, out, &f[i], &err) == NQM_OK)
+        if (fit_one(terms, &options, &f[i], &err) == NQM_OK)
             continue;
         f[i].err = err;
         int code = exit_code_of(err.status);
@@ -177,102 +207,99 @@ static int fit_all(const nqm_brdf *ref, const fit_request *request, const nqm_fi
     return worst;
 }
 
-/* ---- output ------------------------------------------------------------------------------------------------------ */
+/* ---- the report -------------------------------------------------------------------------------------------------- */
 
-/* The BRDF argument of the result; NULL if the model failed, or its result is a network or table that was not written. */
-static const char *fitted_argument(const fitted *f) {
-    if (f->err.status != NQM_OK)
-        return NULL;
-    return f->fit.spec[0] ? f->fit.spec : f->path[0] ? f->path : NULL;
+/* Arguments of a report: the reference and the fits, with names like "ggx, loss auto". */
+typedef struct page_arguments {
+    int n;
+    char *arguments[1 + 2 * FIT_MAX_MODELS];
+    char names[1 + 2 * FIT_MAX_MODELS][NAME_SIZE];
+    const char *shown[1 + 2 * FIT_MAX_MODELS];
+} page_arguments;
+
+static void add_argument(page_arguments *page, const char *argument, const char *model, const char *loss) {
+    size_t i = (size_t)page->n++;
+    page->arguments[i] = (char *)(uintptr_t)argument; /* they are read only */
+    if (loss)
+        snprintf(page->names[i], NAME_SIZE, "%s, loss %s", model, loss);
+    else if (model)
+        snprintf(page->names[i], NAME_SIZE, "%s", model);
+    page->shown[i] = model ? page->names[i] : NULL;
 }
 
-/* The loss of analytic models is an option; the other models have their own. */
-static const char *loss_name(const fitted *f, nqm_fit_loss loss) {
-    return f->fit.spec[0] ? nqm_fit_loss_words[loss] : "own";
-}
-
-static json_t *to_json(const fitted *f, nqm_fit_loss loss) {
-    if (f->err.status != NQM_OK)
-        return json_pack("{s:n,s:s,s:o}", "spec", "model", f->model, "error", json_name(f->err.message));
-    json_t *metrics = json_object();
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(f->metrics[m]));
-    const char *argument = fitted_argument(f);
-    json_t *row = json_pack("{s:o,s:s,s:s,s:o,s:I,s:I,s:o,s:o}", "spec", argument ? json_name(argument) : json_null(),
-                            "model", f->model, "loss_name", loss_name(f, loss), "loss", json_number(f->fit.loss),
-                            "numbers", (json_int_t)f->fit.n_numbers, "directions", (json_int_t)f->fit.n_directions,
-                            "seconds", json_number(f->seconds), "metrics", metrics);
-    if (!argument)
-        json_object_set_new(row, "note", json_string("the result is a file: write it with -o FILE"));
-    return row;
-}
-
-static void print_fits_as_json(size_t n, const fitted *f, nqm_fit_loss loss) {
-    json_t *results = json_array();
-    for (size_t i = 0; i < n; ++i)
-        json_array_append_new(results, to_json(&f[i], loss));
-    print_document(n == 1 ? json_incref(json_array_get(results, 0)) : json_pack("{s:O}", "results", results));
-    json_decref(results);
-}
-
-static void print_fits_as_table(size_t n, const fitted *f) {
-    printf("%-18s %8s %9s %9s  %s\n", "model", "numbers", "loss", "ma_crwe", "spec or file");
-    for (size_t i = 0; i < n; ++i) {
+/* Each analytic fit after the one under the loss "log"; networks and tables that were written. */
+static void write_fit_report(const char *ref, const fit_request *request, const fitted *f, const char *loss,
+                             const char *metric, output_file *out) {
+    page_arguments *page = allocate(1, sizeof *page);
+    char title[300];
+    add_argument(page, ref, NULL, NULL);
+    for (size_t i = 0; i < request->n_models; ++i) {
         const char *argument = fitted_argument(&f[i]);
-        if (f[i].err.status != NQM_OK)
-            printf("%-18s %8s %9s %9s  failed\n", f[i].model, "-", "-", "-");
-        else
-            printf("%-18s %8zu %9.5f %9.5f  %s\n", f[i].model, f[i].fit.n_numbers, f[i].fit.loss,
-                   f[i].metrics[NQM_METRIC_MA_CRWE], argument ? argument : "(not written: use -o)");
+        if (f[i].before[0] && strcmp(f[i].before, argument) != 0)
+            add_argument(page, f[i].before, f[i].model, "log (before)");
+        if (argument)
+            add_argument(page, argument, f[i].model, f[i].match.fit.spec[0] ? loss : NULL);
     }
+    if (page->n == 1)
+        stop(EXIT_USAGE, "--report: there is no result to show; networks and tables need -o");
+    snprintf(title, sizeof title, "Fits to %.200s by the loss %.60s", ref, loss);
+    report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}};
+    scene_args scene = scene_args_begin();
+    scene.side = 256;
+    scene_args_end(&scene);
+    run.labels.scene_options = scene.scene;
+    run.labels.shrink = 1;
+    run.scores.model = open_model(metric);
+    make_report(&run, page->n, page->arguments, page->shown, out);
+    free_report(&run);
+    free(page);
 }
 
-static void print_fit_report(size_t n, const fitted *f, nqm_fit_loss loss) {
-    for (size_t i = 0; i < n; ++i) {
-        const fitted *one = &f[i];
-        const char *argument = fitted_argument(one);
-        printf("%s%s\n", i ? "\n" : "", one->model);
-        if (one->err.status != NQM_OK) {
-            printf("  %-10s %s\n", "failed", one->err.message);
-            continue;
-        }
-        printf("  %-10s %s\n", "result", argument ? argument : "(not written: use -o)");
-        printf("  %-10s %zu\n", "numbers", one->fit.n_numbers);
-        printf("  %-10s %.5f (%s), %zu directions, start %zu, %.2f s\n", "loss", one->fit.loss, loss_name(one, loss),
-               one->fit.n_directions, one->fit.best_start, one->seconds);
-        for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-            printf("  %-10s %.5g\n", nqm_metric_name((nqm_metric)m), one->metrics[m]);
-    }
-}
-
-static void print_arguments(size_t n, const fitted *f) {
-    for (size_t i = 0; i < n; ++i)
-        if (fitted_argument(&f[i]))
-            puts(fitted_argument(&f[i]));
-}
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
 static void warn_unwritten(const fit_request *request, const output *out, const fitted *f) {
     for (size_t i = 0; i < request->n_models; ++i)
         if (f[i].err.status == NQM_OK && !fitted_argument(&f[i]))
             report(EXIT_OK, "%s: the result is a file, not a spec: write it with -o FILE", f[i].model);
-    if (out->path && !out->folder && f[0].fit.spec[0])
+    if (out->path && !out->folder && f[0].match.fit.spec[0])
         report(EXIT_OK, "the result is a spec: %s is not written", out->path);
+}
+
+/* The models that the loss needs; its faults are found before the work. */
+static void open_loss(const char *text, const char *transport, nqm_model *metric, nqm_match_loss *loss) {
+    nqm_match_sum sum;
+    nqm_error err = {0};
+    must(nqm_match_parse(text, &sum, &err), &err);
+    bool needs_transport = sum.is_auto;
+    for (size_t i = 0; i < sum.n; ++i)
+        needs_transport |= sum.terms[i].kind == NQM_MATCH_TRANSPORT;
+    *loss = (nqm_match_loss){text, metric, needs_transport ? open_model(transport) : NULL};
 }
 
 int cmd_fit(int argc, char **argv) {
     nqm_fit_options fit = nqm_fit_options_default();
     fit.progress = show_progress;
-    const char *model = "ggx", *directions_name = NULL, *bounds = NULL, *path = NULL;
-    bool json = false, quiet = false, full = false;
+    const char *model = "ggx", *loss = "log", *metric = "default", *transport = "transport";
+    const char *directions_name = NULL, *bounds = NULL, *path = NULL, *page = NULL;
+    bool json = false, quiet = false, verbose = false;
     const option options[] = {
         {"model", 'm', OPTION_TEXT, &model, "NAME,...", "models, 'all', or 'encodings' (the nine of the paper)", 0, 0},
+        {"loss", 0, OPTION_TEXT, &loss, "SUM|auto",
+         "loss of analytic models: a sum like log_diff+0.2*nqm of nqm, transport, log, log-cos, cube-root, linear and "
+         "scalar metrics; auto: the best of several",
+         0, 0},
+        {"metric", 0, OPTION_TEXT, &metric, "MODEL", "the model of the loss nqm and of the printed JOD", 0, 0},
+        {"transport", 0, OPTION_TEXT, &transport, "MODEL",
+         "the model of the loss transport and of the choice of auto (nqm transport make)", 0, 0},
         {"output", 'o', OPTION_TEXT, &path, "FILE|DIR/",
          "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},
         {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...", "narrower ranges of lobe parameters (analytic models)",
          0, 0},
         {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
          "directions of the metrics (default: those of `nqm score`)", 0, 0},
-        {"report", 0, OPTION_FLAG, &full, NULL, "print all results of each fit", 0, 0},
+        {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures of the fits and of those by log", 0,
+         0},
+        {"verbose", 0, OPTION_FLAG, &verbose, NULL, "print all results of each fit", 0, 0},
         {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print specs and paths only", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
         {0}};
@@ -282,6 +309,7 @@ int cmd_fit(int argc, char **argv) {
             "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks and\n"
             "coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
         .example = "nqm fit sgd:nickel --model ward\n"
+                   "nqm fit measured.bsdf --loss auto --report ggx.html\n"
                    "nqm fit measured.bsdf --model all -o fits/\n"
                    "nqm score measured.bsdf \"$(nqm fit measured.bsdf --model ggx -q)\"",
         .options = options,
@@ -293,21 +321,39 @@ int cmd_fit(int argc, char **argv) {
     fit_request request = {0};
     choose_models(model, &request);
     choose_bounds(bounds, &request);
+    nqm_model *metric_model = open_model(metric);
+    nqm_score_options score_options = nqm_score_options_default();
+    score_options.metrics = 0;
+    nqm_error err = {0};
+    fit_terms terms = {.with_before = page};
+    open_loss(loss, transport, metric_model, &terms.loss);
+    must(nqm_scorer_create(metric_model, &score_options, &terms.scorer, &err), &err);
     fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
     nqm_brdf *ref = open_brdf(argv[0]);
     const output out = prepare_output(path, request.n_models);
-    const int exit_code = fit_all(ref, &request, &fit, directions, &out, results);
+    output_file page_file = {0};
+    if (page)
+        open_output(page, &page_file);
+    if (page && !page_file.file.temporary)
+        stop(EXIT_USAGE, "the page must be a file: --report FILE.html");
+    terms.ref = ref;
+    terms.directions = directions;
+    terms.out = &out;
+    const int exit_code = fit_all(&terms, &request, &fit, results);
     end_progress();
     warn_unwritten(&request, &out, results);
-    if (json)
-        print_fits_as_json(request.n_models, results, fit.loss);
-    else if (quiet)
-        print_arguments(request.n_models, results);
-    else if (full)
-        print_fit_report(request.n_models, results, fit.loss);
-    else
-        print_fits_as_table(request.n_models, results);
+    if (page)
+        write_fit_report(argv[0], &request, results, loss, metric, &page_file);
+    print_fits(request.n_models, results,
+               json      ? FIT_JSON
+               : quiet   ? FIT_QUIET
+               : verbose ? FIT_VERBOSE
+                         : FIT_TABLE,
+               loss, metric_model);
+    nqm_scorer_free(terms.scorer);
+    nqm_model_free((nqm_model *)(uintptr_t)terms.loss.transport);
+    nqm_model_free(metric_model);
     nqm_brdf_free(ref);
     nqm_directions_free(directions);
     free(results);

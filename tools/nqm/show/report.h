@@ -23,6 +23,13 @@ typedef struct report_run {
                            short forms differ */
 } report_run;
 
+/** Score and render the arguments, a reference and its tests, and write the page to `out`, which it closes. Set before: model and
+ *  options of the scores, scene and shrink of the labels, title, date. names: (n_arguments) shown instead of automatic ones where
+ *  not NULL; NULL: none. Errors end the program. */
+void make_report(report_run *run, int n_arguments, char **arguments, const char *const *names, output_file *out);
+/** Free the results and the model. */
+void free_report(report_run *run);
+
 /** The page while it is written. Its parts report an error and exit. */
 typedef struct report_page {
     const report_run *run;
