@@ -231,7 +231,7 @@ static void add_argument(page_arguments *page, const char *argument, const char 
 static void write_fit_report(const char *ref, const fit_request *request, const fitted *f, const char *loss,
                              const char *metric, output_file *out) {
     page_arguments *page = allocate(1, sizeof *page);
-    char title[300];
+    char title[300], name[NAME_SIZE];
     add_argument(page, ref, NULL, NULL);
     for (size_t i = 0; i < request->n_models; ++i) {
         const char *argument = fitted_argument(&f[i]);
@@ -242,7 +242,8 @@ static void write_fit_report(const char *ref, const fit_request *request, const 
     }
     if (page->n == 1)
         stop(EXIT_USAGE, "--report: there is no result to show; networks and tables need -o");
-    snprintf(title, sizeof title, "Fits to %.200s by the loss %.60s", ref, loss);
+    short_name(ref, name, sizeof name);
+    snprintf(title, sizeof title, "Fits to %s by the loss %.60s", name, loss);
     report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}};
     scene_args scene = scene_args_begin();
     scene.side = 256;
