@@ -10,10 +10,32 @@
 enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
     ROWS_AT_ONCE = 11 * NQM_STRIP,
+    PANELS_AT_ONCE = 4, /* of a single row */
     STRIPS_AT_ONCE = 25
 };
 
+static void multiply_row(const nqm_panels *b, const void *a, bool add, void *c) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const size_t n_blocks = nqm_ceil_div(b->n_panels, PANELS_AT_ONCE);
+#pragma omp parallel for schedule(dynamic, 1) if (b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
+    for (size_t i = 0; i < n_blocks; ++i) {
+        const size_t first = i * PANELS_AT_ONCE;
+        kernels->row_product[b->precision](
+            &(nqm_row_product){.words = b->words,
+                               .n_panels = nqm_smaller(b->n_panels - first, PANELS_AT_ONCE),
+                               .stride = b->stride,
+                               .add = add,
+                               .a = a,
+                               .b = nqm_panel_at(b, first),
+                               .c = (uint32_t *)c + first * NQM_PANEL});
+    }
+}
+
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
+    if (m == 1) {
+        multiply_row(b, a, add, c);
+        return;
+    }
     const nqm_kernels *kernels = nqm_kernels_get();
     const size_t n_row_blocks = nqm_ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
     /* Consecutive blocks read the same panel, which stays in the L2 cache. */

@@ -25,9 +25,9 @@ struct nqm_gradients {
     nqm_pair_sums *sums;               /* (max_batch) of the scalar features */
     double *scalars;                   /* (max_batch, NQM_SCALAR_COUNT) */
     nqm_label *estimate, *by_estimate; /* (max_batch) by light transport, and the gradient by it */
-    double *rgb, *scratch;             /* (max_batch, 3, n_points) light of the test; scratch */
-    double *seen;                      /* (max_batch, 2, 3, n_points) ITP of reference and test */
-    double *sum;                       /* (max_batch, 2, n_directions, 3) gradients by f_r: sum and one summand */
+    double *rgb, *scratch; /* (max_batch, 2, 3, n_points) light of reference and test; scratch of half the size */
+    double *seen;          /* (max_batch, 2, 3, n_points) ITP of reference and test */
+    double *sum;           /* (max_batch, 2, n_directions, 3) gradients by f_r: sum and one summand */
 };
 
 nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gradients **gradients_ret,
@@ -50,7 +50,7 @@ nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gr
                    {&made.scalars, max_batch, NQM_SCALAR_COUNT * sizeof *made.scalars},
                    {&made.estimate, max_batch, sizeof *made.estimate},
                    {&made.by_estimate, max_batch, sizeof *made.by_estimate},
-                   {&made.rgb, max_batch, 3 * transport.n_points * sizeof *made.rgb},
+                   {&made.rgb, max_batch, 6 * transport.n_points * sizeof *made.rgb},
                    {&made.scratch, max_batch, 3 * transport.n_points * sizeof *made.scratch},
                    {&made.seen, max_batch, 6 * transport.n_points * sizeof *made.seen},
                    {&made.sum, max_batch, 2 * n * sizeof *made.sum}),
@@ -89,12 +89,9 @@ typedef struct run {
 
 static void estimate(const nqm_gradients *g, const nqm_sample_pair *pair, size_t i) {
     const size_t n = 3 * g->transport.n_points;
-    double *ref = g->seen + 2 * i * n, *test = ref + n;
-    nqm_transport_see(&g->transport, &(nqm_transport_samples){.rgb = pair->ref}, g->rgb + i * n, ref);
-    nqm_transport_see(&g->transport,
-                      &(nqm_transport_samples){.rgb = pair->test, .instead = pair->ref, .used = pair->used},
-                      g->rgb + i * n, test);
-    g->estimate[i] = nqm_transport_label(&g->transport, ref, test);
+    double *seen = g->seen + 2 * i * n;
+    nqm_transport_see(&g->transport, pair->ref, pair->test, pair->used, g->rgb + 2 * i * n, seen);
+    g->estimate[i] = nqm_transport_label(&g->transport, seen, seen + n);
 }
 
 static nqm_comparison comparison_of(const nqm_gradients *g, const nqm_sample_pair *pair, size_t i) {
@@ -197,7 +194,7 @@ static void differentiate(void *user, size_t i) {
         add_inputs_gradient(g, pair, i, sum, summand);
     if (g->transport.light) {
         const double *ref = g->seen + 2 * i * n_points;
-        nqm_transport_gradient(&g->transport, &g->by_estimate[i], ref, ref + n_points, g->rgb + i * n_points,
+        nqm_transport_gradient(&g->transport, &g->by_estimate[i], ref, ref + n_points, g->rgb + (2 * i + 1) * n_points,
                                pair->used, g->scratch + i * n_points, summand);
         for (size_t k = 0; k < n; ++k)
             sum[k] += summand[k];

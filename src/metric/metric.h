@@ -40,13 +40,14 @@ static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, c
     return label;
 }
 
-/** ITP of a picture of all points like nqm_transport_pictures(), but exactly and in double, and the light in cd/m2: rgb, itp (3,
- *  n_points). */
-void nqm_transport_see(const nqm_transport *transport, const nqm_transport_samples *samples, double *rgb, double *itp);
+/** Pictures of a pair like those of nqm_transport_estimates(), but exactly and in double: rgb, the light in cd/m2, and itp, ITP on
+ *  the display in units of Delta-E, of reference and test: (2, 3, n_points). */
+void nqm_transport_see(const nqm_transport *transport, const float *ref, const float *test, const uint8_t *used,
+                       double *rgb, double *itp);
 /** The label of two such pictures. */
 nqm_label nqm_transport_label(const nqm_transport *transport, const double *ref, const double *test);
 /** The gradient of sum_k weights_k label_k, over the members of that label, by the samples of the test: gradient (n_directions,
- *  3) receives it; 0 where `used` is 0. rgb: light of the test's picture; scratch: (3, n_points). Points brighter than the
+ *  3) receives it; 0 where `used` is 0. rgb (3, n_points): light of the test; scratch: (3, n_points). Points brighter than the
  *  display have no part in it. */
 void nqm_transport_gradient(const nqm_transport *transport, const nqm_label *weights, const double *ref,
                             const double *test, const double *rgb, const uint8_t *used, double *scratch,

@@ -3,28 +3,40 @@
  * The estimate by light transport (metric/transport.c) in double and with the exact PQ signal, and its gradient by the samples
  * of the test: from the label back to the pictures, from ITP back to light, and through the transpose of the matrix.
  */
+#include "kernel/kernel.h"
 #include "metric/metric.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Light (3, n_points) of samples. The gradient of close pairs depends on small differences of these sums. */
-static void add_light(const nqm_transport *t, const nqm_transport_samples *s, double *rgb) {
-    const size_t n = t->n_points;
-    memset(rgb, 0, 3 * n * sizeof *rgb);
-    for (size_t i = 0; i < 3 * t->n_directions; ++i) {
-        const double f = (double)(!s->used || s->used[i / 3] ? s->rgb[i] : s->instead[i]);
-        const float *light = t->light + i * n;
-        double *to = rgb + i % 3 * n;
-#pragma omp simd
-        for (size_t p = 0; p < n; ++p)
-            to[p] += f * (double)light[p];
+enum { DIRECTIONS = 64 }; /* computed together */
+
+/* Light of reference and test, (2, 3, n_points). The gradient of close pairs depends on small differences of these sums. */
+static void add_light(const nqm_transport *t, const float *ref, const float *test, const uint8_t *used, double *rgb) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    float masked[3 * DIRECTIONS];
+    for (size_t first = 0, n; first < t->n_directions; first += n) {
+        n = nqm_smaller(t->n_directions - first, DIRECTIONS);
+        memcpy(masked, test + 3 * first, 3 * n * sizeof *masked);
+        for (size_t k = 0; used && k < n; ++k)
+            if (!used[first + k])
+                memcpy(masked + 3 * k, ref + 3 * (first + k), 3 * sizeof *masked);
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t p = 0; p < t->n_points; p += NQM_PANEL)
+                kernels->double_product(
+                    &(nqm_double_product){.k = n,
+                                          .add = first > 0,
+                                          .a = {ref + 3 * first + c, masked + c},
+                                          .step = 3,
+                                          .b = t->light + (3 * first + c) * t->n_points + p,
+                                          .ldb = 3 * t->n_points,
+                                          .c = {rgb + c * t->n_points + p, rgb + (3 + c) * t->n_points + p}});
     }
 }
 
-void nqm_transport_see(const nqm_transport *t, const nqm_transport_samples *samples, double *rgb, double *itp) {
+/* ITP on the display, in units of Delta-E, of one picture: (3, n_points) each. */
+static void show(const nqm_transport *t, const double *rgb, double *itp) {
     const size_t n = t->n_points;
-    add_light(t, samples, rgb);
     for (size_t p = 0; p < n; ++p) {
         double shown[3], point[3];
         for (size_t k = 0; k < 3; ++k)
@@ -33,6 +45,13 @@ void nqm_transport_see(const nqm_transport *t, const nqm_transport_samples *samp
         for (size_t k = 0; k < 3; ++k)
             itp[k * n + p] = NQM_ITP_UNIT * point[k];
     }
+}
+
+void nqm_transport_see(const nqm_transport *t, const float *ref, const float *test, const uint8_t *used, double *rgb,
+                       double *itp) {
+    add_light(t, ref, test, used, rgb);
+    show(t, rgb, itp);
+    show(t, rgb + 3 * t->n_points, itp + 3 * t->n_points);
 }
 
 static void point_of(const double *picture, size_t n, size_t p, double *point) {
@@ -81,16 +100,9 @@ static void light_gradient(const nqm_transport *t, const nqm_picture_sums *sums,
         by_light[k * n + p] = rgb[k * n + p] < peak ? by_rgb[k] : 0;
 }
 
-static double dot(size_t n, const float *x, const double *y) {
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t i = 0; i < n; ++i)
-        sum += (double)x[i] * y[i];
-    return sum;
-}
-
 void nqm_transport_gradient(const nqm_transport *t, const nqm_label *weights, const double *ref, const double *test,
                             const double *rgb, const uint8_t *used, double *scratch, double *gradient) {
+    const nqm_kernels *kernels = nqm_kernels_get();
     const size_t n = t->n_points;
     for (size_t first = 0, end; first < n; first = end) {
         const nqm_picture_sums sums = sum_scene(t, first, ref, test, &end);
@@ -98,5 +110,5 @@ void nqm_transport_gradient(const nqm_transport *t, const nqm_label *weights, co
             light_gradient(t, &sums, weights, p, ref, test, rgb, scratch);
     }
     for (size_t i = 0; i < 3 * t->n_directions; ++i)
-        gradient[i] = !used || used[i / 3] ? dot(n, t->light + i * n, scratch + i % 3 * n) : 0;
+        gradient[i] = !used || used[i / 3] ? kernels->double_dot(n, t->light + i * n, scratch + i % 3 * n) : 0;
 }

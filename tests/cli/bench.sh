@@ -60,7 +60,7 @@ done
 run 0 bench score --quick --precision int8 --model "$dir/model.safetensors" --json
 check_rows score
 [ "$(grep -c '"bench": "score"' "$dir/out")" = 6 ] || fail "rows of score"
-[ "$(grep -c '"times_alternative":' "$dir/out")" = 2 ] || fail "gain of one reference"
+[ "$(grep -c '"times_alternative":' "$dir/out")" = 2 ] || fail "relative speed"
 
 run 0 bench load --quick --json
 check_rows load

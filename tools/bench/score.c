@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scoring: the packed network alone, and everything from samples to JOD, for several batch sizes, with one or nine
- * tests per reference. The network caches the contribution of the last reference, so successive calls use different
+ * Scoring: the packed network alone, everything from samples to JOD, and to its gradient, for several batch sizes, with one or
+ * nine tests per reference. The network caches the contribution of the last reference, so successive calls use different
  * ones.
  */
 #include "bench/bench.h"
@@ -29,6 +29,8 @@ typedef struct job {
     const material_pairs *pairs;
     nqm_inference_work *work;
     nqm_predictor *predictor;
+    nqm_gradients *gradients; /* NULL: not of this precision or batch */
+    float *gradient;          /* (batch, n_values) */
     size_t batch, turn;
     bool is_shared; /* references are shared */
     float z[MAX_BATCH * (1 + NQM_LABEL_PARTS)];
@@ -53,6 +55,16 @@ static void run_all(void *user) {
         test[i] = p->test + (first + i) * p->n_values;
     }
     nqm_predictor_run(j->predictor, &(nqm_sampled_pairs){.n = j->batch, .ref = ref, .test = test}, j->jod, NULL);
+}
+
+static void run_gradient(void *user) {
+    job *j = user;
+    const material_pairs *p = j->pairs;
+    const size_t first = j->turn++ % TURNS;
+    nqm_sample_pair pairs[MAX_BATCH];
+    for (size_t i = 0; i < j->batch; ++i)
+        pairs[i] = (nqm_sample_pair){p->ref + (first + i) * p->n_values, p->test + (first + i) * p->n_values, NULL};
+    nqm_gradients_run(j->gradients, NQM_SCORE_JOD, j->batch, pairs, j->jod, j->gradient);
 }
 
 /* ---- pairs ------------------------------------------------------------------------------------------------------- */
@@ -86,7 +98,7 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
         memcpy(p->ref + i * p->n_values, d->ref_rgb + ref * p->n_values, p->n_values * sizeof *p->ref);
         memcpy(p->test + i * p->n_values, d->test_rgb + test * p->n_values, p->n_values * sizeof *p->test);
     }
-    if (status == NQM_OK)
+    if (status == NQM_OK && nqm_model_has_network(model))
         fill_inputs(p, n_in, p->n_values);
     nqm_dataset_free(d);
     return status;
@@ -96,51 +108,87 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
 
 static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precision, nqm_error *err) {
     const nqm_inference_net *net;
-    nqm_status status = nqm_model_inference(model, precision, &net, err);
-    if (status == NQM_OK)
-        status = nqm_inference_work_create(net, j->batch, &j->work, err);
+    nqm_status status = NQM_OK;
+    if (nqm_model_has_network(model)) {
+        status = nqm_model_inference(model, precision, &net, err);
+        if (status == NQM_OK)
+            status = nqm_inference_work_create(net, j->batch, &j->work, err);
+    }
     if (status == NQM_OK)
         status = nqm_predictor_create(model, precision, j->batch, &j->predictor, err);
+    if (status == NQM_OK && precision == NQM_PRECISION_F32 && (j->batch == 1 || j->batch == MAX_BATCH)) {
+        status = nqm_gradients_create(model, j->batch, &j->gradients, err);
+        j->gradient = nqm_alloc(j->batch * j->pairs->n_values, sizeof *j->gradient);
+        if (status == NQM_OK && !j->gradient)
+            status = nqm_fail_nomem(err, j->batch * j->pairs->n_values * sizeof *j->gradient);
+    }
     return status;
 }
 
-/* The work of a batch: multiply-adds, without those that shared references save, and the bytes of the weights. */
+/* The work of a batch: multiply-adds, without those that shared references save, and the bytes of weights and of the transport
+ * matrix. */
 static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const job *j, nqm_precision precision,
                                 const char *name, const char *id) {
     const nqm_net_shape *shape = &model->params.shape;
+    const double n_light = nqm_model_has_network(model) ? 0 : 3 * (double)(model->n_transport * model->n_points);
     double n_weights = 0;
     for (size_t l = 0; l < shape->n_layers; ++l)
         n_weights += (double)shape->sizes[l] * (double)shape->sizes[l + 1];
-    double mac = n_weights * (double)j->batch;
+    double mac = (n_weights + 2 * n_light) * (double)j->batch;
     const size_t n_refs = j->is_shared ? (j->batch + TESTS_PER_REF - 1) / TESTS_PER_REF : j->batch;
-    mac -= (double)(j->batch - n_refs) * (double)(3 * model->directions->n) * (double)shape->sizes[1];
+    mac -= (double)(j->batch - n_refs) * (n_light + (double)(3 * model->directions->n) * (double)shape->sizes[1]);
     nqm_bench_entry entry = nqm_bench_entry_make("score", name);
     entry.row.model = id;
     entry.row.size.batch = j->batch;
     nqm_bench_entry_work(bench, &entry, precision, 2 * mac);
-    nqm_bench_entry_reading(bench, &entry, (size_t)n_weights * sizeof(float) >> precision);
+    nqm_bench_entry_reading(bench, &entry, (size_t)(n_weights + n_light) * sizeof(float) >> precision);
     return entry;
 }
 
+/* What is timed in turns. */
+typedef struct race {
+    size_t n;
+    nqm_bench_contender contender[5];
+    nqm_bench_entry entry[5];
+} race;
+
+/* alternative: how many entries before it the one is to which its speed is compared; 0: none. */
+static void enter(race *r, void (*run)(void *user), job *j, size_t alternative, nqm_bench_entry entry) {
+    entry.alternative = alternative;
+    r->contender[r->n] = (nqm_bench_contender){run, j, NULL};
+    r->entry[r->n++] = entry;
+}
+
 static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const char *id, const material_pairs *pairs,
-                              size_t batch, nqm_precision precision, nqm_error *err) {
+                              size_t batch, nqm_precision p, nqm_error *err) {
+    const bool has_network = nqm_model_has_network(model), with_shared = batch == TESTS_PER_REF || batch == MAX_BATCH;
     job own = {.pairs = pairs, .batch = batch};
-    nqm_status status = make_job(&own, model, precision, err);
+    nqm_status status = make_job(&own, model, p, err);
     job shared = own; /* with the same workspaces */
     shared.is_shared = true;
     if (status == NQM_OK) {
-        const nqm_bench_contender contenders[] = {
-            {run_network, &own, NULL}, {run_all, &own, NULL}, {run_network, &shared, NULL}, {run_all, &shared, NULL}};
-        nqm_bench_entry entries[] = {
-            describe(bench, model, &own, precision, "network", id),
-            describe(bench, model, &own, precision, "samples to JOD", id),
-            describe(bench, model, &shared, precision, "network, 9 tests a reference", id),
-            describe(bench, model, &shared, precision, "samples to JOD, 9 tests a reference", id)};
-        entries[2].alternative = entries[3].alternative = 2;
-        status = nqm_bench_race(bench, batch == TESTS_PER_REF || batch == MAX_BATCH ? 4 : 2, contenders, entries, err);
+        race r = {0};
+        if (has_network)
+            enter(&r, run_network, &own, 0, describe(bench, model, &own, p, "network", id));
+        enter(&r, run_all, &own, 0, describe(bench, model, &own, p, "samples to JOD", id));
+        if (own.gradients) { /* forward and backward are one product each */
+            nqm_bench_entry entry = describe(bench, model, &own, p, "samples to JOD and gradient", id);
+            nqm_bench_entry_work(bench, &entry, p, 2e9 * entry.row.work.gflop);
+            enter(&r, run_gradient, &own, 1, entry);
+        }
+        const size_t distance = r.n;
+        if (with_shared && has_network)
+            enter(&r, run_network, &shared, distance,
+                  describe(bench, model, &shared, p, "network, 9 tests a reference", id));
+        if (with_shared)
+            enter(&r, run_all, &shared, distance,
+                  describe(bench, model, &shared, p, "samples to JOD, 9 tests a reference", id));
+        status = nqm_bench_race(bench, r.n, r.contender, r.entry, err);
     }
     nqm_inference_work_free(own.work);
     nqm_predictor_free(own.predictor);
+    nqm_gradients_free(own.gradients);
+    nqm_free(own.gradient);
     return status;
 }
 
@@ -158,7 +206,7 @@ static nqm_status bench_model(nqm_bench *bench, const nqm_model *model, const ch
     bench->total = (double)(n_batches * bench->options.rounds * (size_t)NQM_PRECISION_COUNT);
     for (size_t b = 0; b < n_batches; ++b)
         for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p)
-            if (nqm_bench_has_precision(bench, p))
+            if (nqm_bench_has_precision(bench, p) && (p == NQM_PRECISION_F32 || nqm_model_has_network(model)))
                 status = bench_batch(bench, model, id, &pairs, batches[b], p, err);
     nqm_free(pairs.x);
     return status;
@@ -176,7 +224,7 @@ nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err) {
         const char *id = name ? name : nqm_model_builtin_name(i);
         nqm_model *model;
         status = nqm_model_builtin(id, &model, err);
-        if (status == NQM_OK && (name || nqm_model_get_info(model).n_layers > 0))
+        if (status == NQM_OK)
             status = bench_model(bench, model, id, err);
         nqm_model_free(model);
     }

@@ -150,7 +150,7 @@ static const table tables[] = {
       NUMBER("x floor", "times_floor", 3),
       NUMBER("GFLOP/s", "gflops", 3),
       NUMBER("GB/s", "gb_per_s", 3),
-      NUMBER("gain of one reference", "times_alternative", 3),
+      NUMBER("relative speed", "times_alternative", 3),
       MEDIAN_COLUMN}},
     {"load",
      "Loading and starting",
