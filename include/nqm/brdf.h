@@ -156,13 +156,10 @@ NQM_API void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, con
  */
 NQM_API void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag);
 
-/** Number of parameters of an analytic model (a spec or a preset of one): the values of the keys in the order of
- *  nqm_brdf_info.spec, three for an RGB key (red, green, blue) also where the spec has one number for all. 0: `brdf` is
- *  not analytic (a file, a callback, a `perturb:` or `between:` spec). */
-NQM_API size_t nqm_brdf_parameter_count(const nqm_brdf *brdf);
-
 /**
- * Evaluate f_r of an analytic model and its exact derivatives by the parameters of the spec.
+ * Evaluate f_r of an analytic model (a spec or a preset of one) and its exact derivatives by its parameters: the values of the
+ * keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) also where the spec has one number for all.
+ * Their number, n_parameters, is nqm_brdf_info.n_values.
  *
  * A channel depends only on its own value of an RGB key; the entries of the other two are 0. All entries are 0 below the
  * horizon, in a channel that was negative and is replaced by 0, and in all channels when one is not finite. At a kink the
@@ -177,8 +174,8 @@ NQM_API size_t nqm_brdf_parameter_count(const nqm_brdf *brdf);
  * @param wi        (n, 3) unit vectors to the light
  * @param wo        (n, 3) unit vectors to the viewer
  * @param rgb       (n, 3) receives f_r in 1/sr, the same bits as nqm_brdf_eval()
- * @param jacobian  (n, 3, nqm_brdf_parameter_count()) receives d f_channel / d parameter
- * @return NQM_ERR_ARG (`brdf` is not analytic)
+ * @param jacobian  (n, 3, n_parameters) receives d f_channel / d parameter
+ * @return NQM_ERR_ARG: `brdf` is not analytic (a file, a callback, a `perturb:` or `between:` spec)
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
                                                     double *rgb, double *jacobian, nqm_error *err);

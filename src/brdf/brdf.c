@@ -280,10 +280,6 @@ void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, d
 
 /* ---- derivatives by the parameters ------------------------------------------------------------------------------- */
 
-size_t nqm_brdf_parameter_count(const nqm_brdf *brdf) {
-    return brdf->class_->jacobian ? brdf->info.n_values : 0;
-}
-
 /* Clamp a raw value as eval does; channels that eval replaces by 0 have the derivatives 0. jacobian: (3, n_parameters). */
 static void settle_derivatives(size_t n_parameters, double *rgb, double *jacobian) {
     const double raw[3] = {rgb[0], rgb[1], rgb[2]};
@@ -296,8 +292,8 @@ static void settle_derivatives(size_t n_parameters, double *rgb, double *jacobia
 nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb,
                              double *jacobian, nqm_error *err) {
     enum { RUN = 64 }; /* pairs per call: their rows stay in the L1 cache between memset() and the last change */
-    const size_t n_parameters = nqm_brdf_parameter_count(brdf), row = 3 * n_parameters;
-    if (n_parameters == 0)
+    const size_t n_parameters = brdf->info.n_values, row = 3 * n_parameters;
+    if (!brdf->class_->jacobian)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: only analytic models have derivatives by their parameters, not '%s'",
                         brdf->info.name, brdf->info.format);
     for (size_t i = 0, m; i < n; i += m) {

@@ -80,7 +80,7 @@ nqm_status nqm_fit_lobes_slopes(nqm_fit_lobes *lobes, double *slopes, nqm_error 
     nqm_status status = nqm_brdf_open(spec, &brdf, err);
     if (status != NQM_OK)
         return status;
-    size_t n_parameters = nqm_brdf_parameter_count(brdf);
+    size_t n_parameters = nqm_brdf_get_info(brdf).n_values;
     assert(n_parameters <= MAX_PARAMETERS);
     for (size_t k = 0; k < model->n_shape; ++k) {
         index[k] =
