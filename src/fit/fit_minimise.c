@@ -92,10 +92,8 @@ static nqm_status first_stage(nqm_fit_search *search, const nqm_fit_options *opt
     search->total = (double)*n_ret;
     nqm_status status = options->start ? nqm_fit_read_spec(model, options->start, &candidates->values, search->err)
                                        : draw_starts(model, search->target, options, candidates, search->err);
-    if (is_immediate(options) && !is_square(options))
-        return status;
-    for (size_t i = 0; status == NQM_OK && i < *n_ret; ++i) {
-        status = nqm_fit_search_refine(search, &candidates[i], !is_immediate(options));
+    for (size_t i = 0; status == NQM_OK && !is_immediate(options) && i < *n_ret; ++i) {
+        status = nqm_fit_search_refine(search, &candidates[i], true);
         search->done += 1;
     }
     return status;
@@ -136,9 +134,12 @@ nqm_status nqm_fit_minimise(const nqm_fit_entry *model, const nqm_fit_target *ta
     nqm_status status = nqm_fit_search_begin(model, target, &ticker, &search, err);
     if (status == NQM_OK)
         status = first_stage(&search, options, candidates, &n);
-    nqm_fit_search_end(&search);
-    if (status == NQM_OK && !is_square(options))
+    if (status == NQM_OK && (!is_square(options) || is_immediate(options)))
         status = polish_all(model, target, options, &ticker, n, candidates, err);
+    /* Far from the minimum Levenberg-Marquardt can leave the bounds, where the loss is flat: it comes after L-BFGS. */
+    for (size_t i = 0; status == NQM_OK && is_square(options) && is_immediate(options) && i < n; ++i)
+        status = nqm_fit_search_refine(&search, &candidates[i], false);
+    nqm_fit_search_end(&search);
     for (size_t i = 1; status == NQM_OK && i < n; ++i)
         winner = candidates[i].loss < candidates[winner].loss ? i : winner;
     if (status == NQM_OK && !isfinite(candidates[winner].loss))
