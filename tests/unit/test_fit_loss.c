@@ -3,6 +3,7 @@
  * Losses of fits: words and values are those of the scalar metrics, gradients agree with central differences, every loss
  * recovers known parameters from random starts, losses of the caller, given starts, faulty terms.
  */
+#include "base/memory_test.h"
 #include "fit/fit.h"
 #include "metric/metric.h"
 #include "support/check.h"
@@ -280,6 +281,32 @@ static void faulty_terms_are_refused(void **state) {
     nqm_brdf_free(ref);
 }
 
+/* Fails allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
+static void memory_runs_out(void **state) {
+    (void)state;
+    roots r;
+    make_roots(truth_ward, &r);
+    const nqm_fit_term sum[] = {{.weight = 1, .loss = NQM_FIT_LOG_DIFF}, {.weight = 1, .visual = &r.visual}};
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 200;
+    options.n_random = 1;
+    options.terms = sum;
+    options.n_terms = 2;
+    nqm_brdf *brdf = open_brdf("sgd:nickel");
+    nqm_status status = NQM_ERR_NOMEM;
+    for (long n = 0; status != NQM_OK && n < 1000000; n += 1 + n / 3) {
+        nqm_fit_report report;
+        nqm_error err = {0};
+        nqm_alloc_fail_after(n);
+        status = nqm_fit(brdf, "ward", &options, &report, NULL, &err);
+        nqm_alloc_fail_after(-1);
+        if (status != NQM_OK && (status != NQM_ERR_NOMEM || err.status != NQM_ERR_NOMEM))
+            fail_msg("allocation %ld: %s (%s)", n, err.message, nqm_status_text(status));
+    }
+    assert_int_equal(status, NQM_OK);
+    nqm_brdf_free(brdf);
+}
+
 static int stop_in_polish(void *user, const char *stage, double done, double total) {
     (void)done;
     (void)total;
@@ -323,6 +350,7 @@ int main(void) {
         cmocka_unit_test(a_loss_of_the_caller_alone_and_in_a_sum),
         cmocka_unit_test(a_given_start_is_polished),
         cmocka_unit_test(faulty_terms_are_refused),
+        cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(a_polish_can_be_stopped),
     };
     return cmocka_run_group_tests_name("fit: losses", tests, NULL, NULL);

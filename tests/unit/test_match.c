@@ -3,6 +3,7 @@
  * Fits by perceptual losses: texts of losses, values and gradients of metrics as losses, known parameters recovered from
  * random starts, the selection of auto and its independence of threads, stopping, faults.
  */
+#include "base/memory_test.h"
 #include "fit/fit.h"
 #include "match/match.h"
 #include "support/check.h"
@@ -165,7 +166,7 @@ static void perceptual_losses_find_the_truth_from_random_starts(void **state) {
     for (size_t k = 0; k < sizeof texts / sizeof *texts; ++k) {
         nqm_fit_options options = nqm_fit_options_default();
         options.n_directions = 600;
-        options.n_random = 6;
+        options.n_random = 5;
         options.immediate = 1;
         nqm_match_report ward = match(truth_ward, "ward", texts[k], &options);
         nqm_match_report ggx = match(truth_ggx, "ggx", texts[k], &options);
@@ -255,6 +256,33 @@ static void a_match_can_be_stopped(void **state) {
     nqm_brdf_free(ref);
 }
 
+/* Fails allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
+static void memory_runs_out(void **state) {
+    (void)state;
+    static const char *const texts[] = {"transport", "auto:transport"};
+    nqm_brdf *ref = open_brdf("sgd:red-plastic");
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 200;
+    options.n_starts = 2;
+    for (int k = 0; k < 2; ++k) {
+        const nqm_match_loss loss = {texts[k], metric, transport};
+        nqm_status status = NQM_ERR_NOMEM;
+        for (long n = 0; status != NQM_OK && n < 1000000; n += 1 + n / 3) {
+            nqm_match_report report;
+            nqm_brdf *brdf;
+            nqm_error err = {0};
+            nqm_alloc_fail_after(n);
+            status = nqm_match(ref, "ward", &loss, &options, &report, &brdf, &err);
+            nqm_alloc_fail_after(-1);
+            if (status != NQM_OK && (status != NQM_ERR_NOMEM || err.status != NQM_ERR_NOMEM || brdf))
+                fail_msg("allocation %ld: %s (%s)", n, err.message, nqm_status_text(status));
+            nqm_brdf_free(brdf);
+        }
+        assert_int_equal(status, NQM_OK);
+    }
+    nqm_brdf_free(ref);
+}
+
 /* Values only where theta_i is below `user` radians. */
 static void steep_eval(void *user, size_t n, const double *wi, const double *wo, double *rgb) {
     (void)wo;
@@ -318,6 +346,7 @@ int main(void) {
         cmocka_unit_test(threads_do_not_change_the_result),
         cmocka_unit_test(other_encodings_keep_their_loss),
         cmocka_unit_test(a_match_can_be_stopped),
+        cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(missing_values_are_left_out),
         cmocka_unit_test(faults_are_named),
     };
