@@ -167,7 +167,7 @@ static void add_inputs_gradient(const nqm_gradients *g, const nqm_sample_pair *p
     const size_t n_directions = m->directions->n, n = 3 * n_directions;
     const float *x = g->x + i * g->stride, *dx = g->dx + i * g->stride;
     double by_scalars[NQM_SCALAR_COUNT];
-    nqm_features_gradient(&m->features, n_directions, g->t + (2 * i + 1) * n, pair->used, x, dx, sum);
+    nqm_features_gradient(&m->features, n_directions, pair->test, pair->used, x, dx, sum);
     if (nqm_model_n_scalars(m) == 0)
         return;
     nqm_scalars_whiten_back(&m->scalars, g->scalars + i * NQM_SCALAR_COUNT, dx + g->samples_width, by_scalars);

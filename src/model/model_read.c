@@ -72,7 +72,7 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
     const bool has_transport = nqm_safetensors_find(r->st, "transport");
     if (n == 0 && has_transport && !nqm_safetensors_find(r->st, "layers.0.bias"))
         return NQM_OK; /* a model without a network */
-    const bool known = n > 0 && (shape->sizes[n] == 1 || shape->sizes[n] == 1 + NQM_LABEL_PARTS);
+    const bool known = n > 1 && (shape->sizes[n] == 1 || shape->sizes[n] == 1 + NQM_LABEL_PARTS);
     if (!known) /* a hidden layer is the last */
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor 'layers.%zu.weight' is missing%s", r->name, n,
                         n == 0 && !has_transport ? "; a model without a network needs tensor 'transport'" : "");

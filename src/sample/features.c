@@ -41,18 +41,30 @@ void nqm_features_compose(const nqm_features *features, size_t n_directions, con
             memset(x + member * n + 3 * k, 0, 3 * sizeof *x);
 }
 
-void nqm_features_gradient(const nqm_features *features, size_t n_directions, const float *test_t, const uint8_t *used,
+/* d t / d f_r of n values, at most NQM_WHITEN_PERIOD. */
+static void transform_slopes(size_t n, const float *rho, double *slope) {
+    double f[NQM_WHITEN_PERIOD], root[NQM_WHITEN_PERIOD];
+    for (size_t i = 0; i < n; ++i)
+        f[i] = fmax((double)rho[i], NQM_LEAST_F);
+    nqm_kernels_get()->cube_root(n, f, root);
+    for (size_t i = 0; i < n; ++i)
+        slope[i] = 1 / (3 * root[i] * root[i] * (root[i] + 1));
+}
+
+void nqm_features_gradient(const nqm_features *features, size_t n_directions, const float *test, const uint8_t *used,
                            const float *x, const float *dx, double *gradient) {
     const size_t n = 3 * n_directions;
     const bool differs = features->layout != NQM_LAYOUT_REF_TEST;
-    const double least = cbrt(NQM_LEAST_F), scale = differs ? features->difference_scale : 1;
+    const double scale = differs ? features->difference_scale : 1;
+    double slope[NQM_WHITEN_PERIOD];
     for (size_t i = 0; i < n; ++i) {
+        if (i % NQM_WHITEN_PERIOD == 0)
+            transform_slopes(nqm_smaller(n - i, NQM_WHITEN_PERIOD), test + i, slope);
         if (used && !used[i / 3])
             continue;
         double by_t = (double)dx[n + i];
         if (differs)
             by_t += x[n + i] > 0 ? (double)dx[2 * n + i] : x[n + i] < 0 ? -(double)dx[2 * n + i] : 0;
-        const double root = fmax(expm1((double)test_t[i]), least);
-        gradient[i] += by_t * scale / ((double)features->std[i % 3] * 3 * root * root * (root + 1));
+        gradient[i] += by_t * scale / (double)features->std[i % 3] * slope[i % NQM_WHITEN_PERIOD];
     }
 }

@@ -507,6 +507,20 @@ static void impossible_shapes(void **state) {
     }
 }
 
+/* A network has a hidden layer. */
+static void one_layer(void **state) {
+    (void)state;
+    static const float weights[6 * N_DIRECTIONS], bias[1];
+    contents c = open_contents();
+    for (size_t k = 0; k < c.n_tensors; ++k)
+        if (strncmp(c.tensors[k].name, "layers.", strlen("layers.")) == 0)
+            c.tensors[k--] = c.tensors[--c.n_tensors];
+    c.tensors[c.n_tensors++] = nqm_tensor_of("layers.0.weight", NQM_F32, 1, 6 * N_DIRECTIONS, weights);
+    c.tensors[c.n_tensors++] = nqm_tensor_of("layers.0.bias", NQM_F32, 0, 1, bias);
+    must_refuse(&c, "'layers.1.weight' is missing");
+    close_contents(&c);
+}
+
 /* A file without layers needs a transport matrix, and has no part of a layer. */
 static void neither_network_nor_transport(void **state) {
     (void)state;
@@ -606,6 +620,7 @@ int main(void) {
         cmocka_unit_test(each_tensor_is_checked),
         cmocka_unit_test(each_text_is_checked),
         cmocka_unit_test(impossible_numbers),
+        cmocka_unit_test(one_layer),
         cmocka_unit_test(out_of_memory),
         cmocka_unit_test(jod_of_an_output),
     };
