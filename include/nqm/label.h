@@ -33,7 +33,8 @@ NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm
  * More directions and points make it more exact, larger (12 bytes for each of n_directions n_points) and slower;
  * doc/labels.md has the errors. The built-in model "transport" has the standard scenes.
  *
- * @param scene       NULL: the defaults, the standard scenes; its pixels, points and light directions are not used
+ * @param scene       NULL: the defaults, the standard scenes; its pixels, points and interreflection are not used, and n_lights 0
+ *                    stands for 512
  * @param directions  sampling directions
  * @param n_points    of all scenes together: a multiple of 32 up to 4096
  * @param id          of the model; copied

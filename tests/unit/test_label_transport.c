@@ -45,12 +45,12 @@ static nqm_scene_options scene_of(const char *light, const char *shape) {
     return o;
 }
 
-/* The matrix is of the scene of a corpus with other numbers of points and lights. */
+/* The matrix is of the scene of a corpus with another number of points. */
 static void make(size_t n_directions, const nqm_scene_options *o) {
     nqm_corpus_options options = nqm_corpus_options_default();
     options.scene = *o;
     options.scene.n_points = 300;
-    options.scene.n_lights = 32;
+    options.scene.n_lights = 0; /* the default of matrices */
     f.directions = make_directions(n_directions);
     f.scene = make_scene(o);
     assert_int_equal(nqm_transport_fill(&options.scene, f.directions, POINTS, f.light, f.points, NULL), NQM_OK);

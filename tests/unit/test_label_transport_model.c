@@ -115,7 +115,7 @@ static void files_and_copies(void **state) {
     nqm_model_free(model);
 }
 
-/* One more point or direction matters little. */
+/* The number of points matters little. */
 static void the_standard_scenes(void **state) {
     (void)state;
     if (!nqm_tracer_version())
@@ -148,19 +148,27 @@ static void refusals(void **state) {
     refuse(o, 32, NQM_ERR_IO, "/nowhere/shape.ply");
 }
 
+/* Every allocation of the matrix, and some of the golden scores after it. */
 static void out_of_memory(void **state) {
     (void)state;
+    const double degrees[] = {0, 30, 0, 40, 20, 90};
     nqm_scene_options o = studio();
-    o.n_lights = 16;
+    nqm_directions *two;
     nqm_model *model = NULL;
-    for (long n = 0; !model; ++n) {
+    o.n_lights = 16;
+    assert_int_equal(nqm_directions_from_degrees(2, degrees, &two, NULL), NQM_OK);
+    for (long n = 0; !model; n += 1 + n / 20) {
         nqm_alloc_fail_after(n);
-        const nqm_status status = nqm_transport_create(&o, directions, 32, "mine", &model, NULL);
+        nqm_error err = {0};
+        const nqm_status status = nqm_transport_create(&o, two, 32, "mine", &model, &err);
         nqm_alloc_fail_after(-1);
-        assert_true(status == NQM_ERR_NOMEM ? !model : status == NQM_OK);
-        assert_true(n < 500);
+        if (status != NQM_OK && status != NQM_ERR_NOMEM)
+            fail_msg("allocation %ld: %s", n, err.message);
+        assert_true((status == NQM_OK) == (model != NULL));
+        assert_true(n < 1000);
     }
     nqm_model_free(model);
+    nqm_directions_free(two);
 }
 
 int main(void) {
