@@ -99,7 +99,7 @@ def fit_all(refs, fits, losses, models, starts):
 
     def fit(job):
         name, model, loss, start = job
-        options = ["--random", "1", "--start-seed", start, "--immediate"] if start else []
+        options = ["--random-starts", "1", "--start-seed", start, "--immediate"] if start else []
         result = json.loads(run("fit", brdf[name], "--model", model, *LOSSES[loss], *options, "--json"))
         return [*job, result["spec"], f"{result['seconds']:.3f}"]
 
@@ -201,6 +201,21 @@ def print_starts(judged, refs, model):
               f" {100 * np.mean([x for start in SEEDS for x in lost[start][loss]]):6.1f}%")
 
 
+PICTURES = {"reference": None, "rms_loge": "rms_loge", "log_diff": "log_diff", "paper": "paper", "nqm": "nqm", "auto": "auto"}
+
+
+def draw(judged, refs, model, path):
+    """A row for each of four references: itself and its fits, on a blob in a room (built in)."""
+    chosen = [r for r in refs if r[0] in ("rgl-vch_golden_yellow_rgb", "rgl-ilm_solo_m_68_rgb", "rgl-vch_dragon_eye_red_rgb")]
+    chosen += [r for r in refs if r[0].startswith("sgd-")][:2]
+    arguments = []
+    for name, _, brdf, _ in chosen:
+        fits = [judged.fits[(name, model, loss, "")][0] for loss in PICTURES.values() if loss]
+        arguments += (["+"] if arguments else []) + [brdf, *fits]
+    run("label", *arguments, "--light", "interior", "--shape", "blob", "--size", "320", "--shrink", "2", "--columns",
+        ",".join(PICTURES), "--rows", ",".join(material.replace("_rgb", "") for _, material, *_ in chosen), "--grid", path)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data")
@@ -224,6 +239,7 @@ def main():
         print_fits(judged, held_out, "Held-out materials", model)
         print_fits(judged, measured, "Measured RGL files", model)
     print_starts(judged, refs, "ggx")
+    draw(judged, held_out, "ggx", os.path.join(HERE, "figures", "fits.png"))
 
 
 if __name__ == "__main__":

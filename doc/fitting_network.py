@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Why does the paper's network fail as a loss, and what repairs it? The tables of doc/fitting.md.
 
-usage: doc/fitting_network.py DATA WORK [--part why|repair] [--refs N] [--rounds N] [--epochs N]
+usage: doc/fitting_network.py DATA WORK [--part why|repair] [--refs N] [--rounds N] [--pairs N] [--epochs N]
 
 DATA holds rgl/, nbrdf/, nps/ and labels/; WORK is the folder of models/make.sh, with the datasets train.safetensors and
 paper-train.safetensors. SciPy's L-BFGS minimises 10 - JOD (or Delta-E, where the model predicts it) of GGX over kd, alpha and f0,
@@ -26,6 +26,8 @@ from scipy.optimize import minimize
 HERE = os.path.dirname(os.path.abspath(__file__))
 NQM = os.environ.get("NQM_TOOL", os.path.join(HERE, "..", "build", "nqm"))
 LIBRARY = os.environ.get("LIBNQM", os.path.join(HERE, "..", "build", "libnqm-full.so"))
+PROGRAM_ENVIRONMENT = dict(os.environ)
+os.environ["OMP_NUM_THREADS"] = "1"  # of the library here: the optimiser asks for one pair at a time
 P, N = ctypes.c_void_p, ctypes.c_size_t
 JOD, DELTA_E = 0, 1
 
@@ -127,7 +129,8 @@ def evaluate(brdf, model):
 
 
 def nqm(*arguments):
-    done = subprocess.run([NQM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([NQM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env=PROGRAM_ENVIRONMENT)
     if done.returncode:
         sys.exit(f"nqm {' '.join(arguments)}: {done.stderr}")
     return done.stdout
@@ -272,7 +275,7 @@ def read_tensors(path):
 def write_tensors(path, tensors, meta):
     """The inverse, with the checksum of doc/files.md."""
     names = {np.dtype(v): k for k, v in TYPES.items()}
-    order = sorted(tensors, key=lambda name: (tensors[name].nbytes % 64 != 0, -tensors[name].nbytes))
+    order = sorted(tensors, key=lambda name: (tensors[name].nbytes % 64 != 0, -tensors[name].itemsize))
     header, at = {"__metadata__": {**meta, "sha256": "0" * 64}}, 0
     for name in order:
         t = tensors[name]
@@ -326,6 +329,19 @@ def extended(base, pairs, kind, extra_refs=()):
     return tensors, meta
 
 
+def subset(base, families, n, seed):
+    """A dataset with n training pairs of these families of kinds, and a quarter as many validation pairs."""
+    tensors, meta = base
+    of_pair = np.isin(np.array(json.loads(meta["kind_families"]))[tensors["pair_kind"]], families)
+    split = np.asarray(tensors["group_split"])[tensors["ref_group"][tensors["pair_ref"]]]
+    rng = np.random.default_rng(seed)
+    chosen = np.sort(np.concatenate([rng.choice(np.flatnonzero(of_pair & (split == k)), m, replace=False)
+                                     for k, m in ((0, n), (1, n // 4))]))
+    names = json.loads(meta["pair_names"])
+    tensors = {name: np.array(t[chosen]) if len(t) == len(names) else t for name, t in tensors.items()}
+    return tensors, {**meta, "pair_names": json.dumps([names[i] for i in chosen])}
+
+
 def label_of(result):
     p = result.parts
     return [result.delta_e, result.jod, *p.shift, p.contrast, p.structure]
@@ -372,12 +388,11 @@ def on_policy(base, model, of, brdfs, n_refs, seed):
 
 
 def train(work, name, dataset, epochs):
-    """A network of the paper's shape and recipe, trained on a dataset, (tensors, metadata) or a path."""
+    """A network of the paper's shape and recipe, trained on a dataset (tensors, metadata)."""
     path = os.path.join(work, name + ".safetensors")
     if not os.path.exists(path):
-        data = dataset if isinstance(dataset, str) else os.path.join(work, "data.safetensors")
-        if not isinstance(dataset, str):
-            write_tensors(data, *dataset)
+        data = os.path.join(work, "data.safetensors")
+        write_tensors(data, *dataset)
         nqm("train", data, "--recipe", "paper", "--epochs", str(epochs), "--split", "group", "--id", name, "-o", path)
     return Model(path)
 
@@ -421,10 +436,14 @@ def repair(options, models):
     refs = references(options.data, "test", options.refs)
     training = dict(references(options.data, "train", 1000, ("rgl", "sgd", "nbrdf")))
     base = read_tensors(os.path.join(options.work, "train.safetensors"))
-    found = {"paper: near pairs": ends(models["paper"], JOD, refs, 3)}
-    model = train(folder, "far", os.path.join(options.work, "train.safetensors"), options.epochs)
-    found["and far pairs, more kinds"] = ends(model, JOD, refs, 3)
-    data = coloured(base, models["transport"], 20000, 1)
+    near = ["encoding", "published", "form", "perturbation", "composed"]
+    found = {"paper, as shipped": ends(models["paper"], JOD, refs, 3)}
+    model = train(folder, "near", subset(base, near, options.pairs, 1), options.epochs)
+    found[f"{options.pairs} near pairs"] = ends(model, JOD, refs, 3)
+    data = subset(base, near + ["far", "rounding"], options.pairs, 1)
+    model = train(folder, "far", data, options.epochs)
+    found[f"{options.pairs} pairs, a third far"] = ends(model, JOD, refs, 3)
+    data = coloured(data, models["transport"], options.pairs // 2, 1)
     model = train(folder, "colours", data, options.epochs)
     found["and permuted channels, tints"] = ends(model, JOD, refs, 3)
     for k in range(1, options.rounds + 1):
@@ -443,7 +462,8 @@ def main():
     parser.add_argument("--part", choices=["why", "repair"])
     parser.add_argument("--refs", type=int, default=40)
     parser.add_argument("--rounds", type=int, default=3, help="of training on the optimisers' own paths")
-    parser.add_argument("--epochs", type=int, default=12)
+    parser.add_argument("--pairs", type=int, default=8000, help="of the networks for `repair`")
+    parser.add_argument("--epochs", type=int, default=20)
     options = parser.parse_args()
     models = {name: Model(name) for name in ("paper", "default", "transport", "transport-paper")}
     if options.part != "repair":
