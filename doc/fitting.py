@@ -26,7 +26,8 @@ CLASSICAL = ["rmse", "mae", "rms_crwe", "ma_crwe", "rms_loge", "ma_loge", "rms_l
 # Name of a row -> options of nqm fit.
 LOSSES = {**{name: ["--loss", name] for name in CLASSICAL}, "paper": ["--loss", "nqm", "--metric", "paper"],
           "nqm": ["--loss", "nqm"], "transport": ["--loss", "transport"], "log_diff+0.2*nqm": ["--loss", "log_diff+0.2*nqm"],
-          "log_diff+0.2*transport": ["--loss", "log_diff+0.2*transport"], "auto": ["--loss", "auto"]}
+          "100*ma_crwe+nqm": ["--loss", "100*ma_crwe+nqm"], "100*ma_crwe+transport": ["--loss", "100*ma_crwe+transport"],
+          "auto": ["--loss", "auto"]}
 MODELS = ["ggx", "ward", "cook-torrance"]
 SEEDS = ["1", "2", "3"]  # of random starts
 LIGHTS = {"paper": "pixar_campus_rgbe.png", "grace": "grace_cathedral.exr", "museum": "museum.exr"}

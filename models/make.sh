@@ -92,10 +92,11 @@ train() {
 }
 train default nqm "" " without options (four built-in scenes)" default.safetensors --half
 train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campus light)" full/paper.safetensors
-# The scenes of both corpora as metrics without a network, at the same directions.
-"$nqm" transport make --directions "$work/directions.csv" --id transport -o "$here/transport.safetensors"
+# The scenes of both corpora as metrics without a network: more directions, and larger angles.
+"$nqm" directions -n 1000 --max-polar 85 -o "$work/transport-directions.csv"
+"$nqm" transport make --directions "$work/transport-directions.csv" --id transport -o "$here/transport.safetensors"
 # shellcheck disable=SC2086 # a list of options
-"$nqm" transport make --directions "$work/directions.csv" --id transport-paper ${paper_scene% --points*} \
+"$nqm" transport make --directions "$work/transport-directions.csv" --id transport-paper ${paper_scene% --points*} \
     -o "$here/full/transport-paper.safetensors"
 echo "build nqm again, so that it contains the new models; then draw the figures of the pages:"
 echo "  sh doc/figures/make.sh $data && sh doc/gallery/make.sh $data $work/train.safetensors $work/default.csv"

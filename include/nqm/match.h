@@ -21,7 +21,7 @@ extern "C" {
  *  - the losses of nqm_fit_loss: "log", "rmse", ..., "log_diff".
  *
  * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
- * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "nqm"), and of all eight
+ * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and of all eight
  * the one with the smallest Delta-E by `transport` is the result.
  */
 typedef struct nqm_match_loss {

@@ -183,7 +183,7 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
     nqm_parallel_for(N_CANDIDATES, make_candidate, s);
     const nqm_error *failure = failure_of(s);
     nqm_status status = failure ? nqm_fail(err, failure->status, failure->byte_offset, "%s", failure->message)
-                                : choose(s, strchr(loss->text, ':') ? loss->text + 5 : "nqm", report, err);
+                                : choose(s, strchr(loss->text, ':') ? loss->text + 5 : nqm_match_polish, report, err);
     nqm_free(s);
     return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
 }

@@ -25,6 +25,8 @@ typedef struct nqm_match_sum {
     nqm_match_term terms[NQM_MATCH_MAX_TERMS]; /* of "auto": those of the polish */
 } nqm_match_sum;
 
+/** The sum of "auto". */
+extern const char *const nqm_match_polish;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 

@@ -62,7 +62,7 @@ static void texts_become_terms(void **state) {
     assert_true(sum.terms[1].weight == 0.2 && sum.terms[1].kind == NQM_MATCH_METRIC);
     assert_true(sum.terms[2].weight == 100 && sum.terms[2].kind == NQM_MATCH_TRANSPORT);
     assert_int_equal(nqm_match_parse("auto", &sum, NULL), NQM_OK);
-    assert_true(sum.is_auto && sum.n == 1 && sum.terms[0].kind == NQM_MATCH_METRIC);
+    assert_true(sum.is_auto && sum.n == 2 && sum.terms[1].kind == NQM_MATCH_TRANSPORT);
     assert_int_equal(nqm_match_parse("auto:log+transport", &sum, NULL), NQM_OK);
     assert_true(sum.is_auto && sum.n == 2 && sum.terms[1].kind == NQM_MATCH_TRANSPORT);
 }
