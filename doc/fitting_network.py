@@ -193,18 +193,20 @@ def references(data, split, n, forms=("rgl", "sgd", "nbrdf", "nps")):
 
 def print_path(models, refs):
     """Means over references at steps of the path of the paper's network."""
-    paper = models["paper"]
+    paper, pictures = models["paper"], models["transport-paper"]
     rows = {step: [] for step in (0, 1, 2, 5, 10, 20, "end")}
     for _, brdf in refs:
         ref, used = evaluate(brdf, paper)
+        ref_seen, used_seen = evaluate(brdf, pictures)
         path = minimise(paper, ref, used, START, JOD)
         for step, row in rows.items():
             x = path[-1] if step == "end" else path[min(step, len(path) - 1)]
             test, _ = evaluate(spec_of(x), paper)
-            said, rendered = paper.score(ref, [test], used)[0], models["transport-paper"].score(ref, [test], used)[0]
+            said = paper.score(ref, [test], used)[0]
+            rendered = pictures.score(ref_seen, [evaluate(spec_of(x), pictures)[0]], used_seen)[0]
             share = (said.jod - paper.jod_min) / (paper.jod_max - paper.jod_min)
             _, by_paper = slopes(x, paper, ref, used, JOD)
-            _, by_transport = slopes(x, models["transport-paper"], ref, used, DELTA_E)
+            _, by_transport = slopes(x, pictures, ref_seen, used_seen, DELTA_E)
             nearby = [slopes(x + 0.01 * np.random.default_rng(k).normal(size=5), paper, ref, used, JOD)[1] for k in range(4)]
 
             def cosine(a, b):
@@ -443,7 +445,9 @@ def repair(options, models):
     data = subset(base, near + ["far", "rounding"], options.pairs, 1)
     model = train(folder, "far", data, options.epochs)
     found[f"{options.pairs} pairs, a third far"] = ends(model, JOD, refs, 3)
-    data = coloured(data, models["transport"], options.pairs // 2, 1)
+    estimate = os.path.join(folder, "estimate.safetensors")
+    nqm("transport", "make", "-o", estimate)
+    data = coloured(data, Model(os.path.abspath(estimate)), options.pairs // 2, 1)
     model = train(folder, "colours", data, options.epochs)
     found["and permuted channels, tints"] = ends(model, JOD, refs, 3)
     for k in range(1, options.rounds + 1):

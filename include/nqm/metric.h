@@ -203,7 +203,7 @@ typedef enum nqm_score_quantity {
  * of an f_r below 1e-6 1/sr have the derivative at 1e-6. Models that predict Delta-E give equal pairs a gradient of 0, and pairs
  * that hardly differ that of the bound on their score, which is 0 except at the sample with the largest ratio.
  *
- * @param pairs      (n_pairs) any number; pairs of the same reference in succession are faster
+ * @param pairs      (n_pairs) any number
  * @param values     (n_pairs) receives the scores
  * @param gradients  (n_pairs, n_directions, 3) receives d value / d f_r of the test, in units of the score times sr
  * @return NQM_ERR_ARG: a value is NaN, infinite or negative (see nqm_scorer_run_samples()), or the model predicts no Delta-E;
