@@ -35,7 +35,7 @@ for loss in log_diff ma_crwe nqm transport log_diff+0.2*nqm; do
     grep -qF "\"loss_name\": \"$loss\"" "$dir/out" || fail "$loss: $(cat "$dir/out")"
 done
 "$tool" fit sgd:nickel --model ward --samples 500 --loss auto --json >"$dir/auto.json"
-grep -q '"selected": "[a-z_-]*\(, then nqm\)*"' "$dir/auto.json" || fail "auto: $(cat "$dir/auto.json")"
+grep -q '"selected": "[a-z_-]*\(, then 100.ma_crwe+transport\)*"' "$dir/auto.json" || fail "auto: $(cat "$dir/auto.json")"
 "$tool" transport make --shape sphere --light sun --points 32 -o "$dir/sun.safetensors" >/dev/null 2>&1
 "$tool" fit sgd:nickel --model ward --samples 500 --loss auto:transport --transport "$dir/sun.safetensors" --metric transport -q |
     grep -q '^ward:' || fail "a scene of the user's"

@@ -280,7 +280,7 @@ static void open_loss(const char *text, const char *transport, nqm_model *metric
 int cmd_fit(int argc, char **argv) {
     nqm_fit_options fit = nqm_fit_options_default();
     fit.progress = show_progress;
-    const char *model = "ggx", *loss = "log", *metric = "default", *transport = "transport";
+    const char *model = "ggx", *loss = "auto", *metric = "default", *transport = "transport";
     const char *directions_name = NULL, *bounds = NULL, *path = NULL, *page = NULL;
     bool json = false, quiet = false, verbose = false;
     const option options[] = {
@@ -310,7 +310,7 @@ int cmd_fit(int argc, char **argv) {
             "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks and\n"
             "coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
         .example = "nqm fit sgd:nickel --model ward\n"
-                   "nqm fit measured.bsdf --loss auto --report ggx.html\n"
+                   "nqm fit measured.bsdf --model ggx --report ggx.html\n"
                    "nqm fit measured.bsdf --model all -o fits/\n"
                    "nqm score measured.bsdf \"$(nqm fit measured.bsdf --model ggx -q)\"",
         .options = options,
