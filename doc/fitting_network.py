@@ -466,8 +466,8 @@ def main():
     parser.add_argument("--part", choices=["why", "repair"])
     parser.add_argument("--refs", type=int, default=40)
     parser.add_argument("--rounds", type=int, default=3, help="of training on the optimisers' own paths")
-    parser.add_argument("--pairs", type=int, default=8000, help="of the networks for `repair`")
-    parser.add_argument("--epochs", type=int, default=20)
+    parser.add_argument("--pairs", type=int, default=4000, help="of the networks for `repair`")
+    parser.add_argument("--epochs", type=int, default=8)
     options = parser.parse_args()
     models = {name: Model(name) for name in ("paper", "default", "transport", "transport-paper")}
     if options.part != "repair":
