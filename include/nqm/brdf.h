@@ -49,7 +49,8 @@ typedef struct nqm_brdf_info {
  * The format of a file is recognised by its first bytes or its size, not by its name:
  *  - `PATH`: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
  *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;
- *  - `DIR/nps_decoder_f32le.bin:MATERIAL`: a neural-process BRDF; nps_latents.csv must be in the same folder.
+ *  - `DIR/nps_decoder_f32le.bin:MATERIAL`: a neural-process BRDF; nps_latents.csv must be in the same folder;
+ *  - `FILE`, or `FILE:MATERIAL` where it has several: a material of a renderer (<nqm/material.h>).
  *
  * A spec is one of
  *  - `MODEL:key=value;key=value`: an analytic model (`ggx:`, `cook-torrance:`, ...) with its parameters;
@@ -63,7 +64,8 @@ typedef struct nqm_brdf_info {
  * @param path_or_spec  see above
  * @param brdf_ret      receives the BRDF; free with nqm_brdf_free()
  * @param err           optional
- * @return NQM_ERR_IO (missing, a directory, unreadable), NQM_ERR_FORMAT (malformed; byte_offset is the position),
+ * @return NQM_ERR_IO (missing, a directory, unreadable), NQM_ERR_FORMAT (malformed, or a material that is refused; byte_offset
+ *         is the position),
  *         NQM_ERR_ARG (bad spec), NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err);
@@ -167,6 +169,9 @@ NQM_API void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const doubl
  *  - lafortune: the lobe has derivatives 0 where the generalised cosine is not positive; at -cxy = cz it is scaled by cxy;
  *  - sgd: the shadowing has derivatives 0 where it is 0, or 1 to double precision; theta = theta0 belongs to 1;
  *  - Fresnel terms of eta: 0 by eta where eta^2 + cos^2 - 1 is 0 in double precision (eta = 1 at grazing).
+ * The shading models of renderers are differentiated by differences of second order, with a relative error of about 1e-7 away from
+ * kinks; that takes as long as two evaluations for each parameter.
+ *
  * Minima and maxima of directions (the V-grooves, max(cos theta_i, cos theta_o)) do not depend on parameters. At the ends of a
  * key's range the formula is differentiated as inside it. Allocates nothing; takes 1.4 to 2 times as long as nqm_brdf_eval().
  *

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/nqm.h - all of nqm. libnqm, which scores, holds what base.h, brdf.h, samples.h, percept.h, model.h and metric.h
+ * nqm/nqm.h - all of nqm. libnqm, which scores, holds what base.h, material.h, brdf.h, samples.h, percept.h, model.h and metric.h
  * declare; libnqm-full holds everything.
  */
 #ifndef NQM_NQM_H
@@ -12,6 +12,8 @@
 #include <nqm/fit.h>
 #include <nqm/judge.h>
 #include <nqm/label.h>
+#include <nqm/match.h>
+#include <nqm/material.h>
 #include <nqm/metric.h>
 #include <nqm/model.h>
 #include <nqm/percept.h>

@@ -7,6 +7,7 @@
 #include "brdf/brdf.h"
 
 #include "io/io.h"
+#include "material/material.h"
 #include "math/math.h"
 #include <math.h>
 #include <string.h>
@@ -63,6 +64,62 @@ static nqm_status request_material(const char *path, nqm_error *err) {
                     examples);
 }
 
+/* ---- materials of renderers -------------------------------------------------------------------------------------- */
+
+/* The material of that name; NULL: the only one. */
+static nqm_status select_material(const char *path, const nqm_materials *materials, const char *material,
+                                  nqm_material_info *info, nqm_error *err) {
+    const size_t n = nqm_materials_count(materials);
+    char names[256] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < n; ++i) {
+        *info = nqm_materials_get(materials, i);
+        if (material ? strcmp(info->name, material) == 0 : n == 1)
+            return NQM_OK;
+        if (used < sizeof names)
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", info->name);
+    }
+    return material ? nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no material '%s' in this file; it has %s", path,
+                               material, names)
+                    : nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this file, '%s:MATERIAL': %s", path,
+                               path, names);
+}
+
+/* A file that a material names; `path` is that of the material file. */
+static nqm_status open_measured(const char *path, const char *measured, nqm_brdf **brdf_ret, nqm_error *err) {
+    const char *slash = strrchr(path, '/');
+    nqm_map map = {0};
+    char *target = nqm_brdf_path_below(measured, path, slash ? (size_t)(slash - path) : 0);
+    if (!target)
+        return nqm_fail_nomem(err, strlen(measured) + 1);
+    nqm_status status = nqm_map_open_sparse(target, &map, err);
+    if (status == NQM_OK && map.n_bytes && nqm_materials_probe(&map))
+        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: its measured file %s is a material file too", path, target);
+    nqm_map_close(&map);
+    if (status == NQM_OK)
+        status = nqm_brdf_open(target, brdf_ret, err);
+    nqm_free(target);
+    return status;
+}
+
+/* material NULL: the file has only one. `name` is the whole argument. */
+static nqm_status open_material(const nqm_map *map, const char *material, const char *name, nqm_brdf **brdf_ret,
+                                nqm_error *err) {
+    nqm_materials *materials = NULL;
+    nqm_material_info info = {.name = ""};
+    nqm_status status = nqm_materials_read(map, &materials, err);
+    if (status == NQM_OK)
+        status = select_material(map->path, materials, material, &info, err);
+    if (status == NQM_OK && info.refusal)
+        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s) is refused: %s", map->path,
+                          info.name, info.surface, info.refusal);
+    if (status == NQM_OK)
+        status = nqm_spec_probe(info.spec) ? nqm_spec_open(info.spec, name, brdf_ret, err)
+                                           : open_measured(map->path, info.spec, brdf_ret, err);
+    nqm_materials_free(materials);
+    return status;
+}
+
 /* On success the BRDF owns the map. */
 static nqm_status open_map(nqm_map *map, nqm_brdf **brdf_ret, nqm_error *err) {
     const char *path = map->path;
@@ -76,10 +133,18 @@ static nqm_status open_map(nqm_map *map, nqm_brdf **brdf_ret, nqm_error *err) {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
         if (formats[i].probe(map))
             return formats[i].open(map, path, brdf_ret, err);
+    if (nqm_materials_probe(map)) {
+        nqm_status status = open_material(map, NULL, path, brdf_ret, err);
+        if (status == NQM_OK)
+            nqm_map_close(map);
+        return status;
+    }
+    char materials[256];
+    nqm_material_format_names(materials, sizeof materials);
     return nqm_fail(err, NQM_ERR_FORMAT, 0,
                     "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, "
-                    "nqm's own .safetensors, zip",
-                    path);
+                    "nqm's own .safetensors, zip, %s",
+                    path, materials);
 }
 
 /* Open a file, or a material of a file that contains several; `name` is the whole argument. material NULL: the file
@@ -94,9 +159,11 @@ static nqm_status open_file(const char *path, const char *material, const char *
             nqm_map_close(&map);
         return status;
     }
-    bool zip = is_zip(&map), decoder = nqm_nps_probe(&map);
+    bool zip = is_zip(&map), decoder = nqm_nps_probe(&map), materials = map.n_bytes && nqm_materials_probe(&map);
+    if (status == NQM_OK && materials)
+        status = open_material(&map, material, name, brdf_ret, err);
     nqm_map_close(&map);
-    if (status != NQM_OK)
+    if (status != NQM_OK || materials)
         return status;
     if (zip)
         return nqm_nbrdf_zip_open(path, material, name, brdf_ret, err);
@@ -114,7 +181,7 @@ static bool exists(const char *path) {
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (nqm_spec_probe(path_or_spec))
-        return nqm_spec_open(path_or_spec, brdf_ret, err);
+        return nqm_spec_open(path_or_spec, path_or_spec, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
     if (!colon || exists(path_or_spec))
         return open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);

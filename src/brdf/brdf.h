@@ -25,7 +25,7 @@ typedef struct nqm_brdf_class {
      * brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
-    /** As eval, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
+    /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
      * entries that are not 0. rgb has the bits of eval. NULL: the format has no parameters. */
     void (*jacobian)(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
 
@@ -102,8 +102,8 @@ bool nqm_nps_probe(const nqm_map *map);
 
 /** true when `text` starts with the name of an analytic model and a colon ("ggx:..."). */
 bool nqm_spec_probe(const char *text);
-/** An analytic model, preset, perturbation or BRDF between two others from its spec. */
-nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err);
+/** An analytic model, preset, perturbation or BRDF between two others from its spec. `name` is that of its information. */
+nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base`, which is
  *  freed on failure too. */

@@ -338,7 +338,7 @@ static nqm_status parse(const char *settings, const char **base, nqm_spec_values
     head[of - settings] = 0;
     nqm_status status = nqm_spec_parse(&schema, head, values, err);
     nqm_free(head);
-    if (status == NQM_OK && !(values->given & ~(1u << BANDS | 1u << SEED | 1u << CELLS)))
+    if (status == NQM_OK && !(values->given & ~(UINT64_C(1) << BANDS | UINT64_C(1) << SEED | UINT64_C(1) << CELLS)))
         return nqm_fail(err, NQM_ERR_ARG, -1,
                         "perturb: nothing is changed: give scale, tint, gloss, peak, ... before 'of='");
     return status;

@@ -95,7 +95,7 @@ nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema 
     const char *text = row_of(table->text, material);
     if (!text)
         return fail_unknown(table->name, material, err);
-    *values = (nqm_spec_values){.given = ~0u};
+    *values = (nqm_spec_values){.given = UINT64_MAX};
     for (size_t k = 0; k < schema->n_keys; ++k) {
         double *v = values->v[k];
         for (size_t c = 0; c < schema->keys[k].n; ++c) {

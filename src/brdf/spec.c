@@ -6,10 +6,11 @@
 #include "brdf/spec.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #define POINTER_TO(NAME) &(NAME),
-static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NULL};
+static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NQM_SHADING_MODELS(POINTER_TO) NULL};
 
 /* Specs that contain other BRDFs. */
 static const struct {
@@ -36,7 +37,7 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, int n_key, nqm_error *err) {
-    char known[256] = "";
+    char known[384] = "";
     size_t used = 0;
     for (size_t k = 0; k < schema->n_keys && used < sizeof known; ++k)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", schema->keys[k].name);
@@ -89,7 +90,7 @@ static nqm_status parse_setting(const nqm_spec_schema *schema, const char *text,
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s is given twice", schema->model, schema->keys[k].name);
     if (!parse_values(&schema->keys[k], text + n_name + 1, end, values->v[k]))
         return fail_value(schema, &schema->keys[k], text + n_name + 1, err);
-    values->given |= 1u << k;
+    values->given |= UINT64_C(1) << k;
     return NQM_OK;
 }
 
@@ -143,15 +144,65 @@ char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *valu
     return text;
 }
 
+/* ---- derivatives by differences ---------------------------------------------------------------------------------- */
+
+enum { MAX_PAIRS = 64 };
+
+/* Add weight * f_r at the parameter value v to the column of the derivatives. */
+static void add_difference(const nqm_spec_state *state, size_t key, size_t channel, double v, double weight, size_t n,
+                           const double *wi, const double *wo, size_t n_columns, double *column) {
+    _Alignas(max_align_t) char changed[NQM_SPEC_MAX_STATE];
+    double rgb[3 * MAX_PAIRS];
+    nqm_spec_values values = state->values;
+    for (size_t c = 0; c < 3; ++c)
+        if (c == channel || state->model->schema.keys[key].n == 1)
+            values.v[key][c] = v;
+    *(nqm_spec_state *)changed = (nqm_spec_state){state->model, values};
+    state->model->prepare(&values, changed);
+    state->model->class_.eval(changed, n, wi, wo, rgb);
+    for (size_t i = 0; i < 3 * n; ++i)
+        column[i * n_columns] += weight * rgb[i];
+}
+
+/* The derivatives by one value of a key. */
+static void difference(const nqm_spec_state *state, size_t key, size_t channel, size_t n, const double *wi,
+                       const double *wo, const double *rgb, size_t n_columns, double *column) {
+    const nqm_spec_key *k = &state->model->schema.keys[key];
+    const double v = state->values.v[key][channel];
+    const double step = 1e-5 * fmin(1, k->high - k->low), side = v - step < k->low ? 1 : v + step > k->high ? -1 : 0;
+    if (side == 0) {
+        add_difference(state, key, channel, v + step, 0.5 / step, n, wi, wo, n_columns, column);
+        add_difference(state, key, channel, v - step, -0.5 / step, n, wi, wo, n_columns, column);
+        return;
+    }
+    add_difference(state, key, channel, v + side * step, side * 2 / step, n, wi, wo, n_columns, column);
+    add_difference(state, key, channel, v + side * 2 * step, side * -0.5 / step, n, wi, wo, n_columns, column);
+    for (size_t i = 0; i < 3 * n; ++i)
+        column[i * n_columns] -= side * 1.5 / step * rgb[i];
+}
+
+void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian) {
+    const nqm_spec_state *state = self;
+    const nqm_spec_schema *schema = &state->model->schema;
+    size_t n_columns = 0, column = 0;
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        n_columns += schema->keys[k].n;
+    state->model->class_.eval(self, n, wi, wo, rgb);
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        for (size_t c = 0; c < schema->keys[k].n; ++c)
+            difference(state, k, c, n, wi, wo, rgb, n_columns, jacobian + column++);
+}
+
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* "kd 3, ks 3, alpha 1" */
 static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_layout) {
     size_t n_values = 0, used = 0;
-    for (size_t k = 0; k < schema->n_keys && used < n_layout; ++k) {
+    for (size_t k = 0; k < schema->n_keys; ++k) {
         const nqm_spec_key *key = &schema->keys[k];
-        used += (size_t)snprintf(layout + used, n_layout - used, "%s%s%s", k ? ", " : "", key->name,
-                                 key->n == 3 ? " (RGB)" : "");
+        if (used < n_layout)
+            used += (size_t)snprintf(layout + used, n_layout - used, "%s%s%s", k ? ", " : "", key->name,
+                                     key->n == 3 ? " (RGB)" : "");
         n_values += key->n;
     }
     return n_values;
@@ -159,9 +210,9 @@ static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_lay
 
 static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values *values, const char *name,
                                 const char *doi, nqm_brdf **brdf_ret, nqm_error *err) {
-    char layout[256];
+    char layout[1024];
     size_t n_values = describe(&model->schema, layout, sizeof layout);
-    values->given = ~0u; /* the canonical form names every key, so that it does not depend on defaults */
+    values->given = UINT64_MAX; /* the canonical form names every key, so that it does not depend on defaults */
     char *spec = nqm_spec_format(&model->schema, values);
     void *state = nqm_alloc(1, model->state_size);
     if (!spec || !state) {
@@ -169,6 +220,8 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
         nqm_free(state);
         return nqm_fail_nomem(err, model->state_size);
     }
+    if (model->class_.jacobian == nqm_spec_jacobian)
+        *(nqm_spec_state *)state = (nqm_spec_state){model, *values};
     model->prepare(values, state);
     const nqm_brdf_info info = {.name = name, .spec = spec, .source_doi = doi, .layout = layout, .n_values = n_values};
     nqm_status status = nqm_brdf_wrap(&model->class_, state, &info, brdf_ret, err);
@@ -195,11 +248,11 @@ nqm_status nqm_spec_check_nested(const char *of, const char *with, nqm_error *er
     return nqm_fail(err, NQM_ERR_LIMIT, -1, "a spec may contain at most %d of perturb: and between:", MAX_NESTED);
 }
 
-nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     size_t wrapper = find_wrapper(spec);
     if (wrapper < N_WRAPPERS)
-        return wrappers[wrapper].open(spec + strlen(wrappers[wrapper].prefix), spec, brdf_ret, err);
+        return wrappers[wrapper].open(spec + strlen(wrappers[wrapper].prefix), name, brdf_ret, err);
     if (!nqm_spec_probe(spec))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
     const size_t n_name = strcspn(spec, ":");
@@ -218,6 +271,6 @@ nqm_status nqm_spec_open(const char *spec, nqm_brdf **brdf_ret, nqm_error *err) 
         model = nqm_analytic_model_find(table->model, strlen(table->model));
     nqm_status status = is_preset ? nqm_preset_find(table, &model->schema, settings, &values, err)
                                   : nqm_spec_parse(&model->schema, settings, &values, err);
-    return status == NQM_OK ? open_analytic(model, &values, spec, is_preset ? table->doi : model->doi, brdf_ret, err)
+    return status == NQM_OK ? open_analytic(model, &values, name, is_preset ? table->doi : model->doi, brdf_ret, err)
                             : status;
 }

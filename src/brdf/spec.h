@@ -10,7 +10,7 @@
 #include "brdf/brdf.h"
 #include "brdf/presets_data.h"
 
-enum { NQM_SPEC_MAX_KEYS = 20 };
+enum { NQM_SPEC_MAX_KEYS = 48 };
 
 /** One key of a spec. */
 typedef struct nqm_spec_key {
@@ -32,7 +32,7 @@ typedef struct nqm_spec_schema {
 /** Parsed values; a key with n = 1 has its value in all three channels. */
 typedef struct nqm_spec_values {
     double v[NQM_SPEC_MAX_KEYS][3]; /**< (key, channel) */
-    unsigned given;                 /**< bit k: key k was in the text */
+    uint64_t given;                 /**< bit k: key k was in the text */
 } nqm_spec_values;
 
 /** Parse `key=value;...` (what follows the colon). NQM_ERR_ARG names the key at fault and its range. */
@@ -55,6 +55,17 @@ typedef struct nqm_analytic_model {
     void (*prepare)(const nqm_spec_values *values, void *state); /**< compute the constants of the evaluation */
 } nqm_analytic_model;
 
+/** First member of the state of models that have no derivatives in closed form; opening fills it. */
+typedef struct nqm_spec_state {
+    const nqm_analytic_model *model;
+    nqm_spec_values values;
+} nqm_spec_state;
+enum { NQM_SPEC_MAX_STATE = 8192 }; /* bytes of a state that begins so */
+
+/** The `jacobian` of their classes: differences of evaluations at changed parameters, of second order; central ones inside the
+ *  range of a parameter, one-sided ones at its ends. `prepare` is called twice for each parameter. */
+void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
+
 /** Every analytic model. A new one is defined in analytic.c or a file of its own, and named here. */
 #define NQM_ANALYTIC_MODELS(X)                                                                                         \
     X(nqm_lambert_model)                                                                                               \
@@ -70,8 +81,12 @@ typedef struct nqm_analytic_model {
     X(nqm_low_ashikhmin_shirley_model)                                                                                 \
     X(nqm_abc_model)                                                                                                   \
     X(nqm_smooth_model)
+/** The shading models of renderers (doc/materials.md), likewise. Their states begin with nqm_spec_state. */
+#define NQM_SHADING_MODELS(X)
+
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
+NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 
 /** The model of the first n characters of `name`; NULL when there is none. */
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);

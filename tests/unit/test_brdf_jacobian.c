@@ -36,7 +36,7 @@ static double random_value(const char *key, nqm_rng *rng) {
 }
 
 static nqm_spec_values random_values(const nqm_spec_schema *schema, nqm_rng *rng) {
-    nqm_spec_values values = {.given = ~0u};
+    nqm_spec_values values = {.given = UINT64_MAX};
     for (size_t k = 0; k < schema->n_keys; ++k)
         for (size_t c = 0; c < schema->keys[k].n; ++c)
             values.v[k][c] = random_value(schema->keys[k].name, rng);
@@ -320,12 +320,58 @@ static void test_parameter_counts(void **state) {
     }
 }
 
+/* ---- derivatives by differences ---------------------------------------------------------------------------------- */
+
+/* f = a^2 wi.z + c of the channel, with a in [0, 1]. */
+typedef struct sample_model {
+    nqm_spec_state spec;
+    double a, c[3];
+} sample_model;
+
+static void sample_prepare(const nqm_spec_values *values, void *state) {
+    sample_model *self = state;
+    self->a = values->v[0][0];
+    memcpy(self->c, values->v[1], sizeof self->c);
+}
+
+static void sample_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
+    const sample_model *self = state;
+    (void)wo;
+    for (size_t i = 0; i < 3 * n; ++i)
+        rgb[i] = self->a * self->a * wi[i - i % 3 + 2] + self->c[i % 3] * self->c[i % 3];
+}
+
+static const nqm_analytic_model sample = {
+    .schema = {"sample", 2, {{.name = "a", .n = 1, .high = 1}, {.name = "c", .n = 3, .high = 5}}},
+    .class_ = {.format = "sample", .eval = sample_eval, .jacobian = nqm_spec_jacobian},
+    .state_size = sizeof(sample_model),
+    .prepare = sample_prepare,
+};
+
+static void test_differences(void **state) {
+    (void)state;
+    enum { N = 3 };
+    const double at[] = {0, 0.3, 1};
+    double wi[3 * N] = {0, 0, 1, 0.6, 0, 0.8, 0.8, 0, 0.6}, rgb[3 * N];
+    for (size_t i = 0; i < 3; ++i) {
+        double jacobian[3 * N * 4] = {0};
+        sample_model self = {.spec = {&sample, {.v = {{at[i], at[i], at[i]}, {0, 2, 5}}}}};
+        sample_prepare(&self.spec.values, &self);
+        nqm_spec_jacobian(&self, N, wi, wi, rgb, jacobian);
+        for (size_t row = 0; row < 3 * N; ++row) {
+            assert_near(jacobian[4 * row], 2 * at[i] * wi[row - row % 3 + 2], 1e-8);
+            for (size_t c = 0; c < 3; ++c)
+                assert_near(jacobian[4 * row + 1 + c], c == row % 3 ? 2 * self.c[c] : 0, 1e-8);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_central_differences),   cmocka_unit_test(test_lafortune_branches),
         cmocka_unit_test(test_eta_of_one_at_grazing), cmocka_unit_test(test_sgd_branches),
         cmocka_unit_test(test_ends_of_ranges),        cmocka_unit_test(test_horizon_between_pairs),
-        cmocka_unit_test(test_parameter_counts),
+        cmocka_unit_test(test_parameter_counts),      cmocka_unit_test(test_differences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

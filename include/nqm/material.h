@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm/material.h - the material files of renderers: list the materials of a file, and write one.
+ *
+ * nqm_brdf_open() opens a material as "FILE" or, in a file of several, as "FILE:NAME". A material becomes the spec of a shading
+ * model, whose keys are the properties of the file (doc/materials.md). A material with a property that the spec does not
+ * have, such as a texture or transmission, is refused, and the refusal names the property.
+ */
+#ifndef NQM_MATERIAL_H
+#define NQM_MATERIAL_H
+
+#include <nqm/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The materials of a file. Immutable; any thread. */
+typedef struct nqm_materials nqm_materials;
+
+/** One of them. The strings belong to the nqm_materials. */
+typedef struct nqm_material_info {
+    const char *name;    /**< as in the file; "material1", ... for materials without a name */
+    const char *surface; /**< the shading model, as the file calls it: "open_pbr_surface" */
+    const char
+        *spec; /**< argument of nqm_brdf_open(): a spec, or a path relative to the file's folder; NULL: refused */
+    const char *refusal; /**< the property that cannot be honoured, and why; NULL: the material is accepted */
+    int64_t byte_offset; /**< of the material or of the refused property in the file; -1: unknown */
+} nqm_material_info;
+
+/**
+ * Read the materials of a file, in its order. The format is recognised by the content.
+ *
+ * @param materials_ret  receives the materials; free with nqm_materials_free()
+ * @return NQM_ERR_IO, NQM_ERR_FORMAT (malformed, not a material file, or without any material), NQM_ERR_LIMIT, NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, nqm_error *err);
+NQM_API size_t nqm_materials_count(const nqm_materials *materials);
+/** Material i, i < nqm_materials_count(). */
+NQM_API nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i);
+/** Free; NULL is allowed. */
+NQM_API void nqm_materials_free(nqm_materials *materials);
+
+/**
+ * Write a material file with one material. The file appears under its name only when complete; nqm_brdf_open() reads it back to
+ * the same BRDF within the precision of the format.
+ *
+ * @param spec  a canonical spec (nqm_brdf_info.spec) of a shading model that the format has
+ * @param name  of the material: letters, digits and '_'; other characters are replaced by '_'
+ * @param path  its extension selects the format
+ * @return NQM_ERR_ARG (unknown extension, or a model that the format does not have; the message lists both), NQM_ERR_IO,
+ *         NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_material_write(const char *spec, const char *name, const char *path,
+                                                     nqm_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Material files of any format: finding the format by content or by extension, the list of materials, and the writing of one.
+ */
+#include "material/material.h"
+
+#include <ctype.h>
+#include <strings.h>
+
+struct nqm_materials {
+    size_t n, max_n;
+    nqm_material_info *list; /* (n); each name owns a block with the other texts */
+};
+
+#define POINTER_TO(NAME) &(NAME),
+static const nqm_material_format *const formats[] = {NQM_MATERIAL_FORMATS(POINTER_TO) NULL};
+
+/* ---- the list ---------------------------------------------------------------------------------------------------- */
+
+size_t nqm_materials_count(const nqm_materials *materials) {
+    return materials->n;
+}
+
+nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
+    return materials->list[i];
+}
+
+void nqm_materials_free(nqm_materials *materials) {
+    if (!materials)
+        return;
+    for (size_t i = 0; i < materials->n; ++i)
+        nqm_free((char *)materials->list[i].name);
+    nqm_free(materials->list);
+    nqm_free(materials);
+}
+
+nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err) {
+    nqm_material_info copy = *info;
+    char number[32];
+    if (!copy.name || !*copy.name) {
+        snprintf(number, sizeof number, "material%zu", materials->n + 1);
+        copy.name = number;
+    }
+    nqm_material_info *list = nqm_grow(materials->list, &materials->max_n, materials->n + 1, sizeof *list);
+    if (!list)
+        return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
+    materials->list = list;
+    const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal};
+    enum { N = sizeof texts / sizeof *texts };
+    nqm_array arrays[N];
+    char *blocks[N];
+    for (size_t i = 0; i < N; ++i)
+        arrays[i] = (nqm_array){&blocks[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
+    nqm_status status = nqm_alloc_arrays(N, arrays, err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < N; ++i)
+        if (*texts[i])
+            *texts[i] = memcpy(blocks[i], *texts[i], arrays[i].n);
+    materials->list[materials->n++] = copy;
+    return NQM_OK;
+}
+
+nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name, const char *surface,
+                                     const nqm_shading *shading, int64_t byte_offset, nqm_error *err) {
+    char *spec = nqm_shading_spec(shading);
+    if (!spec)
+        return nqm_fail_nomem(err, sizeof *shading);
+    const nqm_material_info info = {.name = name, .surface = surface, .spec = spec, .byte_offset = byte_offset};
+    nqm_status status = nqm_materials_add(materials, &info, err);
+    nqm_free(spec);
+    return status;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+static const nqm_material_format *find_format(const nqm_map *map) {
+    const nqm_material_format *const *f = formats;
+    while (*f && !(*f)->probe(map))
+        ++f;
+    return *f;
+}
+
+bool nqm_materials_probe(const nqm_map *map) {
+    return find_format(map) != NULL;
+}
+
+void nqm_material_format_names(char *text, size_t n_text) {
+    size_t used = 0;
+    *text = 0;
+    for (const nqm_material_format *const *f = formats; *f && used < n_text; ++f)
+        used += (size_t)snprintf(text + used, n_text - used, "%s%s", f == formats ? "" : ", ", (*f)->name);
+}
+
+nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret, nqm_error *err) {
+    const nqm_material_format *format = find_format(map);
+    char names[256];
+    *materials_ret = NULL;
+    if (!format) {
+        nqm_material_format_names(names, sizeof names);
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a material file (byte 0); these are read: %s", map->path,
+                        names);
+    }
+    nqm_materials *materials = nqm_alloc(1, sizeof *materials);
+    if (!materials)
+        return nqm_fail_nomem(err, sizeof *materials);
+    nqm_status status = format->read(map, materials, err);
+    if (status == NQM_OK && materials->n == 0)
+        status =
+            nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material", map->path, format->name);
+    if (status == NQM_OK)
+        *materials_ret = materials;
+    else
+        nqm_materials_free(materials);
+    return status;
+}
+
+nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, nqm_error *err) {
+    nqm_map map = {0};
+    *materials_ret = NULL;
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status == NQM_OK && map.n_bytes == 0)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
+    if (status == NQM_OK)
+        status = nqm_materials_read(&map, materials_ret, err);
+    nqm_map_close(&map);
+    return status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+/* true when `word` of n characters is one of the words of `words`. */
+static bool has_word(const char *words, const char *word, size_t n) {
+    for (const char *at = words; *at; at += strspn(at, " ")) {
+        const size_t n_at = strcspn(at, " ");
+        if (n_at == n && strncasecmp(at, word, n) == 0)
+            return true;
+        at += n_at;
+    }
+    return false;
+}
+
+/* A format that writes the model to this path. */
+static nqm_status select_format(const char *model, const char *path, const nqm_material_format **format_ret,
+                                nqm_error *err) {
+    const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
+    char all[512] = "";
+    size_t used = 0;
+    for (const nqm_material_format *const *f = formats; *f; ++f) {
+        if (dot && has_word((*f)->extensions, dot, strlen(dot)) && has_word((*f)->models, model, strlen(model))) {
+            *format_ret = *f;
+            return NQM_OK;
+        }
+        if (used < sizeof all)
+            used += (size_t)snprintf(all + used, sizeof all - used, "%s%s (%s)", f == formats ? "" : "; ",
+                                     (*f)->extensions, (*f)->models);
+    }
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: no file of this name holds a material '%s'; there are %s", path, model,
+                    all);
+}
+
+static void clean_name(const char *name, char clean[64]) {
+    size_t n = 0;
+    for (; name[n] && n < 63; ++n)
+        clean[n] = isalnum((unsigned char)name[n]) ? name[n] : '_';
+    clean[n] = 0;
+    if (n == 0)
+        strcpy(clean, "material");
+    if (isdigit((unsigned char)*clean))
+        *clean = '_';
+}
+
+nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err) {
+    nqm_shading shading;
+    const nqm_material_format *format = NULL;
+    nqm_outfile out = {0};
+    char clean[64];
+    clean_name(name, clean);
+    nqm_status status = nqm_shading_parse(spec, &shading, err);
+    if (status == NQM_OK)
+        status = select_format(shading.model, path, &format, err);
+    if (status == NQM_OK)
+        status = nqm_outfile_open(path, &out, err);
+    if (status == NQM_OK)
+        status = format->write(&shading, clean, path, out.stream, err);
+    if (status == NQM_OK)
+        return nqm_outfile_commit(&out, err);
+    nqm_outfile_abort(&out);
+    return status;
+}

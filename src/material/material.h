@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * material.h - what the file formats of materials share: the list of materials that a reader fills, and a shading model with
+ * its properties as it is before and after it is text. Nothing here knows a formula or the range of a property: src/brdf checks
+ * them when it opens the spec.
+ */
+#ifndef NQM_SRC_MATERIAL_H
+#define NQM_SRC_MATERIAL_H
+
+#include "base/base.h"
+#include <nqm/material.h>
+
+/** A property: one number, or three for a colour (linear, BT.709 primaries). */
+typedef struct nqm_property {
+    char key[48];
+    size_t n;
+    double v[3];
+} nqm_property;
+
+enum { NQM_MAX_PROPERTIES = 64 };
+
+/** A shading model and its properties: a spec before it is text. */
+typedef struct nqm_shading {
+    char model[32];
+    size_t n;
+    nqm_property properties[NQM_MAX_PROPERTIES];
+} nqm_shading;
+
+/** Set a property, also one that has a value. n: 1 or 3. A key that is too long or too many are ignored: readers set keys of
+ *  tables only. */
+void nqm_shading_set(nqm_shading *shading, const char *key, size_t n, const double *v);
+/** NULL: the property is not set. */
+const nqm_property *nqm_shading_find(const nqm_shading *shading, const char *key);
+/** The spec; nqm_free(). NULL: out of memory. */
+char *nqm_shading_spec(const nqm_shading *shading);
+/** From a canonical spec. NQM_ERR_ARG: not of the form MODEL:key=value;... */
+NQM_MUST_CHECK nqm_status nqm_shading_parse(const char *spec, nqm_shading *shading, nqm_error *err);
+
+/** Append a material; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
+NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
+/** The same for a shading whose properties are set. */
+NQM_MUST_CHECK nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name, const char *surface,
+                                                    const nqm_shading *shading, int64_t byte_offset, nqm_error *err);
+
+/** One file format. */
+typedef struct nqm_material_format {
+    const char *name;       /**< "MaterialX" */
+    const char *extensions; /**< of the files it writes, each with a dot, separated by spaces: ".gltf .glb" */
+    const char *models;     /**< specs it writes, separated by spaces: "open-pbr standard-surface" */
+    /** true when the first bytes look like the format, also those of a damaged file. */
+    bool (*probe)(const nqm_map *map);
+    /** Append the materials of the file. */
+    nqm_status (*read)(const nqm_map *map, nqm_materials *materials, nqm_error *err);
+    /** Write a file with one material; `path` is for its extension, errors of the stream are found by the caller. */
+    nqm_status (*write)(const nqm_shading *shading, const char *name, const char *path, FILE *stream, nqm_error *err);
+} nqm_material_format;
+
+/** Every format. A new one is defined in a file of its own, and named here. */
+#define NQM_MATERIAL_FORMATS(X)
+#define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;
+NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
+
+/** true when a format recognises the file. */
+bool nqm_materials_probe(const nqm_map *map);
+/** The names of all formats, separated by ", ". */
+void nqm_material_format_names(char *text, size_t n_text);
+/** As nqm_materials_open(), of an open file. */
+NQM_MUST_CHECK nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret, nqm_error *err);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shadings and their specs, and the errors of material files of any format.
+ */
+#include "material/material.h"
+#include "support/check.h"
+
+static void specs_go_there_and_back(void **state) {
+    (void)state;
+    const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5";
+    nqm_shading shading;
+    assert_int_equal(nqm_shading_parse(text, &shading, NULL), NQM_OK);
+    assert_string_equal(shading.model, "some-model");
+    assert_int_equal(shading.n, 3);
+    assert_int_equal(nqm_shading_find(&shading, "roughness")->n, 1);
+    assert_null(nqm_shading_find(&shading, "rough"));
+    char *spec = nqm_shading_spec(&shading);
+    assert_string_equal(spec, "some-model:base_color=1,1,0.5;roughness=0.1;metalness=0");
+    nqm_free(spec);
+}
+
+static void other_texts_are_refused(void **state) {
+    (void)state;
+    static const char *const texts[] = {
+        "",      "model", "m:a",     "m:a=",        "m:a=1,2",
+        "m:a=x", "m:=",   "m:a=1 b", "m:a=1,2,3,4", "a-model-with-a-name-that-is-too-long:a=1"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        nqm_shading shading;
+        nqm_error err;
+        assert_int_equal(nqm_shading_parse(texts[i], &shading, &err), NQM_ERR_ARG);
+    }
+}
+
+static void files_without_a_format_are_refused(void **state) {
+    (void)state;
+    nqm_materials *materials;
+    nqm_error err;
+    assert_int_equal(nqm_materials_open("/dev/null/no", &materials, &err), NQM_ERR_IO);
+    assert_null(materials);
+    assert_int_equal(nqm_material_write("no-such-model:a=1", "name", "x.unknown", &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, "no-such-model"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(specs_go_there_and_back),
+        cmocka_unit_test(other_texts_are_refused),
+        cmocka_unit_test(files_without_a_format_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
