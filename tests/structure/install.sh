@@ -1,45 +1,87 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Install into a temporary folder; compile every program of examples/ against the installed headers and each library through
-# pkg-config, as C11 with warnings as errors; run them and compare what they print; run the installed tool.
+# Install into a temporary folder and move that folder. Compile every program of examples/ against the installed headers and each
+# library through pkg-config, as C11 with warnings as errors, and one through CMake's find_package; run them and compare what they
+# print; run the installed tool; check the links of the installed pages.
 set -eu
 build=${NQM_BUILD:?} source=${NQM_SOURCE:?}
-prefix=$(mktemp -d)
-trap 'rm -rf "$prefix"' EXIT
-cmake --install "$build" --prefix "$prefix" >"$prefix/install.log"
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cmake --install "$build" --prefix "$dir/before" >"$dir/install.log"
+prefix=$dir/moved
+mv "$dir/before" "$prefix"
 libdir=$(dirname "$(find "$prefix" -name libnqm.so | head -n 1)")
 fail() {
     echo "$1"
     exit 1
 }
+if grep -rlF "$dir/before" "$prefix" >&2 || grep -rlF "$source" "$prefix/share/doc" "$libdir/pkgconfig" "$libdir/cmake" >&2; then
+    fail "these installed files contain the folder of the installation or of the source"
+fi
 
-# prints NAME PATTERN...: the lines that examples/NAME.c prints match the extended patterns, one each, with either library.
-prints() {
+# matches COMMAND PATTERN...: the lines that a program prints match the extended patterns, one each.
+matches() {
+    command=$1
+    shift
+    # shellcheck disable=SC2086
+    $command $arguments >"$dir/out" || fail "$command fails"
+    [ "$(wc -l <"$dir/out")" = $# ] || fail "$command prints $(cat "$dir/out")"
+    i=0
+    for pattern in "$@"; do
+        i=$((i + 1))
+        sed -n ${i}p "$dir/out" | grep -qxE "$pattern" || fail "$command prints $(cat "$dir/out"), not $pattern"
+    done
+}
+
+# flags OPTIONS...: what pkg-config says.
+flags() { PKG_CONFIG_PATH=$libdir/pkgconfig pkg-config "$@"; }
+
+# compile NAME FLAGS...: compile examples/NAME.c to the program NAME.
+compile() {
     name=$1
     shift
+    ${CC:-cc} -std=c11 -Wall -Wextra -Werror "$source/examples/$name.c" -o "$dir/$name" "$@" -pthread -lm || fail "compile $name"
+}
+
+# prints NAME PATTERN...: examples/NAME.c prints this with either library.
+prints() {
+    example=$1
+    shift
     for flavour in nqm nqm-full; do
-        # The .pc files contain the configured prefix; --define-variable replaces it, as packaging with DESTDIR does.
-        flags=$(PKG_CONFIG_PATH=$libdir/pkgconfig pkg-config --define-variable=prefix="$prefix" --cflags --libs $flavour)
-        # shellcheck disable=SC2086
-        ${CC:-cc} -std=c11 -Wall -Wextra -Werror "$source/examples/$name.c" -o "$prefix/$name" $flags -pthread -lm
-        # shellcheck disable=SC2086
-        LD_LIBRARY_PATH=$libdir "$prefix/$name" $arguments >"$prefix/out" || fail "examples/$name.c with lib$flavour fails"
-        [ "$(wc -l <"$prefix/out")" = $# ] || fail "examples/$name.c prints $(cat "$prefix/out")"
-        i=0
-        for pattern in "$@"; do
-            i=$((i + 1))
-            sed -n ${i}p "$prefix/out" | grep -qxE "$pattern" || fail "examples/$name.c prints $(cat "$prefix/out"), not $pattern"
-        done
+        # shellcheck disable=SC2046
+        compile "$example" $(flags --cflags --libs $flavour)
+        LD_LIBRARY_PATH=$libdir matches "$dir/$example" "$@"
     done
-    tested="$tested $name"
+    tested="$tested $example"
 }
 tested=
 arguments="sgd:nickel ward:nickel sgd:nickel"
 prints score_files 'ward:nickel: 4\.1[0-9] JOD \[3\.[0-9]+, 4\.[0-9]+\]' 'sgd:nickel: 10\.00 JOD \[10\.00, 10\.00\]'
 arguments=
 prints score_renderer 'by callbacks: 9\.9[0-9] JOD, by samples: 9\.9[0-9] JOD'
-prints score_threads 'ward:nickel: 4\.1[0-9] JOD' 'abc:nickel: 5\.[89][0-9] JOD' 'cook-torrance:nickel: (4\.9|5\.0)[0-9] JOD' 'sgd:nickel: 10\.00 JOD'
+set -- 'ward:nickel: 4\.1[0-9] JOD' 'abc:nickel: 5\.[89][0-9] JOD' 'cook-torrance:nickel: (4\.9|5\.0)[0-9] JOD' 'sgd:nickel: 10\.00 JOD'
+prints score_threads "$@"
 for file in "$source"/examples/*.c; do
     case " $tested " in *" $(basename "$file" .c) "*) ;; *) fail "$file is not tested" ;; esac
 done
+
+# Static libraries through pkg-config, then all libraries through CMake: without LD_LIBRARY_PATH.
+for flavour in nqm nqm-full; do
+    # shellcheck disable=SC2046
+    compile score_threads $(flags --cflags $flavour) $(flags --static --libs $flavour | sed "s/ -l$flavour / -l:lib$flavour.a /")
+    matches "$dir/score_threads" "$@"
+done
+mkdir "$dir/user"
+cmake -S "$source/tests/structure/package" -B "$dir/user" -DCMAKE_PREFIX_PATH="$prefix" -DEXAMPLE="$source/examples/score_threads.c" \
+    -DCMAKE_C_FLAGS=-D_XOPEN_SOURCE=700 >"$dir/log" 2>&1 && cmake --build "$dir/user" >>"$dir/log" 2>&1 || fail "$(cat "$dir/log")"
+for library in nqm full nqm-static full-static; do
+    matches "$dir/user/with-$library" "$@"
+done
+
 "$prefix/bin/nqm" --version | grep -q '^nqm [0-9]'
+for page in "$prefix"/share/doc/nqm/*.md "$prefix"/share/doc/nqm/doc/*.md; do
+    grep -oE '\]\([^)#: ]+' "$page" | sed "s/^](//" | grep -vE "^https?$" | while read -r link; do
+        [ -e "$(dirname "$page")/$link" ] || fail "$page links to $link, which is not installed"
+    done
+done
+[ -e "$prefix/share/doc/nqm/doc/cli.md" ] || fail "the pages are not installed"
