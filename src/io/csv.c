@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * CSV with a header line, read into memory as a whole: RFC 4180 quoting; LF or CRLF; lines that begin with '#' and
- * blank lines are skipped; blanks around unquoted fields are removed. The parser copies the text once, then unquotes
+ * blank lines are skipped; blanks around unquoted fields are removed. Fields are separated by commas, or by semicolons or
+ * tabs if the header has no comma. The parser copies the text once, then unquotes
  * and NUL-terminates the fields in place, so that the offset of a field in the copy is its byte offset in the file,
  * which messages report.
  */
@@ -17,19 +18,26 @@ struct nqm_csv {
     size_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
     size_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
     size_t n_columns, n_records;
+    char separator;
 };
 
 typedef struct scanner {
     char *text; /* text[n] is NUL */
     size_t n, at, line;
+    char separator; /* of fields */
 } scanner;
 
 static bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r';
 }
 
+/* Whether the character at the cursor is a blank inside a field. */
+static bool at_blank(const scanner *s) {
+    return is_blank(s->text[s->at]) && s->text[s->at] != s->separator;
+}
+
 static void skip_blanks(scanner *s) {
-    while (s->at < s->n && is_blank(s->text[s->at]))
+    while (s->at < s->n && at_blank(s))
         ++s->at;
 }
 
@@ -54,9 +62,9 @@ static bool next_record(scanner *s) {
 /* NUL-terminate the unquoted field at the cursor and move the cursor to the separator after it. */
 static void cut_plain(scanner *s, char *separator) {
     size_t end = s->at;
-    while (s->at < s->n && s->text[s->at] != ',' && s->text[s->at] != '\n')
-        if (!is_blank(s->text[s->at++]))
-            end = s->at;
+    for (; s->at < s->n && s->text[s->at] != s->separator && s->text[s->at] != '\n'; ++s->at)
+        if (!at_blank(s))
+            end = s->at + 1;
     *separator = s->text[s->at];
     s->text[end] = '\0';
 }
@@ -77,7 +85,7 @@ static bool cut_quoted(scanner *s, char *separator) {
     skip_blanks(s);
     *separator = s->text[s->at];
     s->text[end] = '\0';
-    return s->at >= s->n || *separator == ',' || *separator == '\n';
+    return s->at >= s->n || *separator == s->separator || *separator == '\n';
 }
 
 /* Split one record into fields and append their offsets at csv->field[*n_fields]. */
@@ -97,7 +105,7 @@ static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_err
                             "%s: line %zu, byte %zu: a quoted field does not end properly", csv->name, line, at);
         if (s->at < s->n)
             ++s->at;
-    } while (separator == ',');
+    } while (separator == s->separator);
     ++s->line;
     size_t n_cut = *n_fields - first;
     if (csv->n_records == 0)
@@ -110,10 +118,33 @@ static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_err
     return NQM_OK;
 }
 
-static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
-    scanner s = {.text = csv->text, .n = n_bytes, .line = 1};
-    if (n_bytes >= 3 && memcmp(csv->text, "\xef\xbb\xbf", 3) == 0)
+static scanner begin_scan(char *text, size_t n_bytes, char separator) {
+    scanner s = {.text = text, .n = n_bytes, .line = 1, .separator = separator};
+    if (n_bytes >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
         s.at = 3; /* UTF-8 byte order mark, which spreadsheets write */
+    return s;
+}
+
+/* The separator of the header: a comma if it has one outside of quotes, else a semicolon, else a tab. */
+static char find_separator(const char *text, size_t n_bytes) {
+    bool is_quoted = false, has_semicolon = false, has_tab = false;
+    scanner s = begin_scan((char *)(uintptr_t)text, n_bytes, '\0'); /* only read */
+    if (!next_record(&s))
+        return ',';
+    for (size_t i = s.at; i < n_bytes && (is_quoted || text[i] != '\n'); ++i) {
+        is_quoted ^= text[i] == '"';
+        if (is_quoted)
+            continue;
+        if (text[i] == ',')
+            return ',';
+        has_semicolon |= text[i] == ';';
+        has_tab |= text[i] == '\t';
+    }
+    return has_semicolon ? ';' : has_tab ? '\t' : ',';
+}
+
+static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
+    scanner s = begin_scan(csv->text, n_bytes, csv->separator);
     size_t n_fields = 0;
     while (next_record(&s)) {
         nqm_status status = cut_record(csv, &s, &n_fields, err);
@@ -134,8 +165,9 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
         return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file", name,
                         (size_t)(nul - text));
     size_t n_separators = 0, n_lines = 0, n_name = strlen(name) + 1;
+    const char separator = find_separator(text, n_bytes);
     for (size_t i = 0; i < n_bytes; ++i) {
-        n_separators += text[i] == ',' || text[i] == '\n';
+        n_separators += text[i] == separator || text[i] == '\n';
         n_lines += text[i] == '\n';
     }
     nqm_csv *csv, arrays = {0};
@@ -146,6 +178,7 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
     if (status != NQM_OK)
         return status;
     *csv = arrays;
+    csv->separator = separator;
     memcpy(csv->name, name, n_name);
     if (n_bytes)
         memcpy(csv->text, text, n_bytes);

@@ -80,7 +80,7 @@ const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *
 
 typedef struct nqm_csv nqm_csv;
 /** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped, blanks around
- *  unquoted fields dropped). Every row must have as many fields as the header. */
+ *  unquoted fields dropped; separated by commas, or by ';' or tabs if the header has no comma outside of quotes). Every row must have as many fields as the header. */
 NQM_MUST_CHECK nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err);
 /** The same from memory; `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret,

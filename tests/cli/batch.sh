@@ -28,12 +28,12 @@ Note,Reference,test,JOD
 "# last",ward:nickel,ward:nickel," x "
 END
 batch 0 "$dir/pairs.csv" --metrics rmse,log_diff
-head -n 1 "$dir/out" | grep -qx 'Note,Reference,test,JOD,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,rmse,log_diff,warnings,error' || fail "header"
+head -n 1 "$dir/out" | grep -qx 'Note,Reference,test,JOD,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict,rmse,log_diff,warnings,error' || fail "header"
 [ "$(wc -l <"$dir/out")" = 5 ] || fail "a row a pair"
 sed -n 2p "$dir/out" | grep -q '^"b, ""c""",sgd:nickel,ward:nickel,7.5,[0-9]' || fail "first row"
 sed -n 3p "$dir/out" | grep -q '^é,sgd:nickel,"perturb:tint=1.2,1,1;of=sgd:nickel",,[0-9]' || fail "second row"
 sed -n 4p "$dir/out" | grep -q '^,lambert:kd=.4,".*/caf""é, 1.h5",1,[0-9]' || fail "third row"
-sed -n 5p "$dir/out" | grep -q '^"# last",ward:nickel,ward:nickel," x ",.*,1,20,0,0,,$' || fail "an identical pair"
+sed -n 5p "$dir/out" | grep -q '^"# last",ward:nickel,ward:nickel," x ",.*,1,20,[^,]*,identical,0,0,,$' || fail "an identical pair"
 "$tool" score --model "$dir/model.safetensors" sgd:nickel ward:nickel -q >"$dir/score"
 jod=$(sed -n 2p "$dir/out" | sed 's/.*,7.5,\([^,]*\),.*/\1/')
 awk -v a="$jod" -v b="$(cat "$dir/score")" 'BEGIN {exit !(a - b < 1e-4 && b - a < 1e-4)}' || fail "another score than nqm score: $jod"
@@ -53,8 +53,8 @@ cat >"$dir/pairs.jsonl" <<'END'
 {"test": "sgd:nickel", "reference": "sgd:nickel", "weight": 0.1}
 END
 batch 0 "$dir/pairs.jsonl" -o "$dir/out.jsonl" --metrics mae
-sed -n 1p "$dir/out.jsonl" | grep -q '^{"reference":"sgd:nickel","test":"ward:nickel","human":{"jod":8.5,"n":12},"name":"café, \\"x\\"","jod":[0-9].*"metrics":{"mae":[0-9.]*},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
-sed -n 2p "$dir/out.jsonl" | grep -q '^{"test":"sgd:nickel","reference":"sgd:nickel","weight":0.1,"jod":.*"identical":true,"n_valid":20,"metrics":{"mae":0},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
+sed -n 1p "$dir/out.jsonl" | grep -q '^{"reference":"sgd:nickel","test":"ward:nickel","human":{"jod":8.5,"n":12},"name":"café, \\"x\\"","jod":[0-9].*"verdict":"[a-z ]*","metrics":{"mae":[0-9.]*},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
+sed -n 2p "$dir/out.jsonl" | grep -q '^{"test":"sgd:nickel","reference":"sgd:nickel","weight":0.1,"jod":.*"novelty":[^,]*,"identical":true,"n_valid":20,"verdict":"identical","metrics":{"mae":0},"warnings":\[\]}$' || fail "JSON Lines: $(cat "$dir/out.jsonl")"
 batch 0 "$dir/pairs.jsonl"
 sed -n 1p "$dir/out" | grep -q '^reference,test,human,name,weight,jod,' || fail "CSV of JSON Lines: header"
 sed -n 3p "$dir/out" | grep -q '^sgd:nickel,sgd:nickel,,,0.1,' || fail "CSV of JSON Lines: row"
@@ -66,6 +66,26 @@ batch 0 "$dir/pairs.csv" --json
 printf 'reference,test\nm.h5,perturb:scale=1.1;of=m.h5\n' >"$dir/relative.csv"
 (cd "$dir" && batch 0 relative.csv --root sub -o relative-out.csv) || fail "--root"
 sed -n 2p "$dir/relative-out.csv" | grep -q '^m.h5,perturb:scale=1.1;of=m.h5,[0-9]' || fail "--root: $(cat "$dir/relative-out.csv")"
+# Without --root they start at the folder of the list, and at the working folder for standard input.
+cp "$dir/relative.csv" "$dir/sub/relative.csv"
+batch 0 "$dir/sub/relative.csv"
+cmp "$dir/out" "$dir/relative-out.csv" || fail "the folder of the list"
+(cd "$dir/sub" && batch 0 - <relative.csv) || fail "the working folder"
+(cd "$dir/sub" && batch 0 relative.csv) || fail "a list in the working folder"
+batch 3 "$dir/relative.csv"
+# A run cannot go on in another folder.
+printf 'reference,test\nm.h5,m.h5\nnowhere.h5,m.h5\n' >"$dir/sub/half.csv"
+batch 3 "$dir/sub/half.csv" -o "$dir/half-out.csv"
+batch 5 "$dir/sub/half.csv" -o "$dir/half-out.csv" --resume --root "$dir"
+says 'another --root'
+batch 3 "$dir/sub/half.csv" -o "$dir/half-out.csv" --resume --root "$dir/sub/."
+# Semicolons and tabs.
+printf 'reference;test;note\nsgd:nickel;"perturb:tint=1.2,1,1;of=sgd:nickel";a,b\n' >"$dir/semicolon.csv"
+batch 0 "$dir/semicolon.csv"
+sed -n 2p "$dir/out" | grep -q '^sgd:nickel,"perturb:tint=1.2,1,1;of=sgd:nickel","a,b",[0-9]' || fail "semicolons: $(cat "$dir/out")"
+printf 'note\treference\ttest\n\tsgd:nickel\tward:nickel\n' >"$dir/tab.tsv"
+batch 0 "$dir/tab.tsv"
+sed -n 2p "$dir/out" | grep -q '^,sgd:nickel,ward:nickel,[0-9]' || fail "tabs: $(cat "$dir/out")"
 batch 3 "$dir/relative.csv" --root "$dir/nowhere" -o "$dir/x.csv"
 [ ! -e "$dir/x.csv.part" ] || fail "a part without a run"
 printf 'reference,test\n%s,ward:nickel\n' "$dir/valid.binary" >"$dir/holes.csv"
@@ -87,7 +107,7 @@ says 'row 2: .*nowhere.binary'
 [ "$(wc -l <"$dir/out")" = 2 ] || fail "the rows before the first fault"
 batch 9 "$dir/faulty.csv" --keep-going
 says '2 of 4 rows'
-sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,,,0,0,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
+sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,,,0,0,,,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
 sed -n 5p "$dir/out" | grep -q '^ward:nickel,sgd:nickel,[0-9]' || fail "the row behind the faults"
 batch 9 "$dir/faulty.csv" --keep-going --jsonl
 sed -n 3p "$dir/out" | grep -q '"jod":null,.*"error":".*nonsense' || fail "errors in JSON Lines"
@@ -218,7 +238,7 @@ batch 4 "$dir/bad.csv"
 says "'jod'"
 printf 'reference,test\n' >"$dir/none.csv"
 batch 0 "$dir/none.csv" -o "$dir/none-out.csv"
-[ "$(cat "$dir/none-out.csv")" = 'reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,warnings,error' ] || fail "an empty list"
+[ "$(cat "$dir/none-out.csv")" = 'reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict,warnings,error' ] || fail "an empty list"
 batch 0 "$dir/none.csv" --json
 if [ -c /dev/full ]; then
     got=0

@@ -77,3 +77,4 @@ rank 2 $ref $a --list "$dir/list.jsonl"
 rank 2 $ref $a --json --csv
 rank 3 --list "$dir/nowhere.csv"
 rank 3 --list "$dir/list.jsonl" --root "$dir/nowhere"
+rank 2 $ref $a --root "$dir"

@@ -51,8 +51,9 @@ grep -q 'rmse' "$dir/out" && fail "metrics without being asked"
 
 # CSV: a header and as many fields in every row; names with commas are quoted.
 score 0 $ref $ward 'perturb:tint=1.2,1,1;of=sgd:nickel' --csv
-grep -q '^reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,rmse,' "$dir/out" || fail "CSV header"
+grep -q '^reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict,rmse,' "$dir/out" || fail "CSV header"
 grep -q '"perturb:tint=1.2,1,1;of=sgd:nickel"' "$dir/out" || fail "CSV quoting"
+head -n 1 "$dir/out" | grep -q ',warnings,error$' || fail "CSV columns at the end"
 [ "$(sed 's/"[^"]*"/x/g' "$dir/out" | awk -F, '{print NF}' | sort -u | wc -l)" = 1 ] || fail "CSV fields"
 
 # Thresholds.

@@ -60,6 +60,24 @@ static void test_byte_order_mark(void **state) {
     nqm_csv_free(csv);
 }
 
+/* The header decides: a comma outside of quotes, else a semicolon, else a tab. */
+static void test_separators(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *cell[2]; /* of the first row */
+    } cases[] = {{"a;b\n1,5; x \n", {"1,5", "x"}}, {"# a, comment\n\"a,b\";c\n1;2\n", {"1", "2"}},
+                 {"a\tb\n\t x y \n", {"", "x y"}}, {"a \t \"b\"\n\"1;2\"\t \"3\t4\"\n", {"1;2", "3\t4"}},
+                 {"a;b\tc\n1;2\t\n", {"1", "2"}},  {"a;b,c\td\n1;,\t2\n", {"1;", "2"}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_csv *csv;
+        assert_int_equal(parse(cases[i].text, &csv, NULL), NQM_OK);
+        assert_int_equal(nqm_csv_columns(csv), 2);
+        for (int k = 0; k < 2; ++k)
+            assert_string_equal(nqm_csv_text(csv, 0, k), cases[i].cell[k]);
+        nqm_csv_free(csv);
+    }
+}
+
 static void refuse(const char *text, int64_t byte, const char *words) {
     nqm_csv *csv = (nqm_csv *)(uintptr_t)1;
     nqm_error err = {0};
@@ -171,6 +189,7 @@ int main(void) {
         cmocka_unit_test(test_plain),
         cmocka_unit_test(test_quotes),
         cmocka_unit_test(test_byte_order_mark),
+        cmocka_unit_test(test_separators),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_numbers_name_their_place),
         cmocka_unit_test(test_every_cut_is_safe),

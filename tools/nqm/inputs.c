@@ -83,6 +83,29 @@ bool is_folder(const char *path) {
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
+const char *list_root(const char *root, const char *list_path) {
+    struct stat about;
+    size_t is_stream = 0;
+    if (root && !is_folder(root))
+        stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
+    if (root)
+        return root;
+    stream_name(list_path, &is_stream);
+    const char *slash = strrchr(list_path, '/');
+    if (is_stream || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
+        return NULL;
+    const size_t n = slash == list_path ? 1 : (size_t)(slash - list_path);
+    char *folder = allocate(n + 1, 1);
+    memcpy(folder, list_path, n);
+    return folder;
+}
+
+void enter_list_root(const char *root, const char *list_path) {
+    const char *folder = list_root(root, list_path);
+    if (folder && chdir(folder) != 0)
+        stop(EXIT_OPEN, "%s: cannot be entered: %s", folder, strerror(errno));
+}
+
 bool looks_like_safetensors(const char *path) {
     FILE *file = fopen(path, "rb");
     if (!file)

@@ -92,6 +92,11 @@ void close_brdfs(int n, nqm_brdf **brdfs);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
+/** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
+ *  folder for standard input and other lists that are not regular files. NULL: the working folder. Not freed. */
+const char *list_root(const char *root, const char *list_path);
+/** Make list_root() the working folder. */
+void enter_list_root(const char *root, const char *list_path);
 /** A text file of at most 1 MiB; free() it. */
 char *read_text(const char *path);
 /** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated

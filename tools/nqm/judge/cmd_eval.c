@@ -111,7 +111,7 @@ typedef struct eval_arguments {
 static void open_human(eval_run *run, const char *root) {
     nqm_error err = {0};
     nqm_human_options o = nqm_human_options_default();
-    o.root = root;
+    o.root = list_root(root, run->dataset_path);
     o.progress = show_progress;
     if (run->n_models)
         o.directions = nqm_model_get_info(run->models[0]).directions;
@@ -182,7 +182,8 @@ int cmd_eval(int argc, char **argv) {
          "DATASET is a CSV of what people said: reference, test and score, jod or distance; or reference, test_a, "
          "test_b and choice, or n_a and n_b",
          0, 0},
-        {"root", 0, OPTION_TEXT, &a.root, "DIR", "with --human: where relative paths of BRDFs start", 0, 0},
+        {"root", 0, OPTION_TEXT, &a.root, "DIR", "with --human: folder of relative paths (default: the list's folder)",
+         0, 0},
         {"margin", 0, OPTION_NUMBER, &a.margin, "X",
          "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
          "human scores: 0)",

@@ -102,6 +102,8 @@ int cmd_dataset(int argc, char **argv) {
                          "a file name");
     if (r.count > 1 && !corpus.checkpoint)
         stop(EXIT_USAGE, "%zu processes need a shared folder: --work DIR", r.count);
+    if (!corpus.root && !list_root(NULL, argv[0]))
+        corpus.root = "."; /* a list without a folder, such as standard input */
     nqm_error err = {0};
     nqm_directions *directions;
     must(nqm_directions_load_csv(input_path(directions_path), &directions, &err), &err);

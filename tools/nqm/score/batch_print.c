@@ -11,8 +11,8 @@
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
 static bool is_added(const batch_form *form, const char *name) {
-    static const char *const added[] = {"jod",     "jod_low", "jod_high", "delta_e_itp", "identical",
-                                        "n_valid", "metrics", "warnings", "error"};
+    static const char *const added[] = {"jod",     "jod_low", "jod_high", "delta_e_itp", "identical", "n_valid",
+                                        "novelty", "verdict", "metrics",  "warnings",    "error"};
     for (size_t i = 0; i < sizeof added / sizeof *added; ++i)
         if (strcmp(name, added[i]) == 0)
             return true;
@@ -62,11 +62,7 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
     }
     print_csv_score(out, form->model, form->metrics, r);
     fputc(',', out);
-    char text[4600] = ""; /* at most seven remarks of up to 600 bytes */
-    for (size_t i = 0, n = 0; i < json_array_size(warnings) && n < sizeof text; ++i)
-        n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", i ? "; " : "",
-                              json_string_value(json_array_get(warnings, i)));
-    print_csv_text(out, text);
+    print_csv_remarks(out, warnings);
     fputc(',', out);
     print_csv_text(out, r->status == NQM_OK ? "" : err->message);
     fputc('\n', out);
@@ -103,13 +99,16 @@ static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
 
 static void print_json_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
                            const nqm_error *err, json_t *warnings) {
+    char verdict[VERDICT_TEXT];
     fputc('{', out);
     print_json_cells(form, out, row);
     print_json_number(out, "", "jod", r->jod);
     print_json_number(out, ",", "jod_low", r->jod_low);
     print_json_number(out, ",", "jod_high", r->jod_high);
     print_json_number(out, ",", "delta_e_itp", r->delta_e);
-    fprintf(out, ",\"identical\":%s,\"n_valid\":%zu,\"metrics\":{", r->identical ? "true" : "false", r->n_valid);
+    print_json_number(out, ",", "novelty", r->novelty);
+    fprintf(out, ",\"identical\":%s,\"n_valid\":%zu,\"verdict\":\"%s\",\"metrics\":{", r->identical ? "true" : "false",
+            r->n_valid, verdict_words(r, verdict));
     const char *comma = "";
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (form->metrics[m]) {

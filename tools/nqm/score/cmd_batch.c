@@ -7,7 +7,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct batch_run {
     nqm_score_options options;
@@ -38,13 +37,17 @@ static batch_format choose_format(bool json, bool json_lines, const char *output
 }
 
 /* Settings that a resumed run must have in common with the interrupted run. */
-static json_t *make_terms(const batch_run *run, const char *metrics) {
+static json_t *make_terms(const batch_run *run, const char *metrics, const char *root) {
     static const char *const formats[] = {"csv", "jsonl", "json"};
     nqm_model_info info = nqm_model_get_info(run->form.model);
-    return json_pack("{s:s,s:s,s:s,s:s,s:s,s:f,s:s,s:o}", "version of nqm", nqm_version(), "list", run->list->sha256,
-                     "model", info.sha256, "format", formats[run->form.format], "--invalid",
-                     nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
-                     "--precision", nqm_precision_name(run->options.precision), "--metrics", json_name(metrics));
+    char *folder = realpath(root ? root : ".", NULL);
+    json_t *terms =
+        json_pack("{s:s,s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:o}", "version of nqm", nqm_version(), "list", run->list->sha256,
+                  "model", info.sha256, "format", formats[run->form.format], "--root", json_name(folder ? folder : ""),
+                  "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
+                  "--precision", nqm_precision_name(run->options.precision), "--metrics", json_name(metrics));
+    free(folder);
+    return terms;
 }
 
 static int show_speed(const batch_run *run) {
@@ -112,7 +115,8 @@ int cmd_batch(int argc, char **argv) {
         {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
         OPTION_ROWS_MODEL(&model_name),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
-        {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of the list start", 0, 0},
+        {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
+         0},
         {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},
         {"json", 0, OPTION_FLAG, &json, NULL, "write one JSON document", 0, 0},
         {"jsonl", 0, OPTION_FLAG, &json_lines, NULL, "write JSON Lines", 0, 0},
@@ -145,14 +149,12 @@ int cmd_batch(int argc, char **argv) {
     run.form.precision = run.options.precision;
     run.form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run.options.invalid};
     check_batch_columns(&run.form);
-    if (root && !is_folder(root))
-        stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
-    /* Paths of list and output are relative to the working folder, paths of BRDFs to --root. */
-    json_t *terms = make_terms(&run, metrics);
+    root = list_root(root, argv[0]);
+    /* Paths of list and output are relative to the working folder, paths of BRDFs to the root. */
+    json_t *terms = make_terms(&run, metrics, root);
     open_batch_output(output, terms, resume, &run.out);
     json_decref(terms);
-    if (root && chdir(root) != 0)
-        stop(EXIT_OPEN, "--root: '%s' cannot be entered", root);
+    enter_list_root(root, argv[0]);
     run.n_before = run.out.done.n_rows;
     run.begin_s = nqm_clock_s();
     if (!run.out.done.begun) {

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- sorting ----------------------------------------------------------------------------------------------------- */
 
@@ -176,7 +175,8 @@ int cmd_rank(int argc, char **argv) {
         {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
         OPTION_ROWS_MODEL(&model),
         {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
-        {"root", 0, OPTION_TEXT, &root, "DIR", "folder at which relative paths of BRDFs start", 0, 0},
+        {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
+         0},
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
         {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names only, best first", FORMAT_QUIET, 0},
@@ -196,12 +196,16 @@ int cmd_rank(int argc, char **argv) {
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
         stop(EXIT_USAGE, "give a reference and its tests, or --list LIST");
+    if (root && !list_path)
+        stop(EXIT_USAGE, "--root needs --list");
     const bool by_similarity = strcmp(by, "similarity") == 0;
     if (!by_similarity && strcmp(by, "jod") != 0)
         stop(EXIT_USAGE, "--by is jod or similarity, not '%s'", by);
     run.model = open_model(model);
     if (list_path) {
-        must(nqm_pair_list_load(input_path(list_path), &list, &err), &err);
+        list_path = input_path(list_path);
+        must(nqm_pair_list_load(list_path, &list, &err), &err);
+        enter_list_root(root, list_path);
         run.n_rows = list->n_rows;
         run.rows = allocate(run.n_rows, sizeof *run.rows);
         for (size_t i = 0; i < run.n_rows; ++i)
@@ -209,8 +213,6 @@ int cmd_rank(int argc, char **argv) {
     } else {
         set_pairs(&run, n_arguments, argv);
     }
-    if (root && chdir(root) != 0)
-        stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
     make_scores(&run);
     for (size_t i = 0; by_similarity && i < run.n_rows; ++i)
         if (has_score(&run.rows[i]) && isnan(run.rows[i].result.similarity))

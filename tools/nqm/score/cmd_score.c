@@ -72,13 +72,17 @@ static void print_text(const score_run *run) {
 static void print_csv(const score_run *run) {
     printf("reference,test");
     print_csv_score_names(stdout, run->model, run->metrics);
-    puts(",error");
+    puts(",warnings,error");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         print_csv_text(stdout, row->pair.ref);
         putchar(',');
         print_csv_text(stdout, row->pair.test);
         print_csv_score(stdout, run->model, run->metrics, &row->result);
+        putchar(',');
+        json_t *remarks = json_remarks(&run->terms, "reference", "test", &row->result);
+        print_csv_remarks(stdout, remarks);
+        json_decref(remarks);
         putchar(',');
         print_csv_text(stdout, row->err.status == NQM_OK ? "" : row->err.message);
         putchar('\n');

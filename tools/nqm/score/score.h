@@ -62,7 +62,7 @@ json_t *model_json(const nqm_model *model, nqm_precision precision);
  *  predicts none. */
 void print_csv_part_names(FILE *out, const nqm_model *model);
 void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *result);
-/** Columns of results, likewise: jod, jod_low, jod_high, delta_e_itp, identical, n_valid, the parts, and metrics. */
+/** Columns of results, likewise: jod, jod_low, jod_high, delta_e_itp, identical, n_valid, novelty, verdict, the parts, and metrics. */
 void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics);
 void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *result);
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
@@ -70,9 +70,11 @@ void print_jod(const scored_pair *row, bool calibrated);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
 double noticed_share(const nqm_score_result *result);
 enum { VERDICT_TEXT = 64 };
-/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different".
- *  Returns text or a static string. */
+/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different";
+ *  "" without a score. Returns text or a static string. */
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
+/** Remarks, separated by "; ", as a CSV field. */
+void print_csv_remarks(FILE *out, const json_t *remarks);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
 

@@ -156,7 +156,7 @@ void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *
 }
 
 void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics) {
-    fputs(",jod,jod_low,jod_high,delta_e_itp,identical,n_valid", out);
+    fputs(",jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict", out);
     print_csv_part_names(out, model);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
@@ -164,12 +164,24 @@ void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metric
 }
 
 void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *r) {
+    char verdict[VERDICT_TEXT];
     print_csv_numbers(out, 4, (double[]){r->jod, r->jod_low, r->jod_high, r->delta_e});
     fprintf(out, ",%d,%zu", r->identical, r->n_valid);
+    print_csv_numbers(out, 1, &r->novelty);
+    fputc(',', out);
+    print_csv_text(out, verdict_words(r, verdict));
     print_csv_parts(out, model, r);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
             print_csv_numbers(out, 1, &r->metrics[m]);
+}
+
+void print_csv_remarks(FILE *out, const json_t *remarks) {
+    char text[4600] = ""; /* at most seven remarks of up to 600 bytes */
+    for (size_t i = 0, n = 0; i < json_array_size(remarks) && n < sizeof text; ++i)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", i ? "; " : "",
+                              json_string_value(json_array_get(remarks, i)));
+    print_csv_text(out, text);
 }
 
 void print_jod(const scored_pair *row, bool calibrated) {
@@ -190,6 +202,8 @@ double noticed_share(const nqm_score_result *result) {
 }
 
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]) {
+    if (result->status != NQM_OK)
+        return "";
     if (result->identical)
         return "identical";
     if (isnan(result->jod_low))
@@ -202,16 +216,18 @@ const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT
 }
 
 static json_t *row_json(const score_run *run, const scored_pair *row) {
+    char verdict[VERDICT_TEXT];
     const nqm_score_result *r = &row->result;
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
-    json_t *object = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:o,s:o}", "test", json_name(row->pair.test), "jod",
-                               json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
-                               json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty",
-                               json_number(r->novelty), "identical", r->identical, "n_valid", (json_int_t)r->n_valid,
-                               "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
+    json_t *object =
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:s,s:o,s:o}", "test", json_name(row->pair.test), "jod",
+                  json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high", json_number(r->jod_high),
+                  "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty), "identical", r->identical,
+                  "n_valid", (json_int_t)r->n_valid, "verdict", verdict_words(r, verdict), "metrics", metrics,
+                  "warnings", json_remarks(&run->terms, "reference", "test", r));
     if (!isnan(r->similarity))
         json_object_set_new(object, "parts", json_label_parts(&r->parts));
     if (row->err.status != NQM_OK)
