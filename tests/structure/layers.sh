@@ -53,8 +53,8 @@ sed -n 's/^| \([0-9]*\) | \([a-z]*\) |.*/\1 \2/p' doc/design.md | diff "$build/l
     exit 1
 }
 
-# Object files are in the build folder, under the path of their source.
-objects=$(cd "$build/CMakeFiles" && find . -path '*.dir/src/*.o' -o -path '*.dir/tools/*.o')
+# Only the objects of the present build: an old folder also has those of targets that are gone.
+objects=$(grep -o 'CMakeFiles/nqm[^ ]*\.dir/\(src\|tools\)/[^ ]*\.o' "$build/compile_commands.json" | sort -u | sed 's|^CMakeFiles/||')
 # shellcheck disable=SC2086
 (cd "$build/CMakeFiles" && nm -A $objects) | awk '
     FILENAME != "-" {
