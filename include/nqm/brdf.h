@@ -47,7 +47,7 @@ typedef struct nqm_brdf_info {
  * Open a BRDF from a path or a spec.
  *
  * The format of a file is recognised by its first bytes or its size, not by its name:
- *  - `PATH`: MERL `.binary` (also DTU), RGL `*_rgb.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
+ *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
  *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;
  *  - `DIR/nps_decoder_f32le.bin:MATERIAL`: a neural-process BRDF; nps_latents.csv must be in the same folder;
  *  - `FILE`, or `FILE:MATERIAL` where it has several: a material of a renderer (<nqm/material.h>).
@@ -191,12 +191,24 @@ NQM_API void nqm_half_diff_to_directions(const double *hd, double *wi, double *w
 /** Unit vectors to (theta_h, theta_d, phi_d); phi_d in [0, pi) by reciprocity. hd, wi, wo: (3). */
 NQM_API void nqm_directions_to_half_diff(const double *wi, const double *wo, double *hd);
 
+/** Files that nqm_brdf_write() writes (doc/files.md). */
+typedef enum nqm_table_format {
+    NQM_TABLE_MERL = 0, /**< MERL `.binary`, 90 x 90 x 180 cells: f_r at phi_d in [0, pi), which makes it reciprocal */
+    NQM_TABLE_MERL_360 = 1 /**< the same layout with 90 x 90 x 360 cells: distinguishes light and viewer */
+} nqm_table_format;
+
 /**
- * Write `brdf` as a MERL `.binary` table: 90 x 90 x 180 cells, evaluated at the cell centres; -1 in cells that are invalid
- * or below the horizon. The file appears under its name only when complete.
+ * Write any BRDF as a table: f_r at the centres of the cells, -1 in cells that are invalid or below the horizon.
+ * nqm_brdf_open() reads the file. It appears under its name only when complete.
  *
- * @return NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`, which may be NULL), NQM_ERR_NOMEM
+ * @param progress       may be NULL
+ * @param progress_user  passed to `progress`
+ * @return NQM_ERR_ARG (unknown format), NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`), NQM_ERR_NOMEM
  */
+NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path,
+                                                 nqm_progress_fn progress, void *progress_user, nqm_error *err);
+
+/** nqm_brdf_write() with NQM_TABLE_MERL. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress,
                                                       void *progress_user, nqm_error *err);
 

@@ -275,8 +275,10 @@ static void eval_block(const nqm_brdf *brdf, size_t m, const double *wi, const d
         return;
     }
     double hd[3 * BLOCK];
+    void (*convert)(const double *, const double *, double *) =
+        brdf->class_->reciprocal ? nqm_half_diff_from_pair : nqm_half_diff_full_from_pair;
     for (size_t k = 0; k < m; ++k)
-        nqm_half_diff_from_pair(wi + 3 * k, wo + 3 * k, hd + 3 * k);
+        convert(wi + 3 * k, wo + 3 * k, hd + 3 * k);
     /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): a class has one of the two */
     brdf->class_->eval_half_diff(brdf->self, m, hd, raw);
 }
@@ -301,16 +303,17 @@ void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const doubl
     }
 }
 
-/* Map phi_d to [0, pi): exchanging light and viewer adds pi. */
-static double fold_phi(double phi) {
-    double folded = fmod(phi, NQM_PI);
+/* Map phi_d to [0, period): pi for a reciprocal BRDF, because exchanging light and viewer adds pi; otherwise 2 pi. */
+static double fold_phi(double phi, double period) {
+    double folded = fmod(phi, period);
     if (folded < 0)
-        folded += NQM_PI;
-    return folded < NQM_PI ? folded : 0;
+        folded += period;
+    return folded < period ? folded : 0;
 }
 
 static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag) {
     double native[3 * BLOCK], raw[3 * BLOCK];
+    const double period = brdf->class_->reciprocal ? NQM_PI : 2 * NQM_PI;
     size_t place[BLOCK];
     for (size_t i = 0; i < n;) {
         size_t m = 0;
@@ -323,7 +326,7 @@ static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double
             }
             native[3 * m] = c[0];
             native[3 * m + 1] = c[1];
-            native[3 * m + 2] = fold_phi(c[2]);
+            native[3 * m + 2] = fold_phi(c[2], period);
             place[m++] = i;
         }
         brdf->class_->eval_half_diff(brdf->self, m, native, raw);

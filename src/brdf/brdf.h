@@ -21,8 +21,8 @@ typedef struct nqm_brdf_class {
      * coordinates: brdf.c converts and calls eval_half_diff. */
     void (*eval)(const void *self, size_t n, const double *wi, const double *wo, double *rgb);
 
-    /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians, phi_d in [0, pi)). NULL:
-     * brdf.c converts to vectors and calls eval. */
+    /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians; phi_d in [0, pi) of a
+     * reciprocal class, otherwise in [0, 2 pi)). NULL: brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
     /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
@@ -67,6 +67,9 @@ bool nqm_rgl_probe(const nqm_map *map);
 bool nqm_nbrdf_probe(const nqm_map *map);
 bool nqm_saved_probe(const nqm_map *map);
 nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/** Write a MERL table; n_phi: 180 or 360 cells of phi_d. */
+NQM_MUST_CHECK nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
+                                         void *progress_user, nqm_error *err);
 nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);

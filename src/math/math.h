@@ -23,7 +23,10 @@ double nqm_luminance(const double *rgb);
 
 /* ---- Rusinkiewicz coordinates (DOI 10.1007/978-3-7091-6453-2_2); hd (3) = theta_h, theta_d, phi_d ---------------- */
 
+/** phi_d in [0, pi), by reciprocity. */
 void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);
+/** phi_d in [0, 2 pi): distinguishes light and viewer. */
+void nqm_half_diff_full_from_pair(const double *wi, const double *wo, double *hd);
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
 
 /* ---- range checks ------------------------------------------------------------------------------------------------ */

@@ -40,8 +40,9 @@ double nqm_luminance(const double *rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-/* atan2 instead of acos, which loses half the digits near 0, where a highlight may be 0.2 degrees wide. */
-void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd) {
+/* atan2 instead of acos, which loses half the digits near 0, where a highlight may be 0.2 degrees wide.
+ * phi_d in [-pi, pi]. */
+static void half_diff_signed(const double *wi, const double *wo, double *hd) {
     double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
     nqm_normalize3(h);
     double sin_h = hypot(h[0], h[1]);
@@ -50,12 +51,25 @@ void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd) {
     double x = cos_phi * wi[0] + sin_phi * wi[1];
     double y = cos_phi * wi[1] - sin_phi * wi[0];
     double d[3] = {h[2] * x - sin_h * wi[2], y, sin_h * x + h[2] * wi[2]};
-    double phi = atan2(d[1], d[0]);
-    if (phi < 0)
-        phi += NQM_PI;
     hd[0] = atan2(sin_h, h[2]);
     hd[1] = atan2(hypot(d[0], d[1]), d[2]);
-    hd[2] = phi < NQM_PI ? phi : 0;
+    hd[2] = atan2(d[1], d[0]);
+}
+
+void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd) {
+    half_diff_signed(wi, wo, hd);
+    if (hd[2] < 0)
+        hd[2] += NQM_PI;
+    if (!(hd[2] < NQM_PI))
+        hd[2] = 0;
+}
+
+void nqm_half_diff_full_from_pair(const double *wi, const double *wo, double *hd) {
+    half_diff_signed(wi, wo, hd);
+    if (hd[2] < 0)
+        hd[2] += 2 * NQM_PI;
+    if (!(hd[2] < 2 * NQM_PI))
+        hd[2] = 0;
 }
 
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {

@@ -12,7 +12,11 @@ grep -q "$dir/a.binary" "$dir/out" || fail "text: $(cat "$dir/out")"
 grep -q '"output": "'"$dir"'/b.binary"' "$dir/out" || fail "json: $(cat "$dir/out")"
 cmp "$dir/a.binary" "$dir/b.binary" || fail "a copy of a table differs"
 "$tool" convert "$dir/a.binary" -o - | cmp - "$dir/a.binary" || fail "standard output"
+"$tool" convert "$dir/a.binary" --format merl-360 -o "$dir/full.binary" --json | grep -q '90 x 90 x 360' || fail "360"
+"$tool" info "$dir/full.binary" --json | grep -q '"reciprocal": false' || fail "a table of 360 phi_d is called reciprocal"
+rm "$dir/full.binary"
 
+refuses 2 'format' convert lambert:kd=.5 -o "$dir/c.binary" --format pdf
 refuses 2 'missing' convert lambert:kd=.5
 refuses 2 'arguments' convert -o "$dir/c.binary"
 refuses 3 'missing.bsdf' convert "$dir/missing.bsdf" -o "$dir/c.binary"

@@ -100,20 +100,29 @@ double merl_cell(size_t channel, size_t h, size_t d, size_t p) {
     return 1 + (double)channel + (double)h / 128 + (double)d / 16384 + (double)p / 4194304;
 }
 
-blob make_merl(void) {
-    blob b = {.data = malloc(MERL_BYTES), .n_bytes = MERL_BYTES};
+static blob make_merl_table(uint32_t n_phi) {
+    const size_t n_bytes = 12 + (MERL_BYTES - 12) / 180 * n_phi;
+    blob b = {.data = malloc(n_bytes), .n_bytes = n_bytes};
     if (!b.data)
         give_up("MERL table");
     nqm_store_u32(b.data, 90);
     nqm_store_u32(b.data + 4, 90);
-    nqm_store_u32(b.data + 8, 180);
+    nqm_store_u32(b.data + 8, n_phi);
     unsigned char *at = b.data + 12;
     for (size_t channel = 0; channel < 3; ++channel)
         for (size_t h = 0; h < 90; ++h)
             for (size_t d = 0; d < 90; ++d)
-                for (size_t p = 0; p < 180; ++p, at += 8)
+                for (size_t p = 0; p < n_phi; ++p, at += 8)
                     nqm_store_f64(at, merl_cell(channel, h, d, p));
     return b;
+}
+
+blob make_merl(void) {
+    return make_merl_table(180);
+}
+
+blob make_merl_360(void) {
+    return make_merl_table(360);
 }
 
 blob make_nps_decoder(void) {

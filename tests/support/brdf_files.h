@@ -33,8 +33,9 @@ double noise(uint32_t i, uint32_t row);
 
 /** The double that make_merl() stores in a cell; negative where h + d is outside the valid part of the table. */
 double merl_cell(size_t channel, size_t h, size_t d, size_t p);
-/** A full MERL table, 35 MB. */
+/** A full MERL table, 35 MB; and one with 360 phi_d, 70 MB. */
 blob make_merl(void);
+blob make_merl_360(void);
 enum { MERL_BYTES = 12 + 3 * 90 * 90 * 180 * 8 };
 
 /** A tensor that replaces the valid one of that name or is added to the others. */

@@ -168,6 +168,59 @@ static void flags_cells_that_are_not_finite(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* ---- 360 phi_d --------------------------------------------------------------------------------------------------- */
+
+/* Exchanging light and viewer adds 180 degrees to phi_d; a table of 360 has its own cells there. */
+static void distinguishes_light_and_viewer(void **state) {
+    (void)state;
+    const uint64_t seed = 12;
+    print_message("seed %d\n", (int)seed);
+    const char *path = scratch_path("full.binary");
+    blob_put(make_merl_360(), path);
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(path, &brdf, NULL), NQM_OK);
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    size_t n_read = 0;
+    for (int i = 0; i < 4000; ++i) {
+        size_t cell[3] = {nqm_rng_below(&rng, 90), nqm_rng_below(&rng, 90), nqm_rng_below(&rng, 360)};
+        double hd[3], wi[3], wo[3], by_angles[3], by_vectors[3], exchanged[3];
+        uint8_t flag;
+        point_in_cell(cell, &rng, hd);
+        nqm_brdf_eval_half_diff(brdf, 1, hd, by_angles, &flag);
+        nqm_half_diff_to_directions(hd, wi, wo);
+        nqm_brdf_eval(brdf, 1, wi, wo, by_vectors, NULL);
+        nqm_brdf_eval(brdf, 1, wo, wi, exchanged, NULL);
+        for (size_t c = 0; c < 3 && flag == NQM_VALUE_OK; ++c) {
+            assert_relative(by_angles[c], scale[c] * merl_cell(c, cell[0], cell[1], cell[2]), 1e-15);
+            assert_true(by_vectors[c] == by_angles[c]);
+            assert_relative(exchanged[c], scale[c] * merl_cell(c, cell[0], cell[1], (cell[2] + 180) % 360), 1e-15);
+        }
+        n_read += flag == NQM_VALUE_OK;
+    }
+    assert_true(n_read > 1000);
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, "merl");
+    assert_string_equal(info.layout, "90 x 90 x 360 cells");
+    assert_int_equal(info.n_values, 3 * 90 * 90 * 360);
+    assert_int_equal(info.reciprocal, 0);
+
+    const char *copy = scratch_path("copy.binary");
+    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_MERL_360, copy, NULL, NULL, NULL), NQM_OK);
+    blob a = blob_load(path), b = blob_load(copy);
+    assert_int_equal(a.n_bytes, b.n_bytes);
+    for (size_t i = 12; i < b.n_bytes; i += 8 * 1009) {
+        double stored = nqm_load_f64(b.data + i);
+        assert_true(stored == -1 || fabs(stored - nqm_load_f64(a.data + i)) < 1e-12);
+    }
+    blob_free(&a);
+    b.n_bytes -= 8;
+    blob_put(b, copy);
+    expect_refused(copy, NQM_ERR_FORMAT, 12 + 3 * 90 * 90 * 360 * 8 - 8);
+    nqm_error err = {0};
+    assert_int_equal(nqm_brdf_write(brdf, (nqm_table_format)99, copy, NULL, NULL, &err), NQM_ERR_ARG);
+    nqm_brdf_free(brdf);
+}
+
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static nqm_brdf *open_network(void) {
@@ -248,6 +301,7 @@ int main(void) {
                                        cmocka_unit_test(refuses_broken_tables),
                                        cmocka_unit_test(refuses_a_table_without_numbers),
                                        cmocka_unit_test(flags_cells_that_are_not_finite),
+                                       cmocka_unit_test(distinguishes_light_and_viewer),
                                        cmocka_unit_test(writes_what_it_reads),
                                        cmocka_unit_test(stops_and_leaves_nothing)};
     return cmocka_run_group_tests_name("brdf_merl", tests, NULL, NULL);

@@ -22,7 +22,7 @@ static const verb verbs[] = {
     {"check", cmd_check, "test reciprocity, energy conservation and positivity of a BRDF"},
     {"sample", cmd_sample, "evaluate f_r of a BRDF at a list of directions, as CSV"},
     {"directions", cmd_directions, "make or print sampling directions"},
-    {"convert", cmd_convert, "write a BRDF as a MERL .binary table"},
+    {"convert", cmd_convert, "write a BRDF as a table, MERL .binary"},
     {"fit", cmd_fit, "fit an analytic model, a network or a table to a BRDF"},
     {"learn", cmd_learn, "train the dictionary or hypernetwork that an encoding needs"},
     {"render", cmd_render, "render pictures of a BRDF on a lit shape"},
