@@ -11,23 +11,11 @@
  * Values and derivatives come from the same functions: a lobe receives NULL instead of an array for its derivatives when
  * only the value is needed.
  */
+#include "brdf/microfacet.h"
 #include "brdf/spec.h"
 #include "math/math.h"
 
 #include <math.h>
-
-/* Angles of the half vector, computed without normalising it: |wi + wo| = 2 cos theta_d. There is no cancellation near
- * theta_h = 0, where lobes can be narrower than a degree. */
-typedef struct half_angles {
-    double tan2_h, cos_d;
-} half_angles;
-
-/* Inlined: otherwise the simple lobes take twice the time. */
-static inline half_angles half_angles_of(const double *wi, const double *wo) {
-    double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
-    double xy = x * x + y * y;
-    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
-}
 
 /* d (kd / pi) / d kd */
 static const double PER_KD = 1 / NQM_PI;
@@ -90,13 +78,6 @@ static void ggx_prepare(const nqm_spec_values *values, void *state) {
     self->d_alpha2 = 2 * values->v[2][0];
 }
 
-/* Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)), divided by 2 cos, so that the cosines in the denominator of
- * the BRDF cancel. */
-static double ggx_visibility(double cosine, double alpha2) {
-    double cos2 = cosine * cosine;
-    return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
-}
-
 /* d log ggx_visibility() / d alpha^2, from the visibility: the square root is 1 / visibility - cosine. */
 static double ggx_visibility_slope(double cosine, double visibility) {
     return -visibility * visibility * (1 - cosine * cosine) / (2 * (1 - cosine * visibility));
@@ -104,9 +85,7 @@ static double ggx_visibility_slope(double cosine, double visibility) {
 
 /* D V V. slope: NULL, or receives the derivative by alpha^2. */
 INLINED double ggx_lobe(double alpha2, double tan2_h, const double *wi, const double *wo, double *slope) {
-    double sec2_h = 1 + tan2_h;
-    double spread = (1 + tan2_h / alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
-    double d = 1 / (NQM_PI * alpha2 * spread * spread);
+    double d = ggx_distribution(tan2_h, alpha2);
     double visibility_i = ggx_visibility(wi[2], alpha2), visibility_o = ggx_visibility(wo[2], alpha2);
     double visibility = visibility_i * visibility_o;
     double lobe = d * visibility; /* grouped so that exchanging light and viewer gives the same bits */
@@ -164,12 +143,6 @@ const nqm_analytic_model nqm_ggx_model = {
 
 enum { KD, KS, FIRST_SHAPE, MAX_SHAPE = 3 };
 enum { LOBE_KS = 3, LOBE_SHAPE = 6 }; /* columns of the derivatives; kd begins at 0 */
-
-/** Schlick 1994 (DOI 10.1111/1467-8659.1330233). */
-static inline double schlick_factor(double f0, double cosine) {
-    double m = 1 - cosine;
-    return f0 + (1 - f0) * m * m * m * m * m;
-}
 
 /** A prepared model of the form kd / pi + ks L. */
 typedef struct lobe {
