@@ -49,6 +49,23 @@ static inline double ggx_correlated_visibility(double cos_i, double cos_o, doubl
     return 0.5 / (i + o);
 }
 
+/* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
+
+/** D(h), in 1/sr; alpha2 is alpha^2. */
+static inline double beckmann_distribution(double tan2_h, double alpha2) {
+    double sec2_h = 1 + tan2_h;
+    return exp(-tan2_h / alpha2) * sec2_h * sec2_h / (NQM_PI * alpha2);
+}
+
+/** The rational approximation of Smith's G1, which is 1 where alpha tan theta < 1 / 1.6. */
+static inline double beckmann_g1(double cosine, double alpha2) {
+    double cos2 = cosine * cosine, a2 = cos2 / (alpha2 * (1 - cos2));
+    if (!(a2 < 1.6 * 1.6))
+        return 1;
+    double a = sqrt(a2);
+    return (3.535 * a + 2.181 * a2) / (1 + 2.276 * a + 2.577 * a2);
+}
+
 /* ---- Fresnel factors --------------------------------------------------------------------------------------------- */
 
 static inline double power5(double x) {

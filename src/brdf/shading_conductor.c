@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Rough conductors of two renderers: D G F / (4 cos cos) with the exact Fresnel factor of eta + i k per channel.
+ *
+ * `rough-conductor` is Mitsuba 3's `roughconductor` plugin: Beckmann or GGX distribution and Smith's separable shadowing
+ * (Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206). Beckmann's G1 is the paper's rational approximation.
+ * `pbrt-conductor` is pbrt-v4's `conductor` material (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition, 9.6):
+ * GGX with height-correlated shadowing, and alpha = sqrt(roughness).
+ */
+#include "brdf/microfacet.h"
+#include "brdf/spec.h"
+
+typedef struct conductor {
+    nqm_spec_state spec;
+    bool is_ggx, is_correlated;
+    double alpha2;
+    double eta[3], k[3], specular[3];
+} conductor;
+
+/* D G / (4 cos cos). */
+static double lobe(const conductor *self, const half_angles *h, double cos_i, double cos_o) {
+    const double a2 = self->alpha2;
+    if (!self->is_ggx)
+        return beckmann_distribution(h->tan2_h, a2) * beckmann_g1(cos_i, a2) * beckmann_g1(cos_o, a2) /
+               (4 * cos_i * cos_o);
+    return ggx_distribution(h->tan2_h, a2) * (self->is_correlated
+                                                  ? ggx_correlated_visibility(cos_i, cos_o, a2)
+                                                  : ggx_visibility(cos_i, a2) * ggx_visibility(cos_o, a2));
+}
+
+static void conductor_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
+    const conductor *self = state;
+    for (size_t i = 0; i < n; ++i) {
+        const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
+        const double f = lobe(self, &h, wi[3 * i + 2], wo[3 * i + 2]);
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = f * self->specular[c] * fresnel_conductor(self->eta[c], self->k[c], h.cos_d);
+    }
+}
+
+static void set_index(conductor *self, const double *eta, const double *k, const double *specular) {
+    for (size_t c = 0; c < 3; ++c) {
+        self->eta[c] = eta[c];
+        self->k[c] = k[c];
+        self->specular[c] = specular ? specular[c] : 1;
+    }
+}
+
+/* ---- Mitsuba 3 --------------------------------------------------------------------------------------------------- */
+
+enum { ALPHA, DISTRIBUTION, ETA, K, SPECULAR_REFLECTANCE, N_KEYS };
+
+static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
+    conductor *self = state;
+    self->is_ggx = values->v[DISTRIBUTION][0] > 0.5;
+    self->is_correlated = false;
+    self->alpha2 = values->v[ALPHA][0] * values->v[ALPHA][0];
+    set_index(self, values->v[ETA], values->v[K], values->v[SPECULAR_REFLECTANCE]);
+}
+
+const nqm_analytic_model nqm_rough_conductor_model = {
+    .schema = {"rough-conductor",
+               N_KEYS,
+               {[ALPHA] = {.name = "alpha", .n = 1, .low = 1e-4, .high = 2, .fallback = 0.1},
+                [DISTRIBUTION] = {.name = "distribution", .n = 1, .low = 0, .high = 1, .whole = true},
+                [ETA] = {.name = "eta", .n = 3, .low = 0, .high = 20},
+                [K] = {.name = "k", .n = 3, .low = 0, .high = 20, .fallback = 1},
+                [SPECULAR_REFLECTANCE] = {.name = "specular_reflectance", .n = 3, .low = 0, .high = 1, .fallback = 1}}},
+    .class_ = {.format = "rough-conductor",
+               .reciprocal = 1,
+               .eval = conductor_eval,
+               .jacobian = nqm_spec_jacobian,
+               .free = nqm_free},
+    .state_size = sizeof(conductor),
+    .prepare = mitsuba_prepare,
+};
+
+/* ---- pbrt-v4 ----------------------------------------------------------------------------------------------------- */
+
+enum { PBRT_ROUGHNESS, PBRT_ETA, PBRT_K, N_PBRT_KEYS };
+
+static void pbrt_prepare(const nqm_spec_values *values, void *state) {
+    conductor *self = state;
+    self->is_ggx = self->is_correlated = true;
+    self->alpha2 = values->v[PBRT_ROUGHNESS][0];
+    set_index(self, values->v[PBRT_ETA], values->v[PBRT_K], NULL);
+}
+
+/* Below a roughness of 1e-6, alpha is less than 0.001 and pbrt reflects as a perfect mirror. The defaults are copper's, as in
+ * pbrt, of which a key can have one value only: they are required. */
+const nqm_analytic_model nqm_pbrt_conductor_model = {
+    .schema = {"pbrt-conductor",
+               N_PBRT_KEYS,
+               {[PBRT_ROUGHNESS] = {.name = "roughness", .n = 1, .low = 1e-6, .high = 4, .required = true},
+                [PBRT_ETA] = {.name = "eta", .n = 3, .low = 0, .high = 20, .required = true},
+                [PBRT_K] = {.name = "k", .n = 3, .low = 0, .high = 20, .required = true}}},
+    .class_ = {.format = "pbrt-conductor",
+               .reciprocal = 1,
+               .eval = conductor_eval,
+               .jacobian = nqm_spec_jacobian,
+               .free = nqm_free},
+    .state_size = sizeof(conductor),
+    .prepare = pbrt_prepare,
+};
