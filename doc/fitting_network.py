@@ -368,6 +368,19 @@ def coloured(base, transport, n, seed):
     return extended(base, pairs, "colours", extra)
 
 
+def noised(base, n, seed, sigma=0.1):
+    """Training pairs with noise on the test, labels kept: on average a penalty sigma^2 |gradient|^2 (Bishop 1995, DOI
+    10.1162/neco.1995.7.1.108)."""
+    tensors, _ = base
+    rng, pairs = np.random.default_rng(seed), Pairs()
+    training = np.flatnonzero(np.asarray(tensors["group_split"])[tensors["ref_group"][tensors["pair_ref"]]] == 0)
+    for i in rng.choice(training, n):
+        noise = np.exp(sigma * rng.normal(size=tensors["test_rgb"][i].shape))
+        label = [tensors["delta_e"][i], tensors["jod"][i], *tensors["parts"][i]]
+        pairs.add(int(tensors["pair_ref"][i]), tensors["test_rgb"][i] * noise, label, f"noise {i}")
+    return extended(base, pairs, "noise")
+
+
 def on_policy(base, model, of, brdfs, n_refs, seed):
     """Points on the paths of an optimiser under `model`, from random starts, labelled by rendering."""
     tensors, meta = base
@@ -445,6 +458,8 @@ def repair(options, models):
     data = subset(base, near + ["far", "rounding"], options.pairs, 1)
     model = train(folder, "far", data, options.epochs)
     found[f"{options.pairs} pairs, a third far"] = ends(model, JOD, refs, 3)
+    model = train(folder, "penalty", noised(data, options.pairs, 1), options.epochs)
+    found["and a gradient penalty (noise on the inputs)"] = ends(model, JOD, refs, 3)
     estimate = os.path.join(folder, "estimate.safetensors")
     nqm("transport", "make", "-o", estimate)
     data = coloured(data, Model(os.path.abspath(estimate)), options.pairs // 2, 1)

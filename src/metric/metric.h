@@ -18,6 +18,8 @@ typedef struct nqm_transport_samples {
     const float *instead; /* the values where `used` is 0 */
     const uint8_t *used;  /* (n_directions); NULL: all are used */
 } nqm_transport_samples;
+/** Copy the values of n directions from `first` on: f (n, 3). */
+void nqm_transport_read(const nqm_transport_samples *samples, size_t first, size_t n, float *f);
 /** The light of points [first, first + n_points), at most NQM_TRANSPORT_POINTS, in n pictures, at most NQM_TRANSPORT_MAX: rgb
  *  (n, 3, n_points) cd/m2. first and n_points are multiples of NQM_PANEL. A picture does not depend on the others. */
 void nqm_transport_radiance(const nqm_transport *transport, size_t first, size_t n_points, size_t n,
@@ -40,10 +42,10 @@ static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, c
     return label;
 }
 
-/** Pictures of a pair like those of nqm_transport_estimates(), but exactly and in double: rgb, the light in cd/m2, and itp, ITP on
- *  the display in units of Delta-E, of reference and test: (2, 3, n_points). */
-void nqm_transport_see(const nqm_transport *transport, const float *ref, const float *test, const uint8_t *used,
-                       double *rgb, double *itp);
+/** Pictures like those of nqm_transport_estimates(), but in double and with a smooth PQ signal: rgb[i], the light in cd/m2, and itp[i],
+ *  ITP on the display in units of Delta-E, of n >= 2 pictures: (3, n_points) each. A picture does not depend on the others. */
+void nqm_transport_see(const nqm_transport *transport, size_t n, const nqm_transport_samples *samples,
+                       double *const *rgb, double *const *itp);
 /** The label of two such pictures. */
 nqm_label nqm_transport_label(const nqm_transport *transport, const double *ref, const double *test);
 /** The gradient of sum_k weights_k label_k, over the members of that label, by the samples of the test: gradient (n_directions,

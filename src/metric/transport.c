@@ -84,17 +84,19 @@ typedef struct block {
     size_t direction, n_directions, point, n_points;
 } block;
 
+void nqm_transport_read(const nqm_transport_samples *samples, size_t first, size_t n, float *f) {
+    memcpy(f, samples->rgb + 3 * first, 3 * n * sizeof *f);
+    for (size_t k = 0; samples->used && k < n; ++k)
+        if (!samples->used[first + k])
+            memcpy(f + 3 * k, samples->instead + 3 * (first + k), 3 * sizeof *f);
+}
+
 /* Add the light of a block to n pictures. */
 static void add_light(const nqm_transport *t, block b, size_t n, const nqm_transport_samples *samples, float *rgb) {
     const nqm_kernels *kernels = nqm_kernels_get();
     float f[NQM_TRANSPORT_MAX * 3 * DIRECTIONS];
-    for (size_t i = 0; i < n; ++i) {
-        const nqm_transport_samples *s = &samples[i];
-        memcpy(f + i * 3 * DIRECTIONS, s->rgb + 3 * b.direction, 3 * b.n_directions * sizeof *f);
-        for (size_t k = 0; s->used && k < b.n_directions; ++k)
-            if (!s->used[b.direction + k])
-                memcpy(f + 3 * (i * DIRECTIONS + k), s->instead + 3 * (b.direction + k), 3 * sizeof *f);
-    }
+    for (size_t i = 0; i < n; ++i)
+        nqm_transport_read(&samples[i], b.direction, b.n_directions, f + i * 3 * DIRECTIONS);
     for (size_t c = 0; c < 3; ++c)
         for (size_t p = 0; p < b.n_points; p += NQM_PANEL)
             kernels->strided_product(

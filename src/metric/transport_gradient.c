@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The estimate by light transport (metric/transport.c) in double and with the exact PQ signal, and its gradient by the samples
+ * The estimate by light transport (metric/transport.c) in double, and its gradient by the samples
  * of the test: from the label back to the pictures, from ITP back to light, and through the transpose of the matrix.
  */
 #include "kernel/kernel.h"
@@ -11,26 +11,24 @@
 
 enum { DIRECTIONS = 64 }; /* computed together */
 
-/* Light of reference and test, (2, 3, n_points). The gradient of close pairs depends on small differences of these sums. */
-static void add_light(const nqm_transport *t, const float *ref, const float *test, const uint8_t *used, double *rgb) {
+/* Light of two pictures, (3, n_points) each. The gradient of close pairs depends on small differences of these sums. */
+static void add_light(const nqm_transport *t, const nqm_transport_samples *samples, double *const *rgb) {
     const nqm_kernels *kernels = nqm_kernels_get();
-    float masked[3 * DIRECTIONS];
+    float f[2][3 * DIRECTIONS];
     for (size_t first = 0, n; first < t->n_directions; first += n) {
         n = nqm_smaller(t->n_directions - first, DIRECTIONS);
-        memcpy(masked, test + 3 * first, 3 * n * sizeof *masked);
-        for (size_t k = 0; used && k < n; ++k)
-            if (!used[first + k])
-                memcpy(masked + 3 * k, ref + 3 * (first + k), 3 * sizeof *masked);
+        for (size_t i = 0; i < 2; ++i)
+            nqm_transport_read(&samples[i], first, n, f[i]);
         for (size_t c = 0; c < 3; ++c)
             for (size_t p = 0; p < t->n_points; p += NQM_PANEL)
                 kernels->double_product(
                     &(nqm_double_product){.k = n,
                                           .add = first > 0,
-                                          .a = {ref + 3 * first + c, masked + c},
+                                          .a = {f[0] + c, f[1] + c},
                                           .step = 3,
                                           .b = t->light + (3 * first + c) * t->n_points + p,
                                           .ldb = 3 * t->n_points,
-                                          .c = {rgb + c * t->n_points + p, rgb + (3 + c) * t->n_points + p}});
+                                          .c = {rgb[0] + c * t->n_points + p, rgb[1] + c * t->n_points + p}});
     }
 }
 
@@ -38,20 +36,29 @@ static void add_light(const nqm_transport *t, const float *ref, const float *tes
 static void show(const nqm_transport *t, const double *rgb, double *itp) {
     const size_t n = t->n_points;
     for (size_t p = 0; p < n; ++p) {
-        double shown[3], point[3];
+        double shown[3], lms[3], point[3], slope;
         for (size_t k = 0; k < 3; ++k)
             shown[k] = fmin(rgb[k * n + p], t->points[3 * p + 2]);
-        nqm_itp_from_rgb(shown, point);
+        nqm_lms_from_rgb(shown, lms);
+        for (size_t k = 0; k < 3; ++k)
+            lms[k] = nqm_pq_interpolate(lms[k], &slope);
+        nqm_itp_from_pq_lms(lms, point);
         for (size_t k = 0; k < 3; ++k)
             itp[k * n + p] = NQM_ITP_UNIT * point[k];
     }
 }
 
-void nqm_transport_see(const nqm_transport *t, const float *ref, const float *test, const uint8_t *used, double *rgb,
-                       double *itp) {
-    add_light(t, ref, test, used, rgb);
-    show(t, rgb, itp);
-    show(t, rgb + 3 * t->n_points, itp + 3 * t->n_points);
+void nqm_transport_see(const nqm_transport *t, size_t n, const nqm_transport_samples *samples, double *const *rgb,
+                       double *const *itp) {
+    for (size_t i = 0; i < n; i += 2) {
+        const size_t other =
+            i + 1 < n ? i + 1 : i - 1; /* of an odd number the last one is computed beside its neighbour again */
+        const nqm_transport_samples two[2] = {samples[i], samples[other]};
+        double *const light[2] = {rgb[i], rgb[other]};
+        add_light(t, two, light);
+    }
+    for (size_t i = 0; i < n; ++i)
+        show(t, rgb[i], itp[i]);
 }
 
 static void point_of(const double *picture, size_t n, size_t p, double *point) {

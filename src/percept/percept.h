@@ -14,6 +14,8 @@ double nqm_pq_from_luminance(double luminance_cdm2);
 
 /** Its derivative; 0 from 10000 on. It has no limit at 0: below 2^-30 cd/m2, the value there. */
 double nqm_pq_slope(double luminance_cdm2);
+/** Both within 1e-9 and 1e-6 of these (relative, from 2^-30 cd/m2), ten times as fast; *slope is the derivative of the result. */
+double nqm_pq_interpolate(double luminance_cdm2, double *slope);
 /** The gradient of a function of ITP by RGB from that by ITP: nqm_itp_from_rgb() backwards. All (3). Channels outside [0, 10000]
  *  get 0. */
 void nqm_rgb_gradient(const double *rgb_cdm2, const double *by_itp, double *by_rgb);

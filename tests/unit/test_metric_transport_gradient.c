@@ -33,7 +33,8 @@ typedef struct estimated {
 static void estimate(const nqm_transport *t, const gradient_pair *p, const uint8_t *used, estimated *e) {
     const size_t n = 3 * t->n_points;
     double *block = nqm_alloc(5 * n, sizeof *block), *ref = block, *test = ref + n, *rgb = test + n;
-    nqm_transport_see(t, p->ref, p->test, used, rgb, ref);
+    const nqm_transport_samples samples[2] = {{.rgb = p->ref}, {.rgb = p->test, .instead = p->ref, .used = used}};
+    nqm_transport_see(t, 2, samples, (double *[]){rgb, rgb + n}, (double *[]){ref, test});
     e->label = nqm_transport_label(t, ref, test);
     for (size_t w = 0; w < N_WEIGHTS; ++w)
         nqm_transport_gradient(t, &weights[w], ref, test, rgb + n, used, rgb + 2 * n, e->gradient[w]);
