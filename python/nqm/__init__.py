@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""How good a BRDF approximation looks beside its reference, in JOD.
+
+>>> import nqm
+>>> print(nqm.score("sgd:nickel", "ward:nickel"))
+4.13 JOD [3.92, 4.31]
+
+BRDFs come from files, specs, presets, Python functions and arrays; results are NumPy arrays and dataclasses; errors are `nqm.Error`.
+`nqm.torch` has the scores as functions of PyTorch; it imports torch when it is first used.
+"""
+from typing import Any as _Any
+
+from ._abi import Status
+from ._abi import lib as _lib
+from ._brdf import (BRDF, BRDFInfo, CheckReport, Directions, directions_to_half_diff, half_diff_to_directions, presets,
+                    table_nodes)
+from ._call import Error
+from ._data import Dataset
+from ._fit import Fit, fit, fit_models
+from ._metric import Metric, batch, metrics
+from ._scene import Label, Scene, label, render, srgb
+from ._score import (Model, ModelInfo, Parts, Score, Scorer, models, preference, score, score_grad, score_many,
+                     score_samples)
+from ._version import VERSION as __version__
+
+__all__ = [
+    "score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
+    "BRDF", "BRDFInfo", "CheckReport", "presets", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
+    "Metric", "metrics", "Model", "ModelInfo", "models",
+    "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Dataset",
+    "Error", "Status", "build_info",
+]
+
+
+def build_info() -> str:
+    """One line about the C library: its libraries with their versions, and the fastest kernels that this processor supports."""
+    return _lib.nqm_build_info().decode()
+
+
+def __getattr__(name: str) -> _Any:
+    if name == "torch":  # torch is large: only those who use it wait for it
+        import importlib
+
+        return importlib.import_module("nqm.torch")
+    raise AttributeError("module 'nqm' has no attribute %r" % name)

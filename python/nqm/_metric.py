@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""Metrics by name, and many pairs as one array."""
+from __future__ import annotations
+
+import csv
+import os
+from typing import Any, Iterable, List, Tuple, Union
+
+import numpy as np
+
+from . import _abi
+from ._abi import lib
+from ._brdf import BRDFLike
+from ._call import Error, PathLike, ProgressLike
+from ._score import METRICS, ModelLike, Scorer
+
+_PREDICTED = {"jod": "quality that people would see, 0 to 10 JOD (10: no visible difference)",
+              "similarity": "quality for pictures that are seen apart, 0 to 10 JOD",
+              "delta_e": "Delta-E ITP of rendered pictures"}
+
+
+def metrics() -> Tuple[str, ...]:
+    """Names of the metrics that `Metric` takes: those of the model, and the scalar ones."""
+    return (*_PREDICTED, *METRICS)
+
+
+class Metric:
+    """One metric by name, as a function of a reference and a test.
+
+    >>> metric = nqm.Metric("rmse")
+    >>> metric.lower_better
+    True
+    >>> metric("sgd:nickel", "sgd:nickel")
+    0.0
+
+    Args:
+        name: "jod", "similarity", "delta_e", or a scalar metric: see `metrics`
+        model: its model; the scalar metrics use its directions
+        options: as for `Scorer`
+
+    Attributes:
+        name: the name
+        lower_better: whether smaller values mean better approximations
+        description: what it measures
+        score_range: smallest and largest value
+    """
+
+    def __init__(self, name: str = "jod", *, model: ModelLike = "default", **options: Any) -> None:
+        if name not in metrics():
+            raise ValueError("there is no metric %r; there are %s" % (name, ", ".join(metrics())))
+        self.name = name
+        self.lower_better = name not in ("jod", "similarity")
+        self.score_range = (0.0, float("inf") if self.lower_better else 10.0)
+        self._scalar = name in METRICS
+        self.description = _PREDICTED.get(name) or lib.nqm_metric_get_info(METRICS.index(name)).description.decode()
+        self._scorer = Scorer(model, metrics=self._scalar, **options)
+
+    def __repr__(self) -> str:
+        return "<nqm.Metric %s, %s is better>" % (self.name, "lower" if self.lower_better else "higher")
+
+    def _value(self, score: Any) -> float:
+        return score.metrics[self.name] if self._scalar else getattr(score, self.name)
+
+    def __call__(self, ref: BRDFLike, tests: Any) -> Any:
+        """The value for one test, or an array for a list or tuple of tests."""
+        scores = self._scorer.score(ref, tests)
+        return np.array([self._value(s) for s in scores]) if isinstance(scores, list) else self._value(scores)
+
+    def samples(self, ref: Any, test: Any, used: Any = None) -> Any:
+        """The value for samples at the model's directions; see `score_samples`."""
+        scores = self._scorer.score_samples(ref, test, used)
+        return np.array([self._value(s) for s in scores]) if isinstance(scores, list) else self._value(scores)
+
+
+_BATCH = np.dtype([("jod", "f8"), ("low", "f8"), ("high", "f8"), ("delta_e", "f8"), ("novelty", "f8"), ("similarity", "f8"),
+                   ("identical", "?"), ("status", "i4"), ("n_valid", "i8")])
+
+
+def _read_list(path: PathLike) -> List[Tuple[str, str]]:
+    """The pairs of a CSV with the columns reference and test."""
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = csv.DictReader(file)
+        if rows.fieldnames is None or not {"reference", "test"} <= set(rows.fieldnames):
+            raise Error("%s: a list of pairs has the columns reference and test" % os.fspath(path), _abi.Status.FORMAT)
+        return [(row["reference"], row["test"]) for row in rows]
+
+
+def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model: ModelLike = "default", metrics: bool = False,
+          progress: ProgressLike = None, **options: Any) -> np.ndarray:
+    """Score many pairs into one array. Pairs that cannot be scored do not stop the others.
+
+    Args:
+        pairs: (reference, test) pairs, or a CSV with the columns `reference` and `test`, as for
+            the tool's verb `batch`; relative paths are relative to the current folder
+        model: as for `score`
+        metrics: whether to add the scalar metrics, one column each
+        progress: called with ("score", done, total); True shows a line on standard error
+        options: as for `Scorer`
+
+    Returns:
+        structured array (n_pairs): `jod`, `low`, `high`, `delta_e`, `novelty`, `similarity`, `identical`, `status` (a `Status`; not 0:
+        the other columns are NaN; `score_many` has the message), `n_valid`, and the metrics
+    """
+    if isinstance(pairs, (str, os.PathLike)):
+        pairs = _read_list(pairs)
+    scorer = Scorer(model, metrics=metrics, **options)
+    scores = scorer.score_many(pairs, progress=progress, errors="keep")
+    names = METRICS if metrics else ()
+    table = np.empty(len(scores), np.dtype(_BATCH.descr + [(name, "f8") for name in names]))
+    for name in _BATCH.names:
+        table[name] = [s.error.status if s.error else 0 for s in scores] if name == "status" else [getattr(s, name) for s in scores]
+    for name in names:
+        table[name] = [s.metrics[name] for s in scores]
+    return table

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: MIT
+"""Scenes: pictures of BRDFs, and labels by comparing them."""
+from __future__ import annotations
+
+from ctypes import byref, c_void_p
+from dataclasses import dataclass
+from typing import Any, List, Optional, Tuple, Union, overload
+
+import numpy as np
+
+from . import _abi
+from ._abi import lib
+from ._brdf import BRDFLike, as_brdf, set_options
+from ._call import address, call, choice, encode, own_handle
+from ._score import Parts, parts_of
+
+OPTIONS = ("width", "height", "n_points", "n_frames", "turn_rad", "elevation_rad", "n_lights", "light_width", "shadows",
+           "interreflection", "exposure_cdm2", "peak_cdm2", "seed")
+
+
+@dataclass(frozen=True)
+class Label:
+    """How the rendered pictures of two BRDFs differ. `float(label)` is its JOD.
+
+    Attributes:
+        ref: name of the reference
+        test: name of the test
+        jod: JOD of the Delta-E ITP: 10 is no visible difference
+        delta_e: mean Delta-E ITP over the picture; 1 is just visible
+        similarity: JOD for pictures that are seen apart
+        parts: what differs
+    """
+
+    ref: str
+    test: str
+    jod: float
+    delta_e: float
+    similarity: float
+    parts: Parts
+
+    def __float__(self) -> float:
+        return self.jod
+
+
+class Scene:
+    """A shape on a turntable under a light map. Without `light` and `shape` it is the standard set of four scenes that the built-in
+    model "default" predicts. Immutable; any thread may use it.
+
+    Args:
+        light: "sun", "overcast", "studio", "interior", or a latitude-longitude map (RGBE in PNG, OpenEXR, Radiance HDR)
+        shape: "sphere", "blob", or a mesh file (PLY, OBJ)
+        kind: "standard", or "paper": the scene of Kavoosighafi et al. 2025, whose files `light` and `shape` must name
+        options: members of `nqm_scene_options` (include/nqm/render.h): `width`, `height` (0: points instead of a picture), `n_points`,
+            `n_frames`, `turn_rad`, `elevation_rad`, `n_lights`, `light_width`, `shadows`, `interreflection`, `exposure_cdm2`,
+            `peak_cdm2`, `seed`
+    """
+
+    def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, kind: str = "standard", **options: Any) -> None:
+        o = set_options(lib.nqm_scene_options_default(), options, OPTIONS)
+        o.scene = choice("kind", kind, _abi.SCENES)
+        o.light, o.shape = (None if v is None else encode(v) for v in (light, shape))
+        self._handle = c_void_p()
+        call(lib.nqm_scene_create, byref(o), byref(self._handle))
+        own_handle(self, self._handle, lib.nqm_scene_free)
+        self._size = (o.height, o.width)
+        self.peak_cdm2: float = o.peak_cdm2
+
+    def __len__(self) -> int:
+        """Number of surface points of all frames together."""
+        return lib.nqm_scene_count(self._handle)
+
+    @property
+    def weights(self) -> np.ndarray:
+        """(n_points) the fraction of the picture that each point represents; they sum to 1."""
+        n, weights = len(self), lib.nqm_scene_weights(self._handle)
+        return np.ctypeslib.as_array(weights, shape=(n,)).copy() if weights else np.full(n, 1 / n)
+
+    @property
+    def pixels(self) -> Optional[np.ndarray]:
+        """(n_points) the pixel of each point, (frame * height + y) * width + x; None without a width."""
+        pixels = lib.nqm_scene_pixels(self._handle)
+        return np.ctypeslib.as_array(pixels, shape=(len(self),)).copy() if pixels else None
+
+    def points(self, brdf: BRDFLike) -> np.ndarray:
+        """Light that each point reflects to the viewer: (n_points, 3), linear BT.709 in cd/m2, not clipped."""
+        brdf = as_brdf(brdf)
+        rgb = np.empty((len(self), 3))
+        call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), watches=brdf._watches)
+        return rgb
+
+    def image(self, values: np.ndarray, background: float = 0.0) -> np.ndarray:
+        """Values of the points, (n_points) or (n_points, 3), as pictures (n_frames, height, width) or (n_frames, height, width, 3). The
+        standard set has its four scenes one after the other. Needs a scene with a width."""
+        pixels = self.pixels
+        if pixels is None:
+            raise ValueError("a scene without width and height has points but no pictures")
+        values = np.asarray(values)
+        height, width = self._size
+        n_frames = int(pixels.max()) // (height * width) + 1 if len(pixels) else 0
+        image = np.full((n_frames * height * width, *values.shape[1:]), background, dtype=np.float64)
+        image[pixels] = values
+        return image.reshape(n_frames, height, width, *values.shape[1:])
+
+    def render(self, brdf: BRDFLike, background: float = 0.0) -> np.ndarray:
+        """Pictures of a BRDF: (n_frames, height, width, 3), linear BT.709 in cd/m2; `background` where the shape is not."""
+        return self.image(self.points(brdf), background)
+
+    def delta_e_map(self, ref: BRDFLike, test: BRDFLike) -> np.ndarray:
+        """Delta-E ITP of each point, (n_points)."""
+        a, b = self.points(ref), self.points(test)
+        delta_e = np.empty(len(self))
+        call(lib.nqm_scene_delta_e_map, self._handle, address(a), address(b), address(delta_e))
+        return delta_e
+
+    def label(self, ref: BRDFLike, tests: Any) -> Any:
+        """Render and compare; see `label`."""
+        brdf = as_brdf(ref)
+        seen = self.points(brdf)
+        several = isinstance(tests, (list, tuple))
+        labels = []
+        for test in map(as_brdf, tests if several else [tests]):
+            points = self.points(test)
+            label = call(lib.nqm_scene_compare, self._handle, address(seen), address(points))
+            jod = lib.nqm_curve_jod(byref(lib.nqm_curve_default()), label.delta_e)
+            labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_similarity(byref(label)), parts_of(label)))
+        return labels if several else labels[0]
+
+
+@overload
+def label(ref: BRDFLike, tests: Union[List[BRDFLike], Tuple[BRDFLike, ...]], *, scene: Optional[Scene] = ...,
+          **options: Any) -> List[Label]: ...
+@overload
+def label(ref: BRDFLike, tests: BRDFLike, *, scene: Optional[Scene] = ..., **options: Any) -> Label: ...
+def label(ref: BRDFLike, tests: Any, *, scene: Optional[Scene] = None, **options: Any) -> Any:
+    """Label by rendering: Delta-E ITP and JOD between pictures of a reference and one test or a list of tests. This is what `score`
+    predicts.
+
+    Args:
+        ref: the reference
+        tests: one test, or a list or tuple of them
+        scene: the scene; default: one made of `options`, and the standard set without them
+        options: as for `Scene`
+    """
+    return (scene if scene is not None else Scene(**options)).label(ref, tests)
+
+
+def render(brdf: BRDFLike, *, light: str = "sun", shape: str = "sphere", width: int = 256, height: Optional[int] = None,
+           background: float = 0.0, **options: Any) -> np.ndarray:
+    """A picture of a BRDF.
+
+    Args:
+        brdf: what is on the shape
+        light: as for `Scene`
+        shape: as for `Scene`
+        width: pixels
+        height: pixels; default: `width`
+        background: value of pixels that do not show the shape
+        options: as for `Scene`
+
+    Returns:
+        (height, width, 3) float64, linear BT.709 in cd/m2, first row at the top; with `n_frames` above 1 (n_frames, height, width, 3)
+    """
+    scene = Scene(light, shape, width=width, height=height or width, **options)
+    images = scene.render(brdf, background)
+    return images[0] if len(images) == 1 else images
+
+
+def srgb(rgb_cdm2: Any, white_cdm2: float = 400.0) -> np.ndarray:
+    """Linear BT.709 in cd/m2 as sRGB bytes (IEC 61966-2-1): (..., 3) uint8. `white_cdm2` and above is 255."""
+    x = np.clip(np.asarray(rgb_cdm2, dtype=np.float64) / white_cdm2, 0, 1)
+    return np.rint(255 * np.where(x <= .0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - .055)).astype(np.uint8)

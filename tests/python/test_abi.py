@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""The structs and constants of python/nqm/_abi.py are those of the public headers: a C program prints sizes, offsets and values. Its
+functions have as many arguments as their declarations."""
+import ctypes
+import glob
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from nqm import _abi, _score
+
+SOURCE = os.environ["NQM_SOURCE"]
+HEADERS = sorted(glob.glob(SOURCE + "/include/nqm/*.h"))
+
+
+def c_text():
+    text = ""
+    for path in HEADERS:
+        with open(path, encoding="utf-8") as file:
+            text += file.read()
+    return re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
+
+
+def expected():
+    """Lines that the C program must print, with the expressions that print them."""
+    rows = []
+    for struct in _abi.STRUCTS:
+        name = struct._c_name_
+        rows.append(("sizeof(%s)" % name, ctypes.sizeof(struct)))
+        for field, *_ in struct._fields_:
+            rows.append(("offsetof(%s, %s)" % (name, field), getattr(struct, field).offset))
+            rows.append(("sizeof(((%s *)0)->%s)" % (name, field), getattr(struct, field).size))
+    rows += [("NQM_OK" if s == 0 else "NQM_ERR_" + s.name, s.value) for s in _abi.Status]
+    for prefix, names in (("NQM_INVALID_", _abi.INVALID), ("NQM_PRECISION_", _abi.PRECISIONS), ("NQM_SCORE_", _abi.QUANTITIES),
+                          ("NQM_SCENE_", _abi.SCENES), ("NQM_SPLIT_", _abi.SPLITS)):
+        rows += [(prefix + name.upper(), i) for i, name in enumerate(names)]
+    return rows + [("NQM_METRIC_COUNT", _abi.N_METRICS), ("NQM_SCORE_BLOCK", _score.BLOCK)]
+
+
+class Abi(unittest.TestCase):
+    def test_layout(self):
+        cc = os.environ.get("CC", "cc")
+        if not shutil.which(cc):
+            self.skipTest("there is no C compiler")
+        rows = expected()
+        lines = ['printf("%%lld\\n", (long long)(%s));' % expression for expression, _ in rows]
+        includes = ["#include <nqm/%s>" % os.path.basename(path) for path in HEADERS]
+        program = "\n".join(includes + ["#include <stddef.h>", "#include <stdio.h>", "int main(void) {", *lines, "return 0;", "}"])
+        with tempfile.TemporaryDirectory() as folder:
+            with open(folder + "/abi.c", "w") as file:
+                file.write(program)
+            subprocess.run([cc, "-std=c11", "-I" + SOURCE + "/include", folder + "/abi.c", "-o", folder + "/abi"], check=True)
+            environment = {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}
+            printed = subprocess.run([folder + "/abi"], stdout=subprocess.PIPE, text=True, check=True, env=environment).stdout.split()
+        found = [(expression, int(value)) for (expression, _), value in zip(rows, printed)]
+        self.assertEqual(found, rows)
+
+    def test_every_member_is_declared(self):
+        text = c_text()
+        for struct in _abi.STRUCTS:
+            body = re.search(r"typedef struct %s \{(.*?)\} %s;" % ((struct._c_name_,) * 2), text, re.S).group(1)
+            body = re.sub(r"\(\*(\w+)\)\([^)]*\)", r"\1", body)
+            names = [re.search(r"(\w+)\s*(?:\[\w+\])*$", part.strip()).group(1)
+                     for line in body.split(";") if line.strip() for part in line.split(",")]
+            self.assertEqual(names, [f[0] for f in struct._fields_], struct._c_name_)
+
+    def test_functions(self):
+        text = re.sub(r"\s+", " ", c_text())
+        for name, (result, arguments) in _abi.FUNCTIONS.items():
+            found = re.search(r"NQM_API (?:NQM_MUST_CHECK )?([\w *]*?)\b%s\(" % name, text)
+            self.assertTrue(found, name)
+            depth, end = 1, found.end()
+            while depth:
+                depth += {"(": 1, ")": -1}.get(text[end], 0)
+                end += 1
+            given = re.sub(r"\([^()]*\)", "", text[found.end():end - 1]).strip()
+            count = 0 if given == "void" else given.count(",") + 1
+            self.assertEqual(count, len(arguments), name)
+            self.assertEqual(result is None, found.group(1).strip() == "void", name)
+
+    def test_version(self):
+        text = c_text()
+        digits = [re.search(r"NQM_VERSION_%s (\d+)" % part, text).group(1) for part in ("MAJOR", "MINOR", "PATCH")]
+        self.assertEqual(".".join(digits), _abi.VERSION)
+
+    def test_missing_library(self):
+        environment = dict(os.environ, NQM_LIBRARY="/nowhere")
+        run = subprocess.run([sys.executable, "-c", "import nqm"], stderr=subprocess.PIPE, text=True, env=environment)
+        self.assertIn("ImportError: the library that NQM_LIBRARY names cannot be loaded", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
