@@ -84,7 +84,10 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
 /** The shading models of renderers (doc/materials.md), likewise. Their states begin with nqm_spec_state. */
 #define NQM_SHADING_MODELS(X)                                                                                          \
     X(nqm_rough_conductor_model)                                                                                       \
-    X(nqm_pbrt_conductor_model)
+    X(nqm_pbrt_conductor_model)                                                                                        \
+    X(nqm_open_pbr_model)                                                                                              \
+    X(nqm_standard_surface_model)                                                                                      \
+    X(nqm_disney_model)
 
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)

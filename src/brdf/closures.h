@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * closures.h - the reflection nodes of MaterialX ("MaterialX Physically Based Shading Nodes", version 1.39) from which its surface
+ * shaders are graphs: microfacet lobes, diffuse and sheen, and their combination by layer and mix.
+ *
+ * The specification leaves directional albedos and the compensation for multiple scattering to the implementation. Here they are
+ * those of the reference GLSL generator (libraries/pbrlib/genglsl/lib: rational fits of the albedos by Stephen Hill, compensation
+ * of Turquin 2019 with the Fresnel factor at the half vector). doc/materials.md lists what follows. Layers use the albedo for the
+ * viewer only, so layered surfaces are not reciprocal.
+ */
+#ifndef NQM_SRC_BRDF_CLOSURES_H
+#define NQM_SRC_BRDF_CLOSURES_H
+
+#include "brdf/microfacet.h"
+#include "brdf/spec.h"
+
+/** Roughnesses below sqrt of this are rendered with it; GLSL has 1e-6, where 500 directions never meet the lobe. */
+static const double MIN_ALPHA = 1e-4;
+
+/** One pair of directions. */
+typedef struct geometry {
+    double cos_i, cos_o;  /**< of the light and of the viewer */
+    double cos_io, cos_d; /**< between both; between each and the half vector */
+    double tan2_h;
+} geometry;
+
+INLINED geometry geometry_of(const double *wi, const double *wo) {
+    half_angles h = half_angles_of(wi, wo);
+    return (geometry){.cos_i = wi[2],
+                      .cos_o = wo[2],
+                      .cos_io = wi[0] * wo[0] + wi[1] * wo[1] + wi[2] * wo[2],
+                      .cos_d = h.cos_d,
+                      .tan2_h = h.tan2_h};
+}
+
+/** What a node gives: f_r (1/sr), and the fraction of light that reaches a node below it. */
+typedef struct closure {
+    double f[3], pass[3];
+} closure;
+
+/* ---- combination ------------------------------------------------------------------------------------------------- */
+
+INLINED closure closure_layer(closure top, closure base) {
+    for (size_t c = 0; c < 3; ++c) {
+        top.f[c] += top.pass[c] * base.f[c];
+        top.pass[c] *= base.pass[c];
+    }
+    return top;
+}
+
+/** `a` with weight w, `b` with 1 - w. */
+INLINED closure closure_mix(closure a, closure b, double w) {
+    for (size_t c = 0; c < 3; ++c) {
+        a.f[c] = w * a.f[c] + (1 - w) * b.f[c];
+        a.pass[c] = w * a.pass[c] + (1 - w) * b.pass[c];
+    }
+    return a;
+}
+
+/* ---- microfacet lobes -------------------------------------------------------------------------------------------- */
+
+INLINED double clamp01(double v) {
+    return fmin(fmax(v, 0), 1);
+}
+
+/** alpha of a perceptual roughness. */
+INLINED double alpha_of(double roughness) {
+    return fmin(fmax(roughness * roughness, MIN_ALPHA), 1);
+}
+
+INLINED double f0_of_ior(double ior) {
+    double r = (ior - 1) / (ior + 1);
+    return r * r;
+}
+
+/** The common factors of the microfacet nodes. */
+typedef struct microfacet {
+    double f;         /**< D G / (4 cos cos) */
+    double albedo[2]; /**< directional albedo is albedo[0] F0 + albedo[1] F90 */
+    double scatter;   /**< (1 - E) / E with E = albedo[0] + albedo[1] */
+} microfacet;
+
+INLINED microfacet microfacet_of(const geometry *g, double alpha) {
+    const double x = g->cos_o, y = alpha, x2 = x * x, y2 = y * y;
+    const double terms[9] = {1, x, y, x * y, x2, y2, x2 * y, x * y2, x2 * y2};
+    static const double fit[4][9] = {
+        {0.1003, -0.6303, 9.748, -2.038, 29.34, -8.245, -26.44, 19.99, -5.448},
+        {0.9345, -2.323, 2.229, -3.748, 1.424, -0.7684, 1.436, 0.2913, 0.6286},
+        {1, -1.765, 8.263, 11.53, 28.96, -7.507, -36.11, 15.86, 33.37},
+        {1, 0.2281, 15.94, -55.83, 13.08, 41.26, 54.9, 300.2, -285.1},
+    };
+    double sum[4] = {0};
+    for (size_t r = 0; r < 4; ++r)
+        for (size_t t = 0; t < 9; ++t)
+            sum[r] += fit[r][t] * terms[t];
+    microfacet m = {.f = ggx_distribution(g->tan2_h, alpha * alpha) *
+                         ggx_correlated_visibility(g->cos_i, g->cos_o, alpha * alpha),
+                    .albedo = {clamp01(sum[0] / sum[2]), clamp01(sum[1] / sum[3])}};
+    double e = m.albedo[0] + m.albedo[1];
+    m.scatter = (1 - e) / e;
+    return m;
+}
+
+INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, const double *tint, double ior) {
+    const double fresnel = fresnel_dielectric(ior, g->cos_d), compensation = 1 + fresnel * m.scatter;
+    const double albedo = (m.albedo[0] * f0_of_ior(ior) + m.albedo[1]) * compensation;
+    closure result;
+    for (size_t c = 0; c < 3; ++c) {
+        result.f[c] = weight * m.f * fresnel * compensation * tint[c];
+        result.pass[c] = 1 - weight * albedo;
+    }
+    return result;
+}
+
+/** color90 is white, the exponent is 5. */
+INLINED closure schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
+                             const double *color82) {
+    double albedo = 0;
+    closure result;
+    for (size_t c = 0; c < 3; ++c) {
+        const double fresnel = fmax(0, schlick_f82(color0[c], color82[c], 1, g->cos_d));
+        const double compensation = 1 + fresnel * m.scatter;
+        albedo += (m.albedo[0] * color0[c] + m.albedo[1]) * compensation / 3;
+        result.f[c] = weight * m.f * fresnel * compensation;
+    }
+    for (size_t c = 0; c < 3; ++c)
+        result.pass[c] = 1 - weight * albedo;
+    return result;
+}
+
+INLINED closure conductor_bsdf(const geometry *g, microfacet m, const double *ior, const double *extinction) {
+    closure result = {.pass = {0}};
+    for (size_t c = 0; c < 3; ++c) {
+        const double fresnel = fresnel_conductor(ior[c], extinction[c], g->cos_d);
+        result.f[c] = m.f * fresnel * (1 + fresnel * m.scatter);
+    }
+    return result;
+}
+
+/* ---- diffuse ----------------------------------------------------------------------------------------------------- */
+
+/** (cos_io - cos_i cos_o) divided by the larger cosine where it is positive; `below` multiplies it elsewhere. */
+INLINED double retro_reflection(const geometry *g, double below) {
+    double s = g->cos_io - g->cos_i * g->cos_o;
+    return s > 0 ? s / fmax(g->cos_i, g->cos_o) : below * s;
+}
+
+/** The qualitative model of Oren and Nayar 1994. */
+INLINED closure oren_nayar_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+    const double s2 = roughness * roughness;
+    const double factor = 1 - 0.5 * s2 / (s2 + 0.33) + 0.45 * s2 / (s2 + 0.09) * retro_reflection(g, 0);
+    closure result = {.pass = {0}};
+    for (size_t c = 0; c < 3; ++c)
+        result.f[c] = weight * color[c] * factor / NQM_PI;
+    return result;
+}
+
+/** G(theta) of Fujii's model, without a difference of almost equal numbers at grazing angles. */
+INLINED double fujii_g(double cosine) {
+    const double s = sqrt(fmax(0, 1 - cosine * cosine));
+    return s * (acos(fmin(1, cosine)) - s * cosine) + 2.0 / 3 * (s * cosine * (1 + s + s * s) / (1 + s) - s);
+}
+
+/** Energy-preserving Oren-Nayar (Portsmouth, Kutz and Hill 2025, https://jcgt.org/published/0014/01/06/). 1 - E, which vanishes
+ *  with the roughness, is divided by it in closed form. */
+INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+    const double c1 = 0.5 - 2 / (3 * NQM_PI), c2 = 2.0 / 3 - 28 / (15 * NQM_PI);
+    const double a = 1 / (1 + c1 * roughness), mean = a * (1 + c2 * roughness);
+    const double single = a * (1 + roughness * retro_reflection(g, 1));
+    const double multiple =
+        roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
+    closure result = {.pass = {0}};
+    for (size_t c = 0; c < 3; ++c) {
+        const double bounced = color[c] * color[c] * mean / (1 - color[c] * (1 - mean));
+        result.f[c] = weight * (color[c] * single + bounced * multiple) / NQM_PI;
+    }
+    return result;
+}
+
+/** The diffuse component of Burley 2012. */
+INLINED closure burley_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+    const double f90 = 0.5 + 2 * roughness * g->cos_d * g->cos_d;
+    const double factor = schlick_between(1, f90, g->cos_i) * schlick_between(1, f90, g->cos_o);
+    closure result = {.pass = {0}};
+    for (size_t c = 0; c < 3; ++c)
+        result.f[c] = weight * color[c] * factor / NQM_PI;
+    return result;
+}
+
+/* ---- sheen ------------------------------------------------------------------------------------------------------- */
+
+INLINED closure sheen_closure(double weight, const double *color, double f, double albedo) {
+    closure result;
+    for (size_t c = 0; c < 3; ++c) {
+        result.f[c] = weight * color[c] * f;
+        result.pass[c] = 1 - weight * albedo;
+    }
+    return result;
+}
+
+/** Estevez and Kulla 2017, with GLSL's lower bound of the roughness. */
+INLINED closure conty_kulla_sheen(const geometry *g, double weight, const double *color, double roughness) {
+    const double x = g->cos_o, r = roughness, inverse = 1 / fmax(r, 0.005);
+    const double sin2_h = g->tan2_h / (1 + g->tan2_h);
+    const double d = (2 + inverse) * pow(sin2_h, 0.5 * inverse) / (2 * NQM_PI);
+    const double f = d / (4 * (g->cos_i + g->cos_o - g->cos_i * g->cos_o));
+    const double p =
+        13.67300 - 68.78018 * x + 799.08825 * r - 905.00061 * x * r + 60.28956 * x * x + 1086.96473 * r * r;
+    const double q = 1 + 61.57746 * x + 442.78211 * r + 2597.49308 * x * r + 121.81241 * x * x + 3045.55075 * r * r;
+    return sheen_closure(weight, color, f, clamp01(p / q));
+}
+
+/** Zeltner, Burley and Chiang 2022: a clamped cosine, linearly transformed in the plane of the viewer. */
+INLINED closure zeltner_sheen(const geometry *g, double weight, const double *color, double roughness) {
+    const double x = g->cos_o, y = fmin(fmax(roughness, 0.01), 1);
+    const double s = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y));
+    const double m = y * (-0.193854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046391 + y);
+    const double o = y * (0.000654023 + (-0.0207818 + 0.119681 * y) * y) / (1.26264 + y * (-1.92021 + y));
+    const double away = (x - m) / s, albedo = exp(-0.5 * away * away) / (s * sqrt(2 * NQM_PI)) + o;
+
+    const double a = (2.58126 * x + 0.813703 * y) * y / (1 + 0.310327 * x * x + 2.60994 * x * y);
+    const double b =
+        sqrt(fmax(0, 1 - x)) * (y - 1) * y * y * y / (0.0000254053 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y);
+    const double sin_o = sqrt(fmax(0, 1 - x * x)), sin2_i = fmax(0, 1 - g->cos_i * g->cos_i);
+    const double light_x = sin_o > 0 ? (g->cos_io - g->cos_i * x) / sin_o : 0; /* b = 0 where it matters not */
+    const double u = a * light_x + b * g->cos_i;
+    const double norm2 = u * u + a * a * fmax(0, sin2_i - light_x * light_x) + g->cos_i * g->cos_i;
+    return sheen_closure(weight, color, albedo * a * a / (NQM_PI * norm2 * norm2), albedo);
+}
+
+#endif

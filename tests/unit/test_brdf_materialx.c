@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The surface shaders of MaterialX against their node graphs in 80-bit floats (tests/vectors/shading_materialx.py), and their
+ * energy.
+ */
+#include "io/io.h"
+#include "math/math.h"
+#include "support/check.h"
+#include <nqm/brdf.h>
+
+#include <math.h>
+
+static void test_node_graphs(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("shading_materialx.csv"), &csv, NULL), NQM_OK);
+    assert_true(nqm_csv_rows(csv) >= 360);
+    for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
+        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
+        double v[9], rgb[3];
+        for (int k = 0; k < 9; ++k)
+            v[k] = csv_number(csv, row, k + 1);
+        nqm_brdf_eval(brdf, 1, v, v + 3, rgb, NULL);
+        for (int c = 0; c < 3; ++c)
+            assert_near(rgb[c], v[6 + c], 1e-9 * fabs(v[6 + c]) + 1e-13);
+        nqm_brdf_free(brdf);
+    }
+    nqm_csv_free(csv);
+}
+
+/* The integral over lights at a fixed viewer, which is the albedo that layers use. */
+static double albedo_of(const nqm_brdf *brdf, double theta_o) {
+    enum { N = 64 };
+    const double wo[3] = {sin(theta_o), 0, cos(theta_o)};
+    double sum = 0;
+    for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j) {
+            const double cos2 = (i + 0.5) / N, phi = (j + 0.5) / N * NQM_PI, r = sqrt(1 - cos2);
+            const double wi[3] = {r * cos(phi), r * sin(phi), sqrt(cos2)};
+            double rgb[3];
+            nqm_brdf_eval(brdf, 1, wi, wo, rgb, NULL);
+            sum += rgb[1];
+        }
+    return sum * NQM_PI / (N * N);
+}
+
+/* No light is made, within the error of the fits of directional albedos and of Schlick's factor in them. */
+static void test_energy(void **state) {
+    (void)state;
+    static const char *const specs[] = {
+        "open-pbr:base_color=1;specular_roughness=.4",
+        "open-pbr:base_color=1;specular_roughness=1;base_diffuse_roughness=1",
+        "open-pbr:base_color=1;base_metalness=1;specular_roughness=.5",
+        "open-pbr:base_color=1;base_metalness=1;specular_roughness=1",
+        "open-pbr:base_color=1;coat_weight=1;coat_roughness=.4",
+        "open-pbr:base_color=1;fuzz_weight=1;fuzz_roughness=.7",
+        "standard-surface:base_color=1;specular_roughness=.4",
+        "standard-surface:base_color=1;metalness=1;specular_roughness=.8",
+        "standard-surface:base_color=1;sheen=1;coat=1;coat_roughness=.4",
+        "disney:baseColor=1;specular=1;clearcoat=1;clearcoatGloss=.5",
+    };
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+        nqm_brdf *brdf = open_brdf(specs[i]);
+        for (double theta = 0.1; theta < 1.4; theta += 0.3) {
+            const double albedo = albedo_of(brdf, theta);
+            if (!(albedo < 1.04))
+                fail_msg("%s: albedo %g at %g rad", specs[i], albedo, theta);
+        }
+        nqm_brdf_free(brdf);
+    }
+}
+
+/* At roughness 0 the energy-preserving model of Oren and Nayar is Lambert's. */
+static void test_lambert(void **state) {
+    (void)state;
+    nqm_brdf *brdf = open_brdf("open-pbr:base_color=.5;specular_weight=0;specular_ior=1");
+    const double wi[3] = {0.6, 0, 0.8}, wo[3] = {0, 0.6, 0.8};
+    double rgb[3];
+    nqm_brdf_eval(brdf, 1, wi, wo, rgb, NULL);
+    assert_true(rgb[0] > 0.4 / 3.15 && rgb[0] < 0.5 / 3.14); /* the layer takes its F90 share */
+    nqm_brdf_free(brdf);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_node_graphs),
+        cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_lambert),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: MIT
+"""The surface shaders of MaterialX from their node graphs and the equations of MaterialX.PBRSpec.md, in 80-bit floats and in
+angles (the library uses vectors). Directional albedos and compensation as in doc/materials.md.
+shading_materialx.csv: spec, wi, wo, r, g, b."""
+import csv
+import pathlib
+
+import numpy
+
+SEED = 14
+real = numpy.longdouble
+pi = numpy.arctan2(real(0), real(-1))
+rng = numpy.random.default_rng(SEED)
+sin, cos, tan, sqrt, exp, maximum, minimum = (numpy.sin, numpy.cos, numpy.tan, numpy.sqrt, numpy.exp, numpy.maximum,
+                                              numpy.minimum)
+white = numpy.ones(3, real)
+
+
+def one(v):
+    return minimum(maximum(v, 0), 1)
+
+
+def lerp(bg, fg, amount):
+    return bg * (1 - amount) + fg * amount
+
+
+class Pair:
+    """Angles of a pair of directions."""
+
+    def __init__(self, wi, wo):
+        wi, wo = wi.astype(real), wo.astype(real)
+        wi, wo = wi / sqrt(wi @ wi), wo / sqrt(wo @ wo)
+        h = (wi + wo) / sqrt((wi + wo) @ (wi + wo))
+        polar = lambda v: numpy.arctan2(numpy.hypot(v[0], v[1]), v[2])
+        self.i, self.o, self.h = polar(wi), polar(wo), polar(h)
+        self.d = numpy.arctan2(sqrt((wi - wo) @ (wi - wo)) / 2, wi @ h)
+        self.phi = numpy.arctan2(wi[1], wi[0]) - numpy.arctan2(wo[1], wo[0])
+        self.dot = wi @ wo
+
+
+# ---- nodes: each returns f_r and throughput -------------------------------------------------------------------------
+
+
+def alpha(roughness):
+    return minimum(maximum(roughness**2, real("1e-4")), 1)
+
+
+def ggx(p, a):
+    """Microfacet BRDF without F, from the GGX distribution and the height-correlated Smith function."""
+    hx, hz = sin(p.h), cos(p.h)
+    d = 1 / (pi * a * a * ((hx / a)**2 + hz**2)**2)
+    lam = lambda t: sqrt(a**2 + (1 - a**2) * cos(t)**2)
+    g2 = 2 * cos(p.i) * cos(p.o) / (lam(p.o) * cos(p.i) + lam(p.i) * cos(p.o))
+    return d * g2 / (4 * cos(p.i) * cos(p.o))
+
+
+def ggx_albedo(p, a):
+    """The rational fit of the GLSL generator: factors of F0 and F90."""
+    x, y = cos(p.o), a
+    rows = [("0.1003", "0.9345", "1", "1"), ("-0.6303", "-2.323", "-1.765", "0.2281"), ("9.748", "2.229", "8.263", "15.94"),
+            ("-2.038", "-3.748", "11.53", "-55.83"), ("29.34", "1.424", "28.96", "13.08"),
+            ("-8.245", "-0.7684", "-7.507", "41.26"), ("-26.44", "1.436", "-36.11", "54.9"),
+            ("19.99", "0.2913", "15.86", "300.2"), ("-5.448", "0.6286", "33.37", "-285.1")]
+    powers = [1, x, y, x * y, x**2, y**2, x**2 * y, x * y**2, x**2 * y**2]
+    a0, a1, b0, b1 = (sum(real(r[k]) * t for r, t in zip(rows, powers)) for k in range(4))
+    return one(a0 / b0), one(a1 / b1)
+
+
+def compensation(p, a, fresnel):
+    e = sum(ggx_albedo(p, a))
+    return 1 + fresnel * (1 - e) / e
+
+
+def dielectric(p, weight, tint, ior, a):
+    c = cos(p.d)
+    if ior**2 + c**2 < 1:
+        f = real(1)
+    else:
+        g = sqrt(ior**2 + c**2 - 1)
+        f = (g - c)**2 / (g + c)**2 * (1 + (c * (g + c) - 1)**2 / (c * (g - c) + 1)**2) / 2
+    k0, k90 = ggx_albedo(p, a)
+    comp = compensation(p, a, f)
+    f0 = ((ior - 1) / (ior + 1))**2
+    return weight * ggx(p, a) * f * comp * tint, (1 - weight * (k0 * f0 + k90) * comp) * white
+
+
+def schlick(p, weight, color0, color82, a):
+    ct = 1 / real(7)
+    dip = (color0 + (1 - color0) * (1 - ct)**5) * (1 - color82) / (ct * (1 - ct)**6)
+    f = color0 + (1 - color0) * (1 - cos(p.d))**5 - dip * cos(p.d) * (1 - cos(p.d))**6
+    f = maximum(f, 0)
+    k0, k90 = ggx_albedo(p, a)
+    comp = compensation(p, a, f)
+    return weight * ggx(p, a) * f * comp, (1 - weight * numpy.mean((k0 * color0 + k90) * comp)) * white
+
+
+def conductor(p, eta, kappa, a):
+    s2, c = sin(p.d)**2, cos(p.d)
+    ab = sqrt((eta**2 - kappa**2 - s2)**2 + 4 * eta**2 * kappa**2)
+    q = sqrt(maximum(0, (ab + eta**2 - kappa**2 - s2) / 2))
+    rs = (ab - 2 * q * c + c**2) / (ab + 2 * q * c + c**2)
+    rp = rs * (c**2 * ab - 2 * q * c * s2 + s2**2) / (c**2 * ab + 2 * q * c * s2 + s2**2)
+    f = (rs + rp) / 2
+    return ggx(p, a) * f * compensation(p, a, f), 0 * white
+
+
+def artistic_ior(reflectivity, edge):
+    r, g = minimum(maximum(reflectivity, 0), real("0.99")), one(edge)
+    n = g * (1 - r) / (1 + r) + (1 - g) * (1 + sqrt(r)) / (1 - sqrt(r))
+    return n, sqrt(maximum(0, ((n + 1)**2 * r - (n - 1)**2) / (1 - r)))
+
+
+def oren_nayar(p, weight, color, sigma):
+    s2 = sigma**2
+    a, b = 1 - s2 / (s2 + real("0.33")) / 2, real("0.45") * s2 / (s2 + real("0.09"))
+    g = maximum(0, cos(p.phi)) * sin(maximum(p.i, p.o)) * tan(minimum(p.i, p.o))
+    return weight * color / pi * (a + b * g), 0 * white
+
+
+def eon(p, weight, color, sigma):
+    c1, c2 = 1 / real(2) - 2 / (3 * pi), 2 / real(3) - 28 / (15 * pi)
+    a = 1 / (1 + c1 * sigma)
+    s = p.dot - cos(p.i) * cos(p.o)
+    st = s / maximum(cos(p.i), cos(p.o)) if s > 0 else s
+    single = color / pi * a * (1 + sigma * st)
+    if sigma == 0:
+        return weight * single, 0 * white
+
+    def e(t):
+        g = sin(t) * (t - sin(t) * cos(t)) + 2 * (sin(t) * (1 - sin(t)**3) / cos(t) - sin(t)) / 3
+        return a + sigma * a / pi * g
+    mean = (1 + c2 * sigma) / (1 + c1 * sigma)
+    many = color**2 * mean / (1 - color * (1 - mean))
+    return weight * (single + many / pi * (1 - e(p.o)) * (1 - e(p.i)) / (1 - mean)), 0 * white
+
+
+def burley(p, weight, color, sigma):
+    f90 = real("0.5") + 2 * sigma * cos(p.d)**2
+    f = lambda t: 1 + (f90 - 1) * (1 - cos(t))**5
+    return weight * color / pi * f(p.i) * f(p.o), 0 * white
+
+
+def conty_kulla(p, weight, color, r):
+    inverse = 1 / maximum(r, real("0.005"))
+    d = (2 + inverse) * (1 - cos(p.h)**2)**(inverse / 2) / (2 * pi)
+    f = color * d / (4 * (cos(p.i) + cos(p.o) - cos(p.i) * cos(p.o)))
+    x = cos(p.o)
+    fit = lambda *k: sum(real(c) * t for c, t in zip(k, (1, x, r, x * r, x * x, r * r)))
+    albedo = one(fit("13.67300", "-68.78018", "799.08825", "-905.00061", "60.28956", "1086.96473") /
+                 fit("1", "61.57746", "442.78211", "2597.49308", "121.81241", "3045.55075"))
+    return weight * f, (1 - weight * albedo) * white
+
+
+def zeltner(p, weight, color, r):
+    x, y = cos(p.o), minimum(maximum(r, real("0.01")), 1)
+    k = real
+    s = y * (k("0.0206607") + k("1.58491") * y) / (k("0.0379424") + y * (k("1.32227") + y))
+    m = y * (k("-0.193854") + y * (k("-1.14885") + y * (k("1.7932") - k("0.95943") * y**2))) / (k("0.046391") + y)
+    o = y * (k("0.000654023") + (k("-0.0207818") + k("0.119681") * y) * y) / (k("1.26264") + y * (k("-1.92021") + y))
+    albedo = exp(-((x - m) / s)**2 / 2) / (s * sqrt(2 * pi)) + o
+    a = (k("2.58126") * x + k("0.813703") * y) * y / (1 + k("0.310327") * x**2 + k("2.60994") * x * y)
+    b = sqrt(1 - x) * (y - 1) * y**3 / (k("0.0000254053") + k("1.71228") * x - k("1.71506") * x * y + k("1.34174") * y**2)
+    w = numpy.array([sin(p.i) * cos(p.phi), sin(p.i) * sin(p.phi), cos(p.i)])
+    w = numpy.array([[a, 0, b], [0, a, 0], [0, 0, 1]]) @ w
+    norm = sqrt(w @ w)
+    f = color * albedo * (w[2] / norm / pi) * a**2 / norm**3 / cos(p.i)
+    return weight * f, (1 - weight * albedo) * white
+
+
+def layer(top, base):
+    return top[0] + top[1] * base[0], top[1] * base[1]
+
+
+def mix(bg, fg, amount):
+    return lerp(bg[0], fg[0], amount), lerp(bg[1], fg[1], amount)
+
+
+def times(node, color):
+    return node[0] * one(color), node[1] * one(color)
+
+
+# ---- surfaces -------------------------------------------------------------------------------------------------------
+
+
+def open_pbr(p, v):
+    widened = minimum(1, 2 * v.coat_roughness**4 + v.specular_roughness**4)**(1 / real(4))
+    rough = lerp(v.specular_roughness, widened, v.coat_weight)
+    ratio = v.specular_ior / v.coat_ior
+    eta = lerp(v.specular_ior, ratio if ratio > 1 else 1 / ratio, v.coat_weight)
+    e = numpy.sign(eta - 1) * sqrt(minimum(v.specular_weight * ((eta - 1) / (eta + 1))**2, real("0.99999")))
+    diffuse = eon(p, v.base_weight, v.base_color, v.base_diffuse_roughness)
+    base = layer(dielectric(p, 1, v.specular_color, (1 + e) / (1 - e), alpha(rough)), diffuse)
+    metal = schlick(p, v.specular_weight, v.base_color * v.base_weight, v.specular_color, alpha(rough))
+    base = mix(base, metal, v.base_metalness)
+    f0 = ((v.coat_ior - 1) / (v.coat_ior + 1))**2
+    k = 1 - (1 - f0) / v.coat_ior**2
+    e_base = lerp(v.base_color, v.base_color * v.specular_weight, v.base_metalness)
+    base = times(base, lerp(white, (1 - k) / (1 - e_base * k), v.coat_weight * v.coat_darkening))
+    base = times(base, lerp(white, v.coat_color, v.coat_weight))
+    base = layer(dielectric(p, v.coat_weight, white, v.coat_ior, alpha(v.coat_roughness)), base)
+    return layer(zeltner(p, v.fuzz_weight, v.fuzz_color, v.fuzz_roughness), base)[0]
+
+
+def standard_surface(p, v):
+    rough = alpha(lerp(v.specular_roughness, 1, v.coat_affect_roughness * v.coat * v.coat_roughness))
+    diffuse = oren_nayar(p, v.base, v.base_color**(1 + v.coat * v.coat_affect_color), v.diffuse_roughness)
+    base = layer(conty_kulla(p, v.sheen, v.sheen_color, v.sheen_roughness), diffuse)
+    base = layer(dielectric(p, v.specular, v.specular_color, v.specular_IOR, rough), base)
+    eta, kappa = artistic_ior(v.base_color * v.base, v.specular_color * v.specular)
+    base = times(mix(base, conductor(p, eta, kappa, rough), v.metalness), lerp(white, v.coat_color, v.coat))
+    return layer(dielectric(p, v.coat, white, v.coat_IOR, alpha(v.coat_roughness)), base)[0]
+
+
+def disney(p, v):
+    base = layer(conty_kulla(p, v.sheen, lerp(white, v.baseColor, v.sheenTint), real("0.3")),
+                 burley(p, 1 - v.metallic, v.baseColor, v.roughness))
+    tint = lerp(white, v.baseColor, v.specularTint)
+    base = layer(schlick(p, v.specular * real("0.08"), tint, white, alpha(v.roughness)), base)
+    base = mix(base, schlick(p, 1, v.baseColor, white, alpha(v.roughness)), v.metallic)
+    return layer(schlick(p, v.clearcoat * real("0.04"), white, white, alpha(1 - v.clearcoatGloss)), base)[0]
+
+
+# name: (values, the usual interval, chance of being drawn instead of one of the ends); the others keep the defaults
+KEYS = {
+    "open-pbr": (open_pbr, {
+        "base_weight": (1, 0, 1), "base_color": (3, 0, 1), "base_diffuse_roughness": (1, 0, 1), "base_metalness": (1, 0, 1),
+        "specular_weight": (1, 0, 1), "specular_color": (3, 0, 1), "specular_roughness": (1, 0, 1), "specular_ior": (1, 1, 3),
+        "fuzz_weight": (1, 0, 1), "fuzz_color": (3, 0, 1), "fuzz_roughness": (1, 0, 1), "coat_weight": (1, 0, 1),
+        "coat_color": (3, 0, 1), "coat_roughness": (1, 0, 1), "coat_ior": (1, 1, 3), "coat_darkening": (1, 0, 1)}),
+    "standard-surface": (standard_surface, {
+        "base": (1, 0, 1), "base_color": (3, 0, 1), "diffuse_roughness": (1, 0, 1), "metalness": (1, 0, 1),
+        "specular": (1, 0, 1), "specular_color": (3, 0, 1), "specular_roughness": (1, 0, 1), "specular_IOR": (1, 0.5, 3),
+        "sheen": (1, 0, 1), "sheen_color": (3, 0, 1), "sheen_roughness": (1, 0, 1), "coat": (1, 0, 1), "coat_color": (3, 0, 1),
+        "coat_roughness": (1, 0, 1), "coat_IOR": (1, 0.5, 3), "coat_affect_color": (1, 0, 1),
+        "coat_affect_roughness": (1, 0, 1)}),
+    "disney": (disney, {
+        "baseColor": (3, 0, 1), "metallic": (1, 0, 1), "roughness": (1, 0, 1), "specular": (1, 0, 1),
+        "specularTint": (1, 0, 1), "sheen": (1, 0, 1), "sheenTint": (1, 0, 1), "clearcoat": (1, 0, 1),
+        "clearcoatGloss": (1, 0, 1)}),
+}
+
+
+class Values:
+    pass
+
+
+def draw(keys):
+    values, text = Values(), []
+    for name, (n, low, high) in keys.items():
+        v = numpy.round(rng.uniform(low, high, n), 3)
+        if rng.uniform() < 0.25:
+            v = numpy.full(n, rng.choice([low, high]))
+        setattr(values, name, v.astype(real) if n == 3 else real(v[0]))
+        text.append(name + "=" + ",".join(repr(float(x)) for x in v))
+    return values, ";".join(text)
+
+
+def direction():
+    z = rng.uniform(0.05, 1)
+    phi = rng.uniform(0, 2 * numpy.pi)
+    r = numpy.sqrt(1 - z * z)
+    return numpy.array([r * numpy.cos(phi), r * numpy.sin(phi), z])
+
+
+def near_mirror(wo):
+    """A direction whose half vector is near the normal."""
+    w = numpy.array([-wo[0], -wo[1], wo[2]]) + 0.1 * rng.normal(size=3)
+    w[2] = abs(w[2]) + 0.02
+    return w / numpy.linalg.norm(w)
+
+
+def main():
+    path = pathlib.Path(__file__).with_suffix(".csv")
+    with open(path, "w", newline="") as file:
+        file.write(f"# made by {pathlib.Path(__file__).name}: numpy {numpy.__version__}, 80-bit floats, seed {SEED}\n")
+        out = csv.writer(file, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
+        file.write("spec,wix,wiy,wiz,wox,woy,woz,r,g,b\n")
+        for model, (function, keys) in KEYS.items():
+            for _ in range(60):
+                values, text = draw(keys)
+                for k in range(2):
+                    wo = direction()
+                    wi = near_mirror(wo) if k else direction()
+                    f = function(Pair(wi, wo), values)
+                    out.writerow([model + ":" + text, *map(float, wi), *map(float, wo), *map(float, f)])
+
+
+main()
