@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * `gltf`, the material of glTF 2.0: metallic-roughness as in Appendix B of the specification (with the height-correlated shadowing that it
+ * has since December 2025), and its extensions KHR_materials_specular, KHR_materials_ior, KHR_materials_sheen and
+ * KHR_materials_clearcoat, layered in this order.
+ *
+ * Not reciprocal: the Fresnel factor of the clear coat depends on the viewer only. Specular and diffuse reflection share the light by
+ * the Fresnel factor of the half vector, which can reflect more light than arrives at grazing angles. The specification says
+ * so, and has no compensation for multiple scattering.
+ */
+#include "brdf/microfacet.h"
+#include "brdf/sheen_albedo.h"
+#include "brdf/spec.h"
+
+enum {
+    BASE_COLOR,
+    METALLIC,
+    ROUGHNESS,
+    IOR,
+    SPECULAR,
+    SPECULAR_COLOR,
+    CLEARCOAT,
+    CLEARCOAT_ROUGHNESS,
+    SHEEN_COLOR,
+    SHEEN_ROUGHNESS,
+    N_KEYS
+};
+
+/** Narrower lobes are mirrors in the specification, which have no value. */
+static const double MIN_ALPHA = 1e-4, MIN_SHEEN_ROUGHNESS = 1e-3;
+static const double COAT_F0 = 0.04;
+
+/** The sheen lobe at one roughness. */
+typedef struct sheen {
+    double color[3], max_color; /**< 0: no sheen */
+    double inverse_alpha;
+    double shape[5];            /**< of the shadowing */
+    double shape_half;          /**< exponent at a cosine of one half */
+    double albedo[NQM_SHEEN_N]; /**< at the square root of the cosine j / (NQM_SHEEN_N - 1) */
+} sheen;
+
+typedef struct gltf {
+    nqm_spec_state spec;
+    double base_color[3], diffuse[3]; /**< diffuse: f_r of the base without Fresnel factor */
+    double f0[3], f90, metallic;      /**< of the dielectric part */
+    double alpha2, coat, coat_alpha2;
+    sheen sheen;
+} gltf;
+
+/* ---- sheen: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF" ---------------------------------- */
+
+static double mix(double a, double b, double t) {
+    return a + (b - a) * t;
+}
+
+/** Catmull-Rom interpolation of equidistant samples at i + t. */
+static double cubic(double before, double a, double b, double after, double t) {
+    return a + 0.5 * t * (b - before + t * (2 * before - 5 * a + 4 * b - after + t * (3 * (a - b) + after - before)));
+}
+
+enum { LAST = NQM_SHEEN_N - 1 };
+
+static double table_value(double roughness_index, size_t column) {
+    const size_t i = (size_t)fmin(roughness_index, LAST - 1);
+    const uint16_t *before = nqm_sheen_albedo[i ? i - 1 : 0], *a = nqm_sheen_albedo[i], *b = nqm_sheen_albedo[i + 1],
+                   *after = nqm_sheen_albedo[i + 2 > LAST ? LAST : i + 2];
+    return 1e-4 * cubic(before[column], a[column], b[column], after[column], roughness_index - (double)i);
+}
+
+static double sheen_albedo(const sheen *self, double cosine) {
+    const double x = LAST * sqrt(cosine);
+    const size_t j = (size_t)fmin(x, LAST - 1);
+    const double *e = self->albedo;
+    return fmin(1, fmax(0, cubic(e[j ? j - 1 : 0], e[j], e[j + 1], e[j + 2 > LAST ? LAST : j + 2], x - (double)j)));
+}
+
+/** The function l of the paper. */
+static double shadowing_exponent(const double *shape, double x) {
+    return shape[0] / (1 + shape[1] * pow(x, shape[2])) + shape[3] * x + shape[4];
+}
+
+static double sheen_shadowing(const sheen *self, double cosine) {
+    return exp(cosine < 0.5 ? shadowing_exponent(self->shape, cosine)
+                            : 2 * self->shape_half - shadowing_exponent(self->shape, fmax(0, 1 - cosine)));
+}
+
+static void sheen_prepare(sheen *self, const double *color, double roughness) {
+    static const double rough[5] = {21.5473, 3.82987, 0.19823, -1.97760, -4.32054},
+                        smooth[5] = {25.3245, 3.32435, 0.16801, -1.27393, -4.85967};
+    for (size_t c = 0; c < 3; ++c)
+        self->color[c] = color[c];
+    self->max_color = fmax(color[0], fmax(color[1], color[2]));
+    if (self->max_color == 0)
+        return;
+    roughness = fmax(roughness, MIN_SHEEN_ROUGHNESS);
+    const double alpha = roughness * roughness;
+    self->inverse_alpha = 1 / alpha;
+    for (size_t k = 0; k < 5; ++k)
+        self->shape[k] = mix(rough[k], smooth[k], (1 - alpha) * (1 - alpha));
+    self->shape_half = shadowing_exponent(self->shape, 0.5);
+    for (size_t j = 0; j < NQM_SHEEN_N; ++j)
+        self->albedo[j] = table_value(LAST * roughness, j);
+}
+
+/** Cover the values of one pair with the layer. */
+static void add_sheen(const sheen *self, const half_angles *h, double cos_i, double cos_o, double *rgb) {
+    const double sin_h = sqrt(h->tan2_h / (1 + h->tan2_h));
+    const double distribution = (2 + self->inverse_alpha) * pow(sin_h, self->inverse_alpha) / (2 * NQM_PI);
+    const double shadowing = 1 + (sheen_shadowing(self, cos_i) + sheen_shadowing(self, cos_o));
+    const double lobe = distribution / (shadowing * 4 * (cos_i * cos_o));
+    const double passed = 1 - self->max_color * fmax(sheen_albedo(self, cos_i), sheen_albedo(self, cos_o));
+    for (size_t c = 0; c < 3; ++c)
+        rgb[c] = self->color[c] * lobe + passed * rgb[c];
+}
+
+/* ---- the material ------------------------------------------------------------------------------------------------ */
+
+static void gltf_prepare(const nqm_spec_values *values, void *state) {
+    gltf *self = state;
+    const double ior = values->v[IOR][0], r = (ior - 1) / (ior + 1), specular = values->v[SPECULAR][0];
+    const double alpha = fmax(MIN_ALPHA, values->v[ROUGHNESS][0] * values->v[ROUGHNESS][0]);
+    const double coat_alpha = fmax(MIN_ALPHA, values->v[CLEARCOAT_ROUGHNESS][0] * values->v[CLEARCOAT_ROUGHNESS][0]);
+    for (size_t c = 0; c < 3; ++c) {
+        self->base_color[c] = values->v[BASE_COLOR][c];
+        self->diffuse[c] = values->v[BASE_COLOR][c] / NQM_PI;
+        self->f0[c] = fmin(1, r * r * values->v[SPECULAR_COLOR][c]) * specular;
+    }
+    self->f90 = specular;
+    self->metallic = values->v[METALLIC][0];
+    self->alpha2 = alpha * alpha;
+    self->coat = values->v[CLEARCOAT][0];
+    self->coat_alpha2 = coat_alpha * coat_alpha;
+    sheen_prepare(&self->sheen, values->v[SHEEN_COLOR], values->v[SHEEN_ROUGHNESS][0]);
+}
+
+static double specular_lobe(const half_angles *h, double cos_i, double cos_o, double alpha2) {
+    return ggx_distribution(h->tan2_h, alpha2) * ggx_correlated_visibility(cos_i, cos_o, alpha2);
+}
+
+/** Metallic-roughness without layers. */
+static void base_material(const gltf *self, const half_angles *h, double cos_i, double cos_o, double *rgb) {
+    const double lobe = specular_lobe(h, cos_i, cos_o, self->alpha2);
+    double f[3];
+    for (size_t c = 0; c < 3; ++c)
+        f[c] = schlick_between(self->f0[c], self->f90, h->cos_d);
+    const double left = 1 - fmax(f[0], fmax(f[1], f[2]));
+    for (size_t c = 0; c < 3; ++c)
+        rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], schlick_factor(self->base_color[c], h->cos_d) * lobe,
+                     self->metallic);
+}
+
+static void gltf_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
+    const gltf *self = state;
+    for (size_t i = 0; i < n; ++i) {
+        const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
+        const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2];
+        base_material(self, &h, cos_i, cos_o, rgb + 3 * i);
+        if (self->sheen.max_color > 0)
+            add_sheen(&self->sheen, &h, cos_i, cos_o, rgb + 3 * i);
+        if (self->coat > 0) {
+            const double lobe = specular_lobe(&h, cos_i, cos_o, self->coat_alpha2);
+            const double weight = self->coat * schlick_factor(COAT_F0, cos_o);
+            for (size_t c = 0; c < 3; ++c)
+                rgb[3 * i + c] = mix(rgb[3 * i + c], lobe, weight);
+        }
+    }
+}
+
+/* An index of 0 means a Fresnel factor of 1, as in the specification; the formula gives that. */
+const nqm_analytic_model nqm_gltf_model = {
+    .schema = {"gltf",
+               N_KEYS,
+               {[BASE_COLOR] = {.name = "base_color", .n = 3, .low = 0, .high = 1, .fallback = 1},
+                [METALLIC] = {.name = "metallic", .n = 1, .low = 0, .high = 1, .fallback = 1},
+                [ROUGHNESS] = {.name = "roughness", .n = 1, .low = 0, .high = 1, .fallback = 1},
+                [IOR] = {.name = "ior", .n = 1, .low = 0, .high = 1000, .fallback = 1.5},
+                [SPECULAR] = {.name = "specular", .n = 1, .low = 0, .high = 1, .fallback = 1},
+                [SPECULAR_COLOR] = {.name = "specular_color", .n = 3, .low = 0, .high = 1000, .fallback = 1},
+                [CLEARCOAT] = {.name = "clearcoat", .n = 1, .low = 0, .high = 1},
+                [CLEARCOAT_ROUGHNESS] = {.name = "clearcoat_roughness", .n = 1, .low = 0, .high = 1},
+                [SHEEN_COLOR] = {.name = "sheen_color", .n = 3, .low = 0, .high = 1},
+                [SHEEN_ROUGHNESS] = {.name = "sheen_roughness", .n = 1, .low = 0, .high = 1}}},
+    .class_ = {.format = "gltf", .eval = gltf_eval, .jacobian = nqm_spec_jacobian, .free = nqm_free},
+    .state_size = sizeof(gltf),
+    .prepare = gltf_prepare,
+};

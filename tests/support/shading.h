@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * shading.h - checks of shading models, by the specs of their BRDFs.
+ */
+#ifndef NQM_TESTS_SHADING_H
+#define NQM_TESTS_SHADING_H
+
+#include "support/check.h"
+
+/** A file of tests/vectors with the columns spec, wi, wo, r, g, b; at least 100 rows. */
+void check_shading_vectors(const char *name, double relative_tolerance);
+/** f_r(wi, wo) = f_r(wo, wi) to rounding, at 200 random pairs. */
+void check_shading_reciprocity(const char *spec);
+int is_shading_reciprocal(const char *spec);
+/** The largest albedo of the channels for light at the polar angle theta (radians), to about 1 percent for roughness above 0.3. */
+double shading_albedo(const char *spec, double theta);
+
+#endif

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""The material of glTF 2.0 from its specification: Appendix B (as of December 2025, with height-correlated shadowing),
+KHR_materials_specular, _ior, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
+src/brdf/sheen_albedo.h (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
+shading_gltf.csv: spec, wi, wo, r, g, b."""
+import csv
+import pathlib
+import re
+
+import numpy
+
+SEED = 14
+HERE = pathlib.Path(__file__).parent
+real = numpy.longdouble
+pi = numpy.arctan2(real(0), real(-1))
+
+
+def polar(v):
+    return numpy.arctan2(numpy.hypot(v[0], v[1]), v[2])
+
+
+def geometry(wi, wo):
+    """Polar angles of light, viewer and half vector, and the angle between half vector and light."""
+    wi, wo = (v.astype(real) / numpy.sqrt((v.astype(real)**2).sum()) for v in (wi, wo))
+    h = wi + wo
+    h = h / numpy.sqrt(h @ h)
+    return polar(wi), polar(wo), polar(h), numpy.arccos(min(real(1), wi @ h))
+
+
+def ggx(ti, to, th, roughness):
+    """D G / (4 cos cos), Heitz 2014, from Lambda."""
+    alpha = max(real(roughness)**2, real("1e-4"))
+    d = alpha**2 / (pi * numpy.cos(th)**4 * (alpha**2 + numpy.tan(th)**2)**2)
+    shadowing = [(numpy.sqrt(1 + (alpha * numpy.tan(t))**2) - 1) / 2 for t in (ti, to)]
+    return d / (1 + sum(shadowing)) / (4 * numpy.cos(ti) * numpy.cos(to))
+
+
+def schlick(f0, f90, cosine):
+    return f0 + (f90 - f0) * (1 - cosine)**5
+
+
+def sheen_lambda(theta, alpha):
+    rows = [[21.5473, 25.3245], [3.82987, 3.32435], [0.19823, 0.16801], [-1.97760, -1.27393], [-4.32054, -4.85967]]
+    t = (1 - alpha)**2
+    a, b, c, d, e = (real(str(p)) * (1 - t) + real(str(q)) * t for p, q in rows)
+    value = lambda x: a / (1 + b * x**c) + d * x + e
+    x = numpy.cos(theta)
+    return numpy.exp(value(x) if x < 0.5 else 2 * value(real(0.5)) - value(1 - x))
+
+
+TABLE = numpy.array([[int(v) for v in re.findall(r"\d+", row)] for row in
+                     re.findall(r"^    \{(.*?)\}", (HERE / "../../src/brdf/sheen_albedo.h").read_text(), re.S | re.M)], real) / 10000
+assert TABLE.shape == (32, 32)
+
+
+def interpolate(samples, x):
+    """Cubic Hermite, slopes by central differences; the ends are repeated."""
+    i = min(int(x), 30)
+    p = [samples[min(31, max(0, i + k))] for k in (-1, 0, 1, 2)]
+    t = x - i
+    return ((2 * t**3 - 3 * t**2 + 1) * p[1] + (t**3 - 2 * t**2 + t) * (p[2] - p[0]) / 2 + (3 * t**2 - 2 * t**3) * p[2] +
+            (t**3 - t**2) * (p[3] - p[1]) / 2)
+
+
+def sheen_albedo(theta, roughness):
+    return min(1, max(0, interpolate(interpolate(TABLE, 31 * roughness), 31 * numpy.sqrt(numpy.cos(theta)))))
+
+
+def gltf(wi, wo, m):
+    ti, to, th, td = geometry(wi, wo)
+    m = {k: numpy.array(v, real) for k, v in m.items()}
+    ior = m["ior"]
+    f0 = numpy.minimum(((ior - 1) / (ior + 1))**2 * m["specular_color"], 1) * m["specular"]
+    f = schlick(f0, m["specular"], numpy.cos(td))
+    lobe = ggx(ti, to, th, m["roughness"])
+    dielectric = f * lobe + (1 - f.max()) * m["base_color"] / pi
+    metal = schlick(m["base_color"], 1, numpy.cos(td)) * lobe
+    material = (1 - m["metallic"]) * dielectric + m["metallic"] * metal
+    if m["sheen_color"].max() > 0:
+        r = max(m["sheen_roughness"], real("1e-3"))
+        d = (2 + 1 / r**2) * numpy.sin(th)**(1 / r**2) / (2 * pi)
+        v = 1 / ((1 + sheen_lambda(ti, r**2) + sheen_lambda(to, r**2)) * 4 * numpy.cos(ti) * numpy.cos(to))
+        scaling = min(1 - m["sheen_color"].max() * sheen_albedo(t, r) for t in (ti, to))
+        material = m["sheen_color"] * d * v + material * scaling
+    weight = m["clearcoat"] * schlick(real("0.04"), 1, numpy.cos(to))
+    return (1 - weight) * material + weight * ggx(ti, to, th, m["clearcoat_roughness"])
+
+
+def pairs(rng, alpha, n):
+    """Half the pairs are anywhere, half near the mirror direction, where narrow lobes are."""
+    for i in range(n):
+        wi = rng.normal(size=3)
+        wi[2] = abs(wi[2]) + 1e-3
+        wi /= numpy.linalg.norm(wi)
+        wo = rng.normal(size=3) if i % 2 else wi * [-1, -1, 1] + alpha * rng.normal(size=3) / 2
+        wo[2] = abs(wo[2]) + 1e-3
+        yield wi, wo / numpy.linalg.norm(wo)
+
+
+def text(value):
+    return ",".join(repr(float(x)) for x in numpy.atleast_1d(value))
+
+
+def write_vectors(script, seed, model, function, materials, rng):
+    """materials: (values of all keys, those given in the spec)."""
+    rows = []
+    for values, given in materials:
+        spec = f"{model}:" + ";".join(f"{k}={text(values[k])}" for k in given)
+        for wi, wo in pairs(rng, max(1e-3, values["roughness"]**2), 8):
+            f = function(wi, wo, values)
+            rows.append([spec, *map(repr, map(float, wi)), *map(repr, map(float, wo)), *(f"{float(v):.17g}" for v in f)])
+    with open(pathlib.Path(script).with_suffix(".csv"), "w", newline="") as f:
+        f.write(f"# {pathlib.Path(script).name}, NumPy {numpy.__version__}, seed {seed}\n")
+        out = csv.writer(f, lineterminator="\n")
+        out.writerow("spec wix wiy wiz wox woy woz r g b".split())
+        out.writerows(rows)
+
+
+DEFAULTS = {"base_color": [1, 1, 1], "metallic": 1, "roughness": 1, "ior": 1.5, "specular": 1, "specular_color": [1, 1, 1],
+            "clearcoat": 0, "clearcoat_roughness": 0, "sheen_color": [0, 0, 0], "sheen_roughness": 0}
+
+
+def materials(rng):
+    yield dict(DEFAULTS), ["metallic"]
+    yield dict(DEFAULTS, roughness=0), ["roughness"]
+    yield dict(DEFAULTS, metallic=0, ior=0), ["metallic", "ior"]
+    yield dict(DEFAULTS, metallic=0, sheen_color=[1, .5, .2]), ["metallic", "sheen_color"]
+    yield dict(DEFAULTS, clearcoat=1, base_color=[.9, .1, .1]), ["clearcoat", "base_color"]
+    for i in range(30):
+        m = {k: rng.uniform(0.05, 1, 3) if isinstance(v, list) else float(rng.uniform(0.05, 1)) for k, v in DEFAULTS.items()}
+        m["ior"] = float(rng.uniform(1, 3))
+        m["specular_color"] = rng.uniform(0, 12 if i % 3 == 0 else 1, 3)
+        if i % 4 == 0:
+            m["metallic"] = 0
+        if i % 5 < 2:
+            m["sheen_color"] = [0, 0, 0]
+        if i % 7 < 3:
+            m["clearcoat"] = 0
+        yield m, list(DEFAULTS)
+
+
+if __name__ == "__main__":
+    generator = numpy.random.default_rng(SEED)
+    write_vectors(__file__, SEED, "gltf", gltf, materials(generator), generator)
