@@ -6,8 +6,13 @@
 set -eu
 nqm=${1:-nqm}
 
+# Print a command as a shell reads it, and run it.
 run() {
-    printf '\n$ nqm %s\n' "$*"
+    printf '\n$ nqm'
+    for argument in "$@"; do
+        case $argument in *';'*) printf " '%s'" "$argument" ;; *) printf ' %s' "$argument" ;; esac
+    done
+    echo
     "$nqm" "$@"
 }
 

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lists of strings (names.h).
+ * Lists of strings and the nearest of several names (names.h).
  */
 #include "base/names.h"
 
+#include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 nqm_status nqm_names_add(nqm_names *names, const char *name, size_t n_bytes, nqm_error *err) {
@@ -33,4 +35,49 @@ void nqm_names_free(nqm_names *names) {
     nqm_free(names->start);
     nqm_free(names->text);
     *names = (nqm_names){0};
+}
+
+/* ---- the nearest name -------------------------------------------------------------------------------------------- */
+
+enum { MAX_LENGTH = 40 };
+
+static char fold(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' ? '-' : c;
+}
+
+static size_t least(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+/* Edit distance with exchanges of neighbours; a and b have at most MAX_LENGTH characters. d[i][j]: of the first i characters
+ * of a to the first j of b. */
+static size_t distance(const char *a, const char *b) {
+    size_t d[MAX_LENGTH + 1][MAX_LENGTH + 1];
+    const size_t n_a = strlen(a), n_b = strlen(b);
+    for (size_t i = 0; i <= n_a; ++i)
+        for (size_t j = 0; j <= n_b; ++j) {
+            d[i][j] = i + j;
+            if (i == 0 || j == 0)
+                continue;
+            const bool equal = fold(a[i - 1]) == fold(b[j - 1]);
+            d[i][j] = least(d[i - 1][j - 1] + !equal, least(d[i - 1][j], d[i][j - 1]) + 1);
+            if (i > 1 && j > 1 && fold(a[i - 1]) == fold(b[j - 2]) && fold(a[i - 2]) == fold(b[j - 1]))
+                d[i][j] = least(d[i][j], d[i - 2][j - 2] + 1);
+        }
+    return d[n_a][n_b];
+}
+
+nqm_nearest nqm_nearest_begin(const char *wanted) {
+    size_t n = strlen(wanted), limit = n < 6 ? 1 : n / 3;
+    return (nqm_nearest){.wanted = wanted, .distance = least(limit, 4) + 1};
+}
+
+void nqm_nearest_add(nqm_nearest *nearest, const char *name) {
+    if (strlen(name) > MAX_LENGTH || strlen(nearest->wanted) > MAX_LENGTH)
+        return;
+    const size_t d = distance(nearest->wanted, name);
+    if (d >= nearest->distance)
+        return;
+    nearest->distance = d;
+    snprintf(nearest->advice, sizeof nearest->advice, " (did you mean '%s'?)", name);
 }

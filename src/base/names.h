@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * names.h - a growing list of strings, stored in one block, with a linear search.
+ * names.h - a growing list of strings, stored in one block, with a linear search; and the nearest of several names.
  */
 #ifndef NQM_SRC_BASE_NAMES_H
 #define NQM_SRC_BASE_NAMES_H
@@ -24,5 +24,16 @@ NQM_MUST_CHECK nqm_status nqm_names_add(nqm_names *names, const char *name, size
 NQM_MUST_CHECK nqm_status nqm_names_intern(nqm_names *names, const char *name, size_t n_bytes, uint32_t *index_ret,
                                            nqm_error *err);
 void nqm_names_free(nqm_names *names);
+
+/** The name among several that is most like a misspelt one. */
+typedef struct nqm_nearest {
+    const char *wanted;
+    size_t distance;  /* of the nearest name so far; larger than the limit when there is none */
+    char advice[120]; /* " (did you mean 'score'?)", or "" */
+} nqm_nearest;
+nqm_nearest nqm_nearest_begin(const char *wanted);
+/** Offer a name. Names count as near when a third of the letters (at least 1, at most 4) must be inserted, deleted, replaced or
+ *  exchanged with the next. Case, '-' and '_' make no difference. */
+void nqm_nearest_add(nqm_nearest *nearest, const char *name);
 
 #endif

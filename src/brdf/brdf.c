@@ -5,6 +5,7 @@
  * 10.1007/978-3-7091-6453-2_2). Independent of the formats.
  */
 #include "brdf/brdf.h"
+#include "brdf/spec.h"
 
 #include "io/io.h"
 #include "material/material.h"
@@ -178,6 +179,17 @@ static bool exists(const char *path) {
     return stat(path, &st) == 0;
 }
 
+/* Neither a file nor a spec: is it a misspelt spec? */
+static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
+    char model[64];
+    snprintf(model, sizeof model, "%.*s", (int)strcspn(path_or_spec, ":"), path_or_spec);
+    nqm_nearest nearest = nqm_nearest_begin(model);
+    nqm_spec_nearest(&nearest);
+    return *nearest.advice ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s",
+                                      path_or_spec, model, nearest.advice)
+                           : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+}
+
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (nqm_spec_probe(path_or_spec))
@@ -190,7 +202,7 @@ nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_erro
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
     path[colon - path_or_spec] = 0;
     nqm_status status = exists(path) ? open_file(path, colon + 1, path_or_spec, brdf_ret, err)
-                                     : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+                                     : fail_missing(path_or_spec, brdf_ret, err);
     nqm_free(path);
     return status;
 }

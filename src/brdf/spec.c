@@ -235,6 +235,15 @@ bool nqm_spec_probe(const char *text) {
            (nqm_analytic_model_find(text, n) || nqm_preset_table_find(text, n) || find_wrapper(text) < N_WRAPPERS);
 }
 
+void nqm_spec_nearest(nqm_nearest *nearest) {
+    for (const nqm_analytic_model *const *m = models; *m; ++m)
+        nqm_nearest_add(nearest, (*m)->schema.model);
+    for (const nqm_preset_table *t = nqm_preset_tables; t->name; ++t)
+        nqm_nearest_add(nearest, t->name);
+    nqm_nearest_add(nearest, "perturb");
+    nqm_nearest_add(nearest, "between");
+}
+
 static size_t count_wrappers(const char *spec) {
     size_t n = 0;
     for (const char *at = spec; *at; ++at)

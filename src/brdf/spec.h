@@ -7,6 +7,7 @@
 #ifndef NQM_SRC_BRDF_SPEC_H
 #define NQM_SRC_BRDF_SPEC_H
 
+#include "base/names.h"
 #include "brdf/brdf.h"
 #include "brdf/presets_data.h"
 
@@ -96,6 +97,9 @@ NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 
 /** The model of the first n characters of `name`; NULL when there is none. */
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
+
+/** Offer the names of all models, tables of presets and perturb, between. */
+void nqm_spec_nearest(nqm_nearest *nearest);
 
 /** A table of presets, or NULL. */
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);

@@ -73,12 +73,19 @@ for flavour in nqm nqm-full; do
 done
 mkdir "$dir/user"
 cmake -S "$source/tests/structure/package" -B "$dir/user" -DCMAKE_PREFIX_PATH="$prefix" -DEXAMPLE="$source/examples/score_threads.c" \
-    -DCMAKE_C_FLAGS=-D_XOPEN_SOURCE=700 >"$dir/log" 2>&1 && cmake --build "$dir/user" >>"$dir/log" 2>&1 || fail "$(cat "$dir/log")"
+    -DCMAKE_C_FLAGS=-D_XOPEN_SOURCE=700 >"$dir/log" 2>&1 || fail "$(cat "$dir/log")"
+cmake --build "$dir/user" >"$dir/log" 2>&1 || fail "$(cat "$dir/log")"
 for library in nqm full nqm-static full-static; do
     matches "$dir/user/with-$library" "$@"
 done
 
 "$prefix/bin/nqm" --version | grep -q '^nqm [0-9]'
+for verb in $("$prefix/bin/nqm" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
+    [ -s "$prefix/share/man/man1/nqm-$verb.1" ] || fail "there is no man page of $verb"
+done
+for file in bash-completion/completions/nqm zsh/site-functions/_nqm fish/vendor_completions.d/nqm.fish man/man1/nqm.1; do
+    [ -s "$prefix/share/$file" ] || fail "share/$file is not installed"
+done
 for page in "$prefix"/share/doc/nqm/*.md "$prefix"/share/doc/nqm/doc/*.md; do
     grep -oE '\]\([^)#: ]+' "$page" | sed "s/^](//" | grep -vE "^https?$" | while read -r link; do
         [ -e "$(dirname "$page")/$link" ] || fail "$page links to $link, which is not installed"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options from tables, which drive parsing, ranges, defaults and help. Options may be anywhere among the arguments; `--` ends
+ * Options from tables, which drive parsing, ranges, defaults and help (help.c). Options may be anywhere among the arguments; `--` ends
  * them.
  */
-#include "nqm/tool.h"
+#include "base/names.h"
+#include "nqm/help.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,72 +17,36 @@ typedef struct found {
     bool is_flag, is_off;
 } found;
 
-static found own_option(const option *o) {
+nqm_option own_row(const command *cmd, const option *o) {
+    const option_words *w = cmd->words;
+    while (w && w->name && strcmp(w->name, o->name) != 0)
+        ++w;
     static const nqm_option_kind kinds[] = {
         [OPTION_FLAG] = NQM_OPTION_BOOL,     [OPTION_TEXT] = NQM_OPTION_TEXT, [OPTION_NEEDED] = NQM_OPTION_TEXT,
         [OPTION_NUMBER] = NQM_OPTION_DOUBLE, [OPTION_COUNT] = NQM_OPTION_U64, [OPTION_FORMAT] = NQM_OPTION_BOOL};
-    return (found){.row = {.name = o->name,
-                           .off_name = "",
-                           .metavar = o->metavar,
-                           .help = o->help,
-                           .kind = kinds[o->kind],
-                           .min = o->min,
-                           .max = o->max},
-                   .target = o->target,
-                   .own = o,
-                   .is_flag = kinds[o->kind] == NQM_OPTION_BOOL};
+    return (nqm_option){.name = o->name,
+                        .off_name = "",
+                        .metavar = o->metavar,
+                        .help = o->help,
+                        .kind = kinds[o->kind],
+                        .min = kinds[o->kind] == NQM_OPTION_BOOL ? 0 : o->min, /* of a format: its value */
+                        .max = o->max,
+                        .words = w ? w->words : NULL};
+}
+
+static found own_option(const command *cmd, const option *o) {
+    const nqm_option row = own_row(cmd, o);
+    return (found){.row = row, .target = o->target, .own = o, .is_flag = row.kind == NQM_OPTION_BOOL};
 }
 
 static found table_option(const command *cmd, const nqm_option *o) {
     return (found){.row = *o, .target = cmd->table_target, .is_flag = nqm_option_is_flag(o)};
 }
 
-/* ---- help -------------------------------------------------------------------------------------------------------- */
+static help_printer *help_printer_now; /* NULL: arguments are parsed */
 
-static void print_help_line(char letter, const char *name, const char *metavar, const char *help) {
-    char left[NQM_OPTION_TEXT_MAX + 64], short_form[8] = "    ";
-    if (letter)
-        snprintf(short_form, sizeof short_form, "-%c, ", letter);
-    snprintf(left, sizeof left, "  %s--%s%s%s", short_form, name, metavar ? " " : "", metavar ? metavar : "");
-    printf("%-30s %s", left, help);
-}
-
-/* Help, what is allowed, unit and default; then the name that switches a flag off. */
-static void print_option(found f) {
-    const nqm_option *o = &f.row;
-    char name[NQM_OPTION_TEXT_MAX], text[NQM_OPTION_TEXT_MAX];
-    if (!*nqm_option_name(o, name))
-        return;
-    print_help_line(f.own ? f.own->letter : 0, name, o->metavar, o->help);
-    if (!f.is_flag && (o->words || o->min != 0 || o->max != 0))
-        printf("; %s", nqm_option_allowed(o, text));
-    if (o->unit)
-        printf(", %s", o->unit);
-    bool has_default = o->kind != NQM_OPTION_DOUBLE || isfinite(*(double *)((char *)f.target + o->offset));
-    if (!f.is_flag && has_default && *nqm_option_format(o, f.target, text))
-        printf(" [default: %s]", text);
-    if (f.is_flag && (!o->off_name || *o->off_name)) {
-        const bool is_on = *(const int *)((const char *)f.target + o->offset) != 0;
-        snprintf(text, sizeof text, "%.20s%.60s", o->off_name ? "" : "no-", o->off_name ? o->off_name : name);
-        printf("%s\n", is_on ? " [default]" : "");
-        print_help_line(0, text, NULL, is_on ? "do not" : "do not [default]");
-    }
-    putchar('\n');
-}
-
-static void print_help(const command *cmd) {
-    printf("usage: nqm %s %s\n\n%s\n\noptions:\n", verb_name(), cmd->usage, cmd->about);
-    for (const option *o = cmd->options; o->name; ++o)
-        print_option(own_option(o));
-    for (size_t i = 0; cmd->table && i < cmd->table->n; ++i)
-        print_option(table_option(cmd, &cmd->table->rows[i]));
-    print_help_line(0, "help", NULL, "print this text");
-    printf("\n\nexample:\n");
-    for (const char *line = cmd->example; *line;) {
-        size_t n = strcspn(line, "\n");
-        printf("  %.*s\n", (int)n, line);
-        line += n + (line[n] == '\n');
-    }
+void set_help_printer(help_printer *printer) {
+    help_printer_now = printer;
 }
 
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
@@ -93,13 +57,34 @@ static _Noreturn void usage_error(const command *cmd, const char *what, const ch
     exit(EXIT_USAGE);
 }
 
+static void offer_option(void *nearest, const help_row *row) {
+    char name[NQM_OPTION_TEXT_MAX + 2];
+    snprintf(name, sizeof name, "--%s", row->name);
+    nqm_nearest_add(nearest, name);
+}
+
+static _Noreturn void unknown_option(const command *cmd, const char *word) {
+    char name[64], which[256];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "="), word);
+    nqm_nearest nearest = nqm_nearest_begin(name);
+    each_option(cmd, offer_option, &nearest);
+    snprintf(which, sizeof which, "%.100s%s", word, nearest.advice);
+    usage_error(cmd, "unknown option: ", which);
+}
+
+/* Options may be written with '_' for '-'. */
+static void write_dashes(char *word) {
+    for (; *word && *word != '='; ++word)
+        *word = *word == '_' ? '-' : *word;
+}
+
 /* Find the option with the name in `word`: "--name", "--name=value" or "-x". */
 static bool find_option(const command *cmd, const char *word, found *f) {
     const bool is_long = word[1] == '-';
     const size_t n = strcspn(word + 2, "=");
     for (const option *o = cmd->options; o->name; ++o)
         if (is_long ? strlen(o->name) == n && memcmp(o->name, word + 2, n) == 0 : o->letter == word[1] && !word[2]) {
-            *f = own_option(o);
+            *f = own_option(cmd, o);
             return true;
         }
     bool is_off = false;
@@ -148,7 +133,23 @@ int choose(const char *name, const char *const *words, const char *text) {
     return value;
 }
 
+size_t choose_first(const command *cmd, const char *word) {
+    nqm_nearest nearest = nqm_nearest_begin(word);
+    char known[256] = "";
+    for (size_t i = 0, at = 0; cmd->choices[i].name; ++i) {
+        const char *name = cmd->choices[i].name;
+        if (strcmp(name, word) == 0)
+            return i;
+        nqm_nearest_add(&nearest, name);
+        if (at < sizeof known)
+            at += (size_t)snprintf(known + at, sizeof known - at, "%s%s", i ? ", " : "", name);
+    }
+    stop(EXIT_USAGE, "there is no '%s'%s; choose one of: %s", word, nearest.advice, known);
+}
+
 int parse_arguments(const command *cmd, int argc, char **argv) {
+    if (help_printer_now)
+        help_printer_now(cmd);
     int n = 0;
     bool options_end = false;
     for (int i = 1; i < argc; ++i) {
@@ -167,8 +168,9 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
             print_help(cmd);
             exit(finish(EXIT_OK));
         }
+        write_dashes(word);
         if (!find_option(cmd, word, &f))
-            usage_error(cmd, "unknown option: ", word);
+            unknown_option(cmd, word);
         const char *value = strchr(word, '=');
         if (f.is_flag && value)
             usage_error(cmd, "this option takes no value: ", word);

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *verb = "";
+static const char *current_verb = "";
 static volatile sig_atomic_t interrupt_count;
 static progress_style progress;
 static bool progress_shown;
@@ -32,11 +32,11 @@ int exit_code_of(nqm_status status) {
 }
 
 void set_verb(const char *name) {
-    verb = name;
+    current_verb = name;
 }
 
 const char *verb_name(void) {
-    return verb;
+    return current_verb;
 }
 
 int report_error(const nqm_error *err) {
@@ -44,13 +44,13 @@ int report_error(const nqm_error *err) {
     size_t n_prefix;
     const char *stream = stream_name(message, &n_prefix);
     end_progress();
-    fprintf(stderr, "nqm %s: %s%s\n", verb, stream, message + n_prefix);
+    fprintf(stderr, "nqm %s: %s%s\n", current_verb, stream, message + n_prefix);
     return exit_code_of(err->status);
 }
 
 static void print_message(const char *format, va_list args) {
     end_progress();
-    fprintf(stderr, "nqm %s: ", verb);
+    fprintf(stderr, "nqm %s: ", current_verb);
     vfprintf(stderr, format, args);
     fputc('\n', stderr);
 }

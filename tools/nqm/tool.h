@@ -40,6 +40,13 @@ typedef enum option_kind {
     OPTION_FORMAT  /* target: result_format, which becomes `min`; at most one of these may be given */
 } option_kind;
 
+/** A word that the first argument may be: a kind of drawing, a benchmark. */
+typedef struct choice {
+    const char *name;      /* NULL ends the list */
+    const char *arguments; /* that follow the word: "REF TEST"; "": none */
+    const char *help;
+} choice;
+
 /** The format of results: --json, --csv, --quiet, or none of them. */
 typedef enum result_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_QUIET } result_format;
 
@@ -53,6 +60,12 @@ typedef struct option {
     double min, max; /* for numbers; both 0: any finite value */
 } option;
 
+/** The words that the text of an option may be: help and completions show them, choose() checks them. */
+typedef struct option_words {
+    const char *name; /* of the option; NULL ends the list */
+    const char *const *words;
+} option_words;
+
 /** The rows of the model that scores. */
 #define OPTION_ROWS_MODEL(target)                                                                                      \
     {"model", 'm', OPTION_TEXT, (target), "MODEL", "a built-in model's name or a model file", 0, 0}, {                 \
@@ -63,8 +76,10 @@ typedef struct option {
 typedef struct command {
     const char *usage;   /* after the name: "REF TEST... [options]" */
     const char *about;   /* a paragraph; ends without newline */
-    const char *example; /* full commands, one per line */
+    const char *example; /* full commands for a shell, one per line; indented lines continue one */
     const option *options;
+    const choice *choices;         /* words of the first argument; NULL: none */
+    const option_words *words;     /* of options that have words; NULL: none */
     const nqm_option_table *table; /* further options, set in the struct `table_target`; NULL: none */
     void *table_target;
     int min_arguments, max_arguments; /* positional; max 0: as many as min; max < 0: any number */
@@ -73,6 +88,8 @@ typedef struct command {
 /** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns n; prints help or a usage error
  *  and exits where that is due. */
 int parse_arguments(const command *cmd, int argc, char **argv);
+/** The index of the first argument in the choices of a verb; reports an error with the nearest word and exits if it is not there. */
+size_t choose_first(const command *cmd, const char *word);
 /** Set the option `key` of a table that is not the command's own, from text. */
 void set_option(const nqm_option_table *table, const char *key, void *target, const char *text);
 
@@ -215,6 +232,17 @@ const char *stream_name(const char *message, size_t *n_prefix);
 
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
+typedef struct verb {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} verb;
+extern const verb verbs[]; /* the last one has no name */
+/** NULL when there is no such verb. */
+const verb *find_verb(const char *name);
+/** Print that there is no such verb, and the nearest one. Returns EXIT_USAGE. */
+int report_no_verb(const char *name);
+
 int cmd_batch(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);
@@ -224,6 +252,7 @@ int cmd_dataset(int argc, char **argv);
 int cmd_directions(int argc, char **argv);
 int cmd_eval(int argc, char **argv);
 int cmd_fit(int argc, char **argv);
+int cmd_help(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
 int cmd_learn(int argc, char **argv);

@@ -9,12 +9,8 @@
 
 typedef nqm_status run_fn(nqm_bench *bench, nqm_error *err);
 
-static const struct {
-    const char *name;
-    run_fn *run;
-} benches[] = {
-    {"gemm", nqm_bench_gemm}, {"train", nqm_bench_train}, {"score", nqm_bench_score}, {"load", nqm_bench_load}};
-enum { N_BENCHES = sizeof benches / sizeof *benches };
+static run_fn *const benches[] = {nqm_bench_gemm, nqm_bench_train, nqm_bench_score, nqm_bench_load};
+enum { N_BENCHES = sizeof benches / sizeof *benches, LOAD = N_BENCHES - 1 };
 
 /* Run with the best kernels, with those named, or with "all" except the scalar ones, which take minutes. */
 static void run_with_kernels(nqm_bench *bench, run_fn *run) {
@@ -48,8 +44,8 @@ static void print_rows(const nqm_bench *bench, bool json, const char *path, outp
     json_decref(results);
 }
 
-/* which: name of the benchmark; NULL: all. */
-static int run_benches(const nqm_bench_options *options, const char *which, bool json, const char *path) {
+/* which: index of the benchmark; N_BENCHES: all. */
+static int run_benches(const nqm_bench_options *options, size_t which, bool json, const char *path) {
     nqm_bench *bench = NULL;
     nqm_error err = {0};
     output_file output = {0};
@@ -57,8 +53,8 @@ static int run_benches(const nqm_bench_options *options, const char *which, bool
         open_output(path, &output);
     must(nqm_bench_create(options, &bench, &err), &err);
     for (size_t i = 0; i < N_BENCHES; ++i)
-        if (!which || strcmp(which, benches[i].name) == 0)
-            run_with_kernels(bench, benches[i].run);
+        if (which == N_BENCHES || which == i)
+            run_with_kernels(bench, benches[i]);
     must(nqm_bench_finish(bench, &err), &err);
     print_rows(bench, json, path, &output);
     close_output(&output);
@@ -76,34 +72,36 @@ int cmd_bench(int argc, char **argv) {
         {"output", 'o', OPTION_TEXT, &output, "FILE", "also write the JSON to a file", 0, 0},
         {"epochs", 0, OPTION_COUNT, &epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
         {0}};
+    const choice choices[] = {
+        {"gemm", "", "the matrix products of the networks, and oneDNN's"},
+        {"train", "", "a training of the paper's size, on generated pairs"},
+        {"score", "", "the network, and samples to JOD, for 1 to 512 pairs in each precision"},
+        {"load", "[FILE...]", "files to samples, with a MERL table, and the start of this program"},
+        {0}};
     const command cmd = {
         .usage = "[gemm | train | score | load [FILE...]] [options]",
         .about =
             "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled\n"
-            "between the timings. Without a name, run all benchmarks.\n"
-            "  gemm     the matrix products of the networks, and oneDNN's\n"
-            "  train    a training of the paper's size, on generated pairs\n"
-            "  score    the network, and samples to JOD, for 1 to 512 pairs in each precision\n"
-            "  load     files to samples, with a MERL table, and the start of this program\n"
-            "Each result is the best of several rounds. Other programs make rounds longer, which the medians show.",
+            "between the timings. Each result is the best of several rounds. Other programs make rounds longer, which "
+            "the\n"
+            "medians show. Without a name, run all benchmarks:",
         .example = "nqm bench gemm\nnqm bench gemm --kernels all --json\nnqm bench train --precision bf16\n"
                    "nqm bench train --recipe nqm --epochs 5\n"
                    "nqm bench score --model default --json\nnqm bench load measured.bsdf network.h5",
         .options = options,
+        .choices = choices,
         .table = &nqm_bench_option_table,
         .table_target = &o,
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
-    if (n_arguments > 1 && strcmp(argv[0], "load") != 0)
+    const size_t which = n_arguments ? choose_first(&cmd, argv[0]) : N_BENCHES;
+    if (n_arguments > 1 && which != LOAD)
         stop(EXIT_USAGE, "%s: only `load` has file arguments", argv[1]);
     o.epochs = (size_t)epochs;
     o.temporary = folder && *folder ? folder : "/tmp";
     o.n_files = n_arguments > 1 ? (size_t)n_arguments - 1 : 0;
     o.files = (const char *const *)argv + 1;
     o.progress = show_progress;
-    for (size_t i = 0; i < N_BENCHES; ++i)
-        if (n_arguments == 0 || strcmp(argv[0], benches[i].name) == 0)
-            return run_benches(&o, n_arguments ? argv[0] : NULL, json, output);
-    stop(EXIT_USAGE, "there is no benchmark '%s'; choose gemm, train, score or load", argv[0]);
+    return run_benches(&o, which, json, output);
 }

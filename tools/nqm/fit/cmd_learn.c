@@ -4,8 +4,6 @@
  */
 #include "nqm/tool.h"
 
-#include <string.h>
-
 int cmd_learn(int argc, char **argv) {
     nqm_learn_options learning = nqm_learn_options_default();
     learning.progress = show_progress;
@@ -18,24 +16,24 @@ int cmd_learn(int argc, char **argv) {
         {"steps", 0, OPTION_COUNT, &steps, "N", "steps of the optimiser (0: 40 for sparse, 16000 for hyper)", 0, 1e7},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
         {0}};
+    const choice choices[] = {{"sparse", "BRDF...", "the dictionary of the encodings sparse-*"},
+                              {"hyper", "BRDF...", "the hypernetwork of the encodings hyper-*"},
+                              {0}};
     const command cmd = {
         .usage = "sparse|hyper BRDF... -o FILE [options]",
-        .about = "Learn the dictionary that the encodings sparse-* use, or the hypernetwork of hyper-*, from BRDFs. "
-                 "The file\n"
-                 "lists its references. models/make.sh learns those of this build, from training materials only; CMake "
-                 "embeds\n"
-                 "the files of models/encoders.",
+        .about = "Learn what an encoding needs from BRDFs. The file lists its references. models/make.sh learns the "
+                 "files of\n"
+                 "this build from training materials only; CMake embeds the files of models/encoders.",
         .example = "nqm learn sparse materials/*.bsdf -o models/encoders/sparse.safetensors",
         .options = options,
+        .choices = choices,
         .min_arguments = 2,
         .max_arguments = -1,
     };
     const int n = parse_arguments(&cmd, argc, argv) - 1;
     char **names = argv + 1;
     nqm_error err = {0};
-    bool sparse = strcmp(argv[0], "sparse") == 0;
-    if (!sparse && strcmp(argv[0], "hyper") != 0)
-        stop(EXIT_USAGE, "the first argument must be sparse or hyper, not '%s'", argv[0]);
+    const bool sparse = choose_first(&cmd, argv[0]) == 0;
     learning.n_steps = (size_t)steps;
     nqm_brdf **refs = open_brdfs(n, names);
     must(nqm_learn(sparse ? NQM_ENCODER_SPARSE : NQM_ENCODER_HYPER, (size_t)n, (const nqm_brdf *const *)refs,

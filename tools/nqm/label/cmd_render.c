@@ -112,7 +112,7 @@ int cmd_render(int argc, char **argv) {
         .example = "nqm render sgd:nickel -o nickel.png\n"
                    "nqm render measured.bsdf -o turn-%03d.png --shape bunny.ply --light probe.exr --frames 36 "
                    "--elevation 15\n"
-                   "nqm render ggx:kd=.1,.1,.1;alpha=.2 -o blob.exr --shape blob --interreflection --size 640x480",
+                   "nqm render 'ggx:kd=.1,.1,.1;alpha=.2' -o blob.exr --shape blob --interreflection --size 640x480",
         .options = options,
         .table = &nqm_scene_option_table,
         .table_target = &scene.scene,

@@ -28,6 +28,7 @@ int cmd_transport(int argc, char **argv) {
                               {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
                               {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
                               {0}};
+    const choice choices[] = {{"make", "", "the only word so far"}, {0}};
     const command cmd = {
         .usage = "make -o FILE [options]",
         .about =
@@ -39,13 +40,13 @@ int cmd_transport(int argc, char **argv) {
         .example = "nqm transport make --light studio --shape sphere -o studio.safetensors\n"
                    "nqm score sgd:nickel ward:nickel --model studio.safetensors",
         .options = options,
+        .choices = choices,
         .table = &nqm_scene_option_table,
         .table_target = &scene.scene,
         .min_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
-    if (strcmp(argv[0], "make") != 0)
-        stop(EXIT_USAGE, "'%s' is not known here; there is: make", argv[0]);
+    choose_first(&cmd, argv[0]);
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;
     nqm_directions *directions = open_directions(directions_name);
     nqm_model *model;

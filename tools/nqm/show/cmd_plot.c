@@ -5,8 +5,6 @@
 #include "figures/plot.h"
 #include "nqm/tool.h"
 
-#include <string.h>
-
 enum { MAX_INPUTS = 8 };
 
 typedef struct plot_arguments {
@@ -17,19 +15,21 @@ typedef struct plot_arguments {
     char **inputs; /* (n) */
 } plot_arguments;
 
-static const struct drawing {
-    const char *name, *inputs;
-    int min, max; /* number of inputs */
-    enum { CURVE, BARS, SCATTER, LOSS, DIRECTIONS, SLICE, ATTRIBUTION, NETWORK } kind;
-} drawings[] = {{"curve", "LABELS.csv", 1, 1, CURVE},
-                {"bars", "EVAL.json", 1, 1, BARS},
-                {"scatter", "PAIRS.csv", 1, 1, SCATTER},
-                {"loss", "LOG.csv...", 1, MAX_INPUTS, LOSS},
-                {"directions", "[MODEL|FILE.csv]", 0, 1, DIRECTIONS},
-                {"slice", "BRDF...", 1, MAX_INPUTS, SLICE},
-                {"attribution", "REF TEST", 2, 2, ATTRIBUTION},
-                {"network", "[MODEL]", 0, 1, NETWORK},
-                {0}};
+enum { CURVE, BARS, SCATTER, LOSS, DIRECTIONS, SLICE, ATTRIBUTION, NETWORK };
+static const choice drawings[] = {
+    [CURVE] = {"curve", "LABELS.csv", "JOD against Delta-E ITP, with the fitted curve"},
+    [BARS] = {"bars", "EVAL.json", "Spearman correlations with 95 % intervals, from `nqm eval --json`"},
+    [SCATTER] = {"scatter", "PAIRS.csv", "predicted JOD against the label, from `nqm eval --pairs`"},
+    [LOSS] = {"loss", "LOG.csv...", "losses and learning rate, from `nqm train --log`"},
+    [DIRECTIONS] = {"directions", "[MODEL|FILE.csv]", "the sampling directions"},
+    [SLICE] = {"slice", "BRDF...", "slices and polar lobes of up to 8 BRDFs"},
+    [ATTRIBUTION] = {"attribution", "REF TEST", "where two BRDFs differ, over (theta_h, theta_d)"},
+    [NETWORK] = {"network", "[MODEL]", "the layers of a model"},
+    {0}};
+static const struct {
+    int min, max;
+} n_inputs[] = {[CURVE] = {1, 1},      [BARS] = {1, 1},           [SCATTER] = {1, 1},     [LOSS] = {1, MAX_INPUTS},
+                [DIRECTIONS] = {0, 1}, [SLICE] = {1, MAX_INPUTS}, [ATTRIBUTION] = {2, 2}, [NETWORK] = {0, 1}};
 
 /* Open what a drawing of this kind needs, and draw. */
 static nqm_status draw(const plot_arguments *a, int kind, const char *const *paths, nqm_error *err) {
@@ -97,41 +97,29 @@ int cmd_plot(int argc, char **argv) {
         {0}};
     const command cmd = {
         .usage = "WHAT INPUT... -o FILE [options]",
-        .about = "Draw, in colours chosen for colour-blind readers:\n"
-                 "  curve LABELS.csv         JOD against Delta-E ITP, with the fitted curve\n"
-                 "  bars EVAL.json           Spearman correlations with 95 % intervals, from `nqm eval --json`\n"
-                 "  scatter PAIRS.csv        predicted JOD against the label, from `nqm eval --pairs`\n"
-                 "  loss LOG.csv...          losses and learning rate, from `nqm train --log`\n"
-                 "  directions [MODEL|CSV]   the sampling directions\n"
-                 "  slice BRDF...            slices and polar lobes of up to 8 BRDFs\n"
-                 "  attribution REF TEST     where two BRDFs differ, over (theta_h, theta_d)\n"
-                 "  network [MODEL]          the layers of a model\n"
-                 "The same input gives the same bytes on one machine; files contain no date.",
+        .about = "Draw, in colours chosen for colour-blind readers. The same input gives the same bytes on one "
+                 "machine; files\n"
+                 "contain no date. WHAT is one of:",
         .example = "nqm plot curve labels_real.csv -o curve.svg\n"
                    "nqm eval corpus.safetensors --json | nqm plot bars - -o bars.pdf\n"
                    "nqm plot slice sgd:nickel ward:nickel -o nickel.png",
         .options = options,
+        .choices = drawings,
         .min_arguments = 1,
         .max_arguments = -1,
     };
     a.n = parse_arguments(&cmd, argc, argv) - 1;
     a.inputs = argv + 1;
-    const struct drawing *d = drawings;
-    while (d->name && strcmp(d->name, argv[0]) != 0)
-        ++d;
-    if (!d->name)
-        stop(EXIT_USAGE,
-             "there is no drawing '%s'; choose curve, bars, scatter, loss, directions, slice, attribution or network",
-             argv[0]);
-    if (a.n < d->min || a.n > d->max)
-        stop(EXIT_USAGE, "%s needs %s", d->name, d->inputs);
+    const int kind = (int)choose_first(&cmd, argv[0]);
+    if (a.n < n_inputs[kind].min || a.n > n_inputs[kind].max)
+        stop(EXIT_USAGE, "%s needs %s", drawings[kind].name, drawings[kind].arguments);
     read_size(size, &a.look);
     const char *paths[MAX_INPUTS];
     for (int i = 0; i < a.n; ++i)
         paths[i] = input_path(a.inputs[i]);
     nqm_error err = {0};
-    must(draw(&a, d->kind, paths, &err), &err);
+    must(draw(&a, kind, paths, &err), &err);
     if (json)
-        print_document(json_pack("{s:s,s:o}", "drawing", d->name, "file", json_name(a.output)));
+        print_document(json_pack("{s:s,s:o}", "drawing", drawings[kind].name, "file", json_name(a.output)));
     return EXIT_OK;
 }

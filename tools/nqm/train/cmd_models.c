@@ -122,6 +122,11 @@ int cmd_models(int argc, char **argv) {
         {"output", 'o', OPTION_TEXT, &output, "FILE", "annotate: the model file to write", 0, 0},
         {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
         {0}};
+    enum { LIST, SHOW, ANNOTATE };
+    const choice choices[] = {[LIST] = {"list", "", "list the built-in models, as without arguments"},
+                              [SHOW] = {"show", "MODEL", "describe a model"},
+                              [ANNOTATE] = {"annotate", "MODEL NOTES.md", "write a copy with a text added to its card"},
+                              {0}};
     const command cmd = {
         .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
         .about =
@@ -132,14 +137,16 @@ int cmd_models(int argc, char **argv) {
         .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
                    "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
         .options = options,
+        .choices = choices,
         .max_arguments = 3,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
-    if (n_arguments == 0 || (n_arguments == 1 && strcmp(argv[0], "list") == 0))
+    const size_t what = n_arguments ? choose_first(&cmd, argv[0]) : LIST;
+    if (what == LIST && n_arguments <= 1)
         return list_models(json);
-    if (n_arguments == 2 && strcmp(argv[0], "show") == 0)
+    if (what == SHOW && n_arguments == 2)
         return show_model(argv[1], json);
-    if (n_arguments == 3 && strcmp(argv[0], "annotate") == 0)
+    if (what == ANNOTATE && n_arguments == 3)
         return annotate_model(argv[1], argv[2], half, output);
-    stop(EXIT_USAGE, "say `nqm models` `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
+    stop(EXIT_USAGE, "say `nqm models`, `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
 }

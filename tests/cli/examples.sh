@@ -1,0 +1,43 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The printed examples of all verbs go through a shell as they are, and their options are right: each is run with --help added,
+# which is read last. Those that need neither files nor time are also run as printed.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+mkdir -p "$dir/bin" "$dir/work/models"
+cat >"$dir/bin/nqm" <<END
+#!/bin/sh
+"$tool" "\$@" \${ADDED-}
+code=\$?
+[ \$code = 0 ] || echo "exit code \$code: nqm \$*" >>"$dir/failed"
+exit \$code
+END
+printf '#!/bin/sh\nshift 2\nexec "$@"\n' >"$dir/bin/mpirun"
+printf '#!/bin/sh\n' >"$dir/work/models/scan.py"
+chmod +x "$dir/bin/nqm" "$dir/bin/mpirun" "$dir/work/models/scan.py"
+PATH=$dir/bin:$PATH
+export PATH
+
+# Examples that are run as printed; the others need files, or take longer than a second.
+as_printed='^nqm (score sgd:nickel ward:nickel$|rank sgd|info|check .lambert|sample sgd:nickel --csv|directions show|plot slice|models$|models show default|selftest|doctor|help score$|help --format bash)'
+n=0
+for verb in $("$tool" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
+    # A line that ends with a backslash or a pipe is continued.
+    "$tool" "$verb" --help | sed '1,/^example:/d; s/^  //' | sed -e ':a' -e '/[|\\]$/N; s/\n/ /; ta' >"$dir/examples"
+    [ -s "$dir/examples" ] || fail "$verb has no example"
+    while IFS= read -r example; do
+        n=$((n + 1))
+        rm -f "$dir/failed"
+        (cd "$dir/work" && ADDED=--help sh -c "$example" </dev/null >"$dir/out" 2>"$dir/err") || true
+        [ ! -e "$dir/failed" ] || fail "$example: $(cat "$dir/failed")"
+        grep -q 'not found' "$dir/err" && fail "$example: a shell breaks it"
+        grep -q '^usage: nqm' "$dir/out" || case $example in *'| '* | models/*) ;; *) fail "$example does not call nqm" ;; esac
+        if printf '%s\n' "$example" | grep -qE "$as_printed"; then
+            ADDED='' code=0
+            export ADDED
+            (cd "$dir/work" && sh -c "$example" </dev/null >"$dir/out" 2>"$dir/err") || code=$?
+            case $code$example in 0* | 1nqm\ check*) ;; *) fail "$example: exit code $code" ;; esac
+        fi
+    done <"$dir/examples"
+done
+[ $n -gt 40 ] || fail "only $n examples"

@@ -1,0 +1,81 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm help: what is made from the option tables (man pages, Markdown, completions), and names near a misspelt one.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+verbs=$("$tool" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p')
+
+# Every verb has a page with its options, its usage and its examples, in each form.
+for verb in $verbs; do
+    run 0 "$verb" --help
+    cp "$dir/out" "$dir/text"
+    run 0 help "$verb"
+    cmp -s "$dir/out" "$dir/text" || fail "help $verb differs from $verb --help"
+    options=$(sed -n '/^options:/,/^example:/s/^  .*  *--\([a-z0-9-]*\).*/\1/p' "$dir/text")
+    run 0 help "$verb" --format man
+    sed 's/\\-/-/g' "$dir/out" >"$dir/page"
+    for option in $options; do
+        grep -q -- "--$option" "$dir/page" || fail "nqm-$verb.1 lacks --$option"
+    done
+    grep -q "^nqm-$verb - ." "$dir/page" || fail "nqm-$verb.1 has no name"
+    ! grep -q "^[.'][^A-Z\\\\bnf]" "$dir/out" || fail "nqm-$verb.1 has text that begins like a command"
+done
+"$tool" help --format man >"$dir/page"
+for verb in $verbs; do
+    grep -q "nqm.-$verb" "$dir/page" || fail "nqm.1 lacks $verb"
+done
+if command -v man >/dev/null && man --warnings -l "$dir/page" >"$dir/out" 2>"$dir/err"; then
+    [ ! -s "$dir/err" ] || fail "man warns of nqm.1"
+fi
+
+# The page of the reference is up to date.
+run 0 help --format markdown
+diff "$NQM_SOURCE/doc/reference-cli.md" "$dir/out" >"$dir/err" || fail "doc/reference-cli.md is old: run ./dev pages"
+
+# bash: completes verbs, options, words of an option and of the first argument, and leaves files to the shell.
+"$tool" help --format bash >"$dir/completion"
+cat >"$dir/complete.bash" <<'END'
+source "$1" || exit 1
+shift
+COMP_WORDS=(nqm "$@") COMP_CWORD=$#
+_nqm
+echo "${COMPREPLY[*]}"
+END
+# completes EXPECTED WORD...: the last word is being typed.
+completes() {
+    expected=$1
+    shift
+    got=$(bash "$dir/complete.bash" "$dir/completion" "$@")
+    [ "$got" = "$expected" ] || fail "bash completes nqm $* to '$got', not '$expected'"
+}
+if command -v bash >/dev/null; then
+    completes "score" sc
+    completes "--fail-under" score a b --fail-u
+    completes "drop" score --invalid d
+    completes "bf16" score --precision = bf
+    completes "slice" plot sl
+    completes "man markdown" help --format ma
+    completes "" score nickel.bin
+fi
+for shell in zsh fish; do
+    run 0 help --format $shell
+    for verb in $verbs; do
+        grep -q "$verb" "$dir/out" || fail "$shell: no $verb"
+    done
+    if command -v $shell >/dev/null; then
+        $shell -n "$dir/out" 2>"$dir/err" || fail "$shell cannot read its completion"
+    fi
+done
+refuses 2 "give none" help score --format bash
+
+# Names near a misspelt one; '_' for '-' in options.
+refuses 2 "no verb 'scroe' (did you mean 'score'?)" scroe
+refuses 2 "no verb 'xyzzy';" xyzzy
+refuses 2 "no verb 'scroe' (did you mean 'score'?)" help scroe
+refuses 2 "did you mean '--metrics'?" score sgd:nickel ward:nickel --metrcis=all
+refuses 2 "no 'slize' (did you mean 'slice'?)" plot slize -o "$dir/x.svg"
+refuses 2 "no model 'wrad' (did you mean 'ward'?)" info wrad:nickel
+refuses 2 "no model 'GGX' (did you mean 'ggx'?)" info GGX:alpha=.1
+refuses 3 "No such file" info folder/wrad.binary
+refuses 2 "fail-under needs a number from 0 to 10" score sgd:nickel ward:nickel --fail_under 11
+run 0 info sgd:nickel

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The rows of a verb's options, and --help.
+ */
+#include "nqm/help.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+typedef struct row_text {
+    char text[1024];
+    size_t n;
+} row_text;
+
+__attribute__((format(printf, 2, 3))) static void append(row_text *t, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    const int n = vsnprintf(t->text + t->n, sizeof t->text - t->n, format, args);
+    va_end(args);
+    t->n += n > 0 && t->n + (size_t)n < sizeof t->text ? (size_t)n : 0;
+}
+
+/* What is allowed, unit and default. */
+static void append_values(row_text *t, const nqm_option *o, const void *target) {
+    char text[NQM_OPTION_TEXT_MAX];
+    if (o->words || o->min != 0 || o->max != 0)
+        append(t, "; %s", nqm_option_allowed(o, text));
+    if (o->unit)
+        append(t, ", %s", o->unit);
+    const bool has_default =
+        o->kind != NQM_OPTION_DOUBLE || isfinite(*(const double *)((const char *)target + o->offset));
+    if (has_default && *nqm_option_format(o, target, text))
+        append(t, " [default: %s]", text);
+}
+
+static void call_for(const nqm_option *o, char letter, const void *target, help_row_fn *fn, void *user) {
+    row_text t = {.n = 0};
+    char name[NQM_OPTION_TEXT_MAX], off[NQM_OPTION_TEXT_MAX + 3];
+    if (!*nqm_option_name(o, name))
+        return;
+    append(&t, "%s", o->help);
+    if (!nqm_option_is_flag(o)) {
+        append_values(&t, o, target);
+        fn(user, &(help_row){letter, name, o->metavar, o->help, t.text, o->words});
+        return;
+    }
+    const bool has_off = !o->off_name || *o->off_name;
+    const bool is_on = has_off && *(const int *)((const char *)target + o->offset) != 0;
+    append(&t, "%s", is_on ? " [default]" : "");
+    fn(user, &(help_row){letter, name, NULL, o->help, t.text, NULL});
+    if (!has_off)
+        return;
+    snprintf(off, sizeof off, "%s%s", o->off_name ? "" : "no-", o->off_name ? o->off_name : name);
+    fn(user, &(help_row){0, off, NULL, "do not", is_on ? "do not" : "do not [default]", NULL});
+}
+
+void each_option(const command *cmd, help_row_fn *fn, void *user) {
+    for (const option *o = cmd->options; o->name; ++o)
+        call_for(&(nqm_option[]){own_row(cmd, o)}[0], o->letter, o->target, fn, user);
+    for (size_t i = 0; cmd->table && i < cmd->table->n; ++i)
+        call_for(&cmd->table->rows[i], 0, cmd->table_target, fn, user);
+    fn(user, &(help_row){0, "help", NULL, "print this text", "print this text", NULL});
+}
+
+void each_line(const char *text, void (*fn)(const char *line, size_t n)) {
+    while (*text) {
+        const size_t n = strcspn(text, "\n");
+        fn(text, n);
+        text += n + (text[n] == '\n');
+    }
+}
+
+static void print_row(void *user, const help_row *row) {
+    char left[NQM_OPTION_TEXT_MAX + 64], short_form[8] = "    ";
+    (void)user;
+    if (row->letter)
+        snprintf(short_form, sizeof short_form, "-%c, ", row->letter);
+    snprintf(left, sizeof left, "  %s--%s%s%s", short_form, row->name, row->metavar ? " " : "",
+             row->metavar ? row->metavar : "");
+    printf("%-30s %s\n", left, row->text);
+}
+
+static void print_indented(const char *line, size_t n) {
+    printf("  %.*s\n", (int)n, line);
+}
+
+void print_help(const command *cmd) {
+    printf("usage: nqm %s %s\n\n%s\n", verb_name(), cmd->usage, cmd->about);
+    for (const choice *c = cmd->choices; c && c->name; ++c) {
+        char left[80];
+        snprintf(left, sizeof left, "%s%s%s", c->name, *c->arguments ? " " : "", c->arguments);
+        printf("  %-28s %s\n", left, c->help);
+    }
+    printf("\noptions:\n");
+    each_option(cmd, print_row, NULL);
+    printf("\nexample:\n");
+    each_line(cmd->example, print_indented);
+}
