@@ -96,7 +96,7 @@ cmp -s "$dir/untitled.svg" "$dir/curve.svg" && fail "--title '' leaves a title"
 # Refusals: no file is written, and the message names the error.
 plot 2 curve "$dir/labels.csv"
 plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
-says "no drawing 'pie'"
+says "no 'pie'"
 plot 2 attribution sgd:nickel -o "$dir/x.svg"
 plot 2 curve "$dir/labels.csv" -o "$dir/x.gif"
 says 'svg, .pdf or .png'

@@ -50,7 +50,7 @@ cmp -s "$dir/out" "$dir/studio.safetensors" || fail "the model on standard outpu
 run 2 transport
 run 2 transport make
 run 2 transport show -o "$dir/x"
-says "'show' is not known here; there is: make"
+says "no 'show'"
 run 2 transport make make -o "$dir/x"
 make 2 --points 100 -o "$dir/x"
 says 'points: 100 is no multiple of 32 up to 4096'

@@ -12,13 +12,13 @@ fail() {
     bad=1
 }
 
-strangers=$(nm --defined-only --extern-only "$build/libnqm_all.a" 2>/dev/null | awk 'NF == 3 && $3 !~ /^nqm_/ {print $3}')
+strangers=$(nm --defined-only --extern-only "$build/libnqm-full.a" | awk 'NF == 3 && $3 !~ /^nqm_/ {print $3}')
 [ -z "$strangers" ] || fail "symbols without the nqm_ prefix: $strangers"
 
 # Declared names: the identifier before the first "(" after NQM_API.
 declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^NQM_API[^(;]*[ *]\(nqm_[a-z0-9_]*\)(.*/\1/p'; }
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
-core_headers="base brdf samples percept model metric"
+core_headers="base material brdf samples percept model metric"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
 for h in $core_headers fit render match data train judge label; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test is broken"
