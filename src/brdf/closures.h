@@ -112,20 +112,34 @@ INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, 
     return result;
 }
 
-/** color90 is white, the exponent is 5. */
-INLINED closure schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
-                             const double *color82) {
+/** The exponent is 5. */
+INLINED closure generalized_schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
+                                         const double *color82, const double *color90) {
     double albedo = 0;
     closure result;
     for (size_t c = 0; c < 3; ++c) {
-        const double fresnel = fmax(0, schlick_f82(color0[c], color82[c], 1, g->cos_d));
+        const double fresnel = fmax(0, schlick_f82(color0[c], color82[c], color90[c], g->cos_d));
         const double compensation = 1 + fresnel * m.scatter;
-        albedo += (m.albedo[0] * color0[c] + m.albedo[1]) * compensation / 3;
+        albedo += (m.albedo[0] * color0[c] + m.albedo[1] * color90[c]) * compensation / 3;
         result.f[c] = weight * m.f * fresnel * compensation;
     }
     for (size_t c = 0; c < 3; ++c)
         result.pass[c] = 1 - weight * albedo;
     return result;
+}
+
+INLINED closure schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
+                             const double *color82) {
+    static const double white[3] = {1, 1, 1};
+    return generalized_schlick_bsdf(g, m, weight, color0, color82, white);
+}
+
+/** The node artistic_ior, Gulbrandsen 2014 (https://jcgt.org/published/0003/04/03/); the reflectivity ends at 0.99 as in GLSL. */
+INLINED void artistic_ior(double reflectivity, double edge, double *ior, double *extinction) {
+    const double r = fmin(fmax(reflectivity, 0), 0.99), g = clamp01(edge), root = sqrt(r);
+    *ior = g * (1 - r) / (1 + r) + (1 - g) * (1 + root) / (1 - root);
+    const double up = *ior + 1, down = *ior - 1;
+    *extinction = sqrt(fmax(0, (up * up * r - down * down) / (1 - r)));
 }
 
 INLINED closure conductor_bsdf(const geometry *g, microfacet m, const double *ior, const double *extinction) {

@@ -37,14 +37,6 @@ typedef struct standard_surface {
 
 static const double WHITE[3] = {1, 1, 1};
 
-/* Gulbrandsen 2014 (https://jcgt.org/published/0003/04/03/); the reflectivity ends at 0.99 as in GLSL. */
-static void artistic_ior(double reflectivity, double edge, double *ior, double *extinction) {
-    const double r = fmin(fmax(reflectivity, 0), 0.99), g = clamp01(edge), root = sqrt(r);
-    *ior = g * (1 - r) / (1 + r) + (1 - g) * (1 + root) / (1 - root);
-    const double up = *ior + 1, down = *ior - 1;
-    *extinction = sqrt(fmax(0, (up * up * r - down * down) / (1 - r)));
-}
-
 static void prepare(const nqm_spec_values *values, void *state) {
     double v[N_KEYS];
     for (size_t k = 0; k < N_KEYS; ++k)

@@ -88,6 +88,7 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     X(nqm_pbrt_conductor_model)                                                                                        \
     X(nqm_open_pbr_model)                                                                                              \
     X(nqm_gltf_model)                                                                                                  \
+    X(nqm_usd_preview_model)                                                                                           \
     X(nqm_standard_surface_model)                                                                                      \
     X(nqm_disney_model)
 

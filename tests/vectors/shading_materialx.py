@@ -84,14 +84,14 @@ def dielectric(p, weight, tint, ior, a):
     return weight * ggx(p, a) * f * comp * tint, (1 - weight * (k0 * f0 + k90) * comp) * white
 
 
-def schlick(p, weight, color0, color82, a):
+def schlick(p, weight, color0, color82, a, color90=white):
     ct = 1 / real(7)
-    dip = (color0 + (1 - color0) * (1 - ct)**5) * (1 - color82) / (ct * (1 - ct)**6)
-    f = color0 + (1 - color0) * (1 - cos(p.d))**5 - dip * cos(p.d) * (1 - cos(p.d))**6
+    dip = (color0 + (color90 - color0) * (1 - ct)**5) * (1 - color82) / (ct * (1 - ct)**6)
+    f = color0 + (color90 - color0) * (1 - cos(p.d))**5 - dip * cos(p.d) * (1 - cos(p.d))**6
     f = maximum(f, 0)
     k0, k90 = ggx_albedo(p, a)
     comp = compensation(p, a, f)
-    return weight * ggx(p, a) * f * comp, (1 - weight * numpy.mean((k0 * color0 + k90) * comp)) * white
+    return weight * ggx(p, a) * f * comp, (1 - weight * numpy.mean((k0 * color0 + k90 * color90) * comp)) * white
 
 
 def conductor(p, eta, kappa, a):
@@ -220,6 +220,18 @@ def disney(p, v):
     return layer(schlick(p, v.clearcoat * real("0.04"), white, white, alpha(1 - v.clearcoatGloss)), base)[0]
 
 
+def usd_preview(p, v):
+    diffuse = oren_nayar(p, lerp(1 - v.metallic, 1, v.useSpecularWorkflow), v.diffuseColor, real(0))
+    specular_workflow = layer(schlick(p, 1, v.specularColor, white, alpha(v.roughness)), diffuse)
+    r2 = ((1 - v.ior) / (1 + v.ior))**2
+    color = lerp(white, v.diffuseColor, v.metallic)
+    plastic = layer(schlick(p, 1, lerp(color * r2, color, v.metallic), white, alpha(v.roughness), color), diffuse)
+    eta, kappa = artistic_ior(v.diffuseColor, v.diffuseColor)
+    metalness_workflow = mix(plastic, conductor(p, eta, kappa, alpha(v.roughness)), v.metallic)
+    base = mix(metalness_workflow, specular_workflow, v.useSpecularWorkflow)
+    return layer(schlick(p, v.clearcoat, r2 * white, white, alpha(v.clearcoatRoughness)), base)[0]
+
+
 # name: (values, the usual interval, chance of being drawn instead of one of the ends); the others keep the defaults
 KEYS = {
     "open-pbr": (open_pbr, {
@@ -237,6 +249,9 @@ KEYS = {
         "baseColor": (3, 0, 1), "metallic": (1, 0, 1), "roughness": (1, 0, 1), "specular": (1, 0, 1),
         "specularTint": (1, 0, 1), "sheen": (1, 0, 1), "sheenTint": (1, 0, 1), "clearcoat": (1, 0, 1),
         "clearcoatGloss": (1, 0, 1)}),
+    "usd-preview": (usd_preview, {
+        "diffuseColor": (3, 0, 1), "useSpecularWorkflow": (1, 0, 1), "specularColor": (3, 0, 1), "metallic": (1, 0, 1),
+        "roughness": (1, 0, 1), "clearcoat": (1, 0, 1), "clearcoatRoughness": (1, 0, 1), "ior": (1, 0, 3)}),
 }
 
 
@@ -250,6 +265,8 @@ def draw(keys):
         v = numpy.round(rng.uniform(low, high, n), 3)
         if rng.uniform() < 0.25:
             v = numpy.full(n, rng.choice([low, high]))
+        if name.startswith("use"):
+            v = numpy.round(v)
         setattr(values, name, v.astype(real) if n == 3 else real(v[0]))
         text.append(name + "=" + ",".join(repr(float(x)) for x in v))
     return values, ";".join(text)
