@@ -15,7 +15,7 @@ install(FILES ${full_models} DESTINATION ${CMAKE_INSTALL_DATADIR}/nqm/models)
 
 # ---- pkg-config and CMake packages ---
 # names of libraries for Libs.private, and names of pkg-config modules for the CMake package
-foreach(module CRYPTO JANSSON LIBZIP ZLIB CMINPACK PNG OPENEXR NLOPT)
+foreach(module CRYPTO JANSSON LIBZIP EXPAT ZLIB CMINPACK PNG OPENEXR NLOPT)
   set(links "")
   foreach(library IN LISTS ${module}_LIBRARIES)
     string(APPEND links " -l${library}")
@@ -27,7 +27,7 @@ foreach(module CRYPTO JANSSON LIBZIP ZLIB CMINPACK PNG OPENEXR NLOPT)
   endif()
 endforeach()
 string(APPEND core_private " ${OpenMP_C_FLAGS} -pthread -ldl -lm")
-set(core_modules libcrypto jansson libzip zlib cminpack)
+set(core_modules libcrypto jansson libzip expat zlib cminpack)
 set(full_modules ${core_modules} libpng OpenEXR nlopt)
 list(JOIN core_modules " " core_modules)
 list(JOIN full_modules " " full_modules)

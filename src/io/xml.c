@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * XML documents as trees of elements, by expat.
+ */
+#include "io/xml.h"
+
+#include <expat.h>
+
+typedef struct reader {
+    XML_Parser parser;
+    nqm_xml *xml;
+    nqm_xml_element *open; /* the innermost element that is not closed yet */
+    size_t depth;
+    const char *path;
+    nqm_status status;
+    nqm_error *err;
+} reader;
+
+static void stop(reader *self, nqm_status status) {
+    self->status = status;
+    XML_StopParser(self->parser, XML_FALSE);
+}
+
+static int64_t byte_of(const reader *self) {
+    const int64_t byte = (int64_t)XML_GetCurrentByteIndex(self->parser);
+    return byte > 0 ? byte : 0; /* -1 before the first event */
+}
+
+/* One block: the element, its attributes, and all texts. `attributes` is a list of names and values that ends with NULL. */
+static nqm_xml_element *make_element(const char *name, const char *const *attributes) {
+    size_t n = 0, n_text = strlen(name) + 1;
+    for (; attributes[2 * n]; ++n)
+        n_text += strlen(attributes[2 * n]) + strlen(attributes[2 * n + 1]) + 2;
+    nqm_xml_element *element = nqm_alloc(1, sizeof *element + n * sizeof(nqm_xml_attribute) + n_text);
+    if (!element)
+        return NULL;
+    nqm_xml_attribute *list = (nqm_xml_attribute *)(element + 1);
+    char *text = (char *)(list + n);
+    element->name = strcpy(text, name);
+    element->n_attributes = n;
+    element->attributes = list;
+    for (size_t i = 0; i < n; ++i) {
+        text += strlen(text) + 1;
+        list[i].name = strcpy(text, attributes[2 * i]);
+        text += strlen(text) + 1;
+        list[i].value = strcpy(text, attributes[2 * i + 1]);
+    }
+    return element;
+}
+
+static void on_start(void *user, const char *name, const char **attributes) {
+    reader *self = user;
+    if (self->status != NQM_OK)
+        return;
+    if (++self->depth > NQM_XML_MAX_DEPTH) {
+        stop(self,
+             nqm_fail(self->err, NQM_ERR_LIMIT, byte_of(self), "%s: elements are nested more than %d deep at byte %lld",
+                      self->path, NQM_XML_MAX_DEPTH, (long long)byte_of(self)));
+        return;
+    }
+    nqm_xml_element *element = make_element(name, (const char *const *)attributes);
+    if (!element) {
+        stop(self, nqm_fail_nomem(self->err, sizeof *element));
+        return;
+    }
+    element->byte_offset = byte_of(self);
+    element->created_before = self->xml->newest;
+    self->xml->newest = element;
+    element->parent = self->open;
+    if (!self->open)
+        self->xml->root = element;
+    else if (self->open->last)
+        self->open->last->next = element;
+    else
+        self->open->first = element;
+    if (self->open)
+        self->open->last = element;
+    self->open = element;
+}
+
+static void on_end(void *user, const char *name) {
+    reader *self = user;
+    (void)name;
+    if (self->status != NQM_OK)
+        return;
+    self->open = self->open->parent;
+    --self->depth;
+}
+
+static void on_doctype(void *user, const char *name, const char *sysid, const char *pubid, int has_internal_subset) {
+    reader *self = user;
+    (void)name, (void)sysid, (void)pubid, (void)has_internal_subset;
+    if (self->status == NQM_OK)
+        stop(self, nqm_fail(self->err, NQM_ERR_FORMAT, byte_of(self),
+                            "%s: document type declarations (byte %lld) are not read; remove it", self->path,
+                            (long long)byte_of(self)));
+}
+
+static nqm_status parse(reader *self, const char *data, size_t n_bytes) {
+    enum { CHUNK = 1 << 20 };
+    for (size_t at = 0;;) {
+        const size_t n = nqm_smaller(CHUNK, n_bytes - at);
+        const enum XML_Status done = XML_Parse(self->parser, data + at, (int)n, at + n == n_bytes);
+        if (self->status != NQM_OK)
+            return self->status;
+        if (done != XML_STATUS_OK && XML_GetErrorCode(self->parser) == XML_ERROR_NO_MEMORY)
+            return nqm_fail_nomem(self->err, n_bytes);
+        if (done != XML_STATUS_OK)
+            return nqm_fail(self->err, NQM_ERR_FORMAT, byte_of(self), "%s: not well-formed XML at byte %lld: %s",
+                            self->path, (long long)byte_of(self), XML_ErrorString(XML_GetErrorCode(self->parser)));
+        at += n;
+        if (at == n_bytes)
+            return NQM_OK;
+    }
+}
+
+nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm_xml *xml_ret, nqm_error *err) {
+    *xml_ret = (nqm_xml){0};
+    if (n_bytes > NQM_XML_MAX_BYTES)
+        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of XML (byte 0); at most %d are read", path, n_bytes,
+                        NQM_XML_MAX_BYTES);
+    reader self = {.parser = XML_ParserCreate(NULL), .xml = xml_ret, .path = path, .status = NQM_OK, .err = err};
+    if (!self.parser)
+        return nqm_fail_nomem(err, n_bytes);
+    XML_SetUserData(self.parser, &self);
+    XML_SetElementHandler(self.parser, on_start, on_end);
+    XML_SetStartDoctypeDeclHandler(self.parser, on_doctype);
+    XML_SetParamEntityParsing(self.parser, XML_PARAM_ENTITY_PARSING_NEVER);
+    nqm_status status = parse(&self, data, n_bytes);
+    XML_ParserFree(self.parser);
+    if (status != NQM_OK)
+        nqm_xml_free(xml_ret);
+    return status;
+}
+
+void nqm_xml_free(nqm_xml *xml) {
+    while (xml->newest) {
+        nqm_xml_element *before = xml->newest->created_before;
+        nqm_free(xml->newest);
+        xml->newest = before;
+    }
+    xml->root = NULL;
+}
+
+const char *nqm_xml_get(const nqm_xml_element *element, const char *attribute) {
+    for (size_t i = 0; i < element->n_attributes; ++i)
+        if (strcmp(element->attributes[i].name, attribute) == 0)
+            return element->attributes[i].value;
+    return NULL;
+}
+
+void nqm_xml_write_escaped(FILE *stream, const char *text) {
+    for (; *text; ++text)
+        switch (*text) {
+        case '&':
+            fputs("&amp;", stream);
+            break;
+        case '<':
+            fputs("&lt;", stream);
+            break;
+        case '"':
+            fputs("&quot;", stream);
+            break;
+        default:
+            fputc(*text, stream);
+        }
+}

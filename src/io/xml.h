@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * xml.h - the elements and attributes of an XML document, read by expat. Character data, comments and processing instructions
+ * are skipped. A document type declaration is refused, so that there are no entities; nothing is ever fetched.
+ */
+#ifndef NQM_SRC_IO_XML_H
+#define NQM_SRC_IO_XML_H
+
+#include "base/base.h"
+
+typedef struct nqm_xml_attribute {
+    const char *name, *value;
+} nqm_xml_attribute;
+
+/** An element; names keep their prefix ("xi:include"). All pointers are valid until the document is freed. */
+typedef struct nqm_xml_element {
+    const char *name;
+    int64_t byte_offset; /**< of its '<' */
+    size_t n_attributes;
+    const nqm_xml_attribute *attributes;
+    struct nqm_xml_element *parent, *first, *next; /**< first child, next sibling; NULL: none */
+
+    struct nqm_xml_element *last, *created_before; /* last child; list of all elements */
+} nqm_xml_element;
+
+typedef struct nqm_xml {
+    nqm_xml_element *root;
+    nqm_xml_element *newest; /* list of all elements */
+} nqm_xml;
+
+enum { NQM_XML_MAX_DEPTH = 64, NQM_XML_MAX_BYTES = 64 << 20 };
+
+/** Parse a document. NQM_ERR_FORMAT: not well-formed, or with a document type; NQM_ERR_LIMIT: more than NQM_XML_MAX_BYTES, or elements
+ *  nested more deeply than NQM_XML_MAX_DEPTH. `path` is for messages. On failure *xml_ret is empty. */
+NQM_MUST_CHECK nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm_xml *xml_ret,
+                                        nqm_error *err);
+void nqm_xml_free(nqm_xml *xml);
+/** The value of an attribute; NULL: the element does not have it. */
+const char *nqm_xml_get(const nqm_xml_element *element, const char *attribute);
+/** Write text with the characters that are special in attribute values replaced. */
+void nqm_xml_write_escaped(FILE *stream, const char *text);
+
+#endif
