@@ -47,7 +47,9 @@ typedef struct nqm_brdf_info {
  * Open a BRDF from a path or a spec.
  *
  * The format of a file is recognised by its first bytes or its size, not by its name:
- *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
+ *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
+ *  - `FILE.bsdf:E`, `FILE.bsdf:D65`: a spectral file as linear RGB under this illuminant, adapted so that a constant spectrum
+ *    is grey; without a suffix E;
  *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;
  *  - `DIR/nps_decoder_f32le.bin:MATERIAL`: a neural-process BRDF; nps_latents.csv must be in the same folder;
  *  - `FILE`, or `FILE:MATERIAL` where it has several: a material of a renderer (<nqm/material.h>).

@@ -16,15 +16,25 @@
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
+/* Has one of the two functions. */
 typedef struct file_format {
     bool (*probe)(const nqm_map *map);
     nqm_status (*open)(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+    /** `setting` is what follows the colon of "FILE:SETTING", or NULL. */
+    nqm_status (*open_with)(nqm_map *map, const char *setting, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 } file_format;
 
-static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open},
-                                      {nqm_rgl_probe, nqm_rgl_open},
-                                      {nqm_nbrdf_probe, nqm_nbrdf_open},
-                                      {nqm_saved_probe, nqm_saved_open}};
+static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open, NULL},
+                                      {nqm_tensor_brdf_probe, NULL, nqm_tensor_brdf_open},
+                                      {nqm_nbrdf_probe, nqm_nbrdf_open, NULL},
+                                      {nqm_saved_probe, nqm_saved_open, NULL}};
+
+static const file_format *find_format(const nqm_map *map) {
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
+        if (formats[i].probe(map))
+            return formats + i;
+    return NULL;
+}
 
 nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info, nqm_brdf **brdf_ret,
                          nqm_error *err) {
@@ -131,9 +141,10 @@ static nqm_status open_map(nqm_map *map, nqm_brdf **brdf_ret, nqm_error *err) {
     if (nqm_nps_probe(map))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this decoder's nps_latents.csv, '%s:MATERIAL'",
                         path, path);
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
-        if (formats[i].probe(map))
-            return formats[i].open(map, path, brdf_ret, err);
+    const file_format *format = find_format(map);
+    if (format)
+        return format->open ? format->open(map, path, brdf_ret, err)
+                            : format->open_with(map, NULL, path, brdf_ret, err);
     if (nqm_materials_probe(map)) {
         nqm_status status = open_material(map, NULL, path, brdf_ret, err);
         if (status == NQM_OK)
@@ -156,6 +167,13 @@ static nqm_status open_file(const char *path, const char *material, const char *
     nqm_status status = nqm_map_open_sparse(path, &map, err);
     if (status == NQM_OK && !material) {
         status = open_map(&map, brdf_ret, err);
+        if (status != NQM_OK)
+            nqm_map_close(&map);
+        return status;
+    }
+    const file_format *format = status == NQM_OK ? find_format(&map) : NULL;
+    if (format && format->open_with) {
+        status = format->open_with(&map, material, name, brdf_ret, err);
         if (status != NQM_OK)
             nqm_map_close(&map);
         return status;

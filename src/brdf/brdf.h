@@ -63,16 +63,18 @@ NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const ch
 /** true when the first bytes look like the format (a short or damaged file of that format must still be recognised
  * where possible, so that its message can name the fault). */
 bool nqm_merl_probe(const nqm_map *map);
-bool nqm_rgl_probe(const nqm_map *map);
 bool nqm_nbrdf_probe(const nqm_map *map);
 bool nqm_saved_probe(const nqm_map *map);
 nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 /** Write a MERL table; n_phi: 180 or 360 cells of phi_d. */
 NQM_MUST_CHECK nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
                                          void *progress_user, nqm_error *err);
-nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/** Files of the tensor container: RGL materials and polarimetric ones. `illuminant` for spectra: "E" or "D65"; NULL: E. */
+bool nqm_tensor_brdf_probe(const nqm_map *map);
+nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant, const char *name, nqm_brdf **brdf_ret,
+                                nqm_error *err);
 /** One material of an archive or of a decoder. */
 nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
                               nqm_error *err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * RGL measured materials, isotropic rgb (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
+ * RGL measured materials, isotropic, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
  * grid that is warped, per angle of incidence, by the distribution of visible normals: f_r cos(theta_o) D^-1 4 sigma at
  * the point that the warp maps to the half vector. Evaluation inverts the warp (section 4): the half vector's
  * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
@@ -9,8 +9,10 @@
  * Directions: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the light, as renderers
  * do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then the light's and is
  * divided out here. The data are not quite reciprocal: exchanging the two changes f_r by 1-4 % for matte materials,
- * more for flakes and leaves. Values may be negative where a colour is outside the gamut. Anisotropic and spectral
- * files are refused.
+ * more for flakes and leaves. Values may be negative where a colour is outside the gamut. Anisotropic files are refused.
+ *
+ * Spectra become RGB when the file is opened: evaluation is linear in the stored values, so that the result is the same as
+ * converting each evaluated spectrum.
  */
 #include "brdf/brdf.h"
 
@@ -172,7 +174,10 @@ static const nqm_brdf_class rgl_class = {.format = "rgl", .reciprocal = 0, .eval
 /** The required tensors of the file. */
 typedef struct contents {
     const char *path;
-    const nqm_tensor *theta_i, *ndf, *sigma, *vndf, *rgb;
+    const nqm_tensor *theta_i, *ndf, *sigma, *vndf;
+    const nqm_tensor *values;      /* `rgb` or `spectra` */
+    const nqm_tensor *wavelengths; /* of spectra, nm; NULL for rgb */
+    nqm_illuminant illuminant;
 } contents;
 
 static nqm_status fail_tensor(const contents *c, const nqm_tensor *t, const char *fault, nqm_error *err) {
@@ -192,16 +197,14 @@ static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, co
 
 static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_error *err) {
     const nqm_tensor *phi_i = NULL;
+    const bool spectral = nqm_tensor_file_find(file, "spectra") && !nqm_tensor_file_find(file, "rgb");
     const struct {
         const char *name;
         size_t n_dims;
         const nqm_tensor **t;
     } tensors[] = {{"phi_i", 1, &phi_i},    {"theta_i", 1, &c->theta_i}, {"ndf", 2, &c->ndf},
-                   {"sigma", 2, &c->sigma}, {"vndf", 4, &c->vndf},       {"rgb", 5, &c->rgb}};
-    if (nqm_tensor_file_find(file, "spectra") && !nqm_tensor_file_find(file, "rgb"))
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: is a spectral file (byte 0); take the material's *_rgb.bsdf",
-                        c->path);
-    nqm_status status = NQM_OK;
+                   {"sigma", 2, &c->sigma}, {"vndf", 4, &c->vndf},       {spectral ? "spectra" : "rgb", 5, &c->values}};
+    nqm_status status = spectral ? find_tensor(file, c, "wavelengths", 1, &c->wavelengths, err) : NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < sizeof tensors / sizeof *tensors; ++i)
         status = find_tensor(file, c, tensors[i].name, tensors[i].n_dims, tensors[i].t, err);
     if (status == NQM_OK && phi_i->dims[0] != 1)
@@ -211,7 +214,7 @@ static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_err
 
 /* Check that the shapes agree and that every grid has at least one cell. */
 static nqm_status check_shapes(const contents *c, nqm_error *err) {
-    const nqm_tensor *grids[] = {c->ndf, c->sigma, c->vndf, c->rgb};
+    const nqm_tensor *grids[] = {c->ndf, c->sigma, c->vndf, c->values};
     for (size_t i = 0; i < 4; ++i)
         if (grids[i]->dims[grids[i]->n_dims - 1] < 2 || grids[i]->dims[grids[i]->n_dims - 2] < 2)
             return fail_tensor(c, grids[i], "has fewer than 2 x 2 values", err);
@@ -220,8 +223,12 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
         return fail_tensor(c, c->theta_i, "has fewer than two angles", err);
     if (c->vndf->dims[0] != 1 || c->vndf->dims[1] != n_theta)
         return fail_tensor(c, c->vndf, "does not have one slice for each theta_i", err);
-    if (c->rgb->dims[0] != 1 || c->rgb->dims[1] != n_theta || c->rgb->dims[2] != 3)
-        return fail_tensor(c, c->rgb, "does not have three channels for each theta_i", err);
+    const size_t *dims = c->values->dims;
+    if (dims[0] != 1 || dims[1] != n_theta || dims[2] != (c->wavelengths ? c->wavelengths->dims[0] : 3))
+        return fail_tensor(c, c->values,
+                           c->wavelengths ? "does not have one value for each of `wavelengths` and theta_i"
+                                          : "does not have three channels for each theta_i",
+                           err);
     return NQM_OK;
 }
 
@@ -269,6 +276,60 @@ static void interleave(const nqm_tensor *t, float *rgb) {
     }
 }
 
+/* As interleave(), for spectra. weights: (n, 3), n = dims[2]. */
+static void convert_spectra(const nqm_tensor *t, const double *weights, float *rgb) {
+    const size_t n = t->dims[2], n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
+    for (size_t k = 0; k < t->dims[1]; ++k)
+        for (size_t i = 0; i < n_slice; ++i, rgb += 3) {
+            const unsigned char *value = (const unsigned char *)t->data + k * n * n_plane + i * sizeof(float);
+            double sum[3] = {0};
+            for (size_t w = 0; w < n; ++w, value += n_plane)
+                for (size_t c = 0; c < 3; ++c)
+                    sum[c] += weights[3 * w + c] * (double)nqm_load_f32(value);
+            for (size_t c = 0; c < 3; ++c)
+                rgb[c] = (float)fmin(fmax(sum[c], (double)-FLT_MAX), (double)FLT_MAX);
+        }
+}
+
+/* Refuse values of spectra that are not finite. */
+static nqm_status check_spectra(const contents *c, nqm_error *err) {
+    const unsigned char *data = c->values->data;
+    for (size_t i = 0; i < c->values->n_bytes; i += sizeof(float))
+        if (!isfinite(nqm_load_f32(data + i)))
+            return nqm_fail(err, NQM_ERR_FORMAT, c->values->byte_offset + (int64_t)i,
+                            "%s: 'spectra' contains %g at byte %lld", c->path, (double)nqm_load_f32(data + i),
+                            (long long)c->values->byte_offset + (long long)i);
+    return NQM_OK;
+}
+
+static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
+    const size_t n = c->wavelengths->dims[0];
+    float *nm;
+    double *weights;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&nm, n, sizeof *nm}, {&weights, 3 * n, sizeof *weights}), err);
+    if (status != NQM_OK)
+        return status;
+    memcpy(nm, c->wavelengths->data, n * sizeof *nm);
+    if (!nqm_spectrum_is_visible(n, nm))
+        status = fail_tensor(c, c->wavelengths, "does not rise from at most 500 to at least 600 nm", err);
+    if (status == NQM_OK)
+        status = check_spectra(c, err);
+    if (status == NQM_OK) {
+        nqm_spectrum_weights(c->illuminant, n, nm, weights);
+        convert_spectra(c->values, weights, rgb);
+    }
+    nqm_free(nm);
+    return status;
+}
+
+/* rgb: (n_theta, height, width, 3). */
+static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
+    if (c->wavelengths)
+        return read_spectra(c, rgb, err);
+    interleave(c->values, rgb);
+    return check_values(c, c->values, -FLT_MAX, rgb, err);
+}
+
 /* Integrals of n_rows rows up to each column by the trapezoidal rule, which is exact for bilinear densities. Each sum
  * of a row depends on the previous one; processing several rows at once hides this latency. Inlined, so that n_rows is
  * a constant. */
@@ -296,20 +357,22 @@ static double integrate_slice(rgl *m, size_t k) {
     return marginal[height - 1];
 }
 
-static nqm_status read_material(const nqm_tensor_file *file, const char *path, rgl **m_ret, nqm_error *err) {
-    contents c = {.path = path};
-    nqm_status status = find_tensors(file, &c, err);
+/* `found` has the path and the illuminant; the tensors are added. */
+static nqm_status read_material(const nqm_tensor_file *file, contents *found, rgl **m_ret, nqm_error *err) {
+    nqm_status status = find_tensors(file, found, err);
     if (status == NQM_OK)
-        status = check_shapes(&c, err);
+        status = check_shapes(found, err);
     if (status != NQM_OK)
         return status;
+    const contents c = *found;
+    const size_t n_rgb = 3 * c.values->dims[1] * c.values->dims[3] * c.values->dims[4];
     const size_t n_theta = c.theta_i->dims[0], n_warp = c.vndf->n_bytes / sizeof(float);
     float *angles, *ndf, *sigma, *vndf, *rgb;
     double *conditional, *marginal;
     status = nqm_alloc_arrays(
         NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&angles, n_copied(c.theta_i), sizeof(float)},
                    {&ndf, n_copied(c.ndf), sizeof(float)}, {&sigma, n_copied(c.sigma), sizeof(float)},
-                   {&vndf, n_copied(c.vndf), sizeof(float)}, {&rgb, c.rgb->n_bytes, 1},
+                   {&vndf, n_copied(c.vndf), sizeof(float)}, {&rgb, n_rgb, sizeof(float)},
                    {&conditional, n_warp, sizeof(double)}, {&marginal, n_theta * c.vndf->dims[2], sizeof(double)}),
         err);
     if (status != NQM_OK)
@@ -327,9 +390,8 @@ static nqm_status read_material(const nqm_tensor_file *file, const char *path, r
     if (status == NQM_OK)
         status = view_floats(&c, c.sigma, FLT_MIN, sigma, &m->sigma, err);
     if (status == NQM_OK) {
-        interleave(c.rgb, rgb);
-        m->rgb = grid_of(c.rgb, rgb);
-        status = check_values(&c, c.rgb, -FLT_MAX, rgb, err);
+        m->rgb = grid_of(c.values, rgb);
+        status = read_values(&c, rgb, err);
     }
     if (status == NQM_OK)
         status = view_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
@@ -341,28 +403,36 @@ static nqm_status read_material(const nqm_tensor_file *file, const char *path, r
     return status;
 }
 
-bool nqm_rgl_probe(const nqm_map *map) {
+bool nqm_tensor_brdf_probe(const nqm_map *map) {
     static const char magic[12] = "tensor_file";
     size_t n = map->n_bytes < sizeof magic ? map->n_bytes : sizeof magic;
     return n >= 4 && memcmp(map->data, magic, n) == 0;
 }
 
-nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_tensor_file *file = NULL;
+/* One line for the information about the BRDF. */
+static void describe(const rgl *m, const contents *c, char *text, size_t n_text) {
+    int used = snprintf(text, n_text, "%zu angles of incidence x %zu x %zu samples, warp %zu x %zu", m->n_theta,
+                        m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
+    const unsigned char *nm = c->wavelengths ? c->wavelengths->data : NULL;
+    if (nm && used > 0)
+        snprintf(text + used, n_text - (size_t)used, ", %zu wavelengths %g to %g nm under illuminant %s",
+                 c->wavelengths->dims[0], (double)nqm_load_f32(nm),
+                 (double)nqm_load_f32(nm + c->wavelengths->n_bytes - sizeof(float)),
+                 nqm_illuminant_name(c->illuminant));
+}
+
+static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illuminant illuminant, const char *name,
+                           nqm_brdf **brdf_ret, nqm_error *err) {
+    contents c = {.path = map->path, .illuminant = illuminant};
     rgl *m = NULL;
-    nqm_map_expect(map, true);
-    nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
-    if (status == NQM_OK)
-        status = read_material(file, map->path, &m, err);
-    nqm_free(file);
+    nqm_status status = read_material(file, &c, &m, err);
     if (status != NQM_OK) {
         nqm_free(m);
         return status;
     }
-    char layout[120];
-    snprintf(layout, sizeof layout, "%zu angles of incidence x %zu x %zu samples, warp %zu x %zu", m->n_theta,
-             m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
-    size_t n_values = m->n_theta * (3 * m->rgb.height * m->rgb.width + m->vndf.height * m->vndf.width) +
+    char layout[200];
+    describe(m, &c, layout, sizeof layout);
+    size_t n_values = c.values->n_bytes / sizeof(float) + m->n_theta * m->vndf.height * m->vndf.width +
                       m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
     const nqm_brdf_info info = {.name = name,
                                 .source_doi = "10.1145/3272127.3275059",
@@ -373,4 +443,22 @@ nqm_status nqm_rgl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm
     m->map = *map;
     *map = (nqm_map){0};
     return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
+}
+
+nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant_name, const char *name, nqm_brdf **brdf_ret,
+                                nqm_error *err) {
+    nqm_tensor_file *file = NULL;
+    nqm_illuminant illuminant = NQM_ILLUMINANT_E;
+    if (illuminant_name && !nqm_illuminant_find(illuminant_name, &illuminant))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: '%s' is not an illuminant for its spectra: E or D65", map->path,
+                        illuminant_name);
+    nqm_map_expect(map, true);
+    nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
+    if (status == NQM_OK && illuminant_name && !nqm_tensor_file_find(file, "spectra"))
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: contains RGB, not spectra: open it without ':%s'", map->path,
+                          illuminant_name);
+    if (status == NQM_OK)
+        status = open_rgl(map, file, illuminant, name, brdf_ret, err);
+    nqm_free(file);
+    return status;
 }

@@ -11,8 +11,8 @@
 
 /* ---- safetensors (huggingface.co/docs/safetensors): u64 header length, JSON header, raw little-endian tensors ---- */
 
-typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U32, NQM_F16 } nqm_dtype;
-enum { NQM_MAX_DIMS = 5 };
+typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U16, NQM_U32, NQM_F16 } nqm_dtype;
+enum { NQM_MAX_DIMS = 6 };
 /** Bytes of one value. */
 size_t nqm_dtype_size(nqm_dtype dtype);
 

@@ -29,7 +29,7 @@ static const struct {
     const char *name;
     size_t n_bytes;
 } dtypes[] = {[NQM_F32] = {"F32", 4}, [NQM_F64] = {"F64", 8}, [NQM_I32] = {"I32", 4}, [NQM_I64] = {"I64", 8},
-              [NQM_U8] = {"U8", 1},   [NQM_U32] = {"U32", 4}, [NQM_F16] = {"F16", 2}};
+              [NQM_U8] = {"U8", 1},   [NQM_U16] = {"U16", 2}, [NQM_U32] = {"U32", 4}, [NQM_F16] = {"F16", 2}};
 enum { N_DTYPES = sizeof dtypes / sizeof *dtypes };
 
 static const char sha_key[] = "\"sha256\":\"";
@@ -94,10 +94,10 @@ static nqm_status read_tensor(const place *at, const json_t *entry, const nqm_sa
     while (dtype && type < N_DTYPES && strcmp(dtype, dtypes[type].name) != 0)
         ++type;
     if (!dtype || type == N_DTYPES)
-        return bad_tensor(at, HEADER_AT, "its dtype is none of F16, F32, F64, I32, I64, U8, U32");
+        return bad_tensor(at, HEADER_AT, "its dtype is none of F16, F32, F64, I32, I64, U8, U16, U32");
     *tensor = (nqm_tensor){.name = at->tensor, .dtype = (nqm_dtype)type};
     if (!read_sizes(json_object_get(entry, "shape"), NQM_MAX_DIMS, &tensor->n_dims, tensor->dims))
-        return bad_tensor(at, HEADER_AT, "its shape is not a list of at most 5 sizes");
+        return bad_tensor(at, HEADER_AT, "its shape is not a list of at most 6 sizes");
     if (!read_sizes(json_object_get(entry, "data_offsets"), 2, &n, range) || n != 2)
         return bad_tensor(at, HEADER_AT, "its data_offsets are not two sizes");
     if (range[0] > range[1] || range[1] > st->n_bytes - data_at)

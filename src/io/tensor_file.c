@@ -51,7 +51,7 @@ typedef struct element_type {
     int dtype; /* an nqm_dtype, or -1: not supported */
 } element_type;
 
-static const element_type element_types[] = {{0, -1},      {1, NQM_U8},  {1, -1},      {2, -1},
+static const element_type element_types[] = {{0, -1},      {1, NQM_U8},  {1, -1},      {2, NQM_U16},
                                              {2, -1},      {4, NQM_U32}, {4, NQM_I32}, {8, -1},
                                              {8, NQM_I64}, {2, -1},      {4, NQM_F32}, {8, NQM_F64}};
 enum { N_TYPES = sizeof element_types / sizeof *element_types };

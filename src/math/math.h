@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, Rusinkiewicz coordinates, range checks, statistics (ranks, correlations, quantiles), nonlinear
+ * math.h - vectors, Rusinkiewicz coordinates, spectra to RGB, range checks, statistics (ranks, correlations, quantiles), nonlinear
  * least squares, eigenvectors. It contains nothing specific to BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
@@ -28,6 +28,18 @@ void nqm_half_diff_from_pair(const double *wi, const double *wo, double *hd);
 /** phi_d in [0, 2 pi): distinguishes light and viewer. */
 void nqm_half_diff_full_from_pair(const double *wi, const double *wo, double *hd);
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo);
+
+/* ---- spectra to RGB (spectrum.c names the sources) --------------------------------------------------------------- */
+
+typedef enum nqm_illuminant { NQM_ILLUMINANT_E, NQM_ILLUMINANT_D65 } nqm_illuminant;
+/** "E" (equal energy) or "D65"; false: another name. */
+bool nqm_illuminant_find(const char *name, nqm_illuminant *illuminant_ret);
+const char *nqm_illuminant_name(nqm_illuminant illuminant);
+/** true when n >= 2 wavelengths in nm rise and cover at least 500 to 600 nm. */
+bool nqm_spectrum_is_visible(size_t n, const float *nm);
+/** Weights that make linear BT.709 RGB of reflectances at these wavelengths: channel c is the sum over k of rgb[3 k + c] times
+ *  value k. The spectrum is linear between wavelengths and constant beyond them; each channel's weights sum to 1. rgb: (n, 3). */
+void nqm_spectrum_weights(nqm_illuminant illuminant, size_t n, const float *nm, double *rgb);
 
 /* ---- range checks ------------------------------------------------------------------------------------------------ */
 

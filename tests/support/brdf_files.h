@@ -43,11 +43,13 @@ typedef struct rgl_change {
     const char *name; /**< NULL: no change */
     bool omit;        /**< remove the tensor of that name */
     unsigned type;    /**< type code of the container: 10 is float32 */
-    size_t n_dims, dims[6];
+    size_t n_dims, dims[7];
     const float *values; /**< NULL: noise in [1, 2) */
 } rgl_change;
 /** A small isotropic RGL material; `change` may be NULL. */
 blob make_rgl(const rgl_change *change);
+/** The same with `spectra` at nine wavelengths instead of `rgb`. */
+blob make_spectral_rgl(const rgl_change *change);
 /** The valid material, with the data of every tensor at an offset of 8 n + shift bytes. */
 blob make_shifted_rgl(size_t shift);
 

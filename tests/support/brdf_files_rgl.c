@@ -8,18 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FLOAT32 = 10, UINT8 = 1, MAX_FILE = 1 << 20 };
+enum { FLOAT32 = 10, UINT8 = 1, UINT16 = 3, MAX_FILE = 1 << 20 };
 
 typedef struct tensor {
     const char *name;
     unsigned type;
-    size_t n_dims, dims[6];
+    size_t n_dims, dims[7];
     double scale, shift; /* value = scale * noise + shift */
     const float *values; /* used instead of noise unless NULL */
 } tensor;
 
 static const float theta_i[4] = {0, 0.6F, 1.1F, 1.5707964F};
 static const float one_zero[1] = {0};
+static const float wavelengths[9] = {360, 420, 450, 500, 540, 580, 620.5F, 700, 1000};
 
 static const tensor valid[] = {
     {"description", UINT8, 1, {5}, 0, 0, NULL},
@@ -32,7 +33,10 @@ static const tensor valid[] = {
     {"jacobian", UINT8, 1, {1}, 0, 0, NULL},
     {"valid", UINT8, 1, {35}, 0, 0, NULL},
 };
-enum { N_VALID = sizeof valid / sizeof *valid };
+/* These replace `rgb`. */
+static const tensor spectral[] = {{"spectra", FLOAT32, 5, {1, 4, 9, 5, 7}, 4, -1, NULL},
+                                  {"wavelengths", FLOAT32, 1, {9}, 0, 0, wavelengths}};
+enum { N_VALID = sizeof valid / sizeof *valid, MAX_TENSORS = N_VALID + 3 };
 
 static size_t count(const tensor *t) {
     size_t n = 1;
@@ -46,11 +50,14 @@ static bool is_changed(const tensor *t, const rgl_change *change) {
 }
 
 /* Apply the change to the list of tensors; returns their number. */
-static size_t choose(const rgl_change *change, tensor *out) {
+static size_t choose(const rgl_change *change, bool is_spectral, tensor *out) {
     size_t n = 0;
     for (size_t i = 0; i < N_VALID; ++i)
-        if (!is_changed(valid + i, change))
+        if (!is_changed(valid + i, change) && !(is_spectral && strcmp(valid[i].name, "rgb") == 0))
             out[n++] = valid[i];
+    for (size_t i = 0; is_spectral && i < 2; ++i)
+        if (!is_changed(spectral + i, change))
+            out[n++] = spectral[i];
     if (change && change->name && !change->omit) {
         out[n] = (tensor){.name = change->name, .type = change->type, .n_dims = change->n_dims, .scale = 1, .shift = 1};
         out[n].values = change->values;
@@ -97,10 +104,8 @@ static size_t put_entry(const tensor *t, size_t offset, unsigned char *at) {
     return (size_t)(p - at);
 }
 
-static blob make_file(const rgl_change *change, size_t shift) {
+static blob make_file(size_t n, const tensor *tensors, size_t shift) {
     static const char magic[12] = "tensor_file";
-    tensor tensors[N_VALID + 1];
-    size_t n = choose(change, tensors);
     blob b = {.data = calloc(MAX_FILE, 1)};
     if (!b.data)
         abort();
@@ -120,9 +125,16 @@ static blob make_file(const rgl_change *change, size_t shift) {
 }
 
 blob make_rgl(const rgl_change *change) {
-    return make_file(change, 0);
+    tensor tensors[MAX_TENSORS];
+    return make_file(choose(change, false, tensors), tensors, 0);
+}
+
+blob make_spectral_rgl(const rgl_change *change) {
+    tensor tensors[MAX_TENSORS];
+    return make_file(choose(change, true, tensors), tensors, 0);
 }
 
 blob make_shifted_rgl(size_t shift) {
-    return make_file(NULL, shift);
+    tensor tensors[MAX_TENSORS];
+    return make_file(choose(NULL, false, tensors), tensors, shift);
 }

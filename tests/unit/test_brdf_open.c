@@ -82,6 +82,11 @@ static void splits_at_the_last_colon(void **state) {
     blob_put(make_rgl(NULL), path);
     expect_format(path, "rgl");
     snprintf(argument, sizeof argument, "%s:steel", path);
+    expect(argument, NQM_ERR_ARG, "'steel' is not an illuminant");
+    snprintf(argument, sizeof argument, "%s:D65", path);
+    expect(argument, NQM_ERR_ARG, "contains RGB, not spectra");
+    blob_put(make_nbrdf(NBRDF_VALID), path);
+    snprintf(argument, sizeof argument, "%s:steel", path);
     expect(argument, NQM_ERR_FORMAT, "neither a zip nor a decoder");
     expect("nowhere.zip:steel", NQM_ERR_IO, "nowhere.zip:steel");
     blob network = make_nbrdf(NBRDF_VALID);

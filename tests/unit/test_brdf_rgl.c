@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/memory_test.h"
 #include "io/io.h"
+#include "math/math.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
 #include "vectors/brdf_vectors.h"
@@ -79,6 +80,60 @@ static void is_isotropic(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* Spectra become RGB under the illuminant that the argument names, E by default. */
+static void converts_spectra(void **state) {
+    (void)state;
+    const char *path = save(make_spectral_rgl(NULL));
+    const struct {
+        const char *suffix, *layout;
+        const double (*vector)[3];
+    } cases[] = {{"", "under illuminant E", rgl_e_vector},
+                 {":E", "under illuminant E", rgl_e_vector},
+                 {":D65", "under illuminant D65", rgl_d65_vector}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        char argument[4200];
+        nqm_brdf *brdf;
+        snprintf(argument, sizeof argument, "%s%s", path, cases[k].suffix);
+        assert_int_equal(nqm_brdf_open(argument, &brdf, NULL), NQM_OK);
+        for (size_t i = 0; i < N_PAIRS; ++i) {
+            double rgb[3];
+            nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, NULL);
+            for (size_t c = 0; c < 3; ++c)
+                assert_near(rgb[c], fmax(cases[k].vector[i][c], 0), 2e-6 * (1 + fabs(cases[k].vector[i][c])));
+        }
+        nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        assert_string_equal(info.name, argument);
+        assert_non_null(strstr(info.layout, "9 wavelengths 360 to 1000 nm"));
+        assert_non_null(strstr(info.layout, cases[k].layout));
+        assert_int_equal(info.n_values, 1260 + 192 + 18 + 14);
+        nqm_brdf_free(brdf);
+    }
+}
+
+/* Equal values at all wavelengths are grey under both illuminants, also with the 195 wavelengths of the database. */
+static void keeps_white(void **state) {
+    (void)state;
+    enum { MOST = 195 };
+    for (size_t n = 2; n <= MOST; n = n == 2 ? 5 : n == 5 ? MOST : MOST + 1)
+        for (int k = 0; k < 2; ++k) {
+            float nm[MOST];
+            double weights[3 * MOST], sum[3] = {0};
+            for (size_t i = 0; i < n; ++i)
+                nm[i] = 360 + 640 * (float)i / (float)(n - 1);
+            assert_true(nqm_spectrum_is_visible(n, nm));
+            nqm_spectrum_weights(k ? NQM_ILLUMINANT_D65 : NQM_ILLUMINANT_E, n, nm, weights);
+            for (size_t i = 0; i < 3 * n; ++i)
+                sum[i % 3] += weights[i];
+            for (size_t c = 0; c < 3; ++c)
+                assert_near(sum[c], 1, 1e-14);
+        }
+    assert_false(nqm_spectrum_is_visible(1, (float[]){550}));
+    assert_false(nqm_spectrum_is_visible(3, (float[]){400, 400, 700}));
+    assert_false(nqm_spectrum_is_visible(2, (float[]){0.4F, 0.7F}));
+    assert_false(nqm_spectrum_is_visible(2, (float[]){510, 700}));
+    assert_false(nqm_spectrum_is_visible(2, (float[]){400, NAN}));
+}
+
 /* The material must be refused with a byte offset; the message must contain the file and the offset. */
 static void expect_refused(blob b, const char *words) {
     const char *path = save(b);
@@ -90,6 +145,26 @@ static void expect_refused(blob b, const char *words) {
     snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
     if (!strstr(err.message, path) || !strstr(err.message, words) || !strstr(err.message, at))
         fail_msg("message: %s (%s)", err.message, at);
+}
+
+static void refuses_unfit_spectra(void **state) {
+    (void)state;
+    static float bad[1260];
+    static const float micrometres[9] = {0.36F, 0.42F, 0.45F, 0.5F, 0.54F, 0.58F, 0.62F, 0.7F, 1};
+    expect_refused(make_spectral_rgl(&(rgl_change){.name = "wavelengths", .omit = true}),
+                   "has no tensor 'wavelengths'");
+    expect_refused(make_spectral_rgl(&(rgl_change){.name = "wavelengths", .type = 10, .n_dims = 1, .dims = {8}}),
+                   "one value for each of `wavelengths`");
+    expect_refused(make_spectral_rgl(&(rgl_change){
+                       .name = "wavelengths", .type = 10, .n_dims = 1, .dims = {9}, .values = micrometres}),
+                   "500 to at least 600 nm");
+    expect_refused(
+        make_spectral_rgl(&(rgl_change){.name = "spectra", .type = 10, .n_dims = 5, .dims = {1, 3, 9, 5, 7}}),
+        "one value for each");
+    bad[1000] = NAN;
+    expect_refused(make_spectral_rgl(&(rgl_change){
+                       .name = "spectra", .type = 10, .n_dims = 5, .dims = {1, 4, 9, 5, 7}, .values = bad}),
+                   "'spectra' contains nan");
 }
 
 static void refuses_unfit_tensors(void **state) {
@@ -112,8 +187,8 @@ static void refuses_unfit_tensors(void **state) {
                    "each theta_i");
     expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 5, .dims = {1, 4, 1, 5, 7}}),
                    "channels");
-    expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 6, .dims = {1, 1, 1, 1, 1, 1}}),
-                   "6 dim");
+    expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 7, .dims = {1, 1, 1, 1, 1, 1, 1}}),
+                   "7 dim");
 }
 
 static void refuses_unfit_numbers(void **state) {
@@ -193,10 +268,15 @@ static void survives_failing_allocations(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(agrees_with_numpy),           cmocka_unit_test(is_isotropic),
-        cmocka_unit_test(refuses_unfit_tensors),       cmocka_unit_test(refuses_unfit_numbers),
-        cmocka_unit_test(refuses_a_broken_container),  cmocka_unit_test(refuses_truncated_files),
-        cmocka_unit_test(survives_failing_allocations)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(converts_spectra),
+                                       cmocka_unit_test(keeps_white),
+                                       cmocka_unit_test(refuses_unfit_spectra),
+                                       cmocka_unit_test(agrees_with_numpy),
+                                       cmocka_unit_test(is_isotropic),
+                                       cmocka_unit_test(refuses_unfit_tensors),
+                                       cmocka_unit_test(refuses_unfit_numbers),
+                                       cmocka_unit_test(refuses_a_broken_container),
+                                       cmocka_unit_test(refuses_truncated_files),
+                                       cmocka_unit_test(survives_failing_allocations)};
     return cmocka_run_group_tests_name("brdf_rgl", tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """f_r of the made-up materials of tests/support/brdf_files*.c, computed by numpy from the papers of the formats: RGL
-(Dupuy and Jakob 2018) by integrating the interpolated density of the warp for each pair, NBRDF (Sztrajman et al. 2021)
+(Dupuy and Jakob 2018) by integrating the interpolated density of the warp for each pair, its spectra after evaluation by the fits
+of Wyman, Sloan and Shirley 2013 and D65 from the daylight components of CIE 15, NBRDF (Sztrajman et al. 2021)
 and neural processes (Zheng et al. 2021) as matrix products in float64. The material data use the same noise function as
 the C files. Writes brdf_vectors.h to the folder of this script. Usage: python3 brdf.py"""
 import os
@@ -49,6 +50,53 @@ def float32(x):
     return x.astype(np.float32).astype(np.float64)
 
 
+WAVELENGTHS = np.array([360, 420, 450, 500, 540, 580, 620.5, 700, 1000])
+
+
+def matching(nm):
+    """The colour matching functions, (len(nm), 3), as sums of Gaussians with two widths."""
+    def g(scale, mu, below, above):
+        return scale * np.exp(-0.5 * ((nm - mu) * np.where(nm < mu, below, above))**2)
+    return np.stack([g(0.362, 442.0, 0.0624, 0.0374) + g(1.056, 599.8, 0.0264, 0.0323) + g(-0.065, 501.1, 0.0490, 0.0382),
+                     g(0.821, 568.8, 0.0213, 0.0247) + g(0.286, 530.9, 0.0613, 0.0322),
+                     g(1.217, 437.0, 0.0845, 0.0278) + g(0.681, 459.0, 0.0385, 0.0725)], 1)
+
+
+# S0, S1, S2 of CIE 15, 380 to 780 nm in steps of 10.
+DAYLIGHT = np.array([
+    63.4, 38.5, 3, 65.8, 35, 1.2, 94.8, 43.4, -1.1, 104.8, 46.3, -0.5, 105.9, 43.9, -0.7, 96.8, 37.1, -1.2, 113.9, 36.7,
+    -2.6, 125.6, 35.9, -2.9, 125.5, 32.6, -2.8, 121.3, 27.9, -2.6, 121.3, 24.3, -2.6, 113.5, 20.1, -1.8, 113.1, 16.2, -1.5,
+    110.8, 13.2, -1.3, 106.5, 8.6, -1.2, 108.8, 6.1, -1, 105.3, 4.2, -0.5, 104.4, 1.9, -0.3, 100, 0, 0, 96, -1.6, 0.2, 95.1,
+    -3.5, 0.5, 89.1, -3.5, 2.1, 90.5, -5.8, 3.2, 90.3, -7.2, 4.1, 88.4, -8.6, 4.7, 84, -9.5, 5.1, 85.1, -10.9, 6.7, 81.9,
+    -10.7, 7.3, 82.6, -12, 8.6, 84.9, -14, 9.8, 81.3, -13.6, 10.2, 71.9, -12, 8.3, 74.3, -13.3, 9.6, 76.4, -12.9, 8.5, 63.3,
+    -10.6, 7, 71.7, -11.6, 7.6, 77, -12.2, 8, 65.2, -10.2, 6.7, 47.7, -7.8, 5.2, 68.6, -11.2, 7.4, 65, -10.4, 6.8
+]).reshape(-1, 3)
+
+
+def daylight(nm):
+    """D65, by the formula of CIE 15 for a correlated colour temperature of 6504 K."""
+    t = 6500 * 1.4388 / 1.438
+    x = -4.6070e9 / t**3 + 2.9678e6 / t**2 + 0.09911e3 / t + 0.244063
+    y = -3 * x * x + 2.87 * x - 0.275
+    m = 0.0241 + 0.2562 * x - 0.7341 * y
+    m1, m2 = round((-1.3515 - 1.7703 * x + 5.9114 * y) / m, 3), round((0.03 - 31.4424 * x + 30.0717 * y) / m, 3)
+    return np.interp(nm, np.arange(380, 781, 10), DAYLIGHT @ [1, m1, m2])
+
+
+def spectrum_to_rgb(values, illuminant):
+    """Linear BT.709 of spectra (n, wavelengths), adapted from the illuminant's white by Bradford's cones."""
+    nm = np.arange(380, 781, 1.0)
+    light = (daylight(nm) if illuminant == "D65" else np.ones(len(nm)))[:, None] * matching(nm)
+    spectra = np.stack([np.interp(nm, WAVELENGTHS, v) for v in values])
+    cones = np.array([[.8951, .2664, -.1614], [-.7502, 1.7135, .0367], [.0389, -.0685, 1.0296]])
+    column = lambda x, y: np.array([x / y, 1, (1 - x - y) / y])
+    primaries = np.stack([column(.64, .33), column(.30, .60), column(.15, .06)], 1)
+    white = column(.3127, .3290)
+    to_rgb = np.linalg.inv(primaries * np.linalg.solve(primaries, white))
+    adapted = np.linalg.inv(cones) @ np.diag((cones @ white) / (cones @ light.sum(0))) @ cones
+    return spectra @ light @ (to_rgb @ adapted).T
+
+
 class Rgl:
     def __init__(self):
         self.theta_i = float32(np.array([0, 0.6, 1.1, 1.5707964]))
@@ -57,6 +105,7 @@ class Rgl:
         self.vndf = float32(noise(192, ord("v"))).reshape(4, 6, 8)
         self.vndf[:2, :2] = 0
         self.rgb = float32(4 * noise(420, ord("r")) - 1).reshape(4, 3, 5, 7)
+        self.spectra = float32(4 * noise(4 * 9 * 35, ord("s")) - 1).reshape(4, 9, 5, 7)
 
     @staticmethod
     def bilinear(table, u, v):
@@ -82,7 +131,7 @@ class Rgl:
         t = min(max((theta - self.theta_i[k]) / (self.theta_i[k + 1] - self.theta_i[k]), 0), 1)
         return (1 - t) * table[k] + t * table[k + 1]
 
-    def eval(self, viewer, light):
+    def eval(self, viewer, light, spectral=False):
         h = viewer + light
         h /= np.linalg.norm(h)
         theta_i, theta_h = np.arccos(viewer[2]), np.arccos(h[2])
@@ -97,7 +146,7 @@ class Rgl:
         rows = np.array([self.integral(r, 7) for r in density])
         s_u = self.integral(row, u * 7) / self.integral(row, 7) if self.integral(row, 7) > 0 else u
         s_v = self.integral(rows, y)
-        value = self.bilinear(self.mixed(self.rgb, theta_i), min(s_u, 1), min(s_v, 1))
+        value = self.bilinear(self.mixed(self.spectra if spectral else self.rgb, theta_i), min(s_u, 1), min(s_v, 1))
         d = self.bilinear(self.ndf, u, v)
         sigma = self.bilinear(self.sigma, np.sqrt(theta_i * 2 / np.pi), 0.5)
         return value * d / (4 * sigma) / light[2]
@@ -160,6 +209,10 @@ def main():
         out.write("/* clang-format off */\n")
         table(out, "pair_vector", "light (3), viewer (3)", np.concatenate([wi, wo], 1))
         table(out, "rgl_vector", "f_r of the RGL material, negative where its data are", [rgl.eval(o, i) for i, o in zip(wi, wo)])
+        spectra = np.array([rgl.eval(o, i, spectral=True) for i, o in zip(wi, wo)])
+        for name in ["E", "D65"]:
+            table(out, "rgl_%s_vector" % name.lower(), "the same of the spectral material under illuminant " + name,
+                  spectrum_to_rgb(spectra, name))
         table(out, "nbrdf_vector", "f_r of the NBRDF, negative where the network is", nbrdf(hd))
         table(out, "nps_vector", "f_r of the neural process, material 'second'",
               nps(hd, np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])))
