@@ -64,7 +64,7 @@ NQM_MUST_CHECK nqm_status nqm_plot_directions(const char *path, const nqm_direct
  * degrees, and in the plane of incidence for light at 15, 45 and 70 degrees; axes of f_r are logarithmic.
  *
  * @param brdfs        (n), n 1 to 8
- * @param names        (n) for the legend; NULL: nqm_plot_brdf_name()
+ * @param names        (n) for the legend; NULL, or NULL members: nqm_plot_brdf_name()
  * @param theta_d_rad  of the slice over theta_h, 0 to below pi/2
  * @param phi_d_rad    of the slice over theta_h
  */

@@ -163,7 +163,7 @@ nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_brdf *const *br
     s->theta_d_rad = theta_d_rad;
     s->phi_d_rad = phi_d_rad;
     for (size_t k = 0; k < n; ++k)
-        if (names)
+        if (names && names[k])
             snprintf(s->names[k], sizeof s->names[k], "%.60s", names[k]);
         else
             nqm_plot_brdf_name(brdfs[k], s->names[k]);

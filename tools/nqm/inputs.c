@@ -78,6 +78,24 @@ char *read_text(const char *path) {
     return text;
 }
 
+size_t name_length(const char *argument) {
+    const size_t n = strcspn(argument, "=:/");
+    return argument[n] == '=' && argument[n + 1] && access(argument, F_OK) != 0 ? n : 0;
+}
+
+const char **take_names(int n, char **arguments) {
+    const char **names = allocate((size_t)n, sizeof *names);
+    for (int i = 0; i < n; ++i) {
+        const size_t n_name = name_length(arguments[i]);
+        if (n_name == 0)
+            continue;
+        names[i] = arguments[i];
+        arguments[i][n_name] = '\0';
+        arguments[i] += n_name + 1;
+    }
+    return names;
+}
+
 bool is_folder(const char *path) {
     struct stat about;
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);

@@ -106,6 +106,11 @@ nqm_brdf *open_brdf(const char *argument);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. */
 nqm_brdf **open_brdfs(int n, char **arguments);
 void close_brdfs(int n, nqm_brdf **brdfs);
+/** Length of NAME in "NAME=BRDF"; 0 for an argument without a name. A name has no ':' and no '/'; an existing file with this
+ *  name is not split. */
+size_t name_length(const char *argument);
+/** Cut the names off n arguments "NAME=BRDF", which then are the BRDFs. Returns (n) names, NULL where there is none; free() it. */
+const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);

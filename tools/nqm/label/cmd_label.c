@@ -11,7 +11,7 @@
 static const char group_mark[] = "+";
 
 /* Read the arguments: groups of a reference and its tests, separated by '+'. */
-static void read_items(label_run *run, int n_arguments, char **argv) {
+static void read_items(label_run *run, int n_arguments, char **argv, const char *const *names) {
     run->items = allocate((size_t)n_arguments, sizeof *run->items);
     size_t reference = 0;
     for (int i = 0; i < n_arguments; ++i) {
@@ -21,7 +21,8 @@ static void read_items(label_run *run, int n_arguments, char **argv) {
             reference = run->n_items;
             continue;
         }
-        run->items[run->n_items] = (label_item){.name = argv[i], .reference = reference};
+        run->items[run->n_items] =
+            (label_item){.name = argv[i], .shown = names[i] ? names[i] : argv[i], .reference = reference};
         run->n_groups += run->n_items == reference;
         ++run->n_items;
     }
@@ -81,7 +82,8 @@ int cmd_label(int argc, char **argv) {
     scene_args_end(&scene);
     run.scene_options = scene.scene;
     check_label(&run, shrink);
-    read_items(&run, n_arguments, argv);
+    const char **names = take_names(n_arguments, argv);
+    read_items(&run, n_arguments, argv, names);
     make_labels(&run);
     print_labels(&run);
     draw_labels(&run);
@@ -92,5 +94,6 @@ int cmd_label(int argc, char **argv) {
             exit_code = exit_code == EXIT_OK ? code : exit_code; /* of the first error */
         }
     free_labels(&run);
+    free(names);
     return exit_code;
 }

@@ -79,10 +79,10 @@ json_t *json_labels(const label_run *run) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i))
             continue;
-        json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o}", "test", json_name(item->name), "delta_e_itp",
-                                   json_number(item->label.delta_e), "jod", json_number(item->jod), "parts",
-                                   json_label_parts(&item->label), "reference_luminance_cdm2",
-                                   json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
+        json_t *result = json_pack(
+            "{s:o,s:o,s:o,s:o,s:o,s:o}", "test", json_name(item->name), "name", json_name(item->shown), "delta_e_itp",
+            json_number(item->label.delta_e), "jod", json_number(item->jod), "parts", json_label_parts(&item->label),
+            "reference_luminance_cdm2", json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));
         if (item->err.status != NQM_OK)
@@ -107,17 +107,19 @@ static void print_csv_test(const label_run *run, const label_item *item) {
         print_csv_text(stdout, run->items[item->reference].name);
     }
     print_csv_label(stdout, l);
+    putchar(',');
+    print_csv_text(stdout, item->shown);
     putchar('\n');
 }
 
 static void print_text_test(const label_item *item) {
     char words[NQM_LABEL_TEXT];
     if (item->err.status != NQM_OK)
-        printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", item->name);
+        printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", item->shown);
     else
         printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n%31s%s\n", item->label.delta_e, item->jod,
                nqm_label_similarity(&item->label), item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures",
-               item->name, "", nqm_label_describe(&item->label, words));
+               item->shown, "", nqm_label_describe(&item->label, words));
 }
 
 void print_labels(const label_run *run) {
@@ -128,14 +130,14 @@ void print_labels(const label_run *run) {
     if (run->format == FORMAT_CSV) {
         printf("%s%s", csv_columns, run->n_groups > 1 ? ",reference" : "");
         print_csv_label_names(stdout);
-        putchar('\n');
+        puts(",name");
     }
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i)) {
             if (run->format == FORMAT_TEXT)
                 printf("%9s  %6s  %10s  %-20s  test, compared with %s\n", "Delta-E", "JOD", "seen apart", "",
-                       item->name);
+                       item->shown);
         } else if (run->format == FORMAT_QUIET) {
             printf("%.4f\n", item->jod);
         } else if (run->format == FORMAT_CSV) {

@@ -9,10 +9,11 @@
 
 /** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {
-    const char *name;
-    size_t reference; /* index of the group's reference (of itself for a reference) */
-    nqm_label label;  /* its values are NaN for references and for tests that could not be rendered, */
-    double jod;       /* as this one is */
+    const char *name;  /* the argument */
+    const char *shown; /* its name in results: the same, or that of the user */
+    size_t reference;  /* index of the group's reference (of itself for a reference) */
+    nqm_label label;   /* its values are NaN for references and for tests that could not be rendered, */
+    double jod;        /* as this one is */
     nqm_error err;
     double *rgb_cdm2; /* (points, 3); NULL after it has been compared, unless keep_rgb */
 } label_item;

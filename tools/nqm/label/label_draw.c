@@ -50,7 +50,10 @@ static void make_views(drawing *d) {
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         view *v = &d->views[i];
-        short_name(item->name, v->name, sizeof v->name);
+        if (item->shown != item->name)
+            snprintf(v->name, sizeof v->name, "%s", item->shown);
+        else
+            short_name(item->name, v->name, sizeof v->name);
         if (item->err.status != NQM_OK) {
             snprintf(v->caption, sizeof v->caption, "failed");
             continue;

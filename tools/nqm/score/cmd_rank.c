@@ -107,7 +107,7 @@ static void print_text(const score_run *run) {
         print_percent(row->best_preferred);
         if (!isnan(row->result.similarity))
             printf("  %10.2f", row->result.similarity);
-        printf("  %s\n", row->pair.test);
+        printf("  %s\n", row->name);
     }
     puts("\nover next: people who would prefer it to the one below; best over: who would prefer the best to it\n"
          "(50 % is guessing; one JOD is 75 %).");
@@ -116,7 +116,7 @@ static void print_text(const score_run *run) {
 static void print_csv(const score_run *run) {
     fputs("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred", stdout);
     print_csv_part_names(stdout, run->model);
-    puts(",error");
+    puts(",name,error");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         const nqm_score_result *r = &row->result;
@@ -129,6 +129,8 @@ static void print_csv(const score_run *run) {
         print_csv_numbers(stdout, 5, (double[]){r->jod, r->jod_low, r->jod_high, row->over_next, row->best_preferred});
         print_csv_parts(stdout, run->model, r);
         putchar(',');
+        print_csv_text(stdout, row->name);
+        putchar(',');
         print_csv_text(stdout, row->rank ? "" : row->err.message);
         putchar('\n');
     }
@@ -138,12 +140,12 @@ static void print_ranking_json(const score_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
-        json_t *object =
-            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "rank",
-                      row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test", json_name(row->pair.test),
-                      "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low), "jod_high",
-                      json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
-                      json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
+        json_t *object = json_pack(
+            "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "name",
+            json_name(row->name), "rank", row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test",
+            json_name(row->pair.test), "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low),
+            "jod_high", json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
+            json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
         if (!isnan(row->result.similarity))
             json_object_set_new(object, "parts", json_label_parts(&row->result.parts));
         if (!row->rank)
@@ -168,6 +170,7 @@ static void print_ranking(const score_run *run) {
 int cmd_rank(int argc, char **argv) {
     const char *model = "default", *list_path = NULL, *root = NULL, *by = "jod";
     score_run run = {.options = nqm_score_options_default()};
+    const char **names = NULL;
     nqm_pair_list *list = NULL;
     nqm_error err = {0};
     run.options.metrics = 0;
@@ -208,10 +211,12 @@ int cmd_rank(int argc, char **argv) {
         enter_list_root(root, list_path);
         run.n_rows = list->n_rows;
         run.rows = allocate(run.n_rows, sizeof *run.rows);
+        names = take_list_names(list);
         for (size_t i = 0; i < run.n_rows; ++i)
-            run.rows[i].pair = list->pair[i];
+            run.rows[i] = (scored_pair){.pair = list->pair[i], .name = names[i] ? names[i] : list->pair[i].test};
     } else {
-        set_pairs(&run, n_arguments, argv);
+        names = take_names(n_arguments, argv);
+        set_pairs(&run, n_arguments, argv, names);
     }
     make_scores(&run);
     for (size_t i = 0; by_similarity && i < run.n_rows; ++i)
@@ -222,5 +227,6 @@ int cmd_rank(int argc, char **argv) {
     const int exit_code = report_faults(&run);
     free_scores(&run);
     nqm_pair_list_free(list);
+    free(names);
     return exit_code;
 }

@@ -5,14 +5,15 @@
 #include "nqm/score/score.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Print remarks on standard error; remarks about the reference are printed once. */
 static void print_remarks(const score_run *run) {
-    const char *ref = run->rows->pair.ref;
+    const char *ref = run->ref_name;
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
-        json_t *remarks = json_remarks(&run->terms, ref, row->pair.test, &row->result);
+        json_t *remarks = json_remarks(&run->terms, ref, row->name, &row->result);
         for (size_t k = 0; k < json_array_size(remarks); ++k)
             report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
         json_decref(remarks);
@@ -34,7 +35,7 @@ static void print_text(const score_run *run) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
         n_verdict = n > n_verdict ? n : n_verdict;
     }
-    printf("reference  %s\nmodel      %s\n\n    JOD%s  %7s  %-*s", run->rows->pair.ref, info.id,
+    printf("reference  %s\nmodel      %s\n\n    JOD%s  %7s  %-*s", run->ref_name, info.id,
            calibrated ? "  [95 %]        " : "", "noticed", n_verdict, "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
@@ -55,7 +56,7 @@ static void print_text(const score_run *run) {
             else if (run->metrics[m])
                 printf("  %*s", metric_width(m), "-");
         }
-        printf("  %s\n", row->pair.test);
+        printf("  %s\n", row->name);
         if (scored && !isnan(r->similarity)) {
             char words[NQM_LABEL_TEXT];
             printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);
@@ -72,13 +73,15 @@ static void print_text(const score_run *run) {
 static void print_csv(const score_run *run) {
     printf("reference,test");
     print_csv_score_names(stdout, run->model, run->metrics);
-    puts(",warnings,error");
+    puts(",name,warnings,error");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         print_csv_text(stdout, row->pair.ref);
         putchar(',');
         print_csv_text(stdout, row->pair.test);
         print_csv_score(stdout, run->model, run->metrics, &row->result);
+        putchar(',');
+        print_csv_text(stdout, row->name);
         putchar(',');
         json_t *remarks = json_remarks(&run->terms, "reference", "test", &row->result);
         print_csv_remarks(stdout, remarks);
@@ -122,7 +125,8 @@ int cmd_score(int argc, char **argv) {
             "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
             "means "
             "that\n"
-            "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets.\n"
+            "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
+            "NAME=TEST shows it under another name.\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
                    "nqm score old.binary new.binary --fail-under 9.5 -q",
@@ -133,16 +137,18 @@ int cmd_score(int argc, char **argv) {
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
+    const char **names = take_names(n_arguments, argv);
     const bool all = run.format == FORMAT_JSON || run.format == FORMAT_CSV;
     choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
     run.model = open_model(model);
     nqm_brdf_free(open_brdf(argv[0])); /* without a reference there are no results */
-    set_pairs(&run, n_arguments, argv);
+    set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     print_scores(&run);
     int exit_code = report_faults(&run);
     for (size_t i = 0; exit_code == EXIT_OK && i < run.n_rows; ++i)
         exit_code = run.rows[i].result.jod < fail_under ? EXIT_GATE : EXIT_OK;
     free_scores(&run);
+    free(names);
     return exit_code;
 }

@@ -6,11 +6,13 @@
 #define NQM_TOOL_SCORE_H
 
 #include "metric/metric.h"
+#include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 
 /** A pair and its score. */
 typedef struct scored_pair {
     nqm_named_pair pair;
+    const char *name; /* of the test, to print */
     nqm_score_result result;
     nqm_error err; /* status NQM_OK: scored */
     size_t order;  /* index in the arguments */
@@ -34,14 +36,19 @@ typedef struct score_run {
     bool metrics[NQM_METRIC_COUNT]; /* which to print */
     result_format format;
     size_t n_rows;
-    scored_pair *rows;  /* (n_rows) */
+    scored_pair *rows; /* (n_rows) */
+    const char *ref_name;
     remark_terms terms; /* set by make_scores() */
 } score_run;
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others. */
-void set_pairs(score_run *run, int n_arguments, char **arguments);
+/** Rows for the pairs of arguments[0] with each of the others. names: (n_arguments) to print, NULL where the argument itself is
+ *  to be printed; NULL: there are none. */
+void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
+/** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
+ *  NULL where there is none; one block, free() it. */
+const char **take_list_names(nqm_pair_list *list);
 /** Score the pairs of the rows; errors of single pairs are stored in their rows. On another failure, report the error and
  *  exit. */
 void make_scores(score_run *run);

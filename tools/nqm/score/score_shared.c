@@ -12,11 +12,44 @@
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
-void set_pairs(score_run *run, int n_arguments, char **arguments) {
+void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names) {
+    run->ref_name = names && names[0] ? names[0] : arguments[0];
     run->n_rows = (size_t)n_arguments - 1;
     run->rows = allocate(run->n_rows, sizeof *run->rows);
-    for (size_t i = 0; i < run->n_rows; ++i)
+    for (size_t i = 0; i < run->n_rows; ++i) {
         run->rows[i].pair = (nqm_named_pair){arguments[0], arguments[i + 1]};
+        run->rows[i].name = names && names[i + 1] ? names[i + 1] : arguments[i + 1];
+    }
+}
+
+static size_t find_column(const nqm_pair_list *list, const char *name) {
+    size_t column = 0;
+    while (column < list->n_columns && strcmp(list->column[column], name) != 0)
+        ++column;
+    return column;
+}
+
+const char **take_list_names(nqm_pair_list *list) {
+    const size_t column = find_column(list, "name");
+    size_t n_text = 0;
+    for (size_t row = 0; row < list->n_rows; ++row)
+        n_text += name_length(list->pair[row].test) + 1;
+    const char **names = allocate(list->n_rows * sizeof *names + n_text, 1);
+    char *text = (char *)(names + list->n_rows);
+    for (size_t row = 0; row < list->n_rows; ++row) {
+        const char **test = &list->pair[row].test;
+        const size_t n = name_length(*test);
+        if (n) {
+            memcpy(text, *test, n);
+            names[row] = text;
+            text += n + 1;
+            *test += n + 1;
+        }
+        for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i)
+            if (list->cell[i].column == column && !list->cell[i].is_json && *list->cell[i].text)
+                names[row] = list->cell[i].text;
+    }
+    return names;
 }
 
 /* In blocks, so that Ctrl-C is noticed between them. */
@@ -38,7 +71,8 @@ void make_scores(score_run *run) {
         must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
         for (size_t i = 0; i < n; ++i) {
             errors[i].status = results[i].status;
-            run->rows[begin + i] = (scored_pair){pairs[i], results[i], errors[i], .order = begin + i};
+            run->rows[begin + i] =
+                (scored_pair){pairs[i], run->rows[begin + i].name, results[i], errors[i], .order = begin + i};
         }
     }
     end_progress();
@@ -223,11 +257,11 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         if (run->metrics[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
     json_t *object =
-        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:s,s:o,s:o}", "test", json_name(row->pair.test), "jod",
-                  json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high", json_number(r->jod_high),
-                  "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty), "identical", r->identical,
-                  "n_valid", (json_int_t)r->n_valid, "verdict", verdict_words(r, verdict), "metrics", metrics,
-                  "warnings", json_remarks(&run->terms, "reference", "test", r));
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:s,s:o,s:o}", "test", json_name(row->pair.test), "name",
+                  json_name(row->name), "jod", json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
+                  json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
+                  "identical", r->identical, "n_valid", (json_int_t)r->n_valid, "verdict", verdict_words(r, verdict),
+                  "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
     if (!isnan(r->similarity))
         json_object_set_new(object, "parts", json_label_parts(&r->parts));
     if (row->err.status != NQM_OK)

@@ -5,6 +5,8 @@
 #include "figures/plot.h"
 #include "nqm/tool.h"
 
+#include <stdlib.h>
+
 enum { MAX_INPUTS = 8 };
 
 typedef struct plot_arguments {
@@ -36,6 +38,7 @@ static nqm_status draw(const plot_arguments *a, int kind, const char *const *pat
     const double degree = 0.017453292519943295;
     const bool has_brdfs = kind == SLICE || kind == ATTRIBUTION;
     const char *name = a->n ? a->inputs[0] : NULL;
+    const char **names = has_brdfs ? take_names(a->n, a->inputs) : NULL;
     nqm_brdf **brdfs = has_brdfs ? open_brdfs(a->n, a->inputs) : NULL;
     nqm_directions *directions = kind == DIRECTIONS ? open_directions(name) : NULL;
     nqm_model *model = kind == NETWORK ? open_model(name) : NULL;
@@ -60,8 +63,8 @@ static nqm_status draw(const plot_arguments *a, int kind, const char *const *pat
         status = nqm_plot_network(a->output, model, &a->look, err);
         break;
     case SLICE:
-        status = nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, NULL, a->theta_d_deg * degree,
-                                 a->phi_d_deg * degree, &a->look, err);
+        status = nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, names,
+                                 a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, err);
         break;
     case ATTRIBUTION:
         status = nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, err);
@@ -70,6 +73,7 @@ static nqm_status draw(const plot_arguments *a, int kind, const char *const *pat
     close_brdfs(has_brdfs ? a->n : 0, brdfs);
     nqm_directions_free(directions);
     nqm_model_free(model);
+    free(names);
     return status;
 }
 

@@ -86,9 +86,11 @@ int cmd_report(int argc, char **argv) {
     if (!out.file.temporary)
         stop(EXIT_USAGE, "the page must be a file: -o FILE.html");
     run.scores.model = open_model(model);
-    make_report(&run, n_arguments, argv, NULL, &out);
+    const char **names = take_names(n_arguments, argv);
+    make_report(&run, n_arguments, argv, names, &out);
     if (json)
         print_json(json_incref(run.json_scores));
     free_report(&run);
+    free(names);
     return EXIT_OK;
 }

@@ -21,7 +21,7 @@ static void render_all(label_run *labels, int n_arguments, char **arguments) {
     labels->n_groups = 1;
     labels->keep_rgb = true;
     for (size_t i = 0; i < labels->n_items; ++i)
-        labels->items[i].name = arguments[i];
+        labels->items[i].name = labels->items[i].shown = arguments[i];
     make_labels(labels);
 }
 
@@ -60,7 +60,7 @@ static void write_page(const report_run *run, const output_file *out) {
 void make_report(report_run *run, int n_arguments, char **arguments, const char *const *names, output_file *out) {
     choose_metrics("all", run->scores.metrics);
     run->brdfs = open_brdfs(n_arguments, arguments);
-    set_pairs(&run->scores, n_arguments, arguments);
+    set_pairs(&run->scores, n_arguments, arguments, names);
     make_scores(&run->scores);
     check_results(run);
     run->json_scores = json_scores(&run->scores); /* in the order of the arguments */
