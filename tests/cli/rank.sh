@@ -15,7 +15,7 @@ ref=sgd:nickel a=ward:nickel b=lambert:kd=.4 c='perturb:tint=1.5,1,1;of=sgd:nick
 
 # Tests are sorted by score; equal tests have the same rank, and the next rank counts them all.
 rank 0 $ref $a $b "$c" $b --csv
-head -n 1 "$dir/out" | grep -qx 'reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,error' || fail "header"
+head -n 1 "$dir/out" | grep -qx 'reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred,name,error' || fail "header"
 "$tool" score --model "$dir/model.safetensors" $ref $a $b "$c" --csv | sed 1d |
     sed 's/"[^"]*"/"tint"/; s/^sgd:nickel,\([^,]*\),\([^,]*\),.*/\2 \1/' | sort -rn >"$dir/scores"
 sed 1d "$dir/out" | sed 's/"[^"]*"/"tint"/' >"$dir/rows"

@@ -126,3 +126,26 @@ if [ -c /dev/full ]; then
     "$tool" info list >/dev/full 2>"$dir/err" || got=$?
     [ "$got" = 3 ] || fail "info on a full disk: exit code $got"
 fi
+
+# A mark in every row and a line at the end; identical BRDFs pass every gate; the lower end of the interval is a gate for models
+# that have one. NAME=TEST.
+run 1 score sgd:nickel a=ward:nickel 'perturb:gloss=.9;of=sgd:nickel' sgd:nickel -m default --fail-under 6
+grep -q 'very different  *FAIL  a$' "$dir/out" || fail "a mark: $(cat "$dir/out")"
+[ "$(grep -c ' pass  ' "$dir/out")" = 2 ] || fail "marks: $(cat "$dir/out")"
+tail -n 1 "$dir/err" | grep -qx 'nqm score: 1 of 3 pairs FAIL: JOD below 6' || fail "the last line: $(cat "$dir/err")"
+run 1 score sgd:nickel a=ward:nickel sgd:nickel -m default --fail-under 10 --fail-under-low 3 --csv
+head -n 1 "$dir/out" | grep -q ',gate,name,warnings,error$' || fail "a column: $(cat "$dir/out")"
+sed -n 2p "$dir/out" | grep -q '^sgd:nickel,ward:nickel,.*,FAIL,a,,$' || fail "a mark in CSV: $(cat "$dir/out")"
+sed -n 3p "$dir/out" | grep -q ',pass,sgd:nickel,,$' || fail "identical BRDFs pass: $(cat "$dir/out")"
+run 1 score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel' -m default --fail-under 8.3 --fail-under-low 8.3 --json
+grep -q '"gate": "FAIL"' "$dir/out" || fail "a mark in JSON"
+grep -q 'FAIL: JOD below 8.3 or lower end of the interval below 8.3' "$dir/err" || fail "both gates: $(cat "$dir/err")"
+run 0 score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel' -m default --fail-under 8.3 -q
+score 5 $ref $ward --fail-under-low 5
+run 0 rank r=sgd:nickel w=ward:nickel sgd:nickel -m transport
+grep -q ' w$' "$dir/out" || fail "names in a ranking"
+run 0 rank sgd:nickel w=ward:nickel -m transport --csv
+sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,w,$' || fail "names in the CSV of a ranking: $(cat "$dir/out")"
+run 0 label r=sgd:nickel w=ward:nickel --points 60 --lights 16
+grep -q ' w$' "$dir/out" || fail "names of labels"
+(cd "$dir" && cp "${NQM_SOURCE}/tests/cli/score.sh" a=b && run 4 score sgd:nickel a=b) || fail "an existing file is no name"

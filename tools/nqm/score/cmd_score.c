@@ -40,7 +40,7 @@ static void print_text(const score_run *run) {
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
-    puts("  test");
+    puts(has_gate(&run->gate) ? "  gate  test" : "  test");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         const nqm_score_result *r = &row->result;
@@ -56,6 +56,8 @@ static void print_text(const score_run *run) {
             else if (run->metrics[m])
                 printf("  %*s", metric_width(m), "-");
         }
+        if (has_gate(&run->gate))
+            printf("  %-4s", gate_mark(&run->gate, r));
         printf("  %s\n", row->name);
         if (scored && !isnan(r->similarity)) {
             char words[NQM_LABEL_TEXT];
@@ -73,13 +75,15 @@ static void print_text(const score_run *run) {
 static void print_csv(const score_run *run) {
     printf("reference,test");
     print_csv_score_names(stdout, run->model, run->metrics);
-    puts(",name,warnings,error");
+    puts(has_gate(&run->gate) ? ",gate,name,warnings,error" : ",name,warnings,error");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         print_csv_text(stdout, row->pair.ref);
         putchar(',');
         print_csv_text(stdout, row->pair.test);
         print_csv_score(stdout, run->model, run->metrics, &row->result);
+        if (has_gate(&run->gate))
+            printf(",%s", gate_mark(&run->gate, &row->result));
         putchar(',');
         print_csv_text(stdout, row->name);
         putchar(',');
@@ -106,15 +110,24 @@ static void print_scores(const score_run *run) {
     print_remarks(run);
 }
 
+/* Say how many pairs fail. Returns the exit code. */
+static int apply_gate(const score_run *run) {
+    size_t n_failed = 0;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        n_failed += fails_gate(&run->gate, &run->rows[i].result);
+    if (has_gate(&run->gate))
+        report_gate(&run->gate, n_failed, run->n_rows);
+    return n_failed ? EXIT_GATE : EXIT_OK;
+}
+
 int cmd_score(int argc, char **argv) {
     const char *metrics = NULL, *model = "default";
-    double fail_under = (double)-INFINITY;
     score_run run = {.options = nqm_score_options_default()};
     const option options[] = {
         OPTION_ROWS_MODEL(&model),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
          "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
-        {"fail-under", 0, OPTION_NUMBER, &fail_under, "JOD", "exit with 1 when a score is below this", 0, 10},
+        OPTION_ROWS_GATE(&run.gate),
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
         {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one a line", FORMAT_QUIET, 0},
@@ -141,13 +154,14 @@ int cmd_score(int argc, char **argv) {
     const bool all = run.format == FORMAT_JSON || run.format == FORMAT_CSV;
     choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
     run.model = open_model(model);
+    check_gate(&run.gate, run.model);
     nqm_brdf_free(open_brdf(argv[0])); /* without a reference there are no results */
     set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     print_scores(&run);
     int exit_code = report_faults(&run);
-    for (size_t i = 0; exit_code == EXIT_OK && i < run.n_rows; ++i)
-        exit_code = run.rows[i].result.jod < fail_under ? EXIT_GATE : EXIT_OK;
+    const int gate_code = apply_gate(&run);
+    exit_code = exit_code == EXIT_OK ? gate_code : exit_code;
     free_scores(&run);
     free(names);
     return exit_code;

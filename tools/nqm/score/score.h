@@ -6,6 +6,7 @@
 #define NQM_TOOL_SCORE_H
 
 #include "metric/metric.h"
+#include "nqm/score/gate.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 
@@ -35,6 +36,7 @@ typedef struct score_run {
     nqm_score_options options;
     bool metrics[NQM_METRIC_COUNT]; /* which to print */
     result_format format;
+    score_gate gate; /* of `nqm score` */
     size_t n_rows;
     scored_pair *rows; /* (n_rows) */
     const char *ref_name;

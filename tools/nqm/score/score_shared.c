@@ -262,6 +262,8 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
                   json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
                   "identical", r->identical, "n_valid", (json_int_t)r->n_valid, "verdict", verdict_words(r, verdict),
                   "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
+    if (has_gate(&run->gate) && row->err.status == NQM_OK)
+        json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
     if (!isnan(r->similarity))
         json_object_set_new(object, "parts", json_label_parts(&r->parts));
     if (row->err.status != NQM_OK)
