@@ -65,7 +65,7 @@ cmp "$dir/first" "$dir/out" || fail "standard input"
 # A test without a score is last and has no rank; its error gives the exit code.
 rank 3 $ref "$dir/nowhere.binary" $a --csv
 sed -n 3p "$dir/out" | grep -q '^sgd:nickel,,.*nowhere.binary,,,,.*nowhere.binary: No such' || fail "no score: $(cat "$dir/out")"
-sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,,,$' || fail "nobody to prefer: $(cat "$dir/out")"
+sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,,,ward:nickel,$' || fail "nobody to prefer: $(cat "$dir/out")"
 grep -q 'nowhere.binary' "$dir/err" || fail "a message"
 rank 2 $ref 'lambert:nonsense=1' $a -q
 [ "$(cat "$dir/out")" = $a ] || fail "names of those with a score"

@@ -4,9 +4,24 @@
  */
 #include "nqm/tool.h"
 
+#include <errno.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
+
+char *absolute_path(const char *path, const char *suffix) {
+    const bool is_complete = *path == '/' || strcmp(path, "-") == 0;
+    char *folder = is_complete ? strdup("") : getcwd(NULL, 0);
+    if (!folder)
+        stop(EXIT_OPEN, "the working folder has no path: %s", strerror(errno));
+    const size_t n = strlen(folder) + strlen(path) + strlen(suffix) + 2;
+    char *full = allocate(n, 1);
+    snprintf(full, n, "%s%s%s%s", folder, is_complete ? "" : "/", path, suffix);
+    free(folder);
+    return full;
+}
 
 void open_output(const char *path, output_file *out) {
     nqm_error err = {0};

@@ -217,6 +217,8 @@ typedef struct output_file {
     struct output_file *next;
 } output_file;
 
+/** The absolute path of `path` with `suffix`, for use after the working folder has changed; "-" remains. free() it. */
+char *absolute_path(const char *path, const char *suffix);
 /** Open; "-" is standard output. On failure, report the error and exit. */
 void open_output(const char *path, output_file *out);
 /** Report an error and exit if open_output() would: before long work. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * batch.h - the results of `nqm batch` as text, and the unfinished output file that a later run can resume.
+ * batch.h - the results of `nqm batch` as text, the unfinished output file that a later run can resume, and what is made of all rows
+ * at the end: the sorted file, JUnit XML, Markdown.
  */
 #ifndef NQM_TOOL_BATCH_H
 #define NQM_TOOL_BATCH_H
@@ -16,11 +17,26 @@ typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_form
 typedef struct batch_form {
     batch_format format;
     const nqm_pair_list *list;
+    const char **names; /* (n_rows) of the tests, NULL: none */
     const nqm_model *model;
     nqm_precision precision;
     bool metrics[NQM_METRIC_COUNT]; /* which to write */
+    score_gate gate;
     remark_terms terms;
 } batch_form;
+
+/** What is kept of a row after it has been written. */
+typedef struct batch_note {
+    double jod, jod_low, jod_high, delta_e, novelty; /* NaN: none */
+    bool is_scored, is_identical;
+    size_t n_text; /* bytes of the row in the output, without the text that separates rows */
+    char *remark;  /* of a row without a score the error, of others the warnings; NULL: none; owned */
+} batch_note;
+
+/** The note of a result; it has no n_text. free() the remark. */
+batch_note make_batch_note(const batch_form *form, const nqm_score_result *result, const nqm_error *err);
+/** The members of a result that a note has; the others are NaN and 0. */
+nqm_score_result noted_result(const batch_note *note);
 
 /** Report an error and exit when a column of the list has the name of a result column or of another column of the list. */
 void check_batch_columns(const batch_form *form);
@@ -29,6 +45,8 @@ void print_batch_head(const batch_form *form, FILE *out);
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                      const nqm_error *err);
 void print_batch_tail(const batch_form *form, FILE *out);
+/** The text before each row but the first. */
+const char *batch_separator(const batch_form *form);
 
 /* ---- the file (batch_output.c): on failure, these report the error and exit -------------------------------------- */
 
@@ -39,32 +57,60 @@ typedef struct batch_progress {
 } batch_progress;
 
 /** Standard output, a device, or a file. A file is named FILE.part until it is complete; FILE.part.journal records
- *  after every block how many bytes of it are valid. */
+ *  after every block how many bytes of it are valid, and the notes of its rows. */
 typedef struct batch_output {
     FILE *rows; /* to print to: text that is not written yet */
     char *text; /* (n_text) of `rows` */
     size_t n_text;
-    FILE *stream;                /* FILE.part, a device, or standard output */
+    FILE *stream; /* FILE.part, a device, standard output, or a temporary file that is copied there in the end */
+    FILE *target; /* where a temporary file is copied; NULL: nowhere */
     char *path, *part, *journal; /* NULL: not a file */
     FILE *log;
-    size_t n_bytes; /* of FILE.part */
+    size_t n_bytes, n_head; /* of FILE.part, of the text before its rows */
     batch_progress done;
+    size_t max_rows;
+    batch_note *notes; /* (max_rows) of the rows that are written; owned */
 } batch_output;
 
-/**
- * Open.
- *
- * @param path    NULL or "-": standard output
- * @param terms   settings that a resumed run must have in common with the interrupted run; a JSON object of scalars;
- *                borrowed
- * @param resume  continue FILE.part if it exists; an error for anything but a file
- * @param out     receives the output, whose `done` is the progress of the interrupted run; zeros for a new file
- */
-void open_batch_output(const char *path, const json_t *terms, bool resume, batch_output *out);
-/** Write the text of out->rows, which are complete rows, and record in the journal that the file is valid up to here. */
+/** How to open an output. */
+typedef struct batch_request {
+    const char *path; /* NULL or "-": standard output */
+    const json_t
+        *terms;     /* settings that a resumed run must have in common with the interrupted run: an object of scalars */
+    bool resume;    /* continue FILE.part if it exists; an error for anything but a file */
+    bool is_sorted; /* finish_batch_sorted() will be called */
+    size_t max_rows;
+} batch_request;
+
+/** Open. `done` of the result is the progress of the interrupted run, zeros for a new file. */
+void open_batch_output(const batch_request *request, batch_output *out);
+/** Write the text of out->rows, which are complete rows whose notes are set, and record in the journal that the file is valid up to
+ *  here. */
 void append_batch_output(batch_output *out, const batch_progress *done);
 /** Close. is_complete: write the text of out->rows and rename the file to its final name; otherwise FILE.part remains for a
  *  later run. */
 void close_batch_output(batch_output *out, bool is_complete);
+/** Close a complete output whose rows are to be the n rows `order`, one after the other. */
+void close_batch_sorted(batch_output *out, const batch_form *form, size_t n, const size_t *order);
+
+/* ---- all rows (batch_summary.c) ---------------------------------------------------------------------------------- */
+
+/** The rows of a finished run. */
+typedef struct batch_summary {
+    const batch_form *form;
+    const char *list_name;
+    size_t n_rows, n_unscored, n_gated; /* n_gated: below the gate */
+    const batch_note *notes;            /* (n_rows) */
+    size_t *order;  /* (n_rows) worst first: those without a score, then by JOD, equal ones as in the list */
+    size_t n_shown; /* rows of tables */
+} batch_summary;
+
+/** free() `order`. */
+batch_summary make_batch_summary(const batch_form *form, const char *list_name, const batch_output *out);
+/** A JUnit report: one test case per pair, in the order of the list; a failure for each pair below the gate, an error for each
+ *  without a score. */
+void print_batch_junit(const batch_summary *summary, FILE *out);
+/** A table in Markdown, worst first. */
+void print_batch_markdown(const batch_summary *summary, FILE *out);
 
 #endif

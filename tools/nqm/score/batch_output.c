@@ -1,31 +1,35 @@
 /* SPDX-License-Identifier: MIT
  *
  * Output of `nqm batch`. The rows of a file are written to FILE.part first. FILE.part.journal begins with the terms of
- * the run; after every block, a line with the number of rows, of failed rows and of bytes so far and the SHA-256 of the
- * block is appended. A killed run leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to
+ * the run; after every block, a line with the number of rows, of failed rows and of bytes so far, the SHA-256 of the block and
+ * its notes, and the notes of its rows as JSON is appended. A killed run leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to
  * the last checkpoint of the journal, and continues, so that the finished file is identical to that of an uninterrupted
  * run.
  */
 #include "nqm/score/batch.h"
 
 #include <errno.h>
+#include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char journal_mark[] = "nqm batch journal 2\n";
+static const char journal_mark[] = "nqm batch journal 3\n";
 
 static _Noreturn void stop_write(const char *path) {
     stop(EXIT_OPEN, "%s: cannot write: %s", path ? path : "standard output", strerror(errno));
 }
 
-static void hash_text(const char *text, size_t n_bytes, char hex[65]) {
+/* The hash of a block of rows and of their notes. */
+static void hash_block(const char *text, size_t n_bytes, const char *notes, char hex[65]) {
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
     nqm_sha256_add(&sha, text, n_bytes);
+    nqm_sha256_add(&sha, notes, strlen(notes));
     nqm_sha256_end(&sha, hex);
 }
 
@@ -35,8 +39,9 @@ static void hash_text(const char *text, size_t n_bytes, char hex[65]) {
 typedef struct checkpoint {
     batch_progress done;
     size_t n_bytes;
-    char sha256[65];  /* of the bytes since the checkpoint before */
-    long journal_end; /* offset of the byte after the line */
+    char sha256[65];   /* of the bytes since the checkpoint before */
+    long journal_end;  /* offset of the byte after the line */
+    const char *notes; /* of the rows since the checkpoint before; points into the line */
 } checkpoint;
 
 static _Noreturn void stop_damage(const batch_output *out) {
@@ -58,21 +63,78 @@ static void compare_terms(const batch_output *out, const char *line, const json_
     json_decref(before);
 }
 
-static bool read_checkpoint(const char *line, checkpoint *c) {
+/* Cuts the end off the line. */
+static bool read_checkpoint(char *line, checkpoint *c) {
     int n = 0;
     c->done.begun = true;
-    return sscanf(line, "%zu %zu %zu %64[0-9a-f]%n", &c->done.n_rows, &c->done.n_failed, &c->n_bytes, c->sha256, &n) ==
-               4 &&
-           strlen(c->sha256) == 64 && line[n] == '\n' && !line[n + 1];
+    if (sscanf(line, "%zu %zu %zu %64[0-9a-f] %n", &c->done.n_rows, &c->done.n_failed, &c->n_bytes, c->sha256, &n) != 4)
+        return false;
+    c->notes = line + n;
+    line[strlen(line) - 1] = '\0';
+    return n > 0 && strlen(c->sha256) == 64;
 }
 
-/* Compare the hash of the next n bytes of FILE.part. */
-static void check_block(batch_output *out, size_t n, const char *sha256) {
+/* ---- notes in the journal ---------------------------------------------------------------------------------------- */
+
+enum { N_NUMBERS = 5 };
+
+static double *numbers_of(batch_note *note) {
+    _Static_assert(offsetof(batch_note, novelty) == (N_NUMBERS - 1) * sizeof(double), "the numbers come first");
+    return &note->jod;
+}
+
+/* The notes of rows [begin, end) as a line of JSON; free() it. */
+static char *print_notes(const batch_output *out, size_t begin, size_t end) {
+    json_t *all = json_array();
+    for (size_t row = begin; row < end; ++row) {
+        batch_note *note = &out->notes[row];
+        json_t *one = json_array();
+        for (int i = 0; i < N_NUMBERS; ++i)
+            json_array_append_new(one, json_number(numbers_of(note)[i]));
+        json_array_append_new(one, json_boolean(note->is_scored));
+        json_array_append_new(one, json_boolean(note->is_identical));
+        json_array_append_new(one, json_integer((json_int_t)note->n_text));
+        json_array_append_new(one, note->remark ? json_name(note->remark) : json_null());
+        json_array_append_new(all, one);
+    }
+    char *text = json_dumps(all, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (!text)
+        stop(EXIT_LIMIT, "out of memory");
+    json_decref(all);
+    return text;
+}
+
+static bool read_note(const json_t *one, batch_note *note) {
+    for (size_t i = 0; i < N_NUMBERS; ++i) {
+        const json_t *number = json_array_get(one, i);
+        numbers_of(note)[i] = json_is_number(number) ? json_number_value(number) : (double)NAN;
+    }
+    const json_t *n_text = json_array_get(one, N_NUMBERS + 2), *remark = json_array_get(one, N_NUMBERS + 3);
+    note->is_scored = json_is_true(json_array_get(one, N_NUMBERS));
+    note->is_identical = json_is_true(json_array_get(one, N_NUMBERS + 1));
+    note->n_text = (size_t)json_integer_value(n_text);
+    note->remark = json_is_string(remark) ? strdup(json_string_value(remark)) : NULL;
+    return json_array_size(one) == N_NUMBERS + 4 && json_is_integer(n_text) && json_integer_value(n_text) >= 0;
+}
+
+/* The notes of the rows between two checkpoints; false unless there is one for each. */
+static bool read_notes(batch_output *out, const checkpoint *last, const checkpoint *c) {
+    json_t *all = json_loads(c->notes, 0, NULL);
+    const size_t begin = last->done.n_rows, end = c->done.n_rows;
+    bool good = json_is_array(all) && end >= begin && end <= out->max_rows && json_array_size(all) == end - begin;
+    for (size_t row = begin; good && row < end; ++row)
+        good = read_note(json_array_get(all, row - begin), &out->notes[row]);
+    json_decref(all);
+    return good;
+}
+
+/* Compare the hash of the next n bytes of FILE.part and of the notes of their rows. */
+static void check_block(batch_output *out, size_t n, const checkpoint *c) {
     char hex[65], *block = allocate(n, 1);
     if (fread(block, 1, n, out->stream) != n)
         stop_damage(out);
-    hash_text(block, n, hex);
-    if (strcmp(hex, sha256) != 0)
+    hash_block(block, n, c->notes, hex);
+    if (strcmp(hex, c->sha256) != 0)
         stop_damage(out);
     free(block);
 }
@@ -99,7 +161,11 @@ static checkpoint read_journal(batch_output *out, const json_t *terms) {
             stop_damage(out);
         if (number < 2 || c.n_bytes > (size_t)st.st_size)
             continue;
-        check_block(out, c.n_bytes - last.n_bytes, c.sha256);
+        check_block(out, c.n_bytes - last.n_bytes, &c);
+        if (!read_notes(out, &last, &c))
+            stop_damage(out);
+        if (c.done.n_rows == 0)
+            out->n_head = c.n_bytes;
         c.journal_end = ftell(out->log);
         last = c;
     }
@@ -118,18 +184,6 @@ static void truncate_to(const batch_output *out, const checkpoint *c) {
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-/* Absolute path of `path` with `suffix`, because --root changes the working folder later. free() it. */
-static char *full_path(const char *path, const char *suffix) {
-    char *folder = *path == '/' ? strdup("") : getcwd(NULL, 0);
-    if (!folder)
-        stop(EXIT_OPEN, "the working folder has no path: %s", strerror(errno));
-    size_t n = strlen(folder) + strlen(path) + strlen(suffix) + 2;
-    char *full = allocate(n, 1);
-    snprintf(full, n, "%s%s%s%s", folder, *path == '/' ? "" : "/", path, suffix);
-    free(folder);
-    return full;
-}
-
 /* Open for reading and appending; create the file if it does not exist. */
 static FILE *open_kept(const char *path) {
     FILE *stream = fopen(path, "a+e");
@@ -138,12 +192,14 @@ static FILE *open_kept(const char *path) {
     return stream;
 }
 
-static void open_part(batch_output *out, const char *path, const json_t *terms, bool resume) {
-    out->path = full_path(path, "");
-    out->part = full_path(path, ".part");
-    out->journal = full_path(path, ".part.journal");
-    bool goes_on =
-        resume && access(out->part, F_OK) == 0; /* only a journal remains when a run was killed after the rename */
+static void open_part(batch_output *out, const batch_request *request) {
+    const char *path = request->path;
+    const json_t *terms = request->terms;
+    out->path = absolute_path(path, "");
+    out->part = absolute_path(path, ".part");
+    out->journal = absolute_path(path, ".part.journal");
+    bool goes_on = request->resume &&
+                   access(out->part, F_OK) == 0; /* only a journal remains when a run was killed after the rename */
     if (goes_on && access(out->journal, F_OK) != 0)
         stop(EXIT_INCOMPATIBLE, "%s has no journal next to it: remove it to start again", out->part);
     out->log = open_kept(out->journal);
@@ -163,22 +219,30 @@ static void open_part(batch_output *out, const char *path, const json_t *terms, 
     }
 }
 
-void open_batch_output(const char *path, const json_t *terms, bool resume, batch_output *out) {
-    *out = (batch_output){.stream = stdout};
+void open_batch_output(const batch_request *request, batch_output *out) {
+    const char *path = request->path;
+    *out = (batch_output){.stream = stdout, .max_rows = request->max_rows};
+    out->notes = allocate(out->max_rows, sizeof *out->notes);
     out->rows = open_memstream(&out->text, &out->n_text);
     if (!out->rows)
         stop(EXIT_LIMIT, "out of memory");
     struct stat st;
     bool standard = !path || strcmp(path, "-") == 0;
     bool device = !standard && stat(path, &st) == 0 && !S_ISREG(st.st_mode);
-    if (resume && (standard || device))
+    if (request->resume && (standard || device))
         stop(EXIT_USAGE, "--resume needs a file: -o FILE");
     if (device) {
         out->stream = fopen(path, "w");
         if (!out->stream)
             stop_write(path);
     } else if (!standard) {
-        open_part(out, path, terms, resume);
+        open_part(out, request);
+    }
+    if (request->is_sorted && !out->part) {
+        out->target = out->stream;
+        out->stream = tmpfile();
+        if (!out->stream)
+            stop(EXIT_OPEN, "there is no place for a temporary file: %s", strerror(errno));
     }
 }
 
@@ -187,7 +251,7 @@ void open_batch_output(const char *path, const json_t *terms, bool resume, batch
 static void write_text(batch_output *out) {
     if (fflush(out->rows) != 0 || ferror(out->rows))
         stop(EXIT_LIMIT, "out of memory");
-    if (!out->part)
+    if (!out->part && !out->target)
         end_progress(); /* the progress line may be on the same terminal */
     if (fwrite(out->text, 1, out->n_text, out->stream) != out->n_text || fflush(out->stream) != 0)
         stop_write(out->part);
@@ -195,16 +259,36 @@ static void write_text(batch_output *out) {
 
 void append_batch_output(batch_output *out, const batch_progress *done) {
     write_text(out);
-    out->done = *done;
+    out->n_bytes += out->n_text;
+    if (done->n_rows == 0)
+        out->n_head = out->n_bytes;
     if (out->part) {
-        char sha256[65];
-        out->n_bytes += out->n_text;
-        hash_text(out->text, out->n_text, sha256);
-        fprintf(out->log, "%zu %zu %zu %s\n", done->n_rows, done->n_failed, out->n_bytes, sha256);
+        char sha256[65], *notes = print_notes(out, out->done.n_rows, done->n_rows);
+        hash_block(out->text, out->n_text, notes, sha256);
+        fprintf(out->log, "%zu %zu %zu %s %s\n", done->n_rows, done->n_failed, out->n_bytes, sha256, notes);
         if (fflush(out->log) != 0)
             stop_write(out->journal);
+        free(notes);
     }
+    out->done = *done;
     rewind(out->rows);
+}
+
+static void release(batch_output *out) {
+    if (out->stream != stdout)
+        fclose(out->stream);
+    if (out->target && out->target != stdout)
+        fclose(out->target);
+    if (out->log)
+        fclose(out->log);
+    fclose(out->rows);
+    for (size_t row = 0; row < out->done.n_rows; ++row)
+        free(out->notes[row].remark);
+    free(out->notes);
+    free(out->text);
+    free(out->path);
+    free(out->part);
+    free(out->journal);
 }
 
 void close_batch_output(batch_output *out, bool is_complete) {
@@ -214,13 +298,53 @@ void close_batch_output(batch_output *out, bool is_complete) {
             (fsync(fileno(out->stream)) != 0 || rename(out->part, out->path) != 0 || unlink(out->journal) != 0))
             stop_write(out->path);
     }
-    if (out->stream != stdout)
-        fclose(out->stream);
-    if (out->log)
-        fclose(out->log);
-    fclose(out->rows);
-    free(out->text);
-    free(out->path);
-    free(out->part);
-    free(out->journal);
+    release(out);
+}
+
+/* ---- sorted ------------------------------------------------------------------------------------------------------ */
+
+/* Offset of each row in the unsorted text; free() it. */
+static off_t *find_rows(const batch_output *out, size_t n_separator) {
+    off_t *offset = allocate(out->done.n_rows, sizeof *offset), at = (off_t)out->n_head;
+    for (size_t row = 0; row < out->done.n_rows; ++row) {
+        at += (off_t)(row ? n_separator : 0);
+        offset[row] = at;
+        at += (off_t)out->notes[row].n_text;
+    }
+    return offset;
+}
+
+static void copy_text(const batch_output *out, off_t begin, size_t n, FILE *to) {
+    char *text = allocate(n, 1);
+    if (fseeko(out->stream, begin, SEEK_SET) != 0 || fread(text, 1, n, out->stream) != n || fwrite(text, 1, n, to) != n)
+        stop_write(out->path);
+    free(text);
+}
+
+static void copy_rows(const batch_output *out, const batch_form *form, size_t n, const size_t *order, FILE *to) {
+    const char *separator = batch_separator(form);
+    off_t *offset = find_rows(out, strlen(separator));
+    copy_text(out, 0, out->n_head, to);
+    for (size_t i = 0; i < n; ++i) {
+        fputs(i ? separator : "", to);
+        copy_text(out, offset[order[i]], out->notes[order[i]].n_text, to);
+    }
+    print_batch_tail(form, to);
+    free(offset);
+}
+
+void close_batch_sorted(batch_output *out, const batch_form *form, size_t n, const size_t *order) {
+    if (out->part) {
+        output_file file;
+        open_output(out->path, &file);
+        copy_rows(out, form, n, order, file.stream);
+        close_output(&file);
+        if (unlink(out->part) != 0 || unlink(out->journal) != 0)
+            stop_write(out->path);
+    } else {
+        copy_rows(out, form, n, order, out->target);
+        if (fflush(out->target) != 0)
+            stop_write(NULL);
+    }
+    release(out);
 }

@@ -6,6 +6,7 @@
 #include "nqm/score/batch.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
@@ -16,6 +17,8 @@ static bool is_added(const batch_form *form, const char *name) {
     for (size_t i = 0; i < sizeof added / sizeof *added; ++i)
         if (strcmp(name, added[i]) == 0)
             return true;
+    if (has_gate(&form->gate) && strcmp(name, "gate") == 0)
+        return true;
     if (nqm_model_has_parts(form->model)) {
         for (size_t i = 0; i < LABEL_COLUMNS; ++i)
             if (strcmp(name, label_columns[i]) == 0)
@@ -48,7 +51,7 @@ static void print_csv_head(const batch_form *form, FILE *out) {
         print_csv_text(out, form->list->column[i]);
     }
     print_csv_score_names(out, form->model, form->metrics);
-    fputs(",warnings,error\n", out);
+    fputs(has_gate(&form->gate) ? ",gate,warnings,error\n" : ",warnings,error\n", out);
 }
 
 static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
@@ -61,6 +64,8 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
                 print_csv_text(out, list->cell[i].text);
     }
     print_csv_score(out, form->model, form->metrics, r);
+    if (has_gate(&form->gate))
+        fprintf(out, ",%s", gate_mark(&form->gate, r));
     fputc(',', out);
     print_csv_remarks(out, warnings);
     fputc(',', out);
@@ -121,6 +126,8 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
         print_json_value(out, json_label_parts(&r->parts));
         fputc(',', out);
     }
+    if (has_gate(&form->gate) && r->status == NQM_OK)
+        fprintf(out, "\"gate\":\"%s\",", gate_mark(&form->gate, r));
     fputs("\"warnings\":", out);
     print_json_value(out, json_incref(warnings));
     if (r->status != NQM_OK) {
@@ -150,8 +157,6 @@ void print_batch_head(const batch_form *form, FILE *out) {
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                      const nqm_error *err) {
     json_t *warnings = json_remarks(&form->terms, "reference", "test", result);
-    if (form->format == BATCH_JSON && row > 0)
-        fputs(",\n", out);
     if (form->format == BATCH_CSV)
         print_csv_row(form, out, row, result, err, warnings);
     else
@@ -161,7 +166,35 @@ void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_sc
     json_decref(warnings);
 }
 
+const char *batch_separator(const batch_form *form) {
+    return form->format == BATCH_JSON ? ",\n" : "";
+}
+
 void print_batch_tail(const batch_form *form, FILE *out) {
     if (form->format == BATCH_JSON)
         fputs("\n]}\n", out);
+}
+
+/* ---- notes ------------------------------------------------------------------------------------------------------- */
+
+batch_note make_batch_note(const batch_form *form, const nqm_score_result *r, const nqm_error *err) {
+    batch_note note = {r->jod, r->jod_low, r->jod_high, r->delta_e, r->novelty, .is_identical = r->identical};
+    note.is_scored = r->status == NQM_OK;
+    json_t *remarks = json_remarks(&form->terms, "reference", "test", r);
+    if (!note.is_scored)
+        note.remark = strdup(err->message);
+    else if (json_array_size(remarks))
+        note.remark = join_remarks(remarks);
+    json_decref(remarks);
+    return note;
+}
+
+nqm_score_result noted_result(const batch_note *note) {
+    nqm_score_result r = {.status = note->is_scored ? NQM_OK : NQM_ERR_NUMERIC, .identical = note->is_identical};
+    r.jod = note->jod;
+    r.jod_low = note->jod_low;
+    r.jod_high = note->jod_high;
+    r.delta_e = note->delta_e;
+    r.novelty = note->novelty;
+    return r;
 }

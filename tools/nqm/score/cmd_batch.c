@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm batch - scores the pairs of a list in the order of the list. batch_print.c formats the rows; batch_output.c
- * writes them, so that an interrupted run can be resumed.
+ * writes them, so that an interrupted run can be resumed; batch_summary.c writes what is made of all rows.
  */
 #include "nqm/score/batch.h"
 
@@ -14,8 +14,11 @@ typedef struct batch_run {
     nqm_pair_list *list;
     nqm_scorer *scorer;
     batch_output out;
-    bool keep_going;
-    size_t n_before; /* rows that an earlier run wrote */
+    const char *list_name;
+    char *junit, *markdown; /* absolute paths; NULL: not requested */
+    bool keep_going, is_sorted;
+    uint64_t n_worst; /* rows of the output; 0: all */
+    size_t n_before;  /* rows that an earlier run wrote */
     double begin_s;
     nqm_score_result results[NQM_SCORE_BLOCK];
     nqm_error errors[NQM_SCORE_BLOCK];
@@ -38,14 +41,16 @@ static batch_format choose_format(bool json, bool json_lines, const char *output
 
 /* Settings that a resumed run must have in common with the interrupted run. */
 static json_t *make_terms(const batch_run *run, const char *metrics, const char *root) {
+    const score_gate *gate = &run->form.gate;
     static const char *const formats[] = {"csv", "jsonl", "json"};
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
     json_t *terms =
-        json_pack("{s:s,s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:o}", "version of nqm", nqm_version(), "list", run->list->sha256,
-                  "model", info.sha256, "format", formats[run->form.format], "--root", json_name(folder ? folder : ""),
-                  "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
-                  "--precision", nqm_precision_name(run->options.precision), "--metrics", json_name(metrics));
+        json_pack("{s:s,s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:o,s:f,s:f}", "version of nqm", nqm_version(), "list",
+                  run->list->sha256, "model", info.sha256, "format", formats[run->form.format], "--root",
+                  json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid",
+                  run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
+                  "--metrics", json_name(metrics), "--fail-under", gate->jod, "--fail-under-low", gate->jod_low);
     free(folder);
     return terms;
 }
@@ -62,7 +67,13 @@ static int show_speed(const batch_run *run) {
 static void write_block(batch_run *run, size_t begin, size_t n) {
     batch_progress done = run->out.done;
     for (size_t i = 0; i < n && (run->keep_going || run->results[i].status == NQM_OK); ++i) {
-        print_batch_row(&run->form, run->out.rows, begin + i, &run->results[i], &run->errors[i]);
+        const size_t row = begin + i;
+        batch_note *note = &run->out.notes[row];
+        fputs(row ? batch_separator(&run->form) : "", run->out.rows);
+        const off_t start = ftello(run->out.rows);
+        print_batch_row(&run->form, run->out.rows, row, &run->results[i], &run->errors[i]);
+        *note = make_batch_note(&run->form, &run->results[i], &run->errors[i]);
+        note->n_text = (size_t)(ftello(run->out.rows) - start);
         done.n_failed += run->results[i].status != NQM_OK;
         ++done.n_rows;
     }
@@ -87,6 +98,16 @@ static int score_rows(batch_run *run) {
     return EXIT_OK;
 }
 
+static void write_summary(const batch_summary *summary, const char *path,
+                          void (*print)(const batch_summary *summary, FILE *out)) {
+    output_file out;
+    if (!path)
+        return;
+    open_output(path, &out);
+    print(summary, out.stream);
+    close_output(&out);
+}
+
 /* Close the output, report how many rows are written or failed, and return the exit code. */
 static int settle(batch_run *run, int exit_code) {
     const batch_progress done = run->out.done;
@@ -94,17 +115,52 @@ static int settle(batch_run *run, int exit_code) {
     if (exit_code != EXIT_OK && run->out.part)
         report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", done.n_rows, run->list->n_rows,
                run->out.part);
-    print_batch_tail(&run->form, run->out.rows);
-    bool is_complete = exit_code == EXIT_OK || !run->out.part; /* a pipe gets valid JSON even when the run ends early */
-    close_batch_output(&run->out, is_complete);
-    if (exit_code == EXIT_OK && done.n_failed)
-        return report(EXIT_PARTIAL, "%zu of %zu rows have no score", done.n_failed, run->list->n_rows);
-    return exit_code;
+    const bool is_complete =
+        exit_code == EXIT_OK || !run->out.part; /* a pipe gets valid JSON even when the run ends early */
+    batch_summary summary = make_batch_summary(&run->form, run->list_name, &run->out);
+    if (run->n_worst)
+        summary.n_shown = nqm_smaller(summary.n_rows, (size_t)run->n_worst);
+    if (exit_code == EXIT_OK) {
+        write_summary(&summary, run->junit, print_batch_junit);
+        write_summary(&summary, run->markdown, print_batch_markdown);
+    }
+    if (is_complete && run->is_sorted) {
+        close_batch_sorted(&run->out, &run->form, summary.n_shown, summary.order);
+    } else {
+        print_batch_tail(&run->form, run->out.rows);
+        close_batch_output(&run->out, is_complete);
+    }
+    free(summary.order);
+    if (exit_code != EXIT_OK)
+        return exit_code;
+    if (done.n_failed)
+        exit_code = report(EXIT_PARTIAL, "%zu of %zu rows have no score", done.n_failed, run->list->n_rows);
+    if (has_gate(&run->form.gate))
+        report_gate(&run->form.gate, summary.n_gated, run->list->n_rows);
+    return exit_code == EXIT_OK && summary.n_gated ? EXIT_GATE : exit_code;
+}
+
+/* The absolute path of an output, which must be writable: before the work. */
+static char *promise_output(const char *path) {
+    if (path)
+        require_output(path);
+    return path ? absolute_path(path, "") : NULL;
+}
+
+static bool is_standard(const char *path) {
+    return path && strcmp(path, "-") == 0;
+}
+
+/* Only one text may go to standard output. */
+static void check_outputs(const char *output, const char *junit, const char *markdown) {
+    if ((!output || is_standard(output)) + is_standard(junit) + is_standard(markdown) > 1)
+        stop(EXIT_USAGE, "two results cannot both go to standard output: give -o FILE");
 }
 
 int cmd_batch(int argc, char **argv) {
     static batch_run run;
     const char *output = NULL, *model_name = "default", *metrics = "", *root = NULL;
+    const char *junit = NULL, *markdown = NULL, *sort = "list";
     bool resume = false, json = false, json_lines = false;
     nqm_error err = {0};
     run.options = nqm_score_options_default();
@@ -113,6 +169,12 @@ int cmd_batch(int argc, char **argv) {
         {"output", 'o', OPTION_TEXT, &output, "FILE", "write .csv, .jsonl or .json instead of standard output", 0, 0},
         {"resume", 0, OPTION_FLAG, &resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
         {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
+        OPTION_ROWS_GATE(&run.form.gate),
+        {"junit", 0, OPTION_TEXT, &junit, "FILE.xml", "also write a JUnit report: one test case per pair", 0, 0},
+        {"markdown", 0, OPTION_TEXT, &markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout", 0,
+         0},
+        {"sort", 0, OPTION_TEXT, &sort, "WORD", "order of the rows: list or worst", 0, 0},
+        {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
         OPTION_ROWS_MODEL(&model_name),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
         {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
@@ -139,22 +201,32 @@ int cmd_batch(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     run.form.format = choose_format(json, json_lines, output);
     run.options.cache_bytes = (size_t)cache_mb << 20;
+    run.is_sorted = choose("sort", (const char *const[]){"list", "worst", NULL}, sort) == 1 || run.n_worst > 0;
+    check_outputs(output, junit, markdown);
     choose_metrics(metrics, run.form.metrics);
     run.options.metrics = *metrics != 0;
     nqm_model *model = open_model(model_name);
+    check_gate(&run.form.gate, model);
     must(nqm_pair_list_load(argv[0], &run.list, &err), &err);
     must(nqm_scorer_create(model, &run.options, &run.scorer, &err), &err);
     run.form.list = run.list;
     run.form.model = model;
+    size_t n_prefix;
+    run.list_name = stream_name(argv[0], &n_prefix);
+    run.list_name = run.list_name && n_prefix ? run.list_name : argv[0];
     run.form.precision = run.options.precision;
     run.form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run.options.invalid};
     check_batch_columns(&run.form);
     root = list_root(root, argv[0]);
     /* Paths of list and output are relative to the working folder, paths of BRDFs to the root. */
+    run.junit = promise_output(junit);
+    run.markdown = promise_output(markdown);
     json_t *terms = make_terms(&run, metrics, root);
-    open_batch_output(output, terms, resume, &run.out);
+    open_batch_output(&(batch_request){output, terms, resume, run.is_sorted, run.list->n_rows}, &run.out);
     json_decref(terms);
     enter_list_root(root, argv[0]);
+    const char **names = take_list_names(run.list);
+    run.form.names = names;
     run.n_before = run.out.done.n_rows;
     run.begin_s = nqm_clock_s();
     if (!run.out.done.begun) {
@@ -165,5 +237,8 @@ int cmd_batch(int argc, char **argv) {
     nqm_scorer_free(run.scorer);
     nqm_pair_list_free(run.list);
     nqm_model_free(model);
+    free(names);
+    free(run.junit);
+    free(run.markdown);
     return exit_code;
 }

@@ -82,6 +82,8 @@ enum { VERDICT_TEXT = 64 };
 /** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different";
  *  "" without a score. Returns text or a static string. */
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
+/** Remarks, separated by "; "; free() the text. */
+char *join_remarks(const json_t *remarks);
 /** Remarks, separated by "; ", as a CSV field. */
 void print_csv_remarks(FILE *out, const json_t *remarks);
 /** The JSON document of `nqm score --json`. */

@@ -210,12 +210,20 @@ void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, con
             print_csv_numbers(out, 1, &r->metrics[m]);
 }
 
+char *join_remarks(const json_t *remarks) {
+    size_t n = 1;
+    for (size_t i = 0; i < json_array_size(remarks); ++i)
+        n += json_string_length(json_array_get(remarks, i)) + 2;
+    char *text = allocate(n, 1);
+    for (size_t i = 0, at = 0; i < json_array_size(remarks); ++i)
+        at += (size_t)snprintf(text + at, n - at, "%s%s", i ? "; " : "", json_string_value(json_array_get(remarks, i)));
+    return text;
+}
+
 void print_csv_remarks(FILE *out, const json_t *remarks) {
-    char text[4600] = ""; /* at most seven remarks of up to 600 bytes */
-    for (size_t i = 0, n = 0; i < json_array_size(remarks) && n < sizeof text; ++i)
-        n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", i ? "; " : "",
-                              json_string_value(json_array_get(remarks, i)));
+    char *text = join_remarks(remarks);
     print_csv_text(out, text);
+    free(text);
 }
 
 void print_jod(const scored_pair *row, bool calibrated) {
