@@ -34,6 +34,9 @@ static inline blob blob_of(size_t n, const char *bytes) {
  */
 void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *member);
 
+/** Read the bytes as a material file, and check and evaluate its materials. */
+void fuzz_material(const uint8_t *data, size_t n_bytes);
+
 /** Read the bytes as a mesh and check an accepted mesh. */
 void fuzz_mesh(const uint8_t *data, size_t n_bytes);
 

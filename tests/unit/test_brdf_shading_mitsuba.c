@@ -35,6 +35,22 @@ static void conductors_have_the_documented_values(void **state) {
     compare_with("shading_conductor.csv", true);
 }
 
+static void principled_has_the_documented_values(void **state) {
+    (void)state;
+    compare_with("shading_principled.csv", true);
+}
+
+/* Mitsuba does not evaluate the main lobe where its dielectric reflects nothing. */
+static void principled_without_a_main_lobe(void **state) {
+    (void)state;
+    const double up[3] = {0, 0, 1};
+    double rgb[3];
+    nqm_brdf *brdf = open_brdf("principled:metallic=1;eta=1");
+    nqm_brdf_eval(brdf, 1, up, up, rgb, NULL);
+    assert_true(rgb[0] == 0);
+    nqm_brdf_free(brdf);
+}
+
 /* The largest albedo of the three channels at the incident angle, by midpoints in cosine squared and phi. */
 static double albedo(const nqm_brdf *brdf, double theta_i) {
     enum { N = 200 };
@@ -53,9 +69,12 @@ static double albedo(const nqm_brdf *brdf, double theta_i) {
 
 static void nothing_reflects_more_than_it_receives(void **state) {
     (void)state;
-    static const char *const specs[] = {"rough-conductor:alpha=.3", "rough-conductor:alpha=.3;distribution=1",
-                                        "rough-conductor:alpha=.8", "rough-conductor:alpha=1;distribution=1;eta=.1;k=9",
-                                        "pbrt-conductor:roughness=.3;eta=.1;k=9"};
+    static const char *const specs[] = {"rough-conductor:alpha=.3",
+                                        "rough-conductor:alpha=.3;distribution=1",
+                                        "rough-conductor:alpha=.8",
+                                        "rough-conductor:alpha=1;distribution=1;eta=.1;k=9",
+                                        "pbrt-conductor:roughness=.3;eta=.1;k=9",
+                                        "principled:base_color=1;metallic=1"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
         nqm_brdf *brdf = open_brdf(specs[i]);
         for (double theta = 0; theta < 1.5; theta += 0.35) {
@@ -69,6 +88,8 @@ static void nothing_reflects_more_than_it_receives(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(conductors_have_the_documented_values),
+        cmocka_unit_test(principled_has_the_documented_values),
+        cmocka_unit_test(principled_without_a_main_lobe),
         cmocka_unit_test(nothing_reflects_more_than_it_receives),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shadings as BSDFs of Mitsuba 3, in XML or as a JSON dictionary for load_dict(). Every value is written with the digits that
+ * read back to the same bits.
+ */
+#include "material/mitsuba.h"
+
+#include <strings.h>
+
+/* How a key of a shading is named and typed; keys that are not listed are numbers or colours of the same name. */
+static const struct {
+    const char *model, *key, *name;
+    const char *const words[2]; /* of a whole number: the values 0 and 1 as a string or boolean */
+} renamed[] = {
+    {"lambert", "kd", "reflectance", {NULL}},
+    {"rough-conductor", "distribution", "distribution", {"beckmann", "ggx"}},
+};
+enum { N_RENAMED = sizeof renamed / sizeof *renamed };
+
+static const struct {
+    const char *model, *type;
+} types[] = {{"lambert", "diffuse"}, {"rough-conductor", "roughconductor"}, {"principled", "principled"}};
+enum { N_TYPES = sizeof types / sizeof *types };
+
+static const char *type_of(const char *model) {
+    for (size_t i = 0; i < N_TYPES; ++i)
+        if (strcmp(types[i].model, model) == 0)
+            return types[i].type;
+    return NULL;
+}
+
+/* One property as it is written. */
+typedef struct written {
+    const char *name;
+    const char *word; /* NULL: the value is of numbers */
+    bool is_boolean;
+    size_t n;
+    char text[100]; /* the numbers, separated by ", " */
+} written;
+
+static written describe(const nqm_shading *shading, const nqm_property *p) {
+    written w = {.name = p->key, .n = p->n};
+    char number[32];
+    for (size_t i = 0; i < N_RENAMED; ++i)
+        if (strcmp(renamed[i].model, shading->model) == 0 && strcmp(renamed[i].key, p->key) == 0) {
+            w.name = renamed[i].name;
+            w.word = renamed[i].words[p->v[0] != 0];
+            w.is_boolean = w.word && strcmp(renamed[i].words[0], "false") == 0;
+        }
+    for (size_t c = 0, used = 0; c < p->n; ++c)
+        used += (size_t)snprintf(w.text + used, sizeof w.text - used, "%s%s", c ? ", " : "",
+                                 nqm_format_double(number, sizeof number, p->v[c]));
+    return w;
+}
+
+static void write_xml(const nqm_shading *shading, const char *name, FILE *stream) {
+    fprintf(stream, "<scene version=\"3.0.0\">\n    <bsdf type=\"%s\" id=\"%s\">\n", type_of(shading->model), name);
+    for (size_t i = 0; i < shading->n; ++i) {
+        const written w = describe(shading, &shading->properties[i]);
+        const char *tag = w.word ? w.is_boolean ? "boolean" : "string" : w.n == 3 ? "rgb" : "float";
+        fprintf(stream, "        <%s name=\"%s\" value=\"%s\"/>\n", tag, w.name, w.word ? w.word : w.text);
+    }
+    fprintf(stream, "    </bsdf>\n</scene>\n");
+}
+
+static void write_json(const nqm_shading *shading, const char *name, FILE *stream) {
+    fprintf(stream, "{\n  \"type\": \"scene\",\n  \"%s\": {\n    \"type\": \"%s\"", name, type_of(shading->model));
+    for (size_t i = 0; i < shading->n; ++i) {
+        const written w = describe(shading, &shading->properties[i]);
+        const char *quote = w.word && !w.is_boolean ? "\"" : "";
+        fprintf(stream, ",\n    \"%s\": ", w.name);
+        if (!w.word && w.n == 3)
+            fprintf(stream, "{\"type\": \"rgb\", \"value\": [%s]}", w.text);
+        else
+            fprintf(stream, "%s%s%s", quote, w.word ? w.word : w.text, quote);
+    }
+    fprintf(stream, "\n  }\n}\n");
+}
+
+nqm_status nqm_mitsuba_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+                             nqm_error *err) {
+    const char *dot = strrchr(path, '.');
+    if (!type_of(shading->model))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: Mitsuba has no BSDF for '%s'", path, shading->model);
+    (dot && strcasecmp(dot, ".json") == 0 ? write_json : write_xml)(shading, name, stream);
+    return NQM_OK;
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Mitsuba 3 scenes in XML (mitsuba.readthedocs.io, "Scene XML file format"). Only BSDFs and what is inside them become nodes. A
+ * value `$name` is replaced by that of the <default> of this name. Included files are not read.
+ */
+#include "io/xml.h"
+#include "material/mitsuba.h"
+
+static nqm_mitsuba_kind kind_of(const char *element) {
+    static const struct {
+        const char *element;
+        nqm_mitsuba_kind kind;
+    } kinds[] = {{"bsdf", NQM_MITSUBA_BSDF},         {"float", NQM_MITSUBA_NUMBER},  {"integer", NQM_MITSUBA_NUMBER},
+                 {"boolean", NQM_MITSUBA_BOOLEAN},   {"string", NQM_MITSUBA_STRING}, {"rgb", NQM_MITSUBA_RGB},
+                 {"spectrum", NQM_MITSUBA_SPECTRUM}, {"ref", NQM_MITSUBA_REF}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        if (strcmp(element, kinds[i].element) == 0)
+            return kinds[i].kind;
+    return NQM_MITSUBA_OTHER;
+}
+
+/* The walk through the elements of a scene. */
+typedef struct walk {
+    const char *path;
+    nqm_mitsuba_nodes nodes, defaults;
+    nqm_error *err;
+} walk;
+
+/* The value of an attribute, or of the default that it names. */
+static char *value_of(const walk *w, const nqm_xml_element *element, const char *attribute) {
+    const char *text = nqm_xml_get(element, attribute);
+    for (size_t i = 0; text && *text == '$' && i < w->defaults.n; ++i)
+        if (strcmp(w->defaults.list[i].name, text + 1) == 0)
+            return w->defaults.list[i].value;
+    return (char *)text;
+}
+
+/* Add the element and those inside it; parent: the node that contains them. The depth is limited by the XML reader. */
+static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t parent) {
+    const nqm_mitsuba_node node = {.kind = kind_of(element->name),
+                                   .parent = parent,
+                                   .type = value_of(w, element, "type"),
+                                   .name = value_of(w, element, "name"),
+                                   .id = value_of(w, element, "id"),
+                                   .value = value_of(w, element, "value"),
+                                   .byte_offset = element->byte_offset};
+    const bool is_default = strcmp(element->name, "default") == 0;
+    const bool is_node = !is_default && (node.kind == NQM_MITSUBA_BSDF || parent != NQM_MITSUBA_ROOT);
+    if (strcmp(element->name, "include") == 0)
+        return nqm_fail(w->err, NQM_ERR_FORMAT, node.byte_offset,
+                        "%s: included files (byte %lld) are not read; name the included file itself", w->path,
+                        (long long)node.byte_offset);
+    const size_t at = is_node ? w->nodes.n : NQM_MITSUBA_ROOT;
+    nqm_status status = is_node      ? nqm_mitsuba_add(&w->nodes, &node, w->path, w->err)
+                        : is_default ? nqm_mitsuba_add(&w->defaults, &node, w->path, w->err)
+                                     : NQM_OK;
+    for (const nqm_xml_element *child = element->first; status == NQM_OK && child; child = child->next)
+        status = add_element(w, child, at);
+    return status;
+}
+
+/* Skip a byte order mark, blanks, declarations and comments. */
+static size_t skip_prolog(const char *text, size_t n) {
+    size_t i = n >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    while (i < n && (memchr(" \t\r\n", text[i], 4) || (text[i] == '<' && i + 1 < n && memchr("?!", text[i + 1], 2)))) {
+        const bool is_comment = n - i >= 4 && memcmp(text + i, "<!--", 4) == 0;
+        if (text[i] == '<')
+            while (i < n && !(text[i] == '>' && (!is_comment || memcmp(text + i - 2, "--", 2) == 0)))
+                ++i;
+        ++i;
+    }
+    return i;
+}
+
+static bool probe(const nqm_map *map) {
+    static const char *const roots[] = {"<scene", "<bsdf"};
+    const char *text = (const char *)map->data;
+    const size_t n = nqm_smaller(map->n_bytes, 4096), i = skip_prolog(text, n);
+    for (size_t r = 0; r < sizeof roots / sizeof *roots; ++r) {
+        const size_t end = i + strlen(roots[r]);
+        if (end < n && memcmp(text + i, roots[r], end - i) == 0 && memchr(" \t\r\n>/", text[end], 6))
+            return true;
+    }
+    return false;
+}
+
+static nqm_status read_xml(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
+    walk w = {.path = map->path, .err = err};
+    nqm_xml xml;
+    nqm_status status = nqm_xml_parse(map->data, map->n_bytes, map->path, &xml, err);
+    if (status == NQM_OK)
+        status = add_element(&w, xml.root, NQM_MITSUBA_ROOT);
+    nqm_xml_free(&xml);
+    if (status == NQM_OK)
+        status = nqm_mitsuba_translate(&w.nodes, materials, err);
+    nqm_mitsuba_free(&w.nodes);
+    nqm_mitsuba_free(&w.defaults);
+    return status;
+}
+
+const nqm_material_format nqm_mitsuba_xml_format = {
+    .name = "Mitsuba XML",
+    .extensions = ".xml",
+    .models = "rough-conductor principled lambert",
+    .probe = probe,
+    .read = read_xml,
+    .write = nqm_mitsuba_write,
+};

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Mitsuba 3 scenes in XML and JSON: what is read, what is refused and why, what is damaged, and files written and read back.
+ */
+#include "material/mitsuba.h"
+#include "support/check.h"
+#include "support/temp_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static void write_file(const char *text) {
+    FILE *f = fopen(temp_file, "wb");
+    assert_non_null(f);
+    fputs(text, f);
+    fclose(f);
+}
+
+static nqm_materials *open_text(const char *text) {
+    nqm_materials *materials = NULL;
+    nqm_error err = {0};
+    write_file(text);
+    if (nqm_materials_open(temp_file, &materials, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return materials;
+}
+
+/* The only material of the file has this spec. */
+static void expect_spec(const char *text, const char *spec) {
+    nqm_materials *materials = open_text(text);
+    assert_int_equal(nqm_materials_count(materials), 1);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    if (info.refusal)
+        fail_msg("refused: %s", info.refusal);
+    assert_string_equal(info.spec, spec);
+    nqm_materials_free(materials);
+}
+
+/* The only material of the file is refused, with this in its reason. */
+static void expect_refusal(const char *text, const char *reason) {
+    nqm_materials *materials = open_text(text);
+    assert_int_equal(nqm_materials_count(materials), 1);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    assert_null(info.spec);
+    if (!strstr(info.refusal, reason))
+        fail_msg("'%s' does not contain '%s'", info.refusal, reason);
+    nqm_materials_free(materials);
+}
+
+#define XML(TYPE, PROPERTIES) "<bsdf type=\"" TYPE "\">" PROPERTIES "</bsdf>"
+#define FLOAT(NAME, VALUE)    "<float name=\"" NAME "\" value=\"" VALUE "\"/>"
+#define STRING(NAME, VALUE)   "<string name=\"" NAME "\" value=\"" VALUE "\"/>"
+#define RGB(NAME, VALUE)      "<rgb name=\"" NAME "\" value=\"" VALUE "\"/>"
+
+static void conductors_of_xml(void **state) {
+    (void)state;
+    expect_spec(XML("roughconductor", ""), "rough-conductor:");
+    expect_spec(XML("roughconductor", FLOAT("alpha", "0.2") STRING("distribution", "ggx") RGB("eta", "0.2 0.9,1.1") RGB(
+                                          "k", "3.9, 2.5, 2.1") "<boolean name=\"sample_visible\" value=\"true\"/>"),
+                "rough-conductor:alpha=0.2;distribution=1;eta=0.2,0.9,1.1;k=3.9,2.5,2.1");
+    expect_spec(XML("roughconductor", FLOAT("alpha_u", "0") FLOAT("alpha_v", "0") STRING("material", "none")),
+                "rough-conductor:alpha=0.0001");
+    expect_spec(XML("roughconductor", STRING("material", "Au")),
+                "rough-conductor:eta=0.1431189557,0.3749570432,1.4424785571;k=3.9831604247,2.3857207478,1.6032152899");
+    expect_spec(XML("roughconductor", RGB("specular_reflectance", "#ff0000") "<spectrum name=\"eta\" value=\"1.5\"/>"),
+                "rough-conductor:specular_reflectance=1,0,0;eta=1.5");
+}
+
+static void refused_conductors(void **state) {
+    (void)state;
+    expect_refusal(XML("roughconductor", FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".3")), "anisotropic");
+    expect_refusal(XML("roughconductor", FLOAT("alpha_u", ".1")), "alpha_v");
+    expect_refusal(XML("roughconductor", FLOAT("alpha", ".1") FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".1")), "alpha");
+    expect_refusal(XML("roughconductor", FLOAT("roughness", ".1")), "roughness");
+    expect_refusal(XML("roughconductor", STRING("material", "Xx")), "Au, Be");
+    expect_refusal(XML("roughconductor", STRING("material", "Au") RGB("eta", "1")), "eta or k");
+    expect_refusal(XML("roughconductor", STRING("distribution", "phong")), "phong");
+    expect_refusal(XML("roughconductor", FLOAT("alpha", "a")), "'a'");
+    expect_refusal(XML("roughconductor", FLOAT("alpha", "$a")), "'$a'");
+    expect_refusal(XML("roughconductor", RGB("eta", "1, 2")), "one or three");
+    expect_refusal(XML("roughconductor", "<spectrum name=\"eta\" value=\"400:1, 700:2\"/>"), "wavelength");
+    expect_refusal(XML("roughconductor", "<spectrum name=\"eta\" filename=\"a.spd\"/>"), "wavelength");
+    expect_refusal(XML("roughconductor", "<texture name=\"alpha\" type=\"bitmap\"/>"), "bitmap");
+    expect_refusal(XML("roughconductor", "<ref name=\"alpha\" id=\"t\"/>"), "refers to");
+    expect_refusal(XML("conductor", ""), "smooth");
+    expect_refusal(XML("bumpmap", "<texture type=\"bitmap\"/>" XML("diffuse", "")), "textures");
+    expect_refusal(XML("mask", XML("diffuse", "")), "opacity");
+    expect_refusal(XML("no-such", ""), "not known");
+}
+
+static void principled_of_xml(void **state) {
+    (void)state;
+    expect_spec(XML("principled", RGB("base_color", "1.0,.5,.25") FLOAT("metallic", "0.7") FLOAT("specular", "0.5")
+                                      FLOAT("anisotropic", "0") FLOAT("clearcoat_sampling_rate", "2")),
+                "principled:base_color=1,0.5,0.25;metallic=0.7;eta=1.5");
+    expect_refusal(XML("principled", FLOAT("specular", "0.5") FLOAT("eta", "1.5")), "given twice");
+    expect_refusal(XML("principled", FLOAT("eta", "1.5") FLOAT("specular", "0.5")), "as well as eta");
+    expect_refusal(XML("principled", FLOAT("specular", "2")), "0 to 1");
+    expect_refusal(XML("principled", FLOAT("anisotropic", ".5")), "anisotropic is .5");
+    expect_refusal(XML("principled", FLOAT("spec_trans", ".5")), "transmission");
+    expect_refusal(XML("principled", RGB("roughness", ".5 .6 .7")), "not the colour");
+}
+
+static void scenes(void **state) {
+    (void)state;
+    nqm_materials *materials = open_text(
+        "<?xml version=\"1.0\"?>\n<!-- > -->\n<scene version=\"3.0.0\">\n"
+        "<default name=\"grey\" value=\"0.25\"/><integrator type=\"path\"><integer name=\"max_depth\" "
+        "value=\"8\"/></integrator>\n"
+        "<bsdf type=\"diffuse\" id=\"wall\"><float name=\"reflectance\" value=\"$grey\"/></bsdf>\n"
+        "<bsdf type=\"twosided\" id=\"sheet\"><ref id=\"wall\"/></bsdf>\n"
+        "<bsdf type=\"twosided\"><bsdf type=\"diffuse\" id=\"inner\"/></bsdf>\n"
+        "<shape type=\"sphere\"><ref id=\"wall\"/></shape>\n"
+        "<shape type=\"sphere\"><bsdf type=\"diffuse\"/></shape>\n"
+        "<bsdf type=\"twosided\" id=\"lost\"><ref id=\"nothing\"/></bsdf>\n"
+        "<bsdf type=\"twosided\" id=\"two\"><ref id=\"wall\"/><bsdf type=\"diffuse\"/></bsdf>\n"
+        "<bsdf type=\"measured\" id=\"file\"><string name=\"filename\" value=\"a b.bsdf\"/></bsdf>\n</scene>\n");
+    static const char *const expected[][3] = {{"wall", "diffuse", "lambert:kd=0.25"},
+                                              {"sheet", "diffuse", "lambert:kd=0.25"},
+                                              {"inner", "diffuse", "lambert:kd=0.5"},
+                                              {"material4", "diffuse", "lambert:kd=0.5"},
+                                              {"lost", "twosided", NULL},
+                                              {"two", "twosided", NULL},
+                                              {"file", "measured", "a b.bsdf"}};
+    assert_int_equal(nqm_materials_count(materials), sizeof expected / sizeof *expected);
+    for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
+        const nqm_material_info info = nqm_materials_get(materials, i);
+        assert_string_equal(info.name, expected[i][0]);
+        assert_string_equal(info.surface, expected[i][1]);
+        assert_true((info.spec == NULL) == (expected[i][2] == NULL));
+        if (info.spec)
+            assert_string_equal(info.spec, expected[i][2]);
+        assert_true(info.byte_offset > 100);
+    }
+    nqm_materials_free(materials);
+}
+
+static void damaged_files(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *reason;
+        nqm_status status;
+    } cases[] = {
+        {"<scene version=\"3.0.0\">", "no element", NQM_ERR_FORMAT},
+        {"<scene></bsdf>", "mismatched", NQM_ERR_FORMAT},
+        {"<scene></scene>", "no material", NQM_ERR_FORMAT},
+        {"<scene><include filename=\"a.xml\"/></scene>", "include", NQM_ERR_FORMAT},
+        {"<!DOCTYPE scene SYSTEM \"other.dtd\"><scene/>", "document type", NQM_ERR_FORMAT},
+        {"<materials/>", "not a material file", NQM_ERR_FORMAT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_materials *materials;
+        nqm_error err;
+        write_file(cases[i].text);
+        assert_int_equal(nqm_materials_open(temp_file, &materials, &err), cases[i].status);
+        assert_null(materials);
+        if (!strstr(err.message, cases[i].reason))
+            fail_msg("'%s' does not contain '%s'", err.message, cases[i].reason);
+        assert_true(err.byte_offset >= 0);
+    }
+    char deep[1200] = "";
+    for (int i = 0; i < 100; ++i)
+        strcat(deep, "<scene>");
+    nqm_materials *materials;
+    write_file(deep);
+    assert_int_equal(nqm_materials_open(temp_file, &materials, NULL), NQM_ERR_LIMIT);
+}
+
+/* Files that are cut anywhere are an error, never a shorter list. */
+static void cut_files(void **state) {
+    (void)state;
+    static const char text[] = "<scene version=\"3.0.0\"><bsdf type=\"diffuse\" id=\"a\"><rgb name=\"reflectance\" "
+                               "value=\"0.1 0.2 0.3\"/></bsdf></scene>";
+    char cut[sizeof text];
+    for (size_t n = 1; n + 1 < sizeof text; ++n) {
+        nqm_materials *materials;
+        memcpy(cut, text, n);
+        cut[n] = 0;
+        write_file(cut);
+        assert_int_equal(nqm_materials_open(temp_file, &materials, NULL), NQM_ERR_FORMAT);
+    }
+}
+
+/* Write and read back: the same canonical spec. */
+static void expect_same(const char *argument, const char *extension) {
+    char path[300], with_name[320];
+    snprintf(path, sizeof path, "%s.%s", temp_file, extension);
+    snprintf(with_name, sizeof with_name, "%s:some_name", path);
+    nqm_brdf *brdf = open_brdf(argument);
+    nqm_error err = {0};
+    if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    nqm_brdf *back = open_brdf(with_name);
+    assert_string_equal(nqm_brdf_get_info(back).spec, nqm_brdf_get_info(brdf).spec);
+    nqm_brdf_free(back);
+    nqm_brdf_free(brdf);
+    unlink(path);
+}
+
+static void files_go_there_and_back(void **state) {
+    (void)state;
+    static const char *const specs[] = {
+        "rough-conductor:alpha=0.123456789012345;distribution=1;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17",
+        "rough-conductor:alpha=.3;specular_reflectance=.1,.5,.7", "lambert:kd=0.1,0.30000000000000004,1",
+        "principled:base_color=.1,.2,.3;roughness=.7;metallic=.1;eta=1.3;spec_tint=.3;sheen=1;sheen_tint=.2;flatness=."
+        "4;"
+        "clearcoat=.9;clearcoat_gloss=.6"};
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i)
+        expect_same(specs[i], "xml");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(conductors_of_xml),       cmocka_unit_test(refused_conductors),
+        cmocka_unit_test(principled_of_xml),       cmocka_unit_test(scenes),
+        cmocka_unit_test(damaged_files),           cmocka_unit_test(cut_files),
+        cmocka_unit_test(files_go_there_and_back),
+    };
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
+}
