@@ -52,6 +52,10 @@ typedef struct nqm_scene_options {
                                cd/m2; default 200 */
     double peak_cdm2;  /**< peak luminance of the display, where Delta-E clips, 0.01 to 10000 cd/m2; default 1000 */
     uint64_t seed;     /**< of points and light directions; default 1 */
+    nqm_progress_fn
+        progress; /**< called by nqm_scene_create() and nqm_scene_render(), on the calling thread; NULL (default):
+                                 silent */
+    void *progress_user;
 } nqm_scene_options;
 
 /** The defaults above. */
@@ -59,7 +63,8 @@ NQM_API nqm_scene_options nqm_scene_options_default(void);
 /** Create a scene; options NULL: the defaults. Light directions and shadows of every visible point are computed here, by
  *  multiple importance sampling with the balance heuristic (Veach and Guibas 1995, DOI 10.1145/218380.218498) over light
  *  map, mirror lobes of five widths and cosine. NQM_ERR_ARG (an option out of range; NQM_SCENE_PAPER without
- *  light or shape; a shape other than the sphere in a build without Embree), or the error of reading the light map or mesh. */
+ *  light or shape; a shape other than the sphere in a build without Embree), NQM_ERR_CANCELLED, or the error of reading the light
+ *  map or mesh. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret,
                                                    nqm_error *err);
 /** Free a scene; NULL is allowed. */
@@ -68,7 +73,7 @@ NQM_API void nqm_scene_free(nqm_scene *scene);
 NQM_API size_t nqm_scene_count(const nqm_scene *scene);
 /** Light reflected at each point towards the viewer: rgb_cdm2 (n_points, 3), linear BT.709 in cd/m2, not clipped. All BRDFs
  *  use the same points and light directions, so that equal BRDFs give bit-identical pictures. Deterministic for any number
- *  of threads. NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_NOMEM. */
+ *  of threads. NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
                                                    nqm_error *err);
 /** Weight of each point: the fraction of the picture that it represents, (n_points), summing to 1. Only for the standard set,

@@ -220,6 +220,10 @@ typedef struct nqm_ticker {
 /** Report done/total of `stage` if 0.2 s have passed since the last report, or if done >= total > 0. true: the caller
  *  must stop. */
 bool nqm_tick(nqm_ticker *ticker, const char *stage, double done, double total);
+/** nqm_parallel_for() in pieces of about 20 ms, between which the ticker is asked; body must do little in one call. true: stopped
+ *  by the ticker. NULL or a ticker without a callback: one piece. */
+bool nqm_parallel_ticking(nqm_ticker *ticker, const char *stage, size_t n, void (*body)(void *user, size_t i),
+                          void *user);
 /** Monotonic time, s; for progress and benchmarks only. */
 double nqm_clock_s(void);
 

@@ -7,10 +7,14 @@
 #include <omp.h>
 #include <time.h>
 
-void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user) {
+static void parallel_range(size_t begin, size_t end, void (*body)(void *user, size_t i), void *user) {
 #pragma omp parallel for schedule(dynamic, 1)
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = begin; i < end; ++i)
         body(user, i);
+}
+
+void nqm_parallel_for(size_t n, void (*body)(void *user, size_t i), void *user) {
+    parallel_range(0, n, body, user);
 }
 
 int nqm_limit_threads(int n_threads) {
@@ -33,4 +37,19 @@ bool nqm_tick(nqm_ticker *ticker, const char *stage, double done, double total) 
         return false;
     ticker->next_s = now + 0.2;
     return ticker->fn(ticker->user, stage, done, total) != 0;
+}
+
+bool nqm_parallel_ticking(nqm_ticker *ticker, const char *stage, size_t n, void (*body)(void *user, size_t i),
+                          void *user) {
+    size_t piece = ticker && ticker->fn ? 16 : n;
+    for (size_t begin = 0, end; begin < n; begin = end) {
+        const double start_s = nqm_clock_s();
+        end = nqm_smaller(n, begin + piece);
+        parallel_range(begin, end, body, user);
+        if (nqm_clock_s() - start_s < 0.01)
+            piece *= 2;
+        if (nqm_tick(ticker, stage, (double)end, (double)n))
+            return true;
+    }
+    return false;
 }

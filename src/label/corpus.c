@@ -52,14 +52,15 @@ static bool is_mesh(const char *shape) {
 }
 
 static nqm_status make_scene(nqm_corpus *c, nqm_error *err) {
-    const nqm_scene_options *scene = &c->context.options->scene;
+    nqm_scene_options scene = c->context.options->scene;
     nqm_status status = NQM_OK;
-    if (scene->light && !nqm_light_is_builtin(scene->light))
-        status = nqm_corpus_hash_file(scene->light, NULL, c->context.light_sha256, err);
-    if (status == NQM_OK && is_mesh(scene->shape))
-        status = nqm_corpus_hash_file(scene->shape, NULL, c->context.shape_sha256, err);
+    scene.progress = NULL; /* many pictures at a time are rendered, and the corpus reports its own progress */
+    if (scene.light && !nqm_light_is_builtin(scene.light))
+        status = nqm_corpus_hash_file(scene.light, NULL, c->context.light_sha256, err);
+    if (status == NQM_OK && is_mesh(scene.shape))
+        status = nqm_corpus_hash_file(scene.shape, NULL, c->context.shape_sha256, err);
     if (status == NQM_OK)
-        status = nqm_scene_create(scene, &c->scene, err);
+        status = nqm_scene_create(&scene, &c->scene, err);
     c->context.scene = c->scene;
     return status;
 }

@@ -70,22 +70,30 @@ static void render_point(void *user, size_t i) {
     nqm_free(made.ray);
 }
 
-nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
-        status = nqm_scene_render(scene->parts[p], brdf, rgb_cdm2, err);
-        rgb_cdm2 += 3 * scene->parts[p]->seen.n;
-    }
-    if (scene->n_parts > 0)
-        return status;
+static nqm_status render(const nqm_scene *scene, const nqm_brdf *brdf, nqm_ticker *ticker, double *rgb_cdm2,
+                         nqm_error *err) {
     rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
-    nqm_parallel_for(scene->seen.n, render_point, &r);
+    if (nqm_parallel_ticking(ticker, "render", scene->seen.n, render_point, &r))
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
     if (atomic_load(&r.out_of_memory))
         return nqm_fail_nomem(err, scene->options.n_lights * sizeof(nqm_ray));
     for (size_t i = 0; i < 3 * scene->seen.n; ++i)
         if (!isfinite(rgb_cdm2[i]))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: the picture is not finite", nqm_brdf_get_info(brdf).name);
     return NQM_OK;
+}
+
+nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    const nqm_scene_options *o = &scene->options;
+    nqm_ticker whole = {.fn = o->progress, .user = o->progress_user};
+    nqm_status status = scene->n_parts ? NQM_OK : render(scene, brdf, &whole, rgb_cdm2, err);
+    for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
+        nqm_scene_part place = {o, p};
+        nqm_ticker ticker = {.fn = o->progress ? nqm_scene_part_progress : NULL, .user = &place};
+        status = render(scene->parts[p], brdf, &ticker, rgb_cdm2, err);
+        rgb_cdm2 += 3 * scene->parts[p]->seen.n;
+    }
+    return status;
 }
 
 void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2) {

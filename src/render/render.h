@@ -197,6 +197,14 @@ struct nqm_scene {
     double exposure;    /* cd/m2 for one unit of the light */
 };
 
+/** Place of a scene in the standard set, and the options of the set. */
+typedef struct nqm_scene_part {
+    const nqm_scene_options *options;
+    size_t index;
+} nqm_scene_part;
+/** A progress callback for one scene of the set: its user is an nqm_scene_part; reports percent of the set. */
+int nqm_scene_part_progress(void *user, const char *stage, double done, double total);
+
 /** Incident light of point i; free with nqm_free(incident->ray). irradiance: (3) without shadows; may be NULL. false: out of
  *  memory. */
 bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident, double *irradiance);

@@ -172,8 +172,10 @@ static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm
         nqm_free(c.irradiance);
         return nqm_fail_nomem(err, n * (3 * sizeof(double) + sizeof *scene->kept));
     }
-    nqm_parallel_for(n, create_point, &c);
-    nqm_status status = atomic_load(&c.out_of_memory)
+    nqm_ticker ticker = {.fn = o->progress, .user = o->progress_user};
+    const bool stopped = nqm_parallel_ticking(&ticker, "light", n, create_point, &c);
+    nqm_status status = stopped ? nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted")
+                        : atomic_load(&c.out_of_memory)
                             ? nqm_fail_nomem(err, n * scene->options.n_lights * sizeof(nqm_ray))
                             : expose(scene, c.irradiance, o, err);
     nqm_free(c.irradiance);
@@ -233,6 +235,12 @@ static nqm_status join_parts(nqm_scene *scene, nqm_error *err) {
     return status;
 }
 
+int nqm_scene_part_progress(void *user, const char *stage, double done, double total) {
+    const nqm_scene_part *part = user;
+    const nqm_scene_options *o = part->options;
+    return o->progress(o->progress_user, stage, 100 * ((double)part->index + done / total) / NQM_STANDARD_SCENES, 100);
+}
+
 static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
     nqm_status status = NQM_OK;
     scene->options = *o;
@@ -242,6 +250,11 @@ static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_e
         part.light = standard[p].light;
         part.shape = standard[p].shape;
         part.n_points = (o->n_points + p) / NQM_STANDARD_SCENES;
+        nqm_scene_part place = {o, p};
+        if (o->progress) {
+            part.progress = nqm_scene_part_progress;
+            part.progress_user = &place;
+        }
         status = nqm_scene_create(&part, &scene->parts[p], err);
         scene->n_parts += status == NQM_OK;
     }

@@ -92,3 +92,8 @@ printf '#?RADIANCE\n\n-Y 2147483648 +X 2147483648\n' >"$dir/huge.hdr"
 label 4 sgd:nickel ward:nickel --light "$dir/huge.hdr"
 { printf '%b' "$header"; pixels 32 '\0000\0000\0000\0000'; } >"$dir/black.hdr"
 label 4 sgd:nickel ward:nickel --light "$dir/black.hdr"
+
+# Figures are PNGs under that name, checked before the work; Ctrl-C.
+run 2 label sgd:nickel ward:nickel --map "$dir/d.jpg"
+run 3 label sgd:nickel ward:nickel --map "$dir/nowhere/d.png" --size 4000
+interrupt label sgd:nickel ward:nickel --map "$dir/d.png" --size 512 --lights 2048

@@ -62,3 +62,11 @@ printf 'ply\nformat ascii 1.0\nelement vertex 9\n' >"$dir/bad.ply"
 render 4 sgd:nickel -o "$dir/x.png" --size 8 --shape "$dir/bad.ply"
 grep -q 'bad.ply: PLY in line' "$dir/err" || fail "the message does not name file and line"
 [ ! -f "$dir/x.png" ] || fail "a failure left a picture"
+
+# The output is checked before the work, and Ctrl-C stops it: this picture would take minutes.
+long="--size 256 --lights 16384"
+# shellcheck disable=SC2086
+render 3 sgd:nickel -o "$dir/nowhere/x.png" $long
+# shellcheck disable=SC2086
+interrupt render sgd:nickel -o "$dir/stopped.png" $long
+[ -z "$(find "$dir" -name '*stopped*')" ] || fail "Ctrl-C left a file"

@@ -137,3 +137,8 @@ empty
 
 run 0 help report
 grep -q '^  nqm report sgd:nickel' "$dir/out" || fail "help with an example"
+
+# A page is HTML under that name; Ctrl-C stops the pictures.
+run 2 report sgd:nickel ward:nickel -o "$dir/a.pdf"
+interrupt report sgd:nickel ward:nickel -o "$dir/stopped.html" --size 512 --lights 2048
+[ -z "$(find "$dir" -name 'stopped*')" ] || fail "Ctrl-C left a file"

@@ -61,3 +61,17 @@ number() { sed -n 's/.*"'"$1"'": *\([^,]*\),*$/\1/p' "$dir/out" | sed -n "$2p"; 
 
 # png_size FILE: print "width height" from the PNG header.
 png_size() { od -A n -t u1 -j 16 -N 8 "$1" | awk '{print $3 * 256 + $4, $7 * 256 + $8}'; }
+
+# interrupt ARGUMENTS...: run nqm and press Ctrl-C after a moment; exit code 130, nothing on standard output.
+interrupt() {
+    "$tool" "$@" >"$dir/out" 2>"$dir/err" &
+    pid=$!
+    # A shell without job control starts background commands with SIGINT ignored, until nqm installs its handler.
+    while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
+    sleep 0.3
+    kill -INT $pid || fail "ended before Ctrl-C: $*"
+    got=0
+    wait $pid || got=$?
+    [ "$got" = 130 ] || fail "exit code $got after Ctrl-C: $*"
+    [ ! -s "$dir/out" ] || fail "results of an interrupted run: $*"
+}

@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
@@ -41,6 +42,23 @@ void require_output(const char *path) {
         return;
     must(nqm_outfile_open(path, &file, &err), &err);
     nqm_outfile_abort(&file);
+}
+
+void require_named_output(const char *name, const char *path, const char *endings) {
+    if (!path)
+        return;
+    const char *dot = strrchr(path, '.');
+    const size_t n_dot = dot ? strlen(dot) : 0;
+    const bool is_file = strcmp(path, "-") != 0 && strncmp(path, "/dev/", 5) != 0;
+    bool fits = false;
+    for (const char *at = endings; *at; at += strspn(at, " ")) {
+        const size_t n = strcspn(at, " ");
+        fits = fits || (n == n_dot && strncasecmp(at, dot, n) == 0);
+        at += n;
+    }
+    if (is_file && !fits)
+        stop(EXIT_USAGE, "%s writes %s files, and '%s' names another kind", name, endings, path);
+    require_output(path);
 }
 
 void close_output(output_file *out) {

@@ -223,6 +223,9 @@ char *absolute_path(const char *path, const char *suffix);
 void open_output(const char *path, output_file *out);
 /** Report an error and exit if open_output() would: before long work. */
 void require_output(const char *path);
+/** The same, and a usage error unless the path has one of the endings, separated by spaces: ".png .svg"; also "-" and devices are
+ *  allowed. NULL: nothing is checked. */
+void require_named_output(const char *option, const char *path, const char *endings);
 /** Close, and rename to the final name; a zeroed file is allowed. On failure, report the error and exit. */
 void close_output(output_file *out);
 /** Remove the temporary files of all open outputs (stop() does). */

@@ -4,9 +4,11 @@
  */
 #include "nqm/label/label.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char group_mark[] = "+";
 
@@ -40,6 +42,10 @@ static void check_label(label_run *run, uint64_t shrink) {
         stop(EXIT_USAGE, "--map, --grid and --keep-renders need pictures: leave out --points");
     if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
         stop(EXIT_USAGE, "--shrink must divide the size of the picture");
+    if (run->keep && mkdir(run->keep, 0777) != 0 && errno != EEXIST)
+        stop(EXIT_OPEN, "%s: cannot create the folder: %s", run->keep, strerror(errno));
+    require_named_output("--map", run->map, ".png");
+    require_named_output("--grid", run->grid, ".png");
 }
 
 int cmd_label(int argc, char **argv) {

@@ -34,13 +34,23 @@ static nqm_status label_item_at(label_run *run, size_t i) {
     return NQM_OK;
 }
 
+/* The progress of one picture as that of the run. */
+static int show_label_progress(void *user, const char *stage, double done, double total) {
+    const label_run *run = user;
+    if (!run->scene)
+        return show_progress(NULL, stage, done, total);
+    return show_progress(NULL, "label", (double)run->n_done + done / total, (double)run->n_items);
+}
+
 void make_labels(label_run *run) {
     nqm_error err = {0};
+    run->scene_options.progress = show_label_progress;
+    run->scene_options.progress_user = run;
     must(nqm_scene_create(&run->scene_options, &run->scene, &err), &err);
-    for (size_t i = 0; i < run->n_items; ++i) {
-        if (show_progress(NULL, "label", (double)i, (double)run->n_items))
+    for (; run->n_done < run->n_items; ++run->n_done) {
+        must(label_item_at(run, run->n_done), &run->items[run->n_done].err);
+        if (interrupted())
             stop(EXIT_INTERRUPTED, "interrupted");
-        must(label_item_at(run, i), &run->items[i].err);
     }
     end_progress();
 }

@@ -21,7 +21,7 @@ typedef struct label_item {
 typedef struct label_run {
     nqm_scene_options scene_options;
     nqm_scene *scene;
-    size_t n_items, n_groups;
+    size_t n_items, n_groups, n_done;
     label_item *items;
     result_format format;
     bool keep_rgb; /* for pictures: renderings of tests are not freed after the comparison */

@@ -6,10 +6,8 @@
 #include "nqm/label/label.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { MAX_CELLS = 64, MAX_TITLES = 2048 };
 
@@ -189,8 +187,6 @@ static void keep_item(const drawing *d, size_t i, size_t frame) {
 }
 
 static void keep_renders(const drawing *d) {
-    if (mkdir(d->run->keep, 0777) != 0 && errno != EEXIST)
-        stop(EXIT_OPEN, "%s: cannot create the folder: %s", d->run->keep, strerror(errno));
     for (size_t i = 0; i < d->run->n_items; ++i)
         for (size_t frame = 0; d->views[i].picture && frame < nqm_scene_frames(&d->run->scene_options); ++frame)
             keep_item(d, i, frame);

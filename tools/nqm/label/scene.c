@@ -12,6 +12,7 @@ enum { MAX_SIDE = 4096 };
 
 scene_args scene_args_begin(void) {
     scene_args a = {.scene = nqm_scene_options_default()};
+    a.scene.progress = show_progress;
     a.scene.n_points = 0;
     return a;
 }

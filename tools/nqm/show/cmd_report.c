@@ -82,6 +82,7 @@ int cmd_report(int argc, char **argv) {
     check_scene(&run.labels, shrink);
     run.date = run.date ? run.date : find_date(date);
     output_file out;
+    require_named_output("nqm report", output, ".html .htm");
     open_output(output, &out); /* first: a missing folder is reported before the work */
     if (!out.file.temporary)
         stop(EXIT_USAGE, "the page must be a file: -o FILE.html");
