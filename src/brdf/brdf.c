@@ -122,8 +122,9 @@ static nqm_status open_material(const nqm_map *map, const char *material, const 
     if (status == NQM_OK)
         status = select_material(map->path, materials, material, &info, err);
     if (status == NQM_OK && info.refusal)
-        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s) is refused: %s", map->path,
-                          info.name, info.surface, info.refusal);
+        status =
+            nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s) is refused: %s (byte %lld)",
+                     map->path, info.name, info.surface, info.refusal, (long long)info.byte_offset);
     if (status == NQM_OK)
         status = nqm_spec_probe(info.spec) ? nqm_spec_open(info.spec, name, brdf_ret, err)
                                            : open_measured(map->path, info.spec, brdf_ret, err);

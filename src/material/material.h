@@ -56,7 +56,9 @@ typedef struct nqm_material_format {
 } nqm_material_format;
 
 /** Every format. A new one is defined in a file of its own, and named here. */
-#define NQM_MATERIAL_FORMATS(X)  X(nqm_mitsuba_xml_format)
+#define NQM_MATERIAL_FORMATS(X)                                                                                        \
+    X(nqm_mitsuba_xml_format)                                                                                          \
+    X(nqm_materialx_format)
 #define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;
 NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 

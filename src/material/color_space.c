@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Colour spaces: a curve, then a matrix. The matrix of ACEScg (AP1, white of ACES) adapts the white with Bradford's transform
+ * (CTL of ACES 1.0, also in MaterialX's libraries/cmlib); the others have the white of BT.709.
+ */
+#include "material/color_space.h"
+
+#include <math.h>
+#include <strings.h>
+
+double nqm_srgb_to_linear(double v) {
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+double nqm_linear_to_srgb(double v) {
+    return v <= 0.0031308 ? v * 12.92 : 1.055 * pow(v, 1 / 2.4) - 0.055;
+}
+
+typedef const double matrix[3][3];
+static matrix ap1 = {{1.705050992658, -0.621792120657, -0.083258872001},
+                     {-0.130256417507, 1.140804736575, -0.010548319068},
+                     {-0.024003356805, -0.128968976065, 1.15297233287}};
+static matrix display_p3 = {{1.2249401762805598, -0.2249401762805598, 0},
+                            {-0.0420569547096882, 1.0420569547096882, 0},
+                            {-0.0196375545903344, -0.0786360455506319, 1.0982736001409663}};
+static matrix adobe = {{1.39835574, -0.39835574, 0}, {0, 1, 0}, {0, -0.04292899, 1.04292899}};
+
+enum { LINEAR = 0, SRGB = -1 }; /* else the exponent */
+static const struct {
+    const char *name;
+    double curve;
+    matrix *to_rec709; /* NULL: BT.709 already */
+} spaces[] = {
+    {"lin_rec709", LINEAR, NULL},
+    {"lin_rec709_scene", LINEAR, NULL},
+    {"lin_srgb", LINEAR, NULL},
+    {"none", LINEAR, NULL},
+    {"raw", LINEAR, NULL},
+    {"srgb_texture", SRGB, NULL},
+    {"srgb_rec709_scene", SRGB, NULL},
+    {"g18_rec709", 1.8, NULL},
+    {"g22_rec709", 2.2, NULL},
+    {"g22_rec709_scene", 2.2, NULL},
+    {"rec709_display", 2.4, NULL},
+    {"acescg", LINEAR, &ap1},
+    {"lin_ap1", LINEAR, &ap1},
+    {"lin_ap1_scene", LINEAR, &ap1},
+    {"g22_ap1", 2.2, &ap1},
+    {"g22_ap1_scene", 2.2, &ap1},
+    {"lin_displayp3", LINEAR, &display_p3},
+    {"lin_p3d65_scene", LINEAR, &display_p3},
+    {"srgb_displayp3", SRGB, &display_p3},
+    {"srgb_p3d65_scene", SRGB, &display_p3},
+    {"lin_adobergb", LINEAR, &adobe},
+    {"adobergb", 563.0 / 256, &adobe},
+};
+enum { N_SPACES = sizeof spaces / sizeof *spaces };
+
+bool nqm_color_to_rec709(const char *space, double *rgb) {
+    size_t s = 0;
+    if (!space || !*space)
+        return true;
+    while (s < N_SPACES && strcasecmp(spaces[s].name, space) != 0)
+        ++s;
+    if (s == N_SPACES)
+        return false;
+    for (size_t c = 0; c < 3 && spaces[s].curve != LINEAR; ++c)
+        rgb[c] = spaces[s].curve == SRGB ? nqm_srgb_to_linear(rgb[c]) : pow(fmax(rgb[c], 0), spaces[s].curve);
+    const double in[3] = {rgb[0], rgb[1], rgb[2]};
+    for (size_t c = 0; c < 3 && spaces[s].to_rec709; ++c)
+        rgb[c] = (*spaces[s].to_rec709)[c][0] * in[0] + (*spaces[s].to_rec709)[c][1] * in[1] +
+                 (*spaces[s].to_rec709)[c][2] * in[2];
+    return true;
+}

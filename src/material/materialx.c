@@ -1,0 +1,423 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * MaterialX documents (.mtlx, version 1.38 and 1.39; https://github.com/AcademySoftwareFoundation/MaterialX, MaterialX.Specification): the
+ * materials whose surface shader is in materialx_surfaces.c, with constant inputs. Inputs may be connected to nodes `constant`
+ * and `dot`, to outputs of node graphs and to inputs of the graph, as long as a number is at the end. Other documents
+ * (xi:include), looks and geometry are not read.
+ */
+#include "material/materialx.h"
+#include "io/xml.h"
+#include "material/color_space.h"
+#include "material/material.h"
+
+#include <math.h>
+#include <stdarg.h>
+
+typedef const nqm_xml_element element;
+
+enum { MAX_HOPS = 32 };
+
+/* Negative components down to this are rounding of a conversion to BT.709, and become 0. */
+static const double OUT_OF_GAMUT = -1e-3;
+
+/* What is read of a material: its spec, or why it is refused. */
+typedef struct reading {
+    element *root, *material, *shader;
+    const nqm_mtlx_surface *surface;
+    nqm_shading shading;
+    char refusal[400];
+    int64_t byte_offset;
+} reading;
+
+/* ---- finding elements ---------------------------------------------------------------------------------------------- */
+
+static bool is_text(const char *a, const char *b) {
+    return a && strcmp(a, b) == 0;
+}
+
+/* A child with this name attribute; `category` NULL: of any element. */
+static element *find_child(element *parent, const char *category, const char *name) {
+    element *child = parent ? parent->first : NULL;
+    while (child && !((!category || strcmp(child->name, category) == 0) && is_text(nqm_xml_get(child, "name"), name)))
+        child = child->next;
+    return child;
+}
+
+/* An attribute of the element or of the nearest enclosing element that has it. */
+static const char *inherited(element *e, const char *attribute) {
+    const char *value = NULL;
+    for (; e && !value; e = e->parent)
+        value = nqm_xml_get(e, attribute);
+    return value;
+}
+
+/* Write the refusal; false, so that readers can return it. */
+__attribute__((format(printf, 3, 4))) static bool refuse(reading *r, element *at, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(r->refusal, sizeof r->refusal, format, arguments);
+    va_end(arguments);
+    r->byte_offset = at->byte_offset;
+    return false;
+}
+
+/* ---- values -------------------------------------------------------------------------------------------------------- */
+
+static bool is_connected(element *e) {
+    return nqm_xml_get(e, "nodename") || nqm_xml_get(e, "nodegraph") || nqm_xml_get(e, "interfacename");
+}
+
+/* Where the names are that an input or output is connected to. Inputs of a node graph itself are connected outside of it. */
+static element *scope_of(const reading *r, element *e) {
+    if (e->parent == r->root)
+        return r->root;
+    if (strcmp(e->parent->name, "nodegraph") == 0)
+        return strcmp(e->name, "output") == 0 ? e->parent : r->root;
+    return e->parent->parent;
+}
+
+/* What a connected node passes on unchanged: its input, or NULL (refused). */
+static element *pass_through(reading *r, const char *name, element *input, element *node) {
+    const char *node_name = nqm_xml_get(node, "name");
+    if (strcmp(node->name, "constant") == 0)
+        return find_child(node, "input", "value");
+    if (strcmp(node->name, "dot") == 0)
+        return find_child(node, "input", "in");
+    if (find_child(node, "input", "file"))
+        refuse(r, input, "%s reads the texture of node '%.60s'; only constants are read", name, node_name);
+    else
+        refuse(r, input, "%s is computed by node '%.60s' (%.40s); only constants are read", name, node_name,
+               node->name);
+    return NULL;
+}
+
+/* What an input or output is connected to; NULL: nothing that the file has, or refused. */
+static element *hop(reading *r, const char *name, element *input, element *at) {
+    const char *node_name = nqm_xml_get(at, "nodename"), *graph_name = nqm_xml_get(at, "nodegraph");
+    const char *interface = nqm_xml_get(at, "interfacename"), *output = nqm_xml_get(at, "output");
+    if (interface)
+        return find_child(at->parent->parent, "input", interface);
+    if (graph_name)
+        return find_child(find_child(r->root, "nodegraph", graph_name), "output", output ? output : "out");
+    element *node = find_child(scope_of(r, at), NULL, node_name);
+    return node ? pass_through(r, name, input, node) : NULL;
+}
+
+/* The element that has the number: follow the connections of an input. NULL: refused; the name of the shader's input is for the
+ * message. */
+static element *follow(reading *r, const char *name, element *input) {
+    element *at = input;
+    for (int n = 0; n < MAX_HOPS; ++n) {
+        if (!is_connected(at))
+            return at;
+        at = hop(r, name, input, at);
+        if (!at && !*r->refusal)
+            refuse(r, input, "%s is connected to something that the file does not have", name);
+        if (!at)
+            return NULL;
+    }
+    refuse(r, input, "%s: more than %d connections in a row", name, MAX_HOPS);
+    return NULL;
+}
+
+/* Parse n numbers separated by commas. */
+static bool parse_numbers(const char *text, size_t n, double *v) {
+    for (size_t c = 0; c < n; ++c) {
+        text += strspn(text, " \t\n");
+        if (!nqm_parse_double(text, &text, &v[c]))
+            return false;
+        text += strspn(text, " \t\n");
+        if (*text != (c + 1 < n ? ',' : 0))
+            return false;
+        text += c + 1 < n;
+    }
+    return true;
+}
+
+/* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. false: refused. */
+static bool read_value(reading *r, element *input, size_t n, double v[3]) {
+    const char *name = nqm_xml_get(input, "name");
+    element *at = follow(r, name, input);
+    if (!at)
+        return false;
+    const char *text = nqm_xml_get(at, "value"), *type = nqm_xml_get(at, "type");
+    if (!text)
+        return refuse(r, input, "%s has no value", name);
+    if (is_text(type, "boolean") && n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
+        v[0] = *text == 't';
+        return true;
+    }
+    if (!parse_numbers(text, n, v))
+        return refuse(r, input, "%s needs %s, not '%.40s'", name, n == 3 ? "three numbers" : "a number", text);
+    const char *space = inherited(at, "colorspace");
+    if (n == 3 && is_text(type, "color3") && !nqm_color_to_rec709(space, v))
+        return refuse(r, input, "%s is in the colour space '%.40s', which is not known", name, space);
+    for (size_t c = 0; c < n; ++c)
+        if (!isfinite(v[c]))
+            return refuse(r, input, "%s is not finite", name);
+    return true;
+}
+
+static size_t channels_of(const nqm_mtlx_input *input) {
+    return input->type && strcmp(input->type, "color3") == 0 ? 3 : 1;
+}
+
+/* ---- a material ---------------------------------------------------------------------------------------------------- */
+
+static const nqm_mtlx_input *find_input(const nqm_mtlx_surface *surface, const char *name) {
+    for (size_t i = 0; i < surface->n; ++i)
+        if (is_text(name, surface->inputs[i].name))
+            return &surface->inputs[i];
+    return NULL;
+}
+
+static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
+    double v[3];
+    if (!read_value(r, e, channels_of(input), v))
+        return false;
+    for (size_t c = 0; c < channels_of(input); ++c) {
+        if (channels_of(input) == 3 && v[c] < OUT_OF_GAMUT)
+            return refuse(r, e, "%s is outside BT.709: %.4g %.4g %.4g", input->name, v[0], v[1], v[2]);
+        if (channels_of(input) == 3)
+            v[c] = fmax(v[c], 0);
+    }
+    nqm_shading_set(&r->shading, input->name, channels_of(input), v);
+    return true;
+}
+
+/* true when the input is a constant 0, or absent with the default 0. */
+static bool is_zero(reading *r, const char *name) {
+    const nqm_mtlx_input *input = find_input(r->surface, name);
+    element *e = find_child(r->shader, "input", name);
+    double v[3] = {input->value};
+    return (!e || read_value(r, e, 1, v)) && v[0] == 0;
+}
+
+static bool check_neutral(reading *r, element *e, const nqm_mtlx_input *input) {
+    double v[3];
+    if (input->gate && is_zero(r, input->gate))
+        return true;
+    if (!read_value(r, e, channels_of(input), v)) {
+        char why[sizeof r->refusal];
+        memcpy(why, r->refusal, sizeof why);
+        return refuse(r, e, "%.300s (%s)", why, input->what);
+    }
+    for (size_t c = 0; c < channels_of(input); ++c)
+        if (v[c] != input->value)
+            return refuse(r, e, "%s is %.6g: %s is not part of these BRDFs", input->name, v[c], input->what);
+    return true;
+}
+
+static bool check_normal(reading *r, element *e, const char *name) {
+    double v[3];
+    if (is_connected(e) || !parse_numbers(nqm_xml_get(e, "value"), 3, v) || v[0] != 0 || v[1] != 0 || v[2] != 1)
+        return refuse(r, e, "%s changes the normal; a BRDF has one normal", name);
+    return true;
+}
+
+static bool read_input(reading *r, element *e) {
+    const char *name = nqm_xml_get(e, "name");
+    const nqm_mtlx_input *input = find_input(r->surface, name);
+    if (!input)
+        return refuse(r, e, "%s has no input '%.40s'", r->surface->node, name ? name : "");
+    if (!is_connected(e) && !nqm_xml_get(e, "value"))
+        return true; /* the default */
+    switch (input->kind) {
+    case NQM_MTLX_KEY:
+        return read_key(r, e, input);
+    case NQM_MTLX_NEUTRAL:
+        return check_neutral(r, e, input);
+    case NQM_MTLX_NORMAL:
+        return check_normal(r, e, name);
+    default:
+        return true;
+    }
+}
+
+static void set_defaults(reading *r) {
+    strcpy(r->shading.model, r->surface->model);
+    for (size_t i = 0; i < r->surface->n; ++i) {
+        const nqm_mtlx_input *input = &r->surface->inputs[i];
+        const double v[3] = {input->value, input->value, input->value};
+        if (input->kind == NQM_MTLX_KEY)
+            nqm_shading_set(&r->shading, input->name, channels_of(input), v);
+    }
+}
+
+/* Version 1.0.0 of standard_surface has other defaults. */
+static void set_version(reading *r) {
+    const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
+    const double base = 0.8, white[3] = {1, 1, 1};
+    if (strcmp(r->surface->node, "standard_surface") == 0 &&
+        (is_text(version, "1.0.0") || is_text(definition, "ND_standard_surface_surfaceshader_100"))) {
+        nqm_shading_set(&r->shading, "base", 1, &base);
+        nqm_shading_set(&r->shading, "base_color", 3, white);
+    }
+}
+
+static bool read_shader(reading *r) {
+    size_t s = 0;
+    while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].node, r->shader->name) != 0)
+        ++s;
+    if (s == NQM_MTLX_N_SURFACES)
+        return refuse(r, r->shader, "its surface shader is '%.40s', which is not one of those that are read",
+                      r->shader->name);
+    r->surface = &nqm_mtlx_surfaces[s];
+    set_defaults(r);
+    set_version(r);
+    bool ok = true;
+    for (element *e = r->shader->first; e && ok; e = e->next)
+        ok = strcmp(e->name, "input") != 0 || read_input(r, e);
+    return ok;
+}
+
+/* The node that a material's input `surfaceshader` is connected to; NULL: refused. */
+static element *find_shader(reading *r) {
+    element *input = find_child(r->material, "input", "surfaceshader");
+    if (!input) {
+        refuse(r, r->material, "it has no surface shader");
+        return NULL;
+    }
+    const char *graph = nqm_xml_get(input, "nodegraph"), *node = nqm_xml_get(input, "nodename");
+    element *scope = r->root;
+    if (graph) {
+        const char *output = nqm_xml_get(input, "output");
+        scope = find_child(r->root, "nodegraph", graph);
+        element *end = find_child(scope, "output", output ? output : "out");
+        node = end ? nqm_xml_get(end, "nodename") : NULL;
+    }
+    element *shader = node ? find_child(scope, NULL, node) : NULL;
+    if (!shader)
+        refuse(r, input, "its surface shader is not in the file");
+    return shader;
+}
+
+static bool check_displacement(reading *r) {
+    element *input = find_child(r->material, "input", "displacementshader");
+    return !input || !is_connected(input) ||
+           refuse(r, input, "displacementshader is connected: displacement is not part of a BRDF");
+}
+
+/* `material` is a surfacematerial, or a shader that no material uses. */
+static nqm_status add_material(element *root, element *material, nqm_materials *materials, nqm_error *err) {
+    reading *r = nqm_alloc(1, sizeof *r);
+    if (!r)
+        return nqm_fail_nomem(err, sizeof *r);
+    r->root = root;
+    r->material = material;
+    r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
+    const bool ok = r->shader && read_shader(r) && check_displacement(r);
+    const char *name = nqm_xml_get(material, "name"), *surface = r->shader ? r->shader->name : material->name;
+    const nqm_material_info refused = {
+        .name = name, .surface = surface, .refusal = r->refusal, .byte_offset = r->byte_offset};
+    nqm_status status =
+        ok ? nqm_materials_add_shading(materials, name, surface, &r->shading, material->byte_offset, err)
+           : nqm_materials_add(materials, &refused, err);
+    nqm_free(r);
+    return status;
+}
+
+/* ---- a file -------------------------------------------------------------------------------------------------------- */
+
+static bool has_bytes(const nqm_map *map, size_t n, const char *text) {
+    const size_t n_text = strlen(text);
+    for (size_t i = 0; i + n_text <= n; ++i)
+        if (memcmp(map->data + i, text, n_text) == 0)
+            return true;
+    return false;
+}
+
+static bool probe(const nqm_map *map) {
+    return has_bytes(map, nqm_smaller(map->n_bytes, 4096), "<materialx");
+}
+
+/* Whether an element of the root is a surface shader of the table. */
+static bool is_shader(element *e) {
+    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
+        if (strcmp(e->name, nqm_mtlx_surfaces[s].node) == 0)
+            return true;
+    return false;
+}
+
+static nqm_status fail_empty(const nqm_map *map, element *root, nqm_error *err) {
+    for (element *e = root->first; e; e = e->next)
+        if (strcmp(e->name, "xi:include") == 0)
+            return nqm_fail(
+                err, NQM_ERR_FORMAT, e->byte_offset,
+                "%s: it has no material of its own, and includes '%.80s' (byte %lld), which is not read: open "
+                "that file",
+                map->path, nqm_xml_get(e, "href") ? nqm_xml_get(e, "href") : "", (long long)e->byte_offset);
+    return nqm_fail(err, NQM_ERR_FORMAT, root->byte_offset, "%s: no surfacematerial in this MaterialX file (byte %lld)",
+                    map->path, (long long)root->byte_offset);
+}
+
+static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
+    nqm_xml xml;
+    nqm_status status = nqm_xml_parse(map->data, map->n_bytes, map->path, &xml, err);
+    if (status != NQM_OK)
+        return status;
+    if (strcmp(xml.root->name, "materialx") != 0)
+        status =
+            nqm_fail(err, NQM_ERR_FORMAT, xml.root->byte_offset, "%s: the root is <%.40s>, not <materialx> (byte %lld)",
+                     map->path, xml.root->name, (long long)xml.root->byte_offset);
+    size_t n = 0;
+    for (element *e = xml.root->first; e && status == NQM_OK; e = e->next)
+        if (strcmp(e->name, "surfacematerial") == 0) {
+            status = add_material(xml.root, e, materials, err);
+            ++n;
+        }
+    for (element *e = xml.root->first; e && status == NQM_OK && n == 0; e = e->next)
+        if (is_shader(e))
+            status = add_material(xml.root, e, materials, err);
+    if (status == NQM_OK && nqm_materials_count(materials) == 0)
+        status = fail_empty(map, xml.root, err);
+    nqm_xml_free(&xml);
+    return status;
+}
+
+/* ---- writing ------------------------------------------------------------------------------------------------------- */
+
+static void write_input(FILE *stream, const nqm_mtlx_input *input, const nqm_property *property) {
+    char number[32];
+    fprintf(stream, "    <input name=\"%s\" type=\"%s\" value=\"", input->name, input->type);
+    for (size_t c = 0; c < channels_of(input); ++c)
+        fprintf(stream, "%s%s", c ? ", " : "",
+                nqm_format_double(number, sizeof number, property->v[property->n == 3 ? c : 0]));
+    fputs("\" />\n", stream);
+}
+
+static nqm_status write_material(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+                                 nqm_error *err) {
+    size_t s = 0;
+    while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].model, shading->model) != 0)
+        ++s;
+    if (s == NQM_MTLX_N_SURFACES)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: MaterialX files do not hold '%s'", path, shading->model);
+    const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
+    fprintf(stream,
+            "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n"
+            "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n",
+            surface->node, name);
+    for (size_t i = 0; i < shading->n; ++i) {
+        const nqm_mtlx_input *input = find_input(surface, shading->properties[i].key);
+        if (!input || input->kind != NQM_MTLX_KEY)
+            return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s has no input '%s'", path, surface->node,
+                            shading->properties[i].key);
+        write_input(stream, input, &shading->properties[i]);
+    }
+    fprintf(stream,
+            "  </%s>\n  <surfacematerial name=\"%s\" type=\"material\">\n"
+            "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"SR_%s\" />\n  </surfacematerial>\n"
+            "</materialx>\n",
+            surface->node, name, name);
+    return NQM_OK;
+}
+
+const nqm_material_format nqm_materialx_format = {
+    .name = "MaterialX",
+    .extensions = ".mtlx",
+    .models = "open-pbr standard-surface gltf usd-preview disney",
+    .probe = probe,
+    .read = read_materials,
+    .write = write_material,
+};

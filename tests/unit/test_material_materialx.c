@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * MaterialX files: constants however they are connected, colour spaces, refusals, and round trips of what is written.
+ */
+#include "material/color_space.h"
+#include "material/material.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static nqm_status read_text(const char *text, nqm_materials **materials, nqm_error *err) {
+    const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = strlen(text), .path = "test.mtlx"};
+    return nqm_materials_read(&map, materials, err);
+}
+
+/* A document with a material M of standard_surface with these inputs, and other elements of the root. */
+static const char *document(const char *attributes, const char *inputs, const char *others) {
+    static char text[4000];
+    snprintf(text, sizeof text,
+             "<?xml version=\"1.0\"?><materialx version=\"1.39\"%s>%s<standard_surface name=\"S\" "
+             "type=\"surfaceshader\">%s</standard_surface><surfacematerial name=\"M\" type=\"material\"><input "
+             "name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/></surfacematerial></materialx>",
+             attributes, others, inputs);
+    return text;
+}
+
+/* The value of a key of the only material, which must be accepted. */
+static nqm_property value_of(const char *text, const char *key) {
+    nqm_materials *materials;
+    nqm_error err = {0};
+    nqm_shading shading;
+    if (read_text(text, &materials, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    assert_int_equal(nqm_materials_count(materials), 1);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    if (info.refusal)
+        fail_msg("%s", info.refusal);
+    assert_string_equal(info.name, "M");
+    assert_string_equal(info.surface, "standard_surface");
+    nqm_brdf_free(open_brdf(info.spec));
+    assert_int_equal(nqm_shading_parse(info.spec, &shading, NULL), NQM_OK);
+    const nqm_property *property = nqm_shading_find(&shading, key);
+    assert_non_null(property);
+    const nqm_property copy = *property;
+    nqm_materials_free(materials);
+    return copy;
+}
+
+static void constants(void **state) {
+    (void)state;
+    const char *red = "<input name=\"base_color\" type=\"color3\" value=\"1, .5,0\"/>";
+    const nqm_property color = value_of(document("", red, ""), "base_color");
+    assert_true(color.n == 3 && color.v[0] == 1 && color.v[1] == 0.5 && color.v[2] == 0);
+    assert_true(value_of(document("", red, ""), "specular_roughness").v[0] == 0.2);
+    assert_true(value_of(document("", "<input name=\"coat\" type=\"float\"/>", ""), "coat").v[0] == 0);
+
+    /* shader <- output of a graph <- dot <- constant <- input of the graph <- node of the root */
+    const char *inputs = "<input name=\"metalness\" type=\"float\" nodegraph=\"G\" output=\"o\"/>";
+    const char *graph =
+        "<nodegraph name=\"G\"><input name=\"i\" type=\"float\" nodename=\"C\"/><constant name=\"c\" "
+        "type=\"float\"><input "
+        "name=\"value\" type=\"float\" interfacename=\"i\"/></constant><dot name=\"d\" type=\"float\"><input "
+        "name=\"in\" "
+        "type=\"float\" nodename=\"c\"/></dot><output name=\"o\" type=\"float\" nodename=\"d\"/></nodegraph><constant "
+        "name=\"C\" type=\"float\"><input name=\"value\" type=\"float\" value=\"0.75\"/></constant>";
+    assert_true(value_of(document("", inputs, graph), "metalness").v[0] == 0.75);
+
+    const char *neutral =
+        "<input name=\"transmission\" type=\"float\" value=\"0\"/><input name=\"transmission_color\" type=\"color3\" "
+        "nodename=\"nowhere\"/><input name=\"opacity\" type=\"color3\" value=\"1,1,1\"/><input "
+        "name=\"coat_anisotropy\" "
+        "type=\"float\" value=\".5\"/><input name=\"normal\" type=\"vector3\" value=\"0, 0, 1\"/>";
+    value_of(document("", neutral, ""), "base");
+}
+
+static void color_spaces(void **state) {
+    (void)state;
+    const char *grey = "<input name=\"base_color\" type=\"color3\" value=\".5,.5,.5\"/>";
+    const char *own = "<input name=\"base_color\" type=\"color3\" value=\".5,.5,.5\" colorspace=\"g22_rec709\"/>";
+    assert_near(value_of(document(" colorspace=\"srgb_texture\"", grey, ""), "base_color").v[1], 0.21404114, 1e-8);
+    assert_near(value_of(document(" colorspace=\"srgb_texture\"", own, ""), "base_color").v[1], pow(0.5, 2.2), 1e-15);
+    static const char *const spaces[] = {"acescg", "lin_displayp3", "lin_adobergb", "lin_rec709"};
+    for (size_t i = 0; i < 4; ++i) {
+        double rgb[3] = {0.5, 0.5, 0.5};
+        assert_true(nqm_color_to_rec709(spaces[i], rgb));
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(rgb[c], 0.5, 1e-7); /* white stays white */
+    }
+    double red[3] = {1, 0, 0};
+    assert_true(nqm_color_to_rec709("acescg", red));
+    assert_near(red[0], 1.70505, 1e-5);
+    assert_near(red[1], -0.13026, 1e-5);
+    assert_false(nqm_color_to_rec709("lin_unknown", red));
+    for (double v = 0; v <= 1; v += 0.01)
+        assert_near(nqm_linear_to_srgb(nqm_srgb_to_linear(v)), v, 1e-7);
+}
+
+static void assert_refused(const char *attributes, const char *inputs, const char *others, const char *part) {
+    nqm_materials *materials;
+    const char *text = document(attributes, inputs, others);
+    assert_int_equal(read_text(text, &materials, NULL), NQM_OK);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    assert_null(info.spec);
+    if (!strstr(info.refusal, part))
+        fail_msg("'%s' instead of '%s'", info.refusal, part);
+    assert_int_equal(strncmp(text + info.byte_offset, "<input", 6), 0);
+    nqm_materials_free(materials);
+}
+
+static void refusals(void **state) {
+    (void)state;
+    assert_refused("", "<input name=\"transmission\" type=\"float\" value=\"0.5\"/>", "", "transmission is 0.5");
+    assert_refused("", "<input name=\"opacity\" type=\"color3\" value=\"1,1,0\"/>", "", "opacity is 0");
+    assert_refused(
+        "",
+        "<input name=\"coat\" type=\"float\" value=\"1\"/><input name=\"coat_anisotropy\" type=\"float\" value=\"1\"/>",
+        "", "coat_anisotropy is 1: anisotropy");
+    assert_refused("", "<input name=\"normal\" type=\"vector3\" nodename=\"n\"/>", "", "changes the normal");
+    assert_refused("", "<input name=\"no_such\" type=\"float\" value=\"1\"/>", "", "no input 'no_such'");
+    assert_refused("", "<input name=\"base\" type=\"float\" value=\"1,2\"/>", "", "needs a number");
+    assert_refused("", "<input name=\"base_color\" type=\"color3\" value=\"1,2\"/>", "", "needs three numbers");
+    assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"nowhere\"/>", "", "the file does not have");
+    assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"i\"/>",
+                   "<image name=\"i\" type=\"float\"><input name=\"file\" type=\"filename\" value=\"a.png\"/></image>",
+                   "base reads the texture");
+    assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"m\"/>", "<multiply name=\"m\" type=\"float\"/>",
+                   "computed by node 'm' (multiply)");
+    assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"d\"/>",
+                   "<dot name=\"d\" type=\"float\"><input name=\"in\" type=\"float\" nodename=\"d\"/></dot>",
+                   "connections in a row");
+    assert_refused(" colorspace=\"lin_odd\"", "<input name=\"base_color\" type=\"color3\" value=\"1,1,1\"/>", "",
+                   "'lin_odd'");
+    assert_refused(" colorspace=\"acescg\"", "<input name=\"base_color\" type=\"color3\" value=\"0,1,0\"/>", "",
+                   "outside BT.709");
+}
+
+static void files_without_materials(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"<materialx version=\"1.39\"/>", "no surfacematerial"},
+        {"<materialx version=\"1.39\"><xi:include href=\"other.mtlx\"/></materialx>", "other.mtlx"},
+        {"<a><materialx/></a>", "the root is <a>"},
+        {"<materialx><a></materialx>", "byte 16"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        nqm_materials *materials;
+        nqm_error err = {0};
+        assert_int_equal(read_text(cases[i].text, &materials, &err), NQM_ERR_FORMAT);
+        assert_null(materials);
+        if (!strstr(err.message, cases[i].part))
+            fail_msg("%s", err.message);
+    }
+}
+
+/* Without a surfacematerial, the shaders are the materials; version 1.0.0 of standard_surface has other defaults. */
+static void lone_shaders(void **state) {
+    (void)state;
+    nqm_materials *materials;
+    assert_int_equal(
+        read_text("<materialx><gltf_pbr name=\"a\"/><standard_surface name=\"b\" version=\"1.0.0\"/></materialx>",
+                  &materials, NULL),
+        NQM_OK);
+    assert_int_equal(nqm_materials_count(materials), 2);
+    assert_string_equal(nqm_materials_get(materials, 0).surface, "gltf_pbr");
+    assert_non_null(strstr(nqm_materials_get(materials, 1).spec, "base=0.8;base_color=1,1,1;"));
+    nqm_materials_free(materials);
+}
+
+static void round_trips(void **state) {
+    (void)state;
+    static const char *const specs[] = {
+        "open-pbr:base_color=.1,.2,.3;coat_weight=.333333333333333;fuzz_weight=.1;specular_ior=1.45",
+        "standard-surface:base_color=.1,.2,.3;specular_IOR=1.7;coat_affect_color=1",
+        "gltf:base_color=.9,.6,.1;metallic=1;roughness=.123456789;sheen_color=.1",
+        "usd-preview:diffuseColor=.7,.6,.5;useSpecularWorkflow=1;specularColor=.04,.05,.06",
+        "disney:baseColor=.7,.6,.5;sheen=.3;clearcoatGloss=.9",
+    };
+    char path[] = "/tmp/nqm_XXXXXX.mtlx", argument[64];
+    const int fd = mkstemps(path, 5);
+    assert_true(fd >= 0);
+    close(fd);
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+        nqm_brdf *before = open_brdf(specs[i]);
+        nqm_error err = {0};
+        if (nqm_material_write(nqm_brdf_get_info(before).spec, "Gold leaf", path, &err) != NQM_OK)
+            fail_msg("%s", err.message);
+        snprintf(argument, sizeof argument, "%s:Gold_leaf", path);
+        nqm_brdf *after = open_brdf(argument);
+        assert_string_equal(nqm_brdf_get_info(after).spec, nqm_brdf_get_info(before).spec);
+        nqm_brdf_free(before);
+        nqm_brdf_free(after);
+    }
+    unlink(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constants),    cmocka_unit_test(color_spaces),
+        cmocka_unit_test(refusals),     cmocka_unit_test(files_without_materials),
+        cmocka_unit_test(lone_shaders), cmocka_unit_test(round_trips),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
