@@ -60,7 +60,11 @@ run 0 check sgd:nickel --json --seed 5
 cp "$dir/out" "$dir/first"
 run 0 check sgd:nickel --json --seed 5
 cmp -s "$dir/out" "$dir/first" || fail "the same seed gave other results"
-run 3 check sgd:nickel "$dir/nowhere"
+run 3 check "$dir/nowhere" sgd:nickel lambert:kd=2 # the others are checked too
+grep -q '^sgd:nickel: plausible' "$dir/out" || fail "a missing file ends the check"
+grep -q '^lambert:kd=2: NOT' "$dir/out" || fail "a missing file ends the check"
+run 0 check lambert:kd=.0005
+grep -q 'a scale missing' "$dir/out" || fail "a wrong scale is not suspected"
 run 2 check
 
 run 0 --version

@@ -9,10 +9,13 @@ static const double max_albedo = 1.02;
 /* Measured data deviate by 1 to 5 %; more is reported as poor. */
 static const double noted_reciprocity = 0.05;
 
+/* A smaller albedo is rather a wrong scale than a material: the blackest coatings reflect 0.1 %. */
+static const double least_albedo = 0.001;
+
 typedef struct verdict {
     nqm_brdf_check_report report;
     double largest_albedo;
-    bool energy_fails, no_data, noted_asymmetry;
+    bool energy_fails, too_dark, no_data, noted_asymmetry;
 } verdict;
 
 static verdict judge(const nqm_brdf_check_report *r) {
@@ -21,6 +24,7 @@ static verdict judge(const nqm_brdf_check_report *r) {
         if (r->albedo_max[c] > v.largest_albedo)
             v.largest_albedo = r->albedo_max[c];
     v.energy_fails = v.largest_albedo > max_albedo;
+    v.too_dark = v.largest_albedo < least_albedo;
     v.no_data = 2 * r->n_invalid > r->n_pairs;
     v.noted_asymmetry = r->reciprocity_median > noted_reciprocity;
     return v;
@@ -43,8 +47,15 @@ static void print_text(const char *name, const verdict *v) {
     printf("%s: %s\n", name, passes(v) ? "plausible" : "NOT PLAUSIBLE");
     printf("  energy       %s: at most %.1f %% of the light is reflected (light at %.0f degrees; red %.3f, green %.3f, "
            "blue %.3f)\n",
-           v->energy_fails ? "FAILS" : "ok", 100 * v->largest_albedo, degrees(r->albedo_max_theta_rad),
-           r->albedo_max[0], r->albedo_max[1], r->albedo_max[2]);
+           v->energy_fails ? "FAILS"
+           : v->too_dark   ? "suspicious"
+                           : "ok",
+           100 * v->largest_albedo, degrees(r->albedo_max_theta_rad), r->albedo_max[0], r->albedo_max[1],
+           r->albedo_max[2]);
+    if (v->too_dark)
+        printf("               blacker than any coating: is a scale missing? The values of a MERL file are those of "
+               "the BRDF "
+               "times 1500 (red), 1304 and 904\n");
     printf("  reciprocity  %s: exchanging light and viewer changes the value by %.2g %% (median), %.2g %% (95th "
            "percentile)\n",
            v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
@@ -72,16 +83,30 @@ static json_t *to_json(const char *name, const verdict *v) {
     if (v->no_data)
         json_array_append_new(failed, json_string("coverage"));
     json_object_set_new(item, "failed", failed);
+    json_object_set_new(item, "too_dark", json_boolean(v->too_dark));
     return item;
 }
 
-static verdict check_one(const char *argument, uint64_t seed) {
-    nqm_brdf *brdf = open_brdf(argument);
+/* Check and print one BRDF; results NULL: as text. Returns its exit code. */
+static int check_one(const char *argument, uint64_t seed, json_t *results) {
+    nqm_brdf *brdf;
     nqm_error err = {0};
     nqm_brdf_check_report r;
-    must(nqm_brdf_check(brdf, seed, &r, &err), &err);
+    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
+    if (status == NQM_OK)
+        status = nqm_brdf_check(brdf, seed, &r, &err);
     nqm_brdf_free(brdf);
-    return judge(&r);
+    if (status != NQM_OK && results)
+        json_array_append_new(
+            results, json_pack("{s:o,s:b,s:o}", "brdf", json_name(argument), "ok", 0, "error", json_name(err.message)));
+    if (status != NQM_OK)
+        return report_error(&err);
+    const verdict v = judge(&r);
+    if (results)
+        json_array_append_new(results, to_json(argument, &v));
+    else
+        print_text(argument, &v);
+    return passes(&v) ? EXIT_OK : EXIT_GATE;
 }
 
 int cmd_check(int argc, char **argv) {
@@ -102,19 +127,16 @@ int cmd_check(int argc, char **argv) {
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
-    bool all_pass = true;
+    int exit_code = EXIT_OK;
     json_t *results = json ? json_array() : NULL;
     for (int i = 0; i < n_arguments; ++i) {
         if (interrupted())
             return EXIT_INTERRUPTED;
-        const verdict v = check_one(argv[i], seed);
-        all_pass = all_pass && passes(&v);
-        if (json)
-            json_array_append_new(results, to_json(argv[i], &v));
-        else
-            print_text(argv[i], &v);
+        const int code = check_one(argv[i], seed, results);
+        if (exit_code == EXIT_OK || (exit_code == EXIT_GATE && code != EXIT_OK))
+            exit_code = code; /* of the first error; a failed check counts less */
     }
     if (json)
         print_document(json_pack("{s:o}", "results", results));
-    return all_pass ? EXIT_OK : EXIT_GATE;
+    return exit_code;
 }
