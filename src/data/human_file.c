@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Builds a dataset from the answers of people by sampling the BRDFs that the answers name. Rows are sorted by reference
- * and test, so that each reference, and each test of it, is opened only once.
+ * and test; a BRDF that is in several of them is sampled once.
  */
 #include "brdf/brdf.h"
 #include "data/human.h"
@@ -16,6 +16,13 @@ typedef struct entry {
     size_t row, slot; /* slot 1: test_b */
 } entry;
 
+/* A BRDF by its name, and its samples, which belong to the dataset; rgb NULL: not sampled yet. */
+typedef struct sampled {
+    const char *name;
+    const float *rgb;
+    const uint8_t *used;
+} sampled;
+
 typedef struct reader {
     nqm_human *human;
     nqm_dataset_builder builder;
@@ -24,6 +31,8 @@ typedef struct reader {
     size_t n_entries, n_refs, n_pairs;
     entry *entries;    /* (n_entries) sorted */
     uint32_t *pair_of; /* (n_rows, n_slots) */
+    size_t n_sampled;
+    sampled *sampled; /* (n_sampled) by name */
     nqm_ticker ticker;
     nqm_error *err;
 } reader;
@@ -76,9 +85,36 @@ static nqm_status sort_entries(reader *r) {
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
 
-/* Sample a BRDF. used (n_directions) receives 1 where it has a value, else 0. */
+static int compare_sampled(const void *x, const void *y) {
+    const sampled *a = x, *b = y;
+    return strcmp(a->name, b->name);
+}
+
+/* List the names of all BRDFs. */
+static nqm_status list_names(reader *r) {
+    r->sampled = nqm_alloc(2 * r->n_entries, sizeof *r->sampled);
+    if (!r->sampled)
+        return nqm_fail_nomem(r->err, 2 * r->n_entries * sizeof *r->sampled);
+    for (size_t i = 0; i < r->n_entries; ++i) {
+        r->sampled[2 * i].name = r->entries[i].ref;
+        r->sampled[2 * i + 1].name = r->entries[i].test;
+    }
+    qsort(r->sampled, 2 * r->n_entries, sizeof *r->sampled, compare_sampled);
+    for (size_t i = 0; i < 2 * r->n_entries; ++i)
+        if (i == 0 || compare_sampled(&r->sampled[i], &r->sampled[r->n_sampled - 1]) != 0)
+            r->sampled[r->n_sampled++] = r->sampled[i];
+    return NQM_OK;
+}
+
+/* Sample a BRDF, unless it was sampled for another row. used (n_directions) receives 1 where it has a value, else 0. */
 static nqm_status sample_brdf(const reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
     const nqm_dataset *d = r->builder.dataset;
+    sampled *known = bsearch(&(sampled){.name = name}, r->sampled, r->n_sampled, sizeof *r->sampled, compare_sampled);
+    if (known->rgb) {
+        memcpy(rgb, known->rgb, d->n_directions * 3 * sizeof *rgb);
+        memcpy(used, known->used, d->n_directions);
+        return NQM_OK;
+    }
     nqm_error inner = {0};
     nqm_brdf *brdf = NULL;
     nqm_status status = nqm_brdf_open_below(name, r->options->root, &brdf, &inner);
@@ -87,6 +123,8 @@ static nqm_status sample_brdf(const reader *r, const char *name, size_t row, flo
     for (size_t i = 0; status == NQM_OK && i < d->n_directions; ++i)
         used[i] = nqm_has_value(used[i]);
     nqm_brdf_free(brdf);
+    known->rgb = status == NQM_OK ? rgb : NULL;
+    known->used = used;
     return status == NQM_OK ? NQM_OK
                             : nqm_fail(r->err, status, inner.byte_offset, "%s: row %zu: %.400s", r->answers.path,
                                        row + 1, inner.message);
@@ -139,13 +177,7 @@ static nqm_status add_pair(reader *r, size_t i) {
     float *rgb = r->builder.dataset->test_rgb + 3 * n * d->n_pairs;
     uint8_t *used = r->builder.dataset->test_used + n * d->n_pairs;
     uint32_t kind = 0;
-    nqm_status status = NQM_OK;
-    if (repeats_pair(r, i)) { /* another score for the same test */
-        memcpy(rgb, rgb - 3 * n, 3 * n * sizeof *rgb);
-        memcpy(used, used - n, n);
-    } else {
-        status = sample_brdf(r, e->test, e->row, rgb, used);
-    }
+    nqm_status status = sample_brdf(r, e->test, e->row, rgb, used);
     if (status == NQM_OK)
         status = check_valid(r, e, r->builder.dataset->ref_used + n * ref, used);
     if (status == NQM_OK)
@@ -247,12 +279,15 @@ nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options
         status = sort_entries(&r);
     }
     if (status == NQM_OK)
+        status = list_names(&r);
+    if (status == NQM_OK)
         status = build_dataset(&r);
     if (status == NQM_OK && r.answers.kind == NQM_HUMAN_CHOICE)
         status = gather_triplets(&r);
     nqm_free(r.answers.values);
     nqm_free(r.entries);
     nqm_free(r.pair_of);
+    nqm_free(r.sampled);
     nqm_csv_free(csv);
     if (status == NQM_OK)
         *human_ret = r.human;
