@@ -93,7 +93,7 @@ const nqm_analytic_model nqm_pbrt_conductor_model = {
                N_PBRT_KEYS,
                {[PBRT_ROUGHNESS] = {.name = "roughness", .n = 1, .low = 1e-6, .high = 4, .required = true},
                 [PBRT_ETA] = {.name = "eta", .n = 3, .low = 0, .high = 20, .required = true},
-                [PBRT_K] = {.name = "k", .n = 3, .low = 0, .high = 20, .required = true}}},
+                [PBRT_K] = {.name = "k", .n = 3, .low = 0, .high = 200, .required = true}}},
     .class_ = {.format = "pbrt-conductor",
                .reciprocal = 1,
                .eval = conductor_eval,

@@ -58,7 +58,9 @@ typedef struct nqm_material_format {
 /** Every format. A new one is defined in a file of its own, and named here. */
 #define NQM_MATERIAL_FORMATS(X)                                                                                        \
     X(nqm_mitsuba_xml_format)                                                                                          \
-    X(nqm_materialx_format)
+    X(nqm_materialx_format)                                                                                            \
+    X(nqm_mitsuba_json_format)                                                                                         \
+    X(nqm_pbrt_format)
 #define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;
 NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 

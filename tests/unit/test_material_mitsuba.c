@@ -136,6 +136,36 @@ static void scenes(void **state) {
     nqm_materials_free(materials);
 }
 
+static void dictionaries(void **state) {
+    (void)state;
+    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": [0.1, 1, 0]}}",
+                "lambert:kd=0.1,1,0");
+    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": \"#00fF00\"}}",
+                "lambert:kd=0,1,0");
+    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"uniform\", \"value\": 0.25}}",
+                "lambert:kd=0.25");
+    expect_spec(" {\"reflectance\": [1e-1, 0.2, 0], \"type\" : \"diffuse\"}", "lambert:kd=0.1,0.2,0");
+    expect_spec("{\"type\": \"roughconductor\", \"alpha\": 0.5, \"distribution\": \"ggx\", \"sample_visible\": true}",
+                "rough-conductor:alpha=0.5;distribution=1");
+    expect_refusal("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"bitmap\", \"filename\": \"a.png\"}}",
+                   "'bitmap'");
+    expect_refusal("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"irregular\", \"values\": \"1, 2\"}}",
+                   "wavelength");
+    expect_refusal("{\"type\": \"diffuse\", \"reflectance\": [1, 2]}", "one or three");
+    expect_refusal("{\"type\": \"diffuse\", \"reflectance\": null}", "reflectance");
+    nqm_materials *materials = open_text(
+        "{\"type\": \"scene\", \"i\": {\"type\": \"path\"}, \"a\": {\"type\": \"diffuse\"}, \"ball\": {\"type\": "
+        "\"sphere\", \"b\": {\"type\": \"diffuse\"}}, \"c\": {\"type\": \"diffuse\", \"id\": \"d\"}, \"e\": "
+        "{\"type\": \"twosided\", \"f\": {\"type\": \"ref\", \"id\": \"a\"}}}");
+    static const char *const names[] = {"a", "ball", "d", "e"};
+    assert_int_equal(nqm_materials_count(materials), 4);
+    for (size_t i = 0; i < 4; ++i) {
+        assert_string_equal(nqm_materials_get(materials, i).name, names[i]);
+        assert_string_equal(nqm_materials_get(materials, i).spec, "lambert:kd=0.5");
+    }
+    nqm_materials_free(materials);
+}
+
 static void damaged_files(void **state) {
     (void)state;
     static const struct {
@@ -147,6 +177,10 @@ static void damaged_files(void **state) {
         {"<scene></scene>", "no material", NQM_ERR_FORMAT},
         {"<scene><include filename=\"a.xml\"/></scene>", "include", NQM_ERR_FORMAT},
         {"<!DOCTYPE scene SYSTEM \"other.dtd\"><scene/>", "document type", NQM_ERR_FORMAT},
+        {"{\"type\": \"diffuse\"", "not valid JSON at byte 18", NQM_ERR_FORMAT},
+        {"{\"type\": \"diffuse\", \"a\": 1, \"a\": 2}", "duplicate", NQM_ERR_FORMAT},
+        {"{\"type\": \"scene\"}", "no material", NQM_ERR_FORMAT},
+        {"{\"asset\": {}}", "not a material file", NQM_ERR_FORMAT},
         {"<materials/>", "not a material file", NQM_ERR_FORMAT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
@@ -206,16 +240,18 @@ static void files_go_there_and_back(void **state) {
         "principled:base_color=.1,.2,.3;roughness=.7;metallic=.1;eta=1.3;spec_tint=.3;sheen=1;sheen_tint=.2;flatness=."
         "4;"
         "clearcoat=.9;clearcoat_gloss=.6"};
-    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i)
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
         expect_same(specs[i], "xml");
+        expect_same(specs[i], "json");
+    }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors_of_xml),       cmocka_unit_test(refused_conductors),
-        cmocka_unit_test(principled_of_xml),       cmocka_unit_test(scenes),
-        cmocka_unit_test(damaged_files),           cmocka_unit_test(cut_files),
-        cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(conductors_of_xml), cmocka_unit_test(refused_conductors),
+        cmocka_unit_test(principled_of_xml), cmocka_unit_test(scenes),
+        cmocka_unit_test(dictionaries),      cmocka_unit_test(damaged_files),
+        cmocka_unit_test(cut_files),         cmocka_unit_test(files_go_there_and_back),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Dictionaries of Mitsuba 3's load_dict() as JSON: a BSDF, or a scene with BSDFs, whose objects have a "type". In a scene a BSDF
+ * without an "id" has the name of its entry, and inside of a shape that of the shape.
+ */
+#include "material/mitsuba.h"
+
+#include <jansson.h>
+
+enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, MAX_PROBED = 64 << 10, TEXT_SIZE = 128 };
+
+typedef struct walk {
+    const char *path;
+    nqm_mitsuba_nodes nodes;
+    nqm_error *err;
+} walk;
+
+static const char *text_of(const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+/* The numbers of a value, as text; "" when it has none or too many. */
+static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
+    const size_t n = json_is_number(value) ? 1 : json_array_size(value);
+    size_t used = 0;
+    char number[32];
+    *text = 0;
+    for (size_t i = 0; i < n && n <= 3; ++i) {
+        const json_t *v = json_is_number(value) ? value : json_array_get(value, i);
+        if (!json_is_number(v)) {
+            *text = 0;
+            return;
+        }
+        nqm_format_double(number, sizeof number, json_number_value(v));
+        used += (size_t)snprintf(text + used, TEXT_SIZE - used, "%s%s", i ? " " : "", number);
+    }
+}
+
+static nqm_mitsuba_kind kind_of_type(const char *type) {
+    static const struct {
+        const char *type;
+        nqm_mitsuba_kind kind;
+    } kinds[] = {
+        {"rgb", NQM_MITSUBA_RGB},          {"srgb", NQM_MITSUBA_RGB},         {"spectrum", NQM_MITSUBA_SPECTRUM},
+        {"uniform", NQM_MITSUBA_SPECTRUM}, {"regular", NQM_MITSUBA_SPECTRUM}, {"irregular", NQM_MITSUBA_SPECTRUM},
+        {"ref", NQM_MITSUBA_REF}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        if (strcmp(type, kinds[i].type) == 0)
+            return kinds[i].kind;
+    return nqm_mitsuba_is_bsdf(type) ? NQM_MITSUBA_BSDF : NQM_MITSUBA_OTHER;
+}
+
+static nqm_mitsuba_kind kind_of(const json_t *value) {
+    switch (json_typeof(value)) {
+    case JSON_INTEGER:
+    case JSON_REAL:
+        return NQM_MITSUBA_NUMBER;
+    case JSON_TRUE:
+    case JSON_FALSE:
+        return NQM_MITSUBA_BOOLEAN;
+    case JSON_STRING:
+        return NQM_MITSUBA_STRING;
+    case JSON_ARRAY:
+        return NQM_MITSUBA_RGB;
+    case JSON_OBJECT:
+        return kind_of_type(text_of(value, "type"));
+    case JSON_NULL:
+        break;
+    }
+    return NQM_MITSUBA_OTHER;
+}
+
+/* The value of a property, as text in `text` or in the JSON. */
+static const char *value_of(const json_t *value, char text[TEXT_SIZE]) {
+    if (json_is_boolean(value))
+        return json_is_true(value) ? "true" : "false";
+    if (json_is_object(value)) {
+        const json_t *inner = json_object_get(value, "value");
+        value = inner ? inner : json_object_get(value, "color");
+    }
+    if (json_is_string(value))
+        return json_string_value(value);
+    format_numbers(value, text);
+    return text;
+}
+
+/* Add the value `value` of the key `key`, and what is inside it. `id`: the name of a BSDF without an id. */
+static nqm_status add_value(walk *w, const char *key, json_t *value, size_t parent, const char *id, int depth) {
+    char text[TEXT_SIZE];
+    const bool is_scene = strcmp(text_of(value, "type"), "scene") == 0;
+    nqm_mitsuba_node node = {.kind = kind_of(value), .parent = parent, .name = (char *)key, .byte_offset = -1};
+    const size_t at = w->nodes.n;
+    const bool is_node = node.kind == NQM_MITSUBA_BSDF || parent != NQM_MITSUBA_ROOT;
+    if (depth == MAX_DEPTH)
+        return nqm_fail(w->err, NQM_ERR_LIMIT, 0, "%s: objects are nested more than %d deep", w->path, MAX_DEPTH);
+    if (is_node) {
+        node.type = (char *)text_of(value, "type");
+        node.id = (char *)(*text_of(value, "id") ? text_of(value, "id") : id);
+        node.value = (char *)value_of(value, text);
+        nqm_status status = nqm_mitsuba_add(&w->nodes, &node, w->path, w->err);
+        if (status != NQM_OK || node.kind != NQM_MITSUBA_BSDF)
+            return status;
+    }
+    const char *inner_key;
+    json_t *inner;
+    nqm_status status = NQM_OK;
+    json_object_foreach(value, inner_key, inner) {
+        if (status == NQM_OK && strcmp(inner_key, "type") != 0 && strcmp(inner_key, "id") != 0)
+            status = add_value(w, inner_key, inner, is_node ? at : NQM_MITSUBA_ROOT,
+                               is_node    ? ""
+                               : is_scene ? inner_key
+                                          : id,
+                               depth + 1);
+    }
+    return status;
+}
+
+/* true when the text has an object of the type "scene" or of a BSDF. */
+static bool probe(const nqm_map *map) {
+    const char *text = (const char *)map->data;
+    const size_t n = nqm_smaller(map->n_bytes, MAX_PROBED);
+    size_t i = n >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    while (i < n && memchr(" \t\r\n", text[i], 4))
+        ++i;
+    if (i == n || text[i] != '{')
+        return false;
+    for (; i + 6 < n; ++i) {
+        if (memcmp(text + i, "\"type\"", 6) != 0)
+            continue;
+        size_t at = i + 6, n_type = 0;
+        char type[32];
+        while (at < n && memchr(" \t\r\n:", text[at], 5))
+            ++at;
+        for (++at; at < n && text[at] != '"' && n_type + 1 < sizeof type; ++at)
+            type[n_type++] = text[at];
+        type[n_type] = 0;
+        if (strcmp(type, "scene") == 0 || nqm_mitsuba_is_bsdf(type))
+            return true;
+    }
+    return false;
+}
+
+static nqm_status load(const nqm_map *map, json_t **root_ret, nqm_error *err) {
+    const size_t skip = map->n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    json_error_t error = {.position = 0};
+    if (map->n_bytes > MAX_BYTES)
+        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of JSON (byte 0); at most %d are read", map->path,
+                        map->n_bytes, MAX_BYTES);
+    *root_ret = json_loadb((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, &error);
+    if (*root_ret)
+        return NQM_OK;
+    const int64_t byte = (int64_t)skip + (error.position > 0 ? error.position : 0);
+    return json_error_code(&error) == json_error_out_of_memory
+               ? nqm_fail_nomem(err, map->n_bytes)
+               : nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not valid JSON at byte %lld: %.100s", map->path,
+                          (long long)byte, error.text);
+}
+
+static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
+    walk w = {.path = map->path, .err = err};
+    json_t *root = NULL;
+    nqm_status status = load(map, &root, err);
+    if (status == NQM_OK)
+        status = add_value(&w, "", root, NQM_MITSUBA_ROOT, "", 0);
+    json_decref(root);
+    if (status == NQM_OK)
+        status = nqm_mitsuba_translate(&w.nodes, materials, err);
+    nqm_mitsuba_free(&w.nodes);
+    return status;
+}
+
+const nqm_material_format nqm_mitsuba_json_format = {
+    .name = "Mitsuba JSON",
+    .extensions = ".json",
+    .models = "rough-conductor principled lambert",
+    .probe = probe,
+    .read = read_json,
+    .write = nqm_mitsuba_write,
+};
