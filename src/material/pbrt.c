@@ -99,7 +99,7 @@ static kind kind_of(const char *type) {
     static const struct {
         const char *type;
         kind kind;
-    } kinds[] = {{"float", NUMBER}, {"integer", NUMBER}, {"rgb", RGB},      {"spectrum", SPECTRUM},
+    } kinds[] = {{"float", NUMBER}, {"integer", NUMBER}, {"rgb", RGB},        {"spectrum", SPECTRUM},
                  {"string", TEXT},  {"bool", BOOLEAN},   {"texture", TEXTURE}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (strcmp(type, kinds[i].type) == 0)
@@ -338,7 +338,7 @@ static bool read_measured(translation *t) {
     return p && p->kind == TEXT && *p->text ? true : refuse(t, t->m->byte_offset, "filename is missing");
 }
 
-#define WALKS "pbrt evaluates layers by random walks; there is no formula"
+#define WALKS     "pbrt evaluates layers by random walks; there is no formula"
 #define TRANSMITS "transmission is not supported"
 static const struct {
     const char *type, *refusal;
@@ -450,12 +450,35 @@ static nqm_status read_pbrt(const nqm_map *map, nqm_materials *materials, nqm_er
 
 /* true when the first word is a directive of pbrt. */
 static bool probe(const nqm_map *map) {
-    static const char *const directives[] = {
-        "Material",   "MakeNamedMaterial", "NamedMaterial",  "Accelerator", "AreaLightSource", "Attribute",
-        "Camera",     "AttributeBegin",    "ColorSpace",     "Film",        "Identity",        "Include",
-        "Integrator", "LookAt",            "MakeNamedMedium", "Option",     "PixelFilter",     "Rotate",
-        "Sampler",    "Scale",             "Shape",          "Texture",     "Transform",       "ConcatTransform",
-        "Translate",  "WorldBegin",        "LightSource",    "ObjectBegin", "ReverseOrientation"};
+    static const char *const directives[] = {"Material",
+                                             "MakeNamedMaterial",
+                                             "NamedMaterial",
+                                             "Accelerator",
+                                             "AreaLightSource",
+                                             "Attribute",
+                                             "Camera",
+                                             "AttributeBegin",
+                                             "ColorSpace",
+                                             "Film",
+                                             "Identity",
+                                             "Include",
+                                             "Integrator",
+                                             "LookAt",
+                                             "MakeNamedMedium",
+                                             "Option",
+                                             "PixelFilter",
+                                             "Rotate",
+                                             "Sampler",
+                                             "Scale",
+                                             "Shape",
+                                             "Texture",
+                                             "Transform",
+                                             "ConcatTransform",
+                                             "Translate",
+                                             "WorldBegin",
+                                             "LightSource",
+                                             "ObjectBegin",
+                                             "ReverseOrientation"};
     scanner s = {.text = (const char *)map->data, .n = nqm_smaller(map->n_bytes, 4096)};
     skip_blanks(&s);
     for (size_t i = 0; i < sizeof directives / sizeof *directives; ++i) {

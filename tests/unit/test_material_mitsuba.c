@@ -4,49 +4,8 @@
  */
 #include "material/mitsuba.h"
 #include "support/check.h"
+#include "support/material_text.h"
 #include "support/temp_file.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-static void write_file(const char *text) {
-    FILE *f = fopen(temp_file, "wb");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
-}
-
-static nqm_materials *open_text(const char *text) {
-    nqm_materials *materials = NULL;
-    nqm_error err = {0};
-    write_file(text);
-    if (nqm_materials_open(temp_file, &materials, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return materials;
-}
-
-/* The only material of the file has this spec. */
-static void expect_spec(const char *text, const char *spec) {
-    nqm_materials *materials = open_text(text);
-    assert_int_equal(nqm_materials_count(materials), 1);
-    const nqm_material_info info = nqm_materials_get(materials, 0);
-    if (info.refusal)
-        fail_msg("refused: %s", info.refusal);
-    assert_string_equal(info.spec, spec);
-    nqm_materials_free(materials);
-}
-
-/* The only material of the file is refused, with this in its reason. */
-static void expect_refusal(const char *text, const char *reason) {
-    nqm_materials *materials = open_text(text);
-    assert_int_equal(nqm_materials_count(materials), 1);
-    const nqm_material_info info = nqm_materials_get(materials, 0);
-    assert_null(info.spec);
-    if (!strstr(info.refusal, reason))
-        fail_msg("'%s' does not contain '%s'", info.refusal, reason);
-    nqm_materials_free(materials);
-}
 
 #define XML(TYPE, PROPERTIES) "<bsdf type=\"" TYPE "\">" PROPERTIES "</bsdf>"
 #define FLOAT(NAME, VALUE)    "<float name=\"" NAME "\" value=\"" VALUE "\"/>"
@@ -184,21 +143,12 @@ static void damaged_files(void **state) {
         {"<materials/>", "not a material file", NQM_ERR_FORMAT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_materials *materials;
-        nqm_error err;
-        write_file(cases[i].text);
-        assert_int_equal(nqm_materials_open(temp_file, &materials, &err), cases[i].status);
-        assert_null(materials);
-        if (!strstr(err.message, cases[i].reason))
-            fail_msg("'%s' does not contain '%s'", err.message, cases[i].reason);
-        assert_true(err.byte_offset >= 0);
+        expect_error(cases[i].text, cases[i].status, cases[i].reason);
     }
     char deep[1200] = "";
     for (int i = 0; i < 100; ++i)
         strcat(deep, "<scene>");
-    nqm_materials *materials;
-    write_file(deep);
-    assert_int_equal(nqm_materials_open(temp_file, &materials, NULL), NQM_ERR_LIMIT);
+    expect_error(deep, NQM_ERR_LIMIT, "nested");
 }
 
 /* Files that are cut anywhere are an error, never a shorter list. */
@@ -208,28 +158,10 @@ static void cut_files(void **state) {
                                "value=\"0.1 0.2 0.3\"/></bsdf></scene>";
     char cut[sizeof text];
     for (size_t n = 1; n + 1 < sizeof text; ++n) {
-        nqm_materials *materials;
         memcpy(cut, text, n);
         cut[n] = 0;
-        write_file(cut);
-        assert_int_equal(nqm_materials_open(temp_file, &materials, NULL), NQM_ERR_FORMAT);
+        expect_error(cut, NQM_ERR_FORMAT, temp_file);
     }
-}
-
-/* Write and read back: the same canonical spec. */
-static void expect_same(const char *argument, const char *extension) {
-    char path[300], with_name[320];
-    snprintf(path, sizeof path, "%s.%s", temp_file, extension);
-    snprintf(with_name, sizeof with_name, "%s:some_name", path);
-    nqm_brdf *brdf = open_brdf(argument);
-    nqm_error err = {0};
-    if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    nqm_brdf *back = open_brdf(with_name);
-    assert_string_equal(nqm_brdf_get_info(back).spec, nqm_brdf_get_info(brdf).spec);
-    nqm_brdf_free(back);
-    nqm_brdf_free(brdf);
-    unlink(path);
 }
 
 static void files_go_there_and_back(void **state) {

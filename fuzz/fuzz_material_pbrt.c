@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: pbrt-v4 scenes.
+ */
+#include "fuzz.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    fuzz_material(data, n_bytes);
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    static const char text[] =
+        "LookAt 0 0 5 0 0 0 0 1 0 # camera\nMaterial \"conductor\" \"float roughness\" [ 0.2 ] \"rgb eta\" [ .1 "
+        ".4 1.4 ] \"spectrum k\" \"metal-Au-k\"\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb "
+        "reflectance\" [ .5 .2 .1 ]\nMaterial \"conductor\" \"rgb reflectance\" [ .9 .8 .7 ] \"float "
+        "roughness\" 0.4 \"bool remaproughness\" false\n";
+    return blob_of(sizeof text - 1, text);
+}
