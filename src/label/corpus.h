@@ -228,8 +228,7 @@ extern const char *const nqm_corpus_encoders[2];
 /** A group with its samples and labels. */
 typedef struct nqm_corpus_item {
     nqm_corpus_plan plan;
-    char *path;       /* its work file; NULL without a checkpoint folder; owned */
-    atomic_int state; /* NQM_ITEM_... */
+    char *path; /* its work file; NULL without a checkpoint folder; owned */
     /* views into the arrays of nqm_corpus; n = n_directions */
     float *ref_rgb;     /* (n_refs, n, 3) */
     uint8_t *ref_used;  /* (n_refs, n) */
@@ -247,8 +246,6 @@ static inline bool nqm_corpus_is_pair(const nqm_corpus_item *item, size_t test) 
     return item->kept[test] && !item->failures[test];
 }
 
-enum { NQM_ITEM_OPEN = 0, NQM_ITEM_SKIPPED /* another process has claimed it */, NQM_ITEM_ACTIVE, NQM_ITEM_DONE };
-
 /** Fit, sample and render. The error of a test is stored as its failure; cancellation, lack of memory and unreadable references
  *  are errors of the call. */
 NQM_MUST_CHECK nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_item *item,
@@ -260,11 +257,6 @@ NQM_MUST_CHECK nqm_status nqm_corpus_item_path(const nqm_corpus_context *context
 /** Load the finished item from item->path; false: no such file, or a damaged one (the item is made again). */
 bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item);
 NQM_MUST_CHECK nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, nqm_error *err);
-
-/** Claim the making of a file at `path` among all processes that share the folder: PATH.claim is locked until it is released or
- *  the process ends. *claim_ret: for nqm_corpus_release(), or -1 if another process holds the claim. */
-NQM_MUST_CHECK nqm_status nqm_corpus_claim(const char *path, int *claim_ret, nqm_error *err);
-void nqm_corpus_release(const char *path, int claim);
 
 /* ---- a corpus ---------------------------------------------------------------------------------------------------- */
 

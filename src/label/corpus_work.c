@@ -1,18 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * Work files: one finished group each, from which an interrupted corpus continues, and claims on them. The name of a file is
+ * Work files: one finished group each, from which an interrupted corpus continues. The name of a file is
  * a hash of everything that determines its content (version, options, light, directions, sources, planned tests), so that
  * runs with different options never share a file.
  */
 #include "label/corpus.h"
 #include "percept/percept.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
@@ -254,45 +251,4 @@ bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
     nqm_safetensors_free(st);
     nqm_map_close(&map);
     return loaded;
-}
-
-/* ---- claims ------------------------------------------------------------------------------------------------------ */
-
-/* A claim is a lock on a file next to the work file. The system releases the locks of a process that ends in any way, so no
- * clock or heartbeat is needed. flock() also works over NFS, as a lock of the server. */
-static char *claim_path(const char *path) {
-    size_t n = strlen(path) + sizeof ".claim";
-    char *name = nqm_alloc(n, 1);
-    if (name)
-        snprintf(name, n, "%s.claim", path);
-    return name;
-}
-
-nqm_status nqm_corpus_claim(const char *path, int *claim_ret, nqm_error *err) {
-    *claim_ret = -1;
-    char *name = claim_path(path);
-    if (!name)
-        return nqm_fail_nomem(err, strlen(path));
-    int fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    nqm_status status = NQM_OK;
-    if (fd < 0) {
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be written: %s", name, strerror(errno));
-    } else if (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
-        /* on file systems without locks a group may be made twice, with the same result */
-        *claim_ret = fd;
-    } else {
-        close(fd);
-    }
-    nqm_free(name);
-    return status;
-}
-
-/* Unlink before unlocking: a process that has opened the file meanwhile gets a lock on the deleted file and finds the group
- * finished. */
-void nqm_corpus_release(const char *path, int claim) {
-    char *name = claim_path(path);
-    if (name)
-        unlink(name);
-    nqm_free(name);
-    close(claim);
 }

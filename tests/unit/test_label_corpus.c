@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Corpora: a small one of analytic materials is made, interrupted, resumed and read back; failed tests; labels of far tests and
- * roundings; claims.
+ * roundings.
  */
 #include "label/corpus.h"
 #include "support/check.h"
@@ -11,10 +11,8 @@
 #include <dirent.h>
 #include <jansson.h>
 #include <omp.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -242,33 +240,6 @@ static void far_tests_are_labelled(void **state) {
     nqm_dataset_free(d);
 }
 
-/* A claim excludes other processes until it is released or its process ends. */
-static void claims_exclude(void **state) {
-    (void)state;
-    char path[256];
-    int first, second;
-    snprintf(path, sizeof path, "%s", in_folder("claimed"));
-    assert_int_equal(nqm_corpus_claim(path, &first, NULL), NQM_OK);
-    assert_true(first >= 0);
-    assert_int_equal(nqm_corpus_claim(path, &second, NULL), NQM_OK);
-    assert_int_equal(second, -1);
-    nqm_corpus_release(path, first);
-    assert_int_not_equal(access(in_folder("claimed.claim"), F_OK), 0);
-    pid_t child = fork();
-    if (child == 0) {
-        bool claimed = nqm_corpus_claim(path, &first, NULL) == NQM_OK && first >= 0;
-        raise(claimed ? SIGKILL : SIGTERM);
-    }
-    int end;
-    assert_int_equal(waitpid(child, &end, 0), child);
-    assert_int_equal(WTERMSIG(end), SIGKILL);
-    assert_int_equal(access(in_folder("claimed.claim"), F_OK), 0);
-    assert_int_equal(nqm_corpus_claim(path, &second, NULL), NQM_OK);
-    assert_true(second >= 0);
-    nqm_corpus_release(path, second);
-    assert_int_equal(nqm_corpus_claim("/nowhere/x", &second, NULL), NQM_ERR_IO);
-}
-
 enum { N_FIRST_GROUP = 2 * (2 + 3 + 2 * NQM_CORPUS_CANDIDATES + 1) + 2 }; /* tests */
 
 /* Stops in the second group. A ticker makes no call for 0.2 s after the last one; a longer wait here makes it call for
@@ -341,7 +312,6 @@ int main(void) {
         cmocka_unit_test(a_fit_of_its_own_model_is_near_perfect),
         cmocka_unit_test(failed_tests_are_left_out_and_named),
         cmocka_unit_test(far_tests_are_labelled),
-        cmocka_unit_test(claims_exclude),
         cmocka_unit_test(an_interrupted_corpus_goes_on),
         cmocka_unit_test(a_part_without_materials_is_refused),
     };
