@@ -47,7 +47,8 @@ typedef struct nqm_brdf_info {
  * Open a BRDF from a path or a spec.
  *
  * The format of a file is recognised by its first bytes or its size, not by its name:
- *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf` (isotropic), NBRDF `.h5`, a file of nqm_brdf_save();
+ *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf` (isotropic), polarimetric `.pbsdf`
+ *    (its unpolarised part), NBRDF `.h5`, a file of nqm_brdf_save();
  *  - `FILE.bsdf:E`, `FILE.bsdf:D65`: a spectral file as linear RGB under this illuminant, adapted so that a constant spectrum
  *    is grey; without a suffix E;
  *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;

@@ -9,6 +9,7 @@
 #define NQM_SRC_BRDF_H
 
 #include "base/base.h"
+#include "math/math.h"
 #include <nqm/brdf.h>
 
 /** What a format implements. `self` is its own immutable state. All functions are thread-safe. */
@@ -71,6 +72,10 @@ NQM_MUST_CHECK nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, con
                                          void *progress_user, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+struct nqm_tensor_file;
+/** A polarimetric material, which has a tensor "M"; see pbsdf.c. */
+nqm_status nqm_pbsdf_open(nqm_map *map, const struct nqm_tensor_file *file, nqm_illuminant illuminant, const char *name,
+                          nqm_brdf **brdf_ret, nqm_error *err);
 /** Files of the tensor container: RGL materials and polarimetric ones. `illuminant` for spectra: "E" or "D65"; NULL: E. */
 bool nqm_tensor_brdf_probe(const nqm_map *map);
 nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant, const char *name, nqm_brdf **brdf_ret,

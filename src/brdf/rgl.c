@@ -452,8 +452,13 @@ nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant_name, const
     if (illuminant_name && !nqm_illuminant_find(illuminant_name, &illuminant))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: '%s' is not an illuminant for its spectra: E or D65", map->path,
                         illuminant_name);
-    nqm_map_expect(map, true);
     nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
+    if (status == NQM_OK && nqm_tensor_file_find(file, "M")) {
+        status = nqm_pbsdf_open(map, file, illuminant, name, brdf_ret, err);
+        nqm_free(file);
+        return status;
+    }
+    nqm_map_expect(map, true);
     if (status == NQM_OK && illuminant_name && !nqm_tensor_file_find(file, "spectra"))
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: contains RGB, not spectra: open it without ':%s'", map->path,
                           illuminant_name);

@@ -5,6 +5,7 @@
 #include "support/brdf_files.h"
 
 #include "base/base.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,20 +24,26 @@ static const float one_zero[1] = {0};
 static const float wavelengths[9] = {360, 420, 450, 500, 540, 580, 620.5F, 700, 1000};
 
 static const tensor valid[] = {
-    {"description", UINT8, 1, {5}, 0, 0, NULL},
-    {"phi_i", FLOAT32, 1, {1}, 0, 0, one_zero},
-    {"theta_i", FLOAT32, 1, {4}, 0, 0, theta_i},
-    {"sigma", FLOAT32, 2, {2, 7}, 1, 0.125, NULL},
-    {"ndf", FLOAT32, 2, {2, 9}, 2, 0.25, NULL},
-    {"vndf", FLOAT32, 4, {1, 4, 6, 8}, 1, 0, NULL},
-    {"rgb", FLOAT32, 5, {1, 4, 3, 5, 7}, 4, -1, NULL},
-    {"jacobian", UINT8, 1, {1}, 0, 0, NULL},
-    {"valid", UINT8, 1, {35}, 0, 0, NULL},
+    {"description", UINT8, 1, {5}, 0, 0, NULL},  {"phi_i", FLOAT32, 1, {1}, 0, 0, one_zero},
+    {"theta_i", FLOAT32, 1, {4}, 0, 0, theta_i}, {"sigma", FLOAT32, 2, {2, 7}, 1, 0.125, NULL},
+    {"ndf", FLOAT32, 2, {2, 9}, 2, 0.25, NULL},  {"vndf", FLOAT32, 4, {1, 4, 6, 8}, 1, 0, NULL},
+    {"jacobian", UINT8, 1, {1}, 0, 0, NULL},     {"valid", UINT8, 1, {35}, 0, 0, NULL},
 };
-/* These replace `rgb`. */
+static const tensor rgb[] = {{"rgb", FLOAT32, 5, {1, 4, 3, 5, 7}, 4, -1, NULL}};
 static const tensor spectral[] = {{"spectra", FLOAT32, 5, {1, 4, 9, 5, 7}, 4, -1, NULL},
                                   {"wavelengths", FLOAT32, 1, {9}, 0, 0, wavelengths}};
 enum { N_VALID = sizeof valid / sizeof *valid, MAX_TENSORS = N_VALID + 3 };
+
+static const float phi_d[6] = {-3.1415927F, -2, -0.5F, 1, 2.25F, 3.1415927F};
+static const float theta_d[4] = {0, 0.25F, 0.75F, 1.5707964F};
+static const float theta_h[5] = {0, 0.125F, 0.5F, 1, 1.5707964F};
+static const float bands[5] = {450, 500, 550, 600, 650};
+static const tensor polarised[] = {{"phi_d", FLOAT32, 2, {1, 6}, 0, 0, phi_d},
+                                   {"theta_d", FLOAT32, 2, {1, 4}, 0, 0, theta_d},
+                                   {"theta_h", FLOAT32, 2, {1, 5}, 0, 0, theta_h},
+                                   {"wvls", UINT16, 1, {5}, 0, 0, bands},
+                                   {"M", FLOAT32, 6, {6, 4, 5, 5, 4, 4}, 2, -0.25, NULL}};
+enum { N_POLARISED = sizeof polarised / sizeof *polarised };
 
 static size_t count(const tensor *t) {
     size_t n = 1;
@@ -49,15 +56,15 @@ static bool is_changed(const tensor *t, const rgl_change *change) {
     return change && change->name && strcmp(change->name, t->name) == 0;
 }
 
-/* Apply the change to the list of tensors; returns their number. */
-static size_t choose(const rgl_change *change, bool is_spectral, tensor *out) {
-    size_t n = 0;
-    for (size_t i = 0; i < N_VALID; ++i)
-        if (!is_changed(valid + i, change) && !(is_spectral && strcmp(valid[i].name, "rgb") == 0))
-            out[n++] = valid[i];
-    for (size_t i = 0; is_spectral && i < 2; ++i)
-        if (!is_changed(spectral + i, change))
-            out[n++] = spectral[i];
+/* Append a list of tensors, without those that the change replaces; returns the number in `out`. */
+static size_t append(size_t n, size_t n_list, const tensor *list, const rgl_change *change, tensor *out) {
+    for (size_t i = 0; i < n_list; ++i)
+        if (!is_changed(list + i, change))
+            out[n++] = list[i];
+    return n;
+}
+
+static size_t append_change(size_t n, const rgl_change *change, tensor *out) {
     if (change && change->name && !change->omit) {
         out[n] = (tensor){.name = change->name, .type = change->type, .n_dims = change->n_dims, .scale = 1, .shift = 1};
         out[n].values = change->values;
@@ -71,19 +78,23 @@ static size_t choose(const rgl_change *change, bool is_spectral, tensor *out) {
 static double value_of(const tensor *t, size_t i) {
     if (t->values)
         return (double)t->values[i];
+    if (strcmp(t->name, "M") == 0 && i / 80 % 7 == 3) /* some nodes have no value */
+        return NAN;
     bool empty = strcmp(t->name, "vndf") == 0 && i / 48 % 4 < 2 && i / 8 % 6 < 2;
     return empty ? 0 : t->scale * noise((uint32_t)i, (uint32_t)t->name[0]) + t->shift;
 }
 
 static size_t put_data(const tensor *t, unsigned char *at) {
-    size_t n = count(t);
+    const size_t n = count(t), size = t->type == FLOAT32 ? 4 : t->type == UINT16 ? 2 : 1;
     for (size_t i = 0; i < n; ++i) {
         if (t->type == FLOAT32)
             nqm_store_f32(at + 4 * i, (float)value_of(t, i));
+        else if (t->type == UINT16)
+            nqm_store_u16(at + 2 * i, (uint16_t)value_of(t, i));
         else
             at[i] = 1;
     }
-    return t->type == FLOAT32 ? 4 * n : n;
+    return size * n;
 }
 
 /* Write the entry of the table of contents; returns its size in bytes. */
@@ -126,15 +137,24 @@ static blob make_file(size_t n, const tensor *tensors, size_t shift) {
 
 blob make_rgl(const rgl_change *change) {
     tensor tensors[MAX_TENSORS];
-    return make_file(choose(change, false, tensors), tensors, 0);
+    size_t n = append(0, N_VALID, valid, change, tensors);
+    n = append_change(append(n, 1, rgb, change, tensors), change, tensors);
+    return make_file(n, tensors, 0);
 }
 
 blob make_spectral_rgl(const rgl_change *change) {
     tensor tensors[MAX_TENSORS];
-    return make_file(choose(change, true, tensors), tensors, 0);
+    size_t n = append(0, N_VALID, valid, change, tensors);
+    n = append_change(append(n, 2, spectral, change, tensors), change, tensors);
+    return make_file(n, tensors, 0);
+}
+
+blob make_pbsdf(const rgl_change *change) {
+    tensor tensors[N_POLARISED + 1];
+    return make_file(append_change(append(0, N_POLARISED, polarised, change, tensors), change, tensors), tensors, 0);
 }
 
 blob make_shifted_rgl(size_t shift) {
     tensor tensors[MAX_TENSORS];
-    return make_file(choose(NULL, false, tensors), tensors, shift);
+    return make_file(append(append(0, N_VALID, valid, NULL, tensors), 1, rgb, NULL, tensors), tensors, shift);
 }

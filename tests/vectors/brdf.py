@@ -83,11 +83,11 @@ def daylight(nm):
     return np.interp(nm, np.arange(380, 781, 10), DAYLIGHT @ [1, m1, m2])
 
 
-def spectrum_to_rgb(values, illuminant):
+def spectrum_to_rgb(values, illuminant, wavelengths=WAVELENGTHS):
     """Linear BT.709 of spectra (n, wavelengths), adapted from the illuminant's white by Bradford's cones."""
     nm = np.arange(380, 781, 1.0)
     light = (daylight(nm) if illuminant == "D65" else np.ones(len(nm)))[:, None] * matching(nm)
-    spectra = np.stack([np.interp(nm, WAVELENGTHS, v) for v in values])
+    spectra = np.stack([np.interp(nm, wavelengths, v) for v in values])
     cones = np.array([[.8951, .2664, -.1614], [-.7502, 1.7135, .0367], [.0389, -.0685, 1.0296]])
     column = lambda x, y: np.array([x / y, 1, (1 - x - y) / y])
     primaries = np.stack([column(.64, .33), column(.30, .60), column(.15, .06)], 1)
@@ -152,6 +152,40 @@ class Rgl:
         return value * d / (4 * sigma) / light[2]
 
 
+class Pbsdf:
+    """Element (0, 0) of M, linear between nodes in every angle and wavelength; nodes with NaN are left out."""
+    WAVELENGTHS = np.array([450, 500, 550, 600, 650.0])
+
+    def __init__(self):
+        self.axes = [float32(np.array(a)) for a in ([-np.pi, -2, -0.5, 1, 2.25, np.pi], [0, 0.25, 0.75, np.pi / 2],
+                                                    [0, 0.125, 0.5, 1, np.pi / 2])]
+        m = float32(2 * noise(6 * 4 * 5 * 80, ord("M")) - 0.25)
+        m[np.arange(len(m)) // 80 % 7 == 3] = np.nan
+        self.m00 = m.reshape(6, 4, 5, 5, 4, 4)[..., 0, 0]
+
+    def eval(self, light, viewer):
+        h = light + viewer
+        h /= np.linalg.norm(h)
+        # The frame of the half vector: its z axis; y is perpendicular to the normal.
+        y = np.cross([0, 0, 1], h)
+        y /= np.linalg.norm(y)
+        x = np.cross(y, h)
+        point = [np.arctan2(light @ y, light @ x), np.arccos(light @ h), np.arccos(h[2])]
+        total, weight = np.zeros(5), 0
+        spans = []
+        for node, value in zip(self.axes, point):
+            i = min(np.searchsorted(node, value, side="right") - 1, len(node) - 2)
+            t = (value - node[i]) / (node[i + 1] - node[i])
+            spans.append([(i, 1 - t), (i + 1, t)])
+        for a, wa in spans[0]:
+            for b, wb in spans[1]:
+                for c, wc in spans[2]:
+                    if not np.isnan(self.m00[a, b, c, 0]):
+                        weight += wa * wb * wc
+                        total += wa * wb * wc * self.m00[a, b, c]
+        return total / weight
+
+
 def dense(shapes, row):
     for i, (n_in, n_out) in enumerate(shapes):
         scale = float32(np.array(1 / np.sqrt(n_in)))
@@ -213,6 +247,12 @@ def main():
         for name in ["E", "D65"]:
             table(out, "rgl_%s_vector" % name.lower(), "the same of the spectral material under illuminant " + name,
                   spectrum_to_rgb(spectra, name))
+        pbsdf = Pbsdf()
+        spectra = np.array([pbsdf.eval(i, o) for i, o in zip(wi, wo)])
+        table(out, "pbsdf_vector", "f_r of the polarimetric material under illuminant E",
+              spectrum_to_rgb(spectra, "E", Pbsdf.WAVELENGTHS))
+        table(out, "pbsdf_d65_vector", "the same under illuminant D65",
+              spectrum_to_rgb(spectra, "D65", Pbsdf.WAVELENGTHS))
         table(out, "nbrdf_vector", "f_r of the NBRDF, negative where the network is", nbrdf(hd))
         table(out, "nps_vector", "f_r of the neural process, material 'second'",
               nps(hd, np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])))

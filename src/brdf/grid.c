@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Linear interpolation between measured values at any rising theta_h, theta_d and phi_d.
+ */
+#include "brdf/grid.h"
+
+#include "math/math.h"
+#include <math.h>
+
+/* The two nodes around a point of an axis, and the weight of the second. */
+typedef struct span {
+    size_t node[2];
+    double t;
+} span;
+
+/* Index of the last node that is not above x; node[0] <= x. */
+static size_t last_not_above(const double *node, size_t n, double x) {
+    size_t low = 0, high = n;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (node[middle] <= x)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* false: x is outside the nodes by more than the rounding of angles in float32. */
+static bool find_theta(const double *node, size_t n, double x, span *s) {
+    const double slack = 1e-6;
+    if (!(x >= node[0] - slack && x <= node[n - 1] + slack))
+        return false;
+    size_t i = last_not_above(node, n, fmax(x, node[0]));
+    i = i < n - 1 ? i : n - 2;
+    *s = (span){{i, i + 1}, fmin(fmax((x - node[i]) / (node[i + 1] - node[i]), 0), 1)};
+    return true;
+}
+
+static span find_phi(const nqm_grid *g, double x) {
+    const double *node = g->node[2], first = node[0], last = node[g->n[2] - 1];
+    while (x < first)
+        x += g->period;
+    while (x > last && x - g->period >= first)
+        x -= g->period;
+    size_t i = last_not_above(node, g->n[2], x);
+    bool wraps = i == g->n[2] - 1;
+    double next = wraps ? first + g->period : node[i + 1];
+    return (span){{i, wraps ? 0 : i + 1}, next > node[i] ? (x - node[i]) / (next - node[i]) : 0};
+}
+
+/* false: a value of the node is NaN. */
+static bool read_node(const nqm_grid *g, size_t offset, double *rgb) {
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (size_t k = 0; k < g->n_channels; ++k) {
+        double value = (double)nqm_load_f32(g->value + offset + k * g->channel_stride);
+        if (isnan(value))
+            return false;
+        for (size_t c = 0; c < 3; ++c)
+            rgb[c] += g->weights[3 * k + c] * value;
+    }
+    return true;
+}
+
+static void interpolate(const nqm_grid *g, const span *s, double *rgb) {
+    double total = 0, sum[3] = {0}, at_node[3];
+    for (size_t corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        size_t offset = 0;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            size_t upper = corner >> axis & 1;
+            weight *= upper ? s[axis].t : 1 - s[axis].t;
+            offset += s[axis].node[upper] * g->stride[axis];
+        }
+        if (weight == 0 || !read_node(g, offset, at_node))
+            continue;
+        total += weight;
+        for (size_t c = 0; c < 3; ++c)
+            sum[c] += weight * at_node[c];
+    }
+    for (size_t c = 0; c < 3; ++c)
+        rgb[c] = sum[c] / total;
+}
+
+void nqm_grid_eval(const nqm_grid *grid, size_t n, const double *hd, double *rgb) {
+    for (size_t i = 0; i < n; ++i) {
+        span s[3];
+        if (find_theta(grid->node[0], grid->n[0], hd[3 * i], s) &&
+            find_theta(grid->node[1], grid->n[1], hd[3 * i + 1], s + 1)) {
+            s[2] = find_phi(grid, hd[3 * i + 2]);
+            interpolate(grid, s, rgb + 3 * i);
+        } else {
+            rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = NAN;
+        }
+    }
+}

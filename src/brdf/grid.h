@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * grid.h - measured values at any rising theta_h, theta_d and phi_d, with linear interpolation in the angles. The values may be
+ * in a mapped file, in any order of the axes, with any number of channels that weights turn into RGB.
+ */
+#ifndef NQM_SRC_BRDF_GRID_H
+#define NQM_SRC_BRDF_GRID_H
+
+#include "base/base.h"
+
+typedef struct nqm_grid {
+    size_t n[3];           /**< nodes of theta_h, theta_d (both >= 2) and phi_d (>= 1) */
+    const double *node[3]; /**< radians, rising; the last phi_d is at most the first plus `period` */
+    double period;         /**< of phi_d: pi or 2 pi; between its last and first node, too, values are interpolated */
+    const unsigned char *value;        /**< float32 */
+    size_t stride[3];                  /**< bytes from a node to the next one along each axis */
+    size_t n_channels, channel_stride; /**< values of a node, and bytes between them */
+    const double *weights;             /**< (n_channels, 3): channel c of f_r is the sum of weights[3 k + c] value k */
+} nqm_grid;
+
+/** f_r at hd (n, 3). Nodes with a NaN are excluded from the interpolation; NaN where all neighbours are, and beyond the first and
+ *  last theta_h and theta_d. */
+void nqm_grid_eval(const nqm_grid *grid, size_t n, const double *hd, double *rgb);
+
+#endif

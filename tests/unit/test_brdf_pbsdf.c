@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Polarimetric materials: values against numpy (tests/vectors/brdf.py), and broken files.
+ */
+#include "base/base.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+#include "vectors/brdf_vectors.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+
+static const char *save(blob b) {
+    const char *path = scratch_path("material.pbsdf");
+    blob_put(b, path);
+    return path;
+}
+
+static nqm_brdf *open_under(const char *path, const char *suffix) {
+    char argument[4200];
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    snprintf(argument, sizeof argument, "%s%s", path, suffix);
+    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return brdf;
+}
+
+static void agrees_with_numpy(void **state) {
+    (void)state;
+    const char *path = save(make_pbsdf(NULL));
+    for (int k = 0; k < 2; ++k) {
+        nqm_brdf *brdf = open_under(path, k ? ":D65" : "");
+        const double(*expected)[3] = k ? pbsdf_d65_vector : pbsdf_vector;
+        size_t n_valid = 0;
+        for (size_t i = 0; i < N_PAIRS; ++i) {
+            double rgb[3];
+            uint8_t flag;
+            nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, &flag);
+            bool valid = isfinite(expected[i][0]) != 0;
+            assert_int_equal(nqm_has_value(flag), valid);
+            n_valid += valid;
+            for (size_t c = 0; valid && c < 3; ++c)
+                assert_near(rgb[c], fmax(expected[i][c], 0), 2e-6);
+        }
+        assert_true(n_valid > N_PAIRS - 10);
+        nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        assert_string_equal(info.format, "pbsdf");
+        assert_string_equal(info.source_doi, "10.1145/3386569.3392387");
+        assert_non_null(strstr(info.layout, "5 theta_h x 4 theta_d x 6 phi_d, 5 wavelengths 450 to 650 nm"));
+        assert_non_null(strstr(info.layout, k ? "illuminant D65" : "illuminant E"));
+        assert_int_equal(info.n_values, 6 * 4 * 5 * 5);
+        assert_int_equal(info.reciprocal, 0);
+        nqm_brdf_free(brdf);
+    }
+}
+
+static void expect_refused(blob b, const char *words) {
+    const char *path = save(b);
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    char at[32];
+    assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
+    assert_null(brdf);
+    snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
+    if (!strstr(err.message, path) || !strstr(err.message, words) || !strstr(err.message, at))
+        fail_msg("message: %s (%s)", err.message, at);
+}
+
+static void refuses_unfit_tensors(void **state) {
+    (void)state;
+    static const char *const needed[] = {"theta_h", "theta_d", "phi_d", "wvls"};
+    static const float falling[5] = {0, 0.5F, 0.25F, 1, 1.5F}, degrees[4] = {0, 30, 60, 90};
+    static const float infrared[5] = {700, 750, 800, 850, 900};
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; ++i) {
+        expect_refused(make_pbsdf(&(rgl_change){.name = needed[i], .omit = true}), "has no tensor");
+        expect_refused(make_pbsdf(&(rgl_change){.name = needed[i], .type = 1, .n_dims = 1, .dims = {4}}), "type");
+    }
+    expect_refused(make_pbsdf(&(rgl_change){"theta_h", false, 10, 1, {5}, falling}), "does not rise");
+    expect_refused(make_pbsdf(&(rgl_change){"theta_d", false, 10, 1, {4}, degrees}), "radians");
+    expect_refused(make_pbsdf(&(rgl_change){"theta_d", false, 10, 1, {3}, degrees}), "one angle for each");
+    expect_refused(make_pbsdf(&(rgl_change){"wvls", false, 3, 1, {4}, infrared}), "each of two or more");
+    expect_refused(make_pbsdf(&(rgl_change){"wvls", false, 3, 1, {5}, infrared}), "500 to at least 600");
+    expect_refused(make_pbsdf(&(rgl_change){"M", false, 10, 6, {6, 4, 5, 5, 4, 3}, NULL}), "4 x 4");
+    expect_refused(make_pbsdf(&(rgl_change){"M", false, 10, 5, {6, 4, 5, 5, 16}, NULL}), "4 x 4");
+    expect_refused(make_pbsdf(&(rgl_change){"M", false, 1, 6, {6, 4, 5, 5, 4, 4}, NULL}), "type");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy), cmocka_unit_test(refuses_unfit_tensors)};
+    return cmocka_run_group_tests_name("brdf_pbsdf", tests, NULL, NULL);
+}
