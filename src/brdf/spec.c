@@ -257,6 +257,13 @@ nqm_status nqm_spec_check_nested(const char *of, const char *with, nqm_error *er
     return nqm_fail(err, NQM_ERR_LIMIT, -1, "a spec may contain at most %d of perturb: and between:", MAX_NESTED);
 }
 
+static bool has_defaults(const nqm_analytic_model *model) {
+    size_t k = 0;
+    while (k < model->schema.n_keys && !model->schema.keys[k].required)
+        ++k;
+    return k == model->schema.n_keys;
+}
+
 nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     size_t wrapper = find_wrapper(spec);
@@ -266,8 +273,9 @@ nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
     const size_t n_name = strcspn(spec, ":");
     const char *settings = spec + n_name + 1;
-    const bool is_preset = !strchr(settings, '=');
     const nqm_analytic_model *model = nqm_analytic_model_find(spec, n_name);
+    /* "MODEL:" is the material whose properties all have their defaults */
+    const bool is_preset = !strchr(settings, '=') && (*settings || !model || !has_defaults(model));
     const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
     if (is_preset && !table)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: needs parameters, %.*s:key=value;..., not '%.80s'", (int)n_name,

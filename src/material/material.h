@@ -58,6 +58,7 @@ typedef struct nqm_material_format {
 /** Every format. A new one is defined in a file of its own, and named here. */
 #define NQM_MATERIAL_FORMATS(X)                                                                                        \
     X(nqm_mitsuba_xml_format)                                                                                          \
+    X(nqm_gltf_format)                                                                                                 \
     X(nqm_materialx_format)                                                                                            \
     X(nqm_mitsuba_json_format)                                                                                         \
     X(nqm_pbrt_format)

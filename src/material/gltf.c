@@ -1,0 +1,603 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _clearcoat and
+ * _sheen. Meshes, images and everything else of the file are not read.
+ */
+#include "material/json_where.h"
+#include "material/material.h"
+
+#include <jansson.h>
+#include <stdarg.h>
+#include <strings.h>
+
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
+
+typedef enum kind {
+    NUMBER,
+    COLOR,
+    BASE_COLOR, /**< with alpha, which alphaMode interprets */
+    TEXTURE,    /**< refused, unless the factor of its layer is 0 */
+    ZERO,       /**< refused, unless 0 */
+    IGNORED     /**< has no effect without the other properties of the layer */
+} kind;
+
+typedef struct property {
+    const char *name;
+    kind kind;
+    const char *key; /**< of the spec */
+    double fallback; /**< what the specification gives a missing number, for the writer */
+} property;
+
+/** An object with properties: a JSON member of the material, or an extension. */
+typedef struct property_group {
+    const char *name;
+    const char *why;        /**< reason of a refusal, for properties of kind ZERO */
+    bool is_off_by_default; /**< a missing first property is 0 */
+    property properties[8]; /**< the first is the factor of the whole layer; ends with NULL */
+} property_group;
+
+static const char TEXTURE_REASON[] = "a texture varies over the surface, and a BRDF is that of one point";
+
+static const property_group core = {"pbrMetallicRoughness",
+                                    "",
+                                    false,
+                                    {{"metallicFactor", NUMBER, "metallic", 1},
+                                     {"baseColorFactor", BASE_COLOR, "base_color", 1},
+                                     {"roughnessFactor", NUMBER, "roughness", 1},
+                                     {"baseColorTexture", TEXTURE, NULL, 0},
+                                     {"metallicRoughnessTexture", TEXTURE, NULL, 0}}};
+
+static const property_group extensions[] = {
+    {"KHR_materials_ior", "", false, {{"ior", NUMBER, "ior", 1.5}}},
+    {"KHR_materials_specular",
+     "",
+     false,
+     {{"specularFactor", NUMBER, "specular", 1},
+      {"specularColorFactor", COLOR, "specular_color", 1},
+      {"specularTexture", TEXTURE, NULL, 0},
+      {"specularColorTexture", TEXTURE, NULL, 0}}},
+    {"KHR_materials_clearcoat",
+     "",
+     true,
+     {{"clearcoatFactor", NUMBER, "clearcoat", 0},
+      {"clearcoatRoughnessFactor", NUMBER, "clearcoat_roughness", 0},
+      {"clearcoatTexture", TEXTURE, NULL, 0},
+      {"clearcoatRoughnessTexture", TEXTURE, NULL, 0},
+      {"clearcoatNormalTexture", TEXTURE, NULL, 0}}},
+    {"KHR_materials_sheen",
+     "",
+     true,
+     {{"sheenColorFactor", COLOR, "sheen_color", 0},
+      {"sheenRoughnessFactor", NUMBER, "sheen_roughness", 0},
+      {"sheenColorTexture", TEXTURE, NULL, 0},
+      {"sheenRoughnessTexture", TEXTURE, NULL, 0}}},
+    {"KHR_materials_transmission",
+     "light that passes through the surface is not part of a BRDF",
+     true,
+     {{"transmissionFactor", ZERO, NULL, 0}, {"transmissionTexture", IGNORED, NULL, 0}}},
+    {"KHR_materials_diffuse_transmission",
+     "light that passes through the surface is not part of a BRDF",
+     true,
+     {{"diffuseTransmissionFactor", ZERO, NULL, 0},
+      {"diffuseTransmissionTexture", IGNORED, NULL, 0},
+      {"diffuseTransmissionColorFactor", IGNORED, NULL, 0},
+      {"diffuseTransmissionColorTexture", IGNORED, NULL, 0}}},
+    {"KHR_materials_volume",
+     "light that enters a volume is not part of a BRDF",
+     true,
+     {{"thicknessFactor", ZERO, NULL, 0},
+      {"thicknessTexture", IGNORED, NULL, 0},
+      {"attenuationDistance", IGNORED, NULL, 0},
+      {"attenuationColor", IGNORED, NULL, 0}}},
+    {"KHR_materials_anisotropy",
+     "only isotropic BRDFs are supported",
+     true,
+     {{"anisotropyStrength", ZERO, NULL, 0},
+      {"anisotropyRotation", IGNORED, NULL, 0},
+      {"anisotropyTexture", IGNORED, NULL, 0}}},
+    {"KHR_materials_iridescence",
+     "thin films are not supported",
+     true,
+     {{"iridescenceFactor", ZERO, NULL, 0},
+      {"iridescenceTexture", IGNORED, NULL, 0},
+      {"iridescenceIor", IGNORED, NULL, 0},
+      {"iridescenceThicknessMinimum", IGNORED, NULL, 0},
+      {"iridescenceThicknessMaximum", IGNORED, NULL, 0},
+      {"iridescenceThicknessTexture", IGNORED, NULL, 0}}},
+    {"KHR_materials_dispersion", "dispersion is not part of a BRDF in RGB", true, {{"dispersion", ZERO, NULL, 0}}},
+    {"KHR_materials_emissive_strength", "", true, {{"emissiveStrength", IGNORED, NULL, 0}}},
+};
+enum { N_EXTENSIONS = sizeof extensions / sizeof *extensions };
+
+/** Extensions that a file may require without any consequence for its materials. */
+static const char *const harmless[] = {
+    "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "EXT_meshopt_compression", "KHR_meshopt_compression",
+    "EXT_mesh_gpu_instancing",    "KHR_texture_basisu",     "KHR_texture_transform",   "EXT_texture_webp",
+    "EXT_texture_avif",           "MSFT_texture_dds",       "KHR_lights_punctual",     "EXT_lights_image_based",
+    "KHR_animation_pointer",      "KHR_materials_variants", "KHR_node_visibility",     "KHR_xmp_json_ld"};
+
+static const property_group *find_extension(const char *name) {
+    for (size_t i = 0; i < N_EXTENSIONS; ++i)
+        if (strcmp(extensions[i].name, name) == 0)
+            return &extensions[i];
+    return NULL;
+}
+
+/* ---- reading one material ---------------------------------------------------------------------------------------- */
+
+/** The state of reading; a refusal ends the reading of one material, a failure that of the file. */
+typedef struct reader {
+    const char *path;
+    nqm_json_source source;
+    size_t source_at; /**< of the JSON text in the file */
+    size_t at;        /**< of the material in the JSON text */
+    nqm_shading shading;
+    double alpha;
+    char refusal[256];
+    int64_t refusal_byte;
+    nqm_error *err;
+} reader;
+
+static int64_t byte_of(const reader *r, const char *path) {
+    return (int64_t)(r->source_at + nqm_json_path(&r->source, r->at, path));
+}
+
+/* Set the refusal "PROPERTY: REASON", if there is none yet. `path` is that of the property in the material. */
+static void refuse(reader *r, const char *path, const char *value, const char *reason) {
+    static const char prefix[] = "extensions.";
+    if (*r->refusal)
+        return;
+    const char *shown = strncmp(path, prefix, sizeof prefix - 1) == 0 ? path + sizeof prefix - 1 : path;
+    snprintf(r->refusal, sizeof r->refusal, "%.120s%s%s: %s", shown, *value ? " = " : "", value, reason);
+    r->refusal_byte = byte_of(r, path);
+}
+
+static nqm_status fail_value(const reader *r, const char *path, const char *needed) {
+    const int64_t byte = byte_of(r, path);
+    return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: %.120s needs %s", r->path, (long long)byte, path,
+                    needed);
+}
+
+/* v: (n) */
+static nqm_status read_numbers(const reader *r, const char *path, const json_t *value, size_t n, double *v) {
+    static const char *const needed[] = {"", "a number", "", "an array of 3 numbers", "an array of 4 numbers"};
+    bool is_valid = n == 1 || json_array_size(value) == n;
+    for (size_t i = 0; is_valid && i < n; ++i) {
+        const json_t *number = n == 1 ? value : json_array_get(value, i);
+        is_valid = json_is_number(number);
+        v[i] = json_number_value(number);
+    }
+    return is_valid ? NQM_OK : fail_value(r, path, needed[n]);
+}
+
+enum { PATH_SIZE = 256 };
+
+static nqm_status read_property(reader *r, const property *p, const property_group *group, const char *path,
+                                const json_t *value, bool is_off) {
+    double v[4] = {0};
+    char text[32];
+    nqm_status status = NQM_OK;
+    switch (p->kind) {
+    case NUMBER:
+    case ZERO:
+        status = read_numbers(r, path, value, 1, v);
+        if (status == NQM_OK && p->kind == NUMBER)
+            nqm_shading_set(&r->shading, p->key, 1, v);
+        else if (status == NQM_OK && v[0] != 0)
+            refuse(r, path, nqm_format_double(text, sizeof text, v[0]), group->why);
+        break;
+    case COLOR:
+    case BASE_COLOR:
+        status = read_numbers(r, path, value, p->kind == COLOR ? 3 : 4, v);
+        if (status == NQM_OK)
+            nqm_shading_set(&r->shading, p->key, 3, v);
+        if (status == NQM_OK && p->kind == BASE_COLOR)
+            r->alpha = v[3];
+        break;
+    case TEXTURE:
+        if (!is_off)
+            refuse(r, path, "", TEXTURE_REASON);
+        break;
+    case IGNORED:
+        break;
+    }
+    return status;
+}
+
+static bool is_zero(const json_t *value) {
+    if (!json_is_array(value))
+        return json_is_number(value) && json_number_value(value) == 0;
+    size_t i = 0;
+    while (i < json_array_size(value) && is_zero(json_array_get(value, i)))
+        ++i;
+    return i == json_array_size(value);
+}
+
+/* The factor of a layer is 0: its textures have no effect. */
+static bool is_layer_off(const property_group *group, const json_t *object) {
+    const json_t *factor = json_object_get(object, group->properties[0].name);
+    return group != &core && (factor ? is_zero(factor) : group->is_off_by_default);
+}
+
+/* `prefix` is the path of the object with a dot at its end. */
+static nqm_status read_layer(reader *r, const property_group *group, const char *prefix, json_t *object) {
+    const char *name;
+    json_t *value;
+    char path[PATH_SIZE];
+    nqm_status status = NQM_OK;
+    json_object_foreach(object, name, value) {
+        const property *p = group->properties, *end = p + sizeof group->properties / sizeof *group->properties;
+        snprintf(path, sizeof path, "%s%.100s", prefix, name);
+        while (p < end && p->name && strcmp(p->name, name) != 0)
+            ++p;
+        if (p < end && p->name)
+            status = read_property(r, p, group, path, value, is_layer_off(group, object));
+        else if (strcmp(name, "extras") != 0 && !(strcmp(name, "extensions") == 0 && json_object_size(value) == 0))
+            refuse(r, path, "", "this property is not known");
+        if (status != NQM_OK)
+            return status;
+    }
+    return NQM_OK;
+}
+
+static nqm_status read_object(reader *r, const property_group *group, const char *path, json_t *object) {
+    char prefix[PATH_SIZE / 2];
+    if (!json_is_object(object))
+        return fail_value(r, path, "an object");
+    snprintf(prefix, sizeof prefix, "%.120s.", path);
+    return read_layer(r, group, prefix, object);
+}
+
+static nqm_status read_extensions(reader *r, json_t *list) {
+    const char *name;
+    json_t *object;
+    char path[PATH_SIZE];
+    if (!json_is_object(list))
+        return fail_value(r, "extensions", "an object");
+    json_object_foreach(list, name, object) {
+        const property_group *extension = find_extension(name);
+        nqm_status status = NQM_OK;
+        snprintf(path, sizeof path, "extensions.%.100s", name);
+        if (extension)
+            status = read_object(r, extension, path, object);
+        else
+            refuse(r, path, "",
+                   strcmp(name, "KHR_materials_unlit") == 0 ? "a surface without lighting has no BRDF"
+                   : strcmp(name, "KHR_materials_pbrSpecularGlossiness") == 0
+                       ? "this archived shading model is not supported; convert the material to metallic-roughness"
+                       : "this extension is not known");
+        if (status != NQM_OK)
+            return status;
+    }
+    return NQM_OK;
+}
+
+static nqm_status check_emission(reader *r, const json_t *material) {
+    const json_t *factor = json_object_get(material, "emissiveFactor");
+    const json_t *strength =
+        json_object_get(json_object_get(json_object_get(material, "extensions"), "KHR_materials_emissive_strength"),
+                        "emissiveStrength");
+    double v[3];
+    nqm_status status = factor ? read_numbers(r, "emissiveFactor", factor, 3, v) : NQM_OK;
+    if (status == NQM_OK && factor && !is_zero(factor) && !(strength && is_zero(strength)))
+        refuse(r, "emissiveFactor", "", "light that the surface emits is not part of a BRDF");
+    return status;
+}
+
+/* The mode is unknown, or the surface is not opaque in it. */
+static nqm_status check_alpha(reader *r, const json_t *material) {
+    const json_t *mode = json_object_get(material, "alphaMode"), *limit = json_object_get(material, "alphaCutoff");
+    const char *text = mode ? json_string_value(mode) : "OPAQUE";
+    double cutoff = 0.5;
+    nqm_status status = limit ? read_numbers(r, "alphaCutoff", limit, 1, &cutoff) : NQM_OK;
+    if (status != NQM_OK)
+        return status;
+    if (!text || (strcmp(text, "OPAQUE") != 0 && strcmp(text, "MASK") != 0 && strcmp(text, "BLEND") != 0))
+        return fail_value(r, "alphaMode", "\"OPAQUE\", \"MASK\" or \"BLEND\"");
+    if (strcmp(text, "BLEND") == 0 && r->alpha < 1)
+        refuse(r, "alphaMode", text,
+               "the alpha of baseColorFactor is below 1, and a transparent surface has more than a BRDF");
+    if (strcmp(text, "MASK") == 0 && r->alpha < cutoff)
+        refuse(r, "alphaMode", text, "the alpha of baseColorFactor is below alphaCutoff: the surface is invisible");
+    return NQM_OK;
+}
+
+/* The properties that lie in the material itself. */
+static nqm_status read_members(reader *r, json_t *material) {
+    static const char *const known[] = {"name",           "extras",      "extensions",  "pbrMetallicRoughness",
+                                        "emissiveFactor", "alphaCutoff", "doubleSided", "alphaMode"};
+    static const char *const textures[] = {"normalTexture", "occlusionTexture", "emissiveTexture"};
+    enum { N_KNOWN = sizeof known / sizeof *known, N_TEXTURES = sizeof textures / sizeof *textures };
+    const char *name;
+    json_t *value;
+    json_object_foreach(material, name, value) {
+        size_t i = 0, k = 0;
+        while (i < N_KNOWN && strcmp(known[i], name) != 0)
+            ++i;
+        while (k < N_TEXTURES && strcmp(textures[k], name) != 0)
+            ++k;
+        /* the emission is texture times factor, whose default is 0 */
+        if (k == 2 &&
+            (!json_object_get(material, "emissiveFactor") || is_zero(json_object_get(material, "emissiveFactor"))))
+            continue;
+        if (k < N_TEXTURES)
+            refuse(r, name, "", TEXTURE_REASON);
+        else if (i == N_KNOWN)
+            refuse(r, name, "", "this property is not known");
+    }
+    json_t *pbr = json_object_get(material, core.name), *list = json_object_get(material, "extensions");
+    nqm_status status = pbr ? read_object(r, &core, core.name, pbr) : NQM_OK;
+    if (status == NQM_OK && list)
+        status = read_extensions(r, list);
+    return status;
+}
+
+static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
+    const json_t *name = json_object_get(material, "name");
+    r->shading = (nqm_shading){.model = "gltf"};
+    r->alpha = 1;
+    r->refusal[0] = 0;
+    if (!json_is_object(material))
+        return fail_value(r, "", "an object as material");
+    if (name && !json_is_string(name))
+        return fail_value(r, "name", "a string");
+    nqm_status status = read_members(r, material);
+    if (status == NQM_OK)
+        status = check_emission(r, material);
+    if (status == NQM_OK)
+        status = check_alpha(r, material);
+    if (status != NQM_OK)
+        return status;
+    const nqm_property *ior = nqm_shading_find(&r->shading, "ior");
+    if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
+        refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
+    const char *text = name ? json_string_value(name) : NULL;
+    if (!*r->refusal)
+        return nqm_materials_add_shading(materials, text, "glTF metallic-roughness", &r->shading, byte_of(r, ""),
+                                         r->err);
+    const nqm_material_info info = {
+        .name = text, .surface = "glTF metallic-roughness", .refusal = r->refusal, .byte_offset = r->refusal_byte};
+    return nqm_materials_add(materials, &info, r->err);
+}
+
+/* ---- reading the file -------------------------------------------------------------------------------------------- */
+
+enum { GLB_HEADER = 12, CHUNK_HEADER = 8, GLB_MAGIC = 0x46546C67, JSON_CHUNK = 0x4E4F534A };
+
+static bool is_glb(const nqm_map *map) {
+    return map->n_bytes >= 4 && memcmp(map->data, "glTF", 4) == 0;
+}
+
+/* The JSON text of a binary file. */
+static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
+    const unsigned char *d = map->data;
+    const size_t begin = GLB_HEADER + CHUNK_HEADER;
+    if (map->n_bytes < begin)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes,
+                        "%s: the binary glTF ends in its header, at byte %zu", map->path, map->n_bytes);
+    const uint32_t version = nqm_load_u32(d + 4), n_file = nqm_load_u32(d + 8), n_chunk = nqm_load_u32(d + 12);
+    if (version != 2)
+        return nqm_fail(err, NQM_ERR_FORMAT, 4, "%s: byte 4: binary glTF of version %u; only 2 is read", map->path,
+                        version);
+    if (n_file < begin || n_file > map->n_bytes)
+        return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: byte 8: the header says %u bytes, the file has %zu", map->path,
+                        n_file, map->n_bytes);
+    if (nqm_load_u32(d + 16) != JSON_CHUNK)
+        return nqm_fail(err, NQM_ERR_FORMAT, 16, "%s: byte 16: the first chunk is not JSON", map->path);
+    if (n_chunk > n_file - begin)
+        return nqm_fail(err, NQM_ERR_FORMAT, 12, "%s: byte 12: a chunk of %u bytes, and %zu bytes follow", map->path,
+                        n_chunk, (size_t)n_file - begin);
+    r->source = (nqm_json_source){(const char *)d + begin, n_chunk};
+    r->source_at = begin;
+    return NQM_OK;
+}
+
+static bool contains(const nqm_map *map, const char *word) {
+    const size_t n = strlen(word);
+    for (const unsigned char *p = map->data, *end = p + map->n_bytes; (size_t)(end - p) >= n; ++p) {
+        p = memchr(p, word[0], (size_t)(end - p) - n + 1);
+        if (!p)
+            return false;
+        if (memcmp(p, word, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool has_suffix(const char *path, const char *suffix) {
+    const size_t n = strlen(path), n_suffix = strlen(suffix);
+    return n >= n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
+}
+
+static bool gltf_probe(const nqm_map *map) {
+    size_t i = 0;
+    if (is_glb(map))
+        return true;
+    while (i < map->n_bytes && memchr(" \t\r\n", map->data[i], 4))
+        ++i;
+    return i < map->n_bytes && map->data[i] == '{' &&
+           (has_suffix(map->path, ".gltf") || contains(map, "\"asset\"") || contains(map, "\"pbrMetallicRoughness\""));
+}
+
+/* An extension that every reader must know; NULL: none. */
+static const char *unknown_requirement(const json_t *root) {
+    const json_t *list = json_object_get(root, "extensionsRequired"), *value;
+    size_t i;
+    json_array_foreach(list, i, value) {
+        const char *name = json_string_value(value);
+        size_t k = 0, n = sizeof harmless / sizeof *harmless;
+        while (name && k < n && strcmp(harmless[k], name) != 0)
+            ++k;
+        /* those that are refused on a material are named there */
+        if (name && k == n && !find_extension(name) && strcmp(name, "KHR_materials_unlit") != 0 &&
+            strcmp(name, "KHR_materials_pbrSpecularGlossiness") != 0)
+            return name;
+    }
+    return NULL;
+}
+
+static nqm_status check_root(const reader *r, const json_t *root) {
+    const char *version = json_string_value(json_object_get(json_object_get(root, "asset"), "version"));
+    const size_t at = nqm_json_path(&r->source, 0, "asset.version");
+    const int64_t byte = (int64_t)(r->source_at + at);
+    if (!version)
+        return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: this JSON has no asset.version and is no glTF",
+                        r->path, (long long)byte);
+    if (strncmp(version, "2.", 2) != 0)
+        return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: glTF %.20s; only glTF 2 is read", r->path,
+                        (long long)byte, version);
+    const json_t *materials = json_object_get(root, "materials");
+    const int64_t at_materials = (int64_t)(r->source_at + nqm_json_path(&r->source, 0, "materials"));
+    if (materials && !json_is_array(materials))
+        return nqm_fail(r->err, NQM_ERR_FORMAT, at_materials, "%s: byte %lld: materials needs an array", r->path,
+                        (long long)at_materials);
+    return NQM_OK;
+}
+
+static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materials) {
+    nqm_status status = check_root(r, root);
+    if (status != NQM_OK)
+        return status;
+    const char *required = unknown_requirement(root);
+    json_t *list = json_object_get(root, "materials"), *material;
+    size_t i;
+    r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, 0, "materials"));
+    json_array_foreach(list, i, material) {
+        const size_t at = r->at;
+        if (required) {
+            char refusal[160];
+            const char *name = json_string_value(json_object_get(material, "name"));
+            snprintf(refusal, sizeof refusal, "extensionsRequired: %.80s is not known", required);
+            const nqm_material_info info = {
+                .name = name,
+                .surface = "glTF metallic-roughness",
+                .refusal = refusal,
+                .byte_offset = (int64_t)(r->source_at + nqm_json_path(&r->source, 0, "extensionsRequired"))};
+            status = nqm_materials_add(materials, &info, r->err);
+        } else
+            status = read_material(r, material, materials);
+        if (status != NQM_OK)
+            return status;
+        r->at = nqm_json_next(&r->source, at);
+    }
+    return NQM_OK;
+}
+
+static nqm_status gltf_read(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
+    reader r = {.path = map->path, .source = {(const char *)map->data, map->n_bytes}, .err = err};
+    nqm_status status = is_glb(map) ? find_chunk(map, &r, err) : NQM_OK;
+    if (status != NQM_OK)
+        return status;
+    json_error_t why;
+    json_t *root = json_loadb(r.source.text, r.source.n, JSON_REJECT_DUPLICATES, &why);
+    if (!root) {
+        const int64_t byte = (int64_t)r.source_at + why.position;
+        return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: byte %lld (line %d): invalid JSON: %s", map->path,
+                        (long long)byte, why.line, why.text);
+    }
+    status = read_root(&r, root, materials);
+    json_decref(root);
+    return status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+/** A text of limited size. */
+typedef struct buffer {
+    char text[4096];
+    size_t n;
+} buffer;
+
+__attribute__((format(printf, 2, 3))) static void append(buffer *b, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    const int n = vsnprintf(b->text + b->n, sizeof b->text - b->n, format, args);
+    va_end(args);
+    b->n = nqm_smaller(sizeof b->text - 1, b->n + (size_t)(n > 0 ? n : 0));
+}
+
+/* The values of a property: those of the shading, or the default of the specification. */
+static nqm_property value_of(const nqm_shading *shading, const property *p) {
+    const nqm_property *set = nqm_shading_find(shading, p->key);
+    nqm_property value = {.v = {p->fallback, p->fallback, p->fallback}};
+    if (set)
+        value = *set;
+    value.n = p->kind == NUMBER ? 1 : 3;
+    /* the formula has the same value for both, and only one is valid */
+    if (strcmp(p->key, "ior") == 0 && value.v[0] > 0 && value.v[0] < 1)
+        value.v[0] = 1 / value.v[0];
+    return value;
+}
+
+static bool is_default(const nqm_shading *shading, const property *p) {
+    const nqm_property value = value_of(shading, p);
+    return value.v[0] == p->fallback && value.v[1] == p->fallback && value.v[2] == p->fallback;
+}
+
+static bool is_needed(const nqm_shading *shading, const property_group *group) {
+    for (const property *p = group->properties; p->name && p->key; ++p)
+        if (!is_default(shading, p))
+            return true;
+    return false;
+}
+
+/* "NAME": {properties}, with `indent` in front of each line. */
+static void append_layer(buffer *b, const nqm_shading *shading, const property_group *group, const char *indent) {
+    char number[32];
+    append(b, "%s\"%s\": {", indent, group->name);
+    for (const property *p = group->properties; p->name && p->key; ++p) {
+        const nqm_property value = value_of(shading, p);
+        append(b, "%s\n%s  \"%s\": %s", p == group->properties ? "" : ",", indent, p->name, value.n == 1 ? "" : "[");
+        for (size_t c = 0; c < value.n; ++c)
+            append(b, "%s%s", c ? ", " : "", nqm_format_double(number, sizeof number, value.v[c]));
+        append(b, "%s%s", p->kind == BASE_COLOR ? ", 1" : "", value.n == 1 ? "" : "]");
+    }
+    append(b, "\n%s}", indent);
+}
+
+static void append_document(buffer *b, const nqm_shading *shading, const char *name) {
+    const char *separator = "";
+    append(b, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
+    for (size_t i = 0; i < N_EXTENSIONS; ++i)
+        if (is_needed(shading, &extensions[i])) {
+            append(b, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [", extensions[i].name);
+            separator = ", ";
+        }
+    append(b, "%s  \"materials\": [\n    {\n      \"name\": \"%s\",\n", *separator ? "],\n" : "", name);
+    append_layer(b, shading, &core, "      ");
+    separator = ",\n      \"extensions\": {\n";
+    for (size_t i = 0; i < N_EXTENSIONS; ++i)
+        if (is_needed(shading, &extensions[i])) {
+            append(b, "%s", separator);
+            append_layer(b, shading, &extensions[i], "        ");
+            separator = ",\n";
+        }
+    append(b, "%s\n    }\n  ]\n}\n", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
+}
+
+static nqm_status gltf_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+                             nqm_error *err) {
+    buffer b = {.n = 0};
+    (void)err; /* the text has the size of the tables, and the caller checks the stream */
+    append_document(&b, shading, name);
+    if (has_suffix(path, ".glb")) {
+        unsigned char header[GLB_HEADER + CHUNK_HEADER];
+        while (b.n % 4)
+            append(&b, " ");
+        const uint32_t words[] = {GLB_MAGIC, 2, (uint32_t)(sizeof header + b.n), (uint32_t)b.n, JSON_CHUNK};
+        for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+            nqm_store_u32(header + 4 * i, words[i]);
+        fwrite(header, 1, sizeof header, stream);
+    }
+    fwrite(b.text, 1, b.n, stream);
+    return NQM_OK;
+}
+
+const nqm_material_format nqm_gltf_format = {
+    .name = "glTF 2.0",
+    .extensions = ".gltf .glb",
+    .models = "gltf",
+    .probe = gltf_probe,
+    .read = gltf_read,
+    .write = gltf_write,
+};

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Byte positions in a valid JSON text: values are skipped, not read. Nothing here reads past the end, whatever the text is.
+ */
+#include "material/json_where.h"
+
+#include <stdint.h>
+#include <string.h>
+
+static size_t skip_blanks(const nqm_json_source *json, size_t at) {
+    while (at < json->n && memchr(" \t\r\n", json->text[at], 4))
+        ++at;
+    return at;
+}
+
+/* After the string whose quote is at `at`. */
+static size_t skip_string(const nqm_json_source *json, size_t at) {
+    for (++at; at < json->n && json->text[at] != '"'; ++at)
+        at += json->text[at] == '\\';
+    return at < json->n ? at + 1 : json->n;
+}
+
+static size_t skip_value(const nqm_json_source *json, size_t at) {
+    size_t depth = 0;
+    do {
+        const char c = at < json->n ? json->text[at] : 0;
+        if (c == '"') {
+            at = skip_string(json, at);
+            continue;
+        }
+        depth += c == '{' || c == '[';
+        if (depth == 0 && (c == 0 || strchr(",]} \t\r\n", c)))
+            return at;
+        depth -= c == '}' || c == ']';
+        ++at;
+        if (depth == 0 && (c == '}' || c == ']'))
+            return at;
+    } while (at < json->n);
+    return json->n;
+}
+
+/* After the bracket or comma at `at`: the next element or key; SIZE_MAX at the end. */
+static size_t enter(const nqm_json_source *json, size_t at) {
+    at = skip_blanks(json, at + 1);
+    return at < json->n && json->text[at] != ']' && json->text[at] != '}' ? at : SIZE_MAX;
+}
+
+size_t nqm_json_first(const nqm_json_source *json, size_t at) {
+    return at < json->n && json->text[at] == '[' ? enter(json, at) : SIZE_MAX;
+}
+
+size_t nqm_json_next(const nqm_json_source *json, size_t at) {
+    at = skip_blanks(json, skip_value(json, at));
+    return at < json->n && json->text[at] == ',' ? enter(json, at) : SIZE_MAX;
+}
+
+size_t nqm_json_member(const nqm_json_source *json, size_t at, const char *key) {
+    const size_t n_key = strlen(key);
+    if (at >= json->n || json->text[at] != '{')
+        return SIZE_MAX;
+    for (at = enter(json, at); at < json->n && json->text[at] == '"'; at = nqm_json_next(json, at)) {
+        const size_t end = skip_string(json, at);
+        const int is_it = end - at == n_key + 2 && memcmp(json->text + at + 1, key, n_key) == 0;
+        at = skip_blanks(json, skip_blanks(json, end) + 1); /* the colon */
+        if (is_it)
+            return at < json->n ? at : SIZE_MAX;
+    }
+    return SIZE_MAX;
+}
+
+size_t nqm_json_path(const nqm_json_source *json, size_t at, const char *path) {
+    char key[NQM_JSON_KEY_SIZE];
+    while (*path) {
+        const size_t n = strcspn(path, ".");
+        if (n >= sizeof key)
+            return at;
+        memcpy(key, path, n);
+        key[n] = 0;
+        const size_t next = nqm_json_member(json, at, key);
+        if (next == SIZE_MAX)
+            return at;
+        at = next;
+        path += n + (path[n] == '.');
+    }
+    return at;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * json_where.h - byte positions in a JSON text, which jansson does not keep, for messages. The text must be valid JSON.
+ */
+#ifndef NQM_SRC_MATERIAL_JSON_WHERE_H
+#define NQM_SRC_MATERIAL_JSON_WHERE_H
+
+#include <stddef.h>
+
+/** A JSON text. */
+typedef struct nqm_json_source {
+    const char *text;
+    size_t n;
+} nqm_json_source;
+
+enum { NQM_JSON_KEY_SIZE = 64 };
+
+/** The position of the value of a member of the object at `at`; SIZE_MAX: none (also for keys that are written with escapes). */
+size_t nqm_json_member(const nqm_json_source *json, size_t at, const char *key);
+/** The position of the first element of the array at `at`, or of the element after the one at `at`; SIZE_MAX: none. */
+size_t nqm_json_first(const nqm_json_source *json, size_t at);
+size_t nqm_json_next(const nqm_json_source *json, size_t at);
+/** Follow a path of member names with dots ("extensions.KHR_materials_ior"), as far as it goes. */
+size_t nqm_json_path(const nqm_json_source *json, size_t at, const char *path);
+
+#endif

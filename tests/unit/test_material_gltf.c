@@ -1,0 +1,341 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Materials of glTF: what is accepted, what is refused and where, broken files, and files that are written and read back.
+ */
+#include "base/base.h"
+#include "brdf/spec.h"
+#include "material/material.h"
+#include "support/check.h"
+#include "support/temp_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static nqm_status read_bytes(const void *data, size_t n, const char *path, nqm_materials **materials, nqm_error *err) {
+    unsigned char *copy = malloc(n ? n : 1); /* exactly as long, for sanitizers */
+    assert_non_null(copy);
+    memcpy(copy, data, n);
+    const nqm_map map = {.data = copy, .n_bytes = n, .path = path};
+    nqm_status status = nqm_materials_read(&map, materials, err);
+    free(copy);
+    return status;
+}
+
+static nqm_materials *read_text(const char *text) {
+    nqm_materials *materials = NULL;
+    nqm_error err = {0};
+    if (read_bytes(text, strlen(text), "x.gltf", &materials, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return materials;
+}
+
+/* A file whose only material has these members. */
+static const char *document(const char *members) {
+    static char text[4096];
+    snprintf(text, sizeof text, "{\"asset\": {\"version\": \"2.0\"},\n \"materials\": [{%s}]}", members);
+    return text;
+}
+
+/* ---- accepted ---------------------------------------------------------------------------------------------------- */
+
+static void check_spec(const char *members, const char *spec) {
+    nqm_materials *materials = read_text(document(members));
+    assert_int_equal(nqm_materials_count(materials), 1);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    if (info.refusal)
+        fail_msg("%s: %s", members, info.refusal);
+    assert_string_equal(info.spec, spec);
+    nqm_brdf *brdf = open_brdf(info.spec);
+    nqm_brdf_free(brdf);
+    nqm_materials_free(materials);
+}
+
+static void properties_become_keys(void **state) {
+    (void)state;
+    check_spec("", "gltf:");
+    check_spec("\"name\": \"a\", \"doubleSided\": true, \"extras\": {\"x\": 1}", "gltf:");
+    check_spec("\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0.5, 0, 1], \"metallicFactor\": 0, "
+               "\"roughnessFactor\": 0.25}",
+               "gltf:base_color=1,0.5,0;metallic=0;roughness=0.25");
+    check_spec(
+        "\"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.5, \"specularColorFactor\": [2, 1, 0]}, "
+        "\"KHR_materials_ior\": {\"ior\": 0}}",
+        "gltf:specular=0.5;specular_color=2,1,0;ior=0");
+    check_spec(
+        "\"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 1, \"clearcoatRoughnessFactor\": 0.1}, "
+        "\"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 1, 0], \"sheenRoughnessFactor\": 0.3}}",
+        "gltf:clearcoat=1;clearcoat_roughness=0.1;sheen_color=1,1,0;sheen_roughness=0.3");
+}
+
+static void what_has_no_effect_is_accepted(void **state) {
+    (void)state;
+    check_spec("\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0}", "gltf:metallic=0");
+    check_spec("\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.6]}",
+               "gltf:base_color=0,0,0");
+    check_spec("\"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.1]}", "gltf:base_color=0,0,0");
+    check_spec("\"emissiveFactor\": [0, 0, 0], \"emissiveTexture\": {\"index\": 0}, "
+               "\"extensions\": {\"KHR_materials_emissive_strength\": {\"emissiveStrength\": 5}}",
+               "gltf:");
+    check_spec("\"emissiveFactor\": [1, 0, 0], "
+               "\"extensions\": {\"KHR_materials_emissive_strength\": {\"emissiveStrength\": 0}}",
+               "gltf:");
+    check_spec(
+        "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0, \"transmissionTexture\": {}}, "
+        "\"KHR_materials_volume\": {\"attenuationColor\": [1, 0, 0]}, \"KHR_materials_anisotropy\": {}, "
+        "\"KHR_materials_iridescence\": {\"iridescenceIor\": 1.5}, \"KHR_materials_dispersion\": {\"dispersion\": 0}, "
+        "\"KHR_materials_diffuse_transmission\": {}}",
+        "gltf:");
+    check_spec("\"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatNormalTexture\": {\"index\": 0}}, "
+               "\"KHR_materials_sheen\": {\"sheenColorFactor\": [0, 0, 0], \"sheenColorTexture\": {}}}",
+               "gltf:sheen_color=0,0,0");
+}
+
+/* ---- refused ----------------------------------------------------------------------------------------------------- */
+
+/* The refusal begins with `property`, whose value begins at `value` in the file. */
+static void check_refusal(const char *members, const char *property, const char *value) {
+    const char *text = document(members);
+    nqm_materials *materials = read_text(text);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    if (!info.refusal || strncmp(info.refusal, property, strlen(property)) != 0)
+        fail_msg("%s: %s instead of %s", members, info.refusal ? info.refusal : "accepted", property);
+    if (strncmp(text + info.byte_offset, value, strlen(value)) != 0)
+        fail_msg("%s: byte %lld is %.10s", members, (long long)info.byte_offset, text + info.byte_offset);
+    nqm_materials_free(materials);
+}
+
+static void what_is_no_brdf_is_refused(void **state) {
+    (void)state;
+    static const char *const cases[][3] = {
+        {"\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 7}}",
+         "pbrMetallicRoughness.baseColorTexture:", "{\"index\": 7}"},
+        {"\"pbrMetallicRoughness\": {\"metallicRoughnessTexture\": {}}",
+         "pbrMetallicRoughness.metallicRoughnessTexture:", "{}}"},
+        {"\"normalTexture\": {\"index\": 1}", "normalTexture:", "{\"index\": 1}"},
+        {"\"name\": \"\\\"normalTexture\\\"\", \"occlusionTexture\": {}", "occlusionTexture:", "{}}"},
+        {"\"emissiveFactor\": [1, 1, 1], \"emissiveTexture\": {\"x\": 0}", "emissiveTexture:", "{\"x\""},
+        {"\"emissiveFactor\": [0, 0.5, 0]", "emissiveFactor:", "[0, 0.5"},
+        {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.9]}",
+         "alphaMode = BLEND:", "\"BLEND\""},
+        {"\"alphaMode\": \"MASK\", \"alphaCutoff\": 0.8, \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, "
+         "0.7]}",
+         "alphaMode = MASK:", "\"MASK\""},
+        {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.8}}",
+         "KHR_materials_transmission.transmissionFactor = 0.8:", "0.8}"},
+        {"\"extensions\": {\"KHR_materials_volume\": {\"thicknessFactor\": 2}}",
+         "KHR_materials_volume.thicknessFactor = 2:", "2}"},
+        {"\"extensions\": {\"KHR_materials_anisotropy\": {\"anisotropyStrength\": 1}}",
+         "KHR_materials_anisotropy.anisotropyStrength = 1:", "1}"},
+        {"\"extensions\": {\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1}}",
+         "KHR_materials_iridescence.iridescenceFactor = 1:", "1}"},
+        {"\"extensions\": {\"KHR_materials_dispersion\": {\"dispersion\": 0.1}}",
+         "KHR_materials_dispersion.dispersion = 0.1:", "0.1}"},
+        {"\"extensions\": {\"KHR_materials_diffuse_transmission\": {\"diffuseTransmissionFactor\": 1}}",
+         "KHR_materials_diffuse_transmission.diffuseTransmissionFactor = 1:", "1}"},
+        {"\"extensions\": {\"KHR_materials_unlit\": {}}", "KHR_materials_unlit:", "{}}"},
+        {"\"extensions\": {\"KHR_materials_pbrSpecularGlossiness\": {\"glossinessFactor\": 1}}",
+         "KHR_materials_pbrSpecularGlossiness:", "{\"gloss"},
+        {"\"extensions\": {\"EXT_new\": {\"a\": 1}}", "EXT_new: this extension is not known", "{\"a\""},
+        {"\"extensions\": {\"KHR_materials_ior\": {\"ior\": 0.5}}", "KHR_materials_ior.ior:", "0.5}"},
+        {"\"extensions\": {\"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 0, 0], \"sheenRoughnessTexture\": "
+         "{\"i\": 1}}}",
+         "KHR_materials_sheen.sheenRoughnessTexture:", "{\"i\""},
+        {"\"pbrMetallicRoughness\": {\"shininess\": 3}", "pbrMetallicRoughness.shininess:", "3}"},
+        {"\"technique\": 3", "technique:", "3}"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        check_refusal(cases[i][0], cases[i][1], cases[i][2]);
+}
+
+static void requirements_concern_every_material(void **state) {
+    (void)state;
+    nqm_materials *materials = read_text(
+        "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\", \"EXT_odd\"], "
+        "\"materials\": [{\"name\": \"a\"}, {}]}");
+    assert_int_equal(nqm_materials_count(materials), 2);
+    for (size_t i = 0; i < 2; ++i)
+        assert_string_equal(nqm_materials_get(materials, i).refusal, "extensionsRequired: EXT_odd is not known");
+    nqm_materials_free(materials);
+}
+
+static void materials_have_names(void **state) {
+    (void)state;
+    nqm_materials *materials = read_text("{\"materials\": [{\"name\": \"gold leaf\"}, {\"alphaMode\": \"OPAQUE\"}, "
+                                         "{\"normalTexture\": {}}], \"asset\": {\"version\": \"2.1\"}}");
+    assert_int_equal(nqm_materials_count(materials), 3);
+    assert_string_equal(nqm_materials_get(materials, 0).name, "gold leaf");
+    assert_string_equal(nqm_materials_get(materials, 1).name, "material2");
+    assert_null(nqm_materials_get(materials, 1).refusal);
+    assert_non_null(nqm_materials_get(materials, 2).refusal);
+    nqm_materials_free(materials);
+}
+
+/* ---- broken files ------------------------------------------------------------------------------------------------ */
+
+static void check_broken(const void *data, size_t n, int64_t byte, const char *words) {
+    nqm_materials *materials = NULL;
+    nqm_error err = {0};
+    assert_int_equal(read_bytes(data, n, "x.gltf", &materials, &err), NQM_ERR_FORMAT);
+    assert_null(materials);
+    if (!strstr(err.message, words))
+        fail_msg("%s: no '%s'", err.message, words);
+    if (byte >= 0)
+        assert_int_equal(err.byte_offset, byte);
+}
+
+static void broken_texts_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        int64_t byte;
+        const char *words;
+    } cases[] = {
+        {"{\"asset\": {\"version\": \"2.0\"}, }", -1, "invalid JSON"},
+        {"{\"asset\": {\"version\": \"2.0\"", -1, "invalid JSON"},
+        {"{\"asset\": 1, \"asset\": 2}", -1, "invalid JSON"},
+        {"{\"asset\": {}}", 10, "asset.version"},
+        {"{}", 0, "asset.version"},
+        {"{\"asset\": {\"version\": \"1.0\"}}", 22, "glTF 1.0"},
+        {"{\"asset\": {\"version\": \"2.0\"}}", 0, "contains no material"},
+        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": {}}", 43, "needs an array"},
+        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [7]}", 44, "an object as material"},
+        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [{\"name\": 7}]}", 53, "a string"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        check_broken(cases[i].text, strlen(cases[i].text), cases[i].byte, cases[i].words);
+    static const char *const members[][2] = {
+        {"\"pbrMetallicRoughness\": 1", "an object"},
+        {"\"pbrMetallicRoughness\": {\"metallicFactor\": \"1\"}", "metallicFactor needs a number"},
+        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1]}", "an array of 4 numbers"},
+        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, \"1\"]}", "an array of 4 numbers"},
+        {"\"emissiveFactor\": 1", "an array of 3 numbers"},
+        {"\"alphaMode\": \"SHINY\"", "\"OPAQUE\", \"MASK\" or \"BLEND\""},
+        {"\"alphaCutoff\": [1]", "alphaCutoff needs a number"},
+        {"\"extensions\": []", "extensions needs an object"},
+        {"\"extensions\": {\"KHR_materials_ior\": 1.5}", "an object"},
+        {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": {}}}", "a number"}};
+    for (size_t i = 0; i < sizeof members / sizeof *members; ++i) {
+        const char *text = document(members[i][0]);
+        check_broken(text, strlen(text), -1, members[i][1]);
+    }
+}
+
+/* A binary file with a JSON chunk. */
+static size_t make_glb(unsigned char *b) {
+    static const char json[] = "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{}]}   ";
+    const uint32_t n = sizeof json - 1, words[] = {0x46546C67, 2, 20 + n, n, 0x4E4F534A};
+    for (size_t i = 0; i < 5; ++i)
+        nqm_store_u32(b + 4 * i, words[i]);
+    memcpy(b + 20, json, n);
+    return 20 + n;
+}
+
+static void broken_binary_files_are_refused(void **state) {
+    (void)state;
+    unsigned char b[256];
+    const size_t n = make_glb(b);
+    nqm_materials *materials = NULL;
+    assert_int_equal(read_bytes(b, n, "x", &materials, NULL), NQM_OK);
+    assert_int_equal(nqm_materials_get(materials, 0).byte_offset, n - 5 - 2);
+    nqm_materials_free(materials);
+    for (size_t cut = 4; cut < n; ++cut)
+        check_broken(b, cut, -1, "x.gltf");
+    static const struct {
+        size_t at;
+        uint32_t value;
+        const char *words;
+    } cases[] = {{4, 1, "version 1"},         {8, 5, "5 bytes"},           {8, UINT32_MAX, "4294967295 bytes"},
+                 {12, 1000, "1000 bytes"},    {12, UINT32_MAX, "a chunk"}, {12, 3, "invalid JSON"},
+                 {16, 0x004E4942, "not JSON"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        make_glb(b);
+        nqm_store_u32(b + cases[i].at, cases[i].value);
+        check_broken(b, n, cases[i].at == 12 && cases[i].value == 3 ? -1 : (int64_t)cases[i].at, cases[i].words);
+    }
+}
+
+/* ---- written and read back --------------------------------------------------------------------------------------- */
+
+static char *file_text(const char *path) {
+    static char text[8192];
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = 0;
+    fclose(f);
+    return text;
+}
+
+static void check_round_trip(const char *argument, const char *extension) {
+    char path[5000];
+    snprintf(path, sizeof path, "%s%s", temp_file, extension);
+    nqm_brdf *brdf = open_brdf(argument);
+    nqm_error err = {0};
+    if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    nqm_brdf *again = open_brdf(path);
+    assert_string_equal(nqm_brdf_get_info(again).spec, nqm_brdf_get_info(brdf).spec);
+    nqm_brdf_free(again);
+    nqm_brdf_free(brdf);
+    remove(path);
+}
+
+static void files_give_back_the_same_bits(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(14, 1);
+    for (int i = 0; i < 40; ++i) {
+        nqm_spec_values values = {.given = i == 0 ? 0 : nqm_rng_u64(&rng)};
+        const nqm_spec_schema *schema = &nqm_gltf_model.schema;
+        for (size_t k = 0; k < schema->n_keys; ++k)
+            for (size_t c = 0; c < 3; ++c)
+                values.v[k][c] = c && schema->keys[k].n == 1 ? values.v[k][0] : nqm_rng_uniform(&rng);
+        values.v[3][0] = values.v[3][1] = values.v[3][2] = 1 + values.v[3][0]; /* ior */
+        values.given |= 1;
+        char *spec = nqm_spec_format(schema, &values);
+        assert_non_null(spec);
+        check_round_trip(spec, i % 2 ? ".gltf" : ".GLB");
+        nqm_free(spec);
+    }
+}
+
+static void files_have_the_extensions_that_they_need(void **state) {
+    (void)state;
+    char path[5000];
+    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    assert_int_equal(nqm_material_write("gltf:metallic=0;ior=1.5", "plain", path, NULL), NQM_OK);
+    assert_null(strstr(file_text(path), "xtensions"));
+    assert_int_equal(nqm_material_write("gltf:clearcoat=1;ior=1.4", "coated", path, NULL), NQM_OK);
+    assert_non_null(
+        strstr(file_text(path), "\"extensionsUsed\": [\"KHR_materials_ior\", \"KHR_materials_clearcoat\"]"));
+    assert_null(strstr(file_text(path), "KHR_materials_sheen"));
+    nqm_error err = {0};
+    assert_int_equal(nqm_material_write("ggx:alpha=.1", "x", path, &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, ".gltf .glb (gltf)"));
+    remove(path);
+}
+
+/* Indices between 0 and 1 are not valid in a file; their reciprocal has the same Fresnel factor. */
+static void files_have_valid_indices(void **state) {
+    (void)state;
+    char path[5000];
+    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    assert_int_equal(nqm_material_write("gltf:ior=.5", "x", path, NULL), NQM_OK);
+    nqm_brdf *brdf = open_brdf(path);
+    assert_non_null(strstr(nqm_brdf_get_info(brdf).spec, "ior=2;"));
+    nqm_brdf_free(brdf);
+    remove(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(properties_become_keys),
+        cmocka_unit_test(what_has_no_effect_is_accepted),
+        cmocka_unit_test(what_is_no_brdf_is_refused),
+        cmocka_unit_test(requirements_concern_every_material),
+        cmocka_unit_test(materials_have_names),
+        cmocka_unit_test(broken_texts_are_refused),
+        cmocka_unit_test(broken_binary_files_are_refused),
+        cmocka_unit_test(files_give_back_the_same_bits),
+        cmocka_unit_test(files_have_the_extensions_that_they_need),
+        cmocka_unit_test(files_have_valid_indices),
+    };
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
+}
