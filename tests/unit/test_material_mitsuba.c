@@ -139,7 +139,7 @@ static void damaged_files(void **state) {
         {"{\"type\": \"diffuse\"", "not valid JSON at byte 18", NQM_ERR_FORMAT},
         {"{\"type\": \"diffuse\", \"a\": 1, \"a\": 2}", "duplicate", NQM_ERR_FORMAT},
         {"{\"type\": \"scene\"}", "no material", NQM_ERR_FORMAT},
-        {"{\"asset\": {}}", "not a material file", NQM_ERR_FORMAT},
+        {"{\"shapes\": {}}", "not a material file", NQM_ERR_FORMAT},
         {"<materials/>", "not a material file", NQM_ERR_FORMAT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
