@@ -51,7 +51,8 @@ install(EXPORT nqmStaticTargets NAMESPACE nqm:: DESTINATION ${package_dir})
 # ---- documentation ---
 install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.ipynb")
-install(DIRECTORY examples presets DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY presets DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.csv")
 # Links of pages to files that are not installed become plain text.
 install(CODE "set(NQM_PAGES \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}\")")
 install(SCRIPT cmake/installed_pages.cmake)

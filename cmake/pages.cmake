@@ -18,7 +18,8 @@ list(APPEND commands COMMAND nqm_tool help --format bash > ${completions_dir}/nq
 add_custom_command(OUTPUT ${man_pages} ${completions} ${commands} DEPENDS nqm_tool VERBATIM COMMENT "Man pages and completions")
 add_custom_target(pages ALL DEPENDS ${man_pages} ${completions})
 
+set(NQM_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING "folder of completions of zsh")
 install(FILES ${man_pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${completions_dir}/nqm DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-install(FILES ${completions_dir}/_nqm DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES ${completions_dir}/_nqm DESTINATION ${NQM_ZSH_DIR})
 install(FILES ${completions_dir}/nqm.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
