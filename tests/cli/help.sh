@@ -50,7 +50,7 @@ completes() {
 }
 if command -v bash >/dev/null; then
     completes "score" sc
-    completes "--fail-under" score a b --fail-u
+    completes "--min-valid" score a b --min-v
     completes "drop" score --invalid d
     completes "bf16" score --precision = bf
     completes "slice" plot sl
