@@ -113,6 +113,19 @@ static nqm_status open_measured(const char *path, const char *measured, nqm_brdf
     return status;
 }
 
+/* The spec of a material; a value outside of its model's range is a fault of the file. */
+static nqm_status open_spec(const char *path, const nqm_material_info *info, const char *name, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
+    nqm_error why = {0};
+    nqm_status status = nqm_spec_open(info->spec, name, brdf_ret, &why);
+    if (status == NQM_ERR_ARG)
+        return nqm_fail(err, NQM_ERR_FORMAT, info->byte_offset, "%s: the material '%s' (%s, byte %lld): %s", path,
+                        info->name, info->surface, (long long)info->byte_offset, why.message);
+    if (status != NQM_OK && err)
+        *err = why;
+    return status;
+}
+
 /* material NULL: the file has only one. `name` is the whole argument. */
 static nqm_status open_material(const nqm_map *map, const char *material, const char *name, nqm_brdf **brdf_ret,
                                 nqm_error *err) {
@@ -126,7 +139,7 @@ static nqm_status open_material(const nqm_map *map, const char *material, const 
             nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s) is refused: %s (byte %lld)",
                      map->path, info.name, info.surface, info.refusal, (long long)info.byte_offset);
     if (status == NQM_OK)
-        status = nqm_spec_probe(info.spec) ? nqm_spec_open(info.spec, name, brdf_ret, err)
+        status = nqm_spec_probe(info.spec) ? open_spec(map->path, &info, name, brdf_ret, err)
                                            : open_measured(map->path, info.spec, brdf_ret, err);
     nqm_materials_free(materials);
     return status;

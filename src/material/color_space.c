@@ -67,8 +67,10 @@ bool nqm_color_to_rec709(const char *space, double *rgb) {
     for (size_t c = 0; c < 3 && spaces[s].curve != LINEAR; ++c)
         rgb[c] = spaces[s].curve == SRGB ? nqm_srgb_to_linear(rgb[c]) : pow(fmax(rgb[c], 0), spaces[s].curve);
     const double in[3] = {rgb[0], rgb[1], rgb[2]};
-    for (size_t c = 0; c < 3 && spaces[s].to_rec709; ++c)
-        rgb[c] = (*spaces[s].to_rec709)[c][0] * in[0] + (*spaces[s].to_rec709)[c][1] * in[1] +
-                 (*spaces[s].to_rec709)[c][2] * in[2];
+    for (size_t c = 0; c < 3 && spaces[s].to_rec709; ++c) {
+        const double *row = (*spaces[s].to_rec709)[c];
+        /* The matrices have about 10 digits; white must not become 1 + 2e-16. */
+        rgb[c] = nqm_round_digits(row[0] * in[0] + row[1] * in[1] + row[2] * in[2], 9);
+    }
     return true;
 }

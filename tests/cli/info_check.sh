@@ -47,6 +47,28 @@ complains 'other.safetensors'
 printf '\377\377\377\377\377\377\377\177{}' >"$dir/huge.safetensors"
 run 4 info "$dir/huge.safetensors"
 
+# a file of several materials
+cat >"$dir/two.mtlx" <<'END'
+<materialx version="1.39"><standard_surface name="a" type="surfaceshader"><input name="coat" type="float" value="1"/>
+</standard_surface><standard_surface name="b" type="surfaceshader"><input name="coat" type="float" value="7"/>
+</standard_surface><gltf_pbr name="c" type="surfaceshader"><input name="transmission" type="float" value="1"/></gltf_pbr></materialx>
+END
+run 0 info "$dir/two.mtlx"
+has '^kind *materials'
+has '^accepted *1'
+has '^a  standard_surface  accepted'
+has '^b  standard_surface  refused: standard-surface: coat needs one number from 0 to 1'
+has '^c  gltf_pbr  refused: transmission is 1'
+run 0 info "$dir/two.mtlx" --json
+has '"byte_offset": 26'
+has '"spec": "standard-surface:base=1;'
+run 0 info "$dir/two.mtlx:a"
+has 'format *standard-surface'
+run 4 info "$dir/two.mtlx:b"
+complains "two.mtlx: the material 'b' (standard_surface, byte 137): .*coat needs"
+run 4 info "$dir/two.mtlx:c"
+complains 'transmission is 1.*byte'
+
 run 0 check sgd:nickel 'ggx:kd=.3;alpha=.002'
 [ "$(grep -c 'plausible$' "$dir/out")" = 2 ] || fail "two verdicts: $(cat "$dir/out")"
 run 1 check lambert:kd=1 lambert:kd=1.1

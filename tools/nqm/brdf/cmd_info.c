@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm info - prints what a BRDF, model or dataset file contains; `nqm info list` prints the names of the presets.
+ * nqm info - prints what a BRDF, model, dataset or material file contains; `nqm info list` prints the names of the presets.
  */
 #include "io/io.h"
 #include "nqm/tool.h"
+#include <nqm/material.h>
 
 #include <string.h>
 
@@ -24,6 +25,61 @@ static int print_brdf(const char *argument, bool json) {
                   json_number(albedo[1]), json_number(albedo[2]));
     nqm_brdf_free(brdf);
     return json ? print_document(members) : print_members(members);
+}
+
+/* Why a material cannot be opened: its refusal, or a value outside of its model's range, as a message in `err`. NULL: it can. */
+static const char *obstacle(const nqm_material_info *info, nqm_error *err) {
+    nqm_brdf *brdf = NULL;
+    if (info->refusal)
+        return info->refusal;
+    if (strchr(info->spec, '=') && nqm_brdf_open(info->spec, &brdf, err) != NQM_OK)
+        return err->message;
+    nqm_brdf_free(brdf);
+    return NULL;
+}
+
+/* A file of several materials: names, surfaces, and which are refused. */
+static int print_materials(const char *path, const nqm_materials *materials, bool json) {
+    json_t *list = json_array();
+    size_t n_accepted = 0;
+    for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
+        const nqm_material_info info = nqm_materials_get(materials, i);
+        nqm_error err = {0};
+        const char *refusal = obstacle(&info, &err);
+        n_accepted += !refusal;
+        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I}", "name", json_name(info.name), "surface",
+                                              info.surface, "spec", json_text(refusal ? NULL : info.spec), "refusal",
+                                              json_text(refusal), "byte_offset", (json_int_t)info.byte_offset));
+    }
+    json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
+                                (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
+    if (json) {
+        json_object_set_new(members, "materials", list);
+        return print_document(members);
+    }
+    print_members(members);
+    size_t i;
+    json_t *entry;
+    json_array_foreach(list, i, entry) {
+        const char *refusal = json_string_value(json_object_get(entry, "refusal"));
+        printf("%s  %s  %s%s\n", json_string_value(json_object_get(entry, "name")),
+               json_string_value(json_object_get(entry, "surface")), refusal ? "refused: " : "accepted",
+               refusal ? refusal : "");
+    }
+    json_decref(list);
+    return EXIT_OK;
+}
+
+/* Files that are no material files, and those with one material, are BRDFs: opening one has the best message too. */
+static int print_file_of_brdfs(const char *argument, bool json) {
+    nqm_materials *materials = NULL;
+    int code = EXIT_OK;
+    if (nqm_materials_open(argument, &materials, NULL) == NQM_OK && nqm_materials_count(materials) > 1)
+        code = print_materials(argument, materials, json);
+    else
+        code = print_brdf(argument, json);
+    nqm_materials_free(materials);
+    return code;
 }
 
 static int print_dataset(const char *path, bool json) {
@@ -96,8 +152,11 @@ int cmd_info(int argc, char **argv) {
     const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
     const command cmd = {
         .usage = "FILE|SPEC|list [options]",
-        .about = "What a BRDF (file, spec or preset), model file or dataset file contains. `list` prints the presets:\n"
-                 "published fits of measured materials. For BRDFs the albedo at normal incidence is computed too.",
+        .about =
+            "What a BRDF (file, spec or preset), model file, dataset file or file of several materials contains. "
+            "`list`\n"
+            "prints the presets: published fits of measured materials. For BRDFs the albedo at normal incidence is\n"
+            "computed too.",
         .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list",
         .options = options,
         .min_arguments = 1,
@@ -105,5 +164,5 @@ int cmd_info(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     if (strcmp(argv[0], "list") == 0)
         return print_presets(json);
-    return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_brdf(argv[0], json);
+    return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_file_of_brdfs(argv[0], json);
 }

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""Which example materials of MaterialX and OpenPBR have a BRDF, by Python's XML reader and the definitions of the surfaces.
+material_examples.csv: file, material, surface, verdict ("accepted", or the first input that cannot be honoured).
+Usage: material_examples.py FOLDER, the folder materials of the shared data; without it the stored table stays."""
+import csv
+import pathlib
+import sys
+import xml.etree.ElementTree
+
+# inputs that must keep the defaults of the definition
+NEUTRAL = {
+    "open_pbr_surface": "specular_roughness_anisotropy transmission_weight subsurface_weight thin_film_weight "
+                        "emission_luminance geometry_opacity",
+    "standard_surface": "specular_anisotropy transmission subsurface thin_film_thickness emission opacity",
+    "gltf_pbr": "transmission alpha_mode iridescence emissive anisotropy_strength",
+    "UsdPreviewSurface": "emissiveColor opacity displacement",
+    "disney_principled": "anisotropic specTrans subsurface",
+}
+# inputs that a BRDF needs as numbers, by the beginning of their names
+NEEDED = {
+    "open_pbr_surface": "base_ specular_ fuzz_ coat_",
+    "standard_surface": "base diffuse_ metalness specular sheen coat",
+    "gltf_pbr": "base_color metallic roughness ior specular clearcoat sheen_",
+    "UsdPreviewSurface": "diffuseColor useSpecularWorkflow specularColor metallic roughness clearcoat ior",
+    "disney_principled": "baseColor metallic roughness specular sheen clearcoat",
+}
+NO_EFFECT = "specular_rotation coat_rotation".split()
+# ACES AP1 (D60) to BT.709 (D65), Bradford
+AP1 = [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055], [-0.02400, -0.12897, 1.15297]]
+
+
+def numbers(text):
+    return [float(x) for x in text.split(",")]
+
+
+def verdict(shader, space, defaults):
+    kind = shader.tag
+    value = {i.get("name"): i.get("value", "") for i in shader.iter("input")}
+    connected = lambda i: i.get("nodename") or i.get("nodegraph")
+    for i in shader.iter("input"):
+        name = i.get("name")
+        if "normal" in name and (connected(i) or numbers(i.get("value")) != [0, 0, 1]):
+            return name
+        if name in NEUTRAL[kind].split() and (connected(i) or numbers(i.get("value")) != numbers(defaults[kind][name])):
+            return name
+        if name in ("coat_anisotropy", "coat_roughness_anisotropy"):
+            if numbers(i.get("value")) != [0] and numbers(value.get("coat", value.get("coat_weight", "0"))) != [0]:
+                return name
+        if name in NO_EFFECT or not any(name.startswith(n) for n in NEEDED[kind].split()):
+            continue
+        if connected(i):
+            return name
+        if i.get("type") == "color3" and space == "acescg":
+            if min(sum(m * x for m, x in zip(row, numbers(i.get("value")))) for row in AP1) < -1e-3:
+                return name
+    return "accepted"
+
+
+def defaults_of(folder):
+    found = {}
+    for path in (folder / "definitions").glob("*.mtlx"):
+        for definition in xml.etree.ElementTree.parse(path).getroot().iter("nodedef"):
+            entry = found.setdefault(definition.get("node"), {})
+            for i in definition.iter("input"):
+                entry.setdefault(i.get("name"), i.get("value"))
+    return found
+
+
+def main(folder):
+    defaults = defaults_of(folder)
+    rows = []
+    for path in sorted((folder / "materialx").glob("*.mtlx")) + sorted((folder / "openpbr").glob("*.mtlx")):
+        root = xml.etree.ElementTree.parse(path).getroot()
+        for material in root.iter("surfacematerial"):
+            target = next(i for i in material.iter("input") if i.get("name") == "surfaceshader").get("nodename")
+            shader = next(e for e in root if e.get("name") == target)
+            rows.append([f"{path.parent.name}/{path.name}", material.get("name"), shader.tag,
+                         verdict(shader, root.get("colorspace"), defaults)])
+        if not any(True for _ in root.iter("surfacematerial")):
+            rows.append([f"{path.parent.name}/{path.name}", "", "", "no material"])
+    with open(pathlib.Path(__file__).with_suffix(".csv"), "w", newline="") as file:
+        file.write("# made by material_examples.py\nfile,material,surface,verdict\n")
+        csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+if len(sys.argv) > 1:
+    main(pathlib.Path(sys.argv[1]))
