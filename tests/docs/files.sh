@@ -12,6 +12,25 @@ cd "$folder"
 "$nqm" convert sgd:nickel -o measured.binary
 "$nqm" fit sgd:nickel --model hyper-low -o approximation.safetensors -q
 "$nqm" render lambert:kd=.8 -o probe.exr --size 64x32 --background light >/dev/null
+cat >paints.mtlx <<END
+<?xml version="1.0"?>
+<materialx version="1.39" colorspace="lin_rec709">
+  <open_pbr_surface name="s1" type="surfaceshader">
+    <input name="base_color" type="color3" value="0.6, 0.1, 0.05"/>
+  </open_pbr_surface>
+  <open_pbr_surface name="s2" type="surfaceshader">
+    <input name="base_color" type="color3" value="0.6, 0.1, 0.05"/>
+    <input name="coat_weight" type="float" value="1"/>
+    <input name="coat_roughness" type="float" value="0.2"/>
+  </open_pbr_surface>
+  <surfacematerial name="plain" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="s1"/>
+  </surfacematerial>
+  <surfacematerial name="coated" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="s2"/>
+  </surfacematerial>
+</materialx>
+END
 cat >bunny.ply <<END
 ply
 format ascii 1.0
