@@ -81,7 +81,11 @@ typedef struct nqm_fit_options {
                           the albedos that fit best by NQM_FIT_LOG times factors log-uniform in [1/20, 20]; a function of
                           `start_seed` and the directions only, equal for all losses; at most 1000; default 0 */
     uint64_t start_seed; /**< of the random starts; default 1 */
-    int immediate;       /**< 1: random starts minimise the whole loss from the first step; 0 (default): they are first
+    double
+        simplify; /**< of shading models: keys get their defaults, and metals 0 or 1, where that raises the loss in total by at
+                          most this fraction of itself plus a twentieth of the loss of a black surface; layers are removed
+                          with a fit of the other keys; 0 (not done) to 1; default 0.01 */
+    int immediate; /**< 1: random starts minimise the whole loss from the first step; 0 (default): they are first
                             fitted by least squares, then by the BRDF-space terms, and visual terms come in last */
     nqm_progress_fn progress; /**< NULL: silent. Called by the calling thread */
     void *progress_user;
@@ -91,7 +95,8 @@ typedef struct nqm_fit_options {
 NQM_API nqm_fit_options nqm_fit_options_default(void);
 
 typedef struct nqm_fit_report {
-    char spec[512]; /**< analytic models: the result as a spec for nqm_brdf_open(); otherwise "": nqm_brdf_save() it */
+    char spec
+        [2048]; /**< analytic and shading models: the result as a spec for nqm_brdf_open(); otherwise "": nqm_brdf_save() it */
     double
         loss; /**< analytic models: value of the loss, or of the sum of the terms; networks: mean absolute difference of
                               log(1 + cos(theta_i) f_r); sparse codes: mean absolute difference of log(1 + c f_r) */
@@ -111,7 +116,11 @@ typedef struct nqm_fit_report {
  */
 NQM_API const char *nqm_fit_model(size_t i);
 enum { NQM_FIT_N_ENCODINGS = 9 };
-/** 1 if `key` is a lobe parameter of the analytic model `name`, which nqm_fit_options.bounds can restrict; otherwise 0. */
+/** Name of shading model i, NULL after the last: the models of renderers' materials (doc/materials.md), which are not in the list
+ *  above. */
+NQM_API const char *nqm_fit_shading(size_t i);
+/** 1 if `key` is a lobe parameter of the analytic model `name` or a key of the shading model `name`, which
+ *  nqm_fit_options.bounds can restrict; otherwise 0. */
 NQM_API int nqm_fit_model_has(const char *name, const char *key);
 
 /**
@@ -119,6 +128,11 @@ NQM_API int nqm_fit_model_has(const char *name, const char *key);
  * albedos by linear least squares, and the best starts are refined by Levenberg-Marquardt over all parameters. A loss that is
  * not one root mean square continues from there by L-BFGS (NLopt), first under its BRDF-space terms, then under all terms.
  * Without BRDF-space terms the least-squares fit is that of NQM_FIT_LOG. The result is deterministic.
+ *
+ * A shading model is fitted in all its keys at once, except whole-number keys, which keep the value of `start` or their default:
+ * Levenberg-Marquardt with bounds from three roughnesses, without and with metal, and with layers (coat, sheen) where they help;
+ * then a quasi-Newton method under the whole loss. `bounds` apply to any key (low = high fixes it), `n_starts` and random starts do not. The spec of the
+ * result leaves out keys with their default.
  *
  * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
  *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the

@@ -30,6 +30,8 @@ static const nqm_option rows[] = {
      .values = {"0"}, .help = "start from this many random values instead (analytic models)"},
     {FIELD(start_seed), .name = "start-seed", .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"},
      .help = "seed of the random starts"},
+    {FIELD(simplify), .name = "simplify", .metavar = "X", .min = 0, .max = 1, .values = {"0.01"},
+     .help = "fraction of the loss for which keys get their defaults (shading models)"},
     {FIELD(immediate), .kind = NQM_OPTION_BOOL, .off_name = "", .values = {"0"},
      .help = "random starts minimise the whole loss from the first step"},
 };
@@ -105,8 +107,6 @@ static nqm_status fit_analytic(const nqm_brdf *ref, const nqm_fit_entry *entry, 
     nqm_fit_candidate found;
     nqm_fit_options first = *options;
     nqm_status status = nqm_fit_apply_bounds(options, &model, err);
-    if (status == NQM_OK)
-        status = check_terms(options, err);
     first.loss = nqm_fit_first_loss(options);
     if (status == NQM_OK)
         status = nqm_fit_target_make(ref, &first, &target, err);
@@ -159,6 +159,8 @@ nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options
     nqm_status status = nqm_fit_entry_find(model, &entry, err);
     if (status == NQM_OK)
         status = nqm_options_check(&nqm_fit_option_table, &options, err);
+    if (status == NQM_OK && (!entry->encode || entry->shading))
+        status = check_terms(&options, err);
     if (status == NQM_OK)
         status = entry->encode ? entry->encode(ref, entry, &options, &report, &brdf, err)
                                : fit_analytic(ref, entry, &options, &report, &brdf, err);

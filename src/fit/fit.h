@@ -70,6 +70,7 @@ typedef struct nqm_fit_entry {
     void (*start)(double alpha, size_t which, double *shape); /* writes starting point `which` in [0, n_start) */
     nqm_encode_fn encode;                                     /* NULL: analytic */
     nqm_code code;                                            /* of a learned encoder */
+    const struct nqm_analytic_model *shading; /* a shading model, whose name is that of its schema; otherwise NULL */
 } nqm_fit_entry;
 
 /** By name. NQM_ERR_ARG lists the names. */

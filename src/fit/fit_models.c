@@ -4,7 +4,8 @@
  * search, and its starting points. All start from the same widths alpha of a lobe exp(-tan^2 theta_h / alpha^2), converted
  * to the model's own parameters by equal curvature at the mirror direction; other parameters start from a few values each.
  */
-#include "fit/fit.h"
+#include "brdf/spec.h"
+#include "fit/shading.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,8 +66,8 @@ static nqm_status encode_nbrdf(const nqm_brdf *ref, const nqm_fit_entry *entry, 
  * the finest. Their settings were chosen so that the median Delta-E of training materials is that of the authors' labels
  * (doc/encodings.md). */
 static const nqm_fit_entry entries[] = {
-    {"ward", 1, {WIDTH}, 1, start_width_f0, NULL, {0}},
-    {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, {0}},
+    {"ward", 1, {WIDTH}, 1, start_width_f0, NULL, {0}, NULL},
+    {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, {0}, NULL},
     {.name = "nbrdf", .encode = encode_nbrdf},
     {.name = "sparse-0", .encode = nqm_fit_sparse, .code = {3, 0}},
     {.name = "sparse-1", .encode = nqm_fit_sparse, .code = {3, 40}},
@@ -80,41 +81,75 @@ static const nqm_fit_entry entries[] = {
     {.name = "hyper-low", .encode = nqm_fit_hyper, .code = {12, 0}},
     {.name = "hyper-mid", .encode = nqm_fit_hyper, .code = {64, 0}},
     {.name = "hyper-high", .encode = nqm_fit_hyper, .code = {400, 0}},
-    {"ward-duer", 1, {WIDTH}, 1, start_width_f0, NULL, {0}},
-    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent_f0, NULL, {0}},
-    {"lafortune", 2, {{"cz", 0.02, 1 - 1e-8, NQM_FIT_SCALE_LOG_REST}, EXPONENT(3e6)}, 2, start_lafortune, NULL, {0}},
-    {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, {0}},
+    {"ward-duer", 1, {WIDTH}, 1, start_width_f0, NULL, {0}, NULL},
+    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent_f0, NULL, {0}, NULL},
+    {"lafortune",
+     2,
+     {{"cz", 0.02, 1 - 1e-8, NQM_FIT_SCALE_LOG_REST}, EXPONENT(3e6)},
+     2,
+     start_lafortune,
+     NULL,
+     {0},
+     NULL},
+    {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, {0}, NULL},
     {"ashikhmin-shirley",
      2,
      {EXPONENT(1e7), {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}},
      2,
      start_exponent_f0,
      NULL,
-     {0}},
-    {"abc", 3, {{"B", 0.5, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA}, 4, start_abc, NULL, {0}},
+     {0},
+     NULL},
+    {"abc",
+     3,
+     {{"B", 0.5, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA},
+     4,
+     start_abc,
+     NULL,
+     {0},
+     NULL},
     {"smooth",
      3,
      {{"B", 0.1, 1e9, NQM_FIT_SCALE_LOG}, {"C", 0.05, 20, NQM_FIT_SCALE_LOG}, ETA},
      4,
      start_smooth,
      NULL,
-     {0}},
+     {0},
+     NULL},
 };
 enum { N_ENTRIES = sizeof entries / sizeof *entries };
+
+#define SHADING_ENTRY(NAME) {.encode = nqm_fit_shading_model, .shading = &(NAME)},
+static const nqm_fit_entry shadings[] = {NQM_SHADING_MODELS(SHADING_ENTRY){.name = NULL}};
+enum { N_SHADINGS = sizeof shadings / sizeof *shadings - 1 };
 
 const char *nqm_fit_model(size_t i) {
     return i < N_ENTRIES ? entries[i].name : NULL;
 }
 
+const char *nqm_fit_shading(size_t i) {
+    return i < N_SHADINGS ? shadings[i].shading->schema.model : NULL;
+}
+
+static const nqm_fit_entry *entry_at(size_t i) {
+    return i < N_ENTRIES ? &entries[i] : &shadings[i - N_ENTRIES];
+}
+
+static const char *name_of(const nqm_fit_entry *entry) {
+    return entry->shading ? entry->shading->schema.model : entry->name;
+}
+
 nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret, nqm_error *err) {
-    char names[400];
+    char names[480];
     size_t used = 0;
-    for (size_t i = 0; i < N_ENTRIES; ++i) {
-        if (strcmp(entries[i].name, name) == 0) {
-            *entry_ret = &entries[i];
+    for (size_t i = 0; i < N_ENTRIES + N_SHADINGS; ++i) {
+        const nqm_fit_entry *entry = entry_at(i);
+        if (strcmp(name_of(entry), name) == 0) {
+            *entry_ret = entry;
             return NQM_OK;
         }
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", entries[i].name);
+        if (used < sizeof names)
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", name_of(entry));
     }
     return nqm_fail(err, NQM_ERR_ARG, -1, "cannot fit a model '%.40s'; these can be fitted: %s", name, names);
 }
@@ -127,12 +162,13 @@ static nqm_fit_shape *find_shape(nqm_fit_entry *model, const char *key) {
 }
 
 int nqm_fit_model_has(const char *name, const char *key) {
-    for (size_t i = 0; i < N_ENTRIES; ++i) {
-        nqm_fit_entry entry = entries[i];
-        if (strcmp(entry.name, name) == 0)
-            return find_shape(&entry, key) != NULL;
-    }
-    return 0;
+    const nqm_fit_entry *found;
+    if (nqm_fit_entry_find(name, &found, NULL) != NQM_OK)
+        return 0;
+    if (found->shading)
+        return nqm_shading_key(&found->shading->schema, key) < found->shading->schema.n_keys;
+    nqm_fit_entry entry = *found;
+    return find_shape(&entry, key) != NULL;
 }
 
 nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_entry *model, nqm_error *err) {

@@ -206,13 +206,14 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
         status = nqm_fit_entry_find(model, &entry, err);
     if (status != NQM_OK)
         return status;
-    if (entry->encode)
+    const bool has_own_loss = entry->encode && !entry->shading;
+    if (has_own_loss)
         status = nqm_fit(ref, model, &s.options, &report.fit, &brdf, err);
     else if (sum.is_auto)
         status = select_best(&s, &sum, &report, &brdf, err);
     else
         status = fit_sum(&s, &sum, NULL, &report.fit, &brdf, err);
-    if (status == NQM_OK && !entry->encode && !sum.is_auto && loss->transport)
+    if (status == NQM_OK && !has_own_loss && !sum.is_auto && loss->transport)
         status = compare(&s, brdf, &report.difference, err);
     if (status == NQM_OK)
         *report_ret = report;

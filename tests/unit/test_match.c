@@ -210,7 +210,7 @@ static void auto_is_the_best_of_its_candidates(void **state) {
 
 static void threads_do_not_change_the_result(void **state) {
     (void)state;
-    char specs[2][512];
+    char specs[2][2048];
     for (int k = 0; k < 2; ++k) {
         int before = nqm_limit_threads(k + 1);
         snprintf(specs[k], sizeof specs[k], "%s", match("sgd:nickel", "ggx", "auto:transport", NULL).fit.spec);

@@ -12,26 +12,34 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { FIT_MAX_MODELS = 32, FIT_MAX_BOUNDS = 8 };
+enum { FIT_MAX_MODELS = 48, FIT_MAX_BOUNDS = 16 };
 
 /* The models to fit, in the order of the command line. */
 typedef struct fit_request {
     const char *models[FIT_MAX_MODELS]; /* names of the library */
     size_t n_models;
-    char bound_keys[FIT_MAX_BOUNDS][16];
+    char bound_keys[FIT_MAX_BOUNDS][48];
     nqm_fit_bound bounds[FIT_MAX_BOUNDS]; /* their keys are the texts above */
     size_t n_bounds;
 } fit_request;
 
 /* ---- arguments --------------------------------------------------------------------------------------------------- */
 
+/* Name i of all models: those of nqm_fit_model(), then the shading models. */
+static const char *model_name(size_t i) {
+    size_t n = 0;
+    while (nqm_fit_model(n))
+        ++n;
+    return i < n ? nqm_fit_model(i) : nqm_fit_shading(i - n);
+}
+
 static _Noreturn void stop_unknown(const char *name, size_t n_name) {
     char names[600] = "";
     size_t used = 0;
-    for (size_t i = 0; nqm_fit_model(i) && used < sizeof names; ++i)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", nqm_fit_model(i));
-    stop(EXIT_USAGE, "cannot fit a model '%.*s'; there are all, encodings, %s", n_name < 40 ? (int)n_name : 40, name,
-         names);
+    for (size_t i = 0; model_name(i) && used < sizeof names; ++i)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", model_name(i));
+    stop(EXIT_USAGE, "cannot fit a model '%.*s'; there are all, encodings, shading, %s", n_name < 40 ? (int)n_name : 40,
+         name, names);
 }
 
 static void add_model(fit_request *request, const char *name) {
@@ -49,19 +57,22 @@ static size_t group_size(const char *text, size_t n) {
 }
 
 static void add_word(const char *text, size_t n, fit_request *request) {
+    const bool shading = n == 7 && strncmp(text, "shading", n) == 0;
     size_t n_group = group_size(text, n), i = 0;
     for (size_t k = 0; k < n_group && nqm_fit_model(k); ++k)
         add_model(request, nqm_fit_model(k));
-    if (n_group)
+    for (size_t k = 0; shading && nqm_fit_shading(k); ++k)
+        add_model(request, nqm_fit_shading(k));
+    if (n_group || shading)
         return;
-    while (nqm_fit_model(i) && !(strncmp(nqm_fit_model(i), text, n) == 0 && nqm_fit_model(i)[n] == 0))
+    while (model_name(i) && !(strncmp(model_name(i), text, n) == 0 && model_name(i)[n] == 0))
         ++i;
-    if (!nqm_fit_model(i))
+    if (!model_name(i))
         stop_unknown(text, n);
-    add_model(request, nqm_fit_model(i));
+    add_model(request, model_name(i));
 }
 
-/* Names, "all" and "encodings", separated by commas. */
+/* Names, "all", "encodings" and "shading", separated by commas. "all" is without shading models, whose fits take longer. */
 static void choose_models(const char *text, fit_request *request) {
     for (;; ++text) {
         size_t n = strcspn(text, ",");
@@ -80,7 +91,7 @@ static void choose_bounds(const char *text, fit_request *request) {
         nqm_fit_bound *bound = &request->bounds[request->n_bounds];
         char *key = request->bound_keys[request->n_bounds++];
         n = 0; /* numbers in the "C" locale: the tool never calls setlocale() */
-        if (sscanf(text, "%15[^=,]=%lf:%lf%n", key, &bound->low, &bound->high, &n) != 3 || (text[n] && text[n] != ','))
+        if (sscanf(text, "%47[^=,]=%lf:%lf%n", key, &bound->low, &bound->high, &n) != 3 || (text[n] && text[n] != ','))
             stop(EXIT_USAGE, "--bounds takes KEY=LOW:HIGH,..., not '%.80s'", text);
         n += text[n] == ',';
         bound->key = key;
@@ -88,7 +99,7 @@ static void choose_bounds(const char *text, fit_request *request) {
         for (size_t m = 0; m < request->n_models; ++m)
             known |= nqm_fit_model_has(request->models[m], key) != 0;
         if (!known)
-            stop(EXIT_USAGE, "none of the models has a lobe parameter '%s'", key);
+            stop(EXIT_USAGE, "none of the models has a parameter '%s' to bound", key);
     }
 }
 
@@ -284,7 +295,8 @@ int cmd_fit(int argc, char **argv) {
     const char *directions_name = NULL, *bounds = NULL, *path = NULL, *page = NULL;
     bool json = false, quiet = false, verbose = false;
     const option options[] = {
-        {"model", 'm', OPTION_TEXT, &model, "NAME,...", "models, 'all', or 'encodings' (the nine of the paper)", 0, 0},
+        {"model", 'm', OPTION_TEXT, &model, "NAME,...",
+         "models, 'all' lobes and networks, 'encodings' (the nine of the paper), or 'shading' (of renderers)", 0, 0},
         {"loss", 0, OPTION_TEXT, &loss, "SUM|auto",
          "loss of analytic models: a sum like log_diff+0.2*nqm of nqm, transport, log, log-cos, cube-root, linear and "
          "scalar metrics; auto: the best of several",
@@ -294,8 +306,8 @@ int cmd_fit(int argc, char **argv) {
          "the model of the loss transport and of the choice of auto (nqm transport make)", 0, 0},
         {"output", 'o', OPTION_TEXT, &path, "FILE|DIR/",
          "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},
-        {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...", "narrower ranges of lobe parameters (analytic models)",
-         0, 0},
+        {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...",
+         "narrower ranges of parameters (not of networks and codes)", 0, 0},
         {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
          "directions of the metrics (default: those of `nqm score`)", 0, 0},
         {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures of the fits and of those by log", 0,

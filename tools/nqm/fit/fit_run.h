@@ -19,7 +19,7 @@ typedef struct fitted {
     nqm_score_result score; /* by --metric */
     double seconds;
     char path[FIT_MAX_PATH]; /* of the file written; "" if the result is a spec or was not written */
-    char before[512];        /* for the report: spec of the fit under the loss "log"; "": none */
+    char before[2048];       /* for the report: spec of the fit under the loss "log"; "": none */
 } fitted;
 
 /** What print_fits() shows. */

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits of shading models: each recovers a material of its own, plain values stay plain, bounds and starts hold, and invalid
+ * ones are refused.
+ */
+#include "support/check.h"
+#include "support/fitting.h"
+
+#include "brdf/spec.h"
+#include "fit/shading.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static nqm_fit_options few_directions(void) {
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = 300;
+    return options;
+}
+
+/* A material and the fit of its own model: the loss vanishes, and the spec has the same keys. */
+static void models_give_themselves_back(void **state) {
+    (void)state;
+    static const char *const materials[] = {
+        "rough-conductor:alpha=0.2;eta=0.2,0.9,1.1;k=3.9,2.4,2.2",
+        "usd-preview:diffuseColor=0.6,0.3,0.1;roughness=0.4",
+        "gltf:base_color=0.8,0.3,0.1;metallic=0;roughness=0.35;clearcoat=0.6;clearcoat_roughness=0.1",
+        "gltf:base_color=0.9,0.6,0.3;roughness=0.25",
+        "open-pbr:base_color=0.7,0.2,0.2;specular_roughness=0.4;coat_weight=0.8;coat_roughness=0.05",
+        "principled:base_color=0.4,0.5,0.2;roughness=0.5;clearcoat=0.7;clearcoat_gloss=0.6",
+    };
+    const nqm_fit_options options = few_directions();
+    for (size_t i = 0; i < sizeof materials / sizeof *materials; ++i) {
+        char model[40];
+        snprintf(model, sizeof model, "%.*s", (int)strcspn(materials[i], ":"), materials[i]);
+        nqm_fit_report r = fit_spec(materials[i], model, &options);
+        assert_true(r.loss < 2e-3);
+        if (strncmp(model, "gltf", 4) == 0) {
+            check_spec_values(r.spec, materials[i], "base_color", 0.02);
+            check_spec_values(r.spec, materials[i], "roughness", 0.02);
+        }
+        assert_true(strlen(r.spec) < 160); /* without keys at their defaults */
+    }
+}
+
+static void bounds_and_starts_hold(void **state) {
+    (void)state;
+    const char *truth = "gltf:base_color=0.2,0.5,0.1;metallic=0;roughness=0.3";
+    const nqm_fit_bound bounds[] = {{"roughness", 0.5, 0.6}, {"ior", 1.4, 1.4}};
+    nqm_fit_options options = few_directions();
+    options.bounds = bounds;
+    options.n_bounds = 2;
+    nqm_fit_report r = fit_spec(truth, "gltf", &options);
+    double v[3];
+    spec_values(r.spec, "roughness", v);
+    assert_true(v[0] >= 0.5 && v[0] <= 0.6);
+    spec_values(r.spec, "ior", v);
+    assert_true(v[0] == 1.4);
+    options.n_bounds = 0;
+    options.start = "gltf:base_color=0.3;metallic=0.1;roughness=0.4";
+    r = fit_spec(truth, "gltf", &options);
+    assert_true(r.loss < 2e-3);
+    assert_int_equal(r.best_start, 0);
+}
+
+static void check_refusal(const nqm_fit_options *options, const char *model, const char *message) {
+    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+    nqm_fit_report report;
+    nqm_error err = {0};
+    assert_int_equal(nqm_fit(brdf, model, options, &report, NULL, &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, message));
+    nqm_brdf_free(brdf);
+}
+
+static void faults_are_refused(void **state) {
+    (void)state;
+    nqm_fit_bound bound = {"gloss", 0, 1};
+    nqm_fit_options options = few_directions();
+    options.bounds = &bound;
+    options.n_bounds = 1;
+    check_refusal(&options, "gltf", "no bounds for 'gloss'");
+    bound = (nqm_fit_bound){"roughness", 0.5, 1.5};
+    check_refusal(&options, "gltf", "between 0 and 1");
+    options.n_bounds = 0;
+    options.start = "ggx:kd=1;ks=1;alpha=1;f0=1";
+    check_refusal(&options, "gltf", "cannot start from");
+    check_refusal(NULL, "gtlf", "gtlf");
+}
+
+/* The gradient of a sum by differences of f_r is that of the sum itself. */
+static void curvature_and_differences_agree(void **state) {
+    (void)state;
+    nqm_brdf *ref = open_brdf("gltf:base_color=0.2,0.5,0.1;metallic=0.3;roughness=0.3");
+    nqm_fit_options options = few_directions();
+    const nqm_fit_term terms[] = {{.weight = 2, .loss = NQM_FIT_LOG}, {.weight = 1, .loss = NQM_FIT_RMS_CRWE}};
+    const nqm_fit_entry *entry;
+    nqm_shading_space space;
+    nqm_fit_target target;
+    nqm_shading_objective *o;
+    nqm_spec_values values;
+    assert_int_equal(nqm_fit_entry_find("gltf", &entry, NULL), NQM_OK);
+    assert_int_equal(nqm_shading_space_make(entry->shading, &options, &space, NULL), NQM_OK);
+    assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
+    assert_int_equal(nqm_shading_objective_make(&space, &target, 2, terms, &o, NULL), NQM_OK);
+    assert_int_equal(nqm_shading_read_spec(&space,
+                                           "gltf:base_color=0.4,0.3,0.3;metallic=0.6;roughness=0.5;clearcoat=0.4;"
+                                           "clearcoat_roughness=0.3;sheen_color=0.2;sheen_roughness=0.5",
+                                           &values, NULL),
+                     NQM_OK);
+    double x[NQM_SHADING_MAX_FREE];
+    nqm_shading_coordinates(&space, &values, x);
+    for (size_t k = 0; k < space.n; ++k) {
+        const double h = 1e-5, at = x[k];
+        nqm_spec_values up = values, down = values;
+        double value, value_up, value_down;
+        x[k] = at + h;
+        nqm_shading_values(&space, x, &up);
+        x[k] = at - h;
+        nqm_shading_values(&space, x, &down);
+        x[k] = at;
+        assert_int_equal(nqm_shading_objective_value(o, &up, &value_up, NULL), NQM_OK);
+        assert_int_equal(nqm_shading_objective_value(o, &down, &value_down, NULL), NQM_OK);
+        assert_int_equal(nqm_shading_objective_value(o, &values, &value, NULL), NQM_OK);
+        const double linear = nqm_shading_objective_difference(o, &up) - nqm_shading_objective_difference(o, &down);
+        assert_true(fabs(linear - (value_up - value_down)) <= 1e-4 * fabs(linear) + 1e-12);
+    }
+    nqm_shading_objective_free(o);
+    nqm_free(target.wi);
+    nqm_brdf_free(ref);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(models_give_themselves_back),
+        cmocka_unit_test(bounds_and_starts_hold),
+        cmocka_unit_test(faults_are_refused),
+        cmocka_unit_test(curvature_and_differences_agree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
