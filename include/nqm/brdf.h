@@ -48,7 +48,7 @@ typedef struct nqm_brdf_info {
  *
  * The format of a file is recognised by its first bytes or its size, not by its name:
  *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf` (isotropic), polarimetric `.pbsdf`
- *    (its unpolarised part), NBRDF `.h5`, a file of nqm_brdf_save();
+ *    (its unpolarised part), NBRDF `.h5`, a table `.npy`, a file of nqm_brdf_save();
  *  - `FILE.bsdf:E`, `FILE.bsdf:D65`: a spectral file as linear RGB under this illuminant, adapted so that a constant spectrum
  *    is grey; without a suffix E;
  *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;
@@ -197,11 +197,14 @@ NQM_API void nqm_directions_to_half_diff(const double *wi, const double *wo, dou
 /** Files that nqm_brdf_write() writes (doc/files.md). */
 typedef enum nqm_table_format {
     NQM_TABLE_MERL = 0, /**< MERL `.binary`, 90 x 90 x 180 cells: f_r at phi_d in [0, pi), which makes it reciprocal */
-    NQM_TABLE_MERL_360 = 1 /**< the same layout with 90 x 90 x 360 cells: distinguishes light and viewer */
+    NQM_TABLE_MERL_360 = 1, /**< the same layout with 90 x 90 x 360 cells: distinguishes light and viewer */
+    NQM_TABLE_NPY =
+        2 /**< `.npy` of NumPy, float32 (n_theta_h, n_theta_d, n_phi_d, 3): the nodes of a BRDF whose format is
+                       *   "table", otherwise 90 x 46 x 24 nodes as of nqm_brdf_create_table(), NaN where there is no value */
 } nqm_table_format;
 
 /**
- * Write any BRDF as a table: f_r at the centres of the cells, -1 in cells that are invalid or below the horizon.
+ * Write any BRDF as a table. MERL: f_r at the centres of the cells, -1 in cells that are invalid or below the horizon.
  * nqm_brdf_open() reads the file. It appears under its name only when complete.
  *
  * @param progress       may be NULL

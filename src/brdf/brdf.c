@@ -27,6 +27,7 @@ typedef struct file_format {
 static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open, NULL},
                                       {nqm_tensor_brdf_probe, NULL, nqm_tensor_brdf_open},
                                       {nqm_nbrdf_probe, nqm_nbrdf_open, NULL},
+                                      {nqm_npy_probe, nqm_npy_open, NULL},
                                       {nqm_saved_probe, nqm_saved_open, NULL}};
 
 static const file_format *find_format(const nqm_map *map) {

@@ -11,6 +11,8 @@ nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const c
         return nqm_merl_write(brdf, 180, path, progress, progress_user, err);
     case NQM_TABLE_MERL_360:
         return nqm_merl_write(brdf, 360, path, progress, progress_user, err);
+    case NQM_TABLE_NPY:
+        return nqm_npy_write_brdf(brdf, path, err);
     }
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_write: unknown format %d", path, (int)format);
 }

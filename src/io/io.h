@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * io.h - reads and writes files of named arrays, tables, images and meshes: safetensors, HDF5, MAT, zip members, CSV,
+ * io.h - reads and writes files of named arrays, tables, images and meshes: safetensors, NumPy, HDF5, MAT, zip members, CSV,
  * latitude-longitude images, PLY and OBJ. Independent of BRDFs. Every reader checks sizes against the bytes that are
  * present before it allocates.
  */
@@ -95,6 +95,14 @@ const char *nqm_csv_header(const nqm_csv *csv, int column);
 const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
 /** Parse a field as a finite number. NQM_ERR_FORMAT: it is not one; the message names file, line and byte. */
 NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
+
+/* ---- arrays of NumPy --------------------------------------------------------------------------------------------- */
+
+bool nqm_npy_probe(const nqm_map *map);
+/** Parse a .npy file with one array of float32 or float64 in C order; its data point into the map, at any alignment. */
+NQM_MUST_CHECK nqm_status nqm_npy_parse(const nqm_map *map, nqm_tensor *tensor_ret, nqm_error *err);
+/** Write an array; dtype NQM_F32 or NQM_F64. The name of the tensor is not stored. */
+NQM_MUST_CHECK nqm_status nqm_npy_write(const char *path, const nqm_tensor *tensor, nqm_error *err);
 
 /* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
 

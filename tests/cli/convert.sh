@@ -15,6 +15,8 @@ cmp "$dir/a.binary" "$dir/b.binary" || fail "a copy of a table differs"
 "$tool" convert "$dir/a.binary" --format merl-360 -o "$dir/full.binary" --json | grep -q '90 x 90 x 360' || fail "360"
 "$tool" info "$dir/full.binary" --json | grep -q '"reciprocal": false' || fail "a table of 360 phi_d is called reciprocal"
 rm "$dir/full.binary"
+"$tool" convert "$dir/a.binary" --format npy -o "$dir/a.npy" >/dev/null
+"$tool" info "$dir/a.npy" --json | grep -q '"layout": "90x46x24 nodes"' || fail "the array is no table"
 
 refuses 2 'format' convert lambert:kd=.5 -o "$dir/c.binary" --format pdf
 refuses 2 'missing' convert lambert:kd=.5

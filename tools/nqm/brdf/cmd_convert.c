@@ -7,8 +7,8 @@
 #include <string.h>
 
 /* In the order of nqm_table_format. */
-static const char *const formats[] = {"merl", "merl-360", NULL};
-static const char *const layouts[] = {"90 x 90 x 180 cells", "90 x 90 x 360 cells"};
+static const char *const formats[] = {"merl", "merl-360", "npy", NULL};
+static const char *const layouts[] = {"90 x 90 x 180 cells", "90 x 90 x 360 cells", "nodes of a .npy array"};
 
 int cmd_convert(int argc, char **argv) {
     bool json = false;
@@ -16,20 +16,23 @@ int cmd_convert(int argc, char **argv) {
     const option options[] = {
         {"output", 'o', OPTION_NEEDED, &output, "FILE", "the table to write; - is standard output", 0, 0},
         {"format", 'f', OPTION_TEXT, &format_name, "FORMAT",
-         "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer",
+         "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer; "
+         "npy: an array of NumPy, 90 x 46 x 24 nodes",
          0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {0}};
     const command cmd = {
         .usage = "BRDF -o OUT.binary [options]",
-        .about =
-            "Write a BRDF (file, spec or preset) as a MERL table: f_r at the centres of cells in half-vector "
-            "coordinates,\n"
-            "cells below the horizon or without data as -1. An existing file is replaced only when the new one is\n"
-            "complete. A table of 180 phi_d is reciprocal: of a material that is not, phi_d in [0, 180) degrees is\n"
-            "kept.",
+        .about = "Write a BRDF (file, spec or preset) as a table in half-vector coordinates that other programs read. "
+                 "A MERL\n"
+                 "table has f_r at the centres of its cells, and -1 below the horizon or without data; an array of "
+                 "NumPy has\n"
+                 "f_r at nodes (doc/files.md), and NaN there. An existing file is replaced only when the new one is "
+                 "complete.\n"
+                 "All but merl-360 are reciprocal: of a material that is not, phi_d in [0, 180) degrees is kept.",
         .example = "nqm convert 'ggx:kd=.2,.1,.05;alpha=.1' -o ggx.binary\n"
-                   "nqm convert paint_rgb.bsdf --format merl-360 -o paint.binary",
+                   "nqm convert paint_rgb.bsdf --format merl-360 -o paint.binary\n"
+                   "nqm convert sgd:nickel --format npy -o nickel.npy",
         .options = options,
         .min_arguments = 1,
     };

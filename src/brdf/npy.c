@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Tables in half-vector coordinates as arrays of NumPy: float32 or float64 of shape (n_theta_h, n_theta_d, n_phi_d, 3), at the nodes
+ * of nqm_table_create().
+ */
+#include "brdf/brdf.h"
+
+#include "io/io.h"
+#include <string.h>
+
+static nqm_status check_shape(const nqm_map *map, const nqm_tensor *t, nqm_error *err) {
+    char shape[160] = "";
+    size_t used = 0;
+    if (t->n_dims == 4 && t->dims[3] == 3 && t->dims[0] >= 2 && t->dims[1] >= 2 && t->dims[2] >= 1)
+        return NQM_OK;
+    for (size_t i = 0; i < t->n_dims; ++i)
+        used += (size_t)snprintf(shape + used, sizeof shape - used, "%s%zu", i ? ", " : "", t->dims[i]);
+    return nqm_fail(
+        err, NQM_ERR_FORMAT, 10,
+        "%s: an array of shape (%s) (header at byte 10); a table has (n_theta_h, n_theta_d, n_phi_d, 3) with at "
+        "least 2 theta_h and 2 theta_d",
+        map->path, shape);
+}
+
+static nqm_status create(const nqm_map *map, const nqm_tensor *t, const char *name, nqm_brdf **brdf_ret,
+                         nqm_error *err) {
+    const size_t size = nqm_dtype_size(t->dtype), n = t->n_bytes / size;
+    const unsigned char *stored = t->data;
+    float *rgb = nqm_alloc(n, sizeof *rgb);
+    if (!rgb)
+        return nqm_fail_nomem(err, n * sizeof *rgb);
+    for (size_t i = 0; i < n; ++i)
+        rgb[i] = t->dtype == NQM_F32 ? nqm_load_f32(stored + i * size) : (float)nqm_load_f64(stored + i * size);
+    const size_t bad = nqm_table_first_bad(n / 3, rgb);
+    const long long at = t->byte_offset + (long long)(bad * size);
+    nqm_status status =
+        bad < n ? nqm_fail(err, NQM_ERR_FORMAT, at,
+                           "%s: the value at byte %lld is not finite (NaN in channel 0 marks a node without "
+                           "a value)",
+                           map->path, at)
+                : nqm_table_create(t->dims[0], t->dims[1], t->dims[2], rgb, name, brdf_ret, err);
+    nqm_free(rgb);
+    return status;
+}
+
+nqm_status nqm_npy_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_tensor tensor;
+    nqm_map_expect(map, true);
+    nqm_status status = nqm_npy_parse(map, &tensor, err);
+    if (status == NQM_OK)
+        status = check_shape(map, &tensor, err);
+    if (status == NQM_OK)
+        status = create(map, &tensor, name, brdf_ret, err);
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->info.n_bytes = map->n_bytes;
+    nqm_map_close(map);
+    return NQM_OK;
+}
+
+static nqm_status write_table(const nqm_brdf *table, const char *path, nqm_error *err) {
+    nqm_tensor tensor = {.dtype = NQM_F32, .n_dims = 4, .dims = {0, 0, 0, 3}};
+    tensor.data = nqm_table_values(table, tensor.dims);
+    tensor.n_bytes = table->info.n_values * sizeof(float);
+    return nqm_npy_write(path, &tensor, err);
+}
+
+nqm_status nqm_npy_write_brdf(const nqm_brdf *brdf, const char *path, nqm_error *err) {
+    if (strcmp(brdf->info.format, "table") == 0)
+        return write_table(brdf, path, err);
+    nqm_brdf *table;
+    nqm_status status = nqm_brdf_tabulate(brdf, &table, err);
+    if (status != NQM_OK)
+        return status;
+    status = write_table(table, path, err);
+    nqm_brdf_free(table);
+    return status;
+}

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Tables as arrays of NumPy: files of numpy.save() and values of numpy (tests/vectors/npy.py), refused arrays, and written files.
+ */
+#include "base/base.h"
+#include "base/memory_test.h"
+#include "brdf/brdf.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+#include "vectors/npy_vectors.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { N_POINTS = sizeof npy_vector / sizeof *npy_vector };
+
+static const char *save(size_t n, const unsigned char *bytes) {
+    const char *path = scratch_path("table.npy");
+    unsigned char copy[1024];
+    memcpy(copy, bytes, n);
+    blob_save(&(blob){copy, n}, path);
+    return path;
+}
+
+static nqm_brdf *open_ok(const char *path) {
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    if (nqm_brdf_open(path, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return brdf;
+}
+
+static void agrees_with_numpy(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        const char *path = k ? save(sizeof npy_f8, npy_f8) : save(sizeof npy_f4, npy_f4);
+        nqm_brdf *brdf = open_ok(path);
+        for (size_t i = 0; i < N_POINTS; ++i) {
+            double rgb[3];
+            nqm_brdf_eval_half_diff(brdf, 1, npy_vector[i], rgb, NULL);
+            for (size_t c = 0; c < 3; ++c)
+                assert_near(rgb[c], npy_vector[i][3 + c], 1e-12);
+        }
+        nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        assert_string_equal(info.format, "table");
+        assert_string_equal(info.name, path);
+        assert_int_equal(info.n_values, 3 * 2 * 4 * 3);
+        assert_int_equal(info.n_bytes, k ? sizeof npy_f8 : sizeof npy_f4);
+        nqm_brdf_free(brdf);
+    }
+}
+
+static void expect_refused(const char *path, int64_t byte_offset, const char *words) {
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    char at[32];
+    assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
+    assert_null(brdf);
+    snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
+    if (err.byte_offset != byte_offset || !strstr(err.message, path) || !strstr(err.message, words) ||
+        !strstr(err.message, at))
+        fail_msg("message: %s (%s)", err.message, at);
+}
+
+static void refuses_other_arrays(void **state) {
+    (void)state;
+    expect_refused(save(sizeof npy_fortran, npy_fortran), 10, "Fortran order");
+    expect_refused(save(sizeof npy_big, npy_big), 10, "'>f4'");
+    expect_refused(save(sizeof npy_integer, npy_integer), 10, "'<i4'");
+    expect_refused(save(sizeof npy_planes, npy_planes), 10, "shape (3, 2, 2, 2)");
+    expect_refused(save(sizeof npy_f4 - 1, npy_f4), sizeof npy_f4 - 1, "it ends");
+    expect_refused(save(100, npy_f4), 100, "inside its header");
+    expect_refused(save(9, npy_f4), 0, "begins no .npy file");
+    unsigned char changed[sizeof npy_f4 + 1] = {0};
+    memcpy(changed, npy_f4, sizeof npy_f4);
+    expect_refused(save(sizeof changed, changed), sizeof npy_f4, "more follows");
+    changed[6] = 9;
+    expect_refused(save(sizeof npy_f4, changed), 0, "version 1 to 3");
+    changed[6] = 1;
+    changed[10] = '[';
+    expect_refused(save(sizeof npy_f4, changed), 10, "header with 'descr'");
+    changed[10] = '{';
+    nqm_store_f32(changed + sizeof npy_f4 - 4, INFINITY);
+    expect_refused(save(sizeof npy_f4, changed), sizeof npy_f4 - 4, "not finite");
+}
+
+/* A table is written with the same values, and any other BRDF as its table. */
+static void writes_what_it_reads(void **state) {
+    (void)state;
+    const char *path = save(sizeof npy_f4, npy_f4), *copy = scratch_path("copy.npy");
+    size_t dims[3], again_dims[3];
+    nqm_brdf *brdf = open_ok(path);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
+    nqm_brdf *again = open_ok(copy);
+    const float *a = nqm_table_values(brdf, dims), *b = nqm_table_values(again, again_dims);
+    assert_memory_equal(dims, again_dims, sizeof dims);
+    assert_memory_equal(a, b, 3 * 2 * 4 * 3 * sizeof *a);
+    blob file = blob_load(copy);
+    assert_int_equal((file.n_bytes - 3 * 2 * 4 * 3 * sizeof *a) % 64, 0);
+    blob_free(&file);
+    nqm_brdf_free(again);
+    nqm_brdf_free(brdf);
+
+    brdf = open_ok("ggx:kd=.2;alpha=.4");
+    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
+    again = open_ok(copy);
+    assert_string_equal(nqm_brdf_get_info(again).layout, "90x46x24 nodes");
+    const double hd[3] = {0.3, 0.4, 1};
+    double rgb[3], expected[3];
+    nqm_brdf_eval_half_diff(brdf, 1, hd, expected, NULL);
+    nqm_brdf_eval_half_diff(again, 1, hd, rgb, NULL);
+    assert_relative(rgb[0], expected[0], 1e-3);
+    nqm_alloc_fail_after(0);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_ERR_NOMEM);
+    nqm_alloc_fail_after(-1);
+    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, "/nowhere/x.npy", NULL, NULL, NULL), NQM_ERR_IO);
+    nqm_brdf_free(again);
+    nqm_brdf_free(brdf);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy), cmocka_unit_test(refuses_other_arrays),
+                                       cmocka_unit_test(writes_what_it_reads)};
+    return cmocka_run_group_tests_name("brdf_npy", tests, NULL, NULL);
+}

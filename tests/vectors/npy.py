@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Arrays as numpy.save() writes them, and f_r of the table in them, interpolated linearly in sqrt(theta_h), theta_d and phi_d by
+numpy. Writes npy_vectors.h to the folder of this script. Usage: python3 npy.py"""
+import io
+import os
+import sys
+
+import numpy as np
+
+SEED = 20261122
+N_H, N_D, N_P = 3, 2, 4
+
+
+def interpolate(table, hd):
+    """f_r at (theta_h, theta_d, phi_d); nodes with NaN are left out."""
+    a = np.sqrt(hd[0] / (np.pi / 2)) * (N_H - 1)
+    b = hd[1] / (np.pi / 2) * (N_D - 1)
+    c = hd[2] % np.pi / np.pi * N_P
+    total, weight = np.zeros(3), 0
+    for i in range(N_H):
+        for j in range(N_D):
+            for k in range(N_P):
+                around = min(abs(c - k), N_P - abs(c - k))
+                w = max(0, 1 - abs(a - i)) * max(0, 1 - abs(b - j)) * max(0, 1 - around)
+                if w > 0 and not np.isnan(table[i, j, k, 0]):
+                    weight += w
+                    total += w * table[i, j, k]
+    return total / weight
+
+
+def main():
+    rng = np.random.default_rng(SEED)
+    table = rng.uniform(0, 2, (N_H, N_D, N_P, 3)).astype("<f4")
+    table[1, 0, 2, 0] = np.nan
+    files = {"f4": table, "f8": table.astype("<f8"), "fortran": np.asfortranarray(table), "big": table.astype(">f4"),
+             "integer": np.ones((2, 2, 2, 3), "<i4"), "planes": np.ones((3, 2, 2, 2), "<f4")}
+    points = np.stack([rng.uniform(0, 1.2, 20), rng.uniform(0, 0.35, 20), rng.uniform(0, 2 * np.pi, 20)], 1)
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "npy_vectors.h"), "w") as out:
+        out.write("/* SPDX-License-Identifier: MIT\n *\n * Made by npy.py: numpy %s, Python %s, seed %d.\n */\n" %
+                  (np.__version__, sys.version.split()[0], SEED))
+        out.write("/* clang-format off */\n")
+        for name, array in files.items():
+            file = io.BytesIO()
+            np.save(file, array)
+            data = file.getvalue()
+            out.write("\n/* %s, %s */\nstatic const unsigned char npy_%s[] = {" % (array.dtype.str, array.shape, name))
+            for i, byte in enumerate(data):
+                out.write(("\n    " if i % 24 == 0 else " ") + "%d," % byte)
+            out.write("\n};\n")
+        out.write("\n/* theta_h, theta_d, phi_d (radians), and f_r of the table */\nstatic const double npy_vector[][6] = {\n")
+        for hd in points:
+            out.write("    {" + ", ".join("%.17g" % v for v in [*hd, *interpolate(table.astype(float), hd)]) + "},\n")
+        out.write("};\n")
+
+
+main()
