@@ -181,8 +181,9 @@ INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, 
     const double c1 = 0.5 - 2 / (3 * NQM_PI), c2 = 2.0 / 3 - 28 / (15 * NQM_PI);
     const double a = 1 / (1 + c1 * roughness), mean = a * (1 + c2 * roughness);
     const double single = a * (1 + roughness * retro_reflection(g, 1));
-    const double multiple =
-        roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
+    double multiple = 0;
+    if (roughness > 0)
+        multiple = roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
     closure result = {.pass = {0}};
     for (size_t c = 0; c < 3; ++c) {
         const double bounced = color[c] * color[c] * mean / (1 - color[c] * (1 - mean));

@@ -2,6 +2,7 @@
  *
  * MaterialX files: constants however they are connected, colour spaces, refusals, and round trips of what is written.
  */
+#include "base/memory_test.h"
 #include "material/color_space.h"
 #include "material/material.h"
 #include "support/check.h"
@@ -198,11 +199,29 @@ static void round_trips(void **state) {
     unlink(path);
 }
 
+/* Every allocation of a reading fails once: no crash, no leak (under ASan), nothing returned. */
+static void memory_runs_out(void **state) {
+    (void)state;
+    const char *red = "<input name=\"base_color\" type=\"color3\" value=\"1, .5,0\"/>";
+    nqm_materials *materials = NULL;
+    nqm_error err = {0};
+    long n = 0;
+    for (nqm_status status = NQM_ERR_NOMEM; status != NQM_OK && n < 100; ++n) {
+        nqm_alloc_fail_after(n);
+        status = read_text(document("", red, ""), &materials, &err);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !materials && err.message[0]));
+    }
+    assert_true(n > 5 && n < 100);
+    nqm_materials_free(materials);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constants),    cmocka_unit_test(color_spaces),
-        cmocka_unit_test(refusals),     cmocka_unit_test(files_without_materials),
-        cmocka_unit_test(lone_shaders), cmocka_unit_test(round_trips),
+        cmocka_unit_test(constants),       cmocka_unit_test(color_spaces),
+        cmocka_unit_test(refusals),        cmocka_unit_test(files_without_materials),
+        cmocka_unit_test(lone_shaders),    cmocka_unit_test(round_trips),
+        cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
