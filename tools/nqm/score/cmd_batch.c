@@ -4,6 +4,7 @@
  * writes them, so that an interrupted run can be resumed; batch_summary.c writes what is made of all rows.
  */
 #include "nqm/score/batch.h"
+#include "nqm/score/batch_pieces.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@ typedef struct batch_run {
     batch_form form;
     nqm_pair_list *list;
     nqm_scorer *scorer;
+    batch_pieces pieces;
     batch_output out;
     const char *list_name;
     char *junit, *markdown; /* absolute paths; NULL: not requested */
@@ -20,8 +22,6 @@ typedef struct batch_run {
     uint64_t n_worst; /* rows of the output; 0: all */
     size_t n_before;  /* rows that an earlier run wrote */
     double begin_s;
-    nqm_score_result results[NQM_SCORE_BLOCK];
-    nqm_error errors[NQM_SCORE_BLOCK];
 } batch_run;
 
 static bool ends_with(const char *text, const char *end) {
@@ -39,19 +39,26 @@ static batch_format choose_format(bool json, bool json_lines, const char *output
     return output && ends_with(output, ".json") ? BATCH_JSON : BATCH_CSV;
 }
 
-/* Settings that a resumed run must have in common with the interrupted run. */
-static json_t *make_terms(const batch_run *run, const char *metrics, const char *root) {
-    const score_gate *gate = &run->form.gate;
-    static const char *const formats[] = {"csv", "jsonl", "json"};
+/* Settings that determine results. */
+static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
-    json_t *terms =
-        json_pack("{s:s,s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:o,s:f,s:f}", "version of nqm", nqm_version(), "list",
-                  run->list->sha256, "model", info.sha256, "format", formats[run->form.format], "--root",
-                  json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid",
-                  run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
-                  "--metrics", json_name(metrics), "--fail-under", gate->jod, "--fail-under-low", gate->jod_low);
+    json_t *terms = json_pack(
+        "{s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256, "model",
+        info.sha256, "--root", json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid],
+        "--min-valid", run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
+        "--metrics", run->options.metrics ? "any" : "none");
     free(folder);
+    return terms;
+}
+
+/* The same and those of the output: what a resumed run must have in common with the interrupted run. */
+static json_t *output_terms(const batch_run *run, const json_t *score, const char *metrics) {
+    static const char *const formats[] = {"csv", "jsonl", "json"};
+    json_t *terms = json_copy((json_t *)(uintptr_t)score);
+    json_object_update_new(terms, json_pack("{s:s,s:o,s:f,s:f}", "format", formats[run->form.format], "--metrics",
+                                            json_name(metrics), "--fail-under", run->form.gate.jod, "--fail-under-low",
+                                            run->form.gate.jod_low));
     return terms;
 }
 
@@ -64,36 +71,41 @@ static int show_speed(const batch_run *run) {
 
 /* Write the n rows of a block that begins at row `begin`, or those before the first failed row unless --keep-going is
  * given. */
-static void write_block(batch_run *run, size_t begin, size_t n) {
+static void write_block(batch_run *run, size_t begin, size_t n, const nqm_score_result *results,
+                        const nqm_error *errors) {
     batch_progress done = run->out.done;
-    for (size_t i = 0; i < n && (run->keep_going || run->results[i].status == NQM_OK); ++i) {
+    for (size_t i = 0; i < n && (run->keep_going || results[i].status == NQM_OK); ++i) {
         const size_t row = begin + i;
         batch_note *note = &run->out.notes[row];
         fputs(row ? batch_separator(&run->form) : "", run->out.rows);
         const off_t start = ftello(run->out.rows);
-        print_batch_row(&run->form, run->out.rows, row, &run->results[i], &run->errors[i]);
-        *note = make_batch_note(&run->form, &run->results[i], &run->errors[i]);
+        print_batch_row(&run->form, run->out.rows, row, &results[i], &errors[i]);
+        *note = make_batch_note(&run->form, &results[i], &errors[i]);
         note->n_text = (size_t)(ftello(run->out.rows) - start);
-        done.n_failed += run->results[i].status != NQM_OK;
+        done.n_failed += results[i].status != NQM_OK;
         ++done.n_rows;
     }
     append_batch_output(&run->out, &done);
 }
 
 static int score_rows(batch_run *run) {
-    const size_t n_rows = run->list->n_rows;
-    while (run->out.done.n_rows < n_rows) {
+    while (run->out.done.n_rows < run->list->n_rows) {
         if (show_speed(run) || interrupted())
             return EXIT_INTERRUPTED;
-        const size_t begin = run->out.done.n_rows, n = nqm_smaller(n_rows - begin, NQM_SCORE_BLOCK);
-        nqm_error err = {0};
-        if (nqm_scorer_run_named(run->scorer, n, run->list->pair + begin, run->results, run->errors, &err) != NQM_OK)
-            return report_error(&err);
-        write_block(run, begin, n);
+        const size_t begin = run->out.done.n_rows;
+        const nqm_score_result *results;
+        const nqm_error *errors;
+        size_t n;
+        const int exit_code = get_batch_results(&run->pieces, begin, &n, &results, &errors);
+        if (exit_code != EXIT_OK)
+            return exit_code;
+        write_block(run, begin, n, results, errors);
         const size_t failed = run->out.done.n_rows - begin;
-        if (failed < n)
-            return report(exit_code_of(run->results[failed].status), "row %zu: %s", begin + failed + 1,
-                          run->errors[failed].message);
+        if (failed < n) {
+            forget_batch_piece(&run->pieces, begin + failed);
+            return report(exit_code_of(results[failed].status), "row %zu: %s", begin + failed + 1,
+                          errors[failed].message);
+        }
     }
     return EXIT_OK;
 }
@@ -112,7 +124,7 @@ static void write_summary(const batch_summary *summary, const char *path,
 static int settle(batch_run *run, int exit_code) {
     const batch_progress done = run->out.done;
     end_progress();
-    if (exit_code != EXIT_OK && run->out.part)
+    if (exit_code != EXIT_OK && run->out.part && done.n_rows)
         report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", done.n_rows, run->list->n_rows,
                run->out.part);
     const bool is_complete =
@@ -140,6 +152,26 @@ static int settle(batch_run *run, int exit_code) {
     return exit_code == EXIT_OK && summary.n_gated ? EXIT_GATE : exit_code;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+typedef struct batch_arguments {
+    const char *list, *output, *model, *metrics, *root, *junit, *markdown, *sort, *work;
+    bool resume, json, json_lines;
+} batch_arguments;
+
+static bool is_standard(const char *path) {
+    return path && strcmp(path, "-") == 0;
+}
+
+static void check_usage(const batch_arguments *a, ranks r) {
+    if ((!a->output || is_standard(a->output)) + is_standard(a->junit) + is_standard(a->markdown) > 1)
+        stop(EXIT_USAGE, "two results cannot both go to standard output: give -o FILE");
+    if (r.count > 1 && !a->work)
+        stop(EXIT_USAGE, "%zu processes need a shared folder: --work DIR", r.count);
+    if (r.count > 1 && *stream_name(a->list, &(size_t){0}))
+        stop(EXIT_USAGE, "%zu processes cannot read the list from standard input: give a file", r.count);
+}
+
 /* The absolute path of an output, which must be writable: before the work. */
 static char *promise_output(const char *path) {
     if (path)
@@ -147,48 +179,83 @@ static char *promise_output(const char *path) {
     return path ? absolute_path(path, "") : NULL;
 }
 
-static bool is_standard(const char *path) {
-    return path && strcmp(path, "-") == 0;
+static void open_inputs(batch_run *run, const batch_arguments *a) {
+    nqm_error err = {0};
+    nqm_model *model = open_model(a->model);
+    check_gate(&run->form.gate, model);
+    must(nqm_pair_list_load(a->list, &run->list, &err), &err);
+    must(nqm_scorer_create(model, &run->options, &run->scorer, &err), &err);
+    const char *stream = stream_name(a->list, &(size_t){0});
+    run->list_name = *stream ? stream : a->list;
+    run->form.list = run->list;
+    run->form.model = model;
+    run->form.precision = run->options.precision;
+    run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
+    check_batch_columns(&run->form);
 }
 
-/* Only one text may go to standard output. */
-static void check_outputs(const char *output, const char *junit, const char *markdown) {
-    if ((!output || is_standard(output)) + is_standard(junit) + is_standard(markdown) > 1)
-        stop(EXIT_USAGE, "two results cannot both go to standard output: give -o FILE");
+/* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. Ranks
+ * above 0 have no outputs. */
+static void open_outputs(batch_run *run, const batch_arguments *a, ranks r) {
+    const char *root = list_root(a->root, a->list);
+    json_t *score = score_terms(run, root), *terms = output_terms(run, score, a->metrics);
+    open_batch_pieces(a->work, score, run->list, run->scorer, &run->pieces);
+    if (r.rank == 0) {
+        run->junit = promise_output(a->junit);
+        run->markdown = promise_output(a->markdown);
+        open_batch_output(&(batch_request){a->output, terms, a->resume, run->is_sorted, run->list->n_rows}, &run->out);
+    }
+    json_decref(terms);
+    json_decref(score);
+    enter_list_root(a->root ? root : NULL, a->list);
+}
+
+static int run_batch(batch_run *run, ranks r) {
+    int exit_code = run->pieces.folder ? share_batch_pieces(&run->pieces, r) : EXIT_OK;
+    if (r.rank > 0)
+        return exit_code;
+    run->n_before = run->out.done.n_rows;
+    run->begin_s = nqm_clock_s();
+    if (!run->out.done.begun) {
+        print_batch_head(&run->form, run->out.rows);
+        append_batch_output(&run->out, &run->out.done);
+    }
+    return settle(run, exit_code == EXIT_OK ? score_rows(run) : exit_code);
 }
 
 int cmd_batch(int argc, char **argv) {
     static batch_run run;
-    const char *output = NULL, *model_name = "default", *metrics = "", *root = NULL;
-    const char *junit = NULL, *markdown = NULL, *sort = "list";
-    bool resume = false, json = false, json_lines = false;
-    nqm_error err = {0};
+    batch_arguments a = {.model = "default", .metrics = "", .sort = "list"};
+    const ranks r = my_ranks();
     run.options = nqm_score_options_default();
     uint64_t cache_mb = run.options.cache_bytes >> 20;
     const option options[] = {
-        {"output", 'o', OPTION_TEXT, &output, "FILE", "write .csv, .jsonl or .json instead of standard output", 0, 0},
-        {"resume", 0, OPTION_FLAG, &resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
+        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "write .csv, .jsonl or .json instead of standard output", 0, 0},
+        {"resume", 0, OPTION_FLAG, &a.resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
         {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
         OPTION_ROWS_GATE(&run.form.gate),
-        {"junit", 0, OPTION_TEXT, &junit, "FILE.xml", "also write a JUnit report: one test case per pair", 0, 0},
-        {"markdown", 0, OPTION_TEXT, &markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout", 0,
-         0},
-        {"sort", 0, OPTION_TEXT, &sort, "WORD", "order of the rows: list or worst", 0, 0},
+        {"junit", 0, OPTION_TEXT, &a.junit, "FILE.xml", "also write a JUnit report: one test case per pair", 0, 0},
+        {"markdown", 0, OPTION_TEXT, &a.markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout",
+         0, 0},
+        {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list or worst", 0, 0},
         {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
-        OPTION_ROWS_MODEL(&model_name),
-        {"metrics", 0, OPTION_TEXT, &metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
-        {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
+        OPTION_ROWS_MODEL(&a.model),
+        {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
+        {"root", 0, OPTION_TEXT, &a.root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
          0},
         {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},
-        {"json", 0, OPTION_FLAG, &json, NULL, "write one JSON document", 0, 0},
-        {"jsonl", 0, OPTION_FLAG, &json_lines, NULL, "write JSON Lines", 0, 0},
+        {"json", 0, OPTION_FLAG, &a.json, NULL, "write one JSON document", 0, 0},
+        {"jsonl", 0, OPTION_FLAG, &a.json_lines, NULL, "write JSON Lines", 0, 0},
+        {"work", 0, OPTION_TEXT, &a.work, "DIR", "folder of finished pieces, which several processes share", 0, 0},
         {0}};
     const command cmd = {
         .usage = "LIST [options]",
         .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with\n"
                  "these members, or - for standard input; further columns are copied. Results are written\n"
                  "while they are made. The first row that fails ends the run, unless --keep-going is given. --resume\n"
-                 "continues a run that was stopped, for whatever reason; the file is the same in the end.",
+                 "continues a run that was stopped, for whatever reason; the file is the same in the end. Started by "
+                 "mpirun\n"
+                 "or srun, all processes share the work; all of them need access to the --work folder.",
         .example =
             "nqm batch pairs.csv -o scores.csv\nnqm batch pairs.csv -o scores.csv --resume --keep-going\n"
             "find fits -name '*.binary' | awk 'BEGIN{print \"reference,test\"} {print \"nickel.binary,\" $0}' |\n"
@@ -199,44 +266,24 @@ int cmd_batch(int argc, char **argv) {
         .min_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
-    run.form.format = choose_format(json, json_lines, output);
+    a.list = argv[0];
+    check_usage(&a, r);
+    if (r.rank > 0)
+        set_progress(PROGRESS_NONE);
+    run.form.format = choose_format(a.json, a.json_lines, a.output);
     run.options.cache_bytes = (size_t)cache_mb << 20;
-    run.is_sorted = choose("sort", (const char *const[]){"list", "worst", NULL}, sort) == 1 || run.n_worst > 0;
-    check_outputs(output, junit, markdown);
-    choose_metrics(metrics, run.form.metrics);
-    run.options.metrics = *metrics != 0;
-    nqm_model *model = open_model(model_name);
-    check_gate(&run.form.gate, model);
-    must(nqm_pair_list_load(argv[0], &run.list, &err), &err);
-    must(nqm_scorer_create(model, &run.options, &run.scorer, &err), &err);
-    run.form.list = run.list;
-    run.form.model = model;
-    size_t n_prefix;
-    run.list_name = stream_name(argv[0], &n_prefix);
-    run.list_name = run.list_name && n_prefix ? run.list_name : argv[0];
-    run.form.precision = run.options.precision;
-    run.form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run.options.invalid};
-    check_batch_columns(&run.form);
-    root = list_root(root, argv[0]);
-    /* Paths of list and output are relative to the working folder, paths of BRDFs to the root. */
-    run.junit = promise_output(junit);
-    run.markdown = promise_output(markdown);
-    json_t *terms = make_terms(&run, metrics, root);
-    open_batch_output(&(batch_request){output, terms, resume, run.is_sorted, run.list->n_rows}, &run.out);
-    json_decref(terms);
-    enter_list_root(root, argv[0]);
+    run.is_sorted = choose("sort", (const char *const[]){"list", "worst", NULL}, a.sort) == 1 || run.n_worst > 0;
+    choose_metrics(a.metrics, run.form.metrics);
+    run.options.metrics = *a.metrics != 0;
+    open_inputs(&run, &a);
+    open_outputs(&run, &a, r);
     const char **names = take_list_names(run.list);
     run.form.names = names;
-    run.n_before = run.out.done.n_rows;
-    run.begin_s = nqm_clock_s();
-    if (!run.out.done.begun) {
-        print_batch_head(&run.form, run.out.rows);
-        append_batch_output(&run.out, &run.out.done);
-    }
-    const int exit_code = settle(&run, score_rows(&run));
+    const int exit_code = run_batch(&run, r);
+    close_batch_pieces(&run.pieces);
     nqm_scorer_free(run.scorer);
     nqm_pair_list_free(run.list);
-    nqm_model_free(model);
+    nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
     free(names);
     free(run.junit);
     free(run.markdown);
