@@ -38,6 +38,7 @@ INVALID = ("drop", "zero", "nearest", "error")
 PRECISIONS = ("f32", "bf16", "int8")
 QUANTITIES = ("jod", "delta_e")
 SCENES = ("standard", "paper")
+TABLES = ("merl", "merl_360")
 SPLITS = ("train", "validation", "test", "all")
 
 Progress = ctypes.CFUNCTYPE(c_int, c_void_p, c_char_p, c_double, c_double)
@@ -179,9 +180,14 @@ class DatasetPair(Structure):
                 ("material_class", c_char_p), ("split", c_int), ("delta_e", c_double), ("jod", c_double)]
 
 
+class MaterialInfo(Structure):
+    _c_name_ = "nqm_material_info"
+    _fields_ = [("name", c_char_p), ("surface", c_char_p), ("spec", c_char_p), ("refusal", c_char_p), ("byte_offset", c_int64)]
+
+
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
            Curve, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
-           SceneOptions, DatasetInfo, DatasetPair]
+           SceneOptions, DatasetInfo, DatasetPair, MaterialInfo]
 
 # name: (result, arguments); a trailing nqm_error * is part of the arguments.
 _error = POINTER(CError)
@@ -200,7 +206,7 @@ FUNCTIONS = {
     "nqm_brdf_jacobian": (c_int, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_void_p, _error]),
     "nqm_half_diff_to_directions": (None, [c_void_p, c_void_p, c_void_p]),
     "nqm_directions_to_half_diff": (None, [c_void_p, c_void_p, c_void_p]),
-    "nqm_brdf_write_merl": (c_int, [c_void_p, c_char_p, Progress, c_void_p, _error]),
+    "nqm_brdf_write": (c_int, [c_void_p, c_int, c_char_p, Progress, c_void_p, _error]),
     "nqm_brdf_save": (c_int, [c_void_p, c_char_p, _error]),
     "nqm_brdf_preset_count": (c_size_t, []),
     "nqm_brdf_preset_name": (c_char_p, [c_size_t]),
@@ -250,6 +256,11 @@ FUNCTIONS = {
     "nqm_dataset_free": (None, [c_void_p]),
     "nqm_dataset_get_info": (DatasetInfo, [c_void_p]),
     "nqm_dataset_get_pair": (DatasetPair, [c_void_p, c_size_t]),
+    "nqm_materials_open": (c_int, [c_char_p, _handle, _error]),
+    "nqm_materials_count": (c_size_t, [c_void_p]),
+    "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
+    "nqm_materials_free": (None, [c_void_p]),
+    "nqm_material_write": (c_int, [c_char_p, c_char_p, c_char_p, _error]),
     "nqm_label_similarity": (c_double, [POINTER(CLabel)]),
     "nqm_label_describe": (c_char_p, [POINTER(CLabel), c_char_p]),
 }

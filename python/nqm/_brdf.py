@@ -2,9 +2,8 @@
 """BRDFs: opened from files and specs, made from Python functions and arrays; directions and samples."""
 from __future__ import annotations
 
-import ctypes
 import os
-from ctypes import POINTER, byref, c_double, c_void_p
+from ctypes import byref, c_void_p
 from dataclasses import dataclass
 from typing import Any, Callable, Iterable, Optional, Sequence, Tuple, Union
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from . import _abi
 from ._abi import lib
-from ._call import (Error, PathLike, ProgressLike, Watch, address, call, choice, decode, encode, own_handle, progress_callback,
+from ._call import (PathLike, ProgressLike, Watch, address, call, choice, decode, encode, own_handle, progress_callback,
                     triples)
 
 #: A function of Python code that evaluates a BRDF: `wi`, `wo` (n, 3) to f_r (n, 3).
@@ -251,15 +250,60 @@ class BRDF:
         formats have a spec or a file already."""
         call(lib.nqm_brdf_save, self._handle, encode(path), watches=self._watches)
 
-    def save_merl(self, path: PathLike, *, progress: ProgressLike = None) -> None:
-        """Write a MERL table: 90 x 90 x 180 cells, evaluated at their centres; -1 in cells without a value."""
+    def save_table(self, path: PathLike, format: str = "merl", *, progress: ProgressLike = None) -> None:
+        """Write a table of any BRDF: f_r at the centres of the cells, -1 in cells without a value.
+
+        Args:
+            path: the file appears under its name only when it is complete
+            format: "merl": 90 x 90 x 180 cells, reciprocal; "merl_360": 90 x 90 x 360 cells, which distinguish light and viewer
+            progress: called with the stage, the work done and the total; True shows a line on standard error
+        """
         own = Watch()
-        call(lib.nqm_brdf_write_merl, self._handle, encode(path), progress_callback(progress, self._watches, own), None,
-             watches=self._watches, own=own)
+        call(lib.nqm_brdf_write, self._handle, choice("format", format, _abi.TABLES), encode(path),
+             progress_callback(progress, self._watches, own), None, watches=self._watches, own=own)
+
+    def save_material(self, path: PathLike, name: str = "material") -> None:
+        """Write a material file of a renderer, whose extension selects the format (doc/materials.md). The BRDF must be a shading model
+        that the format has, such as the result of `fit`."""
+        spec = self.info.spec
+        if spec is None:
+            raise ValueError("%s has no spec: only shading models can be written as a material" % self.name)
+        call(lib.nqm_material_write, encode(spec), encode(name), encode(path))
 
 
 #: What functions accept as a BRDF: a `BRDF`; a path, spec or preset; a function as for `BRDF.from_function`; a table (4-dimensional array).
 BRDFLike = Union[BRDF, PathLike, EvalFunction, np.ndarray]
+
+
+@dataclass(frozen=True)
+class MaterialInfo:
+    """A material in a file of a renderer, from `materials`.
+
+    Attributes:
+        name: as in the file; "material1", ... for materials without a name
+        surface: the shading model, as the file calls it: "open_pbr_surface"
+        spec: argument of `BRDF.open`: a spec, or a path relative to the file's folder; None: refused
+        refusal: the property that cannot be honoured, and why; None: the material is accepted
+        byte: of the material or of the refused property in the file; None: unknown
+    """
+
+    name: str
+    surface: str
+    spec: Optional[str]
+    refusal: Optional[str]
+    byte: Optional[int]
+
+
+def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
+    """The materials of a file, in its order. `BRDF.open("FILE:NAME")` opens one."""
+    handle = c_void_p()
+    call(lib.nqm_materials_open, encode(path), byref(handle))
+    try:
+        rows = [lib.nqm_materials_get(handle, i) for i in range(lib.nqm_materials_count(handle))]
+        return tuple(MaterialInfo(decode(r.name) or "", decode(r.surface) or "", decode(r.spec), decode(r.refusal),
+                                  r.byte_offset if r.byte_offset >= 0 else None) for r in rows)
+    finally:
+        lib.nqm_materials_free(handle)
 
 
 def as_brdf(value: BRDFLike) -> BRDF:

@@ -45,6 +45,16 @@ class Dataset:
         material_class: (n_pairs) classes of the references: "matte grey", ...
     """
 
+    jod: np.ndarray
+    delta_e: np.ndarray
+    split: np.ndarray
+    ref: np.ndarray
+    test: np.ndarray
+    group: np.ndarray
+    kind: np.ndarray
+    family: np.ndarray
+    material_class: np.ndarray
+
     def __init__(self) -> None:
         raise TypeError("use Dataset.open or Dataset.open_authors")
 

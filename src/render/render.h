@@ -66,6 +66,8 @@ typedef struct nqm_tracer nqm_tracer;
 
 /** Embree's version, "3.13.5"; NULL: a build without Embree, where nqm_tracer_create() fails. */
 const char *nqm_tracer_version(void);
+/** Whether Embree can be loaded; false in a build without it. Loads it. */
+bool nqm_tracer_available(void);
 /** Build the hierarchy; positions are copied. */
 NQM_MUST_CHECK nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err);
 void nqm_tracer_free(nqm_tracer *tracer);

@@ -41,6 +41,10 @@ const char *nqm_tracer_version(void) {
     return RTC_VERSION_STRING;
 }
 
+bool nqm_tracer_available(void) {
+    return nqm_library_get(&library);
+}
+
 static nqm_status fail_embree(RTCDevice device, nqm_error *err) {
     enum RTCError code = embree.rtcGetDeviceError(device);
     if (code == RTC_ERROR_OUT_OF_MEMORY)

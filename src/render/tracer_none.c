@@ -8,6 +8,10 @@ const char *nqm_tracer_version(void) {
     return NULL;
 }
 
+bool nqm_tracer_available(void) {
+    return false;
+}
+
 nqm_status nqm_tracer_create(const nqm_mesh *mesh, nqm_tracer **tracer_ret, nqm_error *err) {
     (void)mesh;
     *tracer_ret = NULL;

@@ -3,21 +3,15 @@
 import json
 import math
 import os
-import subprocess
 import tempfile
 import unittest
 
 import numpy as np
 
 import nqm
+from support import run_tool
 
 TESTS = ["ward:nickel", "perturb:gloss=0.9;of=sgd:nickel", "sgd:nickel"]
-
-
-def tool(*arguments):
-    """What the tool prints. Its own sanitizer library must not be loaded twice."""
-    environment = {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}
-    return subprocess.run([os.environ["NQM_TOOL"], *arguments], stdout=subprocess.PIPE, check=True, env=environment).stdout
 
 
 def samples(*names):
@@ -32,7 +26,7 @@ def close(test, found, printed):
 
 class Scores(unittest.TestCase):
     def test_as_the_tool(self):
-        printed = json.loads(tool("score", "sgd:nickel", *TESTS, "--json", "--metrics", "all"))["results"]
+        printed = json.loads(run_tool("score", "sgd:nickel", *TESTS, "--json", "--metrics", "all"))["results"]
         for s, row in zip(nqm.score("sgd:nickel", TESTS), printed):
             parts, own = row["parts"], s.parts
             close(self, [s.jod, s.low, s.high, s.delta_e], [row["jod"], row["jod_low"], row["jod_high"], row["delta_e_itp"]])
@@ -97,7 +91,7 @@ class Scores(unittest.TestCase):
             nqm.score_many([("sgd:nickel", "ward:nickel")], progress=stop)
         with tempfile.TemporaryDirectory() as folder:
             with self.assertRaises(KeyboardInterrupt):
-                nqm.BRDF.open("sgd:nickel").save_merl(folder + "/x.binary", progress=stop)
+                nqm.BRDF.open("sgd:nickel").save_table(folder + "/x.binary", progress=stop)
             self.assertEqual(os.listdir(folder), [])
 
 

@@ -31,6 +31,7 @@ const verb verbs[] = {
     {"models", cmd_models, "list and describe the built-in models"},
     {"bench", cmd_bench, "measure the speed of this build and the limits of this machine"},
     {"selftest", cmd_selftest, "check this build against stored values"},
+    {"doctor", cmd_doctor, "check this installation, and say what to do where it does not work"},
     {"help", cmd_help, "print this text or the help of a verb; man pages and completions of shells"},
     {NULL, NULL, NULL},
 };

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: MIT
+"""Fits, labels, pictures, metrics, datasets and the tool in Python, beside what the tool prints."""
+import csv
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+import nqm
+from support import run_tool
+
+BUILD = os.environ["NQM_BUILD"]
+QUICK = {"n_directions": 500, "n_starts": 2}
+
+
+class Fits(unittest.TestCase):
+    def test_exact(self):
+        found = nqm.fit("ggx:kd=.2,.1,.05;ks=.3;alpha=.2;f0=.8", "ggx", loss="log", **QUICK)
+        self.assertLess(found.loss, 1e-4)
+        self.assertEqual(nqm.BRDF.open(found.spec).info.spec, found.brdf.info.spec)
+        self.assertGreater(nqm.score("ggx:kd=.2,.1,.05;ks=.3;alpha=.2;f0=.8", found.brdf).jod, 9.9)
+        self.assertTrue(math.isfinite(found.difference))
+
+    def test_function(self):
+        def lambert(wi, wo):
+            return np.full(wi.shape, .2 / np.pi)
+
+        found = nqm.fit(lambert, "ggx", loss="log", bounds={"alpha": (.3, .5)}, **QUICK)
+        np.testing.assert_allclose(found.brdf.albedo(), .2, rtol=.05)
+
+    def test_visual_loss(self):
+        start = "ggx:kd=.1;ks=.3;alpha=.2;f0=.8"
+        found = nqm.fit("ggx:kd=.2;ks=.3;alpha=.2;f0=.8", "ggx", loss="nqm", start=start, **QUICK)
+        self.assertLess(found.loss, nqm.score("ggx:kd=.2;ks=.3;alpha=.2;f0=.8", start).delta_e)
+
+    def test_stop(self):
+        def interrupt(stage, done, total):
+            signal.raise_signal(signal.SIGINT)
+
+        for options in ({"loss": "log"}, {"loss": "auto"}):
+            with self.assertRaises(KeyboardInterrupt):
+                nqm.fit("sgd:nickel", "ggx", progress=interrupt, **options)
+
+    def test_exception(self):
+        def fails(wi, wo):
+            raise ZeroDivisionError
+
+        with self.assertRaises(ZeroDivisionError):
+            nqm.fit(fails, "ggx", loss="log", **QUICK)
+
+    def test_errors(self):
+        self.assertIn("nbrdf", nqm.fit_models())
+        for options, message in (({"model": "frog"}, "frog"), ({"loss": "frog"}, "frog"), ({"bounds": {"frog": (0, 1)}}, "frog"),
+                                 ({"start": "frog:"}, "frog")):
+            with self.assertRaisesRegex(nqm.Error, message) as caught:
+                nqm.fit("sgd:nickel", **options)
+            self.assertEqual(caught.exception.code, 2)
+        with self.assertRaises(TypeError):
+            nqm.fit("sgd:nickel", frog=1)
+
+
+class Scenes(unittest.TestCase):
+    def test_label(self):
+        row = json.loads(run_tool("label", "sgd:nickel", "ward:nickel", "--light", "sun", "--shape", "sphere", "--points", "300",
+                                  "--json"))["results"][0]
+        scene = nqm.Scene("sun", "sphere", n_points=300)
+        found = nqm.label("sgd:nickel", ["ward:nickel", "sgd:nickel"], scene=scene)
+        self.assertEqual("%.9g %.9g" % (found[0].jod, found[0].delta_e), "%.9g %.9g" % (row["jod"], row["delta_e_itp"]))
+        self.assertEqual((found[1].jod, found[1].delta_e), (10, 0))
+        delta_e = scene.delta_e_map("sgd:nickel", "ward:nickel")
+        self.assertAlmostEqual(float(delta_e @ scene.weights), found[0].delta_e, places=9)
+        small = nqm.Scene("sun", n_points=50).label("sgd:nickel", "ward:nickel")
+        self.assertEqual(float(nqm.label("sgd:nickel", "ward:nickel", light="sun", n_points=50)), small.jod)
+
+    def test_picture(self):
+        image = nqm.render("lambert:kd=.5", width=16, background=-1)
+        self.assertEqual(image.shape, (16, 16, 3))
+        self.assertEqual(image[0, 0].tolist(), [-1] * 3)
+        self.assertTrue((image[8, 8] > 0).all())
+        np.testing.assert_allclose(nqm.render("lambert:kd=.25", width=16)[8, 8], image[8, 8] / 2, rtol=1e-9)
+        self.assertEqual(nqm.render("lambert:kd=.5", width=12, height=8, n_frames=2).shape, (2, 8, 12, 3))
+        self.assertEqual(nqm.srgb([[0, 400, 4000]]).tolist(), [[0, 255, 255]])
+
+    def test_function(self):
+        def fails(wi, wo):
+            raise ZeroDivisionError
+
+        with self.assertRaises(ZeroDivisionError):
+            nqm.render(fails, width=8)
+
+    def test_errors(self):
+        with self.assertRaises(nqm.Error):
+            nqm.Scene("no-such-light.exr")
+        with self.assertRaises(ValueError):
+            nqm.Scene("sun", n_points=20).render("sgd:nickel")
+
+
+class Metrics(unittest.TestCase):
+    def test_names(self):
+        self.assertEqual([n for n in nqm.metrics() if not nqm.Metric(n).lower_better], ["jod", "similarity"])
+        with self.assertRaisesRegex(ValueError, "rmse"):
+            nqm.Metric("frog")
+
+    def test_values(self):
+        score = nqm.score("sgd:nickel", "ward:nickel")
+        self.assertEqual(nqm.Metric("jod")("sgd:nickel", "ward:nickel"), score.jod)
+        self.assertEqual(nqm.Metric("similarity")("sgd:nickel", "ward:nickel"), score.similarity)
+        self.assertEqual(nqm.Metric("rmse")("sgd:nickel", ["ward:nickel", "sgd:nickel"]).tolist(), [score.metrics["rmse"], 0])
+        ref, test = (nqm.BRDF.open(n).sample(nqm.Model.open().directions)[0] for n in ("sgd:nickel", "ward:nickel"))
+        self.assertEqual(nqm.Metric("log_diff").samples(ref, test), score.metrics["log_diff"])
+
+    def test_batch(self):
+        pairs = [("sgd:nickel", "ward:nickel"), ("sgd:nickel", "/nowhere"), ("sgd:nickel", "sgd:nickel")]
+        table = nqm.batch(pairs, metrics=True)
+        score = nqm.score("sgd:nickel", "ward:nickel")
+        self.assertEqual((table["jod"][0], table["high"][0], table["rmse"][0]), (score.jod, score.high, score.metrics["rmse"]))
+        self.assertEqual(table["status"].tolist(), [0, -2, 0])
+        self.assertTrue(math.isnan(table["jod"][1]) and table["identical"][2])
+        with tempfile.TemporaryDirectory() as folder:
+            with open(folder + "/pairs.csv", "w", newline="") as file:
+                csv.writer(file).writerows([("test", "note", "reference"), *[(b, "x", a) for a, b in pairs]])
+            self.assertEqual(nqm.batch(folder + "/pairs.csv")["jod"][0], score.jod)
+            with open(folder + "/other.csv", "w") as file:
+                file.write("a,b\n")
+            with self.assertRaises(nqm.Error) as caught:
+                nqm.batch(folder + "/other.csv")
+            self.assertEqual(caught.exception.code, 4)
+
+
+class Datasets(unittest.TestCase):
+    def test_arrays(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = folder + "/tiny.safetensors"
+            maker = BUILD + "/tests/tiny_dataset"
+            if not os.path.exists(maker):
+                self.skipTest("tests/tiny_dataset is not built")
+            subprocess.run([maker, path, "1", "4", "parts"], check=True)
+            data = nqm.Dataset.open(path)
+            n, m = len(data), len(data.directions)
+            self.assertEqual([len(getattr(data, k)) for k in ("jod", "delta_e", "split", "ref", "test", "group", "kind", "family",
+                                                             "material_class")], [n] * 9)
+            self.assertEqual((data.ref_samples().shape, data.test_samples(0).shape), ((n, m, 3), (m, 3)))
+            self.assertEqual((data.used(slice(2)).shape, data.parts([0, 1, 2]).shape), ((2, m), (3, 5)))
+            self.assertTrue(set(data.split) <= {"train", "validation", "test"})
+            self.assertTrue(np.isfinite(data.jod).all() and len(data.sha256) == 64)
+            with self.assertRaises(AttributeError):
+                data.frog
+            with open(path, "r+b") as file:
+                file.seek(-1, os.SEEK_END)
+                file.write(b"\xff")
+            del data
+            with self.assertRaises(nqm.Error) as caught:
+                nqm.Dataset.open(path)
+            self.assertEqual(caught.exception.code, 4)
+
+
+class Tool(unittest.TestCase):
+    def test_module(self):
+        environment = dict(os.environ, NQM_LIBRARY=BUILD)
+        del environment["NQM_TOOL"]
+        run = subprocess.run([sys.executable, "-m", "nqm", "score", "-q", "sgd:nickel", "sgd:nickel"], stdout=subprocess.PIPE,
+                             text=True, env=environment)
+        self.assertEqual((run.returncode, run.stdout), (0, "10.0000\n"))
+        missing = subprocess.run([sys.executable, "-m", "nqm", "score"], stderr=subprocess.PIPE, text=True,
+                                 env=dict(environment, NQM_TOOL="/nowhere"))
+        self.assertIn("/nowhere", missing.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
