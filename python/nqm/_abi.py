@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The C library: where it is found, and its structs and functions for ctypes, as in include/nqm/*.h. tests/python/abi.py compares
-the structs and constants with the headers."""
+"""The C library: where it is found, and its structs and functions for ctypes, as in include/nqm/*.h. tests/python/test_abi.py
+compares the structs and constants with the headers."""
 from __future__ import annotations
 
 import ctypes
@@ -277,16 +277,16 @@ def _candidates() -> Iterator[str]:
         folders += [Path(tool).resolve().parent, Path(tool).resolve().parent.parent / "lib"]
     for folder in folders:
         for name in NAMES:
-            if (folder / name).is_file():
-                yield str(folder / name)
+            for path in [folder / name, *sorted(folder.glob("*-linux-gnu*/" + name))]:
+                if path.is_file():
+                    yield str(path)
     yield NAMES[0]  # the loader's own search: LD_LIBRARY_PATH, ld.so.conf
     found = ctypes.util.find_library("nqm-full")
     if found:
         yield found
-    for folder in (Path.home() / ".local/lib", Path("/usr/local/lib"), Path("/usr/lib")):
-        for path in [folder / NAMES[0], *sorted(folder.glob("*-linux-gnu*/" + NAMES[0]))]:
-            if path.is_file():
-                yield str(path)
+    for path in (Path.home() / ".local/lib", Path("/usr/local/lib")):
+        if (path / NAMES[0]).is_file():
+            yield str(path / NAMES[0])
 
 
 def _declare(library: ctypes.CDLL, path: str) -> ctypes.CDLL:

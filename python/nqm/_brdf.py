@@ -198,6 +198,15 @@ class BRDF:
         call(lib.nqm_brdf_eval_half_diff, self._handle, hd.size // 3, address(hd), address(rgb), None, watches=self._watches)
         return rgb
 
+    def to_table(self, n_theta_h: int = 90, n_theta_d: int = 90, n_phi_d: int = 36) -> np.ndarray:
+        """The BRDF as a table for `from_table`: (n_theta_h, n_theta_d, n_phi_d, 3) float32, f_r at `table_nodes`; NaN at nodes without a
+        value and below the horizon."""
+        hd = table_nodes(n_theta_h, n_theta_d, n_phi_d)
+        rgb, flag = np.empty(hd.shape), np.empty(hd.shape[:-1], np.uint8)
+        call(lib.nqm_brdf_eval_half_diff, self._handle, flag.size, address(hd), address(rgb), address(flag), watches=self._watches)
+        rgb[flag >= 2] = np.nan
+        return rgb.astype(np.float32)
+
     def jacobian(self, wi: Any, wo: Any) -> Tuple[np.ndarray, np.ndarray]:
         """f_r of an analytic model and its exact derivatives by its parameters, in the order of the keys of `info.spec`, three for
         an RGB key. Returns f_r (..., 3) and derivatives (..., 3, n_parameters).
@@ -338,8 +347,7 @@ def presets() -> Tuple[str, ...]:
 
 
 def table_nodes(n_theta_h: int, n_theta_d: int, n_phi_d: int) -> np.ndarray:
-    """Half-vector coordinates of the nodes of `BRDF.from_table`: (n_theta_h, n_theta_d, n_phi_d, 3), radians.
-    `brdf.eval_half_diff(table_nodes(...))` is the table of a BRDF."""
+    """Half-vector coordinates of the nodes of `BRDF.from_table`: (n_theta_h, n_theta_d, n_phi_d, 3), radians."""
     theta_h = (np.arange(n_theta_h) / (n_theta_h - 1)) ** 2 * (np.pi / 2)
     theta_d = np.arange(n_theta_d) / (n_theta_d - 1) * (np.pi / 2)
     phi_d = np.arange(n_phi_d) / n_phi_d * np.pi

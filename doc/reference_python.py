@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Print doc/reference-python.md from the docstrings of python/nqm. ./dev pages writes it, and tests/python/test_pages.py checks that it is
+up to date. The sources are parsed, not imported: neither NumPy nor torch is needed."""
+import ast
+import inspect
+import os
+import re
+
+PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python", "nqm")
+GROUPS = (("Scores", ("score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference")),
+          ("BRDFs", ("BRDF", "BRDFInfo", "CheckReport", "presets", "materials", "MaterialInfo", "table_nodes",
+                     "half_diff_to_directions", "directions_to_half_diff", "Directions")),
+          ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
+          ("Fits", ("fit", "Fit", "fit_models")),
+          ("Rendering", ("label", "Label", "render", "srgb", "Scene")),
+          ("Datasets", ("Dataset",)),
+          ("Errors and the library", ("Error", "Status", "build_info")))
+
+
+def parse(name):
+    with open(os.path.join(PACKAGE, name), encoding="utf-8") as file:
+        return ast.parse(file.read())
+
+
+def is_marked(node, name):
+    return any(getattr(d, "id", getattr(d, "attr", "")) == name for d in node.decorator_list)
+
+
+def signature(function, drop_self):
+    """The arguments without their types."""
+    arguments = function.args
+    for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs, arguments.vararg, arguments.kwarg):
+        if a:
+            a.annotation = None
+    text = ast.unparse(arguments)
+    return re.sub(r"^(self|cls|ctx)(, |$)", "", text) if drop_self else text
+
+
+def markdown(doc):
+    """A docstring as Markdown: its sections become lists, its examples code."""
+    out, section = [], None
+    for line in inspect.cleandoc(doc).split("\n"):
+        head = re.match(r"(Args|Returns|Raises|Attributes):$", line)
+        if head:
+            section = head.group(1)
+            out += ["", {"Args": "Arguments:", "Attributes": "Members:"}.get(section, section + ":"), ""]
+        elif section and re.match(r"    \w+: ", line) and section != "Returns":
+            name, _, text = line.strip().partition(": ")
+            out.append("- `%s`: %s" % (name, text))
+        elif section and line.strip():
+            out.append(("  " if out[-1].startswith(("- ", "  ")) else "") + line.strip())
+        else:
+            out.append(line)
+    text = re.sub(r"\n{3,}", "\n\n", "\n".join(out))
+    return re.sub(r"(?m)^>>>(?s:.*?)(?=\n\n|\Z)", lambda m: "```python\n%s\n```" % m.group(), text)
+
+
+def entry(level, name, node):
+    """Lines of a function or class."""
+    doc = ast.get_docstring(node)
+    if isinstance(node, ast.FunctionDef):
+        yield "%s `%s(%s)`\n\n%s\n" % (level, name, signature(node, level == "####"), markdown(doc))
+        return
+    init = next((f for f in node.body if isinstance(f, ast.FunctionDef) and f.name == "__init__"), None)
+    closed = init is None or isinstance(init.body[0], ast.Raise)  # "use ....open()"
+    yield "%s `%s%s`\n\n%s\n" % (level, name, "" if closed else "(%s)" % signature(init, True), markdown(doc))
+    values = [n for n in node.body if isinstance(n, ast.Assign)]
+    if any(getattr(b, "attr", "") == "IntEnum" for b in node.bases):
+        yield "| name | value |\n|---|---|"
+        yield "".join("| `%s` | %s |\n" % (n.targets[0].id, ast.unparse(n.value)) for n in values)
+    for f in node.body:
+        if isinstance(f, ast.FunctionDef) and ast.get_docstring(f) and (not f.name.startswith("_") or f.name in ("__call__", "__len__")):
+            short = name.partition(".")[2] if "." in name else name
+            if is_marked(f, "property"):
+                yield "#### `%s.%s`\n\n%s\n" % (short, f.name, markdown(ast.get_docstring(f)))
+            elif f.name == "__len__":
+                yield "#### `len(%s)`\n\n%s\n" % (short.lower(), markdown(ast.get_docstring(f)))
+            else:
+                yield from entry("####", short if f.name == "__call__" else "%s.%s" % (short, f.name), f)
+
+
+def main():
+    found = {}
+    for name in sorted(os.listdir(PACKAGE)):
+        if name.endswith(".py") and name not in ("torch.py", "__main__.py"):
+            for node in parse(name).body:
+                if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not is_marked(node, "overload"):
+                    found[node.name] = node
+    public = ast.literal_eval(next(n.value for n in parse("__init__.py").body if isinstance(n, ast.Assign) and
+                                   n.targets[0].id == "__all__"))
+    if sorted(public) != sorted(name for _, names in GROUPS for name in names):
+        raise SystemExit("reference_python.py: GROUPS and nqm.__all__ differ: %s" %
+                         (set(public) ^ {name for _, names in GROUPS for name in names}))
+    print("# Reference of the Python package\n\nWhat does each function take and return? This page is made from the docstrings "
+          "(`./dev pages`), which `help()` shows too.\n[python.md](python.md) is the introduction. Angles are radians, f_r is in 1/sr "
+          "without the cosine, RGB is linear with BT.709 primaries.\n")
+    for title, names in GROUPS:
+        print("## %s\n" % title)
+        for name in names:
+            print("\n".join(entry("###", "nqm." + name, found[name])))
+    torch = parse("torch.py")
+    print("## PyTorch\n\n%s\n" % markdown(ast.get_docstring(torch)))
+    for node in torch.body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+            print("\n".join(entry("###", "nqm.torch." + node.name, node)))
+
+
+main()
