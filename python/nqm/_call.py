@@ -83,10 +83,10 @@ def progress_of(progress: ProgressLike) -> Callable[[str, float, float], Any]:
 def progress_callback(progress: ProgressLike, watches: "Sequence[Watch]", own: Watch) -> Any:
     """A C callback, which also lets Ctrl-C through: without one, Python would see it only after the call."""
     function = progress_of(progress)
-    own.shown = progress is True
 
     def callback(user: Any, stage: bytes, done: float, total: float) -> int:
         if own.error is None:
+            own.shown = progress is True
             try:
                 function(stage.decode(), done, total)
             except BaseException as error:  # KeyboardInterrupt among them
@@ -105,9 +105,12 @@ def call(function: Any, *args: Any, watches: Sequence[Watch] = (), own: Optional
         for watch in sorted(set(watches), key=id):
             stack.enter_context(watch.lock)
         result = function(*args, ctypes.byref(err)) if fallible else function(*args)
-        errors = [w.take() for w in ([own] if own else []) + list(watches)]
-    if own and own.shown:
-        sys.stderr.write("\n")
+        used = ([own] if own else []) + list(watches)
+        errors = [w.take() for w in used]
+        if any(w.shown for w in used):
+            sys.stderr.write("\n")
+            for w in used:
+                w.shown = False
     for error in errors:
         if error is not None:
             raise error

@@ -11,7 +11,7 @@ import numpy as np
 from . import _abi
 from ._abi import lib
 from ._brdf import BRDFLike, as_brdf, set_options
-from ._call import address, call, choice, encode, own_handle
+from ._call import ProgressLike, Watch, address, call, choice, encode, own_handle, progress_callback
 from ._score import Parts, parts_of
 
 OPTIONS = ("width", "height", "n_points", "n_frames", "turn_rad", "elevation_rad", "n_lights", "light_width", "shadows",
@@ -50,17 +50,22 @@ class Scene:
         light: "sun", "overcast", "studio", "interior", or a latitude-longitude map (RGBE in PNG, OpenEXR, Radiance HDR)
         shape: "sphere", "blob", or a mesh file (PLY, OBJ)
         kind: "standard", or "paper": the scene of Kavoosighafi et al. 2025, whose files `light` and `shape` must name
+        progress: called with the stage, the work done and the total while the scene is made and rendered; True shows a line on standard
+            error
         options: members of `nqm_scene_options` (include/nqm/render.h): `width`, `height` (0: points instead of a picture), `n_points`,
             `n_frames`, `turn_rad`, `elevation_rad`, `n_lights`, `light_width`, `shadows`, `interreflection`, `exposure_cdm2`,
             `peak_cdm2`, `seed`
     """
 
-    def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, kind: str = "standard", **options: Any) -> None:
+    def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, kind: str = "standard",
+                 progress: ProgressLike = None, **options: Any) -> None:
         o = set_options(lib.nqm_scene_options_default(), options, OPTIONS)
         o.scene = choice("kind", kind, _abi.SCENES)
         o.light, o.shape = (None if v is None else encode(v) for v in (light, shape))
+        self._watch = Watch()
+        self._progress = o.progress = progress_callback(progress, (), self._watch)  # must live as long as the handle
         self._handle = c_void_p()
-        call(lib.nqm_scene_create, byref(o), byref(self._handle))
+        call(lib.nqm_scene_create, byref(o), byref(self._handle), watches=(self._watch,))
         own_handle(self, self._handle, lib.nqm_scene_free)
         self._size = (o.height, o.width)
         self.peak_cdm2: float = o.peak_cdm2
@@ -85,7 +90,7 @@ class Scene:
         """Light that each point reflects to the viewer: (n_points, 3), linear BT.709 in cd/m2, not clipped."""
         brdf = as_brdf(brdf)
         rgb = np.empty((len(self), 3))
-        call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), watches=brdf._watches)
+        call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), watches=(self._watch, *brdf._watches))
         return rgb
 
     def image(self, values: np.ndarray, background: float = 0.0) -> np.ndarray:

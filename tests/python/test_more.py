@@ -94,6 +94,13 @@ class Scenes(unittest.TestCase):
         with self.assertRaises(ZeroDivisionError):
             nqm.render(fails, width=8)
 
+    def test_stop(self):
+        def interrupt(stage, done, total):
+            signal.raise_signal(signal.SIGINT)
+
+        with self.assertRaises(KeyboardInterrupt):
+            nqm.render("sgd:nickel", width=32, progress=interrupt)
+
     def test_errors(self):
         with self.assertRaises(nqm.Error):
             nqm.Scene("no-such-light.exr")
