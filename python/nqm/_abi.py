@@ -139,13 +139,13 @@ class FitOptions(Structure):
     _fields_ = [("loss", c_int), ("terms", c_void_p), ("n_terms", c_size_t), ("n_directions", c_size_t),
                 ("max_polar_rad", c_double), ("highlight_fraction", c_double), ("n_starts", c_size_t),
                 ("bounds", POINTER(FitBound)), ("n_bounds", c_size_t), ("seed", c_uint64), ("start", c_char_p),
-                ("n_random", c_size_t), ("start_seed", c_uint64), ("immediate", c_int), ("progress", Progress),
+                ("n_random", c_size_t), ("start_seed", c_uint64), ("simplify", c_double), ("immediate", c_int), ("progress", Progress),
                 ("progress_user", c_void_p)]
 
 
 class FitReport(Structure):
     _c_name_ = "nqm_fit_report"
-    _fields_ = [("spec", c_char * 512), ("loss", c_double), ("n_directions", c_size_t), ("best_start", c_size_t),
+    _fields_ = [("spec", c_char * 2048), ("loss", c_double), ("n_directions", c_size_t), ("best_start", c_size_t),
                 ("n_numbers", c_size_t)]
 
 
@@ -241,6 +241,7 @@ FUNCTIONS = {
     "nqm_curve_default": (Curve, []),
     "nqm_curve_jod": (c_double, [POINTER(Curve), c_double]),
     "nqm_fit_model": (c_char_p, [c_size_t]),
+    "nqm_fit_shading": (c_char_p, [c_size_t]),
     "nqm_fit_options_default": (FitOptions, []),
     "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), _handle, _error]),
     "nqm_scene_options_default": (SceneOptions, []),

@@ -2,6 +2,7 @@
 """Fits of models to BRDFs."""
 from __future__ import annotations
 
+import itertools
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional, Tuple
@@ -12,7 +13,8 @@ from ._brdf import BRDF, BRDFLike, as_brdf, set_options
 from ._call import ProgressLike, Watch, call, encode, progress_callback
 from ._score import ModelLike, as_model, models
 
-FREE_OPTIONS = ("n_directions", "max_polar_rad", "highlight_fraction", "n_starts", "seed", "n_random", "start_seed", "immediate")
+FREE_OPTIONS = ("n_directions", "max_polar_rad", "highlight_fraction", "n_starts", "seed", "n_random", "start_seed", "simplify",
+                "immediate")
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class Fit:
 
     Attributes:
         brdf: the fitted BRDF
-        spec: analytic models: the same as a spec; otherwise "", and `brdf.save` writes it
+        spec: analytic and shading models: the same as a spec; otherwise "", and `brdf.save` writes it
         loss: value of the loss; of "auto" that of the transport model
         selected: of "auto": how the result came about ("log-cos, then nqm"); otherwise ""
         difference: Delta-E by the transport model; NaN where it is not known
@@ -41,13 +43,12 @@ class Fit:
 
 
 def fit_models() -> Tuple[str, ...]:
-    """Names of the models that `fit` takes."""
+    """Names of the models that `fit` takes: encodings, analytic models, then the shading models of renderers."""
     names = []
-    while True:
-        name = lib.nqm_fit_model(len(names))
-        if name is None:
-            return tuple(names)
-        names.append(name.decode())
+    for function in (lib.nqm_fit_model, lib.nqm_fit_shading):
+        found = iter(lambda f=function, i=itertools.count(): f(next(i)), None)
+        names += [name.decode() for name in found]
+    return tuple(names)
 
 
 def _bounds(bounds: Optional[Mapping[str, Tuple[float, float]]]) -> Any:
@@ -63,15 +64,15 @@ def fit(ref: BRDFLike, model: str = "ggx", *, loss: str = "auto", metric: ModelL
     Args:
         ref: the BRDF to be approximated
         model: "ggx", "cook-torrance", "nbrdf", ...: see `fit_models`
-        loss: of analytic models: a sum like "log_diff+0.2*nqm" of "nqm" (the Delta-E that `metric` predicts), "transport" (that of
+        loss: of analytic and shading models: a sum like "log_diff+0.2*nqm" of "nqm" (the Delta-E that `metric` predicts), "transport" (that of
             `transport`), "log", "log-cos", "cube-root", "linear" and scalar metrics; "auto" selects the best of several
         metric: the model of the loss "nqm"
         transport: the model of the loss "transport" and of the choice of "auto"
         start: a spec of the model, from which the loss is minimised; default: several starts
-        bounds: narrower ranges of parameters of the lobe: {"alpha": (.1, .3)}
+        bounds: narrower ranges of parameters: {"alpha": (.1, .3)}
         progress: called with the stage, the work done and the total; True shows a line on standard error
         options: members of `nqm_fit_options` (include/nqm/fit.h): `n_directions`, `max_polar_rad`, `highlight_fraction`,
-            `n_starts`, `seed`, `n_random`, `start_seed`, `immediate`
+            `n_starts`, `seed`, `n_random`, `start_seed`, `simplify`, `immediate`
     """
     brdf, own, limits = as_brdf(ref), Watch(), _bounds(bounds)
     o = set_options(lib.nqm_fit_options_default(), options, FREE_OPTIONS)
