@@ -138,8 +138,9 @@ typedef struct reader {
     nqm_error *err;
 } reader;
 
+/* Of a property of the material; of the text when the position of the material is not known. */
 static int64_t byte_of(const reader *r, const char *path) {
-    return (int64_t)(r->source_at + nqm_json_path(&r->source, r->at, path));
+    return (int64_t)(r->source_at + (r->at == SIZE_MAX ? 0 : nqm_json_path(&r->source, r->at, path)));
 }
 
 /* Set the refusal "PROPERTY: REASON", if there is none yet. `path` is that of the property in the material. */
@@ -438,7 +439,7 @@ static const char *unknown_requirement(const json_t *root) {
 
 static nqm_status check_root(const reader *r, const json_t *root) {
     const char *version = json_string_value(json_object_get(json_object_get(root, "asset"), "version"));
-    const size_t at = nqm_json_path(&r->source, 0, "asset.version");
+    const size_t at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "asset.version");
     const int64_t byte = (int64_t)(r->source_at + at);
     if (!version)
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: this JSON has no asset.version and is no glTF",
@@ -447,7 +448,8 @@ static nqm_status check_root(const reader *r, const json_t *root) {
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: glTF %.20s; only glTF 2 is read", r->path,
                         (long long)byte, version);
     const json_t *materials = json_object_get(root, "materials");
-    const int64_t at_materials = (int64_t)(r->source_at + nqm_json_path(&r->source, 0, "materials"));
+    const int64_t at_materials =
+        (int64_t)(r->source_at + nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
     if (materials && !json_is_array(materials))
         return nqm_fail(r->err, NQM_ERR_FORMAT, at_materials, "%s: byte %lld: materials needs an array", r->path,
                         (long long)at_materials);
@@ -461,7 +463,7 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
     const char *required = unknown_requirement(root);
     json_t *list = json_object_get(root, "materials"), *material;
     size_t i;
-    r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, 0, "materials"));
+    r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
     json_array_foreach(list, i, material) {
         const size_t at = r->at;
         if (required) {
@@ -472,7 +474,8 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
                 .name = name,
                 .surface = "glTF metallic-roughness",
                 .refusal = refusal,
-                .byte_offset = (int64_t)(r->source_at + nqm_json_path(&r->source, 0, "extensionsRequired"))};
+                .byte_offset = (int64_t)(r->source_at +
+                                         nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired"))};
             status = nqm_materials_add(materials, &info, r->err);
         } else
             status = read_material(r, material, materials);

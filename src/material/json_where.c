@@ -13,6 +13,10 @@ static size_t skip_blanks(const nqm_json_source *json, size_t at) {
     return at;
 }
 
+size_t nqm_json_begin(const nqm_json_source *json) {
+    return skip_blanks(json, 0);
+}
+
 /* After the string whose quote is at `at`. */
 static size_t skip_string(const nqm_json_source *json, size_t at) {
     for (++at; at < json->n && json->text[at] != '"'; ++at)

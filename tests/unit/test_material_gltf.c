@@ -157,6 +157,18 @@ static void requirements_concern_every_material(void **state) {
     nqm_materials_free(materials);
 }
 
+/* Blanks before the text, and a key with an escape, which hides the position. */
+static void positions_are_inside_of_the_file(void **state) {
+    (void)state;
+    const char *text = "\n {\"asset\": {\"version\": \"2.0\"}, \"materials\": [{\"normalTexture\": 7}]}";
+    nqm_materials *materials = read_text(text);
+    assert_int_equal(nqm_materials_get(materials, 0).byte_offset, strchr(text, '7') - text);
+    nqm_materials_free(materials);
+    materials = read_text("{\"asset\": {\"version\": \"2.0\"}, \"m\\u0061terials\": [{\"normalTexture\": 7}]}");
+    assert_int_equal(nqm_materials_get(materials, 0).byte_offset, 0);
+    nqm_materials_free(materials);
+}
+
 static void materials_have_names(void **state) {
     (void)state;
     nqm_materials *materials = read_text("{\"materials\": [{\"name\": \"gold leaf\"}, {\"alphaMode\": \"OPAQUE\"}, "
@@ -326,15 +338,11 @@ static void files_have_valid_indices(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(properties_become_keys),
-        cmocka_unit_test(what_has_no_effect_is_accepted),
-        cmocka_unit_test(what_is_no_brdf_is_refused),
-        cmocka_unit_test(requirements_concern_every_material),
-        cmocka_unit_test(materials_have_names),
-        cmocka_unit_test(broken_texts_are_refused),
-        cmocka_unit_test(broken_binary_files_are_refused),
-        cmocka_unit_test(files_give_back_the_same_bits),
-        cmocka_unit_test(files_have_the_extensions_that_they_need),
+        cmocka_unit_test(properties_become_keys),           cmocka_unit_test(what_has_no_effect_is_accepted),
+        cmocka_unit_test(what_is_no_brdf_is_refused),       cmocka_unit_test(requirements_concern_every_material),
+        cmocka_unit_test(positions_are_inside_of_the_file), cmocka_unit_test(materials_have_names),
+        cmocka_unit_test(broken_texts_are_refused),         cmocka_unit_test(broken_binary_files_are_refused),
+        cmocka_unit_test(files_give_back_the_same_bits),    cmocka_unit_test(files_have_the_extensions_that_they_need),
         cmocka_unit_test(files_have_valid_indices),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
