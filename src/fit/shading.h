@@ -10,7 +10,7 @@
 #include "brdf/spec.h"
 #include "fit/fit.h"
 
-enum { NQM_SHADING_MAX_FREE = 96, NQM_SHADING_MAX_STARTS = 8 };
+enum { NQM_SHADING_MAX_FREE = 96, NQM_SHADING_MAX_STARTS = 8, NQM_SHADING_STEPS = 40 };
 
 /** A free parameter: one value of a key. The search sees x = units * log(value - low + offset), or units * (value - low) when
  *  offset is 0. */
@@ -112,9 +112,11 @@ NQM_MUST_CHECK nqm_status nqm_shading_objective_black(nqm_shading_objective *obj
  *  curvature (n, n): symmetric; factor (n, n): scratch. */
 void nqm_shading_solve(size_t n, const double *curvature, const bool *fixed, const double *gradient, double damping,
                        double *factor, double *step);
-/** Minimise the objective from point->values over the free parameters of `space`; never replaced by a worse one. */
+/** Minimise the objective from point->values over the free parameters of `space` by at most max_steps steps (under
+ *  NQM_SHADING_STEPS: with kinks rounded once only); never replaced by a worse one. */
 NQM_MUST_CHECK nqm_status nqm_shading_descend(nqm_shading_objective *objective, const nqm_shading_space *space,
-                                              nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err);
+                                              size_t max_steps, nqm_ticker *ticker, nqm_shading_point *point,
+                                              nqm_error *err);
 
 /* ---- stages (shading_fit.c) --------------------------------------------------------------------------------------- */
 
@@ -125,10 +127,17 @@ NQM_MUST_CHECK nqm_status nqm_shading_search(const nqm_shading_space *space, con
                                              bool only_start, nqm_ticker *ticker, nqm_shading_point *best,
                                              size_t *n_best, nqm_error *err);
 /** Set keys to their defaults where that raises the objective by at most `tolerance` (0: not done) times its value
- *  plus a twentieth of that of a black surface, in total; layers are removed with a fit of the other parameters. */
-NQM_MUST_CHECK nqm_status nqm_shading_simplify(nqm_shading_objective *objective, const nqm_shading_space *space,
-                                               double tolerance, nqm_ticker *ticker, nqm_shading_point *point,
-                                               nqm_error *err);
+ *  plus a twentieth of that of a black surface, in total; with short fits of the other parameters. `thin` needs
+ *  fewer directions than the fit. The keys leave the space; a last descent is left to the caller. */
+NQM_MUST_CHECK nqm_status nqm_shading_simplify(nqm_shading_objective *thin, nqm_shading_space *space, double tolerance,
+                                               nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err);
+/** About n directions of a target, evenly; nqm_free(thin->wi) also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_shading_thin(const nqm_fit_target *from, size_t n, nqm_fit_target *thin, nqm_error *err);
+/** Simplify the point, then minimise `objective`, the sum of `terms` on `target`, without the keys that have become plain. */
+NQM_MUST_CHECK nqm_status nqm_shading_finish(const nqm_shading_space *space, const nqm_fit_target *target,
+                                             size_t n_terms, const nqm_fit_term *terms,
+                                             nqm_shading_objective *objective, double tolerance, nqm_ticker *ticker,
+                                             nqm_shading_point *point, nqm_error *err);
 /** The rounded point as a report; the point becomes what the spec says. */
 NQM_MUST_CHECK nqm_status nqm_shading_report(const nqm_shading_space *space, nqm_shading_objective *objective,
                                              size_t n_directions, nqm_shading_point *point, nqm_fit_report *report,

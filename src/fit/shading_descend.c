@@ -137,8 +137,8 @@ static nqm_status advance(descent *d, nqm_shading_point *point, bool *gained, nq
 }
 
 /* Descend under the present rounding; point->loss is that of the rounded sum. */
-static nqm_status run(descent *d, nqm_shading_point *point, nqm_error *err) {
-    enum { MAX_STEPS = 40, MAX_SLOW = 3 };
+static nqm_status run(descent *d, size_t max_steps, nqm_shading_point *point, nqm_error *err) {
+    enum { MAX_SLOW = 3 };
     nqm_status status = nqm_shading_objective_value(d->objective, &point->values, &point->loss, err);
     if (status == NQM_OK)
         status = nqm_shading_objective_curvature(d->objective, d->space, &point->values, d->matrix, err);
@@ -148,32 +148,33 @@ static nqm_status run(descent *d, nqm_shading_point *point, nqm_error *err) {
     nqm_shading_bounds(d->space, d->low, d->high);
     differentiate(d, d->x, &point->values, d->gradient);
     int n_slow = 0;
-    for (int i = 0; status == NQM_OK && i < MAX_STEPS && n_slow < MAX_SLOW; ++i) {
+    for (size_t i = 0; status == NQM_OK && i < max_steps && n_slow < MAX_SLOW; ++i) {
         bool gained;
         const double before = point->loss;
         status = advance(d, point, &gained, err);
         if (point->loss == before)
             break;
         n_slow = gained ? 0 : n_slow + 1;
-        if (nqm_tick(d->ticker, "polish", i, MAX_STEPS + 1))
+        if (nqm_tick(d->ticker, "polish", (double)i, (double)max_steps + 1))
             status = nqm_fit_cancelled(err);
     }
     return status;
 }
 
-nqm_status nqm_shading_descend(nqm_shading_objective *o, const nqm_shading_space *space, nqm_ticker *ticker,
-                               nqm_shading_point *point, nqm_error *err) {
+nqm_status nqm_shading_descend(nqm_shading_objective *o, const nqm_shading_space *space, size_t max_steps,
+                               nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
     static const double rounding[] = {0.3, 0.03};
+    const bool is_short = max_steps < NQM_SHADING_STEPS;
     descent d;
     nqm_shading_point best = *point;
     nqm_status status = allocate(o, space, ticker, &d, err);
     if (status == NQM_OK)
         status = nqm_shading_objective_value(o, &point->values, &point->loss, err);
-    bool rounded = status == NQM_OK && nqm_shading_objective_round(o, rounding[0]);
+    const bool rounded = status == NQM_OK && nqm_shading_objective_round(o, rounding[0]);
     if (status == NQM_OK)
-        status = run(&d, &best, err);
-    if (status == NQM_OK && rounded && nqm_shading_objective_round(o, rounding[1]))
-        status = run(&d, &best, err);
+        status = run(&d, max_steps, &best, err);
+    if (status == NQM_OK && rounded && !is_short && nqm_shading_objective_round(o, rounding[1]))
+        status = run(&d, max_steps, &best, err);
     nqm_shading_objective_round(o, 0);
     if (status == NQM_OK)
         status = nqm_shading_objective_value(o, &best.values, &best.loss, err);

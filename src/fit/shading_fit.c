@@ -11,8 +11,8 @@
 
 /* ---- search ------------------------------------------------------------------------------------------------------- */
 
-/* Every stride-th direction of a target; nqm_free(thin->wi). */
-static nqm_status make_thin(const nqm_fit_target *from, size_t stride, nqm_fit_target *thin, nqm_error *err) {
+nqm_status nqm_shading_thin(const nqm_fit_target *from, size_t n, nqm_fit_target *thin, nqm_error *err) {
+    const size_t stride = nqm_larger(from->n / n, 1);
     *thin = *from;
     thin->n = (from->n + stride - 1) / stride;
     nqm_status status =
@@ -113,7 +113,7 @@ nqm_status nqm_shading_search(const nqm_shading_space *space, const nqm_brdf *re
     size_t n = 0;
     nqm_status status = make_starts(space, ref, target, options, only_start, best, &n, err);
     if (status == NQM_OK)
-        status = make_thin(target, nqm_larger(target->n / THIN, 1), &thin, err);
+        status = nqm_shading_thin(target, THIN, &thin, err);
     if (status == NQM_OK && n > 1)
         status = refine_all(space, &thin, FIRST_STEPS, ticker, best, n, err);
     n = nqm_smaller(n, MAX_KEPT);
@@ -145,6 +145,7 @@ static bool has_value(const nqm_spec_values *values, size_t key, double v) {
 
 /* Give a free key one value if the loss with the best values of the others stays within the budget. */
 static nqm_status try_value(simplification *s, size_t key, double v) {
+    enum { TRIAL_STEPS = 8 };
     nqm_shading_space without = s->space;
     nqm_shading_point next = *s->point;
     nqm_shading_fix(&without, key);
@@ -154,7 +155,7 @@ static nqm_status try_value(simplification *s, size_t key, double v) {
         next.values.v[key][c] = v;
     nqm_status status = nqm_shading_objective_value(s->objective, &next.values, &next.loss, s->err);
     if (status == NQM_OK && next.loss > s->budget)
-        status = nqm_shading_descend(s->objective, &without, s->ticker, &next, s->err);
+        status = nqm_shading_descend(s->objective, &without, TRIAL_STEPS, s->ticker, &next, s->err);
     if (status == NQM_OK && next.loss <= s->budget) {
         *s->point = next;
         s->space = without;
@@ -180,20 +181,40 @@ static nqm_status try_all(simplification *s) {
     return status;
 }
 
-nqm_status nqm_shading_simplify(nqm_shading_objective *o, const nqm_shading_space *space, double tolerance,
+nqm_status nqm_shading_simplify(nqm_shading_objective *thin, nqm_shading_space *space, double tolerance,
                                 nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
     const double share_of_black = 0.05; /* exact fits have no loss to compare with */
     double black;
-    simplification s = {.objective = o, .space = *space, .ticker = ticker, .point = point, .err = err};
+    simplification s = {.objective = thin, .space = *space, .ticker = ticker, .point = point, .err = err};
     if (tolerance <= 0)
         return NQM_OK;
-    nqm_status status = nqm_shading_objective_black(o, &black, err);
+    nqm_status status = nqm_shading_objective_black(thin, &black, err);
     if (status == NQM_OK)
-        status = nqm_shading_objective_value(o, &point->values, &point->loss, err);
+        status = nqm_shading_objective_value(thin, &point->values, &point->loss, err);
     s.budget = point->loss + tolerance * (point->loss + share_of_black * black);
     if (status == NQM_OK)
         status = try_all(&s);
-    return status == NQM_OK ? nqm_shading_descend(o, &s.space, ticker, point, err) : status;
+    *space = s.space;
+    return status;
+}
+
+nqm_status nqm_shading_finish(const nqm_shading_space *full, const nqm_fit_target *target, size_t n_terms,
+                              const nqm_fit_term *terms, nqm_shading_objective *objective, double tolerance,
+                              nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
+    enum { THIN = 600 };
+    nqm_shading_space space = *full;
+    nqm_fit_target thin_target = {0};
+    nqm_shading_objective *thin = NULL;
+    nqm_status status = nqm_shading_thin(target, THIN, &thin_target, err);
+    if (status == NQM_OK)
+        status = nqm_shading_objective_make(&space, &thin_target, n_terms, terms, &thin, err);
+    if (status == NQM_OK)
+        status = nqm_shading_simplify(thin, &space, tolerance, ticker, point, err);
+    if (status == NQM_OK)
+        status = nqm_shading_descend(objective, &space, NQM_SHADING_STEPS, ticker, point, err);
+    nqm_shading_objective_free(thin);
+    nqm_free(thin_target.wi);
+    return status;
 }
 
 /* ---- the whole fit ------------------------------------------------------------------------------------------------ */
@@ -207,16 +228,15 @@ nqm_status nqm_shading_report(const nqm_shading_space *space, nqm_shading_object
     return status == NQM_OK ? nqm_shading_objective_value(o, &point->values, &report->loss, err) : status;
 }
 
-/* From the results of the search to the best under the whole loss. */
-static nqm_status finish(const nqm_shading_space *space, nqm_shading_objective *o, const nqm_fit_options *options,
-                         nqm_ticker *ticker, size_t n, nqm_shading_point *points, nqm_error *err) {
+/* From the results of the search to the best under the whole loss, first. */
+static nqm_status descend_all(const nqm_shading_space *space, nqm_shading_objective *o, nqm_ticker *ticker, size_t n,
+                              nqm_shading_point *points, nqm_error *err) {
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
-        status = nqm_shading_descend(o, space, ticker, &points[i], err);
-    if (status != NQM_OK)
-        return status;
-    qsort(points, n, sizeof *points, compare_points);
-    return nqm_shading_simplify(o, space, options->simplify, ticker, points, err);
+        status = nqm_shading_descend(o, space, NQM_SHADING_STEPS, ticker, &points[i], err);
+    if (status == NQM_OK)
+        qsort(points, n, sizeof *points, compare_points);
+    return status;
 }
 
 nqm_status nqm_fit_shading_model(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
@@ -228,18 +248,21 @@ nqm_status nqm_fit_shading_model(const nqm_brdf *ref, const nqm_fit_entry *entry
     nqm_shading_objective *objective = NULL;
     nqm_shading_point points[NQM_SHADING_MAX_STARTS] = {{.loss = 0}};
     const nqm_fit_term only = {.weight = 1, .loss = options->loss};
-    size_t n = 0;
+    const nqm_fit_term *terms = options->n_terms ? options->terms : &only;
+    size_t n = 0, n_terms = nqm_larger(options->n_terms, 1);
     first.loss = nqm_fit_first_loss(options);
     nqm_status status = nqm_shading_space_make(entry->shading, options, &space, err);
     if (status == NQM_OK)
         status = nqm_fit_target_make(ref, &first, &target, err);
     if (status == NQM_OK)
-        status = nqm_shading_objective_make(&space, &target, options->n_terms ? options->n_terms : 1,
-                                            options->n_terms ? options->terms : &only, &objective, err);
+        status = nqm_shading_objective_make(&space, &target, n_terms, terms, &objective, err);
     if (status == NQM_OK)
         status = nqm_shading_search(&space, ref, &target, options, options->start != NULL, &ticker, points, &n, err);
     if (status == NQM_OK)
-        status = finish(&space, objective, options, &ticker, n, points, err);
+        status = descend_all(&space, objective, &ticker, n, points, err);
+    if (status == NQM_OK)
+        status =
+            nqm_shading_finish(&space, &target, n_terms, terms, objective, options->simplify, &ticker, points, err);
     if (status == NQM_OK)
         status = nqm_shading_report(&space, objective, target.n, points, report, err);
     if (status == NQM_OK)

@@ -76,6 +76,30 @@ static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, const char
     return status;
 }
 
+/* "auto" for a shading model. */
+static nqm_status select_shading(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
+                                 const char *sum_text, nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    binding b = {.n = 0};
+    nqm_match_visual judge = {.scorer = NULL};
+    if (!s->loss->transport)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a model for transport");
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
+        status = bind_term(s, &sum->terms[i], &b, err);
+    if (status == NQM_OK)
+        status = nqm_match_visual_make(s->loss->transport, s->ref, &judge, err);
+    int n_threads = nqm_limit_threads(1); /* of a score of one pair */
+    if (status == NQM_OK)
+        status = explain(
+            &b,
+            nqm_match_shading(s->ref, entry->shading, &s->options, b.n, b.terms, &judge.visual, sum_text, report, err),
+            err);
+    nqm_limit_threads(n_threads);
+    nqm_match_visual_free(&judge);
+    release(&b);
+    return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
+}
+
 /* ---- selection among candidates ---------------------------------------------------------------------------------- */
 
 static const nqm_fit_loss candidate_losses[] = {NQM_FIT_LOG, NQM_FIT_LOG_COS, NQM_FIT_RMS_CRWE, NQM_FIT_LOG_DIFF};
@@ -166,6 +190,10 @@ static nqm_status choose(const selection *s, const char *text, nqm_match_report 
     return best < INFINITY ? NQM_OK : nqm_fail(err, NQM_ERR_NUMERIC, -1, "no candidate of the loss auto has a result");
 }
 
+static const char *polish_text(const nqm_match_loss *loss) {
+    return strchr(loss->text, ':') ? loss->text + 5 : nqm_match_polish;
+}
+
 static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum *polish, nqm_match_report *report,
                               nqm_brdf **brdf_ret, nqm_error *err) {
     const nqm_match_loss *loss = setting_of_all->loss;
@@ -183,7 +211,7 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
     nqm_parallel_for(N_CANDIDATES, make_candidate, s);
     const nqm_error *failure = failure_of(s);
     nqm_status status = failure ? nqm_fail(err, failure->status, failure->byte_offset, "%s", failure->message)
-                                : choose(s, strchr(loss->text, ':') ? loss->text + 5 : nqm_match_polish, report, err);
+                                : choose(s, polish_text(loss), report, err);
     nqm_free(s);
     return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
 }
@@ -209,6 +237,8 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     const bool has_own_loss = entry->encode && !entry->shading;
     if (has_own_loss)
         status = nqm_fit(ref, model, &s.options, &report.fit, &brdf, err);
+    else if (sum.is_auto && entry->shading)
+        status = select_shading(&s, entry, &sum, polish_text(loss), &report, &brdf, err);
     else if (sum.is_auto)
         status = select_best(&s, &sum, &report, &brdf, err);
     else
