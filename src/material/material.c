@@ -170,6 +170,11 @@ static void clean_name(const char *name, char clean[64]) {
         *clean = '_';
 }
 
+nqm_status nqm_material_check(const char *model, const char *path, nqm_error *err) {
+    const nqm_material_format *format;
+    return select_format(model, path, &format, err);
+}
+
 nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err) {
     nqm_shading shading;
     const nqm_material_format *format = NULL;

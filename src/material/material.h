@@ -67,6 +67,8 @@ NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 
 /** true when a format recognises the file. */
 bool nqm_materials_probe(const nqm_map *map);
+/** Whether nqm_material_write() writes this model to a file of this name: NQM_OK, or its NQM_ERR_ARG. */
+NQM_MUST_CHECK nqm_status nqm_material_check(const char *model, const char *path, nqm_error *err);
 /** The names of all formats, separated by ", ". */
 void nqm_material_format_names(char *text, size_t n_text);
 /** As nqm_materials_open(), of an open file. */

@@ -277,6 +277,7 @@ int cmd_sample(int argc, char **argv);
 int cmd_score(int argc, char **argv);
 int cmd_selftest(int argc, char **argv);
 int cmd_train(int argc, char **argv);
+int cmd_translate(int argc, char **argv);
 int cmd_transport(int argc, char **argv);
 
 #endif

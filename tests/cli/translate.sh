@@ -1,0 +1,46 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm translate: materials of one renderer as materials of another, written, read back and scored; the gate, refusals, and faults
+# that are found before the work.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+red='gltf:base_color=0.8,0.3,0.1;metallic=0;roughness=0.35'
+
+# A model's own material is itself, in any of its files.
+"$tool" translate "$red" --to gltf -o "$dir/red.glb" --samples 300 >"$dir/out"
+grep -q '^JOD 10.00' "$dir/out" || fail "own material: $(cat "$dir/out")"
+[ "$("$tool" score "$red" "$dir/red.glb" -q)" = 10.0000 ] || fail "the file is another material"
+
+# A file for each material of a list; one is refused, which does not stop the others; the last line counts.
+code=0
+"$tool" translate "$dir/red.glb" nowhere.mtlx --to usd -d "$dir/usd" --samples 300 >"$dir/out" 2>&1 || code=$?
+[ "$code" = 9 ] || fail "exit code $code of a refusal: $(cat "$dir/out")"
+[ "$(tail -1 "$dir/out")" = "2 materials, 1 refused" ] || fail "summary: $(tail -1 "$dir/out")"
+[ "$(ls "$dir/usd")" = red.mtlx ] || fail "files: $(ls "$dir/usd")"
+grep -q UsdPreviewSurface "$dir/usd/red.mtlx" || fail "not a UsdPreviewSurface: $(cat "$dir/usd/red.mtlx")"
+
+# What is lost: a conductor cannot be red paint; the gate says so, in the exit code too.
+code=0
+"$tool" translate "$red;sheen_color=0.5" --to rough-conductor --samples 300 --fail-under 9.99 --json >"$dir/json" || code=$?
+[ "$code" = 1 ] || fail "exit code $code of the gate"
+grep -q '"dropped": "base_color, metallic, sheen_color"' "$dir/json" || fail "dropped: $(cat "$dir/json")"
+for key in model input output spec jod jod_low jod_high transport_jod selected seconds pass failed refused; do
+    grep -q "\"$key\":" "$dir/json" || fail "no $key: $(cat "$dir/json")"
+done
+
+# Faults are found before the work.
+refuses 2 "there is no material 'maya'" translate "$red" --to maya
+refuses 2 'no file of this name' translate "$red" --to gltf -o "$dir/red.pbrt"
+refuses 2 'write 2 with -d' translate "$red" "$red" --to gltf -o "$dir/two.gltf"
+refuses 2 'would both be written' translate "$dir/red.glb" "$dir/red.glb" --to gltf -d "$dir/usd"
+refuses 2 'shows one material' translate "$red" "$red" --to gltf --report "$dir/page.html"
+refuses 3 . translate "$red" --to gltf -o "$dir/no/such.gltf"
+cat >"$dir/glass.mtlx" <<'XML'
+<?xml version="1.0"?>
+<materialx version="1.38">
+  <standard_surface name="glass" type="surfaceshader"><input name="transmission" type="float" value="1" /></standard_surface>
+  <surfacematerial name="m" type="material"><input name="surfaceshader" type="surfaceshader" nodename="glass" /></surfacematerial>
+</materialx>
+XML
+refuses 4 'transmission' translate "$dir/glass.mtlx" --to gltf
+[ ! -e "$dir/two.gltf" ] || fail "a file of refused arguments"

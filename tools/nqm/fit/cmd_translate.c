@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm translate - write materials as materials of another shading model: fit the target, write the file, and score what was
+ * written. With --fail-under it is a gate.
+ */
+#include "match/match.h"
+#include "material/material.h"
+#include "nqm/fit/translate.h"
+#include "nqm/score/gate.h"
+#include "nqm/show/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { MAX_TEXT = 4096 };
+
+/* A material to translate, and its translation. */
+typedef struct item {
+    char argument[MAX_TEXT]; /* of nqm_brdf_open() */
+    char path[MAX_TEXT];     /* of the file to write; "": none */
+    char dropped[300];       /* properties without counterpart */
+    char *copy;              /* spec of the copied keys, NULL: none */
+    nqm_error err;           /* status NQM_OK: translated */
+    nqm_match_report match;
+    nqm_score_result score, transport;
+    double seconds;
+} item;
+
+typedef struct translation {
+    const translate_target *target;
+    const char *path, *folder; /* -o and -d, or NULL */
+    nqm_match_loss loss;
+    nqm_fit_options fit;
+    nqm_scorer *scorer, *transport;
+    score_gate gate;
+    size_t n, max_n;
+    item *items;
+} translation;
+
+/* ---- inputs and outputs ------------------------------------------------------------------------------------------- */
+
+static void add_item(translation *t, const char *file, const char *material) {
+    if (t->n == t->max_n) {
+        t->max_n = t->max_n ? 2 * t->max_n : 16;
+        item *grown = allocate(t->max_n, sizeof *grown);
+        if (t->n)
+            memcpy(grown, t->items, t->n * sizeof *grown);
+        free(t->items);
+        t->items = grown;
+    }
+    item *it = &t->items[t->n++];
+    const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
+                              : snprintf(it->argument, MAX_TEXT, "%s", file);
+    if (used < 0 || used >= MAX_TEXT)
+        stop(EXIT_USAGE, "%.80s...: the argument is too long", file);
+}
+
+/* A file with several materials becomes an item for each of them. */
+static void add_argument(translation *t, const char *argument) {
+    nqm_materials *materials = NULL;
+    struct stat status;
+    const bool is_file = stat(argument, &status) == 0 && S_ISREG(status.st_mode);
+    if (is_file && nqm_materials_open(argument, &materials, NULL) == NQM_OK && nqm_materials_count(materials) > 1)
+        for (size_t i = 0; i < nqm_materials_count(materials); ++i)
+            add_item(t, argument, nqm_materials_get(materials, i).name);
+    else
+        add_item(t, argument, NULL);
+    nqm_materials_free(materials);
+}
+
+/* Part of an argument that names it: "gold" of "metals/gold.mtlx", "paints_red" of "paints.mtlx:red". */
+static void short_stem(const char *argument, char *stem, size_t n_stem) {
+    const char *slash = strrchr(argument, '/'), *begin = slash ? slash + 1 : argument;
+    const char *colon = strchr(begin, ':');
+    const size_t n_file = colon ? (size_t)(colon - begin) : strlen(begin);
+    size_t n = 0;
+    while (n < n_file && (begin[n] != '.' || !memchr(begin + n, '.', n_file - n) || n == 0))
+        ++n;
+    snprintf(stem, n_stem, "%.*s%s%.40s", (int)n, begin, colon ? "_" : "", colon ? colon + 1 : "");
+    for (char *c = stem; *c; ++c)
+        if (strchr("/:;=,() ", *c))
+            *c = '_';
+}
+
+static void name_outputs(translation *t) {
+    nqm_error err = {0};
+    if (t->path && t->folder)
+        stop(EXIT_USAGE, "-o FILE and -d FOLDER exclude each other");
+    if (t->path && t->n != 1)
+        stop(EXIT_USAGE, "-o FILE is for one material; write %zu with -d FOLDER", t->n);
+    for (size_t i = 0; i < t->n && (t->path || t->folder); ++i) {
+        item *it = &t->items[i];
+        char stem[256];
+        short_stem(it->argument, stem, sizeof stem);
+        const int used = t->path ? snprintf(it->path, MAX_TEXT, "%s", t->path)
+                                 : snprintf(it->path, MAX_TEXT, "%s/%s%s", t->folder, stem, t->target->extension);
+        if (used < 0 || used >= MAX_TEXT)
+            stop(EXIT_USAGE, "%.80s...: the path of the output is too long", it->path);
+        must(nqm_material_check(t->target->model, it->path, &err), &err);
+        for (size_t k = 0; k < i; ++k)
+            if (strcmp(t->items[k].path, it->path) == 0)
+                stop(EXIT_USAGE, "'%s' and '%s' would both be written to %s", t->items[k].argument, it->argument,
+                     it->path);
+    }
+    if (t->folder && !is_folder(t->folder) && mkdir(t->folder, 0777) != 0)
+        stop(EXIT_OPEN, "%s: cannot create this folder", t->folder);
+    for (size_t i = 0; i < t->n; ++i)
+        if (t->items[i].path[0])
+            require_output(t->items[i].path);
+}
+
+/* ---- results ------------------------------------------------------------------------------------------------------ */
+
+static size_t count_refused(const translation *t) {
+    size_t n = 0;
+    for (size_t i = 0; i < t->n; ++i)
+        n += t->items[i].err.status != NQM_OK;
+    return n;
+}
+
+static size_t count_failed(const translation *t) {
+    size_t n = 0;
+    for (size_t i = 0; i < t->n; ++i)
+        n += t->items[i].err.status == NQM_OK && fails_gate(&t->gate, &t->items[i].score);
+    return n;
+}
+
+static void print_item(const translation *t, const item *it) {
+    if (it->err.status != NQM_OK) {
+        const bool is_named = strncmp(it->err.message, it->argument, strlen(it->argument)) == 0;
+        printf("refused  %s%s%s\n", is_named ? "" : it->argument, is_named ? "" : ": ", it->err.message);
+        return;
+    }
+    printf("JOD %5.2f", it->score.jod);
+    if (!isnan(it->score.jod_low))
+        printf(" [%.2f, %.2f]", it->score.jod_low, it->score.jod_high);
+    printf("  transport %5.2f  %s -> %s", it->transport.jod, it->argument, it->path[0] ? it->path : it->match.fit.spec);
+    if (it->dropped[0])
+        printf("  dropped: %s", it->dropped);
+    if (has_gate(&t->gate))
+        printf("  %s", gate_mark(&t->gate, &it->score));
+    putchar('\n');
+    fflush(stdout);
+}
+
+static json_t *item_json(const translation *t, const item *it) {
+    if (it->err.status != NQM_OK)
+        return json_pack("{s:o,s:n,s:o}", "input", json_name(it->argument), "spec", "error",
+                         json_name(it->err.message));
+    json_t *row = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "input", json_name(it->argument), "output",
+                            it->path[0] ? json_name(it->path) : json_null(), "spec", json_name(it->match.fit.spec),
+                            "jod", json_number(it->score.jod), "jod_low", json_number(it->score.jod_low), "jod_high",
+                            json_number(it->score.jod_high), "transport_jod", json_number(it->transport.jod), "dropped",
+                            json_name(it->dropped), "selected", json_name(it->match.selected), "seconds",
+                            json_number(it->seconds));
+    if (has_gate(&t->gate))
+        json_object_set_new(row, "pass", json_boolean(!fails_gate(&t->gate, &it->score)));
+    return row;
+}
+
+static void print_as_json(const translation *t) {
+    json_t *results = json_array();
+    for (size_t i = 0; i < t->n; ++i)
+        json_array_append_new(results, item_json(t, &t->items[i]));
+    print_document(json_pack("{s:s,s:o,s:I,s:I}", "model", t->target->model, "results", results, "failed",
+                             (json_int_t)count_failed(t), "refused", (json_int_t)count_refused(t)));
+}
+
+/* "3 materials, 1 FAIL: JOD below 9, 1 refused" */
+static void print_summary(const translation *t, FILE *out) {
+    char words[GATE_TEXT];
+    fprintf(out, "%zu material%s", t->n, t->n == 1 ? "" : "s");
+    if (has_gate(&t->gate))
+        fprintf(out, ", %zu failed (%s)", count_failed(t), gate_words(&t->gate, words));
+    fprintf(out, ", %zu refused\n", count_refused(t));
+}
+
+/* The source, its keys copied, and its translation. */
+static void write_page(const translation *t, const char *metric, output_file *out) {
+    static char copied[] = "keys copied";
+    const item *it = t->items;
+    char title[300], name[NAME_SIZE], shown[NAME_SIZE];
+    char *arguments[3] = {(char *)(uintptr_t)it->argument}; /* they are read only */
+    const char *names[3] = {NULL};
+    int n = 1;
+    if (it->copy) {
+        arguments[n] = it->copy;
+        names[n++] = copied;
+    }
+    snprintf(shown, sizeof shown, "%s, translated", t->target->model);
+    arguments[n] = (char *)(uintptr_t)(it->path[0] ? it->path : it->match.fit.spec);
+    names[n++] = shown;
+    short_name(it->argument, name, sizeof name);
+    snprintf(title, sizeof title, "Translation of %s to %s", name, t->target->model);
+    report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}};
+    scene_args scene = scene_args_begin();
+    scene.side = 256;
+    scene_args_end(&scene);
+    run.labels.scene_options = scene.scene;
+    run.labels.shrink = 1;
+    run.scores.model = open_model(metric);
+    make_report(&run, n, arguments, names, out);
+    free_report(&run);
+}
+
+/* ---- one translation ---------------------------------------------------------------------------------------------- */
+
+/* Write the result and open what was written. */
+static nqm_status write_result(item *it, nqm_brdf **brdf, nqm_error *err) {
+    char stem[256];
+    short_stem(it->argument, stem, sizeof stem);
+    nqm_status status = nqm_material_write(it->match.fit.spec, stem, it->path, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_brdf_free(*brdf);
+    return nqm_brdf_open(it->path, brdf, err);
+}
+
+static nqm_status translate(const translation *t, item *it, nqm_error *err) {
+    nqm_brdf *ref = NULL, *brdf = NULL;
+    nqm_fit_options fit = t->fit;
+    const double begin = nqm_clock_s();
+    nqm_status status = nqm_brdf_open(it->argument, &ref, err);
+    if (status != NQM_OK)
+        return status;
+    const char *spec = nqm_brdf_get_info(ref).spec;
+    list_dropped(spec, t->target->model, it->dropped, sizeof it->dropped);
+    it->copy = copy_keys(spec, t->target->model);
+    if (strncmp(t->loss.text, "auto", 4) == 0)
+        fit.start = it->copy; /* other losses would begin there only */
+    status = nqm_match(ref, t->target->model, &t->loss, &fit, &it->match, &brdf, err);
+    if (status == NQM_OK && it->path[0])
+        status = write_result(it, &brdf, err);
+    const nqm_brdf *test = brdf;
+    if (status == NQM_OK)
+        status = nqm_scorer_run(t->scorer, ref, 1, &test, &it->score, err);
+    if (status == NQM_OK)
+        status = nqm_scorer_run(t->transport, ref, 1, &test, &it->transport, err);
+    it->seconds = nqm_clock_s() - begin;
+    nqm_brdf_free(ref);
+    nqm_brdf_free(brdf);
+    return status;
+}
+
+/* Refusals are stored and do not stop the others. */
+static void translate_all(translation *t, bool with_rows) {
+    for (size_t i = 0; i < t->n; ++i) {
+        item *it = &t->items[i];
+        nqm_error err = {0};
+        note_progress("%s (%zu of %zu)", it->argument, i + 1, t->n);
+        if (translate(t, it, &err) != NQM_OK) {
+            if (err.status == NQM_ERR_CANCELLED || t->n == 1)
+                stop_error(&err);
+            it->err = err;
+        }
+        end_progress();
+        if (with_rows)
+            print_item(t, it);
+    }
+}
+
+/* ---- the verb ----------------------------------------------------------------------------------------------------- */
+
+static nqm_scorer *open_scorer(const nqm_model *model) {
+    nqm_score_options options = nqm_score_options_default();
+    nqm_scorer *scorer;
+    nqm_error err = {0};
+    options.metrics = 0;
+    must(nqm_scorer_create(model, &options, &scorer, &err), &err);
+    return scorer;
+}
+
+static void check_loss(const char *text) {
+    nqm_match_sum sum;
+    nqm_error err = {0};
+    must(nqm_match_parse(text, &sum, &err), &err);
+}
+
+int cmd_translate(int argc, char **argv) {
+    translation t = {.fit = nqm_fit_options_default()};
+    const char *to = NULL, *loss = "auto", *metric = "default", *transport = "transport", *page = NULL;
+    uint64_t samples = 2000;
+    bool json = false;
+    const option options[] = {
+        {"to", 't', OPTION_NEEDED, &to, "MODEL",
+         "gltf, open-pbr (openpbr), standard-surface, usd-preview (usd), disney, principled, rough-conductor, "
+         "pbrt-conductor",
+         0, 0},
+        {"output", 'o', OPTION_TEXT, &t.path, "FILE",
+         "the file to write; its extension selects the format: .mtlx .gltf .glb .xml .json .pbrt", 0, 0},
+        {"folder", 'd', OPTION_TEXT, &t.folder, "FOLDER", "write a file for each material, named as the input", 0, 0},
+        {"loss", 0, OPTION_TEXT, &loss, "SUM|auto", "as in nqm fit", 0, 0},
+        {"metric", 'm', OPTION_TEXT, &metric, "MODEL", "the model of the JOD and of the loss nqm", 0, 0},
+        {"transport", 0, OPTION_TEXT, &transport, "MODEL", "the model of the loss transport", 0, 0},
+        {"samples", 0, OPTION_COUNT, &samples, "N", "direction pairs of the fit", 200, 1000000},
+        {"simplify", 0, OPTION_NUMBER, &t.fit.simplify, "X", "fraction of the loss for which keys get their defaults",
+         0, 1},
+        {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures, of one material", 0, 0},
+        OPTION_ROWS_GATE(&t.gate),
+        {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
+        {0}};
+    const command cmd = {
+        .usage = "BRDF... --to MODEL [-o FILE|-d FOLDER] [options]",
+        .about =
+            "Write materials, or any BRDFs, as materials of another renderer: fit the shading model MODEL, write the\n"
+            "file, read it back and score what was written. Without -o and -d the spec of the result is printed. A\n"
+            "file with several materials is translated material by material. Materials that cannot be read are\n"
+            "reported and do not stop the others.",
+        .example = "nqm translate 'open-pbr:base_color=.8,.3,.1;coat_weight=1' --to gltf\n"
+                   "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"
+                   "nqm translate materials/*.mtlx --to gltf -d gltf --fail-under 9",
+        .options = options,
+        .min_arguments = 1,
+        .max_arguments = -1,
+    };
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    t.target = find_target(to);
+    t.fit.progress = show_progress;
+    t.fit.n_directions = samples;
+    check_loss(loss);
+    for (int i = 0; i < n_arguments; ++i)
+        add_argument(&t, argv[i]);
+    if (page && t.n != 1)
+        stop(EXIT_USAGE, "--report shows one material, not %zu", t.n);
+    nqm_model *metric_model = open_model(metric), *transport_model = open_model(transport);
+    check_gate(&t.gate, metric_model);
+    name_outputs(&t);
+    output_file page_file = {0};
+    if (page)
+        open_output(page, &page_file);
+    t.loss = (nqm_match_loss){loss, metric_model, transport_model};
+    t.scorer = open_scorer(metric_model);
+    t.transport = open_scorer(transport_model);
+    translate_all(&t, !json);
+    if (json)
+        print_as_json(&t);
+    else
+        print_summary(&t, stdout);
+    if (page)
+        write_page(&t, metric, &page_file);
+    const size_t n_refused = count_refused(&t), n_failed = count_failed(&t);
+    nqm_scorer_free(t.scorer);
+    nqm_scorer_free(t.transport);
+    nqm_model_free(metric_model);
+    nqm_model_free(transport_model);
+    for (size_t i = 0; i < t.n; ++i)
+        nqm_free(t.items[i].copy);
+    free(t.items);
+    return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * translate.h - parts of nqm translate: the targets, and the keys that two shading models share.
+ */
+#ifndef NQM_TOOL_TRANSLATE_H
+#define NQM_TOOL_TRANSLATE_H
+
+#include "nqm/tool.h"
+
+/** What --to names. */
+typedef struct translate_target {
+    const char *word, *model;
+    const char *extension; /* of files in a folder */
+} translate_target;
+
+/** By a word; on failure, report the words and exit. */
+const translate_target *find_target(const char *word);
+
+/** Whether a model is one of nqm_fit_shading(). */
+bool is_shading_model(const char *model);
+/** A spec of the shading model `model` with the keys that mean the same in `spec`, a canonical spec of a shading model, moved into
+ *  their ranges; free() it. NULL: `spec` is NULL or of another model, or nothing is shared. */
+char *copy_keys(const char *spec, const char *model);
+/** The keys of such a spec with other values than their defaults that have no counterpart in `model`, separated by ", ". Keys
+ *  of layers with weight 0 do not count. */
+void list_dropped(const char *spec, const char *model, char *text, size_t n_text);
+
+#endif

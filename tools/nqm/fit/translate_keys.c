@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The keys that two shading models share: names that mean the same in different file formats.
+ */
+#include "brdf/spec.h"
+#include "material/material.h"
+#include "nqm/fit/translate.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+
+static const translate_target targets[] = {
+    {"gltf", "gltf", ".gltf"},
+    {"open-pbr", "open-pbr", ".mtlx"},
+    {"openpbr", "open-pbr", ".mtlx"},
+    {"standard-surface", "standard-surface", ".mtlx"},
+    {"usd-preview", "usd-preview", ".mtlx"},
+    {"usd", "usd-preview", ".mtlx"},
+    {"disney", "disney", ".mtlx"},
+    {"principled", "principled", ".xml"},
+    {"rough-conductor", "rough-conductor", ".xml"},
+    {"rough-plastic", "rough-plastic", ".xml"},
+    {"pbrt-conductor", "pbrt-conductor", ".pbrt"},
+};
+enum { N_TARGETS = sizeof targets / sizeof *targets };
+
+bool is_shading_model(const char *model) {
+    size_t i = 0;
+    while (nqm_fit_shading(i) && strcmp(nqm_fit_shading(i), model) != 0)
+        ++i;
+    return nqm_fit_shading(i) != NULL;
+}
+
+const translate_target *find_target(const char *word) {
+    char words[300] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < N_TARGETS; ++i) {
+        if (!is_shading_model(targets[i].model))
+            continue;
+        if (strcmp(targets[i].word, word) == 0)
+            return &targets[i];
+        if (used < sizeof words)
+            used += (size_t)snprintf(words + used, sizeof words - used, "%s%s", used ? ", " : "", targets[i].word);
+    }
+    stop(EXIT_USAGE, "--to: there is no material '%.40s'; there are %s", word, words);
+}
+
+/* ---- meanings ----------------------------------------------------------------------------------------------------- */
+
+enum { MEANING = 48 };
+
+static void get_meaning(const char *name, char meaning[MEANING]) {
+    static const char *const same[][2] = {
+        {"basemetalness", "metallic"},
+        {"metalness", "metallic"},
+        {"specularroughness", "roughness"},
+        {"specularior", "ior"},
+        {"intior", "ior"},
+        {"specularweight", "specular"},
+        {"coat", "clearcoat"},
+        {"coatweight", "clearcoat"},
+        {"coatroughness", "clearcoatroughness"},
+        {"coatior", "clearcoatior"},
+        {"coatcolor", "clearcoatcolor"},
+        {"fuzzweight", "sheen"},
+        {"fuzzcolor", "sheencolor"},
+        {"fuzzroughness", "sheenroughness"},
+        {"diffusecolor", "basecolor"},
+        {"diffusereflectance", "basecolor"},
+        {"baseweight", "base"},
+        {"basediffuseroughness", "diffuseroughness"},
+        {"spectint", "speculartint"},
+    };
+    size_t n = 0;
+    for (; *name && n < MEANING - 1; ++name)
+        if (*name != '_')
+            meaning[n++] = (char)tolower((unsigned char)*name);
+    meaning[n] = 0;
+    for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
+        if (strcmp(meaning, same[i][0]) == 0) {
+            snprintf(meaning, MEANING, "%s", same[i][1]);
+            return;
+        }
+}
+
+static bool means_same(const char *a, const char *b) {
+    char x[MEANING], y[MEANING];
+    get_meaning(a, x);
+    get_meaning(b, y);
+    return strcmp(x, y) == 0;
+}
+
+static const nqm_spec_schema *schema_of(const char *model) {
+    return &nqm_analytic_model_find(model, strlen(model))->schema;
+}
+
+/* The properties of a canonical spec of a shading model; false: it is none. */
+static bool read_spec(const char *spec, nqm_shading *shading) {
+    return spec && nqm_shading_parse(spec, shading, NULL) == NQM_OK && is_shading_model(shading->model);
+}
+
+/* ---- the start ---------------------------------------------------------------------------------------------------- */
+
+/* The values of a property for a key: a number for all channels of a colour, the mean of a colour for a number. */
+static void convert(const nqm_property *p, const nqm_spec_key *key, double v[3]) {
+    const double mean = (p->v[0] + p->v[1] + p->v[2]) / 3;
+    for (size_t c = 0; c < 3; ++c)
+        v[c] = fmin(fmax(p->n == 3 && key->n == 3 ? p->v[c] : mean, key->low), key->high);
+}
+
+char *copy_keys(const char *spec, const char *model) {
+    nqm_shading from, to = {.n = 0};
+    const nqm_spec_schema *schema = schema_of(model);
+    if (!read_spec(spec, &from))
+        return NULL;
+    const bool is_same = strcmp(from.model, model) == 0;
+    snprintf(to.model, sizeof to.model, "%s", model);
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        for (size_t i = 0; i < from.n; ++i) {
+            const nqm_spec_key *key = &schema->keys[k];
+            const nqm_property *p = &from.properties[i];
+            double v[3];
+            if (is_same ? strcmp(p->key, key->name) != 0 : key->whole || !means_same(p->key, key->name))
+                continue;
+            convert(p, key, v);
+            nqm_shading_set(&to, key->name, key->n, v);
+        }
+    return to.n ? nqm_shading_spec(&to) : NULL;
+}
+
+/* ---- what is dropped ---------------------------------------------------------------------------------------------- */
+
+/* Whether the target can say the same in other words: an amount in a colour, a gloss as a roughness. */
+static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
+    static const char *const forms[][2] = {{"base", "basecolor"},
+                                           {"sheen", "sheencolor"},
+                                           {"sheencolor", "sheen"},
+                                           {"clearcoatgloss", "clearcoatroughness"},
+                                           {"clearcoatroughness", "clearcoatgloss"},
+                                           {"roughness", "alpha"},
+                                           {"alpha", "roughness"},
+                                           {"eta", "ior"},
+                                           {"ior", "eta"}};
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        if (means_same(schema->keys[k].name, key))
+            return true;
+        for (size_t i = 0; i < sizeof forms / sizeof *forms; ++i)
+            if (means_same(key, forms[i][0]) && means_same(schema->keys[k].name, forms[i][1]))
+                return true;
+    }
+    return false;
+}
+
+/* Whether a property belongs to a layer whose weight is 0. */
+static bool is_inactive(const nqm_shading *shading, const char *key) {
+    static const char *const layers[] = {"clearcoat", "sheen"};
+    char meaning[MEANING], weight[MEANING];
+    get_meaning(key, meaning);
+    for (size_t l = 0; l < 2; ++l) {
+        if (strncmp(meaning, layers[l], strlen(layers[l])) != 0)
+            continue;
+        for (size_t i = 0; i < shading->n; ++i) {
+            const nqm_property *p = &shading->properties[i];
+            get_meaning(p->key, weight);
+            if (strcmp(weight, layers[l]) == 0)
+                return p->v[0] == 0;
+        }
+    }
+    return false;
+}
+
+static bool is_default(const nqm_spec_schema *schema, const nqm_property *p) {
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        const nqm_spec_key *key = &schema->keys[k];
+        if (strcmp(key->name, p->key) == 0)
+            return !key->required && p->v[0] == key->fallback && p->v[1] == key->fallback && p->v[2] == key->fallback;
+    }
+    return true;
+}
+
+void list_dropped(const char *spec, const char *model, char *text, size_t n_text) {
+    nqm_shading from;
+    size_t used = 0;
+    *text = 0;
+    if (!read_spec(spec, &from))
+        return;
+    const nqm_spec_schema *schema = schema_of(from.model), *target = schema_of(model);
+    for (size_t i = 0; i < from.n && used < n_text; ++i) {
+        const nqm_property *p = &from.properties[i];
+        if (!is_default(schema, p) && !is_inactive(&from, p->key) && !has_counterpart(target, p->key))
+            used += (size_t)snprintf(text + used, n_text - used, "%s%s", used ? ", " : "", p->key);
+    }
+}
