@@ -5,6 +5,8 @@
  * 10.1007/978-3-7091-6453-2_2). Independent of the formats.
  */
 #include "brdf/brdf.h"
+
+#include "brdf/listed.h"
 #include "brdf/spec.h"
 
 #include "io/io.h"
@@ -24,11 +26,10 @@ typedef struct file_format {
     nqm_status (*open_with)(nqm_map *map, const char *setting, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 } file_format;
 
-static const file_format formats[] = {{nqm_merl_probe, nqm_merl_open, NULL},
-                                      {nqm_tensor_brdf_probe, NULL, nqm_tensor_brdf_open},
-                                      {nqm_nbrdf_probe, nqm_nbrdf_open, NULL},
-                                      {nqm_npy_probe, nqm_npy_open, NULL},
-                                      {nqm_saved_probe, nqm_saved_open, NULL}};
+static const file_format formats[] = {
+    {nqm_merl_probe, nqm_merl_open, NULL},     {nqm_tensor_brdf_probe, NULL, nqm_tensor_brdf_open},
+    {nqm_nbrdf_probe, nqm_nbrdf_open, NULL},   {nqm_npy_probe, nqm_npy_open, NULL},
+    {nqm_listed_probe, NULL, nqm_listed_open}, {nqm_saved_probe, nqm_saved_open, NULL}};
 
 static const file_format *find_format(const nqm_map *map) {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)

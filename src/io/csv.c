@@ -240,6 +240,10 @@ const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column) {
     return csv->text + csv->field[(row + 1) * csv->n_columns + (size_t)column];
 }
 
+size_t nqm_csv_byte(const nqm_csv *csv, size_t row, int column) {
+    return (size_t)(nqm_csv_text(csv, row, column) - csv->text);
+}
+
 nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err) {
     const char *text = nqm_csv_text(csv, row, column), *end = text;
     double value;
@@ -247,7 +251,7 @@ nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *va
     while (is_blank(*end)) /* quoted fields keep their blanks */
         ++end;
     if (!parsed || *end) {
-        size_t at = (size_t)(text - csv->text);
+        size_t at = nqm_csv_byte(csv, row, column);
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
                         "%s: line %zu, byte %zu: column '%s' needs a finite number, not '%.40s'", csv->name,
                         csv->line[row + 1], at, csv->text + csv->field[column], text);

@@ -93,6 +93,8 @@ int nqm_csv_column(const nqm_csv *csv, const char *column_name);
 /** The name of a column. */
 const char *nqm_csv_header(const nqm_csv *csv, int column);
 const char *nqm_csv_text(const nqm_csv *csv, size_t row, int column);
+/** Byte offset of a field in the file. */
+size_t nqm_csv_byte(const nqm_csv *csv, size_t row, int column);
 /** Parse a field as a finite number. NQM_ERR_FORMAT: it is not one; the message names file, line and byte. */
 NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *value_ret, nqm_error *err);
 

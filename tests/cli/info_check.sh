@@ -94,3 +94,9 @@ run 0 --version
 has '^nqm [0-9]'
 has '^oneDNN [0-9.]* when needed, libzip [0-9].*, kernels [a-z]'
 has '^cairo \([0-9.]*[0-9]\|off\), Embree \([0-9.]*[0-9] when needed\|off\), libpng [0-9].*, OpenEXR [0-9].*, no MPI library$'
+
+# A list of directions and values is a BRDF with these values.
+"$tool" sample sgd:nickel >"$dir/list.csv"
+run 0 info "$dir/list.csv" --json
+has '"format": "samples"'
+"$tool" sample "$dir/list.csv" | cmp - "$dir/list.csv" || fail "the samples of a list differ from it"

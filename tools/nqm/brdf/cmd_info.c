@@ -6,6 +6,7 @@
 #include "nqm/tool.h"
 #include <nqm/material.h>
 
+#include <math.h>
 #include <string.h>
 
 static json_t *json_text(const char *text) {
@@ -17,6 +18,8 @@ static int print_brdf(const char *argument, bool json) {
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     double albedo[3];
     nqm_brdf_albedo(brdf, 0, 1, albedo);
+    if (strcmp(info.format, "samples") == 0) /* unknown: most directions have no value */
+        albedo[0] = albedo[1] = albedo[2] = NAN;
     json_t *members =
         json_pack("{s:s,s:s,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:[o,o,o]}", "kind", "brdf", "format", info.format, "name",
                   json_name(info.name), "spec", json_text(info.spec), "source_doi", json_text(info.source_doi),

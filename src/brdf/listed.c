@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some theta_h, theta_d
+ * and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered directions (scattered.c).
+ * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn.
+ */
+#include "brdf/listed.h"
+
+#include "brdf/grid.h"
+#include "io/io.h"
+#include "math/math.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double degree = NQM_PI / 180, default_tolerance = 0.1;
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+bool nqm_listed_probe(const nqm_map *map) {
+    char line[512]; /* the first line that is neither blank nor a comment, in small letters */
+    size_t at = map->n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, n;
+    do {
+        for (n = 0; at < map->n_bytes && map->data[at] != '\n'; ++at)
+            if (n < sizeof line - 1)
+                line[n++] = (char)(map->data[at] >= 'A' && map->data[at] <= 'Z' ? map->data[at] + 32 : map->data[at]);
+        line[n] = '\0';
+    } while (at++ < map->n_bytes && (*line == '#' || strspn(line, " \t\r") == n));
+    return strstr(line, "theta_h") && strstr(line, "theta_d") && strstr(line, "phi_d");
+}
+
+static const struct {
+    const char *name;
+    double low, high; /* degrees */
+} columns[6] = {{"theta_h", 0, 90}, {"theta_d", 0, 90}, {"phi_d", -180, 360}, {"r", 0, 0}, {"g", 0, 0}, {"b", 0, 0}};
+
+static nqm_status read_angle(const nqm_csv *csv, const char *path, size_t row, size_t k, int column, double *angle,
+                             nqm_error *err) {
+    nqm_status status = nqm_csv_number(csv, row, column, angle, err);
+    if (status == NQM_OK && !(*angle >= columns[k].low && *angle <= columns[k].high)) {
+        const size_t at = nqm_csv_byte(csv, row, column);
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: %s %g at byte %zu is not within %g to %g degrees",
+                          path, columns[k].name, *angle, at, columns[k].low, columns[k].high);
+    }
+    *angle *= degree;
+    return status;
+}
+
+/* Three empty fields: no value. */
+static nqm_status read_value(const nqm_csv *csv, size_t row, const int *column, float *rgb, nqm_error *err) {
+    bool empty = true;
+    for (size_t c = 0; c < 3; ++c)
+        empty = empty && !*nqm_csv_text(csv, row, column[c]);
+    for (size_t c = 0; c < 3; ++c) {
+        double value = NAN;
+        nqm_status status = empty ? NQM_OK : nqm_csv_number(csv, row, column[c], &value, err);
+        if (status != NQM_OK)
+            return status;
+        rgb[c] = (float)value;
+    }
+    return NQM_OK;
+}
+
+static nqm_status read_rows(const nqm_csv *csv, const char *path, nqm_listed *rows, nqm_error *err) {
+    int column[6];
+    nqm_status status = NQM_OK;
+    for (size_t k = 0; k < 6; ++k) {
+        column[k] = nqm_csv_column(csv, columns[k].name);
+        if (column[k] < 0)
+            return nqm_fail(
+                err, NQM_ERR_FORMAT, 0,
+                "%s: has no column '%s' (header at byte 0); a CSV of a BRDF has theta_h, theta_d, phi_d, r, g, b", path,
+                columns[k].name);
+    }
+    for (size_t row = 0; row < nqm_csv_rows(csv) && status == NQM_OK; ++row) {
+        for (size_t k = 0; k < 3 && status == NQM_OK; ++k)
+            status = read_angle(csv, path, row, k, column[k], rows[row].hd + k, err);
+        if (status == NQM_OK)
+            status = read_value(csv, row, column + 3, rows[row].rgb, err);
+    }
+    return status;
+}
+
+/* ---- complete grids ---------------------------------------------------------------------------------------------- */
+
+static void listed_grid_eval(const void *self, size_t n, const double *hd, double *rgb) {
+    nqm_grid_eval(self, n, hd, rgb);
+}
+
+static const nqm_brdf_class reciprocal_class = {
+    .format = "grid", .reciprocal = 1, .eval_half_diff = listed_grid_eval, .free = nqm_free};
+static const nqm_brdf_class general_class = {
+    .format = "grid", .reciprocal = 0, .eval_half_diff = listed_grid_eval, .free = nqm_free};
+
+static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+/* Write the distinct values of coordinate k to node (n), rising; returns their number. */
+static size_t distinct(size_t n, const nqm_listed *rows, size_t k, double *node) {
+    size_t n_node = 0;
+    for (size_t i = 0; i < n; ++i)
+        node[i] = rows[i].hd[k];
+    qsort(node, n, sizeof *node, nqm_compare_doubles);
+    for (size_t i = 0; i < n; ++i)
+        if (i == 0 || node[i] > node[n_node - 1])
+            node[n_node++] = node[i];
+    return n_node;
+}
+
+static size_t index_of(const double *node, size_t n, double x) {
+    const double *found = bsearch(&x, node, n, sizeof *node, nqm_compare_doubles);
+    return (size_t)(found - node);
+}
+
+static bool is_above_horizon(const double *hd) {
+    double wi[3], wo[3];
+    nqm_half_diff_to_pair(hd, wi, wo);
+    return fmin(wi[2], wo[2]) > 1e-9;
+}
+
+/* Store each row at its node; false when two rows have the same one. value: (n, 3); filled: (n), zero. */
+static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, float *value, unsigned char *filled) {
+    for (size_t i = 0; i < n; ++i) {
+        size_t at = 0;
+        for (size_t k = 0; k < 3; ++k)
+            at = at * g->n[k] + index_of(g->node[k], g->n[k], rows[i].hd[k]);
+        if (filled[at]++)
+            return false;
+        for (size_t c = 0; c < 3; ++c)
+            value[3 * at + c] = is_above_horizon(rows[i].hd) ? rows[i].rgb[c] : NAN;
+    }
+    return true;
+}
+
+/* *grid_ret is NULL when the rows are no complete grid. */
+static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm_grid **grid_ret, nqm_error *err) {
+    double *node[3];
+    float *value;
+    unsigned char *filled;
+    size_t n_product = 0;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({grid_ret, 1, sizeof(nqm_grid)}, {node, n, sizeof(double)},
+                                                    {node + 1, n, sizeof(double)}, {node + 2, n, sizeof(double)},
+                                                    {&value, 3 * n, sizeof(float)}, {&filled, n, 1}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
+    nqm_grid *g = *grid_ret;
+    *g = (nqm_grid){.period = period, .value = (const unsigned char *)value, .weights = identity};
+    for (size_t k = 0; k < 3; ++k) {
+        g->n[k] = distinct(n, rows, k, node[k]);
+        g->node[k] = node[k];
+    }
+    g->n_channels = 3;
+    g->channel_stride = sizeof(float);
+    g->stride[2] = 3 * sizeof(float);
+    g->stride[1] = g->n[2] * g->stride[2];
+    g->stride[0] = g->n[1] * g->stride[1];
+    bool complete = g->n[0] >= 2 && g->n[1] >= 2 && node[2][g->n[2] - 1] - node[2][0] <= period + 1e-9;
+    complete = complete && nqm_mul_size(g->n[0], g->n[1], &n_product) && nqm_mul_size(n_product, g->n[2], &n_product);
+    if (!complete || n_product != n || !fill(g, n, rows, value, filled)) {
+        nqm_free(g);
+        *grid_ret = NULL;
+    }
+    return NQM_OK;
+}
+
+static nqm_status wrap_grid(nqm_grid *grid, size_t n, bool reciprocal, const char *name, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
+    char layout[120];
+    snprintf(layout, sizeof layout, "%zu theta_h x %zu theta_d x %zu phi_d, linear between them", grid->n[0],
+             grid->n[1], grid->n[2]);
+    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n};
+    return nqm_brdf_wrap(reciprocal ? &reciprocal_class : &general_class, grid, &info, brdf_ret, err);
+}
+
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
+
+static nqm_status read_tolerance(const char *path, const char *text, double *tolerance, nqm_error *err) {
+    const char *end = text;
+    *tolerance = default_tolerance;
+    if (text && (!nqm_parse_double(text, &end, tolerance) || *end || !(*tolerance > 0 && *tolerance <= 45)))
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "%s: '%s' is not an angle around its directions: degrees above 0, up to 45", path, text);
+    *tolerance *= degree;
+    return NQM_OK;
+}
+
+static nqm_status create(size_t n, const nqm_listed *rows, const char *path, const char *tolerance_text,
+                         const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    double tolerance;
+    nqm_grid *grid = NULL;
+    bool reciprocal = true;
+    for (size_t i = 0; i < n; ++i)
+        reciprocal = reciprocal && rows[i].hd[2] >= 0 && rows[i].hd[2] <= 180 * degree;
+    nqm_status status = read_tolerance(path, tolerance_text, &tolerance, err);
+    if (status == NQM_OK)
+        status = make_grid(n, rows, reciprocal ? NQM_PI : 2 * NQM_PI, &grid, err);
+    if (status != NQM_OK)
+        return status;
+    if (!grid)
+        return nqm_scattered_create(n, rows, reciprocal, tolerance, name, brdf_ret, err);
+    if (!tolerance_text)
+        return wrap_grid(grid, n, reciprocal, name, brdf_ret, err);
+    nqm_free(grid);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'", path,
+                    tolerance_text);
+}
+
+nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_csv *csv = NULL;
+    nqm_map_expect(map, true);
+    nqm_status status = nqm_csv_parse((const char *)map->data, map->n_bytes, map->path, &csv, err);
+    if (status != NQM_OK)
+        return status;
+    const size_t n = nqm_csv_rows(csv);
+    nqm_listed *rows = nqm_alloc(n, sizeof *rows);
+    if (!rows)
+        status = nqm_fail_nomem(err, n * sizeof *rows);
+    else if (n == 0)
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes, "%s: ends at byte %zu without a direction",
+                          map->path, map->n_bytes);
+    if (status == NQM_OK)
+        status = read_rows(csv, map->path, rows, err);
+    nqm_csv_free(csv);
+    if (status == NQM_OK)
+        status = create(n, rows, map->path, tolerance, name, brdf_ret, err);
+    nqm_free(rows);
+    if (status != NQM_OK)
+        return status;
+    (*brdf_ret)->info.n_bytes = map->n_bytes;
+    nqm_map_close(map);
+    return NQM_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * listed.h - a BRDF as a list of directions and values.
+ */
+#ifndef NQM_SRC_BRDF_LISTED_H
+#define NQM_SRC_BRDF_LISTED_H
+
+#include "brdf/brdf.h"
+
+/** One direction: theta_h, theta_d, phi_d in radians, and f_r in 1/sr; NaN in channel 0: no value. */
+typedef struct nqm_listed {
+    double hd[3];
+    float rgb[3];
+} nqm_listed;
+
+/** A BRDF with values only within `tolerance` (radians) of the listed directions: the value of the nearest one. The distance of two
+ *  pairs is the root of the summed squares of the angles (as chords) between their lights and between their viewers, after the
+ *  rotation about the normal that makes it smallest. reciprocal: each row also counts with light and viewer exchanged. Rows
+ *  without a value or below the horizon are ignored. `rows` is copied. NQM_ERR_FORMAT: no row is left. */
+NQM_MUST_CHECK nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciprocal, double tolerance,
+                                               const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+
+/** A CSV with the columns theta_h, theta_d, phi_d (degrees), r, g, b. */
+bool nqm_listed_probe(const nqm_map *map);
+/** tolerance: degrees as text, for a list that is no complete grid; NULL: 0.1. */
+nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+
+#endif

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A BRDF that is known at scattered directions: the value of the nearest one within a stated angle, none elsewhere, so that scores
+ * use only directions that were measured.
+ */
+#include "brdf/listed.h"
+
+#include "math/math.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A measured pair. */
+typedef struct sample {
+    double wi[3], wo[3];
+    float rgb[3];
+} sample;
+
+/* One block; the arrays follow the struct. */
+typedef struct scattered {
+    size_t n;
+    double reach;   /* largest distance, as a chord */
+    double *theta;  /* (n) polar angles of the lights, rising */
+    sample *sample; /* (n), in this order */
+} scattered;
+
+/* The real part of the product of complex numbers (x, y) and of the conjugate of another; and the imaginary part. */
+static double product(const double *a, const double *b, double *imaginary) {
+    *imaginary = a[1] * b[0] - a[0] * b[1];
+    return a[0] * b[0] + a[1] * b[1];
+}
+
+/* Squared distance of two pairs of unit vectors, minimal over rotations about the normal. */
+static double squared_distance(const sample *s, const double *wi, const double *wo) {
+    double imaginary_i, imaginary_o;
+    double real = product(wi, s->wi, &imaginary_i) + product(wo, s->wo, &imaginary_o);
+    return 4 - 2 * (wi[2] * s->wi[2] + wo[2] * s->wo[2] + hypot(real, imaginary_i + imaginary_o));
+}
+
+static size_t first_at_least(const scattered *t, double theta) {
+    size_t low = 0, high = t->n;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (t->theta[middle] < theta)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static double polar_angle(const double *w) {
+    return atan2(hypot(w[0], w[1]), w[2]);
+}
+
+static void eval_pair(const scattered *t, const double *wi, const double *wo, double *rgb) {
+    /* Lights at most `reach` apart differ by at most this polar angle. */
+    const double window = 2 * asin(fmin(t->reach / 2, 1)) + 1e-9, theta = polar_angle(wi);
+    double least = t->reach * t->reach;
+    rgb[0] = rgb[1] = rgb[2] = NAN;
+    for (size_t i = first_at_least(t, theta - window); i < t->n && t->theta[i] <= theta + window; ++i) {
+        double distance = squared_distance(t->sample + i, wi, wo);
+        if (!(distance <= least))
+            continue;
+        least = distance;
+        for (size_t c = 0; c < 3; ++c)
+            rgb[c] = (double)t->sample[i].rgb[c];
+    }
+}
+
+static void scattered_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    for (size_t i = 0; i < n; ++i)
+        eval_pair(self, wi + 3 * i, wo + 3 * i, rgb + 3 * i);
+}
+
+static const nqm_brdf_class reciprocal_class = {
+    .format = "samples", .reciprocal = 1, .eval = scattered_eval, .free = nqm_free};
+static const nqm_brdf_class general_class = {
+    .format = "samples", .reciprocal = 0, .eval = scattered_eval, .free = nqm_free};
+
+/* The pairs with a value above the horizon, each also exchanged if `reciprocal`; returns their number. */
+static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *out) {
+    size_t n_out = 0;
+    for (size_t i = 0; i < n; ++i) {
+        sample s;
+        nqm_half_diff_to_pair(rows[i].hd, s.wi, s.wo);
+        memcpy(s.rgb, rows[i].rgb, sizeof s.rgb);
+        if (isnan(s.rgb[0]) || !(s.wi[2] > 0 && s.wo[2] > 0))
+            continue;
+        out[n_out++] = s;
+        if (!reciprocal)
+            continue;
+        out[n_out] = s;
+        memcpy(out[n_out].wi, s.wo, sizeof s.wo);
+        memcpy(out[n_out++].wo, s.wi, sizeof s.wi);
+    }
+    return n_out;
+}
+
+/* Copy `unsorted` to the table in the order of theta. order: scratch (n). */
+static void sort(scattered *t, const sample *unsorted, nqm_indexed *order) {
+    for (size_t i = 0; i < t->n; ++i)
+        order[i] = (nqm_indexed){polar_angle(unsorted[i].wi), i};
+    qsort(order, t->n, sizeof *order, nqm_compare_indexed);
+    for (size_t i = 0; i < t->n; ++i) {
+        t->theta[i] = order[i].value;
+        t->sample[i] = unsorted[order[i].index];
+    }
+}
+
+nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciprocal, double tolerance, const char *name,
+                                nqm_brdf **brdf_ret, nqm_error *err) {
+    const size_t most = reciprocal ? 2 * n : n;
+    scattered *t;
+    double *theta;
+    sample *sorted, *unsorted;
+    nqm_indexed *order;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&t, 1, sizeof *t}, {&theta, most, sizeof *theta}, {&sorted, most, sizeof *sorted}), err);
+    if (status != NQM_OK)
+        return status;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&unsorted, most, sizeof *unsorted}, {&order, most, sizeof *order}), err);
+    if (status == NQM_OK) {
+        *t = (scattered){.reach = 2 * sin(tolerance / 2), .theta = theta, .sample = sorted};
+        t->n = expand(n, rows, reciprocal, unsorted);
+        sort(t, unsorted, order);
+        nqm_free(unsorted);
+        if (t->n == 0)
+            status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no direction above the horizon has a value (from byte 0 on)",
+                              name);
+    }
+    if (status != NQM_OK) {
+        nqm_free(t);
+        return status;
+    }
+    char layout[100];
+    const size_t n_used = reciprocal ? t->n / 2 : t->n;
+    snprintf(layout, sizeof layout, "%zu directions, values within %g degrees of them", n_used,
+             tolerance * 180 / NQM_PI);
+    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used};
+    return nqm_brdf_wrap(reciprocal ? &reciprocal_class : &general_class, t, &info, brdf_ret, err);
+}

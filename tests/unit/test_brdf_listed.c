@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * BRDFs from CSV files of directions and values. Grids: functions that are linear in the angles are interpolated exactly.
+ * Scattered directions: pairs turned about the normal, and tilted by known angles.
+ */
+#include "base/base.h"
+#include "base/memory_test.h"
+#include "support/brdf_files.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <nqm/brdf.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double degree = 3.14159265358979323846 / 180;
+static const char header[] = "theta_h,theta_d,phi_d,r,g,b\n";
+
+/* A file that is written line by line. */
+typedef struct csv {
+    char text[65536];
+    size_t n;
+} csv;
+
+__attribute__((format(printf, 2, 3))) static void add(csv *file, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    file->n += (size_t)vsnprintf(file->text + file->n, sizeof file->text - file->n, format, arguments);
+    va_end(arguments);
+    assert_true(file->n < sizeof file->text);
+}
+
+static const char *save(const csv *file) {
+    const char *path = scratch_path("list.csv");
+    blob_save(&(blob){(unsigned char *)(uintptr_t)file->text, file->n}, path);
+    return path;
+}
+
+static nqm_brdf *open_ok(const char *path, const char *suffix) {
+    char argument[4200];
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    snprintf(argument, sizeof argument, "%s%s", path, suffix);
+    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return brdf;
+}
+
+static double plane(double theta_h, double theta_d) {
+    return 2 + 0.5 * theta_h - 0.25 * theta_d;
+}
+
+/* Linear between 0 and 1 at phi = 0, 60, 120 degrees: 0, 1, 0; then 0 at 180 again. */
+static double hat(double phi) {
+    double x = fmod(phi / degree, 180) / 60;
+    return fmax(0, 1 - fabs(x - 1));
+}
+
+static void grids_are_interpolated(void **state) {
+    (void)state;
+    static const double theta_h[] = {0, 3, 20, 45, 80, 90}, theta_d[] = {0, 10, 25, 80, 85};
+    csv file = {.n = 0};
+    add(&file, "# measured\n\n%s", header);
+    for (size_t p = 3; p-- > 0;) /* in any order */
+        for (size_t h = 0; h < 6; ++h)
+            for (size_t d = 0; d < 5; ++d)
+                add(&file, "%g,%g,%zu,%.9g,%zu,-1\n", theta_h[h], theta_d[d], 60 * p,
+                    plane(theta_h[h] * degree, theta_d[d] * degree), p % 2);
+    nqm_brdf *brdf = open_ok(save(&file), "");
+    nqm_rng rng = nqm_rng_make(3, 0);
+    size_t n_valid = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const double hd[3] = {nqm_rng_uniform(&rng) * 40 * degree, nqm_rng_uniform(&rng) * 90 * degree,
+                              nqm_rng_uniform(&rng) * 360 * degree};
+        double rgb[3];
+        uint8_t flag;
+        nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, &flag);
+        if (flag == NQM_VALUE_HORIZON)
+            continue;
+        if (hd[1] > 85 * degree)
+            assert_int_equal(flag, NQM_VALUE_INVALID);
+        if (hd[1] > 25 * degree) /* a neighbour may be below the horizon */
+            continue;
+        assert_int_equal(flag, NQM_VALUE_CLAMPED);
+        ++n_valid;
+        assert_near(rgb[0], plane(hd[0], hd[1]), 1e-6);
+        assert_near(rgb[1], hat(hd[2]), 1e-6);
+        assert_true(rgb[2] == 0);
+    }
+    assert_true(n_valid > 200);
+    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.format, "grid");
+    assert_string_equal(info.layout, "6 theta_h x 5 theta_d x 3 phi_d, linear between them");
+    assert_int_equal(info.reciprocal, 1);
+    assert_int_equal(info.n_bytes, file.n);
+    nqm_brdf_free(brdf);
+}
+
+/* With phi_d beyond 180 degrees the light's side counts; nodes at both ends of the turn are one. */
+static void full_turns_are_not_reciprocal(void **state) {
+    (void)state;
+    csv file = {.n = 0};
+    add(&file, "%s", header);
+    for (int p = -180; p <= 180; p += 90)
+        for (int h = 0; h < 40; h += 10)
+            for (int d = 0; d < 40; d += 10)
+                add(&file, "%d,%d,%d,%g,1,1\n", h, d, p, (p == -90 ? 3.0 : 1.0));
+    nqm_brdf *brdf = open_ok(save(&file), "");
+    const double hd[4][3] = {
+        {0.2, 0.3, 270 * degree}, {0.2, 0.3, 90 * degree}, {0.2, 0.3, 225 * degree}, {0.2, 0.3, 0}};
+    const double expected[4] = {3, 1, 2, 1};
+    assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 0);
+    for (size_t i = 0; i < 4; ++i) {
+        double rgb[3], wi[3], wo[3], by_vectors[3];
+        nqm_brdf_eval_half_diff(brdf, 1, hd[i], rgb, NULL);
+        nqm_half_diff_to_directions(hd[i], wi, wo);
+        nqm_brdf_eval(brdf, 1, wi, wo, by_vectors, NULL);
+        assert_near(rgb[0], expected[i], 1e-9);
+        assert_near(by_vectors[0], expected[i], 1e-9);
+    }
+    nqm_brdf_free(brdf);
+}
+
+enum { N = 200 };
+
+/* Scattered directions with the value 1 + row / 256; the last ones have none. hd: (N, 3), degrees. */
+static const char *save_scattered(double (*hd)[3], bool full_turn) {
+    static csv file;
+    nqm_rng rng = nqm_rng_make(4, 0);
+    file.n = 0;
+    add(&file, "%s", header);
+    for (int i = 0; i < N; ++i) {
+        hd[i][0] = 40 * nqm_rng_uniform(&rng);
+        hd[i][1] = 49 * nqm_rng_uniform(&rng);
+        hd[i][2] = (full_turn ? 360 : 180) * nqm_rng_uniform(&rng);
+        add(&file, i < N - 5 ? "%.9f,%.9f,%.9f,%.9g,1,2\n" : "%.9f,%.9f,%.9f,,,\n", hd[i][0], hd[i][1], hd[i][2],
+            1 + i / 256.0);
+    }
+    return save(&file);
+}
+
+/* About the normal. */
+static void rotate(double *w, double angle) {
+    double x = w[0], y = w[1];
+    w[0] = cos(angle) * x - sin(angle) * y;
+    w[1] = sin(angle) * x + cos(angle) * y;
+}
+
+/* Away from the normal, which no rotation about it undoes. */
+static void raise_angle(double *w, double angle) {
+    double sin_theta = hypot(w[0], w[1]), theta = atan2(sin_theta, w[2]) + angle;
+    w[0] *= sin(theta) / sin_theta;
+    w[1] *= sin(theta) / sin_theta;
+    w[2] = cos(theta);
+}
+
+static void scattered_directions_are_found(void **state) {
+    (void)state;
+    double list[N][3];
+    for (int full_turn = 0; full_turn < 2; ++full_turn) {
+        nqm_brdf *brdf = open_ok(save_scattered(list, full_turn), ":0.2");
+        for (int i = 0; i < N; ++i) {
+            const double hd[3] = {list[i][0] * degree, list[i][1] * degree, list[i][2] * degree};
+            double wi[3], wo[3], rgb[3];
+            uint8_t flag;
+            nqm_half_diff_to_directions(hd, wi, wo);
+            rotate(wi, i);
+            rotate(wo, i);
+            nqm_brdf_eval(brdf, 1, wi, wo, rgb, &flag);
+            assert_int_equal(flag, i < N - 5 ? NQM_VALUE_OK : NQM_VALUE_INVALID);
+            assert_near(rgb[0], i < N - 5 ? 1 + i / 256.0 : 0, 1e-6);
+            nqm_brdf_eval(brdf, 1, wo, wi, rgb, &flag);
+            assert_int_equal(flag, i < N - 5 && !full_turn ? NQM_VALUE_OK : NQM_VALUE_INVALID);
+            raise_angle(wi, 0.15 * degree);
+            nqm_brdf_eval(brdf, 1, wi, wo, rgb, &flag);
+            assert_int_equal(nqm_has_value(flag), i < N - 5);
+            raise_angle(wi, 0.1 * degree);
+            nqm_brdf_eval(brdf, 1, wi, wo, rgb, &flag);
+            assert_false(nqm_has_value(flag));
+        }
+        nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        assert_string_equal(info.format, "samples");
+        assert_string_equal(info.layout, "195 directions, values within 0.2 degrees of them");
+        assert_int_equal(info.n_values, 3 * 195);
+        assert_int_equal(info.reciprocal, !full_turn);
+        nqm_brdf_free(brdf);
+    }
+}
+
+static void expect_refused(const char *text, const char *suffix, nqm_status status, const char *words) {
+    csv file = {.n = 0};
+    char argument[4200], at[32];
+    add(&file, "%s", text);
+    const char *path = save(&file);
+    snprintf(argument, sizeof argument, "%s%s", path, suffix);
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(argument, &brdf, &err), status);
+    assert_null(brdf);
+    snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
+    if (!strstr(err.message, path) || !strstr(err.message, words) ||
+        (status == NQM_ERR_FORMAT && !strstr(err.message, at)))
+        fail_msg("message: %s (%s)", err.message, at);
+}
+
+static void refuses_unfit_lists(void **state) {
+    (void)state;
+    static const char grid[] = "theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n0,9,0,1,1,1\n9,0,0,1,1,1\n9,9,0,1,1,1\n";
+    expect_refused("theta_h,theta_d,phi_d,r,g\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "no column 'b'");
+    expect_refused(header, "", NQM_ERR_FORMAT, "without a direction");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b\n91,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "theta_h 91");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,-181,4,5,6\n", "", NQM_ERR_FORMAT, "phi_d -181");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,,6\n", "", NQM_ERR_FORMAT, "needs a finite number");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,,,\n", "", NQM_ERR_FORMAT, "has a value");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":zero", NQM_ERR_ARG, "'zero'");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":50", NQM_ERR_ARG, "up to 45");
+    expect_refused(grid, ":1", NQM_ERR_ARG, "complete grid");
+    csv file = {.n = 0};
+    add(&file, "%s9,9,0,1,1,1\n", grid); /* a node that occurs twice: no grid */
+    nqm_brdf *brdf = open_ok(save(&file), "");
+    assert_string_equal(nqm_brdf_get_info(brdf).format, "samples");
+    nqm_brdf_free(brdf);
+    double list[N][3];
+    const char *path = save_scattered(list, false);
+    for (int n = 0; n < 6; ++n) {
+        nqm_alloc_fail_after(n);
+        assert_int_equal(nqm_brdf_open(path, &brdf, NULL), NQM_ERR_NOMEM);
+        nqm_alloc_fail_after(-1);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grids_are_interpolated), cmocka_unit_test(full_turns_are_not_reciprocal),
+        cmocka_unit_test(scattered_directions_are_found), cmocka_unit_test(refuses_unfit_lists)};
+    return cmocka_run_group_tests_name("brdf_listed", tests, NULL, NULL);
+}
