@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The nearest of several names (base/names.h).
+ */
+#include "base/names.h"
+#include "support/check.h"
+
+#include <string.h>
+
+static const char *advice(const char *wanted) {
+    static const char *const names[] = {"score", "rank", "fail-under", "directions", "ggx", "ward", NULL};
+    static nqm_nearest nearest;
+    nearest = nqm_nearest_begin(wanted);
+    for (size_t i = 0; names[i]; ++i)
+        nqm_nearest_add(&nearest, names[i]);
+    return nearest.advice;
+}
+
+static void misspelt_names_are_near(void **state) {
+    (void)state;
+    assert_string_equal(advice("scroe"), " (did you mean 'score'?)"); /* exchanged */
+    assert_string_equal(advice("scor"), " (did you mean 'score'?)");  /* too short */
+    assert_string_equal(advice("rannk"), " (did you mean 'rank'?)");  /* too long */
+    assert_string_equal(advice("GGX"), " (did you mean 'ggx'?)");     /* case */
+    assert_string_equal(advice("fail_udner"), " (did you mean 'fail-under'?)");
+    assert_string_equal(advice("derections"), " (did you mean 'directions'?)");
+}
+
+static void other_names_are_not(void **state) {
+    (void)state;
+    assert_string_equal(advice("xyzzy"), "");
+    assert_string_equal(advice(""), "");
+    assert_string_equal(advice("drwa"), ""); /* 'ward' needs more than one change */
+    assert_string_equal(advice("a name that is far longer than any word of the tool may be"), "");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(misspelt_names_are_near),
+                                       cmocka_unit_test(other_names_are_not)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
