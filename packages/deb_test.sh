@@ -6,6 +6,7 @@
 # shellcheck disable=SC2016 # the shell in the root expands what is quoted here
 set -eu
 root=$(mktemp -d)
+chmod 755 "$root" # other users of the root enter it too
 trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
 debootstrap --variant=minbase bookworm "$root" "${NQM_MIRROR:-http://deb.debian.org/debian}" >build/deb/debootstrap.log 2>&1 || {
     tail build/deb/debootstrap.log
@@ -27,7 +28,7 @@ inside() {
         failed=1
     }
 }
-inside 'apt-get update -qq; apt-get install -y -qq --no-install-recommends man-db bash-completion gcc libc6-dev pkg-config >/dev/null && echo "a Debian $(cat /etc/debian_version)"'
+inside 'apt-get update -qq; apt-get install -y -qq --no-install-recommends man-db bash-completion gcc libc6-dev pkg-config >/dev/null 2>&1 && echo "a Debian $(cat /etc/debian_version)"'
 inside 'cd /packages && apt-get install -y ./*.deb | tail -n 4'
 inside 'nqm score sgd:nickel ward:nickel'
 inside 'man nqm-score | col -b | head -n 20'
