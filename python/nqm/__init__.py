@@ -21,7 +21,9 @@ from ._metric import Metric, batch, metrics
 from ._scene import Label, Scene, label, render, srgb
 from ._score import (Model, ModelInfo, Parts, Score, Scorer, models, preference, score, score_grad, score_many,
                      score_samples)
-from ._version import VERSION as __version__
+from ._version import VERSION
+
+__version__ = VERSION
 
 __all__ = [
     "score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",

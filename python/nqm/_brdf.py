@@ -94,6 +94,10 @@ class BRDF:
     the viewer. Values are f_r in 1/sr without the cosine, linear RGB with BT.709 primaries.
     """
 
+    _handle: c_void_p
+    _callback: Any
+    _watches: Tuple[Watch, ...]
+
     def __init__(self) -> None:
         raise TypeError("use BRDF.open, BRDF.from_function or BRDF.from_table")
 
@@ -236,7 +240,7 @@ class BRDF:
         r = _abi.BrdfCheckReport()
         call(lib.nqm_brdf_check, self._handle, seed, byref(r), watches=self._watches)
         return CheckReport(r.n_pairs, r.n_clamped, r.n_invalid, r.reciprocity_median, r.reciprocity_p95,
-                           tuple(r.albedo_max), r.albedo_max_theta_rad)
+                           (r.albedo_max[0], r.albedo_max[1], r.albedo_max[2]), r.albedo_max_theta_rad)
 
     def sample(self, directions: "Directions", *, invalid: str = "drop") -> Tuple[np.ndarray, np.ndarray]:
         """Sample at every direction of a set.
@@ -374,6 +378,9 @@ def directions_to_half_diff(wi: Any, wo: Any) -> np.ndarray:
 
 class Directions:
     """An ordered set of directions at which BRDFs are compared, with an identity. Immutable."""
+
+    _handle: c_void_p
+    _owner: Any
 
     def __init__(self) -> None:
         raise TypeError("use Directions.open, Directions.create, Directions.from_degrees or Model.directions")

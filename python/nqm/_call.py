@@ -138,8 +138,8 @@ def decode(text: Optional[bytes]) -> Optional[str]:
     return None if text is None else os.fsdecode(text)
 
 
-def address(array: Optional[np.ndarray]) -> Optional[int]:
-    return None if array is None else array.ctypes.data
+def address(array: np.ndarray) -> int:
+    return array.ctypes.data
 
 
 def choice(name: str, value: str, names: Sequence[str]) -> int:

@@ -54,6 +54,8 @@ class Dataset:
     kind: np.ndarray
     family: np.ndarray
     material_class: np.ndarray
+    _handle: c_void_p
+    _tensors: Optional[Dict[str, np.ndarray]]
 
     def __init__(self) -> None:
         raise TypeError("use Dataset.open or Dataset.open_authors")
@@ -122,6 +124,9 @@ class Dataset:
             raise ValueError("a dataset in the authors' layout gives no samples; read its MAT files")
         return self._tensors[name]
 
+    def _has(self, name: str) -> bool:
+        return self._tensors is not None and name in self._tensors
+
     def ref_samples(self, i: Any = slice(None)) -> np.ndarray:
         """f_r of the references of the pairs `i` (a number, slice or array): (..., n_directions, 3) float32."""
         return self._tensor("ref_rgb")[self._tensor("pair_ref")[i]]
@@ -134,12 +139,12 @@ class Dataset:
         """Whether both BRDFs of the pairs `i` have a value: (..., n_directions) bool."""
         shape = self._tensor("test_rgb")[i].shape[:-1]
         used = np.ones(shape, bool)
-        if "ref_used" in self._tensors:
-            used &= self._tensors["ref_used"][self._tensor("pair_ref")[i]] != 0
-        if "test_used" in self._tensors:
-            used &= self._tensors["test_used"][i] != 0
+        if self._has("ref_used"):
+            used &= self._tensor("ref_used")[self._tensor("pair_ref")[i]] != 0
+        if self._has("test_used"):
+            used &= self._tensor("test_used")[i] != 0
         return used
 
     def parts(self, i: Any = slice(None)) -> Optional[np.ndarray]:
         """Parts of the labels of the pairs `i`: (..., 5) shift of I, T and P, contrast, structure; None if the dataset has none."""
-        return self._tensor("parts")[i] if "parts" in (self._tensors or {}) else None
+        return self._tensor("parts")[i] if self._has("parts") else None

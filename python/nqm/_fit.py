@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Any, List, Mapping, Optional, Tuple
 
 from . import _abi
 from ._abi import lib
@@ -44,15 +44,15 @@ class Fit:
 
 def fit_models() -> Tuple[str, ...]:
     """Names of the models that `fit` takes: encodings, analytic models, then the shading models of renderers."""
-    names = []
+    names: List[str] = []
     for function in (lib.nqm_fit_model, lib.nqm_fit_shading):
-        found = iter(lambda f=function, i=itertools.count(): f(next(i)), None)
+        found = itertools.takewhile(lambda name: name is not None, map(function, itertools.count()))
         names += [name.decode() for name in found]
     return tuple(names)
 
 
 def _bounds(bounds: Optional[Mapping[str, Tuple[float, float]]]) -> Any:
-    rows = [(encode(key), low, high) for key, (low, high) in (bounds or {}).items()]
+    rows = [_abi.FitBound(encode(key), low, high) for key, (low, high) in (bounds or {}).items()]
     return (_abi.FitBound * len(rows))(*rows)
 
 

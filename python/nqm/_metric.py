@@ -72,8 +72,8 @@ class Metric:
         return np.array([self._value(s) for s in scores]) if isinstance(scores, list) else self._value(scores)
 
 
-_BATCH = np.dtype([("jod", "f8"), ("low", "f8"), ("high", "f8"), ("delta_e", "f8"), ("novelty", "f8"), ("similarity", "f8"),
-                   ("identical", "?"), ("status", "i4"), ("n_valid", "i8")])
+_BATCH = (("jod", "f8"), ("low", "f8"), ("high", "f8"), ("delta_e", "f8"), ("novelty", "f8"), ("similarity", "f8"),
+          ("identical", "?"), ("status", "i4"), ("n_valid", "i8"))
 
 
 def _read_list(path: PathLike) -> List[Tuple[str, str]]:
@@ -106,8 +106,8 @@ def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model:
     scorer = Scorer(model, metrics=metrics, **options)
     scores = scorer.score_many(pairs, progress=progress, errors="keep")
     names = METRICS if metrics else ()
-    table = np.empty(len(scores), np.dtype(_BATCH.descr + [(name, "f8") for name in names]))
-    for name in _BATCH.names:
+    table = np.empty(len(scores), np.dtype([*_BATCH, *((name, "f8") for name in names)]))
+    for name, _ in _BATCH:
         table[name] = [s.error.status if s.error else 0 for s in scores] if name == "status" else [getattr(s, name) for s in scores]
     for name in names:
         table[name] = [s.metrics[name] for s in scores]

@@ -17,7 +17,7 @@ import numpy as np
 from . import _abi
 from ._abi import CLabel, NamedPair, SamplePair, ScoreResult, lib
 from ._brdf import BRDF, BRDFLike, Directions, as_brdf, handles_of, watches_of
-from ._call import (Error, PathLike, ProgressLike, address, call, choice, decode, encode, error_of, own_handle, progress_of,
+from ._call import (Error, PathLike, ProgressLike, address, call, choice, encode, error_of, own_handle, progress_of,
                     status_text)
 
 BLOCK = 256  # pairs of one call, as NQM_SCORE_BLOCK: Ctrl-C and progress act between calls
@@ -55,6 +55,8 @@ class ModelInfo:
 
 class Model:
     """A trained metric. Immutable; any thread may use it."""
+
+    _handle: c_void_p
 
     def __init__(self) -> None:
         raise TypeError("use Model.open")
@@ -131,7 +133,7 @@ class Parts:
 
 def parts_of(label: CLabel) -> Parts:
     words = lib.nqm_label_describe(byref(label), ctypes.create_string_buffer(160)).decode()
-    return Parts(tuple(label.shift), label.contrast, label.structure, words)
+    return Parts((label.shift[0], label.shift[1], label.shift[2]), label.contrast, label.structure, words)
 
 
 @dataclass(frozen=True)
@@ -251,7 +253,7 @@ class Scorer:
         done = iter(zip(opened, results))
         for i, test in enumerate(tests):
             if i in failures:
-                scores.append(self._score(_no_result(failures[i]), brdf.name, os.fsdecode(test), failures[i]))
+                scores.append(self._score(_no_result(failures[i]), brdf.name, _name(test), failures[i]))
             else:
                 test_brdf, result = next(done)
                 scores.append(self._score(result, brdf.name, test_brdf.name))
@@ -259,7 +261,7 @@ class Scorer:
 
     def _run_named(self, pairs: Sequence[Tuple[Any, Any]], results: Any) -> List[Optional[Error]]:
         """Score a block of pairs of paths and specs."""
-        named = (NamedPair * len(pairs))(*[(encode(a), encode(b)) for a, b in pairs])
+        named = (NamedPair * len(pairs))(*[NamedPair(encode(a), encode(b)) for a, b in pairs])
         errors = (_abi.CError * len(pairs))()
         with self._lock:
             call(lib.nqm_scorer_run_named, self._handle, len(pairs), named, results, errors)
@@ -276,22 +278,22 @@ class Scorer:
                    errors: str = "raise") -> List[Score]:
         """Score pairs of BRDFs; see `score_many`."""
         choice("errors", errors, ("raise", "keep"))
-        pairs = [tuple(pair) for pair in pairs]
+        listed = [(ref, test) for ref, test in pairs]
         report = progress_of(progress)
         scores: List[Score] = []
-        for begin in range(0, len(pairs), BLOCK):
-            block = pairs[begin:begin + BLOCK]
-            report("score", begin, len(pairs))
+        for begin in range(0, len(listed), BLOCK):
+            block = listed[begin:begin + BLOCK]
+            report("score", begin, len(listed))
             named = [i for i, pair in enumerate(block) if all(isinstance(b, (str, os.PathLike)) for b in pair)]
             results = (ScoreResult * len(named))()
             reasons = self._run_named([block[i] for i in named], results)
             rows = dict(zip(named, zip(results, reasons)))
             for i, (ref, test) in enumerate(block):
                 if i in rows:
-                    scores += _checked([self._score(rows[i][0], os.fsdecode(ref), os.fsdecode(test), rows[i][1])], errors)
+                    scores += _checked([self._score(rows[i][0], _name(ref), _name(test), rows[i][1])], errors)
                 else:
                     scores += self._run_other(ref, test, errors)
-        report("score", len(pairs), len(pairs))
+        report("score", len(listed), len(listed))
         if progress is True:
             sys.stderr.write("\n")
         return scores
@@ -340,7 +342,7 @@ class Scorer:
 
 def _sample_pairs(refs: np.ndarray, tests: np.ndarray, masks: Optional[np.ndarray]) -> Any:
     n = len(tests)
-    return (SamplePair * n)(*[(refs.ctypes.data + i * refs.strides[0], tests[i].ctypes.data,
+    return (SamplePair * n)(*[SamplePair(refs.ctypes.data + i * refs.strides[0], tests[i].ctypes.data,
                                None if masks is None else masks[i].ctypes.data) for i in range(n)])
 
 

@@ -37,7 +37,7 @@ class JOD(torch.autograd.Function):
     """
 
     @staticmethod
-    def forward(ctx: Any, ref: Any, test: torch.Tensor, model: Any = "default", used: Any = None,
+    def forward(ctx: Any, ref: Any, test: torch.Tensor, model: Any = "default", used: Any = None,  # type: ignore[override]
                 of: str = "jod") -> torch.Tensor:
         if ctx.needs_input_grad[0]:
             raise ValueError("there is no gradient by the reference: pass ref.detach()")

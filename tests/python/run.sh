@@ -14,7 +14,8 @@ if [ -n "${NQM_SANITIZE:-}" ]; then
     # Python itself is not built with the sanitizer: its library must be loaded first, and Python's own memory is not a leak.
     preload=$(${CC:-cc} -print-file-name=libasan.so)
     [ -f "$preload" ] || { echo "skipped: the sanitizer's library is not found"; exit 77; }
-    export LD_PRELOAD="$(readlink -f "$preload") $(readlink -f "$(${CC:-cc} -print-file-name=libstdc++.so)")"
+    LD_PRELOAD="$(readlink -f "$preload") $(readlink -f "$(${CC:-cc} -print-file-name=libstdc++.so)")"
+    export LD_PRELOAD
     export ASAN_OPTIONS="detect_leaks=0:${ASAN_OPTIONS:-}"
 fi
 exec "$python" "$@"

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """BRDFs in Python: values, functions and tables, errors."""
 import gc
-import os
 import pickle
 import tempfile
 import threading
