@@ -49,6 +49,11 @@ static inline double ggx_correlated_visibility(double cos_i, double cos_o, doubl
     return 0.5 / (i + o);
 }
 
+/** D G1 G1 / (4 cos cos). */
+static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, double alpha2) {
+    return ggx_distribution(tan2_h, alpha2) * ggx_visibility(cos_i, alpha2) * ggx_visibility(cos_o, alpha2);
+}
+
 /* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
 
 /** D(h), in 1/sr; alpha2 is alpha^2. */
@@ -64,6 +69,12 @@ static inline double beckmann_g1(double cosine, double alpha2) {
         return 1;
     double a = sqrt(a2);
     return (3.535 * a + 2.181 * a2) / (1 + 2.276 * a + 2.577 * a2);
+}
+
+/** D G1 G1 / (4 cos cos). */
+static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, double alpha2) {
+    return beckmann_distribution(tan2_h, alpha2) * beckmann_g1(cos_i, alpha2) * beckmann_g1(cos_o, alpha2) /
+           (4 * cos_i * cos_o);
 }
 
 /* ---- Fresnel factors --------------------------------------------------------------------------------------------- */

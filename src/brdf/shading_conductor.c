@@ -20,12 +20,9 @@ typedef struct conductor {
 /* D G / (4 cos cos). */
 static double lobe(const conductor *self, const half_angles *h, double cos_i, double cos_o) {
     const double a2 = self->alpha2;
-    if (!self->is_ggx)
-        return beckmann_distribution(h->tan2_h, a2) * beckmann_g1(cos_i, a2) * beckmann_g1(cos_o, a2) /
-               (4 * cos_i * cos_o);
-    return ggx_distribution(h->tan2_h, a2) * (self->is_correlated
-                                                  ? ggx_correlated_visibility(cos_i, cos_o, a2)
-                                                  : ggx_visibility(cos_i, a2) * ggx_visibility(cos_o, a2));
+    if (self->is_correlated)
+        return ggx_distribution(h->tan2_h, a2) * ggx_correlated_visibility(cos_i, cos_o, a2);
+    return self->is_ggx ? separable_ggx(h->tan2_h, cos_i, cos_o, a2) : separable_beckmann(h->tan2_h, cos_i, cos_o, a2);
 }
 
 static void conductor_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {

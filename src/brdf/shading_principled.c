@@ -81,10 +81,7 @@ static void principled_eval(const void *state, size_t n, const double *wi, const
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2], weight = power5(1 - h.cos_d);
-        const double lobe = self->eta == 1
-                                ? 0
-                                : ggx_distribution(h.tan2_h, self->alpha2) * ggx_visibility(cos_i, self->alpha2) *
-                                      ggx_visibility(cos_o, self->alpha2);
+        const double lobe = self->eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, self->alpha2);
         const double f = self->dielectric * fresnel_dielectric(self->eta, h.cos_d);
         const double shape = diffuse_shape(self, cos_i, cos_o, h.cos_d);
         const double clear = self->clearcoat > 0 ? coat(self, h.tan2_h, cos_i, cos_o, h.cos_d) : 0;

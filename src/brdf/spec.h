@@ -84,6 +84,7 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     X(nqm_smooth_model)
 /** The shading models of renderers (doc/materials.md), likewise. Their states begin with nqm_spec_state. */
 #define NQM_SHADING_MODELS(X)                                                                                          \
+    X(nqm_rough_plastic_model)                                                                                         \
     X(nqm_rough_conductor_model)                                                                                       \
     X(nqm_pbrt_conductor_model)                                                                                        \
     X(nqm_open_pbr_model)                                                                                              \

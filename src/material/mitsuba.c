@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdarg.h>
+#include <strings.h>
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
@@ -220,6 +221,37 @@ static bool specular(translation *t, const nqm_mitsuba_node *node, const char *k
     return true;
 }
 
+/* A number or one of Mitsuba's names. */
+static bool index_of_refraction(translation *t, const nqm_mitsuba_node *node, const char *key) {
+    static const struct {
+        const char *name;
+        double ior;
+    } named[] = {{"vacuum", 1},        {"helium", 1.000036},        {"hydrogen", 1.000132},
+                 {"air", 1.000277},    {"carbon dioxide", 1.00045}, {"water", 1.333},
+                 {"acetone", 1.36},    {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
+                 {"glycerol", 1.4729}, {"benzene", 1.501},          {"silicone oil", 1.52045},
+                 {"bromine", 1.661},   {"water ice", 1.31},         {"fused quartz", 1.458},
+                 {"pyrex", 1.47},      {"acrylic glass", 1.49},     {"polypropylene", 1.49},
+                 {"bk7", 1.5046},      {"sodium chloride", 1.544},  {"amber", 1.55},
+                 {"pet", 1.575},       {"diamond", 2.419}};
+    double *ior = strcmp(key, "int_ior") == 0 ? &t->int_ior : &t->ext_ior;
+    if (node->kind != NQM_MITSUBA_STRING)
+        return read_number(t, node, ior);
+    for (size_t i = 0; i < sizeof named / sizeof *named; ++i)
+        if (strcasecmp(node->value, named[i].name) == 0) {
+            *ior = named[i].ior;
+            return true;
+        }
+    return refuse(t, node, "%s: the index of refraction of '%.40s' is not known", node->name, node->value);
+}
+
+static bool flag(translation *t, const nqm_mitsuba_node *node, const char *key) {
+    const double v = strcmp(node->value, "true") == 0;
+    if (node->kind != NQM_MITSUBA_BOOLEAN || (v == 0 && strcmp(node->value, "false") != 0))
+        return refuse(t, node, "%s needs true or false", node->name);
+    return set(t, node, key, 1, &v);
+}
+
 static bool metal(translation *t, const nqm_mitsuba_node *node, const char *key) {
     (void)key;
     t->metal = node;
@@ -280,6 +312,16 @@ static bool finish_conductor(translation *t, const nqm_mitsuba_node *bsdf) {
     return true;
 }
 
+static bool finish_plastic(translation *t, const nqm_mitsuba_node *bsdf) {
+    const double eta = t->int_ior / t->ext_ior;
+    if (!finish_alpha(t, bsdf))
+        return false;
+    if (!(eta >= 1.05 && eta <= 3))
+        return refuse(t, bsdf, "int_ior / ext_ior is %.4g; the model's range is 1.05 to 3", eta);
+    nqm_shading_set(&t->shading, "eta", 1, &eta);
+    return true;
+}
+
 static bool finish_diffuse(translation *t, const nqm_mitsuba_node *bsdf) {
     const double grey = 0.5; /* Mitsuba's default; the key is required */
     (void)bsdf;
@@ -307,6 +349,19 @@ static const plugin plugins[] = {
                {"k", colour, NULL},
                {"material", metal, NULL},
                {"specular_reflectance", colour, NULL},
+               {"sample_visible", ignored, NULL}}},
+    {.type = "roughplastic",
+     .model = "rough-plastic",
+     .finish = finish_plastic,
+     .rules = {{"alpha", alpha, NULL},
+               {"alpha_u", alpha, NULL},
+               {"alpha_v", alpha, NULL},
+               {"distribution", distribution, NULL},
+               {"int_ior", index_of_refraction, NULL},
+               {"ext_ior", index_of_refraction, NULL},
+               {"diffuse_reflectance", colour, NULL},
+               {"specular_reflectance", colour, NULL},
+               {"nonlinear", flag, NULL},
                {"sample_visible", ignored, NULL}}},
     {.type = "principled",
      .model = "principled",
@@ -414,7 +469,11 @@ static size_t unwrap(translation *t, size_t at) {
 }
 
 static nqm_status add_material(const nqm_mitsuba_nodes *nodes, size_t at, nqm_materials *materials, nqm_error *err) {
-    translation t = {.nodes = nodes, .alpha_uv = {NAN, NAN}, .byte_offset = nodes->list[at].byte_offset};
+    translation t = {.nodes = nodes,
+                     .alpha_uv = {NAN, NAN},
+                     .int_ior = 1.49,
+                     .ext_ior = 1.000277,
+                     .byte_offset = nodes->list[at].byte_offset};
     const bool is_wrapped = strcmp(nodes->list[at].type, "twosided") == 0;
     const size_t inner = is_wrapped ? unwrap(&t, at) : at;
     const nqm_mitsuba_node *bsdf = &nodes->list[inner < nodes->n ? inner : at];

@@ -14,12 +14,18 @@ static const struct {
 } renamed[] = {
     {"lambert", "kd", "reflectance", {NULL}},
     {"rough-conductor", "distribution", "distribution", {"beckmann", "ggx"}},
+    {"rough-plastic", "distribution", "distribution", {"beckmann", "ggx"}},
+    {"rough-plastic", "nonlinear", "nonlinear", {"false", "true"}},
+    {"rough-plastic", "eta", "int_ior", {NULL}},
 };
 enum { N_RENAMED = sizeof renamed / sizeof *renamed };
 
 static const struct {
     const char *model, *type;
-} types[] = {{"lambert", "diffuse"}, {"rough-conductor", "roughconductor"}, {"principled", "principled"}};
+} types[] = {{"lambert", "diffuse"},
+             {"rough-conductor", "roughconductor"},
+             {"principled", "principled"},
+             {"rough-plastic", "roughplastic"}};
 enum { N_TYPES = sizeof types / sizeof *types };
 
 static const char *type_of(const char *model) {
@@ -58,6 +64,8 @@ static void write_xml(const nqm_shading *shading, const char *name, FILE *stream
     for (size_t i = 0; i < shading->n; ++i) {
         const written w = describe(shading, &shading->properties[i]);
         const char *tag = w.word ? w.is_boolean ? "boolean" : "string" : w.n == 3 ? "rgb" : "float";
+        if (strcmp(w.name, "int_ior") == 0)
+            fprintf(stream, "        <float name=\"ext_ior\" value=\"1\"/>\n");
         fprintf(stream, "        <%s name=\"%s\" value=\"%s\"/>\n", tag, w.name, w.word ? w.word : w.text);
     }
     fprintf(stream, "    </bsdf>\n</scene>\n");
@@ -68,6 +76,8 @@ static void write_json(const nqm_shading *shading, const char *name, FILE *strea
     for (size_t i = 0; i < shading->n; ++i) {
         const written w = describe(shading, &shading->properties[i]);
         const char *quote = w.word && !w.is_boolean ? "\"" : "";
+        if (strcmp(w.name, "int_ior") == 0)
+            fprintf(stream, ",\n    \"ext_ior\": 1.0");
         fprintf(stream, ",\n    \"%s\": ", w.name);
         if (!w.word && w.n == 3)
             fprintf(stream, "{\"type\": \"rgb\", \"value\": [%s]}", w.text);

@@ -101,7 +101,7 @@ static nqm_status read_xml(const nqm_map *map, nqm_materials *materials, nqm_err
 const nqm_material_format nqm_mitsuba_xml_format = {
     .name = "Mitsuba XML",
     .extensions = ".xml",
-    .models = "rough-conductor principled lambert",
+    .models = "rough-conductor rough-plastic principled lambert",
     .probe = probe,
     .read = read_xml,
     .write = nqm_mitsuba_write,

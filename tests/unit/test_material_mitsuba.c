@@ -61,6 +61,21 @@ static void principled_of_xml(void **state) {
     expect_refusal(XML("principled", RGB("roughness", ".5 .6 .7")), "not the colour");
 }
 
+static void plastics_of_xml(void **state) {
+    (void)state;
+    expect_spec(XML("roughplastic",
+                    FLOAT("int_ior", "1.5") FLOAT("ext_ior", "1") STRING("distribution", "ggx")
+                        RGB("diffuse_reflectance", "0.1 0.2 0.3") "<boolean name=\"nonlinear\" value=\"true\"/>"),
+                "rough-plastic:distribution=1;diffuse_reflectance=0.1,0.2,0.3;nonlinear=1;eta=1.5");
+    expect_spec(XML("roughplastic", STRING("int_ior", "Diamond") STRING("ext_ior", "vacuum")),
+                "rough-plastic:eta=2.419");
+    expect_refusal(XML("roughplastic", STRING("int_ior", "cheese")), "'cheese'");
+    expect_refusal(XML("roughplastic", FLOAT("int_ior", "1")), "1.05 to 3");
+    expect_refusal(XML("roughplastic", "<boolean name=\"nonlinear\" value=\"yes\"/>"), "true or false");
+    expect_refusal(XML("roughplastic", FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".3")), "anisotropic");
+    expect_refusal(XML("plastic", ""), "smooth");
+}
+
 static void scenes(void **state) {
     (void)state;
     nqm_materials *materials = open_text(
@@ -168,7 +183,10 @@ static void files_go_there_and_back(void **state) {
     (void)state;
     static const char *const specs[] = {
         "rough-conductor:alpha=0.123456789012345;distribution=1;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17",
-        "rough-conductor:alpha=.3;specular_reflectance=.1,.5,.7", "lambert:kd=0.1,0.30000000000000004,1",
+        "rough-conductor:alpha=.3;specular_reflectance=.1,.5,.7",
+        "lambert:kd=0.1,0.30000000000000004,1",
+        "rough-plastic:",
+        "rough-plastic:alpha=.3;distribution=1;eta=1.7;diffuse_reflectance=.1,.2,.3;nonlinear=1",
         "principled:base_color=.1,.2,.3;roughness=.7;metallic=.1;eta=1.3;spec_tint=.3;sheen=1;sheen_tint=.2;flatness=."
         "4;"
         "clearcoat=.9;clearcoat_gloss=.6"};
@@ -180,10 +198,15 @@ static void files_go_there_and_back(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors_of_xml), cmocka_unit_test(refused_conductors),
-        cmocka_unit_test(principled_of_xml), cmocka_unit_test(scenes),
-        cmocka_unit_test(dictionaries),      cmocka_unit_test(damaged_files),
-        cmocka_unit_test(cut_files),         cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(conductors_of_xml),
+        cmocka_unit_test(refused_conductors),
+        cmocka_unit_test(principled_of_xml),
+        cmocka_unit_test(plastics_of_xml),
+        cmocka_unit_test(scenes),
+        cmocka_unit_test(dictionaries),
+        cmocka_unit_test(damaged_files),
+        cmocka_unit_test(cut_files),
+        cmocka_unit_test(files_go_there_and_back),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }
