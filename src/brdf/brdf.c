@@ -169,10 +169,12 @@ static nqm_status open_map(nqm_map *map, nqm_brdf **brdf_ret, nqm_error *err) {
     }
     char materials[256];
     nqm_material_format_names(materials, sizeof materials);
-    return nqm_fail(err, NQM_ERR_FORMAT, 0,
-                    "%s: not a BRDF file: byte 0 begins none of MERL .binary (90x90x180), RGL .bsdf, NBRDF .h5, "
-                    "nqm's own .safetensors, zip, %s",
-                    path, materials);
+    const char *kind = nqm_file_kind(map->data, map->n_bytes);
+    return nqm_fail(
+        err, NQM_ERR_FORMAT, 0,
+        "%s: %s%s: byte 0 begins none of MERL .binary (90x90x180, 90x90x360), RGL .bsdf, .pbsdf, NBRDF .h5, .npy, "
+        "CSV with theta_h, theta_d, phi_d, nqm's own .safetensors, zip, %s",
+        path, kind ? "not a BRDF file but " : "not a BRDF file", kind ? kind : "", materials);
 }
 
 /* Open a file, or a material of a file that contains several; `name` is the whole argument. material NULL: the file

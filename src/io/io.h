@@ -9,6 +9,9 @@
 
 #include "base/base.h"
 
+/** What a file is, from its first bytes, for messages: "a PNG picture", "CSV", "text"; NULL: unknown. */
+const char *nqm_file_kind(const unsigned char *data, size_t n_bytes);
+
 /* ---- safetensors (huggingface.co/docs/safetensors): u64 header length, JSON header, raw little-endian tensors ---- */
 
 typedef enum nqm_dtype { NQM_F32, NQM_F64, NQM_I32, NQM_I64, NQM_U8, NQM_U16, NQM_U32, NQM_F16 } nqm_dtype;
