@@ -3,6 +3,7 @@
  * Material files given as text, in the temporary file of temp_file.h.
  */
 #include "support/material_text.h"
+#include "base/memory_test.h"
 #include "support/check.h"
 #include "support/temp_file.h"
 
@@ -68,4 +69,17 @@ void expect_same(const char *argument, const char *extension) {
     nqm_brdf_free(back);
     nqm_brdf_free(brdf);
     unlink(path);
+}
+
+void expect_survives_no_memory(const char *text) {
+    nqm_status status = NQM_ERR_NOMEM;
+    write_file(text);
+    for (int n = 0; status != NQM_OK; ++n) {
+        nqm_materials *materials;
+        nqm_alloc_fail_after(n);
+        status = nqm_materials_open(temp_file, &materials, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !materials));
+        nqm_materials_free(materials);
+    }
 }

@@ -17,5 +17,7 @@ void expect_refusal(const char *text, const char *reason);
 void expect_error(const char *text, nqm_status status, const char *reason);
 /** The BRDF written to a file with this extension (without dot) and read back has the same canonical spec. */
 void expect_same(const char *argument, const char *extension);
+/** Reading fails cleanly whichever allocation fails. */
+void expect_survives_no_memory(const char *text);
 
 #endif

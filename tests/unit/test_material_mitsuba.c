@@ -196,6 +196,15 @@ static void files_go_there_and_back(void **state) {
     }
 }
 
+static void no_memory(void **state) {
+    (void)state;
+    expect_survives_no_memory(
+        "<scene><default name=\"a\" value=\"1\"/><bsdf type=\"diffuse\" id=\"$a\"><float name=\"reflectance\" "
+        "value=\"$a\"/></bsdf><bsdf type=\"mask\"/></scene>");
+    expect_survives_no_memory(
+        "{\"type\": \"scene\", \"a\": {\"type\": \"measured\", \"filename\": \"a\"}, \"b\": {\"type\": \"diffuse\"}}");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(conductors_of_xml),
@@ -207,6 +216,7 @@ int main(void) {
         cmocka_unit_test(damaged_files),
         cmocka_unit_test(cut_files),
         cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

@@ -91,10 +91,17 @@ static void files_go_there_and_back(void **state) {
     expect_same("lambert:kd=0.5", "pbrt");
 }
 
+static void no_memory(void **state) {
+    (void)state;
+    expect_survives_no_memory(
+        "Material \"conductor\" \"float roughness\" 1 Material \"measured\" \"string filename\" \"a\" "
+        "Material \"mix\"");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(conductors),    cmocka_unit_test(refused_materials),       cmocka_unit_test(scenes),
-        cmocka_unit_test(damaged_files), cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(damaged_files), cmocka_unit_test(files_go_there_and_back), cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }
