@@ -43,6 +43,11 @@ def lambert(wi, wo):
 print(nqm.__version__, nqm.score('sgd:nickel', lambert))
 print(nqm.score('sgd:nickel', 'ward:nickel'))
 END"
+inside 'cat > /tmp/gold.gltf <<END
+{"asset": {"version": "2.0"}, "materials": [{"name": "gold", "pbrMetallicRoughness":
+  {"baseColorFactor": [1, 0.766, 0.336, 1], "metallicFactor": 1, "roughnessFactor": 0.3}}]}
+END
+nqm translate /tmp/gold.gltf --to openpbr -o /tmp/gold.mtlx && cat /tmp/gold.mtlx'
 inside 'nqm doctor'
 inside 'apt-get remove -y -qq nqm libnqm0 libnqm-dev python3-nqm >/dev/null 2>&1 && ! command -v nqm && echo "removed"'
 [ $failed = 0 ] || echo "a command failed"
