@@ -34,6 +34,8 @@ class Error(Exception):
             7 memory or limit, 8 computation, 130 stopped)
     """
 
+    __module__ = "nqm"  # as tracebacks show it
+
     def __init__(self, message: str, status: Status = Status.ARG, byte: Optional[int] = None) -> None:
         super().__init__(message)
         self.status = status

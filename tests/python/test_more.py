@@ -65,6 +65,25 @@ class Fits(unittest.TestCase):
             nqm.fit("sgd:nickel", frog=1)
 
 
+class Materials(unittest.TestCase):
+    def test_files(self):
+        spec = "gltf:base_color=.5,.2,.1;metallic=0;roughness=.4"
+        with tempfile.TemporaryDirectory() as folder:
+            path = folder + "/paint.gltf"
+            nqm.BRDF.open(spec).save_material(path, "paint")
+            (material,) = nqm.materials(path)
+            self.assertEqual((material.name, material.refusal), ("paint", None))
+            self.assertEqual(nqm.BRDF.open(material.spec).info.spec, nqm.BRDF.open(spec).info.spec)
+            self.assertTrue(nqm.score(spec, path + ":paint").identical)
+            with self.assertRaises(nqm.Error):
+                nqm.BRDF.open("sgd:nickel").save_material(path)
+            with self.assertRaises(ValueError):
+                nqm.BRDF.from_function(lambda wi, wo: wi).save_material(path)
+            with self.assertRaises(nqm.Error) as caught:
+                nqm.materials(folder)
+            self.assertEqual(caught.exception.code, 3)
+
+
 class Scenes(unittest.TestCase):
     def test_label(self):
         row = json.loads(run_tool("label", "sgd:nickel", "ward:nickel", "--light", "sun", "--shape", "sphere", "--points", "300",
