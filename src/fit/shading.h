@@ -16,6 +16,7 @@ enum { NQM_SHADING_MAX_FREE = 96, NQM_SHADING_MAX_STARTS = 8, NQM_SHADING_STEPS 
  *  offset is 0. */
 typedef struct nqm_shading_parameter {
     size_t key, channel;
+    size_t layer;     /* key of the amount of the layer that it describes; itself: none */
     double low, high; /* of the value */
     double units, offset;
 } nqm_shading_parameter;
@@ -54,6 +55,8 @@ void nqm_shading_bounds(const nqm_shading_space *space, double *low, double *hig
 void nqm_shading_values(const nqm_shading_space *space, const double *x, nqm_spec_values *values);
 /** Whether a key is the amount of a layer over the base, 0 by default: a clear coat, sheen. */
 bool nqm_shading_is_layer(const nqm_spec_key *key);
+/** Whether a parameter has no effect because its layer is off. */
+bool nqm_shading_is_idle(const nqm_shading_parameter *parameter, const nqm_spec_values *values);
 /** Key of a name in the schema; n_keys: there is none. */
 size_t nqm_shading_key(const nqm_spec_schema *schema, const char *name);
 /** Fix a key at the value it has in `values`: its parameters leave the space. */
@@ -127,10 +130,11 @@ NQM_MUST_CHECK nqm_status nqm_shading_search(const nqm_shading_space *space, con
                                              bool only_start, nqm_ticker *ticker, nqm_shading_point *best,
                                              size_t *n_best, nqm_error *err);
 /** Set keys to their defaults where that raises the objective by at most `tolerance` (0: not done) times its value
- *  plus a twentieth of that of a black surface, in total; with short fits of the other parameters. `thin` needs
+ *  plus a twentieth of that of a black surface, in total; with short fits of the other parameters. `thin` and its target need
  *  fewer directions than the fit. The keys leave the space; a last descent is left to the caller. */
-NQM_MUST_CHECK nqm_status nqm_shading_simplify(nqm_shading_objective *thin, nqm_shading_space *space, double tolerance,
-                                               nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_shading_simplify(nqm_shading_objective *thin, const nqm_fit_target *target,
+                                               nqm_shading_space *space, double tolerance, nqm_ticker *ticker,
+                                               nqm_shading_point *point, nqm_error *err);
 /** About n directions of a target, evenly; nqm_free(thin->wi) also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_shading_thin(const nqm_fit_target *from, size_t n, nqm_fit_target *thin, nqm_error *err);
 /** Simplify the point, then minimise `objective`, the sum of `terms` on `target`, without the keys that have become plain. */

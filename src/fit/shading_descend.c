@@ -63,6 +63,9 @@ static void differentiate(const descent *d, double *x, const nqm_spec_values *va
     for (size_t k = 0; k < d->n; ++k) {
         const double at = x[k], h = at + step > d->high[k] ? -step : step;
         nqm_spec_values changed = *values;
+        gradient[k] = 0;
+        if (nqm_shading_is_idle(&d->space->parameters[k], values))
+            continue;
         x[k] = at + h;
         nqm_shading_values(d->space, x, &changed);
         x[k] = at;

@@ -132,8 +132,9 @@ nqm_status nqm_shading_search(const nqm_shading_space *space, const nqm_brdf *re
 
 typedef struct simplification {
     nqm_shading_objective *objective;
-    nqm_shading_space space; /* without the keys that have been decided */
-    double budget;           /* of the loss */
+    const nqm_fit_target *target; /* of its terms */
+    nqm_shading_space space;      /* without the keys that have been decided */
+    double budget;                /* of the loss */
     nqm_ticker *ticker;
     nqm_shading_point *point;
     nqm_error *err;
@@ -141,6 +142,18 @@ typedef struct simplification {
 
 static bool has_value(const nqm_spec_values *values, size_t key, double v) {
     return values->v[key][0] == v && values->v[key][1] == v && values->v[key][2] == v;
+}
+
+/* Replace the point by one of least squares near it if that has the smaller loss: exact where keys make up for each other. */
+static nqm_status adapt(const simplification *s, const nqm_shading_space *space, nqm_shading_point *point) {
+    enum { N_STEPS = 3 };
+    nqm_shading_point next = *point;
+    nqm_status status = nqm_shading_refine(space, s->target, N_STEPS, s->ticker, &next, s->err);
+    if (status == NQM_OK)
+        status = nqm_shading_objective_value(s->objective, &next.values, &next.loss, s->err);
+    if (status == NQM_OK && next.loss < point->loss)
+        *point = next;
+    return status;
 }
 
 /* Give a free key one value if the loss with the best values of the others stays within the budget. */
@@ -154,6 +167,8 @@ static nqm_status try_value(simplification *s, size_t key, double v) {
     for (size_t c = 0; c < 3; ++c)
         next.values.v[key][c] = v;
     nqm_status status = nqm_shading_objective_value(s->objective, &next.values, &next.loss, s->err);
+    if (status == NQM_OK && next.loss > s->budget)
+        status = adapt(s, &without, &next);
     if (status == NQM_OK && next.loss > s->budget)
         status = nqm_shading_descend(s->objective, &without, TRIAL_STEPS, s->ticker, &next, s->err);
     if (status == NQM_OK && next.loss <= s->budget) {
@@ -181,11 +196,12 @@ static nqm_status try_all(simplification *s) {
     return status;
 }
 
-nqm_status nqm_shading_simplify(nqm_shading_objective *thin, nqm_shading_space *space, double tolerance,
-                                nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
+nqm_status nqm_shading_simplify(nqm_shading_objective *thin, const nqm_fit_target *target, nqm_shading_space *space,
+                                double tolerance, nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
     const double share_of_black = 0.05; /* exact fits have no loss to compare with */
     double black;
-    simplification s = {.objective = thin, .space = *space, .ticker = ticker, .point = point, .err = err};
+    simplification s = {
+        .objective = thin, .target = target, .space = *space, .ticker = ticker, .point = point, .err = err};
     if (tolerance <= 0)
         return NQM_OK;
     nqm_status status = nqm_shading_objective_black(thin, &black, err);
@@ -209,7 +225,7 @@ nqm_status nqm_shading_finish(const nqm_shading_space *full, const nqm_fit_targe
     if (status == NQM_OK)
         status = nqm_shading_objective_make(&space, &thin_target, n_terms, terms, &thin, err);
     if (status == NQM_OK)
-        status = nqm_shading_simplify(thin, &space, tolerance, ticker, point, err);
+        status = nqm_shading_simplify(thin, &thin_target, &space, tolerance, ticker, point, err);
     if (status == NQM_OK)
         status = nqm_shading_descend(objective, &space, NQM_SHADING_STEPS, ticker, point, err);
     nqm_shading_objective_free(thin);

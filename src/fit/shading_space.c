@@ -114,6 +114,25 @@ static double default_of(const nqm_spec_key *key) {
     return clamp(value, key->low, key->high);
 }
 
+/* The key of the amount of the layer that a key describes, as coat_weight for coat_ior; the key itself: none. */
+static size_t layer_of(const nqm_spec_schema *schema, size_t key) {
+    const plain_name name = plain(schema->keys[key].name);
+    for (size_t k = 0; k < schema->n_keys && !nqm_shading_is_layer(&schema->keys[key]); ++k) {
+        const plain_name weight = plain(schema->keys[k].name);
+        const size_t n_weight = strlen(weight.text), n = n_weight - (contains(weight.text, "weight")  ? strlen("weight")
+                                                                     : contains(weight.text, "color") ? strlen("color")
+                                                                                                      : 0);
+        if (nqm_shading_is_layer(&schema->keys[k]) && strncmp(name.text, weight.text, n) == 0)
+            return k;
+    }
+    return key;
+}
+
+bool nqm_shading_is_idle(const nqm_shading_parameter *p, const nqm_spec_values *values) {
+    const double *amount = values->v[p->layer];
+    return p->layer != p->key && amount[0] == 0 && amount[1] == 0 && amount[2] == 0;
+}
+
 static void add_key(nqm_shading_space *space, size_t k) {
     const nqm_spec_key *key = &space->model->schema.keys[k];
     /* The outer index only scales the inner one. */
@@ -122,6 +141,7 @@ static void add_key(nqm_shading_space *space, size_t k) {
     for (size_t c = 0; c < key->n && space->n < NQM_SHADING_MAX_FREE; ++c) {
         nqm_shading_parameter p = describe(key);
         p.key = k;
+        p.layer = layer_of(&space->model->schema, k);
         p.channel = c;
         space->parameters[space->n++] = p;
     }
@@ -190,7 +210,7 @@ static double to_coordinate(const nqm_shading_parameter *p, double value) {
 static double to_value(const nqm_shading_parameter *p, double x) {
     x /= p->units;
     const double value = p->offset > 0 ? exp(x) - p->offset : x;
-    return clamp(p->low + (value < 1e-9 ? 0 : value), p->low, p->high); /* rounding makes 0 a trace */
+    return clamp(p->low + (value < 1e-6 ? 0 : value), p->low, p->high); /* rounding makes 0 a trace */
 }
 
 void nqm_shading_coordinates(const nqm_shading_space *space, const nqm_spec_values *values, double *x) {

@@ -58,6 +58,10 @@ static void differentiate(squares *s, const nqm_spec_values *values) {
         nqm_spec_values near = *values;
         const double x = s->x[k], h = x + step > s->high[k] ? -step : step;
         double *column = s->columns + k * s->m;
+        if (nqm_shading_is_idle(&s->space->parameters[k], values)) {
+            memset(column, 0, s->m * sizeof *column);
+            continue;
+        }
         s->x[k] = x + h;
         eval_at(s, s->x, &near, s->changed);
         s->x[k] = x;

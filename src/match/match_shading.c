@@ -63,9 +63,12 @@ static int compare_candidates(const void *a, const void *b) {
 }
 
 static nqm_status polish_best(selection *s) {
+    const double hopeless = 3, exact = 0.02; /* relative; Delta-E ITP that nobody sees */
     qsort(s->list, s->n, sizeof *s->list, compare_candidates);
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < N_POLISHED; ++i) {
+    const double best = s->list->difference;
+    for (size_t i = 0; status == NQM_OK && i < N_POLISHED && best > exact && s->list[i].difference < hopeless * best;
+         ++i) {
         nqm_shading_point point = s->list[i].point;
         status = nqm_shading_descend(s->polish, &s->space, NQM_SHADING_STEPS, &s->ticker, &point, s->err);
         if (status == NQM_OK)

@@ -34,7 +34,7 @@ static void models_give_themselves_back(void **state) {
         char model[40];
         snprintf(model, sizeof model, "%.*s", (int)strcspn(materials[i], ":"), materials[i]);
         nqm_fit_report r = fit_spec(materials[i], model, &options);
-        assert_true(r.loss < 2e-3);
+        assert_true(r.loss < 5e-3);
         if (strncmp(model, "gltf", 4) == 0) {
             check_spec_values(r.spec, materials[i], "base_color", 0.02);
             check_spec_values(r.spec, materials[i], "roughness", 0.02);
@@ -59,7 +59,7 @@ static void bounds_and_starts_hold(void **state) {
     options.n_bounds = 0;
     options.start = "gltf:base_color=0.3;metallic=0.1;roughness=0.4";
     r = fit_spec(truth, "gltf", &options);
-    assert_true(r.loss < 2e-3);
+    assert_true(r.loss < 5e-3);
     assert_int_equal(r.best_start, 0);
 }
 
