@@ -12,20 +12,6 @@ cd "$folder"
 "$nqm" convert sgd:nickel -o measured.binary
 "$nqm" fit sgd:nickel --model hyper-low -o approximation.safetensors -q
 "$nqm" render lambert:kd=.8 -o probe.exr --size 64x32 --background light >/dev/null
-cat >gold.mtlx <<END
-<?xml version="1.0"?>
-<materialx version="1.39" colorspace="lin_rec709">
-  <open_pbr_surface name="s" type="surfaceshader">
-    <input name="base_color" type="color3" value="0.94, 0.78, 0.37"/>
-    <input name="base_metalness" type="float" value="1"/>
-  </open_pbr_surface>
-  <surfacematerial name="gold" type="material">
-    <input name="surfaceshader" type="surfaceshader" nodename="s"/>
-  </surfacematerial>
-</materialx>
-END
-mkdir -p materials
-cp gold.mtlx materials
 cat >paints.mtlx <<END
 <?xml version="1.0"?>
 <materialx version="1.39" colorspace="lin_rec709">
