@@ -70,19 +70,16 @@ def _callback(function: EvalFunction, watch: Watch) -> Any:
     """`function` as a C callback. After an exception it gives no values, so that the call ends soon."""
 
     def evaluate(user: Any, n: int, wi: Any, wo: Any, rgb: Any) -> None:
-        out = np.ctypeslib.as_array(rgb, shape=(n, 3))
-        if watch.error is None:
-            try:
-                value = np.asarray(function(np.ctypeslib.as_array(wi, shape=(n, 3)).copy(),
-                                            np.ctypeslib.as_array(wo, shape=(n, 3)).copy()), dtype=np.float64)
-                if value.shape != (n, 3):
-                    raise ValueError("the function of a BRDF must return f_r of the shape (n, 3); for n = %d it returned %s" %
-                                     (n, value.shape))
-                out[...] = value
-                return
-            except BaseException as error:  # it cannot pass through the library; call() raises it
-                watch.error = error
-        out[...] = np.nan
+        a, b, out = (np.ctypeslib.as_array(x, shape=(n, 3)) for x in (wi, wo, rgb))
+        value = None if watch.stopped() else watch.run(values, a.copy(), b.copy())
+        out[...] = np.nan if value is None else value
+
+    def values(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        value = np.asarray(function(wi, wo), dtype=np.float64)
+        if value.shape != wi.shape:
+            raise ValueError("the function of a BRDF must return f_r of the shape (n, 3); for n = %d it returned %s" %
+                             (len(wi), value.shape))
+        return value
 
     return _abi.Eval(evaluate)
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import signal
 import sys
 import threading
 import weakref
 from ctypes import POINTER
-from typing import Any, Callable, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
 import numpy as np
 
@@ -63,10 +64,71 @@ class Watch:
         self.lock = threading.RLock()
         self.error: Optional[BaseException] = None
         self.shown = False  # an unfinished line of show_progress()
+        self.interruptible = False  # during a call with Interrupts
 
     def take(self) -> Optional[BaseException]:
         error, self.error = self.error, None
         return error
+
+    def stopped(self) -> bool:
+        return self.error is not None or (self.interruptible and Interrupts.pending)
+
+    def run(self, function: Callable[..., Any], *args: Any) -> Any:
+        """A function of the user in a callback; its exception is kept, and the result is None."""
+        try:
+            with Interrupts.allowed():
+                return function(*args)
+        except BaseException as error:  # it cannot pass through the library; call() raises it
+            self.error = error
+            return None
+
+
+class Interrupts:
+    """Ctrl-C during a call with callbacks. Python may raise KeyboardInterrupt at the first instruction of a callback, where nothing can
+    catch it, and it would be lost. During such a call a handler therefore notes the signal, which the callbacks report to the library, and
+    raises only inside functions of the user."""
+
+    pending = False
+    raising = False
+
+    @staticmethod
+    def _handle(number: int, frame: Any) -> None:
+        if Interrupts.raising:
+            raise KeyboardInterrupt
+        Interrupts.pending = True
+
+    @staticmethod
+    @contextlib.contextmanager
+    def allowed() -> Iterator[None]:
+        """Inside functions of the user, on the main thread: raise as usual."""
+        main = threading.current_thread() is threading.main_thread()
+        Interrupts.raising = main or Interrupts.raising
+        try:
+            yield
+        finally:
+            Interrupts.raising = Interrupts.raising and not main
+
+    @staticmethod
+    @contextlib.contextmanager
+    def noted(watches: "Sequence[Watch]") -> Iterator[None]:
+        """During a call with callbacks: the handler above, unless the program has one of its own."""
+        if (not watches or threading.current_thread() is not threading.main_thread() or
+                signal.getsignal(signal.SIGINT) is not signal.default_int_handler):
+            yield
+            return
+        Interrupts.pending = False
+        signal.signal(signal.SIGINT, Interrupts._handle)
+        for watch in watches:
+            watch.interruptible = True
+        try:
+            yield
+        finally:
+            for watch in watches:
+                watch.interruptible = False
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            if Interrupts.pending:
+                Interrupts.pending = False
+                raise KeyboardInterrupt
 
 
 def show_progress(stage: str, done: float, total: float) -> None:
@@ -83,17 +145,14 @@ def progress_of(progress: ProgressLike) -> Callable[[str, float, float], Any]:
 
 
 def progress_callback(progress: ProgressLike, watches: "Sequence[Watch]", own: Watch) -> Any:
-    """A C callback, which also lets Ctrl-C through: without one, Python would see it only after the call."""
+    """A C callback, which is also how Ctrl-C stops the call: without one, Python would see it only afterwards."""
     function = progress_of(progress)
 
     def callback(user: Any, stage: bytes, done: float, total: float) -> int:
-        if own.error is None:
+        if not own.stopped():
             own.shown = progress is True
-            try:
-                function(stage.decode(), done, total)
-            except BaseException as error:  # KeyboardInterrupt among them
-                own.error = error
-        return int(any(w.error is not None for w in (own, *watches)))
+            own.run(function, stage.decode(), done, total)
+        return int(any(w.stopped() for w in (own, *watches)))
 
     return Progress(callback)
 
@@ -103,11 +162,17 @@ def call(function: Any, *args: Any, watches: Sequence[Watch] = (), own: Optional
     use the same Python callback take turns."""
     err = CError()
     fallible = bool(function.argtypes) and function.argtypes[-1] is POINTER(CError)
+    used = ([own] if own else []) + list(watches)
     with contextlib.ExitStack() as stack:
         for watch in sorted(set(watches), key=id):
             stack.enter_context(watch.lock)
-        result = function(*args, ctypes.byref(err)) if fallible else function(*args)
-        used = ([own] if own else []) + list(watches)
+        try:
+            with Interrupts.noted(used):
+                result = function(*args, ctypes.byref(err)) if fallible else function(*args)
+        except KeyboardInterrupt as interrupt:
+            if not used:
+                raise
+            used[0].error = interrupt
         errors = [w.take() for w in used]
         if any(w.shown for w in used):
             sys.stderr.write("\n")

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 import numpy as np
@@ -46,6 +47,20 @@ class Fits(unittest.TestCase):
         for options in ({"loss": "log"}, {"loss": "auto"}):
             with self.assertRaises(KeyboardInterrupt):
                 nqm.fit("sgd:nickel", "ggx", progress=interrupt, **options)
+
+    def test_interrupt(self):
+        """Ctrl-C at any moment ends a call with KeyboardInterrupt, and the handler is the same afterwards."""
+        def lambert(wi, wo):
+            return np.full(wi.shape, .2 / np.pi)
+
+        for delay, ref in ((.01, "sgd:nickel"), (.1, "sgd:nickel"), (.13, "sgd:nickel"), (.1, lambert), (.2, lambert)):
+            timer = threading.Timer(delay, lambda: os.kill(os.getpid(), signal.SIGINT))
+            timer.start()
+            with self.assertRaises(KeyboardInterrupt):
+                while True:
+                    nqm.fit(ref, "ggx")
+            timer.join()
+            self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
 
     def test_exception(self):
         def fails(wi, wo):
