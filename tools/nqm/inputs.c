@@ -101,6 +101,8 @@ bool is_folder(const char *path) {
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
+static char *list_folder; /* the last result of list_root() */
+
 const char *list_root(const char *root, const char *list_path) {
     struct stat about;
     size_t is_stream = 0;
@@ -113,9 +115,10 @@ const char *list_root(const char *root, const char *list_path) {
     if (is_stream || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
         return NULL;
     const size_t n = slash == list_path ? 1 : (size_t)(slash - list_path);
-    char *folder = allocate(n + 1, 1);
-    memcpy(folder, list_path, n);
-    return folder;
+    free(list_folder);
+    list_folder = allocate(n + 1, 1);
+    memcpy(list_folder, list_path, n);
+    return list_folder;
 }
 
 void enter_list_root(const char *root, const char *list_path) {

@@ -115,7 +115,7 @@ const char **take_names(int n, char **arguments);
 bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
- *  folder for standard input and other lists that are not regular files. NULL: the working folder. Not freed. */
+ *  folder for standard input and other lists that are not regular files. NULL: the working folder. Valid until the next call. */
 const char *list_root(const char *root, const char *list_path);
 /** Make list_root() the working folder. */
 void enter_list_root(const char *root, const char *list_path);
