@@ -101,6 +101,9 @@ static nqm_shading_parameter describe(const nqm_spec_key *key) {
         p.units = 2;
         p.offset = 0;
     }
+    /* Weights and colours that renderers and their editors take, although the formats allow more. */
+    if (!is_index_of_refraction(key) && key->fallback <= 1)
+        p.high = fmin(p.high, 1);
     return p;
 }
 

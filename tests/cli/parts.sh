@@ -61,20 +61,20 @@ awk -F, 'NR == 1 {for (i = 1; i <= NF; ++i) at[$i] = i}
 # ---- score, rank, batch: the columns of a label and the words; empty for a test without a score
 columns=shift_i,shift_t,shift_p,contrast,structure,similarity_jod,words
 run 3 score sgd:nickel ward:nickel sgd:nickel "$dir/nowhere.binary" -m "$dir/six.safetensors" --csv --metrics mae
-[ "$(sed -n 1p "$dir/out")" = "reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,$columns,mae,error" ] || fail "score --csv: $(cat "$dir/out")"
-sed -n 2p "$dir/out" | grep -q ',0,16,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[0-9.e]*,[0-9.]*,"*[a-z]' || fail "score --csv: $(cat "$dir/out")"
-holds '^sgd:nickel,sgd:nickel,.*,1,16,0,0,0,0,0,10,no visible difference,0,$' 'nowhere.binary,,,,,0,0,,,,,,,,,'
+[ "$(sed -n 1p "$dir/out")" = "reference,test,jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict,$columns,mae,name,warnings,error" ] || fail "score --csv: $(cat "$dir/out")"
+sed -n 2p "$dir/out" | grep -q ',0,16,[0-9.e]*,[a-z ]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[-0-9.e]*,[0-9.e]*,[0-9.]*,"*[a-z]' || fail "score --csv: $(cat "$dir/out")"
+holds '^sgd:nickel,sgd:nickel,.*,1,16,[0-9.]*,identical,0,0,0,0,0,10,no visible difference,0,sgd:nickel,,$' 'nowhere.binary,,,,,0,0,,,,,,,,,,,'
 run 0 rank sgd:nickel ward:nickel sgd:nickel -m "$dir/six.safetensors" --csv
-holds ",$columns," '^sgd:nickel,1,sgd:nickel,.*,0,0,0,0,0,10,no visible difference,$'
+holds ",$columns," '^sgd:nickel,1,sgd:nickel,.*,0,0,0,0,0,10,no visible difference,sgd:nickel,$'
 printf 'reference,test\nsgd:nickel,ward:nickel\nsgd:nickel,sgd:nickel\n' >"$dir/list.csv"
 run 0 batch "$dir/list.csv" -m "$dir/six.safetensors"
-holds "^reference,test,jod,.*,n_valid,$columns,warnings,error$" '^sgd:nickel,sgd:nickel,.*,10,no visible difference,'
+holds "^reference,test,jod,.*,n_valid,novelty,verdict,$columns,warnings,error$" '^sgd:nickel,sgd:nickel,.*,10,no visible difference,'
 run 0 batch "$dir/list.csv" -m "$dir/six.safetensors" --jsonl
 lines 2 '"parts":{"shift_itp":\[[-0-9.,e]*\],"contrast":[-0-9.e]*,"structure":[0-9.e]*,"similarity_jod":[0-9.]*,"words":"[a-z, ]*"},"warnings":'
 run 0 batch "$dir/list.csv" -m "$dir/without.safetensors" --json
 lines 0 '"parts"'
 run 0 batch "$dir/list.csv" -m "$dir/without.safetensors"
-holds ',n_valid,warnings,error$'
+holds ',n_valid,novelty,verdict,warnings,error$'
 printf 'reference,test,words\n' >"$dir/named.csv"
 run 4 batch "$dir/named.csv" -m "$dir/six.safetensors"
 says "'words'"
@@ -82,7 +82,7 @@ run 0 batch "$dir/named.csv" -m "$dir/without.safetensors"
 
 # The parts of a pair that differs by rounding only are as certainly small as its Delta-E.
 run 0 score sgd:chrome 'perturb:bits=12;of=sgd:chrome' -m "$dir/six.safetensors" --csv
-awk -F, 'NR == 2 && $9 * $9 < 0.01 && $10 * $10 < 0.01 && $11 * $11 < 0.01 && $13 < 0.1 && $14 > 9.9 {good = 1} END {exit !good}' "$dir/out" ||
+awk -F, 'NR == 2 && $11 * $11 < 0.01 && $12 * $12 < 0.01 && $13 * $13 < 0.01 && $15 < 0.1 && $16 > 9.9 {good = 1} END {exit !good}' "$dir/out" ||
     fail "rounding: $(cat "$dir/out")"
 
 # ---- eval: without parts in the labels or the model, and without a matrix, there is none of that.
