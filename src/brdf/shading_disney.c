@@ -48,7 +48,8 @@ static void prepare(const nqm_spec_values *values, void *state) {
     }
 }
 
-static closure evaluate(const disney *self, const geometry *g) {
+static closure evaluate(const void *state, const geometry *g) {
+    const disney *self = state;
     const microfacet m = microfacet_of(g, self->alpha);
     closure result = burley_bsdf(g, 1 - self->metallic, self->base, self->roughness);
     if (self->sheen > 0)
@@ -61,11 +62,7 @@ static closure evaluate(const disney *self, const geometry *g) {
 }
 
 static void eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < n; ++i) {
-        const geometry g = geometry_of(wi + 3 * i, wo + 3 * i);
-        const closure result = evaluate(state, &g);
-        memcpy(rgb + 3 * i, result.f, sizeof result.f);
-    }
+    closure_eval(evaluate, state, n, wi, wo, rgb);
 }
 
 const nqm_analytic_model nqm_disney_model = {

@@ -85,7 +85,8 @@ static void prepare(const nqm_spec_values *values, void *state) {
     }
 }
 
-static closure evaluate(const open_pbr *self, const geometry *g) {
+static closure evaluate(const void *state, const geometry *g) {
+    const open_pbr *self = state;
     const microfacet m = microfacet_of(g, self->alpha);
     closure result = eon_bsdf(g, self->base_weight, self->base_color, self->diffuse_roughness);
     if (self->metalness < 1)
@@ -105,11 +106,7 @@ static closure evaluate(const open_pbr *self, const geometry *g) {
 }
 
 static void eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < n; ++i) {
-        const geometry g = geometry_of(wi + 3 * i, wo + 3 * i);
-        const closure result = evaluate(state, &g);
-        memcpy(rgb + 3 * i, result.f, sizeof result.f);
-    }
+    closure_eval(evaluate, state, n, wi, wo, rgb);
 }
 
 const nqm_analytic_model nqm_open_pbr_model = {

@@ -50,7 +50,8 @@ static void prepare(const nqm_spec_values *values, void *state) {
     }
 }
 
-static closure evaluate(const usd_preview *self, const geometry *g) {
+static closure evaluate(const void *state, const geometry *g) {
+    const usd_preview *self = state;
     const microfacet m = microfacet_of(g, self->alpha);
     closure result = oren_nayar_bsdf(g, self->diffuse_weight, self->diffuse, 0);
     result = closure_layer(generalized_schlick_bsdf(g, m, 1, self->f0, WHITE, self->f90), result);
@@ -64,11 +65,7 @@ static closure evaluate(const usd_preview *self, const geometry *g) {
 }
 
 static void eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < n; ++i) {
-        const geometry g = geometry_of(wi + 3 * i, wo + 3 * i);
-        const closure result = evaluate(state, &g);
-        memcpy(rgb + 3 * i, result.f, sizeof result.f);
-    }
+    closure_eval(evaluate, state, n, wi, wo, rgb);
 }
 
 const nqm_analytic_model nqm_usd_preview_model = {
