@@ -147,7 +147,7 @@ class Score:
         low: lower end of the 95 % interval of the JOD; NaN if the model has none
         high: upper end
         delta_e: the Delta-E ITP that has this JOD; NaN if the model does not predict one
-        noticed: fraction of people who would say that the reference looks better; 0.5 is guessing
+        prefer_reference: fraction of people who would say that the reference looks better; 0.5 is guessing
         identical: whether both BRDFs are equal at every direction
         novelty: distance from the nearest training pair; 95 % of pairs of new materials are below 1; NaN if unknown
         similarity: JOD for pictures that are seen apart; NaN if the model predicts no parts
@@ -164,7 +164,7 @@ class Score:
     low: float
     high: float
     delta_e: float
-    noticed: float
+    prefer_reference: float
     identical: bool
     novelty: float
     similarity: float
@@ -230,8 +230,8 @@ class Scorer:
         if r.status and error is None:
             error = Error("%s and %s: %s (values at %d of %d directions)" %
                           (ref, test, status_text(r.status), r.n_valid, self._n_directions), _abi.Status(r.status))
-        noticed = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
-        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, noticed, bool(r.identical), r.novelty, r.similarity,
+        prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
+        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, r.similarity,
                      None if math.isnan(r.similarity) else parts_of(r.parts),
                      dict(zip(METRICS, r.metrics)) if self._options.metrics else {}, r.n_valid,
                      () if r.status else _warnings(r, ref, test, self._n_directions, self._options.invalid), error)

@@ -41,7 +41,7 @@ class Scores(unittest.TestCase):
         self.assertEqual(float(s), s.jod)
         self.assertTrue(s.low <= s.jod <= s.high)
         self.assertEqual((s.ref, s.test), ("sgd:nickel", "ward:nickel"))
-        self.assertEqual(nqm.score("sgd:nickel", "sgd:nickel").noticed, .5)
+        self.assertEqual(nqm.score("sgd:nickel", "sgd:nickel").prefer_reference, .5)
         self.assertEqual(nqm.score("sgd:nickel", "ward:nickel", metrics=False).metrics, {})
 
     def test_models(self):

@@ -35,8 +35,8 @@ static void print_text(const score_run *run) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
         n_verdict = n > n_verdict ? n : n_verdict;
     }
-    printf("reference  %s\nmodel      %s\n\n    JOD%s  %7s  %-*s", run->ref_name, info.id,
-           calibrated ? "  [95 %]        " : "", "noticed", n_verdict, "verdict");
+    printf("reference  %s\nmodel      %s\n\n    JOD%s  %10s  %-*s", run->ref_name, info.id,
+           calibrated ? "  [95 %]        " : "", "prefer ref", n_verdict, "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             printf("  %*s", metric_width(m), nqm_metric_name((nqm_metric)m));
@@ -47,9 +47,9 @@ static void print_text(const score_run *run) {
         const bool scored = row->err.status == NQM_OK;
         print_jod(row, calibrated);
         if (scored)
-            printf("  %5.0f %%  %-*s", 100 * noticed_share(r), n_verdict, verdict_words(r, verdict));
+            printf("  %8.0f %%  %-*s", 100 * preference_share(r), n_verdict, verdict_words(r, verdict));
         else
-            printf("  %7s  %-*s", "-", n_verdict, "no score");
+            printf("  %10s  %-*s", "-", n_verdict, "no score");
         for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
             if (run->metrics[m] && scored)
                 printf("  %*.4g", metric_width(m), r->metrics[m]);
@@ -64,8 +64,9 @@ static void print_text(const score_run *run) {
             printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);
         }
     }
-    puts("\nJOD 10: no visible difference; above 9.5: practically the same; one JOD less: 75 % of people notice.\n"
-         "noticed: people who would say that the reference looks better (50 % is guessing).");
+    puts(
+        "\nJOD 10: no visible difference; above 9.5: practically the same; at 9, 75 % of people prefer the reference.\n"
+        "prefer ref: people who would say that the reference looks better than the test (50 %: they guess).");
     if (calibrated)
         puts(
             "[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material is new to the model and\n"

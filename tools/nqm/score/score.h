@@ -77,7 +77,7 @@ void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, con
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
 void print_jod(const scored_pair *row, bool calibrated);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
-double noticed_share(const nqm_score_result *result);
+double preference_share(const nqm_score_result *result);
 enum { VERDICT_TEXT = 64 };
 /** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different";
  *  "" without a score. Returns text or a static string. */

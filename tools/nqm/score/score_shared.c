@@ -239,7 +239,7 @@ void print_jod(const scored_pair *row, bool calibrated) {
         printf("  %-14s", interval);
 }
 
-double noticed_share(const nqm_score_result *result) {
+double preference_share(const nqm_score_result *result) {
     return result->identical ? 0.5 : nqm_jod_preference(fmax(10, result->jod), result->jod);
 }
 

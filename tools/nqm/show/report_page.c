@@ -88,7 +88,7 @@ static void put_summary_row(const report_page *page, size_t place) {
     html(out, "</td><td class='graph'>");
     put_strip(out, &row->result, item->jod);
     html(out, "</td><td>%s</td><td class='n'>%s</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
-         verdict_words(&row->result, verdict), html_people(noticed_share(&row->result)).text, item->jod,
+         verdict_words(&row->result, verdict), html_people(preference_share(&row->result)).text, item->jod,
          item->label.delta_e);
 }
 

@@ -23,7 +23,7 @@ static void put_verdict(const report_page *page, const scored_pair *row, const l
         html(page->out,
              "When people see it next to the reference, an expected %s of them say that the reference looks better; "
              "50&#160;%% would be guessing.",
-             html_people(noticed_share(r)).text);
+             html_people(preference_share(r)).text);
     html(page->out,
          " The mean colour difference of the pictures below is \xce\x94"
          "E&#160;ITP %.2f, which corresponds to JOD %.2f.</p>\n",
