@@ -4,7 +4,7 @@
 # which is read last. Those that need neither files nor time are also run as printed.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
-mkdir -p "$dir/bin" "$dir/work/models"
+mkdir -p "$dir/bin" "$dir/here/models"
 cat >"$dir/bin/nqm" <<END
 #!/bin/sh
 "$tool" "\$@" \${ADDED-}
@@ -13,8 +13,8 @@ code=\$?
 exit \$code
 END
 printf '#!/bin/sh\nshift 2\nexec "$@"\n' >"$dir/bin/mpirun"
-printf '#!/bin/sh\n' >"$dir/work/models/scan.py"
-chmod +x "$dir/bin/nqm" "$dir/bin/mpirun" "$dir/work/models/scan.py"
+printf '#!/bin/sh\n' >"$dir/here/models/scan.py"
+chmod +x "$dir/bin/nqm" "$dir/bin/mpirun" "$dir/here/models/scan.py"
 PATH=$dir/bin:$PATH
 export PATH
 
@@ -28,14 +28,14 @@ for verb in $("$tool" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
     while IFS= read -r example; do
         n=$((n + 1))
         rm -f "$dir/failed"
-        (cd "$dir/work" && ADDED=--help sh -c "$example" </dev/null >"$dir/out" 2>"$dir/err") || true
+        (cd "$dir/here" && ADDED=--help sh -c "$example" </dev/null >"$dir/out" 2>"$dir/err") || true
         [ ! -e "$dir/failed" ] || fail "$example: $(cat "$dir/failed")"
         grep -q 'not found' "$dir/err" && fail "$example: a shell breaks it"
         grep -q '^usage: nqm' "$dir/out" || case $example in *'| '* | models/*) ;; *) fail "$example does not call nqm" ;; esac
         if printf '%s\n' "$example" | grep -qE "$as_printed"; then
             ADDED='' code=0
             export ADDED
-            (cd "$dir/work" && sh -c "$example" </dev/null >"$dir/out" 2>"$dir/err") || code=$?
+            (cd "$dir/here" && sh -c "$example" </dev/null >"$dir/out" 2>"$dir/err") || code=$?
             case $code$example in 0* | 1nqm\ check*) ;; *) fail "$example: exit code $code" ;; esac
         fi
     done <"$dir/examples"
