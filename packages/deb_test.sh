@@ -8,7 +8,7 @@ set -eu
 root=$(mktemp -d)
 chmod 755 "$root" # other users of the root enter it too
 trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
-debootstrap --variant=minbase bookworm "$root" "${NQM_MIRROR:-http://deb.debian.org/debian}" >build/deb/debootstrap.log 2>&1 || {
+debootstrap --variant=minbase bookworm "$root" ${NQM_MIRROR:+"$NQM_MIRROR"} >build/deb/debootstrap.log 2>&1 || {
     tail build/deb/debootstrap.log
     exit 1
 }

@@ -216,10 +216,6 @@ typedef enum nqm_table_format {
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path,
                                                  nqm_progress_fn progress, void *progress_user, nqm_error *err);
 
-/** nqm_brdf_write() with NQM_TABLE_MERL. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress,
-                                                      void *progress_user, nqm_error *err);
-
 /**
  * Write a BRDF whose format is "nbrdf" (a small network) or "table" as a safetensors file (doc/files.md);
  * nqm_brdf_open() reads it back to the same values. The other formats have a spec or a file already.

@@ -16,8 +16,3 @@ nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const c
     }
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_write: unknown format %d", path, (int)format);
 }
-
-nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, const char *path, nqm_progress_fn progress, void *progress_user,
-                               nqm_error *err) {
-    return nqm_brdf_write(brdf, NQM_TABLE_MERL, path, progress, progress_user, err);
-}

@@ -1,113 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * Materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _clearcoat and
+ * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _clearcoat and
  * _sheen. Meshes, images and everything else of the file are not read.
  */
+#include "material/gltf.h"
 #include "material/json_where.h"
-#include "material/material.h"
 
 #include <jansson.h>
 #include <stdarg.h>
 #include <strings.h>
 
-/* ---- tables ------------------------------------------------------------------------------------------------------ */
-
-typedef enum kind {
-    NUMBER,
-    COLOR,
-    BASE_COLOR, /**< with alpha, which alphaMode interprets */
-    TEXTURE,    /**< refused, unless the factor of its layer is 0 */
-    ZERO,       /**< refused, unless 0 */
-    IGNORED     /**< has no effect without the other properties of the layer */
-} kind;
-
-typedef struct property {
-    const char *name;
-    kind kind;
-    const char *key; /**< of the spec */
-    double fallback; /**< what the specification gives a missing number, for the writer */
-} property;
-
-/** An object with properties: a JSON member of the material, or an extension. */
-typedef struct property_group {
-    const char *name;
-    const char *why;        /**< reason of a refusal, for properties of kind ZERO */
-    bool is_off_by_default; /**< a missing first property is 0 */
-    property properties[8]; /**< the first is the factor of the whole layer; ends with NULL */
-} property_group;
-
 static const char TEXTURE_REASON[] = "a texture varies over the surface, and a BRDF is that of one point";
-
-static const property_group core = {"pbrMetallicRoughness",
-                                    "",
-                                    false,
-                                    {{"metallicFactor", NUMBER, "metallic", 1},
-                                     {"baseColorFactor", BASE_COLOR, "base_color", 1},
-                                     {"roughnessFactor", NUMBER, "roughness", 1},
-                                     {"baseColorTexture", TEXTURE, NULL, 0},
-                                     {"metallicRoughnessTexture", TEXTURE, NULL, 0}}};
-
-static const property_group extensions[] = {
-    {"KHR_materials_ior", "", false, {{"ior", NUMBER, "ior", 1.5}}},
-    {"KHR_materials_specular",
-     "",
-     false,
-     {{"specularFactor", NUMBER, "specular", 1},
-      {"specularColorFactor", COLOR, "specular_color", 1},
-      {"specularTexture", TEXTURE, NULL, 0},
-      {"specularColorTexture", TEXTURE, NULL, 0}}},
-    {"KHR_materials_clearcoat",
-     "",
-     true,
-     {{"clearcoatFactor", NUMBER, "clearcoat", 0},
-      {"clearcoatRoughnessFactor", NUMBER, "clearcoat_roughness", 0},
-      {"clearcoatTexture", TEXTURE, NULL, 0},
-      {"clearcoatRoughnessTexture", TEXTURE, NULL, 0},
-      {"clearcoatNormalTexture", TEXTURE, NULL, 0}}},
-    {"KHR_materials_sheen",
-     "",
-     true,
-     {{"sheenColorFactor", COLOR, "sheen_color", 0},
-      {"sheenRoughnessFactor", NUMBER, "sheen_roughness", 0},
-      {"sheenColorTexture", TEXTURE, NULL, 0},
-      {"sheenRoughnessTexture", TEXTURE, NULL, 0}}},
-    {"KHR_materials_transmission",
-     "light that passes through the surface is not part of a BRDF",
-     true,
-     {{"transmissionFactor", ZERO, NULL, 0}, {"transmissionTexture", IGNORED, NULL, 0}}},
-    {"KHR_materials_diffuse_transmission",
-     "light that passes through the surface is not part of a BRDF",
-     true,
-     {{"diffuseTransmissionFactor", ZERO, NULL, 0},
-      {"diffuseTransmissionTexture", IGNORED, NULL, 0},
-      {"diffuseTransmissionColorFactor", IGNORED, NULL, 0},
-      {"diffuseTransmissionColorTexture", IGNORED, NULL, 0}}},
-    {"KHR_materials_volume",
-     "light that enters a volume is not part of a BRDF",
-     true,
-     {{"thicknessFactor", ZERO, NULL, 0},
-      {"thicknessTexture", IGNORED, NULL, 0},
-      {"attenuationDistance", IGNORED, NULL, 0},
-      {"attenuationColor", IGNORED, NULL, 0}}},
-    {"KHR_materials_anisotropy",
-     "only isotropic BRDFs are supported",
-     true,
-     {{"anisotropyStrength", ZERO, NULL, 0},
-      {"anisotropyRotation", IGNORED, NULL, 0},
-      {"anisotropyTexture", IGNORED, NULL, 0}}},
-    {"KHR_materials_iridescence",
-     "thin films are not supported",
-     true,
-     {{"iridescenceFactor", ZERO, NULL, 0},
-      {"iridescenceTexture", IGNORED, NULL, 0},
-      {"iridescenceIor", IGNORED, NULL, 0},
-      {"iridescenceThicknessMinimum", IGNORED, NULL, 0},
-      {"iridescenceThicknessMaximum", IGNORED, NULL, 0},
-      {"iridescenceThicknessTexture", IGNORED, NULL, 0}}},
-    {"KHR_materials_dispersion", "dispersion is not part of a BRDF in RGB", true, {{"dispersion", ZERO, NULL, 0}}},
-    {"KHR_materials_emissive_strength", "", true, {{"emissiveStrength", IGNORED, NULL, 0}}},
-};
-enum { N_EXTENSIONS = sizeof extensions / sizeof *extensions };
 
 /** Extensions that a file may require without any consequence for its materials. */
 static const char *const harmless[] = {
@@ -116,10 +19,10 @@ static const char *const harmless[] = {
     "EXT_texture_avif",           "MSFT_texture_dds",       "KHR_lights_punctual",     "EXT_lights_image_based",
     "KHR_animation_pointer",      "KHR_materials_variants", "KHR_node_visibility",     "KHR_xmp_json_ld"};
 
-static const property_group *find_extension(const char *name) {
-    for (size_t i = 0; i < N_EXTENSIONS; ++i)
-        if (strcmp(extensions[i].name, name) == 0)
-            return &extensions[i];
+static const nqm_gltf_group *find_extension(const char *name) {
+    for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
+        if (strcmp(nqm_gltf_extensions[i].name, name) == 0)
+            return &nqm_gltf_extensions[i];
     return NULL;
 }
 
@@ -173,33 +76,33 @@ static nqm_status read_numbers(const reader *r, const char *path, const json_t *
 
 enum { PATH_SIZE = 256 };
 
-static nqm_status read_property(reader *r, const property *p, const property_group *group, const char *path,
+static nqm_status read_property(reader *r, const nqm_gltf_property *p, const nqm_gltf_group *group, const char *path,
                                 const json_t *value, bool is_off) {
     double v[4] = {0};
     char text[32];
     nqm_status status = NQM_OK;
     switch (p->kind) {
-    case NUMBER:
-    case ZERO:
+    case NQM_GLTF_NUMBER:
+    case NQM_GLTF_ZERO:
         status = read_numbers(r, path, value, 1, v);
-        if (status == NQM_OK && p->kind == NUMBER)
+        if (status == NQM_OK && p->kind == NQM_GLTF_NUMBER)
             nqm_shading_set(&r->shading, p->key, 1, v);
         else if (status == NQM_OK && v[0] != 0)
             refuse(r, path, nqm_format_double(text, sizeof text, v[0]), group->why);
         break;
-    case COLOR:
-    case BASE_COLOR:
-        status = read_numbers(r, path, value, p->kind == COLOR ? 3 : 4, v);
+    case NQM_GLTF_COLOR:
+    case NQM_GLTF_BASE_COLOR:
+        status = read_numbers(r, path, value, p->kind == NQM_GLTF_COLOR ? 3 : 4, v);
         if (status == NQM_OK)
             nqm_shading_set(&r->shading, p->key, 3, v);
-        if (status == NQM_OK && p->kind == BASE_COLOR)
+        if (status == NQM_OK && p->kind == NQM_GLTF_BASE_COLOR)
             r->alpha = v[3];
         break;
-    case TEXTURE:
+    case NQM_GLTF_TEXTURE:
         if (!is_off)
             refuse(r, path, "", TEXTURE_REASON);
         break;
-    case IGNORED:
+    case NQM_GLTF_IGNORED:
         break;
     }
     return status;
@@ -215,19 +118,19 @@ static bool is_zero(const json_t *value) {
 }
 
 /* The factor of a layer is 0: its textures have no effect. */
-static bool is_layer_off(const property_group *group, const json_t *object) {
+static bool is_layer_off(const nqm_gltf_group *group, const json_t *object) {
     const json_t *factor = json_object_get(object, group->properties[0].name);
-    return group != &core && (factor ? is_zero(factor) : group->is_off_by_default);
+    return group != &nqm_gltf_core && (factor ? is_zero(factor) : group->is_off_by_default);
 }
 
 /* `prefix` is the path of the object with a dot at its end. */
-static nqm_status read_layer(reader *r, const property_group *group, const char *prefix, json_t *object) {
+static nqm_status read_layer(reader *r, const nqm_gltf_group *group, const char *prefix, json_t *object) {
     const char *name;
     json_t *value;
     char path[PATH_SIZE];
     nqm_status status = NQM_OK;
     json_object_foreach(object, name, value) {
-        const property *p = group->properties, *end = p + sizeof group->properties / sizeof *group->properties;
+        const nqm_gltf_property *p = group->properties, *end = p + sizeof group->properties / sizeof *group->properties;
         snprintf(path, sizeof path, "%s%.100s", prefix, name);
         while (p < end && p->name && strcmp(p->name, name) != 0)
             ++p;
@@ -241,7 +144,7 @@ static nqm_status read_layer(reader *r, const property_group *group, const char 
     return NQM_OK;
 }
 
-static nqm_status read_object(reader *r, const property_group *group, const char *path, json_t *object) {
+static nqm_status read_object(reader *r, const nqm_gltf_group *group, const char *path, json_t *object) {
     char prefix[PATH_SIZE / 2];
     if (!json_is_object(object))
         return fail_value(r, path, "an object");
@@ -256,7 +159,7 @@ static nqm_status read_extensions(reader *r, json_t *list) {
     if (!json_is_object(list))
         return fail_value(r, "extensions", "an object");
     json_object_foreach(list, name, object) {
-        const property_group *extension = find_extension(name);
+        const nqm_gltf_group *extension = find_extension(name);
         nqm_status status = NQM_OK;
         snprintf(path, sizeof path, "extensions.%.100s", name);
         if (extension)
@@ -326,8 +229,8 @@ static nqm_status read_members(reader *r, json_t *material) {
         else if (i == N_KNOWN)
             refuse(r, name, "", "this property is not known");
     }
-    json_t *pbr = json_object_get(material, core.name), *list = json_object_get(material, "extensions");
-    nqm_status status = pbr ? read_object(r, &core, core.name, pbr) : NQM_OK;
+    json_t *pbr = json_object_get(material, nqm_gltf_core.name), *list = json_object_get(material, "extensions");
+    nqm_status status = pbr ? read_object(r, &nqm_gltf_core, nqm_gltf_core.name, pbr) : NQM_OK;
     if (status == NQM_OK && list)
         status = read_extensions(r, list);
     return status;
@@ -363,8 +266,6 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
 
 /* ---- reading the file -------------------------------------------------------------------------------------------- */
 
-enum { GLB_HEADER = 12, CHUNK_HEADER = 8, GLB_MAGIC = 0x46546C67, JSON_CHUNK = 0x4E4F534A };
-
 static bool is_glb(const nqm_map *map) {
     return map->n_bytes >= 4 && memcmp(map->data, "glTF", 4) == 0;
 }
@@ -372,7 +273,7 @@ static bool is_glb(const nqm_map *map) {
 /* The JSON text of a binary file. */
 static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
     const unsigned char *d = map->data;
-    const size_t begin = GLB_HEADER + CHUNK_HEADER;
+    const size_t begin = NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER;
     if (map->n_bytes < begin)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes,
                         "%s: the binary glTF ends in its header, at byte %zu", map->path, map->n_bytes);
@@ -383,7 +284,7 @@ static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
     if (n_file < begin || n_file > map->n_bytes)
         return nqm_fail(err, NQM_ERR_FORMAT, 8, "%s: byte 8: the header says %u bytes, the file has %zu", map->path,
                         n_file, map->n_bytes);
-    if (nqm_load_u32(d + 16) != JSON_CHUNK)
+    if (nqm_load_u32(d + 16) != NQM_GLTF_JSON_CHUNK)
         return nqm_fail(err, NQM_ERR_FORMAT, 16, "%s: byte 16: the first chunk is not JSON", map->path);
     if (n_chunk > n_file - begin)
         return nqm_fail(err, NQM_ERR_FORMAT, 12, "%s: byte 12: a chunk of %u bytes, and %zu bytes follow", map->path,
@@ -503,104 +404,11 @@ static nqm_status gltf_read(const nqm_map *map, nqm_materials *materials, nqm_er
     return status;
 }
 
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
-
-/** A text of limited size. */
-typedef struct buffer {
-    char text[4096];
-    size_t n;
-} buffer;
-
-__attribute__((format(printf, 2, 3))) static void append(buffer *b, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    const int n = vsnprintf(b->text + b->n, sizeof b->text - b->n, format, args);
-    va_end(args);
-    b->n = nqm_smaller(sizeof b->text - 1, b->n + (size_t)(n > 0 ? n : 0));
-}
-
-/* The values of a property: those of the shading, or the default of the specification. */
-static nqm_property value_of(const nqm_shading *shading, const property *p) {
-    const nqm_property *set = nqm_shading_find(shading, p->key);
-    nqm_property value = {.v = {p->fallback, p->fallback, p->fallback}};
-    if (set)
-        value = *set;
-    value.n = p->kind == NUMBER ? 1 : 3;
-    /* the formula has the same value for both, and only one is valid */
-    if (strcmp(p->key, "ior") == 0 && value.v[0] > 0 && value.v[0] < 1)
-        value.v[0] = 1 / value.v[0];
-    return value;
-}
-
-static bool is_default(const nqm_shading *shading, const property *p) {
-    const nqm_property value = value_of(shading, p);
-    return value.v[0] == p->fallback && value.v[1] == p->fallback && value.v[2] == p->fallback;
-}
-
-static bool is_needed(const nqm_shading *shading, const property_group *group) {
-    for (const property *p = group->properties; p->name && p->key; ++p)
-        if (!is_default(shading, p))
-            return true;
-    return false;
-}
-
-/* "NAME": {properties}, with `indent` in front of each line. */
-static void append_layer(buffer *b, const nqm_shading *shading, const property_group *group, const char *indent) {
-    char number[32];
-    append(b, "%s\"%s\": {", indent, group->name);
-    for (const property *p = group->properties; p->name && p->key; ++p) {
-        const nqm_property value = value_of(shading, p);
-        append(b, "%s\n%s  \"%s\": %s", p == group->properties ? "" : ",", indent, p->name, value.n == 1 ? "" : "[");
-        for (size_t c = 0; c < value.n; ++c)
-            append(b, "%s%s", c ? ", " : "", nqm_format_double(number, sizeof number, value.v[c]));
-        append(b, "%s%s", p->kind == BASE_COLOR ? ", 1" : "", value.n == 1 ? "" : "]");
-    }
-    append(b, "\n%s}", indent);
-}
-
-static void append_document(buffer *b, const nqm_shading *shading, const char *name) {
-    const char *separator = "";
-    append(b, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
-    for (size_t i = 0; i < N_EXTENSIONS; ++i)
-        if (is_needed(shading, &extensions[i])) {
-            append(b, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [", extensions[i].name);
-            separator = ", ";
-        }
-    append(b, "%s  \"materials\": [\n    {\n      \"name\": \"%s\",\n", *separator ? "],\n" : "", name);
-    append_layer(b, shading, &core, "      ");
-    separator = ",\n      \"extensions\": {\n";
-    for (size_t i = 0; i < N_EXTENSIONS; ++i)
-        if (is_needed(shading, &extensions[i])) {
-            append(b, "%s", separator);
-            append_layer(b, shading, &extensions[i], "        ");
-            separator = ",\n";
-        }
-    append(b, "%s\n    }\n  ]\n}\n", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
-}
-
-static nqm_status gltf_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
-                             nqm_error *err) {
-    buffer b = {.n = 0};
-    (void)err; /* the text has the size of the tables, and the caller checks the stream */
-    append_document(&b, shading, name);
-    if (has_suffix(path, ".glb")) {
-        unsigned char header[GLB_HEADER + CHUNK_HEADER];
-        while (b.n % 4)
-            append(&b, " ");
-        const uint32_t words[] = {GLB_MAGIC, 2, (uint32_t)(sizeof header + b.n), (uint32_t)b.n, JSON_CHUNK};
-        for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
-            nqm_store_u32(header + 4 * i, words[i]);
-        fwrite(header, 1, sizeof header, stream);
-    }
-    fwrite(b.text, 1, b.n, stream);
-    return NQM_OK;
-}
-
 const nqm_material_format nqm_gltf_format = {
     .name = "glTF 2.0",
     .extensions = ".gltf .glb",
     .models = "gltf",
     .probe = gltf_probe,
     .read = gltf_read,
-    .write = gltf_write,
+    .write = nqm_gltf_write,
 };

@@ -40,12 +40,8 @@ static const char *save(const csv *file) {
 
 static nqm_brdf *open_ok(const char *path, const char *suffix) {
     char argument[4200];
-    nqm_brdf *brdf;
-    nqm_error err = {0};
     snprintf(argument, sizeof argument, "%s%s", path, suffix);
-    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return brdf;
+    return open_brdf(argument);
 }
 
 static double plane(double theta_h, double theta_d) {

@@ -257,7 +257,7 @@ static void writes_what_it_reads(void **state) {
     const char *path = scratch_path("written.binary");
     nqm_brdf *network = open_network(), *table;
     ticks t = {0};
-    assert_int_equal(nqm_brdf_write_merl(network, path, count_ticks, &t, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, count_ticks, &t, NULL), NQM_OK);
     assert_true(t.n >= 1 && t.last == t.total && t.total > 0);
     assert_int_equal(nqm_brdf_open(path, &table, NULL), NQM_OK);
     blob b = blob_load(path);
@@ -291,12 +291,12 @@ static void stops_and_leaves_nothing(void **state) {
     nqm_brdf *network = open_network();
     ticks t = {.stop_at = 1};
     nqm_error err = {0};
-    assert_int_equal(nqm_brdf_write_merl(network, path, count_ticks, &t, &err), NQM_ERR_CANCELLED);
+    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, count_ticks, &t, &err), NQM_ERR_CANCELLED);
     assert_int_equal(err.status, NQM_ERR_CANCELLED);
     assert_int_equal(access(path, F_OK), -1);
-    assert_int_equal(nqm_brdf_write_merl(network, "/nowhere/x.binary", NULL, NULL, &err), NQM_ERR_IO);
+    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, "/nowhere/x.binary", NULL, NULL, &err), NQM_ERR_IO);
     nqm_alloc_fail_after(0);
-    assert_int_equal(nqm_brdf_write_merl(network, path, NULL, NULL, &err), NQM_ERR_NOMEM);
+    assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, NULL, NULL, &err), NQM_ERR_NOMEM);
     nqm_alloc_fail_after(-1);
     nqm_brdf_free(network);
 }

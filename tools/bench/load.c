@@ -75,7 +75,7 @@ static nqm_status make_merl(nqm_bench *bench, const char *folder, int *fd_ret, n
     snprintf(path, n, "%s/nqm-bench-%ld.binary", folder, (long)getpid());
     nqm_status status = nqm_brdf_open(merl_spec, &brdf, err);
     if (status == NQM_OK)
-        status = nqm_brdf_write_merl(brdf, path, bench->options.progress, bench->options.progress_user, err);
+        status = nqm_brdf_write(brdf, NQM_TABLE_MERL, path, bench->options.progress, bench->options.progress_user, err);
     if (status == NQM_OK) {
         *fd_ret = open(path, O_RDONLY | O_CLOEXEC);
         if (*fd_ret < 0)
