@@ -72,7 +72,7 @@ for flavour in nqm nqm-full; do
     matches "$dir/score_threads" "$@"
 done
 mkdir "$dir/user"
-cmake -S "$source/tests/structure/package" -B "$dir/user" -DCMAKE_PREFIX_PATH="$prefix" -DEXAMPLE="$source/examples/score_threads.c" \
+cmake -G Ninja -S "$source/tests/structure/package" -B "$dir/user" -DCMAKE_PREFIX_PATH="$prefix" -DEXAMPLE="$source/examples/score_threads.c" \
     -DCMAKE_C_FLAGS=-D_XOPEN_SOURCE=700 >"$dir/log" 2>&1 || fail "$(cat "$dir/log")"
 cmake --build "$dir/user" >"$dir/log" 2>&1 || fail "$(cat "$dir/log")"
 for library in nqm full nqm-static full-static; do
