@@ -107,12 +107,17 @@ typedef struct nqm_outfile {
     char *temporary; /* NULL: written in place */
 } nqm_outfile;
 
-/** Open `PATH.XXXXXX.part` for writing. */
+/** Open `PATH.N.part` for writing, N the first number that no process is writing. */
 NQM_MUST_CHECK nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err);
-/** Flush, sync and rename to the final name. On failure remove the temporary file. Closes the outfile in both cases. */
+/** Flush, sync and rename to the final name, and remove the temporary files that killed processes have left of it. On failure
+ *  remove the temporary file. Closes the outfile in both cases. */
 NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
 /** Remove the temporary file; a zeroed or committed outfile is allowed. */
 void nqm_outfile_abort(nqm_outfile *out);
+
+/** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
+ *  replaced the file. */
+bool nqm_is_file_at(int fd, const char *path);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 

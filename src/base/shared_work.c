@@ -4,14 +4,12 @@
  */
 #include "base/shared_work.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -27,54 +25,17 @@ static char *claim_path(const char *path) {
     return name;
 }
 
-/* Remove what a killed process has left of the file: PATH.XXXXXX.part of nqm_outfile. */
-static void remove_temporaries(const char *path) {
-    static const char suffix[] = ".part";
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const size_t n_name = strlen(name), n_suffix = sizeof suffix - 1;
-    int folder = -1;
-    char *folder_path = slash ? nqm_strdup(path) : nqm_strdup(".");
-    if (folder_path && slash)
-        folder_path[slash - path] = '\0';
-    if (folder_path)
-        folder = open(*folder_path ? folder_path : "/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    nqm_free(folder_path);
-    DIR *entries = folder >= 0 ? fdopendir(folder) : NULL;
-    for (struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
-        const size_t n = strlen(entry->d_name);
-        if (n > n_name + n_suffix && memcmp(entry->d_name, name, n_name) == 0 && entry->d_name[n_name] == '.' &&
-            strcmp(entry->d_name + n - n_suffix, suffix) == 0)
-            unlinkat(folder, entry->d_name, 0);
-    }
-    if (entries)
-        closedir(entries);
-    else if (folder >= 0)
-        close(folder);
-}
-
-/* Whether the open file still has this path: a process that released its claim has deleted the file. */
-static bool is_file_at(int fd, const char *path) {
-    struct stat open_file, named;
-    return fstat(fd, &open_file) == 0 && stat(path, &named) == 0 && open_file.st_dev == named.st_dev &&
-           open_file.st_ino == named.st_ino;
-}
-
 nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err) {
     *claim_ret = -1;
     char *name = claim_path(path);
     if (!name)
         return nqm_fail_nomem(err, strlen(path));
-    int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    const bool existed = fd < 0 && errno == EEXIST;
-    if (existed)
-        fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    int fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     nqm_status status = NQM_OK;
     if (fd < 0) {
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be written: %s", name, strerror(errno));
     } else if (flock(fd, LOCK_EX | LOCK_NB) == 0) {
         *claim_ret = fd;
-        if (existed && is_file_at(fd, name)) /* the process that made it was killed */
-            remove_temporaries(path);
     } else if (errno != EWOULDBLOCK) {
         *claim_ret = fd; /* a file system without locks: an item may be made twice, with the same result */
     } else {

@@ -10,7 +10,7 @@
 #include "base/base.h"
 
 /** Claim the making of a file at `path` among all processes that share the folder: PATH.claim is locked until it is released or
- *  the process ends; then the next claim removes its unfinished file, PATH.*.part. *claim_ret: for nqm_claim_release(), or -1 if another process holds the claim. */
+ *  the process ends. *claim_ret: for nqm_claim_release(), or -1 if another process holds the claim. */
 NQM_MUST_CHECK nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err);
 void nqm_claim_release(const char *path, int claim);
 

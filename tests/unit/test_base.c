@@ -12,10 +12,12 @@
 #include <locale.h>
 #include <math.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -107,6 +109,51 @@ static void test_outfile_appears_only_when_complete(void **state) {
     assert_content(path, "newer");
     write_text(path, "");
     assert_content(path, "");
+    unlink(path);
+}
+
+/* Two temporary files of the same output that a killed process has left, in the first and third place. */
+static void leave_files(const char *path) {
+    pid_t child = fork();
+    if (child == 0) {
+        nqm_outfile left[3];
+        for (int i = 0; i < 3; ++i)
+            if (nqm_outfile_open(path, &left[i], NULL) != NQM_OK)
+                raise(SIGTERM);
+        nqm_outfile_abort(&left[1]);
+        raise(SIGKILL);
+    }
+    int end;
+    assert_int_equal(waitpid(child, &end, 0), child);
+    assert_int_equal(WTERMSIG(end), SIGKILL);
+}
+
+static bool exists(const char *path, const char *suffix) {
+    char name[300];
+    snprintf(name, sizeof name, "%s%s", path, suffix);
+    return access(name, F_OK) == 0;
+}
+
+static void test_outfile_removes_those_of_killed_processes(void **state) {
+    (void)state;
+    char path[256], other[256];
+    path_in_folder(path, sizeof path, "killed.txt");
+    path_in_folder(other, sizeof other, "killed.txt2");
+    nqm_outfile living, second;
+    leave_files(path);
+    assert_true(exists(path, ".1.part") && !exists(path, ".2.part") && exists(path, ".3.part"));
+    assert_int_equal(nqm_outfile_open(path, &living, NULL), NQM_OK); /* takes the place of the first */
+    fputs("living", living.stream);
+    fflush(living.stream);
+    assert_content(living.temporary, "living");
+    assert_int_equal(nqm_outfile_open(other, &second, NULL), NQM_OK);
+    write_text(path, "done");
+    assert_content(path, "done");
+    assert_true(exists(path, ".1.part") && !exists(path, ".2.part") && !exists(path, ".3.part"));
+    assert_true(exists(other, ".1.part"));
+    assert_int_equal(nqm_outfile_commit(&living, NULL), NQM_OK);
+    assert_content(path, "living");
+    nqm_outfile_abort(&second);
     unlink(path);
 }
 
@@ -310,6 +357,7 @@ int main(void) {
         cmocka_unit_test(test_alloc_refuses_overflow),
         cmocka_unit_test(test_alloc_fails_when_told),
         cmocka_unit_test(test_outfile_appears_only_when_complete),
+        cmocka_unit_test(test_outfile_removes_those_of_killed_processes),
         cmocka_unit_test(test_outfile_in_missing_folder),
         cmocka_unit_test(test_outfile_writes_pipes_in_place),
         cmocka_unit_test(test_map_refuses_what_is_no_file),

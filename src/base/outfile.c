@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Output files that are renamed to their final name when they are complete: a reader never sees a partial file, and an
+ * interrupted run leaves an existing file unchanged. The temporary file is locked while it is written, so that a later
+ * run can tell the file of a killed process, which it removes, from one that another process is writing.
+ */
+#include "base/base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+bool nqm_is_file_at(int fd, const char *path) {
+    struct stat open_file, named;
+    return fstat(fd, &open_file) == 0 && stat(path, &named) == 0 && open_file.st_dev == named.st_dev &&
+           open_file.st_ino == named.st_ino;
+}
+
+/* Devices, pipes and open descriptors (/dev/null, /dev/fd/3) are written in place: a rename would replace them. */
+static bool is_special(const char *path) {
+    struct stat st;
+    return strncmp(path, "/dev/", 5) == 0 || (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode));
+}
+
+/* ---- temporary names: PATH.1.part, PATH.2.part, ... --------------------------------------------------------------- */
+
+/* Room for the suffix ".N.part". */
+enum { N_SUFFIX = 24 };
+
+static void name_temporary(nqm_outfile *out, unsigned number) {
+    const size_t n_path = strlen(out->path);
+    snprintf(out->temporary, n_path + N_SUFFIX, "%s.%u.part", out->path, number);
+}
+
+/* Remove a temporary file that no process is writing. On a file system without locks it stays. */
+static void remove_abandoned(const char *name) {
+    const int fd = open(name, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return;
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && nqm_is_file_at(fd, name))
+        unlink(name);
+    close(fd);
+}
+
+/* Remove what killed processes have left of this output. Numbers are given from 1 up, the first free one first; gaps come from
+ * writers that ended in another order. */
+static void remove_all_abandoned(nqm_outfile *out) {
+    enum { MAX_GAP = 8 };
+    for (unsigned number = 1, gap = 0; gap < MAX_GAP; ++number) {
+        name_temporary(out, number);
+        gap = access(out->temporary, F_OK) == 0 ? 0 : gap + 1;
+        if (gap == 0)
+            remove_abandoned(out->temporary);
+    }
+}
+
+/* Create and lock the first free temporary file. Returns a descriptor, or -1 with errno set. open() applies the umask;
+ * mkstemps() would make the file accessible to its owner only. */
+static int create_temporary(nqm_outfile *out) {
+    for (unsigned number = 1;; ++number) {
+        name_temporary(out, number);
+        remove_abandoned(out->temporary);
+        const int fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno != EEXIST)
+            return -1;
+        /* Another process may remove the new file before it is locked. */
+        if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
+            nqm_is_file_at(fd, out->temporary))
+            return fd;
+        if (fd >= 0)
+            close(fd);
+    }
+}
+
+/* ---- output files ------------------------------------------------------------------------------------------------ */
+
+nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
+    size_t n_path = strlen(path) + 1;
+    bool in_place = is_special(path);
+    char *names = nqm_alloc(2 * n_path + N_SUFFIX, 1); /* `path`, then `temporary` */
+    *out_ret = (nqm_outfile){.path = names};
+    if (!names)
+        return nqm_fail_nomem(err, 2 * n_path + N_SUFFIX);
+    memcpy(names, path, n_path);
+    if (!in_place)
+        out_ret->temporary = names + n_path;
+    int fd = in_place ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : create_temporary(out_ret);
+    out_ret->stream = fd < 0 ? NULL : fdopen(fd, "wb");
+    if (out_ret->stream)
+        return NQM_OK;
+    nqm_status status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    else
+        out_ret->temporary = NULL; /* no file was created */
+    nqm_outfile_abort(out_ret);
+    return status;
+}
+
+void nqm_outfile_abort(nqm_outfile *out) {
+    if (out->stream)
+        fclose(out->stream);
+    if (out->temporary)
+        unlink(out->temporary);
+    nqm_free(out->path);
+    *out = (nqm_outfile){0};
+}
+
+nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
+    bool bad = ferror(out->stream) != 0;
+    bad = fflush(out->stream) != 0 || bad;
+    if (out->temporary)
+        bad = fsync(fileno(out->stream)) != 0 || bad;
+    /* Rename before closing, which releases the lock. */
+    if (!bad && out->temporary)
+        bad = rename(out->temporary, out->path) != 0;
+    if (!bad && out->temporary)
+        remove_all_abandoned(out);
+    if (!bad)
+        out->temporary = NULL; /* renamed: there is nothing to remove */
+    bad = fclose(out->stream) != 0 || bad;
+    out->stream = NULL;
+    nqm_status status =
+        bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
+    nqm_outfile_abort(out);
+    return status;
+}
