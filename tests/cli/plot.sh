@@ -83,6 +83,34 @@ cmp -s "$dir/rmse.svg" "$dir/scatter.svg" && fail "--predictor changes nothing"
 plot 0 slice sgd:nickel ward:nickel lambert:kd=0,0,0 --theta-d 40 -o "$dir/slice40.svg"
 cmp -s "$dir/slice40.svg" "$dir/slice.svg" && fail "--theta-d changes nothing"
 
+# Curves differ in their dashes too: solid, and three patterns.
+plot 0 slice sgd:nickel ward:nickel abc:nickel lambert:kd=.1,.1,.1 -o "$dir/four.svg"
+[ "$(grep -o 'stroke-dasharray:[0-9.,]*' "$dir/four.svg" | sort -u | wc -l)" = 3 ] || fail "curves with the same dashes"
+
+# Answers of people: choices can be drawn, and neither scores nor choices have a split.
+split() { sed 's/"split": "[a-z]*"/"split": "train"/' "$1"; }
+split "$dir/eval.json" | plot 0 bars - -o "$dir/train.svg"
+cmp -s "$dir/train.svg" "$dir/bars.svg" && fail "the split of labels is not drawn"
+sed 's/"results"/"human": {"kind": "score"}, "results"/' "$dir/eval.json" >"$dir/human.json"
+plot 0 bars "$dir/human.json" -o "$dir/human.svg"
+split "$dir/human.json" | plot 0 bars - -o "$dir/train.svg"
+cmp "$dir/train.svg" "$dir/human.svg" || fail "human scores with a split"
+printf 'reference,test_a,test_b,choice\n' >"$dir/choices.csv"
+for tests in .21,lambert:kd=.4,a .25,lambert:kd=.3,a .5,lambert:kd=.21,b; do
+    echo "lambert:kd=.2,lambert:kd=$tests" >>"$dir/choices.csv"
+done
+"$tool" eval --human "$dir/choices.csv" --model none --json >"$dir/choices.json" || fail "choices"
+draw choices bars "$dir/choices.json"
+
+# Predictions need labels, which scores of nqm batch have not. On the scale of people there is no diagonal.
+printf 'reference,test\nsgd:nickel,ward:nickel\nsgd:nickel,abc:nickel\n' >"$dir/list.csv"
+"$tool" batch "$dir/list.csv" --model "$dir/model.safetensors" -o "$dir/scores.csv" || fail "batch"
+plot 5 scatter "$dir/scores.csv" -o "$dir/x.svg"
+says 'scores.csv.*no labels.*eval --pairs'
+sed 's/,test,[0-9.]*,/,test,,/' "$dir/pairs.csv" >"$dir/people.csv"
+plot 0 scatter "$dir/people.csv" -o "$dir/people.svg"
+{ grep -q 'stroke-dasharray' "$dir/scatter.svg" && ! grep -q 'stroke-dasharray' "$dir/people.svg"; } || fail "a diagonal"
+
 # Size, scale, title, JSON, standard input.
 [ "$(png_size "$dir/curve.png")" = 1280x880 ] || fail "default size: $(png_size "$dir/curve.png")"
 plot 0 curve "$dir/labels.csv" --size 300x250 --scale 1 -o "$dir/small.PNG" --json

@@ -50,13 +50,15 @@ static void finish_points(cairo_t *cr, const nqm_series *s) {
 }
 
 static void finish_line(cairo_t *cr, const nqm_series *s) {
-    static const double dashes[] = {6, 4};
+    static const struct {
+        int n;
+        double lengths[4];
+    } dashes[NQM_DASHES] = {{0}, {2, {6, 4}}, {2, {2, 2.5}}, {4, {8, 3, 2, 3}}};
     nqm_draw_colour(cr, s->style, 1);
     cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
     cairo_set_line_cap(cr, CAIRO_LINE_CAP_BUTT);
     cairo_set_line_width(cr, mark_size(s));
-    if (s->dashed)
-        cairo_set_dash(cr, dashes, 2, 0);
+    cairo_set_dash(cr, dashes[s->dash].lengths, dashes[s->dash].n, 0);
     cairo_stroke(cr);
 }
 

@@ -36,15 +36,17 @@ nqm_plot_options nqm_plot_options_default(void);
 NQM_MUST_CHECK nqm_status nqm_plot_curve(const char *path, const char *labels_csv, const nqm_regress_report *fit,
                                          const nqm_plot_options *options, nqm_error *err);
 
-/** Spearman correlation of every predictor with the labels, over all pairs and as the mean over materials, with 95 %
- *  intervals, best first (paper, figure 3). eval_json: output of `nqm eval --json`. */
+/** Spearman correlation of every predictor with labels or human scores, over all pairs and as the mean over materials, with 95 %
+ *  intervals, best first (paper, figure 3); or the fraction of human choices that it predicts. eval_json: output of
+ *  `nqm eval --json`. */
 NQM_MUST_CHECK nqm_status nqm_plot_bars(const char *path, const char *eval_json, const nqm_plot_options *options,
                                         nqm_error *err);
 
 /**
  * Prediction against label for each pair, coloured by the family of the distortion.
  *
- * @param pairs_csv  output of `nqm eval --pairs`: columns jod, one per predictor, family
+ * @param pairs_csv  output of `nqm eval --pairs`: columns jod, one per predictor, family; an empty delta_e: jod has human scores,
+ *                   whose scale is unknown. Scores of `nqm batch` (a column jod_low) are NQM_ERR_INCOMPATIBLE
  * @param predictor  column of the predictor; NULL: the column after jod, which is the model's
  */
 NQM_MUST_CHECK nqm_status nqm_plot_predictions(const char *path, const char *pairs_csv, const char *predictor,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Plot of an evaluation: Spearman correlations as bars with 95 % intervals (paper, figure 3).
+ * Plot of an evaluation as bars with 95 % intervals: Spearman correlations with labels or human scores (paper, figure 3), or the
+ * fraction of human choices that is predicted.
  */
 #include "figures/plot_shared.h"
 
@@ -16,14 +17,38 @@ static double number(const json_t *value) {
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
-/* Correlation over all pairs, and mean over materials. */
-static nqm_bar_row read_predictor(const json_t *row) {
-    static const char *const values[NQM_BARS] = {"spearman", "spearman_mean_by_material"};
-    static const char *const intervals[NQM_BARS] = {"ci95", "ci95_mean_by_material"};
+/* What the bars show. Predictors are ordered by the last value that they have. */
+typedef struct statistics {
+    const char *values[NQM_BARS], *intervals[NQM_BARS]; /* members of a result; "": none */
+    const char *groups[NQM_BARS];
+    const char *name, *axis, *title;
+} statistics;
+
+#define CORRELATIONS                                                                                                   \
+    {"spearman", "spearman_mean_by_material"}, {"ci95", "ci95_mean_by_material"},                                      \
+        {"over all pairs", "mean over materials"}, "Spearman correlation"
+static const statistics of_labels = {CORRELATIONS, "Spearman correlation with the labels (1: the same order)",
+                                     "Agreement with the labels"};
+static const statistics of_scores = {CORRELATIONS, "Spearman correlation with the scores of people (1: the same order)",
+                                     "Agreement with the scores of people"};
+static const statistics of_choices = {{"majority", "agreement"},
+                                      {"", "ci95"},
+                                      {"each pair of tests: choice of most people", "all choices"},
+                                      "agreement",
+                                      "fraction of the choices that is predicted (0.5: guessing)",
+                                      "Agreement with the choices of people"};
+
+static const statistics *choose_statistics(const json_t *root) {
+    const json_t *human = json_object_get(root, "human");
+    const char *kind = json_string_value(json_object_get(human, "kind"));
+    return !human ? &of_labels : kind && strcmp(kind, "choice") == 0 ? &of_choices : &of_scores;
+}
+
+static nqm_bar_row read_predictor(const json_t *row, const statistics *s) {
     nqm_bar_row p = {.name = json_string_value(json_object_get(row, "name"))};
     for (size_t k = 0; k < NQM_BARS; ++k) {
-        const json_t *interval = json_object_get(row, intervals[k]);
-        p.value[k] = number(json_object_get(row, values[k]));
+        const json_t *interval = json_object_get(row, s->intervals[k]);
+        p.value[k] = number(json_object_get(row, s->values[k]));
         p.low[k] = number(json_array_get(interval, 0));
         p.high[k] = number(json_array_get(interval, 1));
     }
@@ -41,8 +66,8 @@ static int compare(const void *a, const void *b) {
     return x != y ? (x < y) - (x > y) : strcmp(((const nqm_bar_row *)a)->name, ((const nqm_bar_row *)b)->name);
 }
 
-static nqm_status read_predictors(const char *path, const json_t *root, nqm_bar_row *predictors, size_t *n,
-                                  nqm_error *err) {
+static nqm_status read_predictors(const char *path, const json_t *root, const statistics *s, nqm_bar_row *predictors,
+                                  size_t *n, nqm_error *err) {
     const json_t *rows = json_object_get(root, "results");
     *n = json_array_size(rows);
     if (!json_is_array(rows))
@@ -54,40 +79,51 @@ static nqm_status read_predictors(const char *path, const json_t *root, nqm_bar_
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: there are %zu predictors; at most %d can be drawn", path, *n,
                         (int)MAX_PREDICTORS);
     for (size_t i = 0; i < *n; ++i) {
-        predictors[i] = read_predictor(json_array_get(rows, i));
+        predictors[i] = read_predictor(json_array_get(rows, i), s);
         if (!predictors[i].name)
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: result %zu has no name", path, i);
         if (isnan(predictors[i].value[0]) && isnan(predictors[i].value[1]))
-            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: result %zu (%.80s) has no Spearman correlation", path, i,
-                            predictors[i].name);
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: result %zu (%.80s) has no %s", path, i, predictors[i].name,
+                            s->name);
     }
     qsort(predictors, *n, sizeof *predictors, compare);
     return NQM_OK;
 }
 
-static nqm_status draw(const char *path, const nqm_bar_row *predictors, size_t n, const char *note,
+static nqm_status draw(const char *path, const statistics *s, const nqm_bars *rows, const char *note,
                        const nqm_plot_options *options, nqm_error *err) {
-    static const char *const groups[NQM_BARS] = {"over all pairs", "mean over materials"};
-    nqm_axis axis = nqm_axis_make("Spearman correlation with the labels (1: the same order)", NQM_LINEAR);
+    nqm_axis axis = nqm_axis_make(s->axis, NQM_LINEAR);
     nqm_axis_include(&axis, 2, (double[]){0, 1});
-    for (size_t i = 0; i < n; ++i) {
-        nqm_axis_include(&axis, NQM_BARS, predictors[i].value);
-        nqm_axis_include(&axis, NQM_BARS, predictors[i].low);
+    for (size_t i = 0; i < rows->n; ++i) {
+        nqm_axis_include(&axis, NQM_BARS, rows->rows[i].value);
+        nqm_axis_include(&axis, NQM_BARS, rows->rows[i].low);
     }
     nqm_axis_round(&axis, 6);
     axis.max += 0.12 * (axis.max - axis.min); /* room for the numbers after the bars */
-    const nqm_bars bars = {axis, n, predictors, groups};
-    return nqm_panel_write(path, (nqm_sheet_panel){.bars = &bars}, 640, 150 + 42 * (double)n,
-                           "Agreement with the labels", note, options, err);
+    const nqm_bars bars = {axis, rows->n, rows->rows, s->groups};
+    return nqm_panel_write(path, (nqm_sheet_panel){.bars = &bars}, 640, 150 + 42 * (double)rows->n, s->title, note,
+                           options, err);
 }
 
-static void describe(const json_t *root, char *note, size_t n_note) {
-    const json_t *first = json_array_get(json_object_get(root, "results"), 0);
+static long long count(const json_t *of, const char *key) {
+    return (long long)json_number_value(json_object_get(of, key));
+}
+
+/* The note: what was judged. A split belongs to labels only. */
+static void describe(const json_t *root, const statistics *s, char *note, size_t n_note) {
+    const json_t *first = json_array_get(json_object_get(root, "results"), 0), *human = json_object_get(root, "human");
     const char *split = json_string_value(json_object_get(json_object_get(root, "dataset"), "split"));
-    snprintf(note, n_note, "%lld pairs of %lld materials%s%.40s; whiskers: 95 %% intervals, bootstrap over materials",
-             (long long)json_integer_value(json_object_get(first, "n")),
-             (long long)json_integer_value(json_object_get(first, "n_materials")), split ? ", split: " : "",
-             split ? split : "");
+    char what[120];
+    if (s == &of_choices)
+        snprintf(what, sizeof what,
+                 "%lld choices between %lld pairs of tests, %lld materials; at most %.3f can be predicted",
+                 count(human, "choices"), count(human, "triplets"), count(human, "materials"),
+                 json_number_value(json_object_get(human, "ceiling")));
+    else
+        snprintf(what, sizeof what, "%lld pairs of %lld materials%s%.40s", count(first, "n"),
+                 count(first, "n_materials"), split && !human ? ", split: " : "", split && !human ? split : "");
+    snprintf(note, n_note, "%s%swhiskers: 95 %% intervals, bootstrap over materials", what,
+             s == &of_choices ? "\n" : "; ");
 }
 
 static nqm_status load(const char *path, json_t **root_ret, nqm_error *err) {
@@ -107,11 +143,12 @@ nqm_status nqm_plot_bars(const char *path, const char *eval_json, const nqm_plot
     size_t n;
     char note[200];
     nqm_status status = load(eval_json, &root, err);
+    const statistics *s = choose_statistics(root);
     if (status == NQM_OK)
-        status = read_predictors(eval_json, root, predictors, &n, err);
+        status = read_predictors(eval_json, root, s, predictors, &n, err);
     if (status == NQM_OK) {
-        describe(root, note, sizeof note);
-        status = draw(path, predictors, n, note, options, err);
+        describe(root, s, note, sizeof note);
+        status = draw(path, s, &(nqm_bars){.n = n, .rows = predictors}, note, options, err);
     }
     json_decref(root);
     return status;

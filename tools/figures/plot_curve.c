@@ -74,15 +74,21 @@ static bool is_metric(const char *name) {
     return false;
 }
 
+/* `nqm eval --human --pairs` leaves delta_e empty: the column jod has the scores of people, on any scale. */
+static bool has_human_scores(const nqm_csv *csv) {
+    const int column = nqm_csv_column(csv, "delta_e");
+    return column >= 0 && nqm_csv_rows(csv) > 0 && !*nqm_csv_text(csv, 0, column);
+}
+
 static nqm_status draw_predictions(const char *path, nqm_points *points, const char *predictor,
                                    const nqm_plot_options *options, nqm_error *err) {
     nqm_series series[NQM_MAX_GROUPS + 1];
     char title[128], label[128];
     double ends[2];
-    bool jod = !is_metric(predictor);
-    snprintf(title, sizeof title, "%s against the label of each pair", predictor);
+    const bool jod = !is_metric(predictor), human = has_human_scores(points->csv);
+    snprintf(title, sizeof title, "%s against the %s of each pair", predictor, human ? "human score" : "label");
     snprintf(label, sizeof label, "%s (%s)", jod ? "predicted JOD" : "distance", predictor);
-    nqm_chart chart = {.x = nqm_axis_make("JOD of the label", NQM_LINEAR),
+    nqm_chart chart = {.x = nqm_axis_make(human ? "score of people" : "JOD of the label", NQM_LINEAR),
                        .y = nqm_axis_make(label, jod ? NQM_LINEAR : NQM_LOG),
                        .series = series,
                        .n_series = points->n_series};
@@ -90,14 +96,14 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
     for (size_t i = 0; i < points->n_series; ++i)
         series[i].size = 5;
     round_axes(&chart);
-    if (jod) { /* both axes show the same range */
+    if (jod && !human) { /* both axes show the same range */
         chart.x.min = chart.y.min = fmin(chart.x.min, chart.y.min);
         chart.x.max = chart.y.max = fmax(chart.x.max, chart.y.max);
         chart.x.step = chart.y.step = nqm_tick_step(chart.x.max - chart.x.min, 10);
         ends[0] = chart.x.min;
         ends[1] = chart.x.max;
         series[chart.n_series++] =
-            (nqm_series){.name = "equal", .style = 6, .dashed = true, .size = 1.2, .n = 2, .x = ends, .y = ends};
+            (nqm_series){.name = "equal", .style = 6, .dash = 1, .size = 1.2, .n = 2, .x = ends, .y = ends};
     }
     char note[128];
     double sign = jod ? 1 : -1; /* a larger distance is lower quality */
@@ -108,11 +114,18 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
 
 nqm_status nqm_plot_predictions(const char *path, const char *pairs_csv, const char *predictor,
                                 const nqm_plot_options *options, nqm_error *err) {
-    nqm_points points;
-    nqm_status status = nqm_points_load(pairs_csv, "jod", predictor, "family", &points, err);
-    if (status != NQM_OK)
-        return status;
-    status = draw_predictions(path, &points, points.y_name, options, err);
+    nqm_points points = {0};
+    nqm_status status = nqm_csv_load(pairs_csv, &points.csv, err);
+    if (status == NQM_OK && nqm_csv_column(points.csv, "jod_low") >= 0)
+        status =
+            nqm_fail(err, NQM_ERR_INCOMPATIBLE, 0,
+                     "%s: has the scores of nqm batch (column jod_low) and no labels; nqm eval --pairs FILE writes "
+                     "labels and predictions, also with --human",
+                     pairs_csv);
+    if (status == NQM_OK)
+        status = nqm_points_fill(&points, pairs_csv, "jod", predictor, "family", err);
+    if (status == NQM_OK)
+        status = draw_predictions(path, &points, points.y_name, options, err);
     nqm_points_free(&points);
     return status;
 }

@@ -50,7 +50,7 @@ static nqm_status draw(const char *path, size_t n, const training *trainings, co
         for (size_t k = 0; k < 2; ++k) {
             losses[2 * i + k] = (nqm_series){.name = t->names[k],
                                              .style = n == 1 ? k : i,
-                                             .dashed = k == TRAIN,
+                                             .dash = k == TRAIN,
                                              .n = t->n,
                                              .x = t->values[EPOCH],
                                              .y = t->values[k]};

@@ -41,41 +41,47 @@ static size_t find_series(nqm_points *p, const char *text) {
     return i;
 }
 
+nqm_status nqm_points_fill(nqm_points *p, const char *path, const char *x_name, const char *y_name,
+                           const char *group_name, nqm_error *err) {
+    p->n = nqm_csv_rows(p->csv);
+    const int next = nqm_csv_column(p->csv, x_name) + 1;
+    p->y_name = y_name || (size_t)next >= nqm_csv_columns(p->csv) ? y_name : nqm_csv_header(p->csv, next);
+    const int group_column = nqm_csv_column(p->csv, group_name);
+    double *x = NULL, *y = NULL; /* by row */
+    size_t *group = NULL, n_sorted = 0;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&p->x, p->n, sizeof *p->x}, {&p->y, p->n, sizeof *p->y}, {&x, p->n, sizeof *x},
+                                    {&y, p->n, sizeof *y}, {&group, p->n, sizeof *group}),
+                         err);
+    if (status == NQM_OK)
+        status = nqm_points_values(p->csv, path, x_name, x, err);
+    if (status == NQM_OK && !p->y_name)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no column after %s", path, x_name);
+    if (status == NQM_OK)
+        status = nqm_points_values(p->csv, path, p->y_name, y, err);
+    for (size_t row = 0; status == NQM_OK && row < p->n; ++row)
+        group[row] = find_series(p, group_column < 0 ? "" : nqm_csv_text(p->csv, row, group_column));
+    for (size_t i = 0; status == NQM_OK && i < p->n_series; ++i) {
+        nqm_series *s = &p->series[i];
+        s->x = p->x + n_sorted;
+        s->y = p->y + n_sorted;
+        s->name = *s->name ? s->name : NULL;
+        for (size_t row = 0; row < p->n; ++row)
+            if (group[row] == i) {
+                p->x[n_sorted] = x[row];
+                p->y[n_sorted++] = y[row];
+                ++s->n;
+            }
+    }
+    return status;
+}
+
 nqm_status nqm_points_load(const char *path, const char *x_name, const char *y_name, const char *group_name,
                            nqm_points *points_ret, nqm_error *err) {
     nqm_points p = {0};
     nqm_status status = nqm_csv_load(path, &p.csv, err);
-    if (status != NQM_OK)
-        return status;
-    p.n = nqm_csv_rows(p.csv);
-    const int next = nqm_csv_column(p.csv, x_name) + 1;
-    p.y_name = y_name || (size_t)next >= nqm_csv_columns(p.csv) ? y_name : nqm_csv_header(p.csv, next);
-    const int group_column = nqm_csv_column(p.csv, group_name);
-    double *x = NULL, *y = NULL; /* by row */
-    size_t *group = NULL, n_sorted = 0;
-    status = nqm_alloc_arrays(NQM_ARRAYS({&p.x, p.n, sizeof *p.x}, {&p.y, p.n, sizeof *p.y}, {&x, p.n, sizeof *x},
-                                         {&y, p.n, sizeof *y}, {&group, p.n, sizeof *group}),
-                              err);
     if (status == NQM_OK)
-        status = nqm_points_values(p.csv, path, x_name, x, err);
-    if (status == NQM_OK && !p.y_name)
-        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no column after %s", path, x_name);
-    if (status == NQM_OK)
-        status = nqm_points_values(p.csv, path, p.y_name, y, err);
-    for (size_t row = 0; status == NQM_OK && row < p.n; ++row)
-        group[row] = find_series(&p, group_column < 0 ? "" : nqm_csv_text(p.csv, row, group_column));
-    for (size_t i = 0; status == NQM_OK && i < p.n_series; ++i) {
-        nqm_series *s = &p.series[i];
-        s->x = p.x + n_sorted;
-        s->y = p.y + n_sorted;
-        s->name = *s->name ? s->name : NULL;
-        for (size_t row = 0; row < p.n; ++row)
-            if (group[row] == i) {
-                p.x[n_sorted] = x[row];
-                p.y[n_sorted++] = y[row];
-                ++s->n;
-            }
-    }
+        status = nqm_points_fill(&p, path, x_name, y_name, group_name, err);
     if (status != NQM_OK)
         nqm_points_free(&p);
     else

@@ -28,8 +28,12 @@ typedef struct nqm_points {
  *  NQM_ERR_INCOMPATIBLE for a file without rows. */
 NQM_MUST_CHECK nqm_status nqm_points_values(const nqm_csv *csv, const char *path, const char *name, double *values,
                                             nqm_error *err);
-/** Read the columns x and y, with a series for each text of the column `group` (one series without a name if there is no such
- *  column). y NULL: the column after x. The eighth series takes all further groups, as "other". */
+/** Fill the zeroed `points`, whose csv is loaded from `path`, from the columns x and y, with a series for each text of the column
+ *  `group` (one series without a name if there is no such column). y NULL: the column after x. The eighth series takes all further
+ *  groups, as "other". */
+NQM_MUST_CHECK nqm_status nqm_points_fill(nqm_points *points, const char *path, const char *x, const char *y,
+                                          const char *group, nqm_error *err);
+/** The same for a file that is not loaded yet; an error leaves nothing to free. */
 NQM_MUST_CHECK nqm_status nqm_points_load(const char *path, const char *x, const char *y, const char *group,
                                           nqm_points *points_ret, nqm_error *err);
 /** Free the arrays and the CSV; a zeroed one is allowed. */

@@ -131,7 +131,7 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
         for (size_t k = 0; k < n; ++k)
             s->series[panel][k] = (nqm_series){.name = s->names[k],
                                                .style = k,
-                                               .dashed = k % 2 == 1,
+                                               .dash = k % NQM_DASHES,
                                                .n = N_POINTS,
                                                .x = s->x[panel],
                                                .y = s->y[panel][k]};

@@ -52,12 +52,14 @@ double nqm_tick_step(double length, size_t n_most);
 
 typedef enum nqm_mark { NQM_MARK_LINE = 0, NQM_MARK_STEPS, NQM_MARK_POINTS } nqm_mark;
 
+enum { NQM_DASHES = 4 };
+
 typedef struct nqm_series {
     const char *name; /* legend entry, once for equal names; NULL: none */
     nqm_mark mark;
     size_t style; /* colour and shape, 0 to 7 */
-    bool dashed;
-    double size; /* width of the line, diameter of the points, pixels; 0: default */
+    size_t dash;  /* 0: solid; 1 to 3: dashes, dots, both */
+    double size;  /* width of the line, diameter of the points, pixels; 0: default */
     size_t n;
     const double *x, *y; /* (n); a point without a position interrupts a line */
 } nqm_series;

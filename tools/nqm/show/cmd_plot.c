@@ -20,8 +20,9 @@ typedef struct plot_arguments {
 enum { CURVE, BARS, SCATTER, LOSS, DIRECTIONS, SLICE, ATTRIBUTION, NETWORK };
 static const choice drawings[] = {
     [CURVE] = {"curve", "LABELS.csv", "JOD against Delta-E ITP, with the fitted curve"},
-    [BARS] = {"bars", "EVAL.json", "Spearman correlations with 95 % intervals, from `nqm eval --json`"},
-    [SCATTER] = {"scatter", "PAIRS.csv", "predicted JOD against the label, from `nqm eval --pairs`"},
+    [BARS] = {"bars", "EVAL.json",
+              "Spearman correlations, or predicted choices, with 95 % intervals, from `nqm eval --json`"},
+    [SCATTER] = {"scatter", "PAIRS.csv", "predicted JOD against the label or human score, from `nqm eval --pairs`"},
     [LOSS] = {"loss", "LOG.csv...", "losses and learning rate, from `nqm train --log`"},
     [DIRECTIONS] = {"directions", "[MODEL|FILE.csv]", "the sampling directions"},
     [SLICE] = {"slice", "BRDF...", "slices and polar lobes of up to 8 BRDFs"},
