@@ -85,15 +85,17 @@ static nqm_status select_material(const char *path, const nqm_materials *materia
     const size_t n = nqm_materials_count(materials);
     char names[256] = "";
     size_t used = 0;
+    nqm_nearest nearest = nqm_nearest_begin(material ? material : "");
     for (size_t i = 0; i < n; ++i) {
         *info = nqm_materials_get(materials, i);
         if (material ? strcmp(info->name, material) == 0 : n == 1)
             return NQM_OK;
+        nqm_nearest_add(&nearest, info->name);
         if (used < sizeof names)
             used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", info->name);
     }
-    return material ? nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no material '%s' in this file; it has %s", path,
-                               material, names)
+    return material ? nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no material '%s' in this file%s; it has %s", path,
+                               material, nearest.advice, names)
                     : nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this file, '%s:MATERIAL': %s", path,
                                path, names);
 }

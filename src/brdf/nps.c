@@ -6,6 +6,7 @@
  * sin)(2 phi_d) / 2 + 1/2, theta_h and theta_d over pi/2, latents. All seven layers end in ReLU; the output is expm1(),
  * applied four times to 0.15 y.
  */
+#include "base/names.h"
 #include "brdf/brdf.h"
 
 #include "io/io.h"
@@ -103,10 +104,15 @@ static nqm_status map_weights(const char *path, nps *net, nqm_error *err) {
 static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *material, nps *net, nqm_error *err) {
     int name_column = nqm_csv_column(csv, "material");
     size_t row = 0;
-    while (name_column >= 0 && row < nqm_csv_rows(csv) && strcmp(nqm_csv_text(csv, row, name_column), material) != 0)
-        ++row;
+    nqm_nearest nearest = nqm_nearest_begin(material);
+    for (; name_column >= 0 && row < nqm_csv_rows(csv); ++row) {
+        const char *name = nqm_csv_text(csv, row, name_column);
+        if (strcmp(name, material) == 0)
+            break;
+        nqm_nearest_add(&nearest, name);
+    }
     if (name_column < 0 || row == nqm_csv_rows(csv))
-        return nqm_fail(err, NQM_ERR_IO, -1, "%s: has no material '%s'", path, material);
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: has no material '%s'%s", path, material, nearest.advice);
     for (int k = 0; k < N_LATENTS; ++k) {
         char column_name[8];
         snprintf(column_name, sizeof column_name, "mean%d", k);

@@ -37,12 +37,17 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
 static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, int n_key, nqm_error *err) {
-    char known[384] = "";
+    char known[384] = "", wanted[64];
     size_t used = 0;
-    for (size_t k = 0; k < schema->n_keys && used < sizeof known; ++k)
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", schema->keys[k].name);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no key '%.*s'; the keys are %s", schema->model, n_key, key,
-                    known);
+    snprintf(wanted, sizeof wanted, "%.*s", n_key, key);
+    nqm_nearest nearest = nqm_nearest_begin(wanted);
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        nqm_nearest_add(&nearest, schema->keys[k].name);
+        if (used < sizeof known)
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", schema->keys[k].name);
+    }
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no key '%s'%s; the keys are %s", schema->model, wanted,
+                    nearest.advice, known);
 }
 
 static nqm_status fail_value(const nqm_spec_schema *schema, const nqm_spec_key *key, const char *text, nqm_error *err) {

@@ -4,6 +4,7 @@
  * directory and an unreadable file give the same messages as for other formats. A member's declared size is checked
  * before memory is allocated.
  */
+#include "base/names.h"
 #include "io/io.h"
 
 #include <string.h>
@@ -131,12 +132,13 @@ nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_byt
     if (status != NQM_OK)
         return status;
     zip_uint64_t i = 0, n = member_count(&a);
-    while (i < n && (!*member || strcmp(base_name(&a, i), member) != 0))
-        ++i;
+    nqm_nearest nearest = nqm_nearest_begin(member);
+    for (; i < n && (!*member || strcmp(base_name(&a, i), member) != 0); ++i)
+        nqm_nearest_add(&nearest, base_name(&a, i));
     if (i < n)
         status = read_member(&a, i, max_bytes, data_ret, n_bytes_ret, err);
     else
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: has no member '%s'", zip_path, member);
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: has no member '%s'%s", zip_path, member, nearest.advice);
     archive_close(&a);
     return status;
 }

@@ -76,6 +76,10 @@ refuses 2 "did you mean '--metrics'?" score sgd:nickel ward:nickel --metrcis=all
 refuses 2 "no 'slize' (did you mean 'slice'?)" plot slize -o "$dir/x.svg"
 refuses 2 "no model 'wrad' (did you mean 'ward'?)" info wrad:nickel
 refuses 2 "no model 'GGX' (did you mean 'ggx'?)" info GGX:alpha=.1
+refuses 2 "no key 'alhpa' (did you mean 'alpha'?); the keys are kd, ks, alpha, f0" info ggx:alhpa=.1
+refuses 2 "no key 'baseMetalnes' (did you mean 'base_metalness'?)" info open-pbr:baseMetalnes=.1
+echo '{"asset": {"version": "2.0"}, "materials": [{"name": "brass"}, {"name": "wood"}]}' >"$dir/two.gltf"
+refuses 2 "no material 'wod' in this file (did you mean 'wood'?); it has brass, wood" info "$dir/two.gltf:wod"
 refuses 3 "No such file" info folder/wrad.binary
 refuses 2 "fail-under needs a number from 0 to 10" score sgd:nickel ward:nickel --fail_under 11
 run 0 info sgd:nickel

@@ -91,6 +91,8 @@ static void zip_faults_are_told(void **state) {
     expect(argument, NQM_ERR_IO, "no member");
     snprintf(argument, sizeof argument, "%s:gold", path);
     expect(argument, NQM_ERR_IO, "no member 'gold.h5'");
+    snprintf(argument, sizeof argument, "%s:stele", path);
+    expect(argument, NQM_ERR_IO, "no member 'stele.h5' (did you mean 'steel.h5'?)");
     snprintf(argument, sizeof argument, "%s:steel", path);
     for (size_t n = 4; n < zip.n_bytes; n += 13) { /* the central directory of a zip file is at its end */
         blob part = {zip.data, n};
@@ -203,6 +205,8 @@ static void process_faults_are_told(void **state) {
     expect(path, NQM_ERR_ARG, "name one material");
     snprintf(argument, sizeof argument, "%s:third", path);
     expect(argument, NQM_ERR_IO, "no material 'third'");
+    snprintf(argument, sizeof argument, "%s:frist", path);
+    expect(argument, NQM_ERR_IO, "no material 'frist' (did you mean 'first'?)");
     memset(decoder.data + 4000, 0xff, 4);
     blob_save(&decoder, path);
     snprintf(argument, sizeof argument, "%s:first", path);
