@@ -140,7 +140,9 @@ int cmd_score(int argc, char **argv) {
             "means "
             "that\n"
             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
-            "NAME=TEST shows it under another name.\n"
+            "NAME=TEST shows it under another name. REF is the ground truth: exchanged with a TEST, the score changes "
+            "a\n"
+            "little (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
                    "nqm score old.binary new.binary --fail-under 9.5 -q",
