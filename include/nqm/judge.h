@@ -48,7 +48,7 @@ typedef struct nqm_eval_options {
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
     uint64_t seed;              /**< of the resampling; default 1 */
-    nqm_precision precision;    /**< of the models' predictions; default NQM_PRECISION_F32 */
+    nqm_precision precision;    /**< of the models' predictions, as in nqm_score_options; default NQM_PRECISION_F32 */
     int apart;                /**< 1: judge by nqm_label_similarity() where there are parts: for answers about materials
                                      that people did not see beside each other */
     nqm_progress_fn progress; /**< NULL: none */

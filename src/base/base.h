@@ -231,6 +231,8 @@ bool nqm_parallel_ticking(nqm_ticker *ticker, const char *stage, size_t n, void 
                           void *user);
 /** Monotonic time, s; for progress and benchmarks only. */
 double nqm_clock_s(void);
+/** Processor time of the calling thread, s: excludes other programs. */
+double nqm_thread_clock_s(void);
 
 /* The static analyser sees one file at a time: tell it that these functions never return NQM_OK. */
 #ifdef __clang_analyzer__

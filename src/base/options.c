@@ -61,7 +61,7 @@ static bool is_valid(const nqm_option *o, double value) {
     if (o->kind == NQM_OPTION_BOOL)
         return true;
     if (o->kind == NQM_OPTION_ENUM)
-        return value >= 0 && value < (double)count_words(o);
+        return value >= 0 && value < (double)count_words(o) && *o->words[(size_t)value];
     return isfinite(value) && (!has_range(o) || (value >= o->min && value <= o->max));
 }
 
@@ -82,11 +82,12 @@ char *nqm_option_allowed(const nqm_option *o, char *text) {
     size_t n = count_words(o), at = 0;
     if (n) {
         for (size_t i = 0; i < n && at < NQM_OPTION_TEXT_MAX; ++i)
-            at += (size_t)snprintf(text + at, NQM_OPTION_TEXT_MAX - at, "%s%s",
-                                   i == 0      ? ""
-                                   : i + 1 < n ? ", "
-                                               : " or ",
-                                   o->words[i]);
+            if (*o->words[i])
+                at += (size_t)snprintf(text + at, NQM_OPTION_TEXT_MAX - at, "%s%s",
+                                       i == 0      ? ""
+                                       : i + 1 < n ? ", "
+                                                   : " or ",
+                                       o->words[i]);
         return text;
     }
     char count[48] = "", range[80] = "";
@@ -129,10 +130,10 @@ char *nqm_option_format(const nqm_option *o, const void *options, char *text) {
 static int find_word(const nqm_option *o, const char *text) {
     const size_t n_text = strlen(text);
     int found = -1;
-    for (int i = 0; o->words[i]; ++i) {
+    for (int i = 0; n_text > 0 && o->words[i]; ++i) {
         if (strcmp(o->words[i], text) == 0)
             return i;
-        if (n_text > 0 && strncmp(o->words[i], text, n_text) == 0 && o->words[i][n_text] == '_')
+        if (strncmp(o->words[i], text, n_text) == 0 && o->words[i][n_text] == '_')
             found = found == -1 ? i : -2;
     }
     return found < 0 ? -1 : found;

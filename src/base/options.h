@@ -42,8 +42,10 @@ typedef struct nqm_option {
     size_t offset;   /* of the field in the struct, bytes */
     double min, max; /* range of a number, inclusive; both 0: any finite value */
     double scale; /* double: field = scale * value (pi / 180 for degrees); 0: 1. Range, default and text are values */
-    const char *const *words; /* indexed by value, NULL-terminated. A bool with words takes one of two words */
-    size_t max_sizes;         /* maximum length of a list */
+    const char *const
+        *words;       /* indexed by value, NULL-terminated; "": not a value of this option. A bool with words takes
+                                 one of two words */
+    size_t max_sizes; /* maximum length of a list */
     const char
         *values[NQM_OPTION_RECIPES]; /* default of each recipe, as text; NULL: that of the first recipe; all NULL: 0 */
 } nqm_option;

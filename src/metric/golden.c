@@ -8,15 +8,19 @@
 #include <jansson.h>
 #include <math.h>
 
-/* Pairs from identical to very different. The specs state all parameters, because presets may change. */
-#define GLOSSY "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.1;f0=.04"
-static const char *const probes[][2] = {
-    {GLOSSY, GLOSSY},
-    {GLOSSY, "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.12;f0=.04"},
-    {GLOSSY, "ggx:kd=.18,.12,.05;ks=.5,.5,.5;alpha=.1;f0=.04"},
-    {"ward:kd=.05,.05,.06;ks=.4,.35,.3;alpha=.05", "ggx:kd=.05,.05,.06;ks=.4,.35,.3;alpha=.05;f0=1"},
-    {"lambert:kd=.5,.4,.3", "lambert:kd=.05,.1,.3"},
+/* The specs state all parameters, because presets may change. */
+const char *const nqm_golden_materials[NQM_GOLDEN_MATERIALS] = {
+    "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.1;f0=.04",
+    "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.12;f0=.04",
+    "ggx:kd=.18,.12,.05;ks=.5,.5,.5;alpha=.1;f0=.04",
+    "ward:kd=.05,.05,.06;ks=.4,.35,.3;alpha=.05",
+    "ggx:kd=.05,.05,.06;ks=.4,.35,.3;alpha=.05;f0=1",
+    "lambert:kd=.5,.4,.3",
+    "lambert:kd=.05,.1,.3",
 };
+
+/* Pairs of them, from identical to very different. */
+static const size_t probes[][2] = {{0, 0}, {0, 1}, {0, 2}, {3, 4}, {5, 6}};
 enum { N_PROBES = sizeof probes / sizeof *probes };
 
 static const double tolerance_jod = 1e-3;
@@ -44,11 +48,11 @@ nqm_status nqm_golden_make(const nqm_model *model, char **json_ret, nqm_error *e
     json_t *list = json_array();
     nqm_status status = list ? NQM_OK : nqm_fail_nomem(err, 0);
     for (size_t i = 0; status == NQM_OK && i < N_PROBES; ++i) {
+        const char *ref = nqm_golden_materials[probes[i][0]], *test = nqm_golden_materials[probes[i][1]];
         double jod;
-        status = score_specs(model, probes[i][0], probes[i][1], &jod, err);
+        status = score_specs(model, ref, test, &jod, err);
         if (status == NQM_OK && isfinite(jod) &&
-            json_array_append_new(list,
-                                  json_pack("{s:s,s:s,s:f}", "ref", probes[i][0], "test", probes[i][1], "jod", jod)))
+            json_array_append_new(list, json_pack("{s:s,s:s,s:f}", "ref", ref, "test", test, "jod", jod)))
             status = nqm_fail_nomem(err, 0);
     }
     char *text = nqm_json_text(list, 9);

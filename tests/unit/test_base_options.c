@@ -21,7 +21,8 @@ typedef struct paint {
 } paint;
 
 static const char *const recipes[] = {"matte", "shiny", NULL};
-static const char *const colours[] = {"red", "dark_green", "light_blue", NULL}, *const states[] = {"dry", "wet", NULL};
+static const char *const colours[] = {"red", "dark_green", "light_blue", "", "rusty", NULL}, *const states[] = {
+                                                                                                 "dry", "wet", NULL};
 static const nqm_option rows[] = {
     {"gloss_level", .offset = offsetof(paint, gloss), .min = 0, .max = 1, .values = {"0.1", "0.9"}},
     {"layers", .offset = offsetof(paint, n_layers), .kind = NQM_OPTION_SIZE, .min = 1, .max = 9, .values = {"2"}},
@@ -84,7 +85,7 @@ static void from_text(void **state) {
     assert_int_equal(set(&p, "layers", "10", &err), NQM_ERR_ARG);
     assert_string_equal(err.message, "layers needs a whole number from 1 to 9, not '10'");
     assert_int_equal(set(&p, "colour", "blue", &err), NQM_ERR_ARG);
-    assert_string_equal(err.message, "colour needs red, dark_green or light_blue, not 'blue'");
+    assert_string_equal(err.message, "colour needs red, dark_green, light_blue or rusty, not 'blue'");
 }
 
 static void ranges(void **state) {
@@ -95,7 +96,7 @@ static void ranges(void **state) {
     assert_int_equal(nqm_options_check(&table, &p, &err), NQM_ERR_ARG);
     assert_string_equal(err.message, "option gloss_level is nan; it must be a number from 0 to 1");
     p = begin("matte");
-    p.colour = 3;
+    p.colour = 3; /* the empty word is no value */
     assert_int_equal(nqm_options_check(&table, &p, NULL), NQM_ERR_ARG);
     p = begin("matte");
     p.n_sizes = 4;

@@ -17,19 +17,38 @@ static nqm_bench *tiny(void) {
     return bench;
 }
 
-static void test_every_table_has_a_peak(void **state) {
+static void test_every_unit_has_a_peak(void **state) {
     (void)state;
     nqm_bench *bench = tiny();
-    for (size_t i = 0; nqm_kernels_name(i); ++i) {
-        assert_int_equal(nqm_kernels_select(nqm_kernels_name(i), NULL), NQM_OK);
-        int f32 = nqm_bench_peak_meter(bench, NQM_PRECISION_F32),
-            bf16 = nqm_bench_peak_meter(bench, NQM_PRECISION_BF16);
-        assert_true(f32 >= 0 && bf16 >= 0);
-        assert_true(bench->meter[f32].best > 0 && isfinite(bench->meter[f32].best));
-        assert_int_equal(nqm_bench_peak_meter(bench, NQM_PRECISION_F32), f32); /* created once */
+    size_t n_available = 0, n_metered = 0;
+    for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
+        n_available += unit->is_available();
+    for (int i = 0; i < bench->n_meters; ++i) {
+        n_metered += bench->meter[i].unit != NULL;
+        assert_true(bench->meter[i].best > 0 && isfinite(bench->meter[i].best));
     }
-    assert_int_equal(nqm_kernels_select(NULL, NULL), NQM_OK);
+    assert_true(n_available > 0 && n_metered == n_available);
     nqm_bench_free(bench);
+}
+
+/* The peak of a precision is that of the quickest unit: not of the one whose name has the precision. */
+static void test_the_quickest_unit_counts(void **state) {
+    (void)state;
+    static const nqm_bench_unit f32 = {.name = "f32", .precision = NQM_PRECISION_F32},
+                                slow_bf16 = {.name = "bf16", .precision = NQM_PRECISION_BF16},
+                                tiles = {.name = "tiles", .precision = NQM_PRECISION_BF16},
+                                bytes = {.name = "bytes", .precision = NQM_PRECISION_INT8};
+    static nqm_bench bench = {.n_meters = 3,
+                              .meter = {{.unit = &f32, .sample = {300}, .n_samples = 1},
+                                        {.unit = &slow_bf16, .sample = {150}, .n_samples = 1},
+                                        {.unit = &bytes, .sample = {1000}, .n_samples = 1}}};
+    assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_F32), 0);
+    assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_BF16), 0);
+    assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_INT8), 2);
+    bench.meter[bench.n_meters++] = (nqm_bench_meter){.unit = &tiles, .sample = {4800}, .n_samples = 1};
+    assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_F32), 0);
+    assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_BF16), 3);
+    assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_INT8), 3);
 }
 
 static void test_reading(void **state) {
@@ -145,8 +164,11 @@ static void test_refusals(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_table_has_a_peak), cmocka_unit_test(test_reading),
-                                       cmocka_unit_test(test_race), cmocka_unit_test(test_fields),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_unit_has_a_peak),
+                                       cmocka_unit_test(test_the_quickest_unit_counts),
+                                       cmocka_unit_test(test_reading),
+                                       cmocka_unit_test(test_race),
+                                       cmocka_unit_test(test_fields),
                                        cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

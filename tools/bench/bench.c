@@ -60,10 +60,11 @@ nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_
         nqm_bench_free(bench);
         return status;
     }
-    for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision)
-        nqm_bench_peak_meter(bench, (nqm_precision)precision);
+    nqm_bench_add_units(bench);
     for (size_t threads = 1; threads <= (size_t)omp_get_max_threads(); threads *= 2)
-        nqm_bench_read_meter(bench, bench->memory_bytes, threads);
+        for (size_t i = 0; i < NQM_BENCH_LEVELS; ++i)
+            if (nqm_bench_level_bytes(i, threads))
+                nqm_bench_read_meter(bench, nqm_bench_level_bytes(i, threads), threads);
     *bench_ret = bench;
     return NQM_OK;
 }
@@ -88,6 +89,7 @@ const nqm_bench_field nqm_bench_fields[] = {
     FIELD("model", TEXT, model),
     FIELD("by", TEXT, by),
     FIELD("kernels", TEXT, kernels),
+    FIELD("unit", TEXT, unit),
     FIELD("precision", PRECISION, precision),
     FIELD("batch", COUNT, size.batch),
     FIELD("threads", COUNT, size.threads),
@@ -184,6 +186,7 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *entry) {
     row->work.gflops = row->work.gflop / row->times.best;
     row->work.gb_per_s = row->work.megabytes / row->times.best / 1000;
     if (entry->peak != NQM_METER_NONE) {
+        row->unit = bench->meter[entry->peak].unit->name;
         row->limits.peak_gflops = nqm_bench_meter_peak(&bench->meter[entry->peak]);
         row->limits.peak_median_gflops = nqm_bench_meter_median(&bench->meter[entry->peak]);
         arithmetic = row->work.gflop / row->limits.peak_gflops;
@@ -199,22 +202,29 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *entry) {
     row->limits.times_floor = row->times.best / row->limits.floor_seconds;
 }
 
+static nqm_bench_entry unit_entry(const nqm_bench_unit *unit) {
+    nqm_bench_entry entry = nqm_bench_entry_make("peak", "absent");
+    entry.row.by = entry.row.kernels = NULL;
+    entry.row.unit = unit->name;
+    entry.row.precision = (int)unit->precision;
+    return entry;
+}
+
 static nqm_bench_entry meter_entry(const nqm_bench_meter *meter) {
-    nqm_bench_entry entry = nqm_bench_entry_make("peak", meter->bytes ? "reading" : "arithmetic");
+    nqm_bench_entry entry = meter->unit ? unit_entry(meter->unit) : nqm_bench_entry_make("peak", "reading");
     nqm_bench_row *row = &entry.row;
-    row->by = NULL;
-    row->kernels = meter->kernels;
+    row->by = row->kernels = NULL;
     row->size.threads = meter->threads;
     row->size.rounds = meter->n_samples;
-    if (meter->bytes) {
+    if (meter->unit) {
+        row->name = "arithmetic";
+        row->work.gflops = row->limits.peak_gflops = nqm_bench_meter_peak(meter);
+        row->limits.peak_median_gflops = nqm_bench_meter_median(meter);
+    } else {
         row->work.megabytes = 1e-6 * (double)meter->bytes;
         row->work.gb_per_s = row->limits.peak_gb_per_s = nqm_bench_meter_peak(meter);
         row->times.best = row->work.megabytes / 1000 / nqm_bench_meter_peak(meter);
         row->times.median = row->work.megabytes / 1000 / nqm_bench_meter_median(meter);
-    } else {
-        row->precision = (int)meter->precision;
-        row->work.gflops = row->limits.peak_gflops = nqm_bench_meter_peak(meter);
-        row->limits.peak_median_gflops = nqm_bench_meter_median(meter);
     }
     return entry;
 }
@@ -226,6 +236,11 @@ nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err) {
         nqm_bench_sample(bench, (int)i);
         const nqm_bench_entry entry = meter_entry(&bench->meter[i]);
         status = nqm_bench_add(bench, &entry, err);
+    }
+    for (const nqm_bench_unit *unit = nqm_bench_units; unit->name && status == NQM_OK; ++unit) {
+        const nqm_bench_entry entry = unit_entry(unit);
+        if (!unit->is_available())
+            status = nqm_bench_add(bench, &entry, err);
     }
     nqm_bench_release_memory(bench);
     for (size_t i = 0; i < n_timed; ++i) {

@@ -18,6 +18,12 @@
 
 /** The value of the first line "key : value" of a file of the system; "" when there is none. */
 void nqm_bench_read_value(const char *path, const char *key, char *value, size_t n_value);
+/** Caches whose size the system knows, and memory: L1, L2, L3, memory. */
+enum { NQM_BENCH_LEVELS = 4, NQM_BENCH_MEMORY = 256000000 };
+/** Size of a cache by the system, bytes: level 0 is the data cache of L1; 0: unknown. */
+size_t nqm_bench_cache_bytes(size_t level);
+/** Size of an array that fits into a level with `threads` threads, half of it, and not into the one before; bytes; 0: unknown. */
+size_t nqm_bench_level_bytes(size_t level, size_t threads);
 /** Restart the measurement of the largest resident memory, where the system can (Linux). */
 void nqm_bench_reset_peak_memory(void);
 /** Largest resident memory since then, or since the process began, 1e6 bytes; NaN: unknown. */
@@ -36,6 +42,7 @@ typedef struct nqm_bench_row {
     const char *model;   /* network: "paper", "default", a recipe */
     const char *by;      /* implementation: "nqm", "onednn sgemm", "onednn" */
     const char *kernels; /* nqm_kernels_name() in use */
+    const char *unit;    /* nqm_bench_unit whose peak is the limit */
     int precision;       /* an nqm_precision */
     struct nqm_bench_size {
         size_t batch, threads, epochs, seed;
@@ -151,18 +158,19 @@ NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);
 
 /* ---- loops that reach the peaks (loops.c) ------------------------------------------------------------------------ */
 
-/** The loops for a table of kernels. */
-typedef struct nqm_bench_loops {
-    const char *kernels;
-    /* By precision: a loop of a single kind of instruction, with enough independent accumulators to hide its latency. */
-    struct nqm_bench_peak_loop {
-        float (*run)(size_t n, const uint32_t *seed); /* n steps; seed (64); NULL: no such instruction */
-        double flop;                                  /* operations per step */
-    } peak[NQM_PRECISION_COUNT];
-    /* Reads n_bytes, a multiple of 512, at an address aligned to 64 bytes. Returns a sum of it. */
-    uint64_t (*read)(size_t n_bytes, const void *data);
-} nqm_bench_loops;
-const nqm_bench_loops *nqm_bench_find_loops(const char *kernels);
+/** A kind of multiply-add instruction. */
+typedef struct nqm_bench_unit {
+    const char *name;        /* NULL ends the list */
+    nqm_precision precision; /* of the factors */
+    bool (*is_available)(void);
+    /* n steps of that instruction only, with enough independent accumulators to hide its latency; seed (64). */
+    float (*run)(size_t n, const uint32_t *seed);
+    double flop; /* operations per step; a multiplication and an addition are two */
+} nqm_bench_unit;
+/** All units of this architecture, those that this processor lacks included. */
+extern const nqm_bench_unit nqm_bench_units[];
+/** Read n_bytes, a multiple of 512, at an address aligned to 64 bytes, by the widest loads. Returns a sum of it. */
+uint64_t nqm_bench_read(size_t n_bytes, const void *data);
 
 /* ---- meters (meter.c) -------------------------------------------------------------------------------------------- */
 
@@ -170,10 +178,8 @@ enum { NQM_METER_NONE = -1, NQM_MAX_METERS = 128, NQM_METER_SAMPLES = 512 };
 
 /** A rate of the machine that is sampled repeatedly: operations or bytes per nanosecond. */
 typedef struct nqm_bench_meter {
-    const char *kernels; /* whose instructions */
-    const nqm_bench_loops *loops;
-    nqm_precision precision; /* of arithmetic */
-    size_t bytes;            /* size of the array that is read; 0: a meter of arithmetic */
+    const nqm_bench_unit *unit; /* of arithmetic; NULL: a meter of reading */
+    size_t bytes;               /* size of the array that is read */
     size_t threads;
     size_t steps; /* per timing */
     double best;
@@ -200,9 +206,10 @@ struct nqm_bench {
     double done, total; /* progress of the current benchmark */
 };
 
-/** The meter of arithmetic on all threads with the selected kernels; NQM_METER_NONE: there is none. Kernels without
- *  bfloat16 instructions compute in float: then it is the one of float. */
-int nqm_bench_peak_meter(nqm_bench *bench, nqm_precision precision);
+/** Make a meter on all threads for each unit that this processor has. */
+void nqm_bench_add_units(nqm_bench *bench);
+/** The meter of the quickest unit that can compute products of factors of a precision: a unit with wider factors can. */
+int nqm_bench_peak_meter(const nqm_bench *bench, nqm_precision precision);
 /** The meter of reading an array of n_bytes repeatedly. */
 int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads);
 /** Sample a meter for a few milliseconds; NQM_METER_NONE is allowed. */

@@ -11,7 +11,6 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
-#include <time.h>
 
 enum {
     TIMINGS_A_SAMPLE = 3,
@@ -29,14 +28,14 @@ static void work(const nqm_bench *bench, const nqm_bench_meter *meter, size_t th
         const size_t n_lines = meter->bytes / READ_BYTES;
         const size_t first = thread * n_lines / meter->threads, last = (thread + 1) * n_lines / meter->threads;
         for (size_t i = 0; i < meter->steps; ++i)
-            integer_sink = meter->loops->read((last - first) * READ_BYTES, bench->memory + first * READ_BYTES);
+            integer_sink = nqm_bench_read((last - first) * READ_BYTES, bench->memory + first * READ_BYTES);
         return;
     }
     uint32_t seed[64];
     const float factor = 0.999F, offset = 1e-3F; /* accumulators converge to 1 */
     for (size_t i = 0; i < 64; ++i)
         memcpy(&seed[i], i < 16 ? &factor : &offset, sizeof factor);
-    float_sink = meter->loops->peak[meter->precision].run(meter->steps, seed);
+    float_sink = meter->unit->run(meter->steps, seed);
 }
 
 /* Operations or bytes of a timing, all threads together, 1e9. */
@@ -44,13 +43,7 @@ static double amount(const nqm_bench_meter *meter) {
     const double steps = 1e-9 * (double)meter->steps;
     if (meter->bytes)
         return steps * (double)meter->bytes;
-    return steps * (double)meter->threads * meter->loops->peak[meter->precision].flop;
-}
-
-static double thread_clock_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    return steps * (double)meter->threads * meter->unit->flop;
 }
 
 /* A barrier. It spins, because sleeping threads wake up at different times. */
@@ -69,11 +62,11 @@ static double measure(const nqm_bench *bench, const nqm_bench_meter *meter) {
 #pragma omp parallel num_threads((int)meter->threads) reduction(min : begin) reduction(max : end) reduction(+ : rate)
     {
         meet(&n_arrived, (size_t)omp_get_num_threads());
-        const double cpu_begin = thread_clock_s();
+        const double cpu_begin = nqm_thread_clock_s();
         begin = nqm_clock_s();
         work(bench, meter, (size_t)omp_get_thread_num());
         end = nqm_clock_s();
-        rate = share / (thread_clock_s() - cpu_begin);
+        rate = share / (nqm_thread_clock_s() - cpu_begin);
     }
     return meter->bytes ? amount(meter) / (end - begin) : rate;
 }
@@ -82,9 +75,9 @@ static double measure(const nqm_bench *bench, const nqm_bench_meter *meter) {
 static void calibrate(const nqm_bench *bench, nqm_bench_meter *meter) {
     double seconds = 0;
     for (meter->steps = 1; seconds < TIMING_S && meter->steps < MAX_STEPS; meter->steps *= 2) {
-        double begin = thread_clock_s();
+        double begin = nqm_thread_clock_s();
         work(bench, meter, 0);
-        seconds = thread_clock_s() - begin;
+        seconds = nqm_thread_clock_s() - begin;
     }
 }
 
@@ -102,27 +95,34 @@ void nqm_bench_sample(nqm_bench *bench, int which) {
 static int new_meter(nqm_bench *bench, const nqm_bench_meter *facts) {
     for (int i = 0; i < bench->n_meters; ++i) {
         const nqm_bench_meter *old = &bench->meter[i];
-        if (strcmp(old->kernels, facts->kernels) == 0 && old->precision == facts->precision &&
-            old->bytes == facts->bytes && old->threads == facts->threads)
+        if (old->unit == facts->unit && old->bytes == facts->bytes && old->threads == facts->threads)
             return i;
     }
     if (bench->n_meters == NQM_MAX_METERS)
         return NQM_METER_NONE;
     nqm_bench_meter *meter = &bench->meter[bench->n_meters];
     *meter = *facts;
-    meter->loops = nqm_bench_find_loops(facts->kernels);
     calibrate(bench, meter);
     nqm_bench_sample(bench, bench->n_meters);
     return bench->n_meters++;
 }
 
-int nqm_bench_peak_meter(nqm_bench *bench, nqm_precision precision) {
-    nqm_bench_meter facts = {
-        .kernels = nqm_kernels_selected(), .precision = precision, .threads = (size_t)omp_get_max_threads()};
-    const nqm_bench_loops *loops = nqm_bench_find_loops(facts.kernels);
-    if (precision == NQM_PRECISION_BF16 && !loops->peak[precision].run)
-        facts.precision = NQM_PRECISION_F32;
-    return loops->peak[facts.precision].run ? new_meter(bench, &facts) : NQM_METER_NONE;
+void nqm_bench_add_units(nqm_bench *bench) {
+    for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
+        if (unit->is_available())
+            new_meter(bench, &(nqm_bench_meter){.unit = unit, .threads = (size_t)omp_get_max_threads()});
+}
+
+int nqm_bench_peak_meter(const nqm_bench *bench, nqm_precision precision) {
+    int best = NQM_METER_NONE;
+    for (int i = 0; i < bench->n_meters; ++i) {
+        const nqm_bench_unit *unit = bench->meter[i].unit;
+        if (unit && unit->precision <= precision &&
+            (best == NQM_METER_NONE ||
+             nqm_bench_meter_peak(&bench->meter[i]) > nqm_bench_meter_peak(&bench->meter[best])))
+            best = i;
+    }
+    return best;
 }
 
 int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads) {
@@ -130,8 +130,7 @@ int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads) {
         n_bytes = bench->memory_bytes;
     if (n_bytes < READ_BYTES * threads)
         return NQM_METER_NONE;
-    const nqm_bench_meter facts = {
-        .kernels = nqm_kernels_selected(), .bytes = n_bytes / READ_BYTES * READ_BYTES, .threads = threads};
+    const nqm_bench_meter facts = {.bytes = n_bytes / READ_BYTES * READ_BYTES, .threads = threads};
     return new_meter(bench, &facts);
 }
 
@@ -155,7 +154,7 @@ double nqm_bench_meter_peak(const nqm_bench_meter *meter) {
 nqm_status nqm_bench_take_memory(nqm_bench *bench, nqm_error *err) {
     if (bench->memory)
         return NQM_OK;
-    bench->memory_bytes = bench->options.quick ? 16000000 : 256000000;
+    bench->memory_bytes = bench->options.quick ? 16000000 : NQM_BENCH_MEMORY;
     bench->memory = nqm_alloc(bench->memory_bytes, 1);
     if (!bench->memory)
         return nqm_fail_nomem(err, bench->memory_bytes);

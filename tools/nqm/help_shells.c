@@ -18,7 +18,8 @@ static void put_quoted(const char *text, const char *quote, const char *escaped)
 
 static void put_words(const char *const *words) {
     for (size_t i = 0; words[i]; ++i)
-        printf("%s%s", i ? " " : "", words[i]);
+        if (*words[i])
+            printf("%s%s", i ? " " : "", words[i]);
 }
 
 static void put_verbs(void) {

@@ -25,9 +25,22 @@ static json_t *openmp_json(void) {
     return openmp;
 }
 
+/* Vendor, family, model and stepping, which tell processors of the same name apart. */
+static json_t *cpu_id_json(void) {
+    static const char *const keys[] = {"vendor_id", "cpu family", "model\t", "stepping"}, *const names[] = {
+                                                                                              "vendor", "family",
+                                                                                              "model", "stepping"};
+    json_t *id = json_object();
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        char value[80];
+        nqm_bench_read_value("/proc/cpuinfo", keys[i], value, sizeof value);
+        json_object_set_new(id, names[i], json_name(value));
+    }
+    return id;
+}
+
 /* Facts about the machine from the operating system, where it provides them; 0 or "": unknown. */
 static json_t *machine_json(void) {
-    static const int cache_names[] = {_SC_LEVEL1_DCACHE_SIZE, _SC_LEVEL2_CACHE_SIZE, _SC_LEVEL3_CACHE_SIZE};
     char cpu[200], mhz_text[40], system_text[200] = "";
     const char *end;
     double mhz, load;
@@ -39,18 +52,16 @@ static json_t *machine_json(void) {
         mhz = 0;
     if (uname(&names) == 0)
         snprintf(system_text, sizeof system_text, "%.60s %.60s %.60s", names.sysname, names.release, names.machine);
-    for (size_t i = 0; i < sizeof cache_names / sizeof *cache_names; ++i) {
-        const long n_bytes = sysconf(cache_names[i]);
-        json_array_append_new(caches, json_integer(n_bytes > 0 ? n_bytes / 1024 : 0));
-    }
+    for (size_t level = 0; level + 1 < NQM_BENCH_LEVELS; ++level)
+        json_array_append_new(caches, json_integer((json_int_t)(nqm_bench_cache_bytes(level) / 1024)));
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     if (getloadavg(&load, 1) != 1)
         load = 0;
-    return json_pack("{s:o,s:o,s:i,s:i,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_name(cpu), "system",
-                     json_name(system_text), "cores", omp_get_num_procs(), "threads", omp_get_max_threads(), "mhz", mhz,
-                     "cache_kib", caches, "memory_mb", pages > 0 && page > 0 ? 1e-6 * (double)pages * (double)page : 0,
-                     "load_average", load, "kernels", nqm_kernels_selected(), "build", nqm_build_info(), "openmp",
-                     openmp_json());
+    return json_pack("{s:o,s:o,s:o,s:s,s:i,s:i,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_name(cpu), "cpu_id",
+                     cpu_id_json(), "system", json_name(system_text), "compiler", __VERSION__, "cores",
+                     omp_get_num_procs(), "threads", omp_get_max_threads(), "mhz", mhz, "cache_kib", caches,
+                     "memory_mb", pages > 0 && page > 0 ? 1e-6 * (double)pages * (double)page : 0, "load_average", load,
+                     "kernels", nqm_kernels_selected(), "build", nqm_build_info(), "openmp", openmp_json());
 }
 
 static json_t *row_json(const nqm_bench_row *row) {
@@ -104,12 +115,11 @@ typedef struct table {
 static const table tables[] = {
     {"peak",
      "Peaks of arithmetic",
-     {TEXT("kernels", "kernels"), TEXT("precision", "precision"), TEXT("threads", "threads"),
+     {TEXT("unit", "unit"), TEXT("precision", "precision"), TEXT("", "name"), TEXT("threads", "threads"),
       NUMBER("best, GFLOP/s", "peak_gflops", 3), NUMBER("median, GFLOP/s", "peak_median_gflops", 3)}},
     {"peak",
      "Peaks of reading memory",
-     {TEXT("kernels", "kernels"),
-      NUMBER("MB", "megabytes", 3),
+     {NUMBER("MB", "megabytes", 3),
       TEXT("threads", "threads"),
       NUMBER("best, GB/s", "peak_gb_per_s", 3),
       {"median, GB/s", "megabytes", .divisor = "seconds_median", .factor = 1e-3, .n_digits = 3}}},
@@ -117,7 +127,7 @@ static const table tables[] = {
      "Matrix products",
      {TEXT("kernels", "kernels"), TEXT("product", NULL), TEXT("batch", "batch"), TEXT("m x n x k", NULL),
       TEXT("precision", "precision"), TEXT("by", "by"), NUMBER("GFLOP/s", "gflops", 3), NUMBER("GB/s", "gb_per_s", 3),
-      NUMBER("of the peak", "ratio", 3), MEDIAN_COLUMN}},
+      NUMBER("of the peak", "ratio", 3), TEXT("peak of", "unit"), MEDIAN_COLUMN}},
     {"train",
      "Training",
      {TEXT("recipe", "model"),

@@ -227,6 +227,8 @@ int cmd_eval(int argc, char **argv) {
     strcpy(list, a.models);
     open_models(&run, list);
     free(list);
+    for (size_t i = 0; i < run.n_models; ++i)
+        report_choice(run.models[i], run.precision);
     a.options.progress = show_progress;
     open_pairs(&run, &a, &a.options);
     evaluate(&run, &a, &a.options, by);

@@ -56,9 +56,11 @@ static void compare_terms(const batch_output *out, const char *line, const json_
     const char *key;
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)terms, key, value) {
-        if (!json_equal(value, json_object_get(before, key)))
-            stop(EXIT_INCOMPATIBLE, "%s was begun with another %s: --resume needs the same; remove it to start again",
-                 out->part, key);
+        const json_t *was = json_object_get(before, key);
+        if (!json_equal(value, was))
+            stop(EXIT_INCOMPATIBLE,
+                 "%s was begun with another %s%s%s: --resume needs the same; remove it to start again", out->part, key,
+                 json_is_string(was) ? ", " : "", json_is_string(was) ? json_string_value(was) : "");
     }
     json_decref(before);
 }

@@ -43,11 +43,12 @@ static batch_format choose_format(bool json, bool json_lines, const char *output
 static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
-    json_t *terms = json_pack(
-        "{s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256, "model",
-        info.sha256, "--root", json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid],
-        "--min-valid", run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
-        "--metrics", run->options.metrics ? "any" : "none");
+    json_t *terms =
+        json_pack("{s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256,
+                  "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
+                  nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
+                  "--precision", nqm_precision_name(choose_precision(run->form.model, run->options.precision)),
+                  "--metrics", run->options.metrics ? "any" : "none");
     free(folder);
     return terms;
 }
@@ -163,7 +164,9 @@ static bool is_standard(const char *path) {
     return path && strcmp(path, "-") == 0;
 }
 
-static void check_usage(const batch_arguments *a, ranks r) {
+static void check_usage(const batch_run *run, const batch_arguments *a, ranks r) {
+    if (a->work && run->options.precision == NQM_PRECISION_AUTO)
+        stop(EXIT_USAGE, "--work with --precision auto: processes may choose differently; name a precision");
     if ((!a->output || is_standard(a->output)) + is_standard(a->junit) + is_standard(a->markdown) > 1)
         stop(EXIT_USAGE, "two results cannot both go to standard output: give -o FILE");
     if (r.count > 1 && !a->work)
@@ -184,6 +187,7 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     nqm_model *model = open_model(a->model);
     check_gate(&run->form.gate, model);
     must(nqm_pair_list_load(a->list, &run->list, &err), &err);
+    report_choice(model, run->options.precision);
     must(nqm_scorer_create(model, &run->options, &run->scorer, &err), &err);
     const char *stream = stream_name(a->list, &(size_t){0});
     run->list_name = *stream ? stream : a->list;
@@ -267,7 +271,7 @@ int cmd_batch(int argc, char **argv) {
     };
     parse_arguments(&cmd, argc, argv);
     a.list = argv[0];
-    check_usage(&a, r);
+    check_usage(&run, &a, r);
     if (r.rank > 0)
         set_progress(PROGRESS_NONE);
     run.form.format = choose_format(a.json, a.json_lines, a.output);
