@@ -56,8 +56,10 @@ nqm_status nqm_dataset_predict(const nqm_dataset_prediction *p, nqm_error *err) 
     nqm_predictor *predictor = NULL;
     if (m->directions->n != d->n_directions ||
         memcmp(m->directions->degrees, d->directions->degrees, 3 * d->n_directions * sizeof(double)) != 0)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "model '%s' uses other directions (%zu) than the dataset (%zu)",
-                        m->id, m->directions->n, d->n_directions);
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "model '%s' uses %zu directions (identity %s), the dataset %zu other ones (identity %s)", m->id,
+                        m->directions->n, nqm_directions_id(m->directions), d->n_directions,
+                        nqm_directions_id(d->directions));
     uint8_t *used = nqm_alloc(NQM_PREDICT_BATCH, d->n_directions);
     nqm_status status = used ? nqm_predictor_create(m, p->precision, NQM_PREDICT_BATCH, &predictor, err)
                              : nqm_fail_nomem(err, NQM_PREDICT_BATCH * d->n_directions);

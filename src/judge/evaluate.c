@@ -129,6 +129,18 @@ static void judge_apart(nqm_evaluation *ev) {
     }
 }
 
+static nqm_status fail_empty_split(const nqm_dataset *d, nqm_split split, nqm_error *err) {
+    const nqm_dataset_info info = nqm_dataset_get_info(d);
+    char text[120] = "";
+    size_t used = 0;
+    for (size_t s = NQM_SPLIT_TRAIN; s < NQM_SPLIT_ALL; ++s)
+        if (info.n_pairs_in[s])
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu in '%s'", used ? ", " : "",
+                                     info.n_pairs_in[s], nqm_split_words[s]);
+    return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no pair in the split '%s'; it has %s",
+                    nqm_split_words[split], used ? text : "none at all");
+}
+
 static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     predict_run run = {.ev = ev, .pairs = nqm_alloc(d->n_pairs, sizeof *run.pairs)};
@@ -138,7 +150,7 @@ static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm
         if (nqm_evaluation_in_split(d, i, o->split))
             run.pairs[run.n++] = i;
     if (status == NQM_OK && run.n == 0)
-        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no pair in this split");
+        status = fail_empty_split(d, o->split, err);
     for (size_t m = 0; status == NQM_OK && m < ev->n_models; ++m)
         status = predict_model(&run, m, err);
     if (status == NQM_OK)

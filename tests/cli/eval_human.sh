@@ -75,7 +75,13 @@ run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of a dataset"
 head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width,' || fail "CSV columns"
 
-# Errors.
+# Errors. Models with other directions, and splits without pairs: what is there, and the way out.
+run 5 eval "$dir/toy.safetensors" --model "$dir/model.safetensors" --split all
+says "toy.safetensors: model 'tiny' uses 60 directions (identity [0-9a-f]\{16\}), the dataset 16 other ones (identity [0-9a-f]\{16\}): .*--model none"
+run 5 eval --human "$dir/jod.csv" --model "$dir/model.safetensors,default"
+says "model 'default' uses 500 directions .* 60 other ones .*: judge this model in a call of its own"
+run 5 eval --human "$dir/jod.csv" --model none --split train
+says "jod.csv: the dataset has no pair in the split 'train'; it has 6 in 'test': --split selects"
 run 2 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --by kind
 says 'choices'
 run 2 eval --human "$dir/scores.csv" --labels x.csv --model none

@@ -137,15 +137,28 @@ static void open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options 
     run->order_margin = o->order_margin;
 }
 
+/* Stop because the models or the split do not fit the dataset, and say which options select others. */
+static _Noreturn void stop_incompatible(const eval_run *run, const nqm_eval_options *o, const char *message) {
+    const nqm_dataset_info info = nqm_dataset_get_info(run->dataset);
+    const bool is_empty = o->split == NQM_SPLIT_ALL ? info.n_pairs == 0 : info.n_pairs_in[o->split] == 0;
+    stop(EXIT_INCOMPATIBLE, "%s: %s: %s", run->dataset_path, message,
+         is_empty ? "--split selects another split, or all"
+         : run->human
+             ? "judge this model in a call of its own: the BRDFs are sampled at the directions of the first --model"
+             : "--model FILE judges a model with these directions, --model none the metrics alone");
+}
+
 static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
     nqm_error err = {0};
     if (run->is_choice && by)
         stop(EXIT_USAGE, "--by: choices have one table only");
     run->results = json_array();
     run->selections = json_object();
-    must(nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models, o, &run->evaluation,
-                               &err),
-         &err);
+    const nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models,
+                                                    o, &run->evaluation, &err);
+    if (status == NQM_ERR_INCOMPATIBLE)
+        stop_incompatible(run, o, err.message);
+    must(status, &err);
     run->n_predictors = nqm_evaluation_count(run->evaluation);
     if (run->is_choice)
         judge_choices(run, o, run->results);
