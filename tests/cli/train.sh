@@ -55,17 +55,36 @@ says 'dropout 0.1'
 run 5 train "$dir/other.safetensors" -o "$dir/c.safetensors" $small --checkpoint "$dir/c.checkpoint" --resume
 says 'another dataset'
 
-# Ctrl-C: exit code 130, no model, no unfinished files.
+# Ctrl-C: exit code 130, no model, no unfinished files. The log is there while the training runs, and stays; an error of a resumed
+# training keeps it, and a resumed training continues it.
 # shellcheck disable=SC2086
 "$tool" train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs 100000 --checkpoint "$dir/d.checkpoint" \
-    >"$dir/out" 2>"$dir/err" &
+    --log "$dir/d.csv" >"$dir/out" 2>"$dir/err" &
 until_written "$dir/d.checkpoint"
+until_written "$dir/d.csv"
 ctrl_c
 says 'interrupted'
 [ ! -e "$dir/d.safetensors" ] || fail "a model from an interrupted training"
 for file in "$dir"/*.part; do
     [ ! -e "$file" ] || fail "unfinished files lie about"
 done
+cp "$dir/d.csv" "$dir/stopped.csv"
+n=$(($(wc -l <"$dir/d.csv") - 1))
+[ $n -ge 1 ] || fail "no epoch in the log of a stopped training"
+# shellcheck disable=SC2086
+run 5 train "$dir/other.safetensors" -o "$dir/d.safetensors" $small --checkpoint "$dir/d.checkpoint" --resume --log "$dir/d.csv"
+cmp -s "$dir/d.csv" "$dir/stopped.csv" || fail "a training that cannot be resumed changes the log"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs $((n + 2)) --checkpoint "$dir/d.checkpoint" --resume \
+    --log "$dir/d.csv"
+[ "$(wc -l <"$dir/d.csv")" = $((n + 3)) ] || fail "the log of a resumed training"
+head -n $((n + 1)) "$dir/d.csv" | cmp -s - "$dir/stopped.csv" || fail "a resumed training does not continue the log"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs 1 --log "$dir/d.csv"
+[ "$(wc -l <"$dir/d.csv")" = 2 ] || fail "rows of an older training in the log"
+# shellcheck disable=SC2086
+[ ! -c /dev/full ] || run 3 train "$dir/toy.safetensors" -o "$dir/d.safetensors" $small --epochs 1 --log /dev/full
+run 3 train "$dir/toy.safetensors" -o "$dir/d.safetensors" --log "$dir/no/such/folder.csv"
 
 # Recipes: paper and notebook; the card describes the training.
 # shellcheck disable=SC2086

@@ -7,10 +7,12 @@
 #include "train/train.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <libgen.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Values from the command line. */
@@ -39,8 +41,8 @@ static const char *find_recipe(int argc, char **argv) {
 
 /* Check before hours of training that outputs can be written and that no checkpoint would be overwritten. */
 static void check_places(const train_arguments *a) {
-    const char *paths[] = {a->output, a->options.run.checkpoint};
-    for (size_t i = 0; i < 2; ++i) {
+    const char *paths[] = {a->output, a->options.run.checkpoint, a->log};
+    for (size_t i = 0; i < 3; ++i) {
         char *copy = paths[i] && strcmp(paths[i], "-") != 0 ? strdup(paths[i]) : NULL;
         if (!copy)
             continue;
@@ -59,9 +61,39 @@ static void check_places(const train_arguments *a) {
 /* ---- training ---------------------------------------------------------------------------------------------------- */
 
 typedef struct epoch_log {
-    const char *id;
+    const char *id, *path;
     FILE *stream; /* NULL: none */
+    bool is_file;
 } epoch_log;
+
+/* The log is written in place, so that it can be followed and a stopped training leaves it. A resumed training keeps the old file and
+ * writes the epochs of the checkpoint again, which are the same lines. */
+static void open_log(epoch_log *log, bool resume) {
+    struct stat facts;
+    log->stream = stdout;
+    if (strcmp(log->path, "-") != 0) {
+        const int fd = open(log->path, O_WRONLY | O_CREAT | O_CLOEXEC | (resume ? 0 : O_TRUNC), 0666);
+        log->stream = fd < 0 ? NULL : fdopen(fd, "w");
+        if (!log->stream)
+            stop(EXIT_OPEN, "%s: cannot write: %s", log->path, strerror(errno));
+        log->is_file = fstat(fd, &facts) == 0 && S_ISREG(facts.st_mode);
+    }
+    fputs("epoch,train_loss,validation_loss,lr_first\n", log->stream);
+    fflush(log->stream);
+}
+
+/* Write what is buffered, and remove what an earlier training wrote further on. */
+static bool flush_log(const epoch_log *log) {
+    return fflush(log->stream) == 0 && (!log->is_file || ftruncate(fileno(log->stream), ftello(log->stream)) == 0);
+}
+
+static void close_log(epoch_log *log) {
+    if (!log->stream)
+        return;
+    const bool is_complete = flush_log(log) && !ferror(log->stream);
+    if ((log->stream != stdout && fclose(log->stream) != 0) || !is_complete)
+        stop(EXIT_OPEN, "%s: cannot write: %s", log->path, strerror(errno));
+}
 
 static void on_epoch(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
     epoch_log *log = user;
@@ -69,7 +101,7 @@ static void on_epoch(void *user, size_t epoch, double train_loss, double validat
     if (!log->stream)
         return;
     fprintf(log->stream, "%zu,%.9g,%.9g,%.9g\n", epoch, train_loss, validation_loss, lr_first);
-    fflush(log->stream);
+    flush_log(log); /* close_log() reports errors, when the model is saved */
 }
 
 /* Train with progress on the terminal, write the losses of each epoch (a->log) and the model, and load the written file;
@@ -78,21 +110,18 @@ static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *da
     nqm_error err = {0};
     nqm_model *trained, *loaded = NULL;
     nqm_train_options o = a->options;
-    output_file log = {0};
-    if (a->log) {
-        open_output(a->log, &log);
-        fputs("epoch,train_loss,validation_loss,lr_first\n", log.stream);
-    }
-    epoch_log epochs = {o.id, log.stream};
+    epoch_log log = {.id = o.id, .path = a->log};
+    if (a->log)
+        open_log(&log, o.run.resume);
     o.run.progress = show_progress;
     o.run.epoch_done = on_epoch;
-    o.run.epoch_user = &epochs;
+    o.run.epoch_user = &log;
     must(nqm_train(dataset, &o, &trained, report_ret, &err), &err);
     must(nqm_model_save(trained, output_path(a->output), &err), &err);
     nqm_model_free(trained);
     if (strcmp(a->output, "-") != 0)
         must(nqm_model_load(a->output, &loaded, &err), &err);
-    close_output(&log);
+    close_log(&log);
     return loaded;
 }
 
@@ -133,7 +162,10 @@ int cmd_train(int argc, char **argv) {
     const option options[] = {
         {"output", 'o', OPTION_NEEDED, &a.output, "FILE", "the model file to write", 0, 0},
         {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
-        {"log", 0, OPTION_TEXT, &a.log, "CSV", "write the losses of each epoch", 0, 0},
+        {"log", 0, OPTION_TEXT, &a.log, "CSV",
+         "write the losses of each epoch as it ends (tail -f); a stopped training leaves them, a resumed one continues "
+         "them",
+         0, 0},
         {"card", 0, OPTION_TEXT, &a.card, "FILE", "Markdown to append to the model card", 0, 0},
         {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
         {0}};
