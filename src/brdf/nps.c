@@ -19,35 +19,45 @@
 enum { N_LATENTS = 7, N_IN = 4 + N_LATENTS, N_HIDDEN = 400, N_OUT = 3, N_LAYERS = 7 };
 enum { N_NUMBERS = (N_IN + 1) * N_HIDDEN + (N_LAYERS - 2) * (N_HIDDEN + 1) * N_HIDDEN + (N_HIDDEN + 1) * N_OUT };
 
+/* Floats from row to row of the activations. */
+enum { LD = (N_HIDDEN + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL + 16 };
+
 typedef struct nps {
     float latent[N_LATENTS];
-    nqm_map map; /* the decoder; weights (N_NUMBERS) in the order of the file */
+    float output[N_HIDDEN * NQM_PANEL]; /* weights of the last layer (in, NQM_PANEL): N_OUT columns, then zeros */
+    nqm_map map;                        /* the decoder; weights (N_NUMBERS) in the order of the file */
 } nps;
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/* Pairs per batch: large enough to amortise reading the weights, small enough for buffers on the stack. */
-enum { TILE = 32 };
+/* Pairs per batch: whole strips of the kernels, and all light directions of a point of a scene; buffers are on the stack. */
+enum { TILE = 11 * NQM_STRIP };
 
-/* y (n, n_out) = relu(x (n, n_in) w + b); returns the weights of the next layer. */
-static const float *apply_layer(size_t n, size_t n_in, size_t n_out, const float *w, const float *x, float *y) {
-    const float *b = w + n_in * n_out;
-    for (size_t i = 0; i < n; ++i)
-        memcpy(y + i * n_out, b, n_out * sizeof *y);
-    nqm_gemm g = {.m = n, .n = n_out, .k = n_in, .alpha = 1, .beta = 1, .a = x, .b = w, .c = y};
-    g.lda = n_in;
-    g.ldb = g.ldc = n_out;
-    nqm_kernels_get()->gemm(&g);
-    for (size_t i = 0; i < n * n_out; ++i)
-        y[i] = y[i] > 0 ? y[i] : 0;
-    return b + n_out;
+/* y (n, N_HIDDEN) = relu(x (n, n_in) w + b); returns the weights of the next layer. The last panel is half empty: there the
+ * product reads the first weights of the following row (or the biases) and writes columns that nobody reads. */
+static const float *apply_hidden(size_t n, size_t n_in, const float *w, const float *x, float *y) {
+    const float *restrict b = w + n_in * N_HIDDEN;
+    nqm_strided_product p = {.m = n, .k = n_in, .a = x, .lda = LD, .step = 1, .ldb = N_HIDDEN, .ldc = LD};
+    for (size_t column = 0; column < N_HIDDEN; column += NQM_PANEL) {
+        p.b = w + column;
+        p.c = y + column;
+        nqm_kernels_get()->strided_product(&p);
+    }
+    for (size_t i = 0; i < n; ++i) {
+        float *restrict row = y + i * LD;
+        for (size_t j = 0; j < N_HIDDEN; ++j) {
+            const float sum = row[j] + b[j];
+            row[j] = sum > 0 ? sum : 0;
+        }
+    }
+    return b + N_HIDDEN;
 }
 
 static void eval_tile(const nps *net, size_t n, const double *hd, double *rgb) {
-    float buffer[2][TILE * N_HIDDEN];
+    float buffer[2][TILE * LD];
     float *x = buffer[0], *y = buffer[1];
     for (size_t i = 0; i < n; ++i) {
-        float *row = x + i * N_IN;
+        float *row = x + i * LD;
         row[0] = (float)(0.5 * cos(2 * hd[3 * i + 2]) + 0.5);
         row[1] = (float)(0.5 * sin(2 * hd[3 * i + 2]) + 0.5);
         row[2] = (float)(hd[3 * i] / (NQM_PI / 2));
@@ -55,14 +65,18 @@ static void eval_tile(const nps *net, size_t n, const double *hd, double *rgb) {
         memcpy(row + 4, net->latent, sizeof net->latent);
     }
     const float *w = (const void *)net->map.data;
-    for (size_t layer = 0; layer < N_LAYERS; ++layer) {
-        w = apply_layer(n, layer == 0 ? N_IN : N_HIDDEN, layer == N_LAYERS - 1 ? N_OUT : N_HIDDEN, w, x, y);
+    for (size_t layer = 0; layer + 1 < N_LAYERS; ++layer) {
+        w = apply_hidden(n, layer == 0 ? N_IN : N_HIDDEN, w, x, y);
         float *swap = x;
         x = y;
         y = swap;
     }
-    for (size_t i = 0; i < n * N_OUT; ++i)
-        rgb[i] = expm1(expm1(expm1(expm1(0.15 * (double)x[i]))));
+    nqm_kernels_get()->strided_product(&(nqm_strided_product){
+        .m = n, .k = N_HIDDEN, .a = x, .lda = LD, .step = 1, .b = net->output, .ldb = NQM_PANEL, .c = y, .ldc = LD});
+    const float *b = w + N_HIDDEN * N_OUT;
+    for (size_t i = 0; i < n; ++i)
+        for (size_t c = 0; c < N_OUT; ++c)
+            rgb[N_OUT * i + c] = expm1(expm1(expm1(expm1(0.15 * fmax((double)(y[i * LD + c] + b[c]), 0)))));
 }
 
 static void nps_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
@@ -95,8 +109,12 @@ static nqm_status map_weights(const char *path, nps *net, nqm_error *err) {
                         "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map->n_bytes);
     nqm_map_expect(map, true);
     const float *weights = (const void *)map->data;
-    if (nqm_all_within(N_NUMBERS, weights, -FLT_MAX))
+    if (nqm_all_within(N_NUMBERS, weights, -FLT_MAX)) {
+        const float *output = weights + N_NUMBERS - (N_HIDDEN + 1) * N_OUT;
+        for (size_t k = 0; k < N_HIDDEN; ++k)
+            memcpy(net->output + k * NQM_PANEL, output + k * N_OUT, N_OUT * sizeof *output);
         return NQM_OK;
+    }
     size_t at = 4 * nqm_first_outside(N_NUMBERS, weights, -FLT_MAX);
     return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", path, at);
 }
