@@ -52,6 +52,8 @@ typedef struct nqm_scene_options {
                                cd/m2; default 200 */
     double peak_cdm2;  /**< peak luminance of the display, where Delta-E clips, 0.01 to 10000 cd/m2; default 1000 */
     uint64_t seed;     /**< of points and light directions; default 1 */
+    int exact; /**< 0 (default): BRDFs that are costly to evaluate (neural processes) are evaluated once into a table of
+                               180 x 32 x 12 nodes where that is less work; 1: always evaluated themselves */
     nqm_progress_fn
         progress; /**< called by nqm_scene_create() and nqm_scene_render(), on the calling thread; NULL (default):
                                  silent */

@@ -164,8 +164,8 @@ class SceneOptions(Structure):
     _fields_ = [("scene", c_int), ("light", c_char_p), ("shape", c_char_p), ("width", c_size_t), ("height", c_size_t),
                 ("n_points", c_size_t), ("n_frames", c_size_t), ("turn_rad", c_double), ("elevation_rad", c_double),
                 ("n_lights", c_size_t), ("light_width", c_size_t), ("shadows", c_int), ("interreflection", c_int),
-                ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("seed", c_uint64), ("progress", Progress),
-                ("progress_user", c_void_p)]
+                ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("seed", c_uint64), ("exact", c_int),
+                ("progress", Progress), ("progress_user", c_void_p)]
 
 
 class DatasetInfo(Structure):

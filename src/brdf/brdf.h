@@ -16,6 +16,7 @@
 typedef struct nqm_brdf_class {
     const char *format; /**< short name, as in nqm_brdf_info.format */
     int reciprocal;     /**< 1 when reciprocal by construction */
+    bool is_costly;     /**< a pair takes 10 us or more: many pictures or points are made from a table */
 
     /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut)
      * or not finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats stored in half-vector
@@ -127,8 +128,20 @@ nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brd
  *  which are freed on failure too. */
 nqm_status nqm_between_wrap(const char *settings, nqm_brdf *of, nqm_brdf *with, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** Sample `brdf` into a table of 90 x 46 x 24 nodes; see fold.c. */
-NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_brdf **table_ret, nqm_error *err);
+/** Nodes of a table (nqm_table_create()). */
+typedef struct nqm_table_size {
+    size_t n_h, n_d, n_p; /**< n_d n_p: at most NQM_TABLE_SLICE */
+} nqm_table_size;
+
+enum { NQM_TABLE_SLICE = 46 * 24 };
+/** Of corpora and exported tables. */
+static const nqm_table_size nqm_table_general = {90, 46, 24};
+/** Of pictures: twice as dense in theta_h, where highlights are narrow. */
+static const nqm_table_size nqm_table_picture = {180, 32, 12};
+
+/** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,
+                                            nqm_brdf **table_ret, nqm_error *err);
 /** `brdf` evaluated in half-vector coordinates at phi_d in [0, pi) only, which makes it reciprocal. The result owns
  *  `brdf` if `owned` (it is freed also on failure), otherwise it borrows it. */
 NQM_MUST_CHECK nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);

@@ -91,7 +91,7 @@ static void nps_free(void *self) {
 }
 
 static const nqm_brdf_class nps_class = {
-    .format = "nps", .reciprocal = 1, .eval_half_diff = nps_eval_half_diff, .free = nps_free};
+    .format = "nps", .reciprocal = 1, .is_costly = true, .eval_half_diff = nps_eval_half_diff, .free = nps_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 

@@ -69,7 +69,7 @@ nqm_status nqm_npy_write_brdf(const nqm_brdf *brdf, const char *path, nqm_error 
     if (strcmp(brdf->info.format, "table") == 0)
         return write_table(brdf, path, err);
     nqm_brdf *table;
-    nqm_status status = nqm_brdf_tabulate(brdf, &table, err);
+    nqm_status status = nqm_brdf_tabulate(brdf, nqm_table_general, NULL, &table, err);
     if (status != NQM_OK)
         return status;
     status = write_table(table, path, err);

@@ -189,8 +189,8 @@ void nqm_corpus_view_free(nqm_corpus_view *view);
 /** Sample and render view->brdf. */
 NQM_MUST_CHECK nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_view *view,
                                                nqm_error *err);
-/** Open a form as the corpus uses it, as reference, test and base of perturbations. */
-NQM_MUST_CHECK nqm_status nqm_corpus_open(const char *path, nqm_brdf **brdf_ret, nqm_error *err);
+/** Open a form as the corpus uses it, as reference, test and base of perturbations. exact: costly BRDFs do not become tables. */
+NQM_MUST_CHECK nqm_status nqm_corpus_open(const char *path, bool exact, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** The views of all references of a list, each made when it is first needed. */
 typedef struct nqm_corpus_cache nqm_corpus_cache;

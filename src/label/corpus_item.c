@@ -38,7 +38,7 @@ static nqm_status open_preset(const job *j, size_t form) {
     view *v = &j->presets[form];
     nqm_status status = nqm_corpus_view_alloc(j->context, v, j->err);
     if (status == NQM_OK)
-        status = nqm_corpus_open(j->item->plan.forms[form].path, &v->brdf, j->err);
+        status = nqm_corpus_open(j->item->plan.forms[form].path, j->context->options->scene.exact, &v->brdf, j->err);
     return status == NQM_OK ? nqm_corpus_view_fill(j->context, v, j->err) : status;
 }
 

@@ -7,7 +7,6 @@
 #include "label/corpus.h"
 
 #include <pthread.h>
-#include <string.h>
 
 nqm_status nqm_corpus_view_alloc(const nqm_corpus_context *context, nqm_corpus_view *view, nqm_error *err) {
     size_t n = nqm_directions_count(context->directions), n_points = nqm_scene_count(context->scene);
@@ -31,13 +30,13 @@ nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_vi
 
 /* Decoders of neural processes become tables, because dozens of copies are rendered; other forms are folded, because sampling
  * directions and perturbations use one half of the pairs. */
-nqm_status nqm_corpus_open(const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_corpus_open(const char *path, bool exact, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_brdf *form;
     nqm_status status = nqm_brdf_open(path, &form, err);
     if (status != NQM_OK)
         return status;
-    if (strcmp(nqm_brdf_get_info(form).format, "nps") == 0) {
-        status = nqm_brdf_tabulate(form, brdf_ret, err);
+    if (form->class_->is_costly && !exact) {
+        status = nqm_brdf_tabulate(form, nqm_table_general, NULL, brdf_ret, err);
         nqm_brdf_free(form);
         return status;
     }
@@ -84,7 +83,7 @@ void nqm_corpus_cache_free(nqm_corpus_cache *cache) {
 static nqm_status make_view(const nqm_corpus_context *context, size_t list_ref, nqm_corpus_view *view, nqm_error *err) {
     nqm_status status = nqm_corpus_view_alloc(context, view, err);
     if (status == NQM_OK)
-        status = nqm_corpus_open(context->list->refs[list_ref].path, &view->brdf, err);
+        status = nqm_corpus_open(context->list->refs[list_ref].path, context->options->scene.exact, &view->brdf, err);
     if (status == NQM_OK)
         status = nqm_corpus_view_fill(context, view, err);
     if (status != NQM_OK) {

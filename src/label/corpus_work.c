@@ -54,6 +54,8 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     hash_f64(sha, scene->elevation_rad);
     hash_f64(sha, scene->exposure_cdm2);
     hash_f64(sha, scene->peak_cdm2);
+    if (scene->exact)
+        hash_text(sha, "exact");
     for (size_t k = 0; k < context->models.n; ++k)
         hash_text(sha, context->models.name[k]);
     for (size_t k = 0; k < 2; ++k)

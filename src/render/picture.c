@@ -2,6 +2,7 @@
  *
  * Pictures of a scene: the light reflected by a BRDF at every point, and the background.
  */
+#include "brdf/brdf.h"
 #include "math/math.h"
 #include "render/render.h"
 
@@ -83,9 +84,22 @@ static nqm_status render(const nqm_scene *scene, const nqm_brdf *brdf, nqm_ticke
     return NQM_OK;
 }
 
+bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf) {
+    const size_t n_nodes = nqm_table_picture.n_h * nqm_table_picture.n_d * nqm_table_picture.n_p;
+    return !scene->options.exact && brdf->class_->is_costly &&
+           scene->seen.n > n_nodes / scene->options.n_lights; /* fewer directions than nodes: a table would cost more */
+}
+
 nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
     const nqm_scene_options *o = &scene->options;
     nqm_ticker whole = {.fn = o->progress, .user = o->progress_user};
+    if (nqm_scene_tabulates(scene, brdf)) {
+        nqm_brdf *table;
+        nqm_status made = nqm_brdf_tabulate(brdf, nqm_table_picture, &whole, &table, err);
+        made = made == NQM_OK ? nqm_scene_render(scene, table, rgb_cdm2, err) : made;
+        nqm_brdf_free(table);
+        return made;
+    }
     nqm_status status = scene->n_parts ? NQM_OK : render(scene, brdf, &whole, rgb_cdm2, err);
     for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
         nqm_scene_part place = {o, p};

@@ -28,6 +28,9 @@ size_t nqm_scene_frames(const nqm_scene_options *options);
  *  for scenes with a width. */
 void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2);
 
+/** Whether nqm_scene_render() makes the picture of this BRDF from a table of its values (nqm_table_picture). */
+bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf);
+
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
 enum { NQM_GLOW_WIDTH = 64, NQM_LIGHT_WIDTH = 256, NQM_LIGHT_STEP = 16, NQM_LIGHT_MAX_WIDTH = 4096 };

@@ -31,6 +31,7 @@ awk -v got="$(number delta_e_itp 1)" 'BEGIN {
     error = got - 720 * (p1 - p2)
     exit !(error < 0.01 && error > -0.01)}' || fail "Delta-E of two greys is $(number delta_e_itp 1)"
 [ "$(number delta_e_itp 2)" = 0.0 ] || fail "equal BRDFs differ"
+grep -A1 '"tabulated"' "$dir/out" | grep -q '"reference": false' || fail "an analytic reference is tabulated: $(cat "$dir/out")"
 [ "$(number jod 2)" = 10.0 ] || fail "equal BRDFs have no JOD of 10"
 
 # The same bytes for 1 and 2 threads; text, CSV and plain values; another seed changes the result slightly.

@@ -237,7 +237,7 @@ static void a_seed_is_a_plan(void **state) {
 static void a_table_reads_like_its_source(void **state) {
     (void)state;
     nqm_brdf *source = open_brdf("ggx:kd=0.3,0.1,0;ks=1;alpha=0.1;f0=0.04"), *table;
-    assert_int_equal(nqm_brdf_tabulate(source, &table, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_tabulate(source, nqm_table_general, NULL, &table, NULL), NQM_OK);
     nqm_rng rng = nqm_rng_make(7, 0);
     double sum = 0;
     size_t n = 0;

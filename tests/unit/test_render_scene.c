@@ -46,13 +46,21 @@ static void gloss_eval(const void *self, size_t n, const double *wi, const doubl
 
 static const nqm_brdf_class gloss_class = {.format = "gloss", .reciprocal = 1, .eval = gloss_eval, .free = nqm_free};
 
-static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
+/* The same BRDF, declared as costly: pictures come from a table. */
+static const nqm_brdf_class costly_class = {
+    .format = "costly", .reciprocal = 1, .is_costly = true, .eval = gloss_eval, .free = nqm_free};
+
+static nqm_brdf *make_gloss_of(const nqm_brdf_class *class_, double albedo, double specular, double alpha) {
     gloss *g = nqm_alloc(1, sizeof *g);
     assert_non_null(g);
     *g = (gloss){albedo, specular, alpha};
     nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_wrap(&gloss_class, g, &(nqm_brdf_info){.name = "gloss"}, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_wrap(class_, g, &(nqm_brdf_info){.name = "gloss"}, &brdf, NULL), NQM_OK);
     return brdf;
+}
+
+static nqm_brdf *make_gloss(double albedo, double specular, double alpha) {
+    return make_gloss_of(&gloss_class, albedo, specular, alpha);
 }
 
 /* ---- lights and scenes ------------------------------------------------------------------------------------------- */
@@ -403,6 +411,47 @@ static void brighter_than_the_display_is_clipped(void **state) {
 }
 
 /* The paper's scene sets the number of frames only, unless it is given. */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
+
+/* Stop at the first report of the making of a table. */
+static int stop_table(void *user, const char *stage, double done, double total) {
+    (void)user, (void)done, (void)total;
+    return strcmp(stage, "table") == 0;
+}
+
+static void costly_brdfs_are_tabulated(void **state) {
+    (void)state;
+    nqm_scene_options o = nqm_scene_options_default();
+    o.light = "studio";
+    o.n_points = 700; /* times 128 directions: more than the table's 69,120 nodes */
+    nqm_brdf *plain = make_gloss(0.2, 0.5, 0.1), *costly = make_gloss_of(&costly_class, 0.2, 0.5, 0.1);
+    nqm_scene *scene = make_scene(&o);
+    o.exact = 1;
+    nqm_scene *exact = make_scene(&o);
+    assert_true(nqm_scene_tabulates(scene, costly));
+    assert_false(nqm_scene_tabulates(scene, plain));
+    assert_false(nqm_scene_tabulates(exact, costly));
+    double *a = render_scene(exact, plain), *b = render_scene(exact, costly), *c = render_scene(scene, costly);
+    assert_memory_equal(a, b, 3 * nqm_scene_count(exact) * sizeof *a);
+    const double delta_e = nqm_scene_compare(exact, a, c).delta_e;
+    assert_true(delta_e > 0 && delta_e < 0.3);
+    o.exact = 0;
+    o.n_points = 500;
+    nqm_scene *few = make_scene(&o);
+    assert_false(nqm_scene_tabulates(few, costly));
+    o.n_points = 700;
+    o.progress = stop_table;
+    nqm_scene *stopping = make_scene(&o);
+    assert_int_equal(nqm_scene_render(stopping, costly, c, NULL), NQM_ERR_CANCELLED);
+    for (int i = 0; i < 4; ++i)
+        nqm_scene_free((nqm_scene *[]){scene, exact, few, stopping}[i]);
+    nqm_brdf_free(plain);
+    nqm_brdf_free(costly);
+    nqm_free(a);
+    nqm_free(b);
+    nqm_free(c);
+}
+
 static void paper_scene_has_eight_frames(void **state) {
     (void)state;
     nqm_scene_options o = nqm_scene_options_default();
@@ -464,6 +513,7 @@ int main(void) {
         cmocka_unit_test(labels_repeat),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(brighter_than_the_display_is_clipped),
+        cmocka_unit_test(costly_brdfs_are_tabulated),
         cmocka_unit_test(paper_scene_has_eight_frames),
         cmocka_unit_test(bad_options_and_lights),
         cmocka_unit_test(out_of_memory),

@@ -15,7 +15,7 @@ typedef struct render_run {
     nqm_scene_options scene;
     size_t supersample;
     backdrop backdrop;
-    bool json;
+    bool json, is_tabulated;
     nqm_scene *made;
     double *rgb_cdm2, *blank, *picture; /* (points, 3), (height, width, 3) twice */
 } render_run;
@@ -82,14 +82,14 @@ static void run_render(render_run *run) {
     run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
     const canvas first = one_frame(&run->scene, 0);
     run->blank = make_backdrop(run->made, &first, run->backdrop);
-    must(render_brdf(run->made, run->brdf, run->rgb_cdm2, &err), &err);
+    must(render_brdf(run->made, run->brdf, run->rgb_cdm2, &run->is_tabulated, &err), &err);
     end_progress();
     json_t *files = json_array();
     write_frames(run, files);
     if (run->json)
-        print_document(json_pack("{s:o,s:o,s:I,s:o,s:O}", "brdf", json_name(run->brdf), "scene",
-                                 json_scene(&run->scene), "supersample", (json_int_t)run->supersample, "luminance_cdm2",
-                                 json_light(run), "files", files));
+        print_document(json_pack("{s:o,s:b,s:o,s:I,s:o,s:O}", "brdf", json_name(run->brdf), "tabulated",
+                                 run->is_tabulated, "scene", json_scene(&run->scene), "supersample",
+                                 (json_int_t)run->supersample, "luminance_cdm2", json_light(run), "files", files));
     json_decref(files);
     nqm_scene_free(run->made);
     free(run->rgb_cdm2);

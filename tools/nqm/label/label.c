@@ -7,13 +7,14 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
     item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan};
     item->jod = nan;
     item->rgb_cdm2 = allocate(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
-    return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->err);
+    return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->is_tabulated, &item->err);
 }
 
 /* Render item i and compare it with its reference. Errors of tests are stored in the item. */
@@ -37,7 +38,7 @@ static nqm_status label_item_at(label_run *run, size_t i) {
 /* The progress of one picture as that of the run. */
 static int show_label_progress(void *user, const char *stage, double done, double total) {
     const label_run *run = user;
-    if (!run->scene)
+    if (!run->scene || strcmp(stage, "table") == 0)
         return show_progress(NULL, stage, done, total);
     return show_progress(NULL, "label", (double)run->n_done + done / total, (double)run->n_items);
 }
@@ -89,10 +90,12 @@ json_t *json_labels(const label_run *run) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i))
             continue;
-        json_t *result = json_pack(
-            "{s:o,s:o,s:o,s:o,s:o,s:o}", "test", json_name(item->name), "name", json_name(item->shown), "delta_e_itp",
-            json_number(item->label.delta_e), "jod", json_number(item->jod), "parts", json_label_parts(&item->label),
-            "reference_luminance_cdm2", json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)));
+        json_t *result =
+            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name), "name",
+                      json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e), "jod",
+                      json_number(item->jod), "parts", json_label_parts(&item->label), "reference_luminance_cdm2",
+                      json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "tabulated", "reference",
+                      run->items[item->reference].is_tabulated, "test", item->is_tabulated);
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));
         if (item->err.status != NQM_OK)

@@ -15,7 +15,8 @@ typedef struct label_item {
     nqm_label label;   /* its values are NaN for references and for tests that could not be rendered, */
     double jod;        /* as this one is */
     nqm_error err;
-    double *rgb_cdm2; /* (points, 3); NULL after it has been compared, unless keep_rgb */
+    bool is_tabulated; /* the picture was made from a table of the BRDF's values */
+    double *rgb_cdm2;  /* (points, 3); NULL after it has been compared, unless keep_rgb */
 } label_item;
 
 typedef struct label_run {

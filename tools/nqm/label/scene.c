@@ -124,9 +124,16 @@ void draw_map(const nqm_scene *scene, const canvas *c, const double *values, dou
     }
 }
 
-nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, nqm_error *err) {
+nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, bool *is_tabulated, nqm_error *err) {
+    static bool is_said;
     nqm_brdf *brdf;
     nqm_status status = nqm_brdf_open(name, &brdf, err);
+    *is_tabulated = status == NQM_OK && nqm_scene_tabulates(scene, brdf);
+    if (*is_tabulated && !is_said)
+        report(EXIT_OK,
+               "neural processes are evaluated once into a table, which the pictures interpolate (--exact: they "
+               "are evaluated for every light direction)");
+    is_said = is_said || *is_tabulated;
     if (status == NQM_OK)
         status = nqm_scene_render(scene, brdf, rgb_cdm2, err);
     nqm_brdf_free(brdf);
