@@ -9,7 +9,7 @@ seconds=${1:-60}
 [ $# = 0 ] || shift
 if ! command -v clang >/dev/null 2>&1; then
     echo "fuzzing needs clang with libFuzzer and OpenMP (Debian: clang libomp-dev)" >&2
-    exit 1
+    exit 77
 fi
 [ -f build-fuzz/build.ninja ] || cmake -S . -B build-fuzz -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_FUZZ=ON \
     -DNQM_SANITIZE=address,undefined,fuzzer-no-link >/dev/null

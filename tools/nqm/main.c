@@ -1,11 +1,36 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm - predicts how good a BRDF approximation looks compared with its reference. This file calls the verb.
+ * nqm - predicts how good a BRDF approximation looks compared with its reference. This file prepares the process and calls the
+ * verb.
  */
 #include "nqm/help.h"
 
+#include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* Open closed standard streams, in the direction in which using them fails as before. Otherwise a file that a verb opens gets the
+ * number of standard error, and messages are written into it. */
+static void reserve_standard_streams(void) {
+    static const int modes[] = {O_WRONLY, O_RDONLY, O_RDONLY};
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
+        if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", modes[fd]) != fd)
+            exit(EXIT_OPEN);
+}
+
+/* Some functions have arrays of 300 KB. Threads get the same limit as the process. */
+static int check_stack(void) {
+    enum { LEAST_KB = 1024 };
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= (rlim_t)LEAST_KB * 1024)
+        return EXIT_OK;
+    fprintf(stderr, "nqm: the stack is limited to %lu KB and needs %d: ulimit -s %d\n",
+            (unsigned long)(limit.rlim_cur / 1024), LEAST_KB, LEAST_KB);
+    return EXIT_LIMIT;
+}
 
 /* NQM_KERNELS=NAME selects the kernels, instead of the best ones, for tests and comparisons. */
 static int choose_kernels(void) {
@@ -22,7 +47,11 @@ static int choose_kernels(void) {
 
 int main(int argc, char **argv) {
     static char help[] = "help";
+    reserve_standard_streams();
+    signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f` is an error of writing, which is reported and cleans up */
     catch_interrupt();
+    if (check_stack() != EXIT_OK)
+        return EXIT_LIMIT;
     if (choose_kernels() != EXIT_OK)
         return EXIT_USAGE;
     if (argc < 2) {
