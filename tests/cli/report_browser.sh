@@ -1,16 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm report in a headless browser without network: the page shows the JOD, text and pictures are visible and fit the
-# width of a desktop and of a phone, and printing gives the expected number of sheets.
+# width of a desktop and of a phone, a dark screen has a dark page, and each test is printed on one sheet, A4 or Letter.
 # Skipped without Chromium or xmllint, and under sanitizers, where the page has the same bytes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 [ -z "${NQM_SANITIZE:-}" ] || exit 77
 { [ -n "$browser" ] && command -v xmllint >/dev/null; } || exit 77
-"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
 page=$dir/page.html
-"$tool" report --model "$dir/model.safetensors" sgd:nickel ward:nickel "perturb:gloss=0.7;of=sgd:nickel" --size 120 -o "$page" 2>"$dir/err" || {
+"$tool" report sgd:nickel ward:nickel "perturb:gloss=0.7;of=sgd:nickel" --size 120 -o "$page" 2>"$dir/err" || {
     grep -q 'NQM_CAIRO is off' "$dir/err" || fail "no page"
     exit 77
 }
@@ -52,7 +51,18 @@ set -- $(colours "$dir/shot.png")
 [ "$1" -lt 500 ] || fail "$1 colours without pictures"
 mv "$dir/whole.html" "$page"
 
-# ---- printing: one sheet for the summary, one or two per test, one or two for the guide
-browse --no-pdf-header-footer --print-to-pdf="$dir/page.pdf" >/dev/null || fail "no print"
-sheets=$(grep -ac '/Type */Page\>' "$dir/page.pdf")
-{ [ "$sheets" -ge 4 ] && [ "$sheets" -le 7 ]; } || fail "$sheets sheets of paper"
+# ---- a dark screen: no white at the edge, the same pictures
+browse --blink-settings=preferredColorScheme=0 --window-size=1280,3000 --screenshot="$dir/shot.png" >/dev/null || fail "no picture of the screen"
+# shellcheck disable=SC2046
+set -- $(colours "$dir/shot.png")
+{ [ "$1" -gt 1000 ] && [ "$2" -lt 30 ] && [ "$3" = 0 ]; } || fail "dark: $1 colours, $2 % white, $3 white columns"
+
+# ---- printing: one sheet for the summary, one for each of the two tests, one for the guide
+mv "$page" "$dir/whole.html"
+for size in A4 letter; do
+    sed "s/@page{/@page{size:$size;/" "$dir/whole.html" >"$page"
+    cmp -s "$page" "$dir/whole.html" && fail "no @page"
+    browse --no-pdf-header-footer --print-to-pdf="$dir/page.pdf" >/dev/null || fail "no print"
+    sheets=$(grep -ac '/Type */Page\>' "$dir/page.pdf")
+    [ "$sheets" = 4 ] || fail "$sheets sheets of $size"
+done
