@@ -120,6 +120,8 @@ const nqm_bench_field nqm_bench_fields[] = {
     FIELD("times_floor", NUMBER, limits.times_floor),
     FIELD("times_alternative", NUMBER, times.times_alternative),
     FIELD("cpu_share", NUMBER, times.cpu_share),
+    FIELD("cpu_seconds", NUMBER, times.cpu),
+    FIELD("ratio_cpu", NUMBER, limits.ratio_cpu),
     FIELD("max_rss_mb", NUMBER, work.max_rss_mb),
     FIELD("train_loss", NUMBER, work.train_loss),
     FIELD("validation_loss", NUMBER, work.validation_loss),
@@ -200,6 +202,7 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *entry) {
     row->limits.floor_seconds = fmax(arithmetic, reading); /* fmax() ignores NaN */
     row->limits.ratio = row->limits.floor_seconds / row->times.best;
     row->limits.times_floor = row->times.best / row->limits.floor_seconds;
+    row->limits.ratio_cpu = row->limits.floor_seconds / row->times.cpu;
 }
 
 static nqm_bench_entry unit_entry(const nqm_bench_unit *unit) {
@@ -269,8 +272,12 @@ double nqm_bench_process_clock_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Mean seconds of a call in a round. */
-static double time_calls(const nqm_bench_contender *c, bool quick, double *cpu_s) {
+/* Mean seconds of a call, by the clock and by the processor time of all threads. */
+typedef struct duration {
+    double clock, cpu;
+} duration;
+
+static duration time_calls(const nqm_bench_contender *c, bool quick) {
     const double round_s = c->prepare ? 0 : quick ? 1e-3 : 1e-2; /* shortest time of a round */
     size_t n = 0;
     if (c->prepare)
@@ -281,12 +288,11 @@ static double time_calls(const nqm_bench_contender *c, bool quick, double *cpu_s
         ++n;
         now = nqm_clock_s();
     } while (now - begin < round_s);
-    *cpu_s += (nqm_bench_process_clock_s() - cpu_begin) / (double)n;
-    return (now - begin) / (double)n;
+    return (duration){(now - begin) / (double)n, (nqm_bench_process_clock_s() - cpu_begin) / (double)n};
 }
 
-/* Add an entry with the seconds (n) of its rounds, which are sorted, and their total processor time. */
-static nqm_status add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds, double cpu_s,
+/* Add an entry with the seconds (n) of its rounds by the clock and by processor time, both of which are sorted. */
+static nqm_status add_times(nqm_bench *bench, const nqm_bench_entry *entry, size_t n, double *seconds, double *cpu_s,
                             nqm_error *err) {
     nqm_bench_entry timed = *entry;
     nqm_bench_row *row = &timed.row;
@@ -294,30 +300,33 @@ static nqm_status add_times(nqm_bench *bench, const nqm_bench_entry *entry, size
     row->times.median = nqm_quantile(n, seconds, 0.5);
     row->times.best = seconds[0]; /* sorted now */
     row->times.worst = seconds[n - 1];
-    row->times.cpu_share = cpu_s / (double)n / nqm_mean(n, seconds) / (double)row->size.threads;
+    row->times.cpu_share = nqm_mean(n, cpu_s) / nqm_mean(n, seconds) / (double)row->size.threads;
+    row->times.cpu = nqm_quantile(n, cpu_s, 0) / (double)row->size.threads;
     return nqm_bench_add(bench, &timed, err);
 }
 
 nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
                           const nqm_bench_entry *entries, nqm_error *err) {
     const size_t rounds = bench->options.rounds;
-    double *seconds = nqm_alloc(n * (rounds + 1), sizeof *seconds);
+    double *seconds = nqm_alloc(2 * n * rounds, sizeof *seconds);
     if (!seconds)
-        return nqm_fail_nomem(err, n * rounds * sizeof *seconds);
+        return nqm_fail_nomem(err, 2 * n * rounds * sizeof *seconds);
     double *cpu_s = seconds + n * rounds;
     nqm_status status = NQM_OK;
     for (size_t i = 0; i < n; ++i)
         contenders[i].run(contenders[i].user); /* warm up */
     for (size_t round = 0; round < rounds && status == NQM_OK; ++round) {
         for (size_t i = 0; i < n; ++i) {
-            seconds[i * rounds + round] = time_calls(&contenders[i], bench->options.quick, &cpu_s[i]);
+            const duration d = time_calls(&contenders[i], bench->options.quick);
+            seconds[i * rounds + round] = d.clock;
+            cpu_s[i * rounds + round] = d.cpu;
             nqm_bench_sample(bench, entries[i].peak);
             nqm_bench_sample(bench, entries[i].read);
         }
         status = nqm_bench_step(bench, entries[0].row.bench, err);
     }
     for (size_t i = 0; i < n && status == NQM_OK; ++i)
-        status = add_times(bench, &entries[i], rounds, seconds + i * rounds, cpu_s[i], err);
+        status = add_times(bench, &entries[i], rounds, seconds + i * rounds, cpu_s + i * rounds, err);
     nqm_free(seconds);
     return status;
 }

@@ -58,6 +58,7 @@ typedef struct nqm_bench_row {
         double ms_per_pair;         /* best / pairs */
         double times_alternative;   /* time of the alternative / best */
         double cpu_share;           /* processor time / (time * threads); below 1: waiting, or other programs ran */
+        double cpu; /* least processor time of the rounds / threads, seconds: hardly changed by other programs */
     } times;
     struct nqm_bench_work {
         double gflop;                       /* 1e9 operations; a multiplication and an addition are two */
@@ -75,6 +76,7 @@ typedef struct nqm_bench_row {
         double floor_f32_seconds; /* bf16: gflop at the float peak, shorter if bf16 is slower than float */
         double ratio;             /* floor_seconds / best; 1: at the limit of the machine */
         double times_floor;       /* best / floor_seconds */
+        double ratio_cpu;         /* floor_seconds / cpu */
     } limits;
 } nqm_bench_row;
 

@@ -64,6 +64,7 @@ static void fill_row(nqm_bench_row *row, const nqm_train_options *o, const nqm_t
     row->size.pairs = report->n_train;
     row->times.best = seconds;
     row->times.cpu_share = cpu_s / seconds / (double)row->size.threads;
+    row->times.cpu = cpu_s / (double)row->size.threads;
     const double epochs = (double)o->optimiser.epochs;
     row->times.median = epochs * nqm_quantile(o->optimiser.epochs, w->epoch_s, 0.5);
     row->times.best_epoch = w->epoch_s[0]; /* sorted now */
