@@ -37,12 +37,18 @@ static void evaluate(const nqm_brdf *brdf) {
     }
 }
 
-void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *member) {
-    char argument[64];
+int fuzz_file(const uint8_t *data, size_t n_bytes, char path[FUZZ_PATH]) {
     int fd = memfd_create("fuzz", MFD_CLOEXEC);
     need(fd >= 0 && write(fd, data, n_bytes) == (ssize_t)n_bytes, "memory file");
+    snprintf(path, FUZZ_PATH, "/proc/self/fd/%d", fd);
+    return fd;
+}
+
+void fuzz_brdf(const uint8_t *data, size_t n_bytes, size_t n_file, const char *member) {
+    char argument[FUZZ_PATH + 32], path[FUZZ_PATH];
+    const int fd = fuzz_file(data, n_bytes, path);
     need(n_file <= n_bytes || ftruncate(fd, (off_t)n_file) == 0, "memory file");
-    snprintf(argument, sizeof argument, "/proc/self/fd/%d%s", fd, member);
+    snprintf(argument, sizeof argument, "%s%s", path, member);
     nqm_brdf *brdf = NULL;
     nqm_error err = {0};
     nqm_status status = nqm_brdf_open(argument, &brdf, &err);

@@ -25,6 +25,10 @@ static inline blob blob_of(size_t n, const char *bytes) {
     return b;
 }
 
+enum { FUZZ_PATH = 32 };
+/** Write the bytes to a file in memory. Returns its descriptor, which the caller closes. */
+int fuzz_file(const uint8_t *data, size_t n_bytes, char path[FUZZ_PATH]);
+
 /**
  * Open the bytes as a BRDF file and, if that succeeds, evaluate it at directions of the whole hemisphere: values must
  * be finite and not negative; a failure must create no object and set a message.

@@ -15,6 +15,21 @@ fi
     -DNQM_SANITIZE=address,undefined,fuzzer-no-link >/dev/null
 cmake --build build-fuzz --target fuzz
 
+# dictionary NAME: the option with the words of the target's format.
+dictionary() {
+    case $1 in
+    fuzz_csv | fuzz_listed | fuzz_human | fuzz_columns | fuzz_material_list) words=csv ;;
+    fuzz_pair_list | *_gltf | *_json) words=json ;;
+    *_xml | fuzz_materialx) words=xml ;;
+    *_pbrt) words=pbrt ;;
+    fuzz_mesh_*) words=mesh ;;
+    fuzz_spec) words=spec ;;
+    fuzz_safetensors | fuzz_npy | fuzz_model* | fuzz_dataset | fuzz_dictionary | fuzz_hyper) words=tensors ;;
+    *) return ;;
+    esac
+    echo "-dict=fuzz/dictionaries/$words.dict"
+}
+
 [ $# != 0 ] || set -- fuzz/fuzz_*.c
 for target; do
     name=$(basename "$target" .c)
@@ -23,7 +38,8 @@ for target; do
     "build-fuzz/tests/seed_$name" --seed "$corpus/seed"
     echo "== $name, $seconds s"
     # Inputs that declare huge sizes must fail without large allocations: 256 MB is far more than a valid input needs.
-    OMP_NUM_THREADS=1 "build-fuzz/tests/$name" -max_total_time="$seconds" -max_len=32768 -malloc_limit_mb=256 \
+    # shellcheck disable=SC2046 # no option without a dictionary
+    OMP_NUM_THREADS=1 "build-fuzz/tests/$name" $(dictionary "$name") -max_total_time="$seconds" -max_len=32768 -malloc_limit_mb=256 \
         -artifact_prefix=build-fuzz/ -print_final_stats=1 -verbosity=1 "$corpus" 2>build-fuzz/"$name".log || {
         tail -n 40 build-fuzz/"$name".log
         exit 1
