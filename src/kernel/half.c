@@ -41,9 +41,19 @@ __attribute__((target("avx,f16c"))) static void widen_by_instruction(size_t n, c
 }
 #endif
 
+#if defined __x86_64__
+static bool has_f16c(void) {
+#if defined __clang__ /* its version 14 cannot ask for f16c, which every processor with AVX2 has */
+    return __builtin_cpu_supports("avx2");
+#else
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("f16c");
+#endif
+}
+#endif
+
 void nqm_half_to_float(size_t n, const void *half, float *x) {
 #if defined __x86_64__
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("f16c")) {
+    if (has_f16c()) {
         widen_by_instruction(n, half, x);
         return;
     }

@@ -14,7 +14,10 @@ targets=
 for source in fuzz/fuzz_*.c; do targets="$targets $(basename "$source" .c)"; done
 tests="test_io_csv test_io_xml test_io_mat test_io_kind test_brdf_npy"
 # shellcheck disable=SC2086
-cmake --build "$build" --target $targets $tests >/dev/null
+cmake --build "$build" --target $targets $tests >"$build/memory.log" || {
+    tail -n 40 "$build/memory.log"
+    exit 1
+}
 n=0
 check() {
     OMP_NUM_THREADS=1 valgrind -q --error-exitcode=9 "$build/tests/$1" >"$build/valgrind.log" 2>&1 || {

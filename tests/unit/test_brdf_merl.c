@@ -72,12 +72,13 @@ static void reads_the_nearest_cell(void **state) {
 static void reads_at_the_edges(void **state) {
     (void)state;
     nqm_brdf *brdf = open_table();
-    const double hd[4][3] = {{0, 0, 0}, {0, 0, pi}, {0.3, 0.2, 1 + pi}, {0.3, 0.2, 1 - 4 * pi}};
-    const size_t cell[4][3] = {{0, 0, 0}, {0, 0, 0}, {39, 11, 57}, {39, 11, 57}};
-    double rgb[12];
-    uint8_t flag[4];
-    nqm_brdf_eval_half_diff(brdf, 4, hd[0], rgb, flag);
-    for (size_t i = 0; i < 4; ++i) {
+    enum { N = 5 };
+    const double hd[N][3] = {{0, 0, 0}, {0, 0, pi}, {0.3, 0.2, 1 + pi}, {0.3, 0.2, 1 - 4 * pi}, {0, pi / 2, 0}};
+    const size_t cell[N][3] = {{0, 0, 0}, {0, 0, 0}, {39, 11, 57}, {39, 11, 57}, {0, 89, 0}};
+    double rgb[3 * N];
+    uint8_t flag[N];
+    nqm_brdf_eval_half_diff(brdf, N, hd[0], rgb, flag);
+    for (size_t i = 0; i < N; ++i) {
         assert_int_equal(flag[i], NQM_VALUE_OK);
         for (size_t c = 0; c < 3; ++c)
             assert_relative(rgb[3 * i + c], scale[c] * merl_cell(c, cell[i][0], cell[i][1], cell[i][2]), 1e-15);

@@ -113,12 +113,22 @@ static void test_vectors(void **state) {
     assert_near(nqm_luminance(white), 1, 1e-15);
 }
 
+/* By hand: the digits of i in the base, mirrored at the point. */
+static void test_radical_inverse(void **state) {
+    (void)state;
+    assert_near(nqm_radical_inverse(0, 2), 0, 0);
+    assert_near(nqm_radical_inverse(1, 2), 0.5, 0);
+    assert_near(nqm_radical_inverse(6, 2), 0.375, 0);       /* 110 */
+    assert_near(nqm_radical_inverse(7, 3), 5 / 9.0, 1e-15); /* 21 becomes 0.12 */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_coordinates_by_rotation),
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_corners),
         cmocka_unit_test(test_vectors),
+        cmocka_unit_test(test_radical_inverse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

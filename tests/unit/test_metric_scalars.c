@@ -3,6 +3,7 @@
  * The scalar features against NumPy (tests/vectors/scalars.py), for limiting cases, and as inputs of the network.
  */
 #include "metric/metric.h"
+#include "metric/sums.h"
 #include "support/check.h"
 #include "support/metrics_pair.h"
 
@@ -36,6 +37,35 @@ static void equal_members(void **state) {
     nqm_scalars_compute(pair.directions, NULL, pair.ref, pair.ref, NULL, same);
     for (size_t i = 0; i < NQM_SCALAR_REF_LEVEL; ++i)
         assert_true(same[i] == 0 || same[i] == log(1e-3) || same[i] == log(1e-4));
+}
+
+/* The zones of theta_h end at 2, 5, 15, 35 degrees, those of theta_d at 30 and 60. */
+static void zones(void **state) {
+    (void)state;
+    static const double h_ends[] = {2, 5, 15, 35}, d_ends[] = {30, 60};
+    for (size_t i = 0; i < 4; ++i) {
+        const double below[3] = {h_ends[i] - 0.01, 0, 0}, at[3] = {h_ends[i], 0, 0};
+        assert_int_equal(nqm_cell_of(below), NQM_ZONES_D * i);
+        assert_int_equal(nqm_cell_of(at), NQM_ZONES_D * (i + 1));
+    }
+    for (size_t i = 0; i < 2; ++i) {
+        const double below[3] = {0, d_ends[i] - 0.01, 0}, at[3] = {0, d_ends[i], 0};
+        assert_int_equal(nqm_cell_of(below), i);
+        assert_int_equal(nqm_cell_of(at), i + 1);
+    }
+    assert_true(nqm_is_grazing(0.2499) && !nqm_is_grazing(0.25));
+}
+
+/* 120 Delta-E for each unit of the largest difference of log(f + 0.003); directions that are not used do not count. */
+static void the_bound_of_delta_e(void **state) {
+    (void)state;
+    const float ref[6] = {1, 1, 1, 0.5F, 0.5F, 0.5F}, test[6] = {1, 1.1F, 1, 0.5F, 0.5F, 0.4F},
+                far[6] = {1, 1, 1, 1, 1, 1};
+    const uint8_t first[2] = {1, 0};
+    assert_near(nqm_delta_e_bound(2, ref, test, NULL), 120 * log(0.503 / 0.403), 1e-4);
+    assert_near(nqm_delta_e_bound(2, ref, test, first), 120 * log(1.103 / 1.003), 1e-4);
+    assert_near(nqm_delta_e_bound(2, ref, ref, NULL), 0, 0);
+    assert_true(isinf(nqm_delta_e_bound(2, ref, far, NULL)));
 }
 
 static void no_direction_and_extremes(void **state) {
@@ -89,8 +119,13 @@ static void names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_numpy), cmocka_unit_test(equal_members), cmocka_unit_test(no_direction_and_extremes),
-        cmocka_unit_test(as_inputs),     cmocka_unit_test(names),
+        cmocka_unit_test(against_numpy),
+        cmocka_unit_test(equal_members),
+        cmocka_unit_test(zones),
+        cmocka_unit_test(the_bound_of_delta_e),
+        cmocka_unit_test(no_direction_and_extremes),
+        cmocka_unit_test(as_inputs),
+        cmocka_unit_test(names),
     };
     return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
 }

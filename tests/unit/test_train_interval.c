@@ -250,6 +250,54 @@ static void widening_keeps_its_promises(void **state) {
     assert_near(h, 10 * 16 / 17.0, 1e-3); /* odds 4 become 16 */
 }
 
+/* The factor is the smallest for which the lower end of Student's one-sided 95 % interval of the mean coverage of materials reaches
+ * 95 %. 1.7139 is the quantile of 23 degrees of freedom. The table's own margin is 0.0137 larger, because its scales know the
+ * materials that the factor was found without; with the quantile of 90 % it is 0.0102. */
+static void the_margin_is_students(void **state) {
+    (void)state;
+    enum { N_REPEATS = 40 };
+    double table[3 * NQM_INTERVAL_ROWS], mean_margin = 0;
+    for (uint64_t repeat = 0; repeat < N_REPEATS; ++repeat) {
+        nqm_rng rng = nqm_rng_make(13, repeat);
+        nqm_calibration c;
+        double inside[N_MATERIALS] = {0}, mean = 0, squares = 0;
+        draw_residuals(&rng);
+        assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
+        for (size_t i = 0; i < MAX; ++i) {
+            double low, high;
+            nqm_interval_at(NQM_INTERVAL_ROWS, table, predicted[i], &low, &high);
+            inside[group[i]] += (double)(label[i] >= low && label[i] <= high) / PAIRS_EACH;
+        }
+        for (size_t g = 0; g < N_MATERIALS; ++g)
+            mean += inside[g] / N_MATERIALS;
+        for (size_t g = 0; g < N_MATERIALS; ++g)
+            squares += pow(inside[g] - mean, 2);
+        mean_margin += (mean - 1.7139 * sqrt(squares / (N_MATERIALS * (N_MATERIALS - 1.0))) - 0.95) / N_REPEATS;
+    }
+    assert_near(mean_margin, 0.0137, 0.0015);
+}
+
+/* A material that no other resembles: without it the factor is small, and it is outside. With it the factor must include most of it:
+ * 23 of 24 materials are not enough. */
+static void coverage_leaves_the_material_out(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(14, 0);
+    double table[3 * NQM_INTERVAL_ROWS], n_inside = 0;
+    nqm_calibration c;
+    draw_residuals(&rng);
+    for (size_t i = 0; i < PAIRS_EACH; ++i) {
+        predicted[i] = 9.5 + 0.4 * (double)i / PAIRS_EACH;
+        label[i] = 0;
+    }
+    assert_int_equal(nqm_interval_fit(&residuals, table, &c, NULL), NQM_OK);
+    for (size_t i = 0; i < PAIRS_EACH; ++i) {
+        double low, high;
+        nqm_interval_at(NQM_INTERVAL_ROWS, table, predicted[i], &low, &high);
+        n_inside += label[i] >= low && label[i] <= high;
+    }
+    assert_true(c.coverage_lowest == 0 && n_inside > 0.5 * PAIRS_EACH);
+}
+
 static void few_are_refused(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(11, 0);
@@ -272,6 +320,7 @@ int main(void) {
         cmocka_unit_test(tables_keep_their_promises),  cmocka_unit_test(right_predictions_have_narrow_intervals),
         cmocka_unit_test(intervals_grow_with_novelty), cmocka_unit_test(novelty_without_effect_has_none),
         cmocka_unit_test(widening_keeps_its_promises), cmocka_unit_test(few_are_refused),
+        cmocka_unit_test(the_margin_is_students),      cmocka_unit_test(coverage_leaves_the_material_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

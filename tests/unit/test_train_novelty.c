@@ -123,6 +123,13 @@ static void features_are_uncorrelated(void **state) {
         for (size_t l = 0; l < N; ++l)
             if (k != l)
                 assert_near(product[k * N + l], 0, 1e-3);
+    /* The map divides by sqrt(variance + least), so that 1 / its square length - variance of the feature / it is the least. */
+    for (size_t k = 0; k < N; ++k) {
+        double square = 0;
+        for (size_t i = 0; i < N; ++i)
+            square += pow((double)trained->novelty_map[i * N + k], 2);
+        assert_near((1 - product[k * N + k]) / square, 0.01, 1e-4);
+    }
     assert_true(product[0] > 0.99 && product[0] < 1);                    /* the strongest feature */
     assert_true(product[N * N - 1] < 0.5 && product[(N + 1) * 3] > 0.9); /* the weakest, and the fourth */
 }
@@ -262,6 +269,10 @@ static void scores_tell_and_widen(void **state) {
         nqm_model_interval(&model, r[i].jod, 0, &low_near, &high_near);
         assert_true(r[i].jod_low == low && r[i].jod_high == high);
         assert_true(low < low_near && high > high_near);
+        /* The ends are exp(novelty) times as far away on the logit scale (growth is 1). */
+        double times = exp(r[i].novelty), y = nqm_interval_y(r[i].jod);
+        assert_near(low, nqm_interval_jod(y + times * (nqm_interval_y(low_near) - y)), 1e-9);
+        assert_near(high, nqm_interval_jod(y + times * (nqm_interval_y(high_near) - y)), 1e-9);
     }
     nqm_brdf_free(ref);
     nqm_brdf_free(test);
