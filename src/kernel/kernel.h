@@ -18,8 +18,9 @@
  * along k, the index that is summed over.
  *
  * Results do not depend on the number of threads: each element of C is one chain of multiply-adds over ascending k, started
- * from 0 or from the value in C. However a product is cut, the operations are the same. The tables of one machine differ by
- * rounding only; those with fused multiply-add give the same bits in NQM_PRECISION_F32.
+ * from 0 or from the value in C. However a product is cut, the operations are the same. (Tile registers add 16 words of bfloat16
+ * at a time, kernel/amx_products.h: cuts along k are at multiples of 16 words.) The tables of one machine differ by rounding only;
+ * those with fused multiply-add give the same bits in NQM_PRECISION_F32, and all give the same integers in NQM_PRECISION_INT8.
  */
 #ifndef NQM_SRC_KERNEL_H
 #define NQM_SRC_KERNEL_H
@@ -99,14 +100,15 @@ typedef struct nqm_double_product {
 /** Arrays that are prefetched while a tile of a gradient is computed: weights and Adam's two moments. */
 enum { NQM_PREFETCH = 3 };
 
-/** A tile of a weight gradient: c (NQM_STRIP, NQM_PANEL) = left^T right, summed over the rows of both. */
+/** Tiles of a weight gradient: c (n_strips, NQM_STRIP, NQM_PANEL) = left^T right, summed over the rows of both. */
 typedef struct nqm_tile_gradient {
+    size_t n_strips;
     size_t words;      /**< rows: of the batch, or pairs of them in NQM_PRECISION_BF16 */
-    const void *left;  /**< (words, NQM_STRIP), ld_left words from row to row */
+    const void *left;  /**< strips (words, NQM_STRIP), `step` words from strip to strip, ld_left from row to row */
     const void *right; /**< (words, NQM_PANEL), ld_right words from row to row */
-    size_t ld_left, ld_right;
+    size_t step, ld_left, ld_right;
     float *c;
-    const float *prefetch[NQM_PREFETCH]; /**< (NQM_STRIP, NQM_PANEL) each: will be read next; c if there is nothing */
+    const float *prefetch[NQM_PREFETCH]; /**< each like c: will be read next; c if there is nothing */
 } nqm_tile_gradient;
 
 /** The value of a row of unsigned bytes: (byte - zero) scale. */
@@ -234,6 +236,10 @@ extern const nqm_kernels nqm_kernels_generic;
 extern const nqm_kernels nqm_kernels_avx2;        /**< AVX2, FMA */
 extern const nqm_kernels nqm_kernels_avx512;      /**< AVX-512 F, BW, DQ, VL */
 extern const nqm_kernels nqm_kernels_avx512_bf16; /**< the same with BF16 and VNNI */
+/** The same with products by tile registers (AMX); NULL when the processor or the operating system does not have them. Asks the
+ *  operating system for permission, for the whole process. Needs the instructions of nqm_kernels_avx512_bf16. Each kernel leaves
+ *  the thread's tile configuration as it was; the contents of tile registers are lost. */
+const nqm_kernels *nqm_kernels_amx(void);
 #endif
 
 /** The table in use: the best that the processor can run, unless nqm_kernels_use() chose another. Any thread. */

@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { MAX_TABLES = 5 };
+enum { MAX_TABLES = 6 };
 
 static const nqm_kernels *tables[MAX_TABLES]; /* those that this processor can run, best first */
 static size_t n_tables;
@@ -21,8 +21,11 @@ static void find_tables(void) {
     __builtin_cpu_init();
     bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-    if (avx512 && __builtin_cpu_supports("avx512bf16") && __builtin_cpu_supports("avx512vnni"))
+    if (avx512 && __builtin_cpu_supports("avx512bf16") && __builtin_cpu_supports("avx512vnni")) {
+        tables[n_tables] = nqm_kernels_amx();
+        n_tables += tables[n_tables] != NULL;
         tables[n_tables++] = &nqm_kernels_avx512_bf16;
+    }
     if (avx512)
         tables[n_tables++] = &nqm_kernels_avx512;
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))

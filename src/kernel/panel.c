@@ -71,20 +71,18 @@ void nqm_gradient_run(const nqm_gradient *g) {
         /* Enough tiles for the sink to read its own arrays in long runs, few enough to stay in the L2 cache. */
         _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
-        const size_t n = nqm_smaller(n_strips - first, STRIPS_AT_ONCE);
-        for (size_t strip = 0; strip < n; ++strip) {
-            float *c = tiles + strip * NQM_STRIP * NQM_PANEL;
-            nqm_tile_gradient tile = {.words = words,
-                                      .left = (const uint32_t *)g->x.data + (first + strip) * g->x.step,
-                                      .ld_left = g->x.ld,
-                                      .right = (const uint32_t *)g->z.data + panel * g->z.step,
-                                      .ld_right = g->z.ld,
-                                      .c = c,
-                                      .prefetch = {c, c, c}};
-            if (g->prefetch)
-                g->prefetch(g->user, first + strip, panel, tile.prefetch);
-            kernels->gradient[g->precision](&tile);
-        }
-        g->sink(g->user, first, n, panel, tiles);
+        nqm_tile_gradient tile = {.n_strips = nqm_smaller(n_strips - first, STRIPS_AT_ONCE),
+                                  .words = words,
+                                  .left = (const uint32_t *)g->x.data + first * g->x.step,
+                                  .step = g->x.step,
+                                  .ld_left = g->x.ld,
+                                  .right = (const uint32_t *)g->z.data + panel * g->z.step,
+                                  .ld_right = g->z.ld,
+                                  .c = tiles,
+                                  .prefetch = {tiles, tiles, tiles}};
+        if (g->prefetch)
+            g->prefetch(g->user, first, panel, tile.prefetch);
+        kernels->gradient[g->precision](&tile);
+        g->sink(g->user, first, tile.n_strips, panel, tiles);
     }
 }

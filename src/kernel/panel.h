@@ -104,7 +104,8 @@ typedef struct nqm_gradient {
     nqm_columns x; /**< in groups of NQM_STRIP */
     nqm_columns z; /**< in groups of NQM_PANEL */
     nqm_tile_sink sink;
-    /** Called before a tile is computed: sets the arrays that the sink will read for it, to be prefetched. NULL: none. */
+    /** Called before tiles of consecutive strips from `strip` on are computed: sets the arrays that the sink will read for them,
+     *  stored like the tiles, to be prefetched. NULL: none. */
     void (*prefetch)(void *user, size_t strip, size_t panel, const float *prefetch[NQM_PREFETCH]);
     void *user;
 } nqm_gradient;

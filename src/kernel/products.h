@@ -146,21 +146,29 @@ static void NAME(row_product)(const nqm_row_product *p) {
 }
 
 #ifdef GRADIENT_NEXT
-static void NAME(gradient)(const nqm_tile_gradient *g) {
+INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {
+    const float *prefetch[NQM_PREFETCH];
+    for (size_t i = 0; i < NQM_PREFETCH; ++i)
+        prefetch[i] = g->prefetch[i] + strip * NQM_STRIP * NQM_PANEL;
     for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
         for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)
             NAME(multiply_tile)
     ((NAME(tile)){.rows = TILE_ROWS,
                   .words = g->words,
-                  .a = (const WORD *)g->left + i,
+                  .a = (const WORD *)g->left + strip * g->step + i,
                   .row_step = 1,
                   .word_step = g->ld_left,
                   .b = (const WORD *)g->right + column,
                   .ldb = g->ld_right,
-                  .c = g->c + i * NQM_PANEL + column,
+                  .c = g->c + (strip * NQM_STRIP + i) * NQM_PANEL + column,
                   .ldc = NQM_PANEL,
                   .next = GRADIENT_NEXT,
-                  .prefetch = g->prefetch});
+                  .prefetch = prefetch});
+}
+
+static void NAME(gradient)(const nqm_tile_gradient *g) {
+    for (size_t strip = 0; strip < g->n_strips; ++strip)
+        NAME(gradient_of_strip)(g, strip);
 }
 #undef GRADIENT_NEXT
 #endif

@@ -137,10 +137,12 @@ static double double_dot(size_t n, const float *x, const double *y) {
 }
 
 static void gradient(const nqm_tile_gradient *g, word_product product) {
-    const uint32_t *left = g->left, *right = g->right;
-    for (size_t i = 0; i < NQM_STRIP; ++i)
+    const uint32_t *right = g->right;
+    for (size_t i = 0; i < g->n_strips * NQM_STRIP; ++i) {
+        const uint32_t *left = (const uint32_t *)g->left + i / NQM_STRIP * g->step + i % NQM_STRIP;
         for (size_t j = 0; j < NQM_PANEL; ++j)
-            g->c[i * NQM_PANEL + j] = (float)sum_words(g->words, left + i, g->ld_left, right + j, g->ld_right, product);
+            g->c[i * NQM_PANEL + j] = (float)sum_words(g->words, left, g->ld_left, right + j, g->ld_right, product);
+    }
 }
 
 static void gradient_f32(const nqm_tile_gradient *g) {

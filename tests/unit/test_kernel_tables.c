@@ -6,6 +6,7 @@
  */
 #include "kernel/panel.h"
 #include "support/check.h"
+#include "support/tables.h"
 
 #include <math.h>
 #include <omp.h>
@@ -103,13 +104,13 @@ enum { N_SHAPES = sizeof shapes / sizeof *shapes };
 static void products_of_every_table(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 0);
-    for (size_t t = 0; nqm_kernels_at(t); ++t) {
-        print_message("%s\n", nqm_kernels_at(t)->name);
+    for (size_t t = 0; every_table(t); ++t) {
+        print_message("%s\n", every_table(t)->name);
         for (size_t s = 0; s < N_SHAPES; ++s)
             for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
                 problem p = make_problem(&rng, (nqm_precision)precision, shapes[s][0], shapes[s][1], shapes[s][2]);
-                check_product(&p, nqm_kernels_at(t), false);
-                check_product(&p, nqm_kernels_at(t), true);
+                check_product(&p, every_table(t), false);
+                check_product(&p, every_table(t), true);
                 free_problem(&p);
             }
     }
@@ -129,7 +130,7 @@ static void double_sums_of_every_table(void **state) {
         y[i] = nqm_rng_normal(&rng);
     const double dot = nqm_kernels_scalar.double_dot(DOT, x, y), first = nqm_kernels_at(0)->double_dot(DOT, x, y);
     for (int add = 0; add < 2; ++add)
-        for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        for (size_t t = 0; every_table(t); ++t) {
             nqm_double_product p = {.k = K,
                                     .add = add,
                                     .a = {a, a + K * STEP},
@@ -142,13 +143,13 @@ static void double_sums_of_every_table(void **state) {
             nqm_kernels_scalar.double_product(&p);
             p.c[0] = c[0];
             p.c[1] = c[1];
-            nqm_kernels_at(t)->double_product(&p);
+            every_table(t)->double_product(&p);
             assert_memory_equal(c, expected, sizeof c);
         }
-    for (size_t t = 0; nqm_kernels_at(t); ++t) {
-        const double sum = nqm_kernels_at(t)->double_dot(DOT, x, y);
+    for (size_t t = 0; every_table(t); ++t) {
+        const double sum = every_table(t)->double_dot(DOT, x, y);
         assert_near(sum, dot, 1e-13);
-        assert_true(nqm_kernels_at(t) == &nqm_kernels_scalar || sum == first);
+        assert_true(every_table(t) == &nqm_kernels_scalar || sum == first);
     }
     nqm_free(a);
     nqm_free(b);
@@ -160,7 +161,7 @@ static void strided_products_of_every_table(void **state) {
     (void)state;
     enum { M = 13, K = 37, STEP = 3, LDA = STEP * K + 5, LDB = 2 * NQM_PANEL, LDC = NQM_PANEL + 8 };
     nqm_rng rng = nqm_rng_make(seed, 3);
-    for (size_t t = 0; nqm_kernels_at(t); ++t)
+    for (size_t t = 0; every_table(t); ++t)
         for (size_t m = 1; m <= M; ++m) {
             const size_t n_a = (m - 1) * LDA + (K - 1) * STEP + 1; /* exactly, so that sanitizers see reads beyond */
             float *a = random_block(&rng, n_a), *b = random_block(&rng, (K - 1) * LDB + NQM_PANEL);
@@ -172,17 +173,17 @@ static void strided_products_of_every_table(void **state) {
                     dense_a[i * K + u] = a[i * LDA + u * STEP];
             }
             for (int add = 0; add < 2; ++add) { /* the second adds to the first */
-                nqm_kernels_at(t)->strided_product(&(nqm_strided_product){.m = m,
-                                                                          .k = K,
-                                                                          .add = add,
-                                                                          .a = a,
-                                                                          .b = b,
-                                                                          .c = c,
-                                                                          .lda = LDA,
-                                                                          .step = STEP,
-                                                                          .ldb = LDB,
-                                                                          .ldc = LDC});
-                nqm_kernels_at(t)->product[NQM_PRECISION_F32](&(nqm_product){
+                every_table(t)->strided_product(&(nqm_strided_product){.m = m,
+                                                                       .k = K,
+                                                                       .add = add,
+                                                                       .a = a,
+                                                                       .b = b,
+                                                                       .c = c,
+                                                                       .lda = LDA,
+                                                                       .step = STEP,
+                                                                       .ldb = LDB,
+                                                                       .ldc = LDC});
+                every_table(t)->product[NQM_PRECISION_F32](&(nqm_product){
                     .m = m, .words = K, .add = add, .a = dense_a, .b = dense_b, .c = expected, .lda = K, .ldc = LDC});
                 assert_memory_equal(c, expected, sizeof c);
             }
@@ -242,8 +243,8 @@ static void the_same_bits(void **state) {
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
         problem p = make_problem(&rng, (nqm_precision)precision, 150, 301, 90);
         float *first = solve(&p, nqm_kernels_at(0), 0, p.m, true);
-        for (size_t t = 0; nqm_kernels_at(t); ++t) {
-            const nqm_kernels *kernels = nqm_kernels_at(t);
+        for (size_t t = 0; every_table(t); ++t) {
+            const nqm_kernels *kernels = every_table(t);
             omp_set_num_threads((int)(t % 2) + 1);
             float *all = solve(&p, kernels, 0, p.m, true);
             if (precision == NQM_PRECISION_INT8 || (precision == NQM_PRECISION_F32 && has_fma(kernels)))
@@ -389,9 +390,9 @@ static void gradients_of_every_table(void **state) {
         const size_t m = sizes[s][0], k = sizes[s][1], n = sizes[s][2],
                      ld = (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL;
         float *x = random_block(&rng, m * k), *z = random_block(&rng, m * n);
-        for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (size_t t = 0; every_table(t); ++t)
             for (int precision = 0; precision < NQM_PRECISION_INT8; ++precision) {
-                float *c = gradient_of(nqm_kernels_at(t), (nqm_precision)precision, sizes[s], x, z);
+                float *c = gradient_of(every_table(t), (nqm_precision)precision, sizes[s], x, z);
                 for (size_t i = 0; i < k; i += 1 + k / 20)
                     for (size_t j = 0; j < n; ++j) {
                         double sum = 0, size = 0;
@@ -456,8 +457,8 @@ static void rows_of_every_table(void **state) {
         static row_result expected, actual, first;
         run_row(&nqm_kernels_scalar, x, layer, dropout ? 0.3 : 0, &expected);
         run_row(nqm_kernels_at(0), x, layer, dropout ? 0.3 : 0, &first);
-        for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t) {
-            run_row(nqm_kernels_at(t), x, layer, dropout ? 0.3 : 0, &actual);
+        for (size_t t = 0; every_table(t) != &nqm_kernels_scalar; ++t) {
+            run_row(every_table(t), x, layer, dropout ? 0.3 : 0, &actual);
             assert_memory_equal(&actual, &first, sizeof actual);
             check_close("xhat", actual.x, expected.x);
             check_close("y", actual.y, expected.y);
@@ -477,8 +478,8 @@ static void adam_of_every_table(void **state) {
     nqm_rng rng = nqm_rng_make(seed, 5);
     float *start = random_block(&rng, N), *grad = random_block(&rng, N);
     static float moments[2][2][N], first[N], param[2][N];
-    for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t) {
-        const nqm_kernels *tables[] = {&nqm_kernels_scalar, nqm_kernels_at(t)};
+    for (size_t t = 0; every_table(t) != &nqm_kernels_scalar; ++t) {
+        const nqm_kernels *tables[] = {&nqm_kernels_scalar, every_table(t)};
         memset(moments, 0, sizeof moments);
         for (size_t which = 0; which < 2; ++which) {
             memcpy(param[which], start, sizeof param[which]);
@@ -506,8 +507,8 @@ static void scaled_logs_of_every_table(void **state) {
         const float k1 = 0.0172f * (float)sign;
         nqm_kernels_scalar.scale_log(N, k1, t, expected);
         nqm_kernels_at(0)->scale_log(N, k1, t, first);
-        for (size_t k = 0; nqm_kernels_at(k) != &nqm_kernels_scalar; ++k) {
-            nqm_kernels_at(k)->scale_log(N, k1, t, actual);
+        for (size_t k = 0; every_table(k) != &nqm_kernels_scalar; ++k) {
+            every_table(k)->scale_log(N, k1, t, actual);
             assert_memory_equal(actual, first, sizeof actual);
             for (size_t i = 0; i < N; ++i)
                 assert_near((double)actual[i], (double)expected[i], 3e-7 * (1 + (double)expected[i]));
@@ -521,15 +522,15 @@ static void dots_of_every_table(void **state) {
     float *x = random_block(&rng, N), *y = random_block(&rng, N);
     static const size_t sizes[] = {1, 7, 31, 32, 33, 64, N};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
-        for (size_t k = 0; nqm_kernels_at(k); ++k) {
+        for (size_t k = 0; every_table(k); ++k) {
             double sum = 0, size = 0;
             for (size_t i = 0; i < sizes[s]; ++i) {
                 sum += (double)x[i] * (double)y[i];
                 size += fabs((double)x[i] * (double)y[i]);
             }
-            const float actual = nqm_kernels_at(k)->dot(sizes[s], x, y), first = nqm_kernels_at(0)->dot(sizes[s], x, y);
+            const float actual = every_table(k)->dot(sizes[s], x, y), first = nqm_kernels_at(0)->dot(sizes[s], x, y);
             assert_near((double)actual, sum, 2e-6 * size);
-            assert_true(actual == first || nqm_kernels_at(k) == &nqm_kernels_scalar);
+            assert_true(actual == first || every_table(k) == &nqm_kernels_scalar);
         }
     nqm_free(x);
     nqm_free(y);
@@ -542,8 +543,8 @@ static void whitening_of_every_table(void **state) {
     enum { P = NQM_WHITEN_PERIOD };
     float *t = random_block(&rng, N + 1), *mean = random_block(&rng, P), *scale = random_block(&rng, P);
     static float actual[4][N + 1];
-    for (size_t k = 0; nqm_kernels_at(k); ++k) {
-        const nqm_kernels *kernels = nqm_kernels_at(k);
+    for (size_t k = 0; every_table(k); ++k) {
+        const nqm_kernels *kernels = every_table(k);
         memcpy(actual[0], t, sizeof actual[0]);
         kernels->whiten(N, mean, scale, t, actual[1]);
         kernels->whiten(N, mean, scale, actual[0], actual[0]);

@@ -5,6 +5,7 @@
  */
 #include "kernel/panel.h"
 #include "support/check.h"
+#include "support/tables.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,20 +27,20 @@ static void samples(void **state) {
     for (int round = 0; round < 20; ++round) {
         spread(&rng, rho);
         rho[0] = 0, rho[1] = 1e-38f, rho[2] = 1e37f, rho[N - 1] = 8;
-        for (size_t k = 0; nqm_kernels_at(k); ++k) {
-            nqm_kernels_at(k)->sample_log(N, rho, t);
+        for (size_t k = 0; every_table(k); ++k) {
+            every_table(k)->sample_log(N, rho, t);
             for (size_t i = 2; i < N; ++i)
                 assert_relative((double)t[i], log1p(cbrt((double)rho[i])), 4e-7);
             assert_true(t[0] == 0 && t[1] == 0);
             if (k == 0)
                 memcpy(first, t, sizeof first);
-            if (nqm_kernels_at(k) != &nqm_kernels_scalar)
+            if (every_table(k) != &nqm_kernels_scalar)
                 assert_memory_equal(t, first, sizeof first);
         }
     }
     const float odd[] = {NAN, 3e38f};
-    for (size_t k = 0; nqm_kernels_at(k); ++k) {
-        nqm_kernels_at(k)->sample_log(2, odd, t);
+    for (size_t k = 0; every_table(k); ++k) {
+        every_table(k)->sample_log(2, odd, t);
         assert_true(isnan(t[0]) && t[1] > 28 && t[1] < 30);
     }
 }
@@ -55,8 +56,8 @@ static void roots_and_logarithms(void **state) {
             x[i] = (double)x32[i];
             near_minus_1[i] = x[i] - 0.997;
         }
-        for (size_t k = 0; nqm_kernels_at(k); ++k) {
-            const nqm_kernels *kernels = nqm_kernels_at(k);
+        for (size_t k = 0; every_table(k); ++k) {
+            const nqm_kernels *kernels = every_table(k);
             kernels->cube_root(N, x, root);
             kernels->log_1p(N, x, y);
             kernels->log_1p(N, near_minus_1, z);
@@ -76,9 +77,9 @@ static void roots_and_logarithms(void **state) {
         }
     }
     const double odd[] = {NAN, 0};
-    for (size_t k = 0; nqm_kernels_at(k); ++k) {
-        nqm_kernels_at(k)->cube_root(2, odd, root);
-        nqm_kernels_at(k)->log_1p(2, odd, y);
+    for (size_t k = 0; every_table(k); ++k) {
+        every_table(k)->cube_root(2, odd, root);
+        every_table(k)->log_1p(2, odd, y);
         assert_true(isnan(root[0]) && isnan(y[0]) && root[1] == 0 && y[1] == 0);
     }
 }
@@ -93,9 +94,9 @@ static void rows_of_bytes(void **state) {
         const double low = round % 4 == 1 ? 0 : -nqm_rng_uniform(&rng);
         for (size_t i = 0; i < N; ++i)
             x[i] = i % 9 == 0 ? 0 : (float)(low + (round % 4 == 2 ? -low : 1) * nqm_rng_uniform(&rng));
-        for (size_t k = 0; nqm_kernels_at(k); ++k) {
+        for (size_t k = 0; every_table(k); ++k) {
             memset(words, 255, sizeof words);
-            nqm_byte_scale by = nqm_kernels_at(k)->quantise_row(N, x, words);
+            nqm_byte_scale by = every_table(k)->quantise_row(N, x, words);
             const unsigned char *bytes = (const unsigned char *)words;
             unsigned char least = 255, most = 0;
             for (size_t i = 0; i < N; ++i) {
@@ -125,9 +126,9 @@ static void one_row_like_many(void **state) {
         w[i] = (float)nqm_rng_normal(&rng);
     for (size_t i = 0; i < K; ++i)
         x[i] = (float)nqm_rng_normal(&rng);
-    for (size_t t = 0; nqm_kernels_at(t); ++t)
+    for (size_t t = 0; every_table(t); ++t)
         for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
-            const nqm_kernels *kernels = nqm_kernels_at(t);
+            const nqm_kernels *kernels = every_table(t);
             const nqm_precision precision = (nqm_precision)p;
             nqm_panels b;
             uint32_t a[K];

@@ -9,6 +9,7 @@
 #include "net/inference_state.h"
 #include "support/check.h"
 #include "support/double_network.h"
+#include "support/tables.h"
 
 #include <math.h>
 #include <nqm/train.h>
@@ -93,17 +94,16 @@ static void run(const session *s, size_t batch, float *z) {
 static const double bounds[NQM_PRECISION_COUNT] = {2e-6, 0.03, 0.1};
 
 static void check_outputs(void) {
-    for (size_t t = 0; nqm_kernels_at(t); ++t)
+    for (size_t t = 0; every_table(t); ++t)
         for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
             float z[ROWS];
             double worst = 0;
-            nqm_kernels_use(nqm_kernels_at(t));
+            nqm_kernels_use(every_table(t));
             session s = begin((nqm_precision)precision);
             run(&s, ROWS, z);
             for (size_t i = 0; i < ROWS; ++i)
                 worst = fmax(worst, fabs((double)z[i] - expected[i]));
-            print_message("%s, %s: %.2g\n", nqm_kernels_at(t)->name, nqm_precision_name((nqm_precision)precision),
-                          worst);
+            print_message("%s, %s: %.2g\n", every_table(t)->name, nqm_precision_name((nqm_precision)precision), worst);
             assert_true(worst <= bounds[precision]);
             assert_true(precision == NQM_PRECISION_F32 || worst > 1e-5); /* the precision has an effect */
             end(&s);
@@ -134,9 +134,9 @@ static void the_same_bits(void **state) {
     static const size_t batches[] = {ROWS, 1, 2, 7, 13, 100};
     const int threads = omp_get_max_threads();
     static float first[NQM_PRECISION_COUNT][ROWS], all[ROWS], z[ROWS];
-    for (size_t t = 0; nqm_kernels_at(t); ++t)
+    for (size_t t = 0; every_table(t); ++t)
         for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
-            nqm_kernels_use(nqm_kernels_at(t));
+            nqm_kernels_use(every_table(t));
             session s = begin((nqm_precision)precision);
             run(&s, ROWS, all);
             for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
@@ -147,7 +147,7 @@ static void the_same_bits(void **state) {
             omp_set_num_threads(threads);
             if (t == 0)
                 memcpy(first[precision], all, sizeof all);
-            if (same_bits(nqm_kernels_at(t), precision))
+            if (same_bits(every_table(t), precision))
                 assert_memory_equal(all, first[precision], sizeof all);
             end(&s);
         }
@@ -160,9 +160,9 @@ static void the_same_bits_before_packing(void **state) {
     static const size_t batches[] = {1, 2, 13, 40, 192};
     const int threads = omp_get_max_threads();
     static float all[ROWS], z[ROWS];
-    for (size_t t = 0; nqm_kernels_at(t); ++t)
+    for (size_t t = 0; every_table(t); ++t)
         for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
-            nqm_kernels_use(nqm_kernels_at(t));
+            nqm_kernels_use(every_table(t));
             session packed = begin((nqm_precision)precision);
             run(&packed, ROWS, all);
             assert_true(packed.net->is_packed); /* at the first call: it has more than 192 rows */

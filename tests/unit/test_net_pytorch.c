@@ -9,6 +9,7 @@
 #include "kernel/kernel.h"
 #include "net/trainer.h"
 #include "support/check.h"
+#include "support/tables.h"
 
 #include <math.h>
 #include <string.h>
@@ -183,8 +184,8 @@ static void pass_with_masks(void **state) {
 
 /* All tables of kernels, including the plain loops that define them. */
 static void passes_of_every_table(void **state) {
-    for (size_t i = 0; nqm_kernels_at(i); ++i) {
-        nqm_kernels_use(nqm_kernels_at(i));
+    for (size_t i = 0; every_table(i); ++i) {
+        nqm_kernels_use(every_table(i));
         check_one_pass(*state, "plain", NULL);
     }
 }
