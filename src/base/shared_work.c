@@ -54,6 +54,17 @@ void nqm_claim_release(const char *path, int claim) {
     close(claim);
 }
 
+/* Remove the claim of a process that was killed between saving the result and releasing its claim. */
+static void remove_abandoned_claim(const char *path) {
+    char *name = claim_path(path);
+    const int fd = name ? open(name, O_RDWR | O_CLOEXEC) : -1;
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0 && nqm_is_file_at(fd, name))
+        unlink(name);
+    if (fd >= 0)
+        close(fd);
+    nqm_free(name);
+}
+
 /* ---- items ------------------------------------------------------------------------------------------------------- */
 
 enum { ITEM_OPEN = 0, ITEM_SKIPPED /* another process has claimed it */, ITEM_ACTIVE, ITEM_DONE };
@@ -117,7 +128,10 @@ static void visit(run *r, size_t item, bool may_make) {
     nqm_error err = {0};
     if (atomic_load(&r->failed) || (!take(r, item, ITEM_SKIPPED) && !(may_make && take(r, item, ITEM_OPEN))))
         return;
-    bool done = work->path(work->user, item) && work->load(work->user, item);
+    const char *path = work->path(work->user, item);
+    bool done = path && work->load(work->user, item);
+    if (done)
+        remove_abandoned_claim(path);
     const nqm_status status = done || !may_make ? NQM_OK : make(work, item, &done, &err);
     if (status != NQM_OK)
         keep_failure(r, status, &err);

@@ -48,10 +48,10 @@ static double plane(double theta_h, double theta_d) {
     return 2 + 0.5 * theta_h - 0.25 * theta_d;
 }
 
-/* Linear between 0 and 1 at phi = 0, 60, 120 degrees: 0, 1, 0; then 0 at 180 again. */
+/* Linear between phi = 0, 60, 120 degrees: 0, 1, 0.5; then 0 at 180 again. */
 static double hat(double phi) {
     double x = fmod(phi / degree, 180) / 60;
-    return fmax(0, 1 - fabs(x - 1));
+    return x < 1 ? x : 1.5 - 0.5 * x;
 }
 
 static void grids_are_interpolated(void **state) {
@@ -62,8 +62,8 @@ static void grids_are_interpolated(void **state) {
     for (size_t p = 3; p-- > 0;) /* in any order */
         for (size_t h = 0; h < 6; ++h)
             for (size_t d = 0; d < 5; ++d)
-                add(&file, "%g,%g,%zu,%.9g,%zu,-1\n", theta_h[h], theta_d[d], 60 * p,
-                    plane(theta_h[h] * degree, theta_d[d] * degree), p % 2);
+                add(&file, "%g,%g,%zu,%.9g,%g,-1\n", theta_h[h], theta_d[d], 60 * p,
+                    plane(theta_h[h] * degree, theta_d[d] * degree), hat((double)(60 * p) * degree));
     nqm_brdf *brdf = open_ok(save(&file), "");
     nqm_rng rng = nqm_rng_make(3, 0);
     size_t n_valid = 0;
