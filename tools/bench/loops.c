@@ -7,6 +7,7 @@
 
 #include <string.h>
 #if defined __x86_64__
+#include <cpuid.h>
 #include <immintrin.h>
 #include <pthread.h>
 #include <sys/syscall.h>
@@ -127,18 +128,24 @@ static void request_tiles(void) {
     enum { ARCH_REQ_XCOMP_PERM = 0x1023, XFEATURE_XTILEDATA = 18 };
     tiles_permitted = syscall(SYS_arch_prctl, ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA) == 0;
 }
+/* Bit of EDX of CPUID's leaf 7. Clang 14 does not know these units in __builtin_cpu_supports(). */
+enum { AMX_BF16 = 22, AMX_TILE = 24, AMX_INT8 = 25 };
+static bool has_unit(int bit) {
+    unsigned eax, ebx, ecx, edx;
+    return __get_cpuid_count(7, 0, &eax, &ebx, &ecx, &edx) && (edx >> bit & 1);
+}
 static bool has_amx(void) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
-    if (!__builtin_cpu_supports("amx-tile"))
+    if (!has_unit(AMX_TILE))
         return false;
     pthread_once(&once, request_tiles);
     return tiles_permitted;
 }
 static bool has_amx_bf16(void) {
-    return __builtin_cpu_supports("amx-bf16") && has_amx();
+    return has_unit(AMX_BF16) && has_amx();
 }
 static bool has_amx_int8(void) {
-    return __builtin_cpu_supports("amx-int8") && has_amx();
+    return has_unit(AMX_INT8) && has_amx();
 }
 
 /* ---- units ------------------------------------------------------------------------------------------------------- */
