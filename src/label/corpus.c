@@ -23,7 +23,7 @@ static const nqm_option rows[] = {
      .values = {"train,validation"}, .help = "splits in the dataset"},
     {FIELD(root), .kind = NQM_OPTION_TEXT, .metavar = "DIR", .help = "folder of relative paths (default: the list's folder)"},
     {FIELD(checkpoint), .name = "work", .kind = NQM_OPTION_TEXT, .metavar = "DIR",
-     .help = "folder for finished material groups: a later run continues from them, and processes share the work"},
+     .help = "folder for finished work: a later run continues from it, and processes share it"},
     {FIELD(work_only), .name = "", .kind = NQM_OPTION_BOOL},
     {FIELD(models), .kind = NQM_OPTION_TEXT, .metavar = "NAMES",
      .help = "models of `nqm fit` that encode the references, separated by commas (default: all)"},
@@ -51,10 +51,20 @@ static bool is_mesh(const char *shape) {
     return shape && strcmp(shape, "sphere") != 0 && strcmp(shape, "blob") != 0;
 }
 
+/* The scene is made before the groups; later its pictures are made on many threads, and the corpus reports its own progress. */
+static int scene_progress(void *user, const char *stage, double done, double total) {
+    const nqm_corpus_context *context = user;
+    const nqm_corpus_options *options = context->options;
+    if (context->step)
+        return context->step(context->step_user, 0);
+    return options->progress ? options->progress(options->progress_user, stage, done, total) : 0;
+}
+
 static nqm_status make_scene(nqm_corpus *c, nqm_error *err) {
     nqm_scene_options scene = c->context.options->scene;
     nqm_status status = NQM_OK;
-    scene.progress = NULL; /* many pictures at a time are rendered, and the corpus reports its own progress */
+    scene.progress = scene_progress;
+    scene.progress_user = &c->context;
     if (scene.light && !nqm_light_is_builtin(scene.light))
         status = nqm_corpus_hash_file(scene.light, NULL, c->context.light_sha256, err);
     if (status == NQM_OK && is_mesh(scene.shape))

@@ -189,8 +189,9 @@ void nqm_corpus_view_free(nqm_corpus_view *view);
 /** Sample and render view->brdf. */
 NQM_MUST_CHECK nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_view *view,
                                                nqm_error *err);
-/** Open a form as the corpus uses it, as reference, test and base of perturbations. exact: costly BRDFs do not become tables. */
-NQM_MUST_CHECK nqm_status nqm_corpus_open(const char *path, bool exact, nqm_brdf **brdf_ret, nqm_error *err);
+/** Open a form as the corpus uses it, as reference, test and base of perturbations. */
+NQM_MUST_CHECK nqm_status nqm_corpus_open(const nqm_corpus_context *context, const char *path, nqm_brdf **brdf_ret,
+                                          nqm_error *err);
 
 /** The views of all references of a list, each made when it is first needed. */
 typedef struct nqm_corpus_cache nqm_corpus_cache;
@@ -210,10 +211,11 @@ struct nqm_corpus_context {
     const nqm_scene *scene;
     nqm_corpus_cache *cache;
     nqm_corpus_models models;
-    char light_sha256[65];                    /* "" for built-in lights */
-    char shape_sha256[65];                    /* of a mesh file; "" for built-in shapes */
-    char encoder_sha256[2][65];               /* of nqm_corpus_encoders; "": not in this build */
-    bool (*step)(void *user, size_t n_tests); /* called with the number of finished tests, 0 during fits; true: stop */
+    char light_sha256[65];      /* "" for built-in lights */
+    char shape_sha256[65];      /* of a mesh file; "" for built-in shapes */
+    char encoder_sha256[2][65]; /* of nqm_corpus_encoders; "": not in this build */
+    bool (*step)(void *user,
+                 size_t n_units); /* called with finished units of work, 0 within one; any thread; true: stop */
     void *step_user;
 };
 
@@ -222,6 +224,9 @@ struct nqm_corpus_context {
 NQM_MUST_CHECK nqm_status nqm_transport_fill(const nqm_scene_options *scene, const nqm_directions *directions,
                                              size_t n_points, float *light, double *points, nqm_error *err);
 
+/** Units of work, for the progress: a test is one, and an encoding takes about as long as this many tests. */
+enum { NQM_CORPUS_FIT_UNITS = 8 };
+
 /** The names of the learned encoders. */
 extern const char *const nqm_corpus_encoders[2];
 
@@ -229,6 +234,7 @@ extern const char *const nqm_corpus_encoders[2];
 typedef struct nqm_corpus_item {
     nqm_corpus_plan plan;
     char *path; /* its work file; NULL without a checkpoint folder; owned */
+    bool is_done;
     /* views into the arrays of nqm_corpus; n = n_directions */
     float *ref_rgb;     /* (n_refs, n, 3) */
     uint8_t *ref_used;  /* (n_refs, n) */
@@ -256,7 +262,12 @@ NQM_MUST_CHECK nqm_status nqm_corpus_item_path(const nqm_corpus_context *context
                                                char **path_ret, nqm_error *err);
 /** Load the finished item from item->path; false: no such file, or a damaged one (the item is made again). */
 bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item);
-NQM_MUST_CHECK nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, nqm_error *err);
+/** Save the first n_done tests: to item->path if they are all, otherwise to the file of an unfinished group, item->path +
+ *  ".progress", which the finished one replaces. */
+NQM_MUST_CHECK nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, size_t n_done,
+                                               nqm_error *err);
+/** Load the tests of an unfinished group; returns their number, 0: none. */
+size_t nqm_corpus_item_resume(size_t n_directions, nqm_corpus_item *item);
 
 /* ---- a corpus ---------------------------------------------------------------------------------------------------- */
 

@@ -26,11 +26,12 @@ typedef struct job {
     nqm_corpus_item *item;
     size_t n; /* directions */
     size_t n_fits;
-    const view **forms;  /* (n_forms) of the cache, or in `presets` */
-    view *presets;       /* (n_forms) forms that are no references of the list; the others are empty */
-    encoding *fits;      /* (n_fits) */
-    view made;           /* of a test whose BRDF is made for it */
-    char path_spec[512]; /* of a point on the path of an optimiser */
+    const view **forms;          /* (n_forms) of the cache, or in `presets` */
+    view *presets;               /* (n_forms) forms that are no references of the list; the others are empty */
+    encoding *fits;              /* (n_fits) */
+    view made;                   /* of a test whose BRDF is made for it */
+    char path_spec[512];         /* of a point on the path of an optimiser */
+    double saved_s, save_cost_s; /* time of the last save of the unfinished group, and its duration */
     nqm_error *err;
 } job;
 
@@ -38,7 +39,7 @@ static nqm_status open_preset(const job *j, size_t form) {
     view *v = &j->presets[form];
     nqm_status status = nqm_corpus_view_alloc(j->context, v, j->err);
     if (status == NQM_OK)
-        status = nqm_corpus_open(j->item->plan.forms[form].path, j->context->options->scene.exact, &v->brdf, j->err);
+        status = nqm_corpus_open(j->context, j->item->plan.forms[form].path, &v->brdf, j->err);
     return status == NQM_OK ? nqm_corpus_view_fill(j->context, v, j->err) : status;
 }
 
@@ -93,8 +94,11 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
 
 static nqm_status make_fits(const job *j, size_t ref) {
     nqm_status status = NQM_OK;
-    for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k)
+    for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k) {
         status = make_fit(j, j->forms[ref]->brdf, k);
+        if (status == NQM_OK && j->context->step(j->context->step_user, NQM_CORPUS_FIT_UNITS))
+            status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
+    }
     return status;
 }
 
@@ -306,21 +310,57 @@ static nqm_status select_far(const job *j, size_t ref) {
     return status;
 }
 
+/* Save the first n_done tests for a later run. Saving takes at most a twentieth of the time unless the run ends here. */
+static nqm_status save_tests(job *j, size_t n_done, bool ends, nqm_error *err) {
+    const double begin_s = nqm_clock_s();
+    if (!j->item->path || n_done == 0 || n_done == j->item->plan.n_tests ||
+        (!ends && begin_s - j->saved_s < 20 * j->save_cost_s))
+        return NQM_OK;
+    nqm_status status = nqm_corpus_item_save(j->n, j->item, n_done, err);
+    j->saved_s = nqm_clock_s();
+    j->save_cost_s = j->saved_s - begin_s;
+    return status;
+}
+
+/* Make tests [first, n_tests); *n_done: those that are finished, also after a failure. */
+static nqm_status make_tests(job *j, size_t first, size_t *n_done) {
+    const nqm_corpus_plan *plan = &j->item->plan;
+    nqm_status status = NQM_OK;
+    for (size_t t = *n_done = first; status == NQM_OK && t < plan->n_tests; ++t) {
+        if (t == first || plan->tests[t].ref != plan->tests[t - 1].ref)
+            status = make_fits(j, plan->tests[t].ref);
+        if (status == NQM_OK)
+            status = make_test(j, t);
+        *n_done += status == NQM_OK;
+        if (status == NQM_OK)
+            status = save_tests(j, t + 1, false, j->err);
+        if (status == NQM_OK && j->context->step(j->context->step_user, 1))
+            status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
+    }
+    return status;
+}
+
+/* The tests of an interrupted run, with the encodings of their references that are not made again. */
+static size_t resume(const job *j) {
+    const nqm_corpus_item *item = j->item;
+    const size_t n_done = item->path ? nqm_corpus_item_resume(j->n, j->item) : 0;
+    const size_t n_refs = n_done ? item->plan.tests[nqm_smaller(n_done, item->plan.n_tests - 1)].ref : 0;
+    j->context->step(j->context->step_user, n_done + n_refs * j->n_fits * NQM_CORPUS_FIT_UNITS);
+    return n_done;
+}
+
 static nqm_status run(job *j) {
     const nqm_corpus_plan *plan = &j->item->plan;
+    size_t n_done = 0;
     nqm_status status = open_forms(j);
     for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k)
         status = nqm_corpus_view_alloc(j->context, &j->fits[k].view, j->err);
     if (status == NQM_OK)
         status = nqm_corpus_view_alloc(j->context, &j->made, j->err);
-    for (size_t t = 0; status == NQM_OK && t < plan->n_tests; ++t) {
-        if (t == 0 || plan->tests[t].ref != plan->tests[t - 1].ref)
-            status = make_fits(j, plan->tests[t].ref);
-        if (status == NQM_OK)
-            status = make_test(j, t);
-        if (status == NQM_OK && j->context->step(j->context->step_user, 1))
-            status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
-    }
+    if (status == NQM_OK)
+        status = make_tests(j, resume(j), &n_done);
+    if (status == NQM_ERR_CANCELLED)
+        (void)!save_tests(j, n_done, true, NULL); /* a failure costs the next run this time only */
     for (size_t ref = 0; status == NQM_OK && j->context->options->n_far > 0 && ref < plan->n_refs; ++ref)
         status = select_far(j, ref);
     return status;

@@ -12,19 +12,26 @@
 
 typedef struct run {
     nqm_corpus *corpus;
-    size_t *order;        /* (n_items) order of processing */
-    atomic_size_t n_done; /* finished tests */
+    size_t *order; /* (n_items) order of processing */
+    size_t n_units;
+    atomic_size_t n_done; /* finished units */
     atomic_bool stopped;
     pthread_t caller; /* the only thread that reports progress */
     nqm_ticker ticker;
 } run;
 
-/* Count finished tests and, on the caller's thread, report progress. true: stop. */
-static bool advance(void *user, size_t n_tests) {
+/* Units of work of a group. */
+static size_t units_of(const nqm_corpus *corpus, const nqm_corpus_item *item) {
+    return item->plan.n_tests + item->plan.n_refs * corpus->context.models.n * NQM_CORPUS_FIT_UNITS;
+}
+
+/* Count finished units and, on the caller's thread, report them as tests. true: stop. */
+static bool advance(void *user, size_t n_units) {
     run *r = user;
-    size_t done = atomic_fetch_add(&r->n_done, n_tests) + n_tests;
+    const size_t done = atomic_fetch_add(&r->n_done, n_units) + n_units;
+    const double n_tests = (double)r->corpus->n_tests;
     if (pthread_equal(pthread_self(), r->caller) &&
-        nqm_tick(&r->ticker, "corpus", (double)done, (double)r->corpus->n_tests))
+        nqm_tick(&r->ticker, "corpus", n_tests * (double)done / (double)r->n_units, n_tests))
         atomic_store(&r->stopped, true);
     return atomic_load(&r->stopped);
 }
@@ -40,10 +47,12 @@ static const char *path_of(void *user, size_t item) {
 
 static bool load(void *user, size_t item) {
     run *r = user;
-    if (!nqm_corpus_item_load(r->corpus->n_directions, &r->corpus->items[item]))
-        return false;
-    advance(r, r->corpus->items[item].plan.n_tests);
-    return true;
+    nqm_corpus_item *it = &r->corpus->items[item];
+    if (!it->is_done && nqm_corpus_item_load(r->corpus->n_directions, it)) {
+        it->is_done = true;
+        advance(r, units_of(r->corpus, it));
+    }
+    return it->is_done;
 }
 
 static nqm_status make(void *user, size_t i, nqm_error *err) {
@@ -51,7 +60,7 @@ static nqm_status make(void *user, size_t i, nqm_error *err) {
     nqm_corpus_item *item = &r->corpus->items[i];
     nqm_status status = nqm_corpus_item_make(&r->corpus->context, item, err);
     if (status == NQM_OK && item->path)
-        status = nqm_corpus_item_save(r->corpus->n_directions, item, err);
+        status = nqm_corpus_item_save(r->corpus->n_directions, item, item->plan.n_tests, err);
     if (status != NQM_OK)
         atomic_store(&r->stopped, true); /* also the groups of the other threads */
     return status;
@@ -77,6 +86,8 @@ nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
     if (!r.order)
         return nqm_fail_nomem(err, corpus->n_items * sizeof *r.order);
     make_order(&r);
+    for (size_t i = 0; i < corpus->n_items; ++i)
+        r.n_units += units_of(corpus, &corpus->items[i]);
     corpus->context.step = advance;
     corpus->context.step_user = &r;
     const nqm_shared_work work = {.n = corpus->n_items,
@@ -86,6 +97,10 @@ nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
                                   .load = load,
                                   .make = make,
                                   .is_stopped = is_stopped};
+    atomic_store(&r.n_done, 0);
+    for (size_t i = 0; i < corpus->n_items; ++i) /* first, so that the estimate of the time left begins with new work */
+        if (corpus->items[i].path)
+            load(&r, i);
     const nqm_status status = nqm_shared_work_run(&work, err);
     nqm_free(r.order);
     return status;

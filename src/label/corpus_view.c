@@ -28,15 +28,22 @@ nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_vi
     return status == NQM_OK ? nqm_scene_render(context->scene, view->brdf, view->picture, err) : status;
 }
 
+static int ask(void *user, const char *stage, double done, double total) {
+    const nqm_corpus_context *context = user;
+    (void)stage, (void)done, (void)total;
+    return context->step(context->step_user, 0);
+}
+
 /* Decoders of neural processes become tables, because dozens of copies are rendered; other forms are folded, because sampling
  * directions and perturbations use one half of the pairs. */
-nqm_status nqm_corpus_open(const char *path, bool exact, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_corpus_open(const nqm_corpus_context *context, const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_ticker ticker = {.fn = ask, .user = (void *)context};
     nqm_brdf *form;
     nqm_status status = nqm_brdf_open(path, &form, err);
     if (status != NQM_OK)
         return status;
-    if (form->class_->is_costly && !exact) {
-        status = nqm_brdf_tabulate(form, nqm_table_general, NULL, brdf_ret, err);
+    if (form->class_->is_costly && !context->options->scene.exact) {
+        status = nqm_brdf_tabulate(form, nqm_table_general, &ticker, brdf_ret, err);
         nqm_brdf_free(form);
         return status;
     }
@@ -83,7 +90,7 @@ void nqm_corpus_cache_free(nqm_corpus_cache *cache) {
 static nqm_status make_view(const nqm_corpus_context *context, size_t list_ref, nqm_corpus_view *view, nqm_error *err) {
     nqm_status status = nqm_corpus_view_alloc(context, view, err);
     if (status == NQM_OK)
-        status = nqm_corpus_open(context->list->refs[list_ref].path, context->options->scene.exact, &view->brdf, err);
+        status = nqm_corpus_open(context, context->list->refs[list_ref].path, &view->brdf, err);
     if (status == NQM_OK)
         status = nqm_corpus_view_fill(context, view, err);
     if (status != NQM_OK) {

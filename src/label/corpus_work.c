@@ -168,17 +168,52 @@ static char *strings_to_json(size_t n, char *const *strings) {
     return text;
 }
 
-nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, nqm_error *err) {
+/* The file of an unfinished group; nqm_free() it. NULL: out of memory. */
+static char *progress_path(const nqm_corpus_item *item) {
+    const size_t n = strlen(item->path) + sizeof ".progress";
+    char *path = nqm_alloc(n, 1);
+    if (path)
+        snprintf(path, n, "%s.progress", item->path);
+    return path;
+}
+
+static void remove_progress(const nqm_corpus_item *item) {
+    char *path = progress_path(item);
+    if (path)
+        unlink(path);
+    nqm_free(path);
+}
+
+static nqm_status save_at(const char *path, size_t n_directions, const nqm_corpus_item *item, size_t n_done,
+                          nqm_error *err) {
     nqm_tensor tensors[N_TENSORS];
     describe(item, n_directions, tensors);
     char *names = strings_to_json(item->plan.n_tests, item->names);
     char *failures = strings_to_json(item->plan.n_tests, item->failures);
-    const nqm_meta meta[] = {{"names", names}, {"failures", failures}};
-    nqm_status status =
-        names && failures ? nqm_safetensors_write(item->path, N_TENSORS, tensors, 2, meta, NULL, err)
-                          : nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: a name is not UTF-8, or memory ran out", item->path);
+    char count[24];
+    snprintf(count, sizeof count, "%zu", n_done);
+    const nqm_meta meta[] = {{"names", names}, {"failures", failures}, {"tests_done", count}};
+    const size_t n_meta = n_done < item->plan.n_tests ? 3 : 2;
+    nqm_status status = names && failures
+                            ? nqm_safetensors_write(path, N_TENSORS, tensors, n_meta, meta, NULL, err)
+                            : nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: a name is not UTF-8, or memory ran out", path);
     free(names);
     free(failures);
+    return status;
+}
+
+nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, size_t n_done, nqm_error *err) {
+    if (n_done == item->plan.n_tests) {
+        nqm_status status = save_at(item->path, n_directions, item, n_done, err);
+        if (status == NQM_OK)
+            remove_progress(item);
+        return status;
+    }
+    char *path = progress_path(item);
+    if (!path)
+        return nqm_fail_nomem(err, strlen(item->path));
+    nqm_status status = save_at(path, n_directions, item, n_done, err);
+    nqm_free(path);
     return status;
 }
 
@@ -220,11 +255,11 @@ static bool matches(const nqm_safetensors *st, const nqm_tensor tensors[N_TENSOR
     return true;
 }
 
-/* Every test must have a name. */
-static bool load_names(const nqm_safetensors *st, nqm_corpus_item *item) {
+/* Each of the first n_done tests must have a name. */
+static bool load_names(const nqm_safetensors *st, size_t n_done, nqm_corpus_item *item) {
     size_t n = item->plan.n_tests;
     bool good = load_strings(st, "names", n, item->names) && load_strings(st, "failures", n, item->failures);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n_done; ++i)
         good = good && item->names[i];
     if (!good) {
         forget(n, item->names);
@@ -233,24 +268,45 @@ static bool load_names(const nqm_safetensors *st, nqm_corpus_item *item) {
     return good;
 }
 
-bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
-    const char *path = item->path;
+/* The number of tests in a file: all, unless it is that of an unfinished group. */
+static size_t tests_in(const nqm_safetensors *st, const nqm_corpus_item *item) {
+    const char *count = nqm_safetensors_meta(st, "tests_done");
+    return count ? nqm_smaller(strtoul(count, NULL, 10), item->plan.n_tests) : item->plan.n_tests;
+}
+
+/* Load the tests of a file; returns their number, 0: no such file, or a damaged one. */
+static size_t load_at(const char *path, size_t n_directions, nqm_corpus_item *item) {
     nqm_tensor tensors[N_TENSORS];
     nqm_map map;
     nqm_safetensors *st;
     if (access(path, R_OK) != 0 || nqm_map_open(path, &map, NULL) != NQM_OK)
-        return false;
+        return 0;
     if (nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) != NQM_OK) {
         nqm_map_close(&map);
-        return false;
+        return 0;
     }
     describe(item, n_directions, tensors);
-    bool loaded = matches(st, tensors) && load_names(st, item);
+    const size_t n_done = tests_in(st, item);
+    bool loaded = matches(st, tensors) && load_names(st, n_done, item);
     void *const into[N_TENSORS] = {item->ref_rgb, item->ref_used, item->test_rgb, item->test_used,
                                    item->label,   item->fit_loss, item->kept};
     for (size_t i = 0; loaded && i < N_TENSORS; ++i)
         memcpy(into[i], nqm_safetensors_find(st, tensors[i].name)->data, tensors[i].n_bytes);
     nqm_safetensors_free(st);
     nqm_map_close(&map);
-    return loaded;
+    return loaded ? n_done : 0;
+}
+
+bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
+    if (load_at(item->path, n_directions, item) < item->plan.n_tests)
+        return false;
+    remove_progress(item); /* of a process that was killed just before it removed the file */
+    return true;
+}
+
+size_t nqm_corpus_item_resume(size_t n_directions, nqm_corpus_item *item) {
+    char *path = progress_path(item);
+    const size_t n_done = path ? load_at(path, n_directions, item) : 0;
+    nqm_free(path);
+    return n_done;
 }

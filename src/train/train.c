@@ -130,8 +130,8 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
                             "the loss stopped being finite in epoch %zu, step %zu; try a lower learning rate",
                             r->state.epoch + 1, k);
         sum += loss * (double)n;
-        double done = (double)(r->state.epoch * r->steps_per_epoch + k);
-        if (nqm_tick(&r->ticker, "train", done, (double)(r->steps_per_epoch * r->options->optimiser.epochs)))
+        const double done = (double)r->state.epoch + (double)k / (double)r->steps_per_epoch;
+        if (nqm_tick(&r->ticker, "train", done, (double)r->options->optimiser.epochs))
             return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted in epoch %zu%s%s", r->state.epoch + 1,
                             r->options->run.checkpoint ? "; go on with the checkpoint " : "",
                             r->options->run.checkpoint ? r->options->run.checkpoint : "");

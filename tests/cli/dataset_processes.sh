@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm dataset by several processes with one folder of work files and mpirun's environment variables: a rank above 0
-# computes groups and writes no dataset; the group of a killed process is computed by the others; an interrupted run can
-# be resumed with the same command. The file is the same every time.
+# computes groups and writes no dataset; the group of a killed process is computed by the others; an interrupted or killed run goes
+# on within a group with the same command. The file is the same every time.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
@@ -70,18 +70,22 @@ rank 0 2 --work "$dir/work" -o "$dir/both.safetensors" >/dev/null 2>"$dir/err" |
 wait $other || fail "the second of two"
 cmp "$dir/alone.safetensors" "$dir/both.safetensors" || fail "another file from two at once"
 
-# Interrupted: exit code 130, and the same command resumes the run.
-rm -rf "$dir/work"
-"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 \
-    --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" &
-victim=$!
-wait_for "$dir/work" '*.safetensors'
-kill -TERM $victim
-code=0
-wait $victim || code=$?
-[ $code = 130 ] || [ $code = 0 ] || fail "exit code $code after an interruption"
-make --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" || fail "going on"
-cmp "$dir/alone.safetensors" "$dir/again.safetensors" || fail "another file after an interruption"
+# Interrupted and killed within a group: the same command goes on from the finished tests of the group, and the file is the same.
+for signal in TERM KILL; do
+    rm -rf "$dir/work"
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 \
+        --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" &
+    victim=$!
+    wait_for "$dir/work" '*.safetensors.progress'
+    kill -$signal $victim
+    code=0
+    wait $victim 2>/dev/null || code=$?
+    case $signal-$code in TERM-130 | TERM-0 | KILL-137 | KILL-0) ;; *) fail "exit code $code after SIG$signal" ;; esac
+    make --work "$dir/work" -o "$dir/again.safetensors" --log >/dev/null 2>"$dir/err" || fail "going on"
+    cmp "$dir/alone.safetensors" "$dir/again.safetensors" || fail "another file after SIG$signal"
+    [ "$(count "$dir/work" '*')" = 3 ] || fail "files are left: $(ls "$dir/work")" # the folder and two groups
+done
+if head -1 "$dir/err" | grep -q ' left'; then fail "an estimate without a basis: $(cat "$dir/err")"; fi
 
 code=0
 rank 0 2 -o "$dir/x" >/dev/null 2>"$dir/err" || code=$?

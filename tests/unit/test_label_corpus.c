@@ -6,14 +6,13 @@
 #include "label/corpus.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
+#include "support/scenes.h"
 #include "train/train.h"
 
 #include <dirent.h>
 #include <jansson.h>
-#include <omp.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static nqm_directions *directions(void) {
@@ -240,19 +239,11 @@ static void far_tests_are_labelled(void **state) {
     nqm_dataset_free(d);
 }
 
-enum { N_FIRST_GROUP = 2 * (2 + 3 + 2 * NQM_CORPUS_CANDIDATES + 1) + 2 }; /* tests */
-
-/* Stops in the second group: a fit calls without a finished test after all of the first group are. A ticker makes no call for
- * 0.2 s after the last one; a longer wait here makes it call for every test on a machine of any speed. */
-static int stop_in_second_group(void *user, const char *stage, double done, double total) {
-    static double last = -1;
-    const bool is_new = done != last;
+/* Stops at the second report of the corpus. */
+static int stop_soon(void *user, const char *stage, double done, double total) {
+    static int calls_left = 2;
     (void)user;
-    (void)stage;
-    last = done;
-    if (done <= N_FIRST_GROUP && is_new)
-        nanosleep(&(struct timespec){.tv_nsec = 210 * 1000 * 1000}, NULL);
-    return (done > N_FIRST_GROUP || (done == N_FIRST_GROUP && !is_new)) && done < total;
+    return strcmp(stage, "corpus") == 0 && --calls_left <= 0 && done < total;
 }
 
 static size_t count_files(const char *path) {
@@ -277,13 +268,9 @@ static void an_interrupted_corpus_goes_on(void **state) {
 
     nqm_directions *d = directions();
     options.checkpoint = work;
-    options.progress = stop_in_second_group;
+    options.progress = stop_soon;
     snprintf(csv, sizeof csv, "%s", write_text("list.csv", corpus_materials));
-    int n_threads = omp_get_max_threads();
-    omp_set_num_threads(1); /* one group after the other */
     assert_int_equal(nqm_corpus_build(csv, d, &options, in_folder("never.safetensors"), NULL), NQM_ERR_CANCELLED);
-    omp_set_num_threads(n_threads);
-    assert_int_equal(count_files(work), 1);
     assert_int_not_equal(access(in_folder("never.safetensors"), F_OK), 0);
     nqm_directions_free(d);
 
@@ -295,6 +282,120 @@ static void an_interrupted_corpus_goes_on(void **state) {
         assert_int_equal(count_files(work), 2);
     }
     remove_folder(work);
+}
+
+/* A group whose making is stopped: counts units, and stops when `stop` of them are done. */
+typedef struct making {
+    nqm_corpus_context context;
+    nqm_corpus_options options;
+    nqm_corpus_list list;
+    nqm_scene *scene;
+    nqm_directions *directions;
+    nqm_corpus_item item;
+    size_t n_done, stop, resumed; /* resumed: units of the first call */
+} making;
+
+static bool count_units(void *user, size_t n_units) {
+    making *m = user;
+    m->resumed = m->resumed == SIZE_MAX ? n_units : m->resumed;
+    m->n_done += n_units;
+    return m->n_done >= m->stop;
+}
+
+static void free_strings(nqm_corpus_item *item) {
+    for (size_t t = 0; t < item->plan.n_tests; ++t) {
+        nqm_free(item->names[t]);
+        nqm_free(item->failures[t]);
+        item->names[t] = item->failures[t] = NULL;
+    }
+}
+
+static void begin_making(making *m, const char *path) {
+    *m = (making){.options = small_corpus(NQM_CORPUS_TRAINING), .directions = directions()};
+    nqm_corpus_item *item = &m->item;
+    m->options.scene.n_points = 64;
+    const char *csv = write_text("list.csv", corpus_materials);
+    assert_int_equal(nqm_corpus_list_load(csv, NULL, &m->list, NULL), NQM_OK);
+    m->scene = make_scene(&m->options.scene);
+    m->context = (nqm_corpus_context){.list = &m->list,
+                                      .options = &m->options,
+                                      .directions = m->directions,
+                                      .scene = m->scene,
+                                      .step = count_units,
+                                      .step_user = m};
+    assert_int_equal(nqm_corpus_models_parse("ward,ggx", &m->context.models, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_cache_create(m->list.n_refs, &m->context.cache, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_plan_make(&m->list, 0, &m->context.models, &m->options, &item->plan, NULL), NQM_OK);
+    const size_t n = item->plan.n_tests, n_refs = item->plan.n_refs;
+    assert_int_equal(
+        nqm_alloc_arrays(NQM_ARRAYS({&item->ref_rgb, n_refs * 50, 3 * sizeof(float)}, {&item->ref_used, n_refs * 50, 1},
+                                    {&item->test_rgb, n * 50, 3 * sizeof(float)}, {&item->test_used, n * 50, 1},
+                                    {&item->label, n, sizeof *item->label}, {&item->fit_loss, n, sizeof(double)},
+                                    {&item->kept, n, 1}, {&item->names, n, sizeof *item->names},
+                                    {&item->failures, n, sizeof *item->failures}),
+                         NULL),
+        NQM_OK);
+    item->path = (char *)(uintptr_t)path;
+}
+
+static void end_making(making *m) {
+    free_strings(&m->item);
+    nqm_free(m->item.ref_rgb);
+    nqm_corpus_plan_free(&m->item.plan);
+    nqm_corpus_cache_free(m->context.cache);
+    nqm_scene_free(m->scene);
+    nqm_corpus_list_free(&m->list);
+    nqm_directions_free(m->directions);
+}
+
+/* Make the group until `stop` units are done, as a process would that finds the files of the one before. */
+static nqm_status make_until(making *m, size_t stop) {
+    m->n_done = 0;
+    m->resumed = SIZE_MAX;
+    m->stop = stop;
+    return nqm_corpus_item_make(&m->context, &m->item, NULL);
+}
+
+static void an_interrupted_group_goes_on_where_it_stopped(void **state) {
+    (void)state;
+    char path[256], progress[280];
+    snprintf(path, sizeof path, "%s", in_folder("group.safetensors"));
+    snprintf(progress, sizeof progress, "%s.progress", path);
+    making whole, parts;
+    begin_making(&whole, NULL);
+    begin_making(&parts, path);
+    assert_int_equal(make_until(&whole, SIZE_MAX), NQM_OK);
+    assert_int_equal(whole.item.plan.n_refs, 2);
+    const size_t n_fits = 2 * NQM_CORPUS_FIT_UNITS, n_tests = parts.item.plan.n_tests;
+    assert_int_equal(whole.n_done, n_tests + 2 * n_fits);
+
+    assert_int_equal(make_until(&parts, n_fits + 4), NQM_ERR_CANCELLED); /* after four tests of the first reference */
+    assert_int_equal(parts.resumed, 0);
+    assert_int_equal(access(progress, F_OK), 0);
+    for (size_t k = 0, n_done = 4; n_done < n_tests; ++k, n_done += 3) { /* three tests at a time */
+        end_making(&parts);
+        begin_making(&parts, path);
+        const size_t n_refs = parts.item.plan.tests[n_done].ref;
+        const bool is_last = n_done + 3 >= n_tests;
+        const size_t crosses = !is_last && parts.item.plan.tests[n_done + 2].ref > n_refs;
+        assert_int_equal(make_until(&parts, is_last ? SIZE_MAX : n_done + 3 + (n_refs + 1 + crosses) * n_fits),
+                         is_last ? NQM_OK : NQM_ERR_CANCELLED);
+        assert_int_equal(parts.resumed, n_done + n_refs * n_fits);
+    }
+    const nqm_corpus_item *a = &whole.item, *b = &parts.item;
+    assert_memory_equal(a->test_rgb, b->test_rgb, n_tests * 50 * 3 * sizeof(float));
+    assert_memory_equal(a->test_used, b->test_used, n_tests * 50);
+    assert_memory_equal(a->ref_rgb, b->ref_rgb, (size_t)2 * 50 * 3 * sizeof(float));
+    assert_memory_equal(a->label, b->label, n_tests * sizeof *a->label);
+    assert_memory_equal(a->fit_loss, b->fit_loss, n_tests * sizeof(double));
+    assert_memory_equal(a->kept, b->kept, n_tests);
+    for (size_t t = 0; t < n_tests; ++t)
+        assert_string_equal(a->names[t], b->names[t]);
+    assert_int_equal(nqm_corpus_item_save(50, b, n_tests, NULL), NQM_OK);
+    assert_int_not_equal(access(progress, F_OK), 0); /* the finished group replaces it */
+    remove(path);
+    end_making(&whole);
+    end_making(&parts);
 }
 
 static void a_part_without_materials_is_refused(void **state) {
@@ -316,6 +417,7 @@ int main(void) {
         cmocka_unit_test(failed_tests_are_left_out_and_named),
         cmocka_unit_test(far_tests_are_labelled),
         cmocka_unit_test(an_interrupted_corpus_goes_on),
+        cmocka_unit_test(an_interrupted_group_goes_on_where_it_stopped),
         cmocka_unit_test(a_part_without_materials_is_refused),
     };
     return cmocka_run_group_tests_name("label: corpus", tests, make_folder, remove_made_folder);

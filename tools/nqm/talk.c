@@ -119,28 +119,54 @@ void set_progress(progress_style style) {
     progress = style;
 }
 
+/* The time that is left, from the speed of about the last minute: work that was done before the run, and work of which the first
+ * part is quicker than the rest, leave the estimate. NaN: there is no basis yet. */
+static double seconds_left(bool begins, double now_s, double done, double total) {
+    enum { N = 32 };
+    static struct { double time_s, done; } sample[N];
+    static size_t n;
+    const double spacing_s = 2;
+    n = begins ? 0 : n;
+    if (n == 0 || now_s - sample[(n - 1) % N].time_s >= spacing_s) {
+        sample[n % N].time_s = now_s;
+        sample[n++ % N].done = done;
+    }
+    const size_t oldest = n > N ? n % N : 0;
+    const double elapsed_s = now_s - sample[oldest].time_s, more = done - sample[oldest].done;
+    return elapsed_s >= spacing_s && more > 0 ? elapsed_s * (total - done) / more : (double)NAN;
+}
+
+/* ", 40 s left"; empty without an estimate. */
+static const char *format_left(double left_s, char text[40]) {
+    *text = 0;
+    if (left_s >= 600)
+        snprintf(text, 40, ", %.0f min left", left_s / 60);
+    else if (left_s >= 0)
+        snprintf(text, 40, ", %.0f s left", left_s);
+    return text;
+}
+
 int show_progress(void *user, const char *stage, double done, double total) {
-    static double begin_s, first; /* first: done before this run */
     static char last_stage[64];
     static int last_percent;
     const double now = nqm_clock_s();
     const int percent = total > 0 ? (int)(100 * done / total) : 0;
+    const bool begins = strncmp(last_stage, stage, sizeof last_stage - 1) != 0;
     (void)user;
-    if (strncmp(last_stage, stage, sizeof last_stage - 1) != 0) {
+    if (begins) {
         snprintf(last_stage, sizeof last_stage, "%s", stage);
-        begin_s = now;
-        first = done;
         last_percent = -1;
     }
-    const double left = done > first && total > done ? (now - begin_s) * (total - done) / (done - first) : 0;
+    char left[40];
+    format_left(seconds_left(begins, now, done, total), left);
     progress_shown = progress != PROGRESS_NONE && isatty(STDERR_FILENO);
     if (progress_shown && total > 0)
-        fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%), %.0f s left%s \033[K", stage, done, total, 100 * done / total,
+        fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%)%s%s \033[K", stage, floor(done), total, floor(100 * done / total),
                 left, progress_note);
     else if (progress_shown)
         fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
     else if (progress == PROGRESS_LOG && percent != last_percent)
-        fprintf(stderr, "%s: %d %% (%.0f of %.0f), %.0f s left\n", stage, percent, done, total, left);
+        fprintf(stderr, "%s: %d %% (%.0f of %.0f)%s\n", stage, percent, floor(done), total, left);
     last_percent = percent;
     return interrupt_count != 0;
 }
