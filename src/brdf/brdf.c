@@ -175,7 +175,7 @@ static nqm_status open_map(nqm_map *map, nqm_brdf **brdf_ret, nqm_error *err) {
     return nqm_fail(
         err, NQM_ERR_FORMAT, 0,
         "%s: %s%s: byte 0 begins none of MERL .binary (90x90x180, 90x90x360), RGL .bsdf, .pbsdf, NBRDF .h5, .npy, "
-        "CSV with theta_h, theta_d, phi_d, nqm's own .safetensors, zip, %s",
+        "CSV with theta_h, theta_d, phi_d or theta_i, phi_i, theta_o, phi_o, nqm's own .safetensors, zip, %s",
         path, kind ? "not a BRDF file but " : "not a BRDF file", kind ? kind : "", materials);
 }
 

@@ -2,7 +2,8 @@
  *
  * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some theta_h, theta_d
  * and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered directions (scattered.c).
- * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn.
+ * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn. Rows may
+ * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged.
  */
 #include "brdf/listed.h"
 
@@ -26,24 +27,60 @@ bool nqm_listed_probe(const nqm_map *map) {
                 line[n++] = (char)(map->data[at] >= 'A' && map->data[at] <= 'Z' ? map->data[at] + 32 : map->data[at]);
         line[n] = '\0';
     } while (at++ < map->n_bytes && (*line == '#' || strspn(line, " \t\r") == n));
-    return strstr(line, "theta_h") && strstr(line, "theta_d") && strstr(line, "phi_d");
+    return (strstr(line, "theta_h") && strstr(line, "theta_d") && strstr(line, "phi_d")) ||
+           (strstr(line, "theta_i") && strstr(line, "phi_i") && strstr(line, "theta_o") && strstr(line, "phi_o"));
 }
 
-static const struct {
+enum { MAX_ANGLES = 4, MAX_COLUMNS = MAX_ANGLES + 3 };
+
+typedef struct angle_column {
     const char *name;
     double low, high; /* degrees */
-} columns[6] = {{"theta_h", 0, 90}, {"theta_d", 0, 90}, {"phi_d", -180, 360}, {"r", 0, 0}, {"g", 0, 0}, {"b", 0, 0}};
+} angle_column;
 
-static nqm_status read_angle(const nqm_csv *csv, const char *path, size_t row, size_t k, int column, double *angle,
-                             nqm_error *err) {
+static const angle_column half_diff_columns[] = {{"theta_h", 0, 90}, {"theta_d", 0, 90}, {"phi_d", -180, 360}};
+static const angle_column pair_columns[] = {
+    {"theta_i", 0, 90}, {"phi_i", -360, 360}, {"theta_o", 0, 90}, {"phi_o", -360, 360}};
+
+/* Columns of a file: those of n_angles angles, then r, g, b. */
+typedef struct layout {
+    size_t n_angles;
+    const angle_column *angles;
+    int column[MAX_COLUMNS];
+} layout;
+
+static bool has_pairs(const layout *l) {
+    return l->angles == pair_columns;
+}
+
+static nqm_status read_angle(const nqm_csv *csv, const char *path, size_t row, const angle_column *range, int column,
+                             double *angle, nqm_error *err) {
     nqm_status status = nqm_csv_number(csv, row, column, angle, err);
-    if (status == NQM_OK && !(*angle >= columns[k].low && *angle <= columns[k].high)) {
+    if (status == NQM_OK && !(*angle >= range->low && *angle <= range->high)) {
         const size_t at = nqm_csv_byte(csv, row, column);
         status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: %s %g at byte %zu is not within %g to %g degrees",
-                          path, columns[k].name, *angle, at, columns[k].low, columns[k].high);
+                          path, range->name, *angle, at, range->low, range->high);
     }
     *angle *= degree;
     return status;
+}
+
+static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, const layout *l, double *hd,
+                              nqm_error *err) {
+    double angle[MAX_ANGLES], wi[3], wo[3];
+    nqm_status status = NQM_OK;
+    for (size_t k = 0; k < l->n_angles && status == NQM_OK; ++k)
+        status = read_angle(csv, path, row, l->angles + k, l->column[k], angle + k, err);
+    if (status != NQM_OK)
+        return status;
+    if (!has_pairs(l)) {
+        memcpy(hd, angle, 3 * sizeof *hd);
+        return NQM_OK;
+    }
+    nqm_spherical(angle[0], angle[1], wi);
+    nqm_spherical(angle[2], angle[3], wo);
+    nqm_half_diff_full_from_pair(wi, wo, hd);
+    return NQM_OK;
 }
 
 /* Three empty fields: no value. */
@@ -61,22 +98,41 @@ static nqm_status read_value(const nqm_csv *csv, size_t row, const int *column, 
     return NQM_OK;
 }
 
-static nqm_status read_rows(const nqm_csv *csv, const char *path, nqm_listed *rows, nqm_error *err) {
-    int column[6];
-    nqm_status status = NQM_OK;
-    for (size_t k = 0; k < 6; ++k) {
-        column[k] = nqm_csv_column(csv, columns[k].name);
-        if (column[k] < 0)
+static nqm_status find_columns(const nqm_csv *csv, const char *path, layout *l, nqm_error *err) {
+    static const char *const channels[3] = {"r", "g", "b"};
+    const bool is_half_diff = nqm_csv_column(csv, "theta_h") >= 0 || nqm_csv_column(csv, "theta_i") < 0;
+    *l = is_half_diff ? (layout){3, half_diff_columns, {0}} : (layout){4, pair_columns, {0}};
+    for (size_t k = 0; k < l->n_angles + 3; ++k) {
+        const char *name = k < l->n_angles ? l->angles[k].name : channels[k - l->n_angles];
+        l->column[k] = nqm_csv_column(csv, name);
+        if (l->column[k] < 0)
             return nqm_fail(
                 err, NQM_ERR_FORMAT, 0,
-                "%s: has no column '%s' (header at byte 0); a CSV of a BRDF has theta_h, theta_d, phi_d, r, g, b", path,
-                columns[k].name);
+                "%s: has no column '%s' (header at byte 0); a CSV of a BRDF has theta_h, theta_d, phi_d, or "
+                "theta_i, phi_i, theta_o, phi_o, and r, g, b",
+                path, name);
     }
-    for (size_t row = 0; row < nqm_csv_rows(csv) && status == NQM_OK; ++row) {
-        for (size_t k = 0; k < 3 && status == NQM_OK; ++k)
-            status = read_angle(csv, path, row, k, column[k], rows[row].hd + k, err);
+    return NQM_OK;
+}
+
+/* A file of directions and values. */
+typedef struct list {
+    const char *path;
+    size_t n;
+    nqm_listed *rows; /* (n) */
+    bool is_reciprocal;
+} list;
+
+static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
+    layout columns;
+    nqm_status status = find_columns(csv, l->path, &columns, err);
+    l->is_reciprocal = status == NQM_OK && !has_pairs(&columns);
+    for (size_t row = 0; row < l->n && status == NQM_OK; ++row) {
+        double *hd = l->rows[row].hd;
+        status = read_angles(csv, l->path, row, &columns, hd, err);
         if (status == NQM_OK)
-            status = read_value(csv, row, column + 3, rows[row].rgb, err);
+            status = read_value(csv, row, columns.column + columns.n_angles, l->rows[row].rgb, err);
+        l->is_reciprocal = l->is_reciprocal && hd[2] >= 0 && hd[2] <= 180 * degree;
     }
     return status;
 }
@@ -163,12 +219,23 @@ static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm
     return NQM_OK;
 }
 
+/* Between neighbouring nodes of coordinate k, in degrees; phi_d (2) is periodic. */
+static double largest_gap(const nqm_grid *grid, size_t k) {
+    const double *node = grid->node[k];
+    const size_t n = grid->n[k];
+    double gap = k == 2 ? node[0] + grid->period - node[n - 1] : 0;
+    for (size_t i = 1; i < n; ++i)
+        gap = fmax(gap, node[i] - node[i - 1]);
+    return gap / degree;
+}
+
 static nqm_status wrap_grid(nqm_grid *grid, size_t n, bool reciprocal, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err) {
-    char layout[120];
-    snprintf(layout, sizeof layout, "%zu theta_h x %zu theta_d x %zu phi_d, linear between them", grid->n[0],
-             grid->n[1], grid->n[2]);
-    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n};
+    char text[200];
+    snprintf(text, sizeof text,
+             "%zu theta_h x %zu theta_d x %zu phi_d, linear between them, at most %.3g, %.3g and %.3g degrees apart",
+             grid->n[0], grid->n[1], grid->n[2], largest_gap(grid, 0), largest_gap(grid, 1), largest_gap(grid, 2));
+    const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * n};
     return nqm_brdf_wrap(reciprocal ? &reciprocal_class : &general_class, grid, &info, brdf_ret, err);
 }
 
@@ -184,25 +251,22 @@ static nqm_status read_tolerance(const char *path, const char *text, double *tol
     return NQM_OK;
 }
 
-static nqm_status create(size_t n, const nqm_listed *rows, const char *path, const char *tolerance_text,
-                         const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status create(const list *l, const char *tolerance_text, const char *name, nqm_brdf **brdf_ret,
+                         nqm_error *err) {
     double tolerance;
     nqm_grid *grid = NULL;
-    bool reciprocal = true;
-    for (size_t i = 0; i < n; ++i)
-        reciprocal = reciprocal && rows[i].hd[2] >= 0 && rows[i].hd[2] <= 180 * degree;
-    nqm_status status = read_tolerance(path, tolerance_text, &tolerance, err);
+    nqm_status status = read_tolerance(l->path, tolerance_text, &tolerance, err);
     if (status == NQM_OK)
-        status = make_grid(n, rows, reciprocal ? NQM_PI : 2 * NQM_PI, &grid, err);
+        status = make_grid(l->n, l->rows, l->is_reciprocal ? NQM_PI : 2 * NQM_PI, &grid, err);
     if (status != NQM_OK)
         return status;
     if (!grid)
-        return nqm_scattered_create(n, rows, reciprocal, tolerance, name, brdf_ret, err);
+        return nqm_scattered_create(l->n, l->rows, l->is_reciprocal, tolerance, name, brdf_ret, err);
     if (!tolerance_text)
-        return wrap_grid(grid, n, reciprocal, name, brdf_ret, err);
+        return wrap_grid(grid, l->n, l->is_reciprocal, name, brdf_ret, err);
     nqm_free(grid);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'", path,
-                    tolerance_text);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'",
+                    l->path, tolerance_text);
 }
 
 nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -211,19 +275,19 @@ nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name
     nqm_status status = nqm_csv_parse((const char *)map->data, map->n_bytes, map->path, &csv, err);
     if (status != NQM_OK)
         return status;
-    const size_t n = nqm_csv_rows(csv);
-    nqm_listed *rows = nqm_alloc(n, sizeof *rows);
-    if (!rows)
-        status = nqm_fail_nomem(err, n * sizeof *rows);
-    else if (n == 0)
+    list l = {.path = map->path, .n = nqm_csv_rows(csv)};
+    l.rows = nqm_alloc(l.n, sizeof *l.rows);
+    if (!l.rows)
+        status = nqm_fail_nomem(err, l.n * sizeof *l.rows);
+    else if (l.n == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes, "%s: ends at byte %zu without a direction",
                           map->path, map->n_bytes);
     if (status == NQM_OK)
-        status = read_rows(csv, map->path, rows, err);
+        status = read_rows(csv, &l, err);
     nqm_csv_free(csv);
     if (status == NQM_OK)
-        status = create(n, rows, map->path, tolerance, name, brdf_ret, err);
-    nqm_free(rows);
+        status = create(&l, tolerance, name, brdf_ret, err);
+    nqm_free(l.rows);
     if (status != NQM_OK)
         return status;
     (*brdf_ret)->info.n_bytes = map->n_bytes;

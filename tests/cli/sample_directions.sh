@@ -62,3 +62,42 @@ run 2 directions -n 1000000
 run 3 directions "$dir/nowhere.binary"
 run 3 directions -o "$dir/no/such/folder.csv"
 run 4 directions show "$dir/short.csv"
+run 2 directions show default --pairs --json
+
+# Scores of measured values: as those of the BRDFs that were sampled, from half-vector angles or from light and viewer, in any order
+# of the rows.
+jods() { run 0 score "$@" --json -m default; number jod 1; number jod_low 1; number delta_e_itp 1; }
+jods sgd:nickel ward:nickel >"$dir/expected"
+for brdf in sgd ward; do "$tool" sample $brdf:nickel >"$dir/$brdf.csv"; done
+jods --samples "$dir/sgd.csv" "$dir/ward.csv" >"$dir/jods"
+diff "$dir/expected" "$dir/jods" || fail "samples are scored as something else"
+[ ! -s "$dir/err" ] || fail "talk about complete samples"
+run 0 directions show default --pairs -o "$dir/pairs.csv"
+head -n 1 "$dir/pairs.csv" | grep -qx 'theta_h,theta_d,phi_d,theta_i,phi_i,theta_o,phi_o' || fail "columns of --pairs"
+run 0 directions show default
+cut -d, -f 1-3 "$dir/pairs.csv" | diff - "$dir/out" || fail "--pairs changes the directions"
+for brdf in sgd ward; do
+    cut -d, -f 4-7 "$dir/pairs.csv" | paste -d, - "$dir/$brdf.csv" | cut -d, -f 1-4,8-10 >"$dir/$brdf-pairs.csv"
+    { head -n 1 "$dir/$brdf-pairs.csv" && tail -n +2 "$dir/$brdf-pairs.csv" | sort -r; } >"$dir/$brdf-sorted.csv"
+done
+head -n 1 "$dir/sgd-pairs.csv" | grep -qx 'theta_i,phi_i,theta_o,phi_o,r,g,b' || fail "columns"
+jods --samples "$dir/sgd-sorted.csv" "$dir/ward-pairs.csv" >"$dir/jods"
+paste "$dir/expected" "$dir/jods" | awk '{ d = $1 - $2; if (d > 1e-6 || d < -1e-6) { print; bad = 1 } } END { exit bad }' ||
+    fail "directions of light and viewer change the score"
+
+# Directions that are missing: how many, and what writes them. Other files are refused; a complete grid is interpolated.
+head -n 401 "$dir/sgd.csv" >"$dir/short.csv"
+run 5 score --samples "$dir/short.csv" "$dir/ward.csv"
+grep -q 'short.csv: values at 400 of the 500 directions of the model, measured' "$dir/err" || fail "how many: $(cat "$dir/err")"
+grep -q 'nqm directions show default --pairs' "$dir/err" || fail "no way out: $(cat "$dir/err")"
+head -n 491 "$dir/sgd.csv" >"$dir/nearly.csv"
+run 0 score --samples "$dir/nearly.csv" "$dir/ward.csv"
+grep -q 'nearly.csv: values at 490 of the 500' "$dir/err" || fail "silence about missing directions"
+run 2 score --samples "$dir/sgd.csv" ward:nickel
+says 'ward:nickel is no CSV of directions and values'
+run 3 score --samples "$dir/sgd.csv" "$dir/nowhere.csv" "$dir/ward.csv" -q
+[ "$(sed -n 1p "$dir/out")" = nan ] || fail "a missing file stops the others"
+awk 'BEGIN { print "theta_h,theta_d,phi_d"; for (h = 0; h <= 90; h += 5) for (d = 0; d <= 90; d += 10) for (p = 0; p < 180; p += 30) print h "," d "," p }' >"$dir/grid.csv"
+"$tool" sample sgd:nickel -d "$dir/grid.csv" >"$dir/grid-sgd.csv" 2>"$dir/err"
+run 0 score --samples "$dir/sgd.csv" "$dir/grid-sgd.csv" -q
+grep -q 'interpolated (19 theta_h x 10 theta_d x 6 phi_d, .* at most 5, 10 and 30 degrees apart)' "$dir/err" || fail "a grid: $(cat "$dir/err")"

@@ -88,7 +88,8 @@ static void grids_are_interpolated(void **state) {
     assert_true(n_valid > 200);
     nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, "grid");
-    assert_string_equal(info.layout, "6 theta_h x 5 theta_d x 3 phi_d, linear between them");
+    assert_string_equal(info.layout,
+                        "6 theta_h x 5 theta_d x 3 phi_d, linear between them, at most 35, 55 and 60 degrees apart");
     assert_int_equal(info.reciprocal, 1);
     assert_int_equal(info.n_bytes, file.n);
     nqm_brdf_free(brdf);
@@ -185,6 +186,32 @@ static void scattered_directions_are_found(void **state) {
     }
 }
 
+/* Azimuths of light and viewer: any rotation about the normal is the same pair; light and viewer are not exchanged. */
+static void lights_and_viewers_are_read(void **state) {
+    (void)state;
+    csv file = {.n = 0};
+    add(&file, "r,g,b,theta_i,phi_i,theta_o,phi_o\n1,2,3,30,0,40,150\n4,5,6,10,-20,60,340\n");
+    nqm_brdf *brdf = open_ok(save(&file), "");
+    assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 0);
+    static const double angles[3][4] = {
+        {30, 77, 40, 227}, {10, 0, 60, 0}, {40, 150, 30, 0}}; /* theta_i, phi_i, theta_o, phi_o */
+    static const double expected[3] = {1, 4, 0};
+    for (int i = 0; i < 3; ++i) {
+        double w[2][3], rgb[3];
+        uint8_t flag;
+        for (int k = 0; k < 2; ++k) {
+            const double theta = angles[i][2 * k] * degree, phi = angles[i][2 * k + 1] * degree;
+            w[k][0] = sin(theta) * cos(phi);
+            w[k][1] = sin(theta) * sin(phi);
+            w[k][2] = cos(theta);
+        }
+        nqm_brdf_eval(brdf, 1, w[0], w[1], rgb, &flag);
+        assert_int_equal(flag, expected[i] > 0 ? NQM_VALUE_OK : NQM_VALUE_INVALID);
+        assert_near(rgb[0], expected[i], 1e-12);
+    }
+    nqm_brdf_free(brdf);
+}
+
 static void expect_refused(const char *text, const char *suffix, nqm_status status, const char *words) {
     csv file = {.n = 0};
     char argument[4200], at[32];
@@ -205,6 +232,8 @@ static void refuses_unfit_lists(void **state) {
     (void)state;
     static const char grid[] = "theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n0,9,0,1,1,1\n9,0,0,1,1,1\n9,9,0,1,1,1\n";
     expect_refused("theta_h,theta_d,phi_d,r,g\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "no column 'b'");
+    expect_refused("theta_i,phi_i,theta_o,phi_o,r,g\n1,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "no column 'b'");
+    expect_refused("theta_i,phi_i,theta_o,phi_o,r,g,b\n1,2,90.5,4,5,6,7\n", "", NQM_ERR_FORMAT, "theta_o 90.5");
     expect_refused(header, "", NQM_ERR_FORMAT, "without a direction");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n91,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "theta_h 91");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,-181,4,5,6\n", "", NQM_ERR_FORMAT, "phi_d -181");
@@ -230,6 +259,7 @@ static void refuses_unfit_lists(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grids_are_interpolated), cmocka_unit_test(full_turns_are_not_reciprocal),
-        cmocka_unit_test(scattered_directions_are_found), cmocka_unit_test(refuses_unfit_lists)};
+        cmocka_unit_test(scattered_directions_are_found), cmocka_unit_test(lights_and_viewers_are_read),
+        cmocka_unit_test(refuses_unfit_lists)};
     return cmocka_run_group_tests_name("brdf_listed", tests, NULL, NULL);
 }

@@ -5,7 +5,29 @@
 #include "nqm/tool.h"
 #include "sample/sample.h"
 
+#include <math.h>
 #include <string.h>
+
+/* Columns theta_h, theta_d, phi_d, and the directions of light and viewer, turned so that the light is at azimuth 0. */
+static void write_pairs(const nqm_directions *directions, const char *path) {
+    const double *degrees = nqm_directions_degrees(directions), degree = 3.14159265358979323846 / 180;
+    output_file out;
+    open_output(path, &out);
+    fputs("theta_h,theta_d,phi_d,theta_i,phi_i,theta_o,phi_o\n", out.stream);
+    for (size_t i = 0; i < nqm_directions_count(directions); ++i, degrees += 3) {
+        const double hd[3] = {degrees[0] * degree, degrees[1] * degree, degrees[2] * degree};
+        double wi[3], wo[3];
+        nqm_half_diff_to_directions(hd, wi, wo);
+        const double turn = atan2(wo[1], wo[0]) - atan2(wi[1], wi[0]);
+        for (size_t k = 0; k < 3; ++k) { /* digits that read back as the same direction */
+            char text[32];
+            fprintf(out.stream, "%s,", nqm_format_double(text, sizeof text, degrees[k]));
+        }
+        fprintf(out.stream, "%.9g,0,%.9g,%.9g\n", atan2(hypot(wi[0], wi[1]), wi[2]) / degree,
+                atan2(hypot(wo[0], wo[1]), wo[2]) / degree, (turn < 0 ? turn + 360 * degree : turn) / degree);
+    }
+    close_output(&out);
+}
 
 static void print_directions(const nqm_directions *directions) {
     const double *degrees = nqm_directions_degrees(directions);
@@ -18,14 +40,17 @@ static void print_directions(const nqm_directions *directions) {
 }
 
 int cmd_directions(int argc, char **argv) {
-    bool json = false;
+    bool json = false, pairs = false;
     const char *path = "-";
     nqm_directions_options make = nqm_directions_options_default();
     uint64_t n = make.n;
-    const option options[] = {{"number", 'n', OPTION_COUNT, &n, "N", "number of directions", 1, 100000},
-                              {"output", 'o', OPTION_TEXT, &path, "FILE.csv", "where to write the CSV", 0, 0},
-                              {"json", 0, OPTION_FLAG, &json, NULL, "print JSON on standard output instead", 0, 0},
-                              {0}};
+    const option options[] = {
+        {"number", 'n', OPTION_COUNT, &n, "N", "number of directions", 1, 100000},
+        {"output", 'o', OPTION_TEXT, &path, "FILE.csv", "where to write the CSV", 0, 0},
+        {"pairs", 0, OPTION_FLAG, &pairs, NULL,
+         "also write theta_i, phi_i (light, at azimuth 0) and theta_o, phi_o (viewer), to measure at", 0, 0},
+        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON on standard output instead", 0, 0},
+        {0}};
     const command cmd = {
         .usage = "[REF...] [options] | directions show MODEL|FILE [options]",
         .about =
@@ -33,13 +58,16 @@ int cmd_directions(int argc, char **argv) {
             "at which these are bright are favoured. `show` prints the directions of a built-in model, a model file\n"
             "or a CSV. Columns theta_h, theta_d, phi_d, in degrees. A model works with its own directions only: new\n"
             "ones are for new datasets.",
-        .example = "nqm directions -n 500 materials/*.bsdf -o my-directions.csv\nnqm directions show default --json",
+        .example = "nqm directions -n 500 materials/*.bsdf -o my-directions.csv\nnqm directions show default --json\n"
+                   "nqm directions show default --pairs -o to-measure.csv",
         .options = options,
         .table = &nqm_directions_option_table,
         .table_target = &make,
         .max_arguments = -1,
     };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
+    if (json && pairs)
+        stop(EXIT_USAGE, "--json and --pairs exclude each other");
     nqm_directions *directions;
     nqm_error err = {0};
     if (n_arguments > 0 && strcmp(argv[0], "show") == 0) {
@@ -56,6 +84,8 @@ int cmd_directions(int argc, char **argv) {
     }
     if (json)
         print_directions(directions);
+    else if (pairs)
+        write_pairs(directions, path);
     else
         must(nqm_directions_save_csv(directions, output_path(path), &err), &err);
     if (!json && strcmp(path, "-") != 0)

@@ -121,13 +121,57 @@ static int apply_gate(const score_run *run) {
     return n_failed ? EXIT_GATE : EXIT_OK;
 }
 
+/* ---- --samples --------------------------------------------------------------------------------------------------- */
+
+/* Say how the values of a CSV get to the directions of the model; returns the number of directions that have none. A file of
+ * another kind is refused; one that cannot be opened is a fault of its row. */
+static size_t describe_samples(const nqm_directions *directions, const char *path) {
+    nqm_error err = {0};
+    nqm_sample_report counts = {0};
+    nqm_brdf *brdf;
+    if (nqm_brdf_open(path, &brdf, &err) != NQM_OK)
+        return 0;
+    const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    const bool is_grid = strcmp(info.format, "grid") == 0;
+    if (!is_grid && strcmp(info.format, "samples") != 0)
+        stop(EXIT_USAGE, "--samples: %s is no CSV of directions and values (its format is %s)", path, info.format);
+    const size_t n = nqm_directions_count(directions);
+    float *rgb = allocate(3 * n, sizeof *rgb);
+    uint8_t *flag = allocate(n, 1);
+    must(nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, flag, &counts, &err), &err);
+    if (is_grid || counts.n_invalid)
+        report(EXIT_OK, "%s: values at %zu of the %zu directions of the model, %s (%s)", path, n - counts.n_invalid, n,
+               is_grid ? "interpolated" : "measured", info.layout);
+    free(rgb);
+    free(flag);
+    nqm_brdf_free(brdf);
+    return counts.n_invalid;
+}
+
+static void check_samples(const score_run *run, const char *model, int n, char **paths) {
+    const nqm_directions *directions = nqm_model_get_info(run->model).directions;
+    const double n_most = (1 - run->options.min_valid_fraction) * (double)nqm_directions_count(directions);
+    bool is_short = false;
+    for (int i = 0; i < n; ++i)
+        is_short = (double)describe_samples(directions, paths[i]) > n_most || is_short;
+    if (is_short)
+        report(EXIT_OK, "`nqm directions show %s --pairs -o to-measure.csv` writes the directions that the model needs",
+               model);
+}
+
 int cmd_score(int argc, char **argv) {
+    bool samples = false;
     const char *metrics = NULL, *model = "default";
     score_run run = {.options = nqm_score_options_default()};
     const option options[] = {
         OPTION_ROWS_MODEL(&model),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
          "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
+        {"samples", 0, OPTION_FLAG, &samples, NULL,
+         "REF and TEST are CSVs of measured values at the model's directions (`nqm directions show default --pairs` "
+         "writes "
+         "them); nothing is interpolated but complete grids",
+         0, 0},
         OPTION_ROWS_GATE(&run.gate),
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
@@ -145,7 +189,9 @@ int cmd_score(int argc, char **argv) {
             "little (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
-                   "nqm score old.binary new.binary --fail-under 9.5 -q",
+                   "nqm score old.binary new.binary --fail-under 9.5 -q\n"
+                   "nqm sample sgd:nickel >ref.csv && nqm sample ward:nickel >test.csv && nqm score --samples ref.csv "
+                   "test.csv",
         .options = options,
         .table = &nqm_score_option_table,
         .table_target = &run.options,
@@ -159,6 +205,8 @@ int cmd_score(int argc, char **argv) {
     run.model = open_model(model);
     check_gate(&run.gate, run.model);
     nqm_brdf_free(open_brdf(argv[0])); /* without a reference there are no results */
+    if (samples)
+        check_samples(&run, model, n_arguments, argv);
     set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     print_scores(&run);
