@@ -81,8 +81,11 @@ static int64_t on_size(exr_const_context_t context, void *user) {
     return (int64_t)((exr_file *)user)->map->n_bytes;
 }
 
+/* OpenEXRCore accepts a compressed chunk that ends early and leaves the rest of its buffer as it was. Filled with NaN, missing pixels
+ * are refused as not finite instead of being whatever the memory held. */
 static void *limited_malloc(size_t n) {
-    return n <= MAX_ALLOCATION ? malloc(n) : NULL;
+    void *block = n <= MAX_ALLOCATION ? malloc(n) : NULL;
+    return block ? memset(block, 0xff, n) : NULL;
 }
 
 /* Set the decoder's output pointers for the channels of a chunk. (x, y): pixel position of the chunk in the image. */
