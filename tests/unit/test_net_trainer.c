@@ -75,7 +75,8 @@ static double train_step(trainee *t, uint64_t step) {
  * over 2h has a rounding error of about 1e-6/h; h = 0.02 balances that with the truncation error. The derivatives are
  * around 0.03. */
 static void check_gradients(size_t n_outputs) {
-    trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, n_outputs}}, 20, NQM_PRECISION_F32);
+    /* 70 rows: three blocks, whose sums are added */
+    trainee t = make_trainee((nqm_net_shape){4, {13, 17, 9, 6, n_outputs}}, 70, NQM_PRECISION_F32);
     const nqm_dropout dropout = {.p = 0.2, .seed = seed, .step = 3};
     nqm_rng rng = nqm_rng_make(seed, 200);
     const double h = 0.02;
