@@ -227,6 +227,18 @@ static void novelty_without_effect_has_none(void **state) {
     assert_true(with.mean_width < 1.03 * without.mean_width);
 }
 
+static void tables_are_interpolated(void **state) {
+    (void)state;
+    static const double table[9] = {0, 0, 1, 4, 2, 5, 8, 7, 10};
+    double low, high;
+    nqm_interval_at(3, table, 6, &low, &high);
+    assert_near(low, 4.5, 1e-12);
+    assert_near(high, 7.5, 1e-12);
+    nqm_interval_at(3, table, 1, &low, &high);
+    assert_near(low, 0.5, 1e-12);
+    assert_near(high, 2, 1e-12);
+}
+
 static void widening_keeps_its_promises(void **state) {
     (void)state;
     for (int i = 0; i <= 20; ++i) {
@@ -316,11 +328,17 @@ static void few_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(new_materials_are_covered),   cmocka_unit_test(materials_are_the_sample),
-        cmocka_unit_test(tables_keep_their_promises),  cmocka_unit_test(right_predictions_have_narrow_intervals),
-        cmocka_unit_test(intervals_grow_with_novelty), cmocka_unit_test(novelty_without_effect_has_none),
-        cmocka_unit_test(widening_keeps_its_promises), cmocka_unit_test(few_are_refused),
-        cmocka_unit_test(the_margin_is_students),      cmocka_unit_test(coverage_leaves_the_material_out),
+        cmocka_unit_test(new_materials_are_covered),
+        cmocka_unit_test(materials_are_the_sample),
+        cmocka_unit_test(tables_keep_their_promises),
+        cmocka_unit_test(right_predictions_have_narrow_intervals),
+        cmocka_unit_test(intervals_grow_with_novelty),
+        cmocka_unit_test(novelty_without_effect_has_none),
+        cmocka_unit_test(tables_are_interpolated),
+        cmocka_unit_test(widening_keeps_its_promises),
+        cmocka_unit_test(few_are_refused),
+        cmocka_unit_test(the_margin_is_students),
+        cmocka_unit_test(coverage_leaves_the_material_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
