@@ -6,6 +6,7 @@
 #include "kernel/panel.h"
 
 #include <omp.h>
+#include <string.h>
 
 enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
@@ -51,15 +52,20 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
     }
 }
 
-nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n) {
-    if (precision == NQM_PRECISION_F32)
-        return (nqm_columns){.step = width, .ld = nqm_row_stride(n)};
+nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m) {
     return (nqm_columns){.step = nqm_row_stride(width * nqm_words(precision, m)), .ld = width};
 }
 
 size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n) {
-    const nqm_columns columns = nqm_columns_of(precision, width, m, n);
-    return precision == NQM_PRECISION_F32 ? m * columns.ld : nqm_ceil_div(n, width) * columns.step;
+    return nqm_ceil_div(n, width) * nqm_columns_of(precision, width, m).step;
+}
+
+void nqm_columns_copy(size_t n, const float *x, size_t width, size_t step, float *to) {
+    for (size_t i = 0; i < n; i += width, to += step) {
+        const size_t n_copied = nqm_smaller(width, n - i);
+        memcpy(to, x + i, n_copied * sizeof *to);
+        memset(to + n_copied, 0, (width - n_copied) * sizeof *to);
+    }
 }
 
 void nqm_gradient_run(const nqm_gradient *g) {

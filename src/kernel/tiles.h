@@ -74,7 +74,7 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define SUM       vector_f
 #define MADD      MADD_F32
 #define STRIDED
-#define GRADIENT_NEXT (2 * NQM_STRIP)
+#define GRADIENT_NEXT 0
 #include "kernel/products.h"
 
 #define PRECISION     bf16

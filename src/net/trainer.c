@@ -25,14 +25,14 @@ static uint32_t *next_words(nqm_trainer *t, size_t n) {
     return (uint32_t *)next_floats(t, n);
 }
 
-static uint32_t *next_pairs(nqm_trainer *t, size_t n, size_t width) {
+static uint32_t *next_groups(nqm_trainer *t, size_t n, size_t width) {
     return next_words(t, nqm_columns_size(t->options.precision, width, t->options.max_batch, n));
 }
 
 /* A factor without memory of its own. */
 static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
-    f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n);
+    f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch);
     f.ld_rows = nqm_row_stride(nqm_words(t->options.precision, n));
     f.rows = t->rows;
     return f;
@@ -43,21 +43,20 @@ static void set_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f) {
     *f = factor_of(t, n, NQM_STRIP);
     f->two_rows = is_rounded(t) && !all_rows;
     f->x = next_floats(t, (f->two_rows ? 2 * t->n_threads : t->options.max_batch) * f->ld);
-    if (is_rounded(t))
-        f->columns.data = f->pairs = next_pairs(t, n, NQM_STRIP);
-    else
-        f->columns.data = f->rows = (uint32_t *)f->x;
+    f->columns.data = f->groups = next_groups(t, n, NQM_STRIP);
+    if (!is_rounded(t))
+        f->rows = (uint32_t *)f->x;
 }
 
 /* The gradient of a layer's product. */
 static void set_gradient(nqm_trainer *t, size_t n, nqm_factor *f) {
     *f = factor_of(t, n, NQM_PANEL);
+    f->columns.data = f->groups = t->dz_groups;
     if (is_rounded(t)) {
         f->x = t->dz;
-        f->columns.data = f->pairs = t->dz_pairs;
     } else {
         f->x = next_floats(t, t->options.max_batch * f->ld);
-        f->columns.data = f->rows = (uint32_t *)f->x;
+        f->rows = (uint32_t *)f->x;
     }
 }
 
@@ -93,12 +92,12 @@ static void set_shared(nqm_trainer *t) {
     for (size_t l = 0; l < t->n_hidden; ++l)
         widest_out = nqm_larger(sizes[l + 1], widest_out);
     t->sums = next_floats(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out));
+    t->dz_groups = next_groups(t, widest_out, NQM_PANEL);
     if (!is_rounded(t))
         return;
     const nqm_factor widest = factor_of(t, widest_out, NQM_PANEL);
     t->rows = next_words(t, batch * widest.ld_rows);
     t->dz = next_floats(t, batch * widest.ld);
-    t->dz_pairs = next_pairs(t, widest_out, NQM_PANEL);
     t->zeros = next_floats(t, nqm_larger(sizes[0], widest_out));
 }
 
@@ -250,13 +249,17 @@ static float *row_at(const nqm_factor *f, size_t i) {
 }
 
 void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t first, size_t n, const float *x) {
-    if (!is_rounded(t))
-        return;
     const nqm_kernels *kernels = nqm_kernels_get();
+    if (!is_rounded(t)) {
+        for (size_t i = 0; i < n; ++i)
+            nqm_columns_copy(f->n, x + i * f->ld, f->width, f->columns.step,
+                             (float *)f->groups + (first + i) * f->width);
+        return;
+    }
     for (size_t i = 0; i < n; ++i)
         kernels->round_row(f->n, x + i * f->ld, f->rows + (first + i) * f->ld_rows);
     kernels->round_pair(f->n, x, n == 2 ? x + f->ld : t->zeros, f->width, f->columns.step,
-                        f->pairs + first / 2 * f->width);
+                        f->groups + first / 2 * f->width);
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */

@@ -21,16 +21,16 @@ typedef struct nqm_layer_values {
 } nqm_layer_values;
 
 /** A matrix (batch, n) in the two forms that products read: as the left factor of a product (rows), and as a factor of a weight
- *  gradient (columns). In NQM_PRECISION_F32 both are x itself. */
+ *  gradient (columns). In NQM_PRECISION_F32 the rows are x itself. */
 typedef struct nqm_factor {
     size_t n, ld;   /**< floats from row to row of x; zeros from n to ld */
     float *x;       /**< (max_batch, ld), or with two_rows (threads, 2, ld) */
-    bool two_rows;  /**< x holds the two rows that a thread is computing; rows and pairs hold all */
+    bool two_rows;  /**< x holds the two rows that a thread is computing; rows and groups hold all */
     uint32_t *rows; /**< (max_batch, ld_rows) words */
     size_t ld_rows;
     size_t width; /**< columns of a group: NQM_STRIP for the input of a layer, NQM_PANEL for the product's gradient */
-    nqm_columns columns; /**< views x, or pairs */
-    uint32_t *pairs;     /**< (groups, columns.step) words; NQM_PRECISION_BF16 only */
+    nqm_columns columns; /**< views groups */
+    uint32_t *groups;    /**< (groups, columns.step) words */
 } nqm_factor;
 
 /** A hidden layer and its activations for a batch. */
@@ -63,12 +63,12 @@ struct nqm_trainer {
     size_t n_hidden; /**< hidden layers, at least one */
     nqm_trainer_layer layer[NQM_NET_MAX_LAYERS];
     nqm_trainer_output output;
+    uint32_t *dz_groups; /**< of every gradient, in turn: read by one product before the next gradient is computed */
     /* NQM_PRECISION_BF16 only: arrays that the layers use in turn, so that they stay in the caches. */
-    uint32_t *rows;     /**< of every factor but the input: read by one product before the next factor is computed */
-    float *dz;          /**< the same for gradients */
-    uint32_t *dz_pairs; /**< the same for their pairs */
-    float *zeros;       /**< (widest layer) the second row of a pair after the last row */
-    float *sums;        /**< (row blocks, NQM_VECTORS, widest ld) gradients of bias and LayerNorm */
+    uint32_t *rows; /**< of every factor but the input: read by one product before the next factor is computed */
+    float *dz;      /**< the same for gradients */
+    float *zeros;   /**< (widest layer) the second row of a pair after the last row */
+    float *sums;    /**< (row blocks, NQM_VECTORS, widest ld) gradients of bias and LayerNorm */
     uint64_t n_steps;
 };
 
@@ -79,7 +79,8 @@ static inline size_t nqm_row_blocks(size_t batch) {
     return (batch + NQM_ROW_BLOCK - 1) / NQM_ROW_BLOCK;
 }
 
-/** Round rows [first, first + n) of a factor, n <= 2, from x (n, f->ld). first is even. */
+/** Copy rows [first, first + n) of a factor, n <= 2, from x (n, f->ld) to its groups, rounded where products read rounded ones. first
+ *  is even. */
 void nqm_factor_rows_done(const nqm_trainer *trainer, const nqm_factor *f, size_t first, size_t n, const float *x);
 
 #endif
