@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """run.py check: every old text of mutations.py occurs exactly once.
-run.py [FIRST [LAST]]: apply each mutation (numbers from 1) to a copy of the sources in build-mutate/, rebuild and run the tests
-that are expected to fail, then, if they pass, all unit tests. Prints a line for each mutation and the survivors. Ends with 1
-unless each survivor is explained, and with 2 when a mutation cannot be applied or compiled."""
+run.py [NUMBER...]: apply each mutation, or those with these numbers (from 1), to a copy of the sources in build-mutate/, rebuild
+and run the tests that are expected to fail; then all unit tests on those that survived and are not explained. Prints a line for
+each mutation. Ends with 1 unless each survivor is explained, and with 2 when a mutation cannot be applied or compiled."""
 
 import os
 import pathlib
@@ -95,13 +95,13 @@ def try_mutation(source, number, is_wide):
         path.write_text(text)
 
 
-def main(first=1, last=len(MUTATIONS)):
+def main(numbers):
     source, results = prepare(), {}
-    done = build(sorted({name for mutation in MUTATIONS for name in targets_of(mutation[3].split())}))
+    done = build(sorted({name for n in numbers for name in targets_of(MUTATIONS[n - 1][3].split())}))
     if done.returncode:
         sys.exit(done.stdout[-4000:])
     for is_wide in (False, True):
-        for number in [n for n in range(first, last + 1) if not is_wide or results[n] == "survives"]:
+        for number in [n for n in numbers if not is_wide or results[n] == "survives"]:
             file, old, new, _, *why = MUTATIONS[number - 1]
             if is_wide and why:
                 continue
@@ -121,4 +121,4 @@ if __name__ == "__main__":
         print(*problems, sep="\n")
         sys.exit(2)
     if sys.argv[1:] != ["check"]:
-        main(*map(int, sys.argv[1:]))
+        main([int(text) for text in sys.argv[1:]] or range(1, len(MUTATIONS) + 1))

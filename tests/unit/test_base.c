@@ -273,6 +273,17 @@ static void test_rng_moments(void **state) {
     assert_true(nqm_rng_u64(&a) != nqm_rng_u64(&b));
 }
 
+/* n = 3/4 of 2^64: without rejection the lowest third would be drawn half of the time. */
+static void test_below_has_no_bias(void **state) {
+    (void)state;
+    enum { N = 10000 };
+    nqm_rng rng = nqm_rng_make(9, 0);
+    int n_low = 0;
+    for (int i = 0; i < N; ++i)
+        n_low += nqm_rng_below(&rng, UINT64_C(3) << 62) < UINT64_C(1) << 62;
+    assert_true(fabs(n_low / (double)N - 1 / 3.0) < 5 * sqrt(2.0 / 9 / N));
+}
+
 static void test_shuffle_is_a_permutation(void **state) {
     (void)state;
     size_t idx[100], seen[100] = {0}, moved = 0;
@@ -365,6 +376,7 @@ int main(void) {
         cmocka_unit_test(test_endian),
         cmocka_unit_test(test_xoshiro_against_its_authors),
         cmocka_unit_test(test_rng_moments),
+        cmocka_unit_test(test_below_has_no_bias),
         cmocka_unit_test(test_shuffle_is_a_permutation),
         cmocka_unit_test(test_keyed_hash_equals_hash),
         cmocka_unit_test(test_sha256),

@@ -125,6 +125,12 @@ static void refuses_a_member_that_is_too_large(void **state) {
     blob_free(&large);
     snprintf(argument, sizeof argument, "%s:large", path);
     expect(argument, NQM_ERR_LIMIT, "large.h5");
+    unsigned char *data;
+    size_t n_bytes;
+    assert_int_equal(nqm_zip_read(path, "large.h5", (5 << 20) - 1, &data, &n_bytes, NULL), NQM_ERR_LIMIT);
+    assert_int_equal(nqm_zip_read(path, "large.h5", 5 << 20, &data, &n_bytes, NULL), NQM_OK);
+    assert_int_equal(n_bytes, 5 << 20);
+    nqm_free(data);
 }
 
 static void refuses_broken_networks(void **state) {

@@ -69,6 +69,7 @@ static void plastics_of_xml(void **state) {
                 "rough-plastic:distribution=1;diffuse_reflectance=0.1,0.2,0.3;nonlinear=1;eta=1.5");
     expect_spec(XML("roughplastic", STRING("int_ior", "Diamond") STRING("ext_ior", "vacuum")),
                 "rough-plastic:eta=2.419");
+    expect_spec(XML("roughplastic", FLOAT("int_ior", "1.8") FLOAT("ext_ior", "1.2")), "rough-plastic:eta=1.5");
     expect_refusal(XML("roughplastic", STRING("int_ior", "cheese")), "'cheese'");
     expect_refusal(XML("roughplastic", FLOAT("int_ior", "1")), "1.05 to 3");
     expect_refusal(XML("roughplastic", "<boolean name=\"nonlinear\" value=\"yes\"/>"), "true or false");
@@ -116,6 +117,8 @@ static void dictionaries(void **state) {
                 "lambert:kd=0.1,1,0");
     expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": \"#00fF00\"}}",
                 "lambert:kd=0,1,0");
+    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": \"#808080\"}}",
+                "lambert:kd=0.21586050011389926,0.21586050011389926,0.21586050011389926"); /* the curve of sRGB */
     expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"uniform\", \"value\": 0.25}}",
                 "lambert:kd=0.25");
     expect_spec(" {\"reflectance\": [1e-1, 0.2, 0], \"type\" : \"diffuse\"}", "lambert:kd=0.1,0.2,0");

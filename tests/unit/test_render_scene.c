@@ -129,6 +129,10 @@ static void cells_and_directions(void **state) {
     }
     assert_near(sphere, 4 * NQM_PI, 1e-10);
     assert_near(power, 8 * NQM_PI, 1e-10);
+    /* Uniform in solid angle: v = 0.5 halves the height, not the angle, of a cell at the pole. */
+    double half[3];
+    nqm_light_direction(&light, 0, 0.5, 0.5, half);
+    assert_near(half[1], 0.5 * (1 + cos(2 * NQM_PI / WIDTH)), 1e-12);
     nqm_free(light.rgb);
     /* The axes are those of the header: the centre of the map is -z, up is +y, +x is at 3/4 of the width. */
     double w[3];
