@@ -212,17 +212,37 @@ static nqm_number_type type_of(uint32_t type) {
     return types[type < sizeof types / sizeof *types ? type : 0];
 }
 
+/* Fail because the values are not those of the dimensions. rest: the matrix from the tag of the values on; at: their byte in the
+ * matrix, which is a byte of the file too unless the matrix is compressed. */
+static nqm_status fail_values(const nqm_mat *mat, const matrix *m, const cursor *rest, size_t at, nqm_error *err) {
+    const bool is_plain = m->packed.type == TYPE_MATRIX;
+    const size_t byte = is_plain ? (size_t)(m->packed.data - mat->map.data) + at : at;
+    const uint32_t first = rest->n < TAG_BYTES ? 0 : (uint32_t)nqm_load_integer(rest->p, 4, mat->big_endian);
+    const nqm_number_type type = type_of(first & 0xffff);
+    char fault[160];
+    if (rest->n >= TAG_BYTES && type.n_bytes == 0)
+        snprintf(fault, sizeof fault, "has values of type %u", first & 0xffffu);
+    else
+        snprintf(fault, sizeof fault, "claims %zu x %zu values of %u bytes, and %zu bytes follow", m->rows, m->cols,
+                 type.n_bytes, rest->n < TAG_BYTES ? 0 : rest->n - TAG_BYTES);
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)(is_plain ? byte : m->at),
+                    "%s: the variable '%s' at byte %zu has damaged values, or is cut off: it %s (byte %zu of the %s)",
+                    mat->map.path, m->name, m->at, fault, byte, is_plain ? "file" : "unpacked matrix");
+}
+
 /* Convert the column-major values of a matrix to row-major doubles. body: flags, dimensions, name, values. */
 static nqm_status convert(const nqm_mat *mat, cursor body, double *out, nqm_error *err, matrix *m) {
     element values = {0};
+    const unsigned char *begin = body.p;
     const char *fault = parse_head(&body, m);
-    const size_t n = m->rows * m->cols;
-    const bool is_whole = !fault && take(&body, &values);
-    const nqm_number_type type = type_of(values.type);
-    if (!fault && (!is_whole || values.n != n * type.n_bytes || (values.n == 0 && n > 0)))
-        fault = "has damaged values, or is cut off";
     if (fault)
         return fail_at(mat, m, fault, err);
+    const size_t n = m->rows * m->cols;
+    const cursor rest = body;
+    const bool is_whole = take(&body, &values);
+    const nqm_number_type type = type_of(values.type);
+    if (!is_whole || values.n != n * type.n_bytes || (values.n == 0 && n > 0))
+        return fail_values(mat, m, &rest, (size_t)(rest.p - begin), err);
     for (size_t i = 0; i < m->rows; ++i)
         for (size_t k = 0; k < m->cols; ++k) {
             double v = nqm_load_number(values.data + (k * m->rows + i) * type.n_bytes, type, mat->big_endian);
@@ -252,8 +272,12 @@ nqm_status nqm_mat_read(const nqm_mat *mat, const char *variable, size_t rows, s
     if (!body)
         return nqm_fail_nomem(err, n_most);
     size_t n = unpack(&m.packed, body, n_most, true);
-    status = n < TAG_BYTES ? fail_at(mat, &m, "is a damaged zlib stream", err)
-                           : convert(mat, (cursor){body + TAG_BYTES, n - TAG_BYTES, mat->big_endian}, out, err, &m);
+    if (n < TAG_BYTES)
+        status = fail_at(mat, &m, "is a damaged zlib stream, or one of more values than its dimensions", err);
+    else if (nqm_load_integer(body + 4, 4, mat->big_endian) != n - TAG_BYTES)
+        status = fail_at(mat, &m, "claims another size than its zlib stream has", err);
+    else
+        status = convert(mat, (cursor){body + TAG_BYTES, n - TAG_BYTES, mat->big_endian}, out, err, &m);
     nqm_free(body);
     return status;
 }

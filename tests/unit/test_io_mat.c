@@ -164,7 +164,7 @@ static void cut_and_changed(void **state) {
 
 /* A buffer for a MAT file in either byte order. */
 typedef struct maker {
-    unsigned char bytes[1024];
+    unsigned char bytes[8192];
     size_t n;
     bool big_endian;
 } maker;
@@ -210,7 +210,7 @@ static void put_matrix(maker *m, uint32_t flags, uint32_t type, size_t width, si
 }
 
 static void compress_from(maker *m, size_t begin) {
-    unsigned char packed[1024];
+    unsigned char packed[8192];
     uLongf n = sizeof packed;
     assert_int_equal(compress(packed, &n, m->bytes + begin, m->n - begin), Z_OK);
     m->n = begin;
@@ -230,7 +230,15 @@ static nqm_status read_r(const maker *m, size_t rows, size_t cols, double *out, 
     return status;
 }
 
-enum { CLASS_STRUCT = 2, CLASS_DOUBLE = 6, CLASS_SINGLE = 7, CLASS_INT8 = 8, CLASS_UINT16 = 11, COMPLEX = 0x800 };
+enum {
+    CLASS_STRUCT = 2,
+    CLASS_DOUBLE = 6,
+    CLASS_SINGLE = 7,
+    CLASS_INT8 = 8,
+    CLASS_UINT16 = 11,
+    CLASS_INT64 = 14,
+    COMPLEX = 0x800
+};
 
 /* -3 and 100 in each type; in unsigned types -3 wraps (253 in 8 bits). */
 static void every_type_and_byte_order(void **state) {
@@ -313,6 +321,56 @@ static void faults_are_named(void **state) {
     refuse_r(&m, "byte order at byte 126");
 }
 
+/* A matrix of 500 x 1 that has the bytes of `n` values of 8 bytes. claim: the bytes that the tag of the values claims. */
+static maker short_matrix(bool big_endian, size_t n, uint32_t claim) {
+    enum { ROWS_AT = 128 + 32, CLAIM_AT = 128 + 52 };
+    maker m = begin_file(big_endian);
+    put_matrix(&m, CLASS_INT64, 12, 8, n, 1, (const uint64_t[]){1, 2});
+    const size_t end = m.n;
+    m.n = ROWS_AT;
+    put(&m, 500, 4);
+    m.n = CLAIM_AT;
+    put(&m, claim, 4);
+    m.n = end;
+    return m;
+}
+
+static void refuse_long(const maker *m, const char *words) {
+    double v[500];
+    nqm_error err = {0};
+    assert_int_equal(read_r(m, 500, 1, v, &err), NQM_ERR_FORMAT);
+    if (!strstr(err.message, words))
+        fail_msg("'%s' is not in '%s'", words, err.message);
+}
+
+/* 2 of 500 numbers, with sizes that agree with the dimensions and with the bytes; plain, compressed, and with trailing bytes. */
+static void values_that_end_early(void **state) {
+    (void)state;
+    for (size_t i = 0; i < 8; ++i) {
+        const bool big_endian = i % 2, is_packed = i / 2 % 2;
+        const size_t n = i < 4 ? 2 : 0;
+        for (int lies = 0; lies < 2; ++lies) {
+            char words[100];
+            maker m = short_matrix(big_endian, n, lies ? 4000 : (uint32_t)(8 * n));
+            if (is_packed)
+                compress_from(&m, 128);
+            snprintf(words, sizeof words, "500 x 1 values of 8 bytes, and %zu bytes follow (byte %d of the %s)",
+                     n ? 8 * n : (size_t)0, is_packed ? 40 : 176, is_packed ? "unpacked matrix" : "file");
+            refuse_long(&m, words);
+        }
+        maker cut = short_matrix(big_endian, n, 4000);
+        cut.bytes[128 + (big_endian ? 6 : 5)] = 0x10; /* the matrix claims the 4,096 bytes, too */
+        if (is_packed)
+            compress_from(&cut, 128);
+        refuse_long(&cut, is_packed ? "claims another size than its zlib stream" : "byte 128 is cut off");
+    }
+    maker longer = begin_file(false);
+    put_matrix(&longer, CLASS_INT64, 12, 8, 2, 1, (const uint64_t[]){1, 2});
+    put(&longer, 0, 8);
+    compress_from(&longer, 128);
+    refuse_r(&longer, "claims another size than its zlib stream");
+}
+
 #ifdef NQM_TEST_MATIO
 /* matio reads nqm's files, and nqm reads matio's compressed files. */
 static void agrees_with_matio(void **state) {
@@ -353,6 +411,7 @@ int main(void) {
 #endif
         cmocka_unit_test(every_type_and_byte_order),
         cmocka_unit_test(faults_are_named),
+        cmocka_unit_test(values_that_end_early),
         cmocka_unit_test(reads_what_scipy_wrote),
         cmocka_unit_test(no_mat_files),
         cmocka_unit_test(huge_claims),
