@@ -47,7 +47,7 @@ void *nqm_alloc_pages(size_t n, size_t size);
 /** Free a block returned by nqm_alloc_pages() for the same n and size; NULL allowed. */
 void nqm_free_pages(void *block, size_t n, size_t size);
 /** Enlarge a block of *max_n elements, if necessary, to at least n elements, and return it; *max_n at least doubles, so that
- *  appending is O(1) amortised. NULL when out of memory: the block is unchanged. */
+ *  appending is O(1) amortised. NULL when out of memory: the block is unchanged. Elements after the old ones are not zeroed. */
 void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
@@ -118,6 +118,11 @@ void nqm_outfile_abort(nqm_outfile *out);
 /** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
  *  replaced the file. */
 bool nqm_is_file_at(int fd, const char *path);
+/** Open a file for reading and appending, create it if it does not exist, and lock it; the system releases the lock of a process
+ *  that ends in any way. If the file was deleted or replaced before it was locked, the new one is opened. *fd_ret: the descriptor,
+ *  whose closing releases the lock, or -1 if another process holds the lock. *existed_ret: the file was there before. On file systems
+ *  without locks the file is opened without one. */
+NQM_MUST_CHECK nqm_status nqm_lock_open(const char *path, int *fd_ret, bool *existed_ret, nqm_error *err);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 

@@ -94,16 +94,16 @@ void nqm_free_pages(void *block, size_t n, size_t size) {
 
 void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size) {
     enum { MIN_ELEMENTS = 64 };
+    size_t n_bytes;
     if (n <= *max_n)
         return block;
     const size_t max = nqm_larger(nqm_larger(n, 2 * *max_n), MIN_ELEMENTS);
-    void *larger = nqm_alloc(max, size);
-    if (!larger)
+    if (!nqm_mul_size(max, size, &n_bytes) || told_to_fail())
         return NULL;
-    if (block)
-        memcpy(larger, block, *max_n * size);
-    nqm_free(block);
-    *max_n = max;
+    void *larger =
+        realloc(block, n_bytes); /* large blocks move without a copy; pages behind the elements are not used yet */
+    if (larger)
+        *max_n = max;
     return larger;
 }
 

@@ -251,8 +251,15 @@ static nqm_status read_tolerance(const char *path, const char *text, double *tol
     return NQM_OK;
 }
 
-static nqm_status create(const list *l, const char *tolerance_text, const char *name, nqm_brdf **brdf_ret,
-                         nqm_error *err) {
+/* A scattered direction takes about 350 bytes, and 40 bytes or more of a large file. */
+static size_t max_scattered(size_t n_bytes) {
+    enum { FREE_ROWS = 1 << 16, BYTES_PER_ROW = 40 };
+    return FREE_ROWS + n_bytes / BYTES_PER_ROW;
+}
+
+/* n_bytes: of the file. */
+static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_text, const char *name,
+                         nqm_brdf **brdf_ret, nqm_error *err) {
     double tolerance;
     nqm_grid *grid = NULL;
     nqm_status status = read_tolerance(l->path, tolerance_text, &tolerance, err);
@@ -260,6 +267,12 @@ static nqm_status create(const list *l, const char *tolerance_text, const char *
         status = make_grid(l->n, l->rows, l->is_reciprocal ? NQM_PI : 2 * NQM_PI, &grid, err);
     if (status != NQM_OK)
         return status;
+    if (!grid && l->n > max_scattered(n_bytes))
+        return nqm_fail(
+            err, NQM_ERR_LIMIT, 0,
+            "%s: %zu directions (from byte 0 on) that are no complete grid; %zu are the limit for a file of "
+            "%zu bytes",
+            l->path, l->n, max_scattered(n_bytes), n_bytes);
     if (!grid)
         return nqm_scattered_create(l->n, l->rows, l->is_reciprocal, tolerance, name, brdf_ret, err);
     if (!tolerance_text)
@@ -286,7 +299,7 @@ nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name
         status = read_rows(csv, &l, err);
     nqm_csv_free(csv);
     if (status == NQM_OK)
-        status = create(&l, tolerance, name, brdf_ret, err);
+        status = create(&l, map->n_bytes, tolerance, name, brdf_ret, err);
     nqm_free(l.rows);
     if (status != NQM_OK)
         return status;

@@ -8,15 +8,14 @@
  */
 #include "io/io.h"
 
-#include <limits.h>
 #include <string.h>
 
 /* One block; the arrays follow the struct. */
 struct nqm_csv {
-    char *name;    /* for messages */
-    char *text;    /* the file, split into fields */
-    size_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
-    size_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
+    char *name;      /* for messages */
+    char *text;      /* the file, split into fields */
+    uint32_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
+    uint32_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
     size_t n_columns, n_records;
     char separator;
 };
@@ -91,13 +90,13 @@ static bool cut_quoted(scanner *s, char *separator) {
 /* Split one record into fields and append their offsets at csv->field[*n_fields]. */
 static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_error *err) {
     size_t first = *n_fields, begin = s->at, line = s->line;
-    csv->line[csv->n_records] = line;
+    csv->line[csv->n_records] = (uint32_t)line;
     char separator;
     do {
         skip_blanks(s);
         bool quoted = s->at < s->n && s->text[s->at] == '"';
         size_t at = s->at += quoted;
-        csv->field[(*n_fields)++] = at;
+        csv->field[(*n_fields)++] = (uint32_t)at;
         if (!quoted)
             cut_plain(s, &separator);
         else if (!cut_quoted(s, &separator))
@@ -110,7 +109,10 @@ static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_err
     size_t n_cut = *n_fields - first;
     if (csv->n_records == 0)
         csv->n_columns = n_cut;
-    else if (n_cut != csv->n_columns)
+    if (n_cut > NQM_CSV_MAX_COLUMNS)
+        return nqm_fail(err, NQM_ERR_LIMIT, (int64_t)begin, "%s: %zu columns (byte %zu); at most %d are read",
+                        csv->name, n_cut, begin, (int)NQM_CSV_MAX_COLUMNS);
+    if (n_cut != csv->n_columns)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)begin,
                         "%s: line %zu, byte %zu: %zu fields where the header has %zu", csv->name, line, begin, n_cut,
                         csv->n_columns);
@@ -153,27 +155,38 @@ static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
     }
     if (csv->n_records == 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no header line: the file is empty", csv->name);
-    if (csv->n_columns > INT_MAX)
-        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu columns", csv->name, csv->n_columns);
     return NQM_OK;
+}
+
+/* Upper bounds of the numbers of records and fields. Blank lines are not counted, so that each record has two bytes. */
+static void count_fields(const char *text, size_t n_bytes, char separator, size_t *n_records, size_t *n_fields) {
+    size_t n_separators = 0, n_lines = 1;
+    bool is_empty = true;
+    for (size_t i = 0; i < n_bytes; ++i) {
+        n_separators += text[i] == separator;
+        n_lines += text[i] == '\n' && !is_empty;
+        is_empty = text[i] == '\n' || (is_empty && is_blank(text[i]) && text[i] != separator);
+    }
+    *n_records = n_lines;
+    *n_fields = n_separators + n_lines;
 }
 
 nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret, nqm_error *err) {
     *csv_ret = NULL;
+    if (n_bytes > UINT32_MAX)
+        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of CSV (byte 0); less than 4 GiB are read", name,
+                        n_bytes);
     const char *nul = n_bytes ? memchr(text, '\0', n_bytes) : NULL;
     if (nul)
         return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file", name,
                         (size_t)(nul - text));
-    size_t n_separators = 0, n_lines = 0, n_name = strlen(name) + 1;
+    size_t n_fields, n_records, n_name = strlen(name) + 1;
     const char separator = find_separator(text, n_bytes);
-    for (size_t i = 0; i < n_bytes; ++i) {
-        n_separators += text[i] == separator || text[i] == '\n';
-        n_lines += text[i] == '\n';
-    }
+    count_fields(text, n_bytes, separator, &n_records, &n_fields);
     nqm_csv *csv, arrays = {0};
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&csv, 1, sizeof *csv}, {&arrays.name, n_name, 1}, {&arrays.text, n_bytes + 1, 1},
-                   {&arrays.field, n_separators + 1, sizeof(size_t)}, {&arrays.line, n_lines + 1, sizeof(size_t)}),
+                   {&arrays.field, n_fields, sizeof(uint32_t)}, {&arrays.line, n_records, sizeof(uint32_t)}),
         err);
     if (status != NQM_OK)
         return status;
@@ -253,8 +266,8 @@ nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *va
     if (!parsed || *end) {
         size_t at = nqm_csv_byte(csv, row, column);
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
-                        "%s: line %zu, byte %zu: column '%s' needs a finite number, not '%.40s'", csv->name,
-                        csv->line[row + 1], at, csv->text + csv->field[column], text);
+                        "%s: line %u, byte %zu: column '%s' needs a finite number, not '%.40s'", csv->name,
+                        (unsigned)csv->line[row + 1], at, csv->text + csv->field[column], text);
     }
     *value_ret = value;
     return NQM_OK;

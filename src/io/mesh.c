@@ -20,6 +20,51 @@ bool nqm_mesh_rows_add(nqm_mesh_rows *rows, const void *row) {
     return true;
 }
 
+/* The slot of a row: the one that has it, or the free one where it belongs. */
+static uint32_t *find_slot(const nqm_mesh_set *set, const uint32_t row[3]) {
+    const uint32_t(*rows)[3] = set->rows.data;
+    size_t at = nqm_hash_u64((uint64_t)row[0] << 32 | row[1], row[2]) & (set->n_slots - 1);
+    while (set->slot[at] && memcmp(rows[set->slot[at] - 1], row, ROW_BYTES) != 0)
+        at = (at + 1) & (set->n_slots - 1);
+    return &set->slot[at];
+}
+
+/* Make a table that is at most half full with one more row. */
+static bool enlarge(nqm_mesh_set *set) {
+    enum { MIN_SLOTS = 256 };
+    if (2 * (set->rows.n + 1) <= set->n_slots)
+        return true;
+    nqm_mesh_set larger = {.rows = set->rows, .n_slots = nqm_larger(2 * set->n_slots, MIN_SLOTS)};
+    larger.slot = nqm_alloc(larger.n_slots, sizeof *larger.slot);
+    if (!larger.slot)
+        return false;
+    const uint32_t(*rows)[3] = set->rows.data;
+    for (size_t i = 0; i < set->rows.n; ++i)
+        *find_slot(&larger, rows[i]) = (uint32_t)i + 1;
+    nqm_free(set->slot);
+    *set = larger;
+    return true;
+}
+
+bool nqm_mesh_set_add(nqm_mesh_set *set, const uint32_t row[3], uint32_t *index_ret) {
+    if (!enlarge(set))
+        return false;
+    uint32_t *slot = find_slot(set, row);
+    if (!*slot) {
+        if (!nqm_mesh_rows_add(&set->rows, row))
+            return false;
+        *slot = (uint32_t)set->rows.n;
+    }
+    *index_ret = *slot - 1;
+    return true;
+}
+
+void nqm_mesh_set_clear(nqm_mesh_set *set) {
+    nqm_free(set->slot);
+    nqm_free(set->rows.data);
+    *set = (nqm_mesh_set){0};
+}
+
 static nqm_status fail_room(const nqm_mesh_reader *r, const nqm_mesh_rows *rows) {
     return nqm_fail_nomem(r->err, 2 * rows->n * ROW_BYTES);
 }
@@ -74,15 +119,41 @@ nqm_status nqm_mesh_add_vector(nqm_mesh_reader *r, nqm_mesh_rows *rows, const do
     return nqm_mesh_rows_add(rows, row) ? NQM_OK : fail_room(r, rows);
 }
 
+/* Whether the triangle is one of those left out; otherwise it is one of those seen now. */
+static nqm_status see_triangle(nqm_mesh_reader *r, const uint32_t v[3], bool *is_new_ret) {
+    *is_new_ret = false;
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
+        return NQM_OK;
+    const size_t k = v[0] < v[1] && v[0] < v[2] ? 0 : v[1] < v[2] ? 1 : 2, n = r->seen.rows.n;
+    const uint32_t turned[3] = {v[k], v[(k + 1) % 3], v[(k + 2) % 3]};
+    uint32_t index;
+    if (!nqm_mesh_set_add(&r->seen, turned, &index))
+        return fail_room(r, &r->triangles);
+    *is_new_ret = index == n;
+    return NQM_OK;
+}
+
+/* A triangle takes about 120 bytes here and in the tracer, and 12 bytes or more of the file of a large mesh. */
+static size_t max_triangles(const nqm_mesh_reader *r) {
+    enum { FREE_TRIANGLES = 1 << 18, BYTES_PER_TRIANGLE = 12 };
+    return nqm_smaller(FREE_TRIANGLES + r->map->n_bytes / BYTES_PER_TRIANGLE, NQM_MESH_MAX_TRIANGLES);
+}
+
 nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32_t normal, nqm_mesh_rows *normals) {
     const uint32_t corner[2] = {vertex, normal};
     if (fan->n_corners >= 2) {
         const uint32_t vertices[3] = {fan->first[0], fan->last[0], vertex};
         const uint32_t normals_of[3] = {fan->first[1], fan->last[1], normal};
-        if (r->triangles.n >= NQM_MESH_MAX_TRIANGLES)
-            return nqm_fail(r->err, NQM_ERR_LIMIT, (int64_t)r->position, "%s: more than %d triangles", r->map->path,
-                            (int)NQM_MESH_MAX_TRIANGLES);
-        if (!nqm_mesh_rows_add(&r->triangles, vertices) || (normals && !nqm_mesh_rows_add(normals, normals_of)))
+        bool is_new;
+        const nqm_status status = see_triangle(r, vertices, &is_new);
+        if (status != NQM_OK)
+            return status;
+        if (is_new && r->triangles.n >= max_triangles(r))
+            return nqm_fail(r->err, NQM_ERR_LIMIT, (int64_t)r->position,
+                            "%s: more than %zu triangles at byte %zu, the limit for a file of %zu bytes", r->map->path,
+                            max_triangles(r), r->position, r->map->n_bytes);
+        if (is_new &&
+            (!nqm_mesh_rows_add(&r->triangles, vertices) || (normals && !nqm_mesh_rows_add(normals, normals_of))))
             return fail_room(r, &r->triangles);
     }
     if (fan->n_corners++ == 0)
@@ -163,6 +234,7 @@ nqm_status nqm_mesh_parse(const nqm_map *map, nqm_mesh *mesh_ret, nqm_error *err
     nqm_mesh_reader r = {.map = map, .line = 1, .err = err};
     *mesh_ret = (nqm_mesh){0};
     nqm_status status = read_any(&r);
+    nqm_mesh_set_clear(&r.seen);
     if (status == NQM_OK && r.triangles.n == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the mesh has no faces", map->path);
     nqm_mesh mesh = {.n_vertices = r.vertices.n,

@@ -17,12 +17,25 @@ typedef struct nqm_mesh_rows {
 /** Append a row; false when out of memory. */
 bool nqm_mesh_rows_add(nqm_mesh_rows *rows, const void *row);
 
+/** Distinct rows of three uint32_t, with a hash table. */
+typedef struct nqm_mesh_set {
+    nqm_mesh_rows rows;
+    uint32_t *slot; /* (n_slots) index of a row plus 1; 0: free */
+    size_t n_slots; /* power of 2 */
+} nqm_mesh_set;
+
+/** Find a row, or append it; *index_ret is its index. false when out of memory. */
+bool nqm_mesh_set_add(nqm_mesh_set *set, const uint32_t row[3], uint32_t *index_ret);
+/** Free the arrays of a set; it is empty then. */
+void nqm_mesh_set_clear(nqm_mesh_set *set);
+
 /** A file being read; positions are bytes from its start. */
 typedef struct nqm_mesh_reader {
     const nqm_map *map;
     size_t position, line; /* line: from 1; 0 in the binary part of a PLY */
     const char *format;    /* for messages */
     nqm_mesh_rows vertices, normals, triangles;
+    nqm_mesh_set seen; /* the triangles, each beginning with its smallest index */
     nqm_error *err;
 } nqm_mesh_reader;
 
@@ -47,7 +60,8 @@ typedef struct nqm_fan {
     uint32_t first[2], last[2];
 } nqm_fan;
 /** Add a corner and, from the third corner on, a triangle: vertices to r->triangles, normals to `normals` unless
- *  NULL. */
+ *  NULL. Triangles that have a vertex twice, or the vertices of another one in the same order, are left out: rays would meet all of
+ *  them. NQM_ERR_LIMIT: more triangles than a mesh in a file of this size has. */
 NQM_MUST_CHECK nqm_status nqm_fan_add(nqm_mesh_reader *r, nqm_fan *fan, uint32_t vertex, uint32_t normal,
                                       nqm_mesh_rows *normals);
 

@@ -116,29 +116,20 @@ static nqm_status read_statements(obj_file *obj) {
     return status;
 }
 
-/* New vertices, one for each pair of position and normal, and a hash table from pairs to vertices. */
+/* New vertices, one for each pair of position and normal. */
 typedef struct joined {
     nqm_mesh_rows vertices, normals;
-    nqm_mesh_rows pairs; /* per new vertex: old vertex, normal, unused */
-    uint32_t *slot;      /* (mask + 1) index of a new vertex plus 1; 0: free */
-    size_t mask;
+    nqm_mesh_set pairs; /* of old vertex, normal, 0 */
 } joined;
 
 static bool join(joined *j, const obj_file *obj, uint32_t vertex, uint32_t normal, uint32_t *index) {
-    const uint32_t(*pair)[3] = j->pairs.data;
-    size_t at = nqm_hash_u64(vertex, normal) & j->mask;
-    while (pair && j->slot[at] && (pair[j->slot[at] - 1][0] != vertex || pair[j->slot[at] - 1][1] != normal))
-        at = (at + 1) & j->mask;
-    if (!j->slot[at]) {
-        const float(*position)[3] = obj->r->vertices.data, (*direction)[3] = obj->normals.data;
-        const uint32_t row[3] = {vertex, normal, 0};
-        if (!nqm_mesh_rows_add(&j->pairs, row) || !nqm_mesh_rows_add(&j->vertices, position[vertex]) ||
-            !nqm_mesh_rows_add(&j->normals, direction[normal]))
-            return false;
-        j->slot[at] = (uint32_t)j->pairs.n;
-    }
-    *index = j->slot[at] - 1;
-    return true;
+    const uint32_t row[3] = {vertex, normal, 0};
+    if (!nqm_mesh_set_add(&j->pairs, row, index))
+        return false;
+    if (*index < j->vertices.n)
+        return true;
+    const float(*position)[3] = obj->r->vertices.data, (*direction)[3] = obj->normals.data;
+    return nqm_mesh_rows_add(&j->vertices, position[vertex]) && nqm_mesh_rows_add(&j->normals, direction[normal]);
 }
 
 /* Make one vertex for each pair of position and normal that the faces use. There are at most as many pairs as corners,
@@ -147,16 +138,12 @@ static nqm_status join_normals(obj_file *obj) {
     nqm_mesh_reader *r = obj->r;
     uint32_t(*triangle)[3] = r->triangles.data;
     const uint32_t(*normal)[3] = obj->triangle_normals.data;
-    joined j = {.mask = 1};
-    while (j.mask < 6 * r->triangles.n) /* load factor at most 1/2 */
-        j.mask = 2 * j.mask + 1;
-    j.slot = nqm_alloc(j.mask + 1, sizeof *j.slot);
-    bool good = j.slot && normal;
+    joined j = {0};
+    bool good = normal != NULL;
     for (size_t t = 0; good && t < r->triangles.n; ++t)
         for (size_t k = 0; good && k < 3; ++k)
             good = join(&j, obj, triangle[t][k], normal[t][k], &triangle[t][k]);
-    nqm_free(j.slot);
-    nqm_free(j.pairs.data);
+    nqm_mesh_set_clear(&j.pairs);
     nqm_free(r->vertices.data);
     r->vertices = j.vertices;
     r->normals = j.normals;

@@ -171,11 +171,14 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
                         "%s: not a safetensors file, or cut off: a header of %llu bytes in a file of %zu (byte 0)",
                         name, (unsigned long long)n_header, n_bytes);
     json_error_t why;
+    nqm_status status = nqm_json_check((const char *)data + HEADER_AT, (size_t)n_header, name, HEADER_AT, err);
+    if (status != NQM_OK)
+        return status;
     json_t *root = json_loadb((const char *)data + HEADER_AT, (size_t)n_header, JSON_REJECT_DUPLICATES, &why);
     if (!json_is_object(root)) {
         const long long byte = HEADER_AT + (root ? 0 : why.position);
-        nqm_status status = nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not a safetensors file: header: %s (byte %lld)",
-                                     name, root ? "not an object" : why.text, byte);
+        status = nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not a safetensors file: header: %s (byte %lld)", name,
+                          root ? "not an object" : why.text, byte);
         json_decref(root);
         return status;
     }
@@ -183,7 +186,7 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
     nqm_tensor *tensors;
     const nqm_tensor **order;
     const size_t n_max = json_object_size(root);
-    nqm_status status = nqm_alloc_arrays(
+    status = nqm_alloc_arrays(
         NQM_ARRAYS({&st, 1, sizeof *st}, {&tensors, n_max, sizeof *tensors}, {&order, n_max, sizeof *order}), err);
     if (status != NQM_OK) {
         json_decref(root);

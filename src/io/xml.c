@@ -10,7 +10,7 @@ typedef struct reader {
     XML_Parser parser;
     nqm_xml *xml;
     nqm_xml_element *open; /* the innermost element that is not closed yet */
-    size_t depth;
+    size_t depth, n_elements, max_elements;
     const char *path;
     nqm_status status;
     nqm_error *err;
@@ -26,12 +26,35 @@ static int64_t byte_of(const reader *self) {
     return byte > 0 ? byte : 0; /* -1 before the first event */
 }
 
-/* One block: the element, its attributes, and all texts. `attributes` is a list of names and values that ends with NULL. */
-static nqm_xml_element *make_element(const char *name, const char *const *attributes) {
+/* Memory for many elements: blocks of their own would take three times as much. */
+typedef struct nqm_xml_block {
+    struct nqm_xml_block *next;
+    size_t n, n_used; /* bytes after this struct */
+} block;
+
+/* n bytes, zeroed; NULL: out of memory. */
+static void *take(nqm_xml *xml, size_t n) {
+    enum { BLOCK_BYTES = 1 << 16, ALIGNMENT = sizeof(void *) };
+    n = nqm_ceil_div(n, ALIGNMENT) * ALIGNMENT;
+    if (!xml->blocks || n > xml->blocks->n - xml->blocks->n_used) {
+        const size_t n_block = nqm_larger(n, BLOCK_BYTES - sizeof(block));
+        block *fresh = nqm_alloc(1, sizeof *fresh + n_block);
+        if (!fresh)
+            return NULL;
+        *fresh = (block){.next = xml->blocks, .n = n_block};
+        xml->blocks = fresh;
+    }
+    void *at = (char *)(xml->blocks + 1) + xml->blocks->n_used;
+    xml->blocks->n_used += n;
+    return at;
+}
+
+/* In one piece: the element, its attributes, and all texts. `attributes` is a list of names and values that ends with NULL. */
+static nqm_xml_element *make_element(nqm_xml *xml, const char *name, const char *const *attributes) {
     size_t n = 0, n_text = strlen(name) + 1;
     for (; attributes[2 * n]; ++n)
         n_text += strlen(attributes[2 * n]) + strlen(attributes[2 * n + 1]) + 2;
-    nqm_xml_element *element = nqm_alloc(1, sizeof *element + n * sizeof(nqm_xml_attribute) + n_text);
+    nqm_xml_element *element = take(xml, sizeof *element + n * sizeof(nqm_xml_attribute) + n_text);
     if (!element)
         return NULL;
     nqm_xml_attribute *list = (nqm_xml_attribute *)(element + 1);
@@ -58,14 +81,18 @@ static void on_start(void *user, const char *name, const char **attributes) {
                       self->path, NQM_XML_MAX_DEPTH, (long long)byte_of(self)));
         return;
     }
-    nqm_xml_element *element = make_element(name, (const char *const *)attributes);
+    if (self->n_elements++ == self->max_elements) {
+        stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte_of(self),
+                            "%s: more than %zu elements at byte %lld, the limit for a file of this size", self->path,
+                            self->max_elements, (long long)byte_of(self)));
+        return;
+    }
+    nqm_xml_element *element = make_element(self->xml, name, (const char *const *)attributes);
     if (!element) {
         stop(self, nqm_fail_nomem(self->err, sizeof *element));
         return;
     }
     element->byte_offset = byte_of(self);
-    element->created_before = self->xml->newest;
-    self->xml->newest = element;
     element->parent = self->open;
     if (!self->open)
         self->xml->root = element;
@@ -120,6 +147,7 @@ nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of XML (byte 0); at most %d are read", path, n_bytes,
                         NQM_XML_MAX_BYTES);
     reader self = {.parser = XML_ParserCreate(NULL), .xml = xml_ret, .path = path, .status = NQM_OK, .err = err};
+    self.max_elements = NQM_XML_FREE_ELEMENTS + n_bytes / NQM_XML_BYTES_PER_ELEMENT;
     if (!self.parser)
         return nqm_fail_nomem(err, n_bytes);
     XML_SetUserData(self.parser, &self);
@@ -134,10 +162,10 @@ nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm
 }
 
 void nqm_xml_free(nqm_xml *xml) {
-    while (xml->newest) {
-        nqm_xml_element *before = xml->newest->created_before;
-        nqm_free(xml->newest);
-        xml->newest = before;
+    while (xml->blocks) {
+        block *next = xml->blocks->next;
+        nqm_free(xml->blocks);
+        xml->blocks = next;
     }
     xml->root = NULL;
 }

@@ -20,18 +20,20 @@ typedef struct nqm_xml_element {
     const nqm_xml_attribute *attributes;
     struct nqm_xml_element *parent, *first, *next; /**< first child, next sibling; NULL: none */
 
-    struct nqm_xml_element *last, *created_before; /* last child; list of all elements */
+    struct nqm_xml_element *last; /* child */
 } nqm_xml_element;
 
 typedef struct nqm_xml {
     nqm_xml_element *root;
-    nqm_xml_element *newest; /* list of all elements */
+    struct nqm_xml_block *blocks; /* memory of all elements */
 } nqm_xml;
 
 enum { NQM_XML_MAX_DEPTH = 64, NQM_XML_MAX_BYTES = 64 << 20 };
+/** More elements than this and one for every 20 bytes are refused, so that memory is at most ten times the file, or 12 MB. */
+enum { NQM_XML_FREE_ELEMENTS = 1 << 16, NQM_XML_BYTES_PER_ELEMENT = 20 };
 
-/** Parse a document. NQM_ERR_FORMAT: not well-formed, or with a document type; NQM_ERR_LIMIT: more than NQM_XML_MAX_BYTES, or elements
- *  nested more deeply than NQM_XML_MAX_DEPTH. `path` is for messages. On failure *xml_ret is empty. */
+/** Parse a document. NQM_ERR_FORMAT: not well-formed, or with a document type; NQM_ERR_LIMIT: more than NQM_XML_MAX_BYTES, too many elements, or
+ *  elements nested more deeply than NQM_XML_MAX_DEPTH. `path` is for messages. On failure *xml_ret is empty. */
 NQM_MUST_CHECK nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm_xml *xml_ret,
                                         nqm_error *err);
 void nqm_xml_free(nqm_xml *xml);

@@ -4,6 +4,7 @@
  * _sheen. Meshes, images and everything else of the file are not read.
  */
 #include "material/gltf.h"
+#include "io/io.h"
 #include "material/json_where.h"
 
 #include <jansson.h>
@@ -390,6 +391,8 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
 static nqm_status gltf_read(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
     reader r = {.path = map->path, .source = {(const char *)map->data, map->n_bytes}, .err = err};
     nqm_status status = is_glb(map) ? find_chunk(map, &r, err) : NQM_OK;
+    if (status == NQM_OK)
+        status = nqm_json_check(r.source.text, r.source.n, map->path, r.source_at, err);
     if (status != NQM_OK)
         return status;
     json_error_t why;

@@ -8,6 +8,7 @@
 #include <strings.h>
 
 struct nqm_materials {
+    const char *path; /* while the file is read, for messages */
     size_t n, max_n;
     nqm_material_info *list; /* (n); each name owns a block with the other texts */
 };
@@ -37,6 +38,9 @@ void nqm_materials_free(nqm_materials *materials) {
 nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err) {
     nqm_material_info copy = *info;
     char number[32];
+    if (materials->n == NQM_MAX_MATERIALS)
+        return nqm_fail(err, NQM_ERR_LIMIT, info->byte_offset, "%s: more than %d materials (byte %lld)",
+                        materials->path, (int)NQM_MAX_MATERIALS, (long long)info->byte_offset);
     if (!copy.name || !*copy.name) {
         snprintf(number, sizeof number, "material%zu", materials->n + 1);
         copy.name = number;
@@ -104,7 +108,9 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
     nqm_materials *materials = nqm_alloc(1, sizeof *materials);
     if (!materials)
         return nqm_fail_nomem(err, sizeof *materials);
+    materials->path = map->path;
     nqm_status status = format->read(map, materials, err);
+    materials->path = NULL;
     if (status == NQM_OK && materials->n == 0)
         status =
             nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material", map->path, format->name);

@@ -36,7 +36,8 @@ char *nqm_shading_spec(const nqm_shading *shading);
 /** From a canonical spec. NQM_ERR_ARG: not of the form MODEL:key=value;... */
 NQM_MUST_CHECK nqm_status nqm_shading_parse(const char *spec, nqm_shading *shading, nqm_error *err);
 
-/** Append a material; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
+enum { NQM_MAX_MATERIALS = 1 << 14 };
+/** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
 NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
 /** The same for a shading whose properties are set. */
 NQM_MUST_CHECK nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name, const char *surface,

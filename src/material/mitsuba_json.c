@@ -3,6 +3,7 @@
  * Dictionaries of Mitsuba 3's load_dict() as JSON: a BSDF, or a scene with BSDFs, whose objects have a "type". In a scene a BSDF
  * without an "id" has the name of its entry, and inside of a shape that of the shape.
  */
+#include "io/io.h"
 #include "material/mitsuba.h"
 
 #include <jansson.h>
@@ -147,6 +148,9 @@ static nqm_status load(const nqm_map *map, json_t **root_ret, nqm_error *err) {
     if (map->n_bytes > MAX_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of JSON (byte 0); at most %d are read", map->path,
                         map->n_bytes, MAX_BYTES);
+    nqm_status status = nqm_json_check((const char *)map->data + skip, map->n_bytes - skip, map->path, skip, err);
+    if (status != NQM_OK)
+        return status;
     *root_ret = json_loadb((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, &error);
     if (*root_ret)
         return NQM_OK;

@@ -19,6 +19,8 @@ static nqm_mitsuba_kind kind_of(const char *element) {
     return NQM_MITSUBA_OTHER;
 }
 
+enum { MAX_DEFAULTS = 1000 }; /* each value is searched among them */
+
 /* The walk through the elements of a scene. */
 typedef struct walk {
     const char *path;
@@ -50,6 +52,9 @@ static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t pa
         return nqm_fail(w->err, NQM_ERR_FORMAT, node.byte_offset,
                         "%s: included files (byte %lld) are not read; name the included file itself", w->path,
                         (long long)node.byte_offset);
+    if (is_default && w->defaults.n == MAX_DEFAULTS)
+        return nqm_fail(w->err, NQM_ERR_LIMIT, node.byte_offset, "%s: more than %d defaults (byte %lld)", w->path,
+                        (int)MAX_DEFAULTS, (long long)node.byte_offset);
     const size_t at = is_node ? w->nodes.n : NQM_MITSUBA_ROOT;
     nqm_status status = is_node      ? nqm_mitsuba_add(&w->nodes, &node, w->path, w->err)
                         : is_default ? nqm_mitsuba_add(&w->defaults, &node, w->path, w->err)

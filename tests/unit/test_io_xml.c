@@ -36,7 +36,7 @@ static void assert_refused(const char *text, nqm_status status, int64_t byte) {
     nqm_error err = {0};
     assert_int_equal(parse(text, &xml, &err), status);
     assert_null(xml.root);
-    assert_null(xml.newest);
+    assert_null(xml.blocks);
     assert_int_equal(err.byte_offset, byte);
     assert_non_null(strstr(err.message, "test: "));
 }

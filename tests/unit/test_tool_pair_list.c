@@ -26,11 +26,11 @@ static void assert_fault(const char *text, nqm_status status, const char *messag
 }
 
 static void assert_cell(const nqm_pair_list *list, size_t row, size_t i, size_t column, const char *text, int is_json) {
-    const nqm_list_cell *cells = list->cell + list->row_begin[row];
-    assert_true(list->row_begin[row] + i < list->row_begin[row + 1]);
-    assert_int_equal(cells[i].column, column);
-    assert_string_equal(cells[i].text, text);
-    assert_int_equal(cells[i].is_json, is_json);
+    assert_true(i < nqm_pair_list_cells(list, row));
+    const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+    assert_int_equal(cell.column, column);
+    assert_string_equal(cell.text, text);
+    assert_int_equal(cell.is_json, is_json);
 }
 
 static void test_csv(void **state) {
@@ -88,6 +88,8 @@ static void test_faults(void **state) {
     assert_fault("{\"reference\":\"a\",\"test\":\"b\"}\n{\"reference\":\"a\"}\n", NQM_ERR_FORMAT, "line 2, byte 29");
     assert_fault("\xef\xbb\xbf{\"reference\":\"a\"}", NQM_ERR_FORMAT, "line 1, byte 3");
     assert_fault("{\"reference\":\"a\",\"test\":3}\n", NQM_ERR_FORMAT, "no string \"test\"");
+    assert_fault("reference,test\na,b\na,\n", NQM_ERR_FORMAT, "row 2, byte 21: column 'test' is empty");
+    assert_fault("{\"reference\":\"\",\"test\":\"b\"}\n", NQM_ERR_FORMAT, "line 1, byte 0: no string \"reference\"");
     assert_fault("{\"reference\":\"a\",\"test\":\"b\"}\n[1]\n", NQM_ERR_FORMAT, "line 2");
     assert_fault("{\"reference\":\"a\",\"test\":\"b\"", NQM_ERR_FORMAT, "line 1");
     assert_fault("{\"reference\":\"a\",\"test\":\"b\",\"test\":\"c\"}", NQM_ERR_FORMAT, "uplicate");

@@ -57,11 +57,16 @@ static void print_csv_head(const batch_form *form, FILE *out) {
 static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
                           const nqm_error *err, const json_t *warnings) {
     const nqm_pair_list *list = form->list;
+    const size_t n_cells = nqm_pair_list_cells(list, row);
     for (size_t column = 0; column < list->n_columns; ++column) {
         fputs(column ? "," : "", out);
-        for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i)
-            if (list->cell[i].column == column)
-                print_csv_text(out, list->cell[i].text);
+        for (size_t i = list->csv ? column : 0; i < n_cells; ++i) { /* a row of a CSV has all columns */
+            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+            if (cell.column != column)
+                continue;
+            print_csv_text(out, cell.text);
+            break;
+        }
     }
     print_csv_score(out, form->model, form->metrics, r);
     if (has_gate(&form->gate))
@@ -91,13 +96,15 @@ static void print_json_number(FILE *out, const char *comma, const char *key, dou
 
 static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
     const nqm_pair_list *list = form->list;
-    for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i) {
-        print_json_value(out, json_name(list->column[list->cell[i].column]));
+    const size_t n_cells = nqm_pair_list_cells(list, row);
+    for (size_t i = 0; i < n_cells; ++i) {
+        const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+        print_json_value(out, json_name(list->column[cell.column]));
         fputc(':', out);
-        if (list->cell[i].is_json)
-            fputs(list->cell[i].text, out);
+        if (cell.is_json)
+            fputs(cell.text, out);
         else
-            print_json_value(out, json_name(list->cell[i].text));
+            print_json_value(out, json_name(cell.text));
         fputc(',', out);
     }
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Reads lists of pairs, with any further columns, from CSV and JSON Lines. The cells of a row are contiguous. Texts of
- * a CSV are borrowed from its reader; texts of JSON Lines are owned by the list.
+ * a CSV are borrowed from its reader; texts of JSON Lines are owned by the list. Cells take few bytes, because those of a file
+ * may have one or two.
  */
 #include "nqm/score/pair_list.h"
 
@@ -9,27 +10,45 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { VALUE_IS_JSON = 1 << 16, MIN_JSON_ROW = 27 }; /* bytes of a line with two names of one character */
+
 void nqm_pair_list_free(nqm_pair_list *list) {
     if (!list)
         return;
-    for (size_t i = 0; !list->csv && i < list->n_cells; ++i)
-        nqm_free((void *)(uintptr_t)list->cell[i].text);
     for (size_t i = 0; !list->csv && i < list->n_columns; ++i)
         nqm_free((void *)(uintptr_t)list->column[i]);
+    nqm_names_free(&list->text);
+    nqm_free(list->cell);
     nqm_free(list->pair);
     nqm_csv_free(list->csv);
     nqm_free(list);
 }
 
-static nqm_status make_room(nqm_pair_list *list, size_t n_rows, size_t n_columns, size_t max_cells, nqm_error *err) {
-    return nqm_alloc_arrays(NQM_ARRAYS({&list->pair, n_rows, sizeof *list->pair},
-                                       {&list->column, n_columns, sizeof *list->column},
-                                       {&list->cell, max_cells, sizeof *list->cell},
-                                       {&list->row_begin, n_rows + 1, sizeof *list->row_begin}),
-                            err);
+size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row) {
+    return list->csv ? list->n_columns : list->row_begin[row + 1] - list->row_begin[row];
+}
+
+nqm_list_cell nqm_pair_list_cell(const nqm_pair_list *list, size_t row, size_t i) {
+    if (list->csv)
+        return (nqm_list_cell){.column = i, .text = nqm_csv_text(list->csv, row, (int)i)};
+    const size_t at = list->row_begin[row] + i;
+    return (nqm_list_cell){.column = list->cell[at] & ~(uint32_t)VALUE_IS_JSON,
+                           .text = nqm_name(&list->text, at),
+                           .is_json = (list->cell[at] & VALUE_IS_JSON) != 0};
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
+
+/* The name of a BRDF in a row; a missing one is refused here, because it is a fault of the list and not of the BRDF. */
+static nqm_status take_csv_name(const nqm_csv *csv, size_t row, int column, const char *name, const char **text_ret,
+                                nqm_error *err) {
+    const size_t byte = nqm_csv_byte(csv, row, column);
+    *text_ret = nqm_csv_text(csv, row, column);
+    if (**text_ret)
+        return NQM_OK;
+    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)byte, "%s: row %zu, byte %zu: column '%s' is empty", name, row + 1,
+                    byte, nqm_csv_header(csv, column));
+}
 
 static nqm_status take_csv(nqm_pair_list *list, const char *name, nqm_error *err) {
     int ref = nqm_csv_column(list->csv, "reference"), test = nqm_csv_column(list->csv, "test");
@@ -37,18 +56,22 @@ static nqm_status take_csv(nqm_pair_list *list, const char *name, nqm_error *err
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0: the header names no column '%s'", name,
                         ref < 0 ? "reference" : "test");
     size_t n_rows = nqm_csv_rows(list->csv), n_columns = nqm_csv_columns(list->csv);
-    nqm_status status = make_room(list, n_rows, n_columns, n_rows * n_columns, err);
+    if (n_columns > NQM_LIST_MAX_COLUMNS)
+        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu columns (byte 0); a list has at most %d", name, n_columns,
+                        (int)NQM_LIST_MAX_COLUMNS);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&list->pair, n_rows, sizeof *list->pair}, {&list->column, n_columns, sizeof *list->column}), err);
     if (status != NQM_OK)
         return status;
     for (size_t k = 0; k < n_columns; ++k)
         list->column[list->n_columns++] = nqm_csv_header(list->csv, (int)k);
-    for (size_t row = 0; row < n_rows; ++row) {
-        for (size_t k = 0; k < n_columns; ++k)
-            list->cell[list->n_cells++] = (nqm_list_cell){.column = k, .text = nqm_csv_text(list->csv, row, (int)k)};
-        list->pair[row] = (nqm_named_pair){nqm_csv_text(list->csv, row, ref), nqm_csv_text(list->csv, row, test)};
-        list->row_begin[++list->n_rows] = list->n_cells;
+    for (size_t row = 0; status == NQM_OK && row < n_rows; ++row) {
+        status = take_csv_name(list->csv, row, ref, name, &list->pair[row].ref, err);
+        if (status == NQM_OK)
+            status = take_csv_name(list->csv, row, test, name, &list->pair[row].test, err);
+        ++list->n_rows;
     }
-    return NQM_OK;
+    return status;
 }
 
 /* ---- JSON Lines -------------------------------------------------------------------------------------------------- */
@@ -78,57 +101,59 @@ static nqm_status find_column(nqm_pair_list *list, const json_line *line, const 
     return NQM_OK;
 }
 
-/* The text of a value; NULL when out of memory. nqm_free() it. */
-static char *text_of(const json_t *value) {
-    if (json_is_string(value))
-        return nqm_strdup(json_string_value(value));
-    char number[32];
+/* Append a value. */
+static nqm_status add_value(nqm_pair_list *list, size_t column, const json_t *value, nqm_error *err) {
+    uint32_t *cell = nqm_grow(list->cell, &list->max_cells, list->n_cells + 1, sizeof *cell);
+    char number[32], *dump = NULL;
+    const char *text = json_string_value(value);
+    if (cell)
+        list->cell = cell;
     if (json_is_real(value))
-        return nqm_strdup(nqm_format_double(number, sizeof number, json_real_value(value)));
-    char *dump = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY);
-    char *text = dump ? nqm_strdup(dump) : NULL;
+        text = nqm_format_double(number, sizeof number, json_real_value(value));
+    else if (!text)
+        text = dump = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY);
+    nqm_status status =
+        cell && text ? nqm_names_add(&list->text, text, strlen(text), err) : nqm_fail_nomem(err, sizeof *cell);
+    if (status == NQM_OK)
+        list->cell[list->n_cells++] = (uint32_t)column | (json_is_string(value) ? 0 : (uint32_t)VALUE_IS_JSON);
     free(dump);
-    return text;
+    return status;
 }
 
 static nqm_status take_members(nqm_pair_list *list, const json_line *line, json_t *object, nqm_error *err) {
     const char *key;
     json_t *value;
-    nqm_named_pair *pair = &list->pair[list->n_rows];
+    static const char *const needed[] = {"reference", "test"};
+    for (size_t i = 0; i < 2; ++i)
+        if (json_string_length(json_object_get(object, needed[i])) == 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, line->at, "%s: line %zu, byte %lld: no string \"%s\"", line->name,
+                            line->number, (long long)line->at, needed[i]);
     json_object_foreach(object, key, value) {
-        nqm_list_cell *cell = &list->cell[list->n_cells];
-        nqm_status status = find_column(list, line, key, &cell->column, err);
+        size_t column = 0;
+        nqm_status status = find_column(list, line, key, &column, err);
+        if (status == NQM_OK)
+            status = add_value(list, column, value, err);
         if (status != NQM_OK)
             return status;
-        cell->is_json = !json_is_string(value);
-        cell->text = text_of(value);
-        if (!cell->text)
-            return nqm_fail_nomem(err, 0);
-        ++list->n_cells;
-        if (strcmp(key, "reference") == 0 && !cell->is_json)
-            pair->ref = cell->text;
-        if (strcmp(key, "test") == 0 && !cell->is_json)
-            pair->test = cell->text;
     }
-    if (!pair->ref || !pair->test)
-        return nqm_fail(err, NQM_ERR_FORMAT, line->at, "%s: line %zu, byte %lld: no string \"%s\"", line->name,
-                        line->number, (long long)line->at, pair->ref ? "test" : "reference");
     list->row_begin[++list->n_rows] = list->n_cells;
     return NQM_OK;
 }
 
 static nqm_status take_line(nqm_pair_list *list, const json_line *line, const char *text, size_t n, nqm_error *err) {
     json_error_t fault;
+    nqm_status status = nqm_json_check(text, n, line->name, (size_t)line->at, err);
+    if (status != NQM_OK)
+        return status;
     json_t *object = json_loadb(text, n, JSON_REJECT_DUPLICATES, &fault);
     if (!object) {
         long long at = line->at + (fault.position > 0 ? fault.position : 0);
         return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: line %zu, byte %lld: no JSON object: %.120s", line->name,
                         line->number, at, fault.text);
     }
-    nqm_status status = json_is_object(object)
-                            ? take_members(list, line, object, err)
-                            : nqm_fail(err, NQM_ERR_FORMAT, line->at, "%s: line %zu, byte %lld: no JSON object",
-                                       line->name, line->number, (long long)line->at);
+    status = json_is_object(object) ? take_members(list, line, object, err)
+                                    : nqm_fail(err, NQM_ERR_FORMAT, line->at, "%s: line %zu, byte %lld: no JSON object",
+                                               line->name, line->number, (long long)line->at);
     json_decref(object);
     return status;
 }
@@ -140,14 +165,30 @@ static size_t count_blanks(const char *text, size_t n) {
     return i;
 }
 
+/* Set the pairs, when the texts do not move any more. */
+static void set_pairs(nqm_pair_list *list) {
+    for (size_t row = 0; row < list->n_rows; ++row)
+        for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
+            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+            if (strcmp(list->column[cell.column], "reference") == 0)
+                list->pair[row].ref = cell.text;
+            else if (strcmp(list->column[cell.column], "test") == 0)
+                list->pair[row].test = cell.text;
+        }
+}
+
 static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t begin, size_t n_bytes, const char *name,
                                   nqm_error *err) {
-    size_t n_lines = 1, n_members = 0; /* n_members: upper bound, the number of colons */
-    for (size_t i = 0; i < n_bytes; ++i) {
-        n_lines += text[i] == '\n';
-        n_members += text[i] == ':';
-    }
-    nqm_status status = make_room(list, n_lines, NQM_LIST_MAX_COLUMNS, n_members, err);
+    size_t max_rows = 1, line_begin = 0;
+    for (size_t i = 0; i < n_bytes; ++i)
+        if (text[i] == '\n') {
+            max_rows += i - line_begin >= MIN_JSON_ROW;
+            line_begin = i + 1;
+        }
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&list->pair, max_rows, sizeof *list->pair},
+                                                    {&list->column, NQM_LIST_MAX_COLUMNS, sizeof *list->column},
+                                                    {&list->row_begin, max_rows + 1, sizeof *list->row_begin}),
+                                         err);
     json_line line = {name, 1, 0};
     for (const char *at = text + begin, *end = text + n_bytes; status == NQM_OK && at < end; ++line.number) {
         const char *stop = memchr(at, '\n', (size_t)(end - at));
@@ -157,6 +198,7 @@ static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t 
             status = take_line(list, &line, at, n, err);
         at += n;
     }
+    set_pairs(list);
     return status;
 }
 

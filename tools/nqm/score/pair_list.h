@@ -5,6 +5,7 @@
 #ifndef PAIR_LIST_H
 #define PAIR_LIST_H
 
+#include "base/names.h"
 #include "io/io.h"
 
 #include <nqm/metric.h>
@@ -16,7 +17,7 @@ typedef struct nqm_list_cell {
     int is_json;      /**< 1: `text` is JSON (a number, true, null, an array or an object); 0: it is a plain string */
 } nqm_list_cell;
 
-enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< JSON Lines: limit of the distinct member names of all rows */
+enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< limit of the columns; JSON Lines: of the distinct member names of all rows */
 
 /** A list of pairs with any further columns. */
 typedef struct nqm_pair_list {
@@ -24,17 +25,23 @@ typedef struct nqm_pair_list {
     nqm_named_pair *pair; /**< (n_rows) in the order of the list; in one block with the other arrays */
     size_t n_columns;
     const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
-    size_t n_cells;
-    nqm_list_cell *cell; /**< (n_cells) row by row, in the order of each row; JSON rows may lack columns */
-    size_t *row_begin;   /**< (n_rows + 1) first cell of each row */
     char sha256[65];     /**< of the bytes of the list, hex digits */
-    nqm_csv *csv;        /**< owns the names and texts; NULL: JSON Lines, where columns and cells own theirs */
+    nqm_csv *csv;        /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
+    size_t *row_begin;   /**< (n_rows + 1) first cell of each row */
+    size_t n_cells, max_cells;
+    uint32_t *cell; /**< (n_cells) column, and NQM_LIST_JSON if the text is JSON */
+    nqm_names text; /**< (n_cells) */
 } nqm_pair_list;
+
+/** The number of cells of a row; rows of JSON Lines may lack columns. */
+size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row);
+/** Cell i of a row, in the order of the row. */
+nqm_list_cell nqm_pair_list_cell(const nqm_pair_list *list, size_t row, size_t i);
 
 /**
  * Read a list: CSV with a header that names the columns `reference` and `test` (ASCII case ignored), or JSON Lines with
  * strings "reference" and "test" in each line (files.md). The format is detected from the first byte that is not a
- * blank: '{' means JSON Lines. Other columns are kept unchanged.
+ * blank: '{' means JSON Lines. Other columns are kept unchanged. The memory of a list is at most ten times its bytes.
  *
  * @return NQM_ERR_IO, NQM_ERR_FORMAT (the message names line and byte), NQM_ERR_LIMIT, NQM_ERR_NOMEM
  */

@@ -45,9 +45,11 @@ const char **take_list_names(nqm_pair_list *list) {
             text += n + 1;
             *test += n + 1;
         }
-        for (size_t i = list->row_begin[row]; i < list->row_begin[row + 1]; ++i)
-            if (list->cell[i].column == column && !list->cell[i].is_json && *list->cell[i].text)
-                names[row] = list->cell[i].text;
+        for (size_t i = 0; column < list->n_columns && i < nqm_pair_list_cells(list, row); ++i) {
+            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+            if (cell.column == column && !cell.is_json && *cell.text)
+                names[row] = cell.text;
+        }
     }
     return names;
 }
