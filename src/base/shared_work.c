@@ -4,19 +4,16 @@
  */
 #include "base/shared_work.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
-#include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
 
 /* ---- claims ------------------------------------------------------------------------------------------------------ */
 
 /* A claim is a lock on a file next to the result. The system releases the locks of a process that ends in any way, so no
- * clock or heartbeat is needed. flock() also works over NFS, as a lock of the server. */
+ * clock or heartbeat is needed. */
 static char *claim_path(const char *path) {
     size_t n = strlen(path) + sizeof ".claim";
     char *name = nqm_alloc(n, 1);
@@ -30,22 +27,13 @@ nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err) {
     char *name = claim_path(path);
     if (!name)
         return nqm_fail_nomem(err, strlen(path));
-    int fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    nqm_status status = NQM_OK;
-    if (fd < 0) {
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be written: %s", name, strerror(errno));
-    } else if (flock(fd, LOCK_EX | LOCK_NB) == 0) {
-        *claim_ret = fd;
-    } else if (errno != EWOULDBLOCK) {
-        *claim_ret = fd; /* a file system without locks: an item may be made twice, with the same result */
-    } else {
-        close(fd);
-    }
+    bool existed;
+    const nqm_status status = nqm_lock_open(name, claim_ret, &existed, err);
     nqm_free(name);
     return status;
 }
 
-/* Unlink before unlocking: a process that has opened the file meanwhile gets a lock on the deleted file and finds the result. */
+/* Unlink before unlocking: nqm_lock_open() takes no lock on a deleted file. */
 void nqm_claim_release(const char *path, int claim) {
     char *name = claim_path(path);
     if (name)

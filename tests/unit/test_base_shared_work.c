@@ -3,6 +3,7 @@
  * Work that processes share: claims exclude other processes until they are released or their process ends; every item is made
  * once by two processes, each of which may be killed; failures and stops.
  */
+#include "base/memory_test.h"
 #include "base/shared_work.h"
 #include "support/check.h"
 
@@ -58,6 +59,45 @@ static void claims_exclude(void **state) {
     assert_true(second >= 0);
     nqm_claim_release(path, second);
     assert_int_equal(nqm_claim("/nowhere/x", &second, NULL), NQM_ERR_IO);
+}
+
+/* What another process does between the opening of a file and its lock: it finishes and deletes the file. */
+static void delete_locked(void) {
+    assert_int_equal(unlink(in_folder("locked")), 0);
+}
+
+static int other_lock = -1;
+
+/* The same, and a third process makes the file again and holds its lock. */
+static void replace_locked(void) {
+    bool existed;
+    delete_locked();
+    assert_int_equal(nqm_lock_open(in_folder("locked"), &other_lock, &existed, NULL), NQM_OK);
+    assert_true(other_lock >= 0 && !existed);
+}
+
+/* A lock on a deleted file would exclude nobody. */
+static void locks_are_on_the_file_of_the_path(void **state) {
+    (void)state;
+    int fd, second;
+    bool existed;
+    char path[128];
+    snprintf(path, sizeof path, "%s", in_folder("locked"));
+    fclose(fopen(path, "w"));
+    nqm_lock_hook(delete_locked);
+    assert_int_equal(nqm_lock_open(path, &fd, &existed, NULL), NQM_OK);
+    assert_true(fd >= 0 && !existed); /* a new file, which is there */
+    assert_int_equal(access(path, F_OK), 0);
+    assert_int_equal(nqm_lock_open(path, &second, &existed, NULL), NQM_OK);
+    assert_true(second < 0 && existed);
+    close(fd);
+    nqm_lock_hook(replace_locked);
+    assert_int_equal(nqm_lock_open(path, &fd, &existed, NULL), NQM_OK);
+    assert_int_equal(fd, -1); /* the third process has it */
+    close(other_lock);
+    assert_int_equal(nqm_lock_open(path, &fd, &existed, NULL), NQM_OK);
+    assert_true(fd >= 0 && existed);
+    close(fd);
 }
 
 enum { N_ITEMS = 12 };
@@ -184,7 +224,8 @@ static void failures_and_stops(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(claims_exclude), cmocka_unit_test(alone),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(claims_exclude),
+                                       cmocka_unit_test(locks_are_on_the_file_of_the_path), cmocka_unit_test(alone),
                                        cmocka_unit_test(two_processes), cmocka_unit_test(failures_and_stops)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

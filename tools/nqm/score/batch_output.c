@@ -13,7 +13,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -194,19 +193,33 @@ static FILE *open_kept(const char *path) {
     return stream;
 }
 
+/* Open and lock the journal; true if there was one. The lock comes first: a run that ends deletes its journal. */
+static bool lock_journal(batch_output *out) {
+    nqm_error err = {0};
+    bool existed;
+    int fd;
+    must(nqm_lock_open(out->journal, &fd, &existed, &err), &err);
+    if (fd < 0)
+        stop(EXIT_OPEN, "%s: another run is writing it", out->part);
+    out->log = fdopen(fd, "a+");
+    if (!out->log)
+        stop_write(out->journal);
+    return existed;
+}
+
 static void open_part(batch_output *out, const batch_request *request) {
     const char *path = request->path;
     const json_t *terms = request->terms;
     out->path = absolute_path(path, "");
     out->part = absolute_path(path, ".part");
     out->journal = absolute_path(path, ".part.journal");
-    bool goes_on = request->resume &&
-                   access(out->part, F_OK) == 0; /* only a journal remains when a run was killed after the rename */
-    if (goes_on && access(out->journal, F_OK) != 0)
+    const bool has_journal = lock_journal(out);
+    const bool goes_on = request->resume && access(out->part, F_OK) ==
+                                                0; /* only a journal remains when a run was killed after the rename */
+    if (goes_on && !has_journal) {
+        unlink(out->journal);
         stop(EXIT_INCOMPATIBLE, "%s has no journal next to it: remove it to start again", out->part);
-    out->log = open_kept(out->journal);
-    if (flock(fileno(out->log), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        stop(EXIT_OPEN, "%s: another run is writing it", out->part);
+    }
     out->stream = open_kept(out->part);
     const checkpoint last = goes_on ? read_journal(out, terms) : (checkpoint){0};
     truncate_to(out, &last);
