@@ -155,7 +155,7 @@ double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_en
 
 /* ---- locale-independent number conversion ------------------------------------------------------------------------ */
 
-/** Parse a number at `text`; *end points after it. false when there is none, and for inf and nan. */
+/** Parse a decimal number at `text`; *end points after it. false when there is none, and for inf, nan and hexadecimal ones. */
 bool nqm_parse_double(const char *text, const char **end, double *value);
 /** Print with the fewest digits that read back to the same double ("0.1"). Returns `buffer` (32 bytes at least). */
 char *nqm_format_double(char *buffer, size_t n_buffer, double value);

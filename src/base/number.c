@@ -8,6 +8,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static locale_t c_locale; /* created once and never freed: a few hundred bytes */
@@ -43,7 +44,8 @@ bool nqm_parse_double(const char *text, const char **end, double *value) {
     char *stop;
     double v = strtod(text, &stop);
     uselocale(before);
-    if (stop == text || !isfinite(v))
+    if (stop == text || !isfinite(v) || memchr(text, 'x', (size_t)(stop - text)) ||
+        memchr(text, 'X', (size_t)(stop - text))) /* strtod() also reads hexadecimal numbers */
         return false;
     *end = stop;
     *value = v;

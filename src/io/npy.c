@@ -90,8 +90,8 @@ static bool read_dictionary(header *h) {
     while (!accept(h, '}')) {
         if (!read_text(h, key, sizeof key) || !accept(h, ':'))
             return false;
-        bool right = strcmp(key, "descr") == 0           ? read_text(h, h->descr, sizeof h->descr)
-                     : strcmp(key, "fortran_order") == 0 ? read_word(h, h->order, sizeof h->order)
+        bool right = strcmp(key, "descr") == 0           ? !h->descr[0] && read_text(h, h->descr, sizeof h->descr)
+                     : strcmp(key, "fortran_order") == 0 ? !h->order[0] && read_word(h, h->order, sizeof h->order)
                      : strcmp(key, "shape") == 0         ? !h->has_shape && read_shape(h)
                                                          : false;
         if (!right || (!accept(h, ',') && peek(h) != '}'))

@@ -62,6 +62,7 @@ typedef struct translation {
     const char *file;    /* of a measured material; NULL: the shading is the result */
     char refusal[400];   /* "": accepted */
     int64_t byte_offset; /* of the refused property */
+    uint32_t given;      /* bit i: rule i of the plugin has been read */
     double alpha_uv[2];  /* NAN: not given */
     const nqm_mitsuba_node *metal;
     double int_ior, ext_ior;
@@ -417,8 +418,12 @@ bool nqm_mitsuba_is_bsdf(const char *type) {
 
 static bool read_child(translation *t, const plugin *p, const nqm_mitsuba_node *node) {
     for (size_t i = 0; i < MAX_RULES && p->rules[i].name; ++i)
-        if (strcmp(p->rules[i].name, node->name) == 0)
+        if (strcmp(p->rules[i].name, node->name) == 0) {
+            if (t->given >> i & 1)
+                return refuse(t, node, "%s is given twice", node->name);
+            t->given |= 1U << i;
             return p->rules[i].read(t, node, p->rules[i].key ? p->rules[i].key : node->name);
+        }
     return refuse(t, node, "%s has no property '%.40s'", p->type, node->name);
 }
 
