@@ -45,11 +45,9 @@ void nqm_claim_release(const char *path, int claim) {
 /* Remove the claim of a process that was killed between saving the result and releasing its claim. */
 static void remove_abandoned_claim(const char *path) {
     char *name = claim_path(path);
-    const int fd = name ? open(name, O_RDWR | O_CLOEXEC) : -1;
-    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0 && nqm_is_file_at(fd, name))
-        unlink(name);
-    if (fd >= 0)
-        close(fd);
+    int claim;
+    if (name && access(name, F_OK) == 0 && nqm_claim(path, &claim, NULL) == NQM_OK && claim >= 0)
+        nqm_claim_release(path, claim);
     nqm_free(name);
 }
 
