@@ -7,6 +7,7 @@
 #include "kernel/kernel.h"
 #include "net/trainer.h"
 #include "support/check.h"
+#include "support/tables.h"
 
 #include <math.h>
 #include <omp.h>
@@ -138,11 +139,13 @@ static void assert_equal_and_free(outcome *a, outcome *b) {
     }
 }
 
-static outcome trained(nqm_precision precision, int threads, const nqm_kernels *kernels) {
+static const nqm_net_shape large = {4, {2100, 530, 201, 75, 3}}, medium = {4, {210, 130, 61, 35, 3}};
+
+static outcome trained(nqm_net_shape shape, nqm_precision precision, int threads, const nqm_kernels *kernels) {
     int before = omp_get_max_threads();
     omp_set_num_threads(threads);
     nqm_kernels_use(kernels);
-    trainee t = make_trainee((nqm_net_shape){4, {2100, 530, 201, 75, 3}}, 290, precision);
+    trainee t = make_trainee(shape, 290, precision);
     for (uint64_t step = 0; step < 4; ++step)
         train_step(&t, step);
     outcome o = outcome_of(&t);
@@ -155,9 +158,13 @@ static outcome trained(nqm_precision precision, int threads, const nqm_kernels *
 static void same_bits_for_any_threads(void **state) {
     (void)state;
     for (int precision = NQM_PRECISION_F32; precision <= NQM_PRECISION_BF16; ++precision) {
-        outcome one = trained((nqm_precision)precision, 1, NULL), two = trained((nqm_precision)precision, 2, NULL);
+        outcome one = trained(large, (nqm_precision)precision, 1, NULL),
+                two = trained(large, (nqm_precision)precision, 2, NULL);
         assert_equal_and_free(&one, &two);
     }
+    outcome one = trained(medium, NQM_PRECISION_BF16, 1, emulated_kernels()),
+            two = trained(medium, NQM_PRECISION_BF16, 2, emulated_kernels());
+    assert_equal_and_free(&one, &two);
 }
 
 #if defined __x86_64__
@@ -166,7 +173,8 @@ static void same_bits_on_wider_vectors(void **state) {
     (void)state;
     if (nqm_kernels_at(0) == &nqm_kernels_generic || nqm_kernels_at(0) == &nqm_kernels_avx2)
         skip();
-    outcome narrow = trained(NQM_PRECISION_F32, 2, &nqm_kernels_avx2), wide = trained(NQM_PRECISION_F32, 2, NULL);
+    outcome narrow = trained(large, NQM_PRECISION_F32, 2, &nqm_kernels_avx2),
+            wide = trained(large, NQM_PRECISION_F32, 2, NULL);
     assert_equal_and_free(&narrow, &wide);
 }
 #endif
@@ -209,10 +217,10 @@ static void training_learns(void **state) {
 }
 
 /* In bfloat16, outputs and gradients differ from those in float only by the rounding of factors to 8 bits. */
-static void bfloat16_near_float(void **state) {
-    (void)state;
+static void check_bfloat16(const nqm_kernels *kernels) {
     const nqm_net_shape shape = {4, {300, 120, 70, 33, 1}};
     trainee t[2] = {make_trainee(shape, 33, NQM_PRECISION_F32), make_trainee(shape, 33, NQM_PRECISION_BF16)};
+    nqm_kernels_use(kernels);
     for (size_t i = 0; i < 2; ++i) {
         loss_of(&t[i], NULL);
         nqm_trainer_gradients(t[i].trainer, t[i].batch, t[i].dz, &t[i].grads, NULL);
@@ -229,6 +237,13 @@ static void bfloat16_near_float(void **state) {
         assert_near((double)t[1].z[i], (double)t[0].z[i], 0.05);
     free_trainee(&t[0]);
     free_trainee(&t[1]);
+    nqm_kernels_use(NULL);
+}
+
+static void bfloat16_near_float(void **state) {
+    (void)state;
+    check_bfloat16(NULL);
+    check_bfloat16(emulated_kernels());
 }
 
 /* ---- dropout ----------------------------------------------------------------------------------------------------- */
