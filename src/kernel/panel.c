@@ -1,17 +1,24 @@
 /* SPDX-License-Identifier: MIT
  *
- * The loops over panels, strips and rows. A product is cut into blocks that depend on its shape only, and each element is
- * summed within one block, so that blocks may be scheduled dynamically: on a busy machine no thread waits for another.
+ * The loops over panels, strips and rows. A product is cut into blocks by its shape, the size of the L2 cache and the number of
+ * threads. Each element is summed within one block in one order, so that its bits depend on none of these, and blocks may be
+ * scheduled dynamically: on a busy machine no thread waits for another.
  */
 #include "kernel/panel.h"
 
 #include <omp.h>
+#include <pthread.h>
 #include <string.h>
+#include <unistd.h>
 
 enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
-    ROWS_AT_ONCE = 11 * NQM_STRIP,
-    PANELS_AT_ONCE = 4, /* of a single row */
+    ROWS_AT_ONCE = 16 * NQM_STRIP,
+    BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
+    PANELS_AT_ONCE = 4,    /* of a single row */
+
+    /* Tiles of a gradient: enough for the sink to read its own arrays in long runs. Their 38 KB, and as much of each of three
+     * such arrays, fit into any L2 cache. */
     STRIPS_AT_ONCE = 25
 };
 
@@ -32,25 +39,68 @@ static void multiply_row(const nqm_panels *b, const void *a, bool add, void *c) 
     }
 }
 
+/* ---- products of many rows ---------------------------------------------------------------------------------------- */
+
+static size_t l2_bytes;
+
+static void find_l2(void) {
+#ifdef _SC_LEVEL2_CACHE_SIZE
+    const long found = sysconf(_SC_LEVEL2_CACHE_SIZE);
+    l2_bytes = found > 0 ? (size_t)found : 0;
+#endif
+}
+
+/* How a product is cut. A block is ROWS_AT_ONCE rows of A times some panels. Where the L2 cache holds several panels and a group
+ * of rows, all panels of the block are multiplied with a group before the next is read: A is read once for each block. */
+typedef struct cut {
+    size_t
+        rows; /* of a group: whole tiles of vector registers, and for rounded factors whole pairs of AMX tile registers */
+    size_t panels; /* of a block */
+    size_t n_down, n_blocks;
+} cut;
+
+static cut cut_product(const nqm_panels *b, size_t m) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, find_l2);
+    const size_t rows = (b->precision == NQM_PRECISION_F32 ? 2 : 8) * NQM_STRIP, row_bytes = 4 * b->words;
+    const size_t usable = l2_bytes / 8 * 5,
+                 n_down = nqm_ceil_div(m, ROWS_AT_ONCE); /* what remains is for C and for others */
+    const size_t fitting = usable > rows * row_bytes ? (usable - rows * row_bytes) / (NQM_PANEL * row_bytes) : 0;
+    const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
+    cut c = {.rows = rows, .panels = nqm_smaller(fitting, fair), .n_down = n_down};
+    if (c.panels <= 1)
+        c = (cut){.rows = ROWS_AT_ONCE, .panels = 1, .n_down = n_down};
+    c.n_blocks = n_down * nqm_ceil_div(b->n_panels, c.panels);
+    return c;
+}
+
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
     if (m == 1) {
         multiply_row(b, a, add, c);
         return;
     }
     const nqm_kernels *kernels = nqm_kernels_get();
-    const size_t n_row_blocks = nqm_ceil_div(m, ROWS_AT_ONCE), n_blocks = n_row_blocks * b->n_panels;
-    /* Consecutive blocks read the same panel, which stays in the L2 cache. */
-#pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
-    for (size_t i = 0; i < n_blocks; ++i) {
-        const size_t panel = i / n_row_blocks, row = i % n_row_blocks * ROWS_AT_ONCE;
-        nqm_product p = {
-            .m = nqm_smaller(m - row, ROWS_AT_ONCE), .words = b->words, .add = add, .lda = lda, .ldc = ldc};
-        p.a = (const uint32_t *)a + row * lda;
-        p.b = nqm_panel_at(b, panel);
-        p.c = (uint32_t *)c + row * ldc + panel * NQM_PANEL; /* float and int32_t have one size */
-        kernels->product[b->precision](&p);
+    const cut by = cut_product(b, m);
+    /* Consecutive blocks read the same panels, which stay in the L2 cache. */
+#pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && by.n_blocks > 1)
+    for (size_t i = 0; i < by.n_blocks; ++i) {
+        const size_t first = i / by.n_down * by.panels, last = nqm_smaller(first + by.panels, b->n_panels);
+        const size_t row = i % by.n_down * ROWS_AT_ONCE, end = nqm_smaller(row + ROWS_AT_ONCE, m);
+        for (size_t r = row; r < end; r += by.rows)
+            for (size_t panel = first; panel < last; ++panel)
+                kernels->product[b->precision](
+                    &(nqm_product){.m = nqm_smaller(end - r, by.rows),
+                                   .words = b->words,
+                                   .add = add,
+                                   .a = (const uint32_t *)a + r * lda,
+                                   .b = nqm_panel_at(b, panel),
+                                   .c = (uint32_t *)c + r * ldc + panel * NQM_PANEL, /* float or int32_t */
+                                   .lda = lda,
+                                   .ldc = ldc});
     }
 }
+
+/* ---- weight gradients --------------------------------------------------------------------------------------------- */
 
 nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m) {
     return (nqm_columns){.step = nqm_row_stride(width * nqm_words(precision, m)), .ld = width};
@@ -74,7 +124,6 @@ void nqm_gradient_run(const nqm_gradient *g) {
     const size_t n_across = nqm_ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * nqm_ceil_div(g->n, NQM_PANEL);
 #pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
-        /* Enough tiles for the sink to read its own arrays in long runs, few enough to stay in the L2 cache. */
         _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
         const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
         nqm_tile_gradient tile = {.n_strips = nqm_smaller(n_strips - first, STRIPS_AT_ONCE),

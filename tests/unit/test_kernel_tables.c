@@ -263,6 +263,33 @@ static void the_same_bits(void **state) {
     omp_set_num_threads(threads);
 }
 
+/* So many panels that a block has several of them, fewer for more threads. */
+static void the_same_bits_of_many_panels(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 7);
+    const int threads = omp_get_max_threads();
+    for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+        problem p = make_problem(&rng, (nqm_precision)precision, 400, 41, 1000);
+        float *first = NULL;
+        for (int n = 1; n <= 3; ++n) {
+            omp_set_num_threads(n);
+            float *all = solve(&p, NULL, 0, p.m, true);
+            first = first ? first : all;
+            assert_memory_equal(all, first, p.m * p.ldc * sizeof *all);
+            for (size_t i = 0; i < p.m; i += 57) {
+                float *one = solve(&p, NULL, i, 1, true);
+                assert_memory_equal(one, all + i * p.ldc, p.n * sizeof *one);
+                nqm_free(one);
+            }
+            if (all != first)
+                nqm_free(all);
+        }
+        nqm_free(first);
+        free_problem(&p);
+    }
+    omp_set_num_threads(threads);
+}
+
 /* Panels are packed one at a time, also if the number of rows is not a multiple of the transposed block. */
 static void panels_packed_one_by_one(void **state) {
     (void)state;
@@ -592,6 +619,7 @@ int main(void) {
         cmocka_unit_test(strided_products_of_every_table),
         cmocka_unit_test(double_sums_of_every_table),
         cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(the_same_bits_of_many_panels),
         cmocka_unit_test(panels_packed_one_by_one),
         cmocka_unit_test(panels_and_back),
         cmocka_unit_test(rounding_to_bfloat16),
