@@ -5,6 +5,7 @@
 #if defined __x86_64__
 #include <cpuid.h>
 #include <immintrin.h>
+#include <pthread.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -17,18 +18,26 @@
 #define TILE_INT8(c, a, b)       _tile_dpbusd(c, a, b)
 #include "kernel/amx_products.h"
 
-/* Linux lets a process use tile registers after it has asked once for all its threads (Documentation/arch/x86/xstate.rst). */
-static bool has_permission(void) {
+static bool is_permitted;
+
+/* Linux lets a process use tile registers after it has asked once for all its threads (Documentation/arch/x86/xstate.rst).
+ * CPUID, since Clang 14 does not know these units in __builtin_cpu_supports(). */
+static void ask(void) {
+    enum { AMX_BF16 = 1 << 22, AMX_TILE = 1 << 24, AMX_INT8 = 1 << 25, NEEDED = AMX_BF16 | AMX_TILE | AMX_INT8 };
     enum { ARCH_REQ_XCOMP_PERM = 0x1023, XFEATURE_XTILEDATA = 18 };
-    return syscall(SYS_arch_prctl, ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA) == 0;
+    unsigned a, b, c, d;
+    is_permitted = __get_cpuid_count(7, 0, &a, &b, &c, &d) && (d & NEEDED) == NEEDED &&
+                   syscall(SYS_arch_prctl, ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA) == 0;
+}
+
+bool nqm_has_amx(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, ask);
+    return is_permitted;
 }
 
 const nqm_kernels *nqm_kernels_amx(void) {
     static nqm_kernels kernels;
-    enum { AMX_BF16 = 1 << 22, AMX_TILE = 1 << 24, AMX_INT8 = 1 << 25, NEEDED = AMX_BF16 | AMX_TILE | AMX_INT8 };
-    unsigned a, b, c, d;
-    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d) || (d & NEEDED) != NEEDED || !has_permission())
-        return NULL;
     kernels = with_amx_products(&nqm_kernels_avx512_bf16, "avx512+amx");
     return &kernels;
 }

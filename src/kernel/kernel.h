@@ -236,9 +236,11 @@ extern const nqm_kernels nqm_kernels_generic;
 extern const nqm_kernels nqm_kernels_avx2;        /**< AVX2, FMA */
 extern const nqm_kernels nqm_kernels_avx512;      /**< AVX-512 F, BW, DQ, VL */
 extern const nqm_kernels nqm_kernels_avx512_bf16; /**< the same with BF16 and VNNI */
-/** The same with products by tile registers (AMX); NULL when the processor or the operating system does not have them. Asks the
- *  operating system for permission, for the whole process. Needs the instructions of nqm_kernels_avx512_bf16. Each kernel leaves
- *  the thread's tile configuration as it was; the contents of tile registers are lost. */
+/** Whether the processor and the operating system have tile registers (AMX). Asks the system for permission, once for the whole
+ *  process. Any thread. */
+bool nqm_has_amx(void);
+/** nqm_kernels_avx512_bf16 with products by tile registers. Each kernel leaves the thread's tile configuration as it was; the
+ *  contents of tile registers are lost. */
 const nqm_kernels *nqm_kernels_amx(void);
 #endif
 

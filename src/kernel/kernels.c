@@ -21,11 +21,11 @@ static void find_tables(void) {
     __builtin_cpu_init();
     bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-    if (avx512 && __builtin_cpu_supports("avx512bf16") && __builtin_cpu_supports("avx512vnni")) {
-        tables[n_tables] = nqm_kernels_amx();
-        n_tables += tables[n_tables] != NULL;
+    const bool bf16 = avx512 && __builtin_cpu_supports("avx512bf16") && __builtin_cpu_supports("avx512vnni");
+    if (bf16 && nqm_has_amx())
+        tables[n_tables++] = nqm_kernels_amx();
+    if (bf16)
         tables[n_tables++] = &nqm_kernels_avx512_bf16;
-    }
     if (avx512)
         tables[n_tables++] = &nqm_kernels_avx512;
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))

@@ -4,14 +4,11 @@
  * reading of memory. Each is compiled for its instruction set, and runs only where the processor has it.
  */
 #include "bench/bench.h"
+#include "kernel/kernel.h"
 
 #include <string.h>
 #if defined __x86_64__
-#include <cpuid.h>
 #include <immintrin.h>
-#include <pthread.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 #elif defined __aarch64__
 #include <arm_neon.h>
 #endif
@@ -122,32 +119,6 @@ enum { N_TILES = 8, TILE_ROWS = 16, TILE_ROW_BYTES = 64, TILE_FLOATS = 256 };
 DEFINE_TILE_PEAK(peak_bf16_amx, _tile_dpbf16ps)
 DEFINE_TILE_PEAK(peak_int8_amx, _tile_dpbusd)
 
-/* Linux lets a process use tiles after it has asked once (Documentation/arch/x86/xstate.rst). */
-static bool tiles_permitted;
-static void request_tiles(void) {
-    enum { ARCH_REQ_XCOMP_PERM = 0x1023, XFEATURE_XTILEDATA = 18 };
-    tiles_permitted = syscall(SYS_arch_prctl, ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA) == 0;
-}
-/* Bit of EDX of CPUID's leaf 7. Clang 14 does not know these units in __builtin_cpu_supports(). */
-enum { AMX_BF16 = 22, AMX_TILE = 24, AMX_INT8 = 25 };
-static bool has_unit(int bit) {
-    unsigned eax, ebx, ecx, edx;
-    return __get_cpuid_count(7, 0, &eax, &ebx, &ecx, &edx) && (edx >> bit & 1);
-}
-static bool has_amx(void) {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    if (!has_unit(AMX_TILE))
-        return false;
-    pthread_once(&once, request_tiles);
-    return tiles_permitted;
-}
-static bool has_amx_bf16(void) {
-    return has_unit(AMX_BF16) && has_amx();
-}
-static bool has_amx_int8(void) {
-    return has_unit(AMX_INT8) && has_amx();
-}
-
 /* ---- units ------------------------------------------------------------------------------------------------------- */
 
 static bool has_avx2(void) {
@@ -187,8 +158,8 @@ const nqm_bench_unit nqm_bench_units[] = {
     {"AVX-512 FMA", NQM_PRECISION_F32, has_avx512, peak_f32_avx512, 2 * 24 * 16},
     {"AVX512-BF16 VDPBF16PS", NQM_PRECISION_BF16, has_avx512_bf16, peak_bf16_avx512, 2 * 24 * 32},
     {"AVX512-VNNI VPDPBUSD", NQM_PRECISION_INT8, has_avx512_vnni, peak_int8_avx512, 2 * 24 * 64},
-    {"AMX TDPBF16PS", NQM_PRECISION_BF16, has_amx_bf16, peak_bf16_amx, 2 * 4 * 16 * 16 * 32},
-    {"AMX TDPBUSD", NQM_PRECISION_INT8, has_amx_int8, peak_int8_amx, 2 * 4 * 16 * 16 * 64},
+    {"AMX TDPBF16PS", NQM_PRECISION_BF16, nqm_has_amx, peak_bf16_amx, 2 * 4 * 16 * 16 * 32},
+    {"AMX TDPBUSD", NQM_PRECISION_INT8, nqm_has_amx, peak_int8_amx, 2 * 4 * 16 * 16 * 64},
 #elif defined __aarch64__
     {"NEON FMA", NQM_PRECISION_F32, always, peak_f32_neon, 2 * 24 * 4},
 #else
