@@ -48,6 +48,13 @@ void print_batch_tail(const batch_form *form, FILE *out);
 /** The text before each row but the first. */
 const char *batch_separator(const batch_form *form);
 
+/* ---- files that rows depend on (batch_files.c) ------------------------------------------------------------------- */
+
+/** An object with the path of each file that the pairs name, and its identity. Relative paths begin in the working folder. */
+json_t *identify_files(size_t n, const nqm_named_pair *pairs);
+/** The first path of such an object whose file has another identity now; NULL: none. */
+const char *find_changed_file(const json_t *files);
+
 /* ---- the file (batch_output.c): on failure, these report the error and exit -------------------------------------- */
 
 /** Progress of an output. */
@@ -69,7 +76,9 @@ typedef struct batch_output {
     size_t n_bytes, n_head; /* of FILE.part, of the text before its rows */
     batch_progress done;
     size_t max_rows;
-    batch_note *notes; /* (max_rows) of the rows that are written; owned */
+    batch_note *notes;    /* (max_rows) of the rows that are written; owned */
+    json_t *files;        /* that the rows since the last checkpoint depend on; NULL: none; owned */
+    json_t *files_before; /* those of the rows of the interrupted run; owned */
 } batch_output;
 
 /** How to open an output. */
@@ -84,7 +93,9 @@ typedef struct batch_request {
 
 /** Open. `done` of the result is the progress of the interrupted run, zeros for a new file. */
 void open_batch_output(const batch_request *request, batch_output *out);
-/** Write the text of out->rows, which are complete rows whose notes are set, and record in the journal that the file is valid up to
+/** Report an error and exit if a file that the rows of the interrupted run depend on has changed. */
+void check_batch_files(const batch_output *out);
+/** Write the text of out->rows, which are complete rows whose notes and files are set, and record in the journal that the file is valid up to
  *  here. */
 void append_batch_output(batch_output *out, const batch_progress *done);
 /** Close. is_complete: write the text of out->rows and rename the file to its final name; otherwise FILE.part remains for a

@@ -2,7 +2,7 @@
  *
  * Output of `nqm batch`. The rows of a file are written to FILE.part first. FILE.part.journal begins with the terms of
  * the run; after every block, a line with the number of rows, of failed rows and of bytes so far, the SHA-256 of the block and
- * its notes, and the notes of its rows as JSON is appended. A killed run leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to
+ * its notes, and the notes of its rows and the files that they depend on as JSON is appended. A killed run leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to
  * the last checkpoint of the journal, and continues, so that the finished file is identical to that of an uninterrupted
  * run.
  */
@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char journal_mark[] = "nqm batch journal 3\n";
+static const char journal_mark[] = "nqm batch journal 4\n";
 
 static _Noreturn void stop_write(const char *path) {
     stop(EXIT_OPEN, "%s: cannot write: %s", path ? path : "standard output", strerror(errno));
@@ -98,10 +98,11 @@ static char *print_notes(const batch_output *out, size_t begin, size_t end) {
         json_array_append_new(one, note->remark ? json_name(note->remark) : json_null());
         json_array_append_new(all, one);
     }
-    char *text = json_dumps(all, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    json_t *both = json_pack("{s:o,s:o}", "rows", all, "files", out->files ? json_incref(out->files) : json_object());
+    char *text = json_dumps(both, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
         stop(EXIT_LIMIT, "out of memory");
-    json_decref(all);
+    json_decref(both);
     return text;
 }
 
@@ -120,12 +121,13 @@ static bool read_note(const json_t *one, batch_note *note) {
 
 /* The notes of the rows between two checkpoints; false unless there is one for each. */
 static bool read_notes(batch_output *out, const checkpoint *last, const checkpoint *c) {
-    json_t *all = json_loads(c->notes, 0, NULL);
+    json_t *both = json_loads(c->notes, 0, NULL), *all = json_object_get(both, "rows");
     const size_t begin = last->done.n_rows, end = c->done.n_rows;
-    bool good = json_is_array(all) && end >= begin && end <= out->max_rows && json_array_size(all) == end - begin;
+    bool good = json_object_update_missing(out->files_before, json_object_get(both, "files")) == 0 &&
+                json_is_array(all) && end >= begin && end <= out->max_rows && json_array_size(all) == end - begin;
     for (size_t row = begin; good && row < end; ++row)
         good = read_note(json_array_get(all, row - begin), &out->notes[row]);
-    json_decref(all);
+    json_decref(both);
     return good;
 }
 
@@ -238,6 +240,7 @@ void open_batch_output(const batch_request *request, batch_output *out) {
     const char *path = request->path;
     *out = (batch_output){.stream = stdout, .max_rows = request->max_rows};
     out->notes = allocate(out->max_rows, sizeof *out->notes);
+    out->files_before = json_object();
     out->rows = open_memstream(&out->text, &out->n_text);
     if (!out->rows)
         stop(EXIT_LIMIT, "out of memory");
@@ -259,6 +262,15 @@ void open_batch_output(const batch_request *request, batch_output *out) {
         if (!out->stream)
             stop(EXIT_OPEN, "there is no place for a temporary file: %s", strerror(errno));
     }
+}
+
+void check_batch_files(const batch_output *out) {
+    const char *changed = find_changed_file(out->files_before);
+    if (changed)
+        stop(EXIT_INCOMPATIBLE,
+             "%s: its first %zu rows were scored with another content of the file %s: --resume needs the same; "
+             "remove it to start again",
+             out->part, out->done.n_rows, changed);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
@@ -286,6 +298,8 @@ void append_batch_output(batch_output *out, const batch_progress *done) {
         free(notes);
     }
     out->done = *done;
+    json_decref(out->files);
+    out->files = NULL;
     rewind(out->rows);
 }
 
@@ -299,6 +313,8 @@ static void release(batch_output *out) {
     fclose(out->rows);
     for (size_t row = 0; row < out->done.n_rows; ++row)
         free(out->notes[row].remark);
+    json_decref(out->files);
+    json_decref(out->files_before);
     free(out->notes);
     free(out->text);
     free(out->path);

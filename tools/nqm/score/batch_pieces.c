@@ -7,6 +7,7 @@
 #include "nqm/score/batch_pieces.h"
 #include "base/shared_work.h"
 #include "io/io.h"
+#include "nqm/score/batch.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -86,10 +87,13 @@ static nqm_status save(const batch_pieces *p, size_t piece, nqm_error *err) {
     double *rows = allocate(n, N_COLUMNS * sizeof *rows);
     for (size_t i = 0; i < n; ++i)
         pack(&p->results[i], rows + i * N_COLUMNS);
-    char *messages = messages_json(n, p->results, p->errors);
+    char *messages = messages_json(n, p->results, p->errors), *files = json_dumps(p->files, JSON_COMPACT);
+    if (!files)
+        stop(EXIT_LIMIT, "out of memory");
     const nqm_tensor tensor = nqm_tensor_of("results", NQM_F64, n, N_COLUMNS, rows);
-    const nqm_meta meta = {"errors", messages};
-    const nqm_status status = nqm_safetensors_write(piece_path(p, piece, path), 1, &tensor, 1, &meta, NULL, err);
+    const nqm_meta meta[] = {{"errors", messages}, {"files", files}};
+    const nqm_status status = nqm_safetensors_write(piece_path(p, piece, path), 1, &tensor, 2, meta, NULL, err);
+    free(files);
     free(messages);
     free(rows);
     return status;
@@ -115,7 +119,20 @@ static bool take_results(batch_pieces *p, size_t n, const nqm_safetensors *st) {
     return good;
 }
 
-/* Load the results of a piece; false: there is no file, or a damaged one. */
+/* Whether the files that the results depend on are the same now; then they become those of the piece. */
+static bool take_files(batch_pieces *p, const nqm_safetensors *st) {
+    const char *text = nqm_safetensors_meta(st, "files");
+    json_t *files = text ? json_loads(text, 0, NULL) : NULL;
+    if (!json_is_object(files) || find_changed_file(files)) {
+        json_decref(files);
+        return false;
+    }
+    json_decref(p->files);
+    p->files = files;
+    return true;
+}
+
+/* Load the results of a piece; false: there is no file, a damaged one, or one of other contents of a BRDF file. */
 static bool load_results(batch_pieces *p, size_t piece) {
     char path[MAX_PATH];
     nqm_map map;
@@ -124,7 +141,7 @@ static bool load_results(batch_pieces *p, size_t piece) {
         return false;
     bool loaded = false;
     if (nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) == NQM_OK) {
-        loaded = take_results(p, row_count(p, piece), st);
+        loaded = take_results(p, row_count(p, piece), st) && take_files(p, st);
         nqm_safetensors_free(st);
     }
     nqm_map_close(&map);
@@ -134,6 +151,8 @@ static bool load_results(batch_pieces *p, size_t piece) {
 static nqm_status score_piece(batch_pieces *p, size_t piece, nqm_error *err) {
     const size_t n = row_count(p, piece);
     p->current = p->n; /* until the results are complete */
+    json_decref(p->files);
+    p->files = identify_files(n, p->list->pair + first_row(p, piece)); /* before they are read */
     const nqm_status status =
         nqm_scorer_run_named(p->scorer, n, p->list->pair + first_row(p, piece), p->results, p->errors, err);
     if (status == NQM_OK)
@@ -206,7 +225,7 @@ static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
     nqm_sha256 sha;
     if (!text || !nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
-    static const char layout[] = "nqm batch piece 1";
+    static const char layout[] = "nqm batch piece 2";
     nqm_sha256_add(&sha, layout, sizeof layout);
     nqm_sha256_add(&sha, &size, sizeof size);
     nqm_sha256_add(&sha, text, strlen(text));
@@ -255,4 +274,5 @@ void close_batch_pieces(batch_pieces *p) {
     free(p->folder);
     free(p->results);
     free(p->errors);
+    json_decref(p->files);
 }

@@ -19,6 +19,7 @@ typedef struct batch_pieces {
     size_t current;            /* the piece whose results are below, n: none */
     nqm_score_result *results; /* (size) */
     nqm_error *errors;         /* (size) */
+    json_t *files;             /* that these results depend on, as identify_files() returns them; owned */
 } batch_pieces;
 
 /**

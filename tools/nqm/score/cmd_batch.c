@@ -100,6 +100,7 @@ static int score_rows(batch_run *run) {
         const int exit_code = get_batch_results(&run->pieces, begin, &n, &results, &errors);
         if (exit_code != EXIT_OK)
             return exit_code;
+        run->out.files = json_incref(run->pieces.files);
         write_block(run, begin, n, results, errors);
         const size_t failed = run->out.done.n_rows - begin;
         if (failed < n) {
@@ -212,6 +213,8 @@ static void open_outputs(batch_run *run, const batch_arguments *a, ranks r) {
     json_decref(terms);
     json_decref(score);
     enter_list_root(a->root ? root : NULL, a->list);
+    if (r.rank == 0)
+        check_batch_files(&run->out);
 }
 
 static int run_batch(batch_run *run, ranks r) {
