@@ -114,6 +114,9 @@ NQM_MUST_CHECK nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_re
 NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
 /** Remove the temporary file; a zeroed or committed outfile is allowed. */
 void nqm_outfile_abort(nqm_outfile *out);
+/** Unlink the temporary files of all outputs that are open. For signal handlers (it is async-signal-safe) of a process that ends
+ *  at once. */
+void nqm_outfile_unlink_all(void);
 
 /** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
  *  replaced the file. */

@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -75,6 +76,43 @@ static int create_temporary(nqm_outfile *out) {
     }
 }
 
+/* ---- temporary files of a process that ends at once ---------------------------------------------------------------- */
+
+enum { N_UNFINISHED = 64, N_NAME = 4096 };
+
+/* Names are copies, because a signal handler reads them while other threads open and close outputs. More files at a time, or
+ * longer names, are left to the next run with the same output. */
+static struct {
+    atomic_int state; /* 0: free, 1: a name is being written, 2: a file to remove */
+    char name[N_NAME];
+} unfinished[N_UNFINISHED];
+
+static void note_unfinished(const char *name) {
+    const size_t n = strlen(name) + 1;
+    for (size_t i = 0; n <= N_NAME && i < N_UNFINISHED; ++i) {
+        int is_free = 0;
+        if (atomic_compare_exchange_strong(&unfinished[i].state, &is_free, 1)) {
+            memcpy(unfinished[i].name, name, n);
+            atomic_store(&unfinished[i].state, 2);
+            return;
+        }
+    }
+}
+
+static void forget_unfinished(const char *name) {
+    for (size_t i = 0; i < N_UNFINISHED; ++i)
+        if (atomic_load(&unfinished[i].state) == 2 && strcmp(unfinished[i].name, name) == 0) {
+            atomic_store(&unfinished[i].state, 0);
+            return;
+        }
+}
+
+void nqm_outfile_unlink_all(void) {
+    for (size_t i = 0; i < N_UNFINISHED; ++i)
+        if (atomic_load(&unfinished[i].state) == 2)
+            unlink(unfinished[i].name);
+}
+
 /* ---- output files ------------------------------------------------------------------------------------------------ */
 
 nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
@@ -89,8 +127,11 @@ nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *e
         out_ret->temporary = names + n_path;
     int fd = in_place ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : create_temporary(out_ret);
     out_ret->stream = fd < 0 ? NULL : fdopen(fd, "wb");
-    if (out_ret->stream)
+    if (out_ret->stream) {
+        if (!in_place)
+            note_unfinished(out_ret->temporary);
         return NQM_OK;
+    }
     nqm_status status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
     if (fd >= 0)
         close(fd);
@@ -103,8 +144,10 @@ nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *e
 void nqm_outfile_abort(nqm_outfile *out) {
     if (out->stream)
         fclose(out->stream);
-    if (out->temporary)
+    if (out->temporary) {
         unlink(out->temporary);
+        forget_unfinished(out->temporary);
+    }
     nqm_free(out->path);
     *out = (nqm_outfile){0};
 }
@@ -114,11 +157,14 @@ nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
     bad = fflush(out->stream) != 0 || bad;
     if (out->temporary)
         bad = fsync(fileno(out->stream)) != 0 || bad;
+    char *written = out->temporary;
     /* Rename before closing, which releases the lock. */
     if (!bad && out->temporary)
         bad = rename(out->temporary, out->path) != 0;
-    if (!bad && out->temporary)
+    if (!bad && written) {
+        forget_unfinished(written); /* before its name can be that of another process */
         remove_all_abandoned(out);
+    }
     if (!bad)
         out->temporary = NULL; /* renamed: there is nothing to remove */
     bad = fclose(out->stream) != 0 || bad;

@@ -157,6 +157,23 @@ static void test_outfile_removes_those_of_killed_processes(void **state) {
     unlink(path);
 }
 
+static void test_outfiles_vanish_with_the_process(void **state) {
+    (void)state;
+    char path[256], other[256];
+    path_in_folder(path, sizeof path, "vanish.txt");
+    path_in_folder(other, sizeof other, "finished.txt");
+    nqm_outfile finished, open_file;
+    assert_int_equal(nqm_outfile_open(other, &finished, NULL), NQM_OK);
+    assert_int_equal(nqm_outfile_open(path, &open_file, NULL), NQM_OK);
+    assert_int_equal(nqm_outfile_commit(&finished, NULL), NQM_OK);
+    nqm_outfile_unlink_all();
+    assert_false(exists(path, ".1.part"));
+    assert_true(exists(other, ""));
+    nqm_outfile_abort(&open_file);
+    assert_false(exists(path, ""));
+    unlink(other);
+}
+
 static void test_outfile_in_missing_folder(void **state) {
     (void)state;
     char path[256];
@@ -368,6 +385,7 @@ int main(void) {
         cmocka_unit_test(test_alloc_refuses_overflow),
         cmocka_unit_test(test_alloc_fails_when_told),
         cmocka_unit_test(test_outfile_appears_only_when_complete),
+        cmocka_unit_test(test_outfiles_vanish_with_the_process),
         cmocka_unit_test(test_outfile_removes_those_of_killed_processes),
         cmocka_unit_test(test_outfile_in_missing_folder),
         cmocka_unit_test(test_outfile_writes_pipes_in_place),

@@ -21,7 +21,7 @@ static void reserve_standard_streams(void) {
             exit(EXIT_OPEN);
 }
 
-/* Some functions have arrays of 300 KB. Threads get the same limit as the process. */
+/* Some functions have arrays of 500 KB. Threads get the same limit as the process. */
 static int check_stack(void) {
     enum { LEAST_KB = 1024 };
     struct rlimit limit;

@@ -9,6 +9,8 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char *current_verb = "";
@@ -94,9 +96,44 @@ int finish(int exit_code) {
     return report(EXIT_OPEN, "standard output: cannot write");
 }
 
+/* ---- Ctrl-C ------------------------------------------------------------------------------------------------------ */
+
+/* Verbs stop where they ask interrupted(), or where a progress callback says so, and save what they keep for a later run.
+ * Work that does not ask in time is ended here: after this much processor time, or when the process waits for input. */
+static const double grace_s = 0.8, grace_processor_s = 0.6, waiting_processor_s = 0.002;
+static double interrupt_s, interrupt_processor_s;
+
+static double processor_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* End at once without a trace: only calls that are allowed in a signal handler. */
+static _Noreturn void vanish(int exit_code) {
+    nqm_outfile_unlink_all();
+    _exit(exit_code);
+}
+
+static void on_alarm(int signal_number) {
+    static const char message[] = "nqm: interrupted\n";
+    const double used_s = processor_s() - interrupt_processor_s;
+    (void)signal_number;
+    if (nqm_clock_s() - interrupt_s < grace_s || (used_s < grace_processor_s && used_s > waiting_processor_s))
+        return;
+    (void)!write(STDERR_FILENO, message, sizeof message - 1);
+    vanish(EXIT_INTERRUPTED);
+}
+
 static void on_interrupt(int signal_number) {
-    if (++interrupt_count > 2) /* the third time: exit at once; unfinished files have temporary names */
-        _exit(128 + signal_number);
+    const struct itimerval often = {{0, 100000}, {0, 100000}};
+    if (++interrupt_count > 2) /* the third time */
+        vanish(128 + signal_number);
+    if (interrupt_count > 1)
+        return;
+    interrupt_s = nqm_clock_s();
+    interrupt_processor_s = processor_s();
+    setitimer(ITIMER_REAL, &often, NULL);
 }
 
 void catch_interrupt(void) {
@@ -108,6 +145,9 @@ void catch_interrupt(void) {
     struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_ONSTACK};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = on_alarm;
+    action.sa_flags |= SA_RESTART;
+    sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_DFL);
 }
 

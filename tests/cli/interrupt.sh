@@ -1,0 +1,56 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Ctrl-C in every verb that can work for seconds: the exit code is 130, nothing is on standard output, and no output and no
+# temporary file is left, except what a verb keeps for a later run. NQM_INTERRUPT_TIMES names a file for the times to the end.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+make=$NQM_BUILD/tests
+in=$dir/in
+mkdir "$in" "$dir/work"
+"$make/make_brdf_files" "$in" >/dev/null
+"$make/tiny_dataset" "$in/toy.safetensors" 1 48
+"$tool" directions -n 2000 -o "$in/directions.csv" 2>"$dir/err"
+network=$in/valid.bin:second # a neural process: the slowest BRDF
+awk 'BEGIN { print "reference,test"; for (i = 0; i < 100000; ++i) printf "sgd:nickel,ggx:kd=%.6f;alpha=.3\n", i / 100001 }' >"$in/list.csv"
+printf 'name,group,brdf,source,split\na,a,%s,nps,train\nb,b,sgd:brass,sgd,validation\n' "$network" >"$in/materials.csv"
+cd "$dir/work"
+
+# stops NAME KEPT ARGUMENTS...: interrupt the verb; KEPT is a regular expression for files that it may leave (- if none).
+stops() {
+    name=$1 kept=$2
+    shift 2
+    "$tool" "$@" >"$dir/out" 2>"$dir/err" &
+    pid=$!
+    while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
+    sleep "${NQM_INTERRUPT_AFTER:-0.4}"
+    begin=$(date +%s.%N)
+    kill -INT $pid 2>/dev/null || fail "$name: it ended before Ctrl-C"
+    got=0
+    wait $pid || got=$?
+    [ -z "${NQM_INTERRUPT_TIMES:-}" ] ||
+        echo "$name $begin $(date +%s.%N)" | awk '{ printf "%-20s %.2f s\n", $1, $3 - $2 }' >>"$NQM_INTERRUPT_TIMES"
+    [ "$got" = 130 ] || fail "$name: exit code $got after Ctrl-C"
+    [ ! -s "$dir/out" ] || fail "$name: results on standard output"
+    left=$(find . -type f | grep -v "^./$kept" || true)
+    [ -z "$left" ] || fail "$name: files are left: $left"
+    rm -rf ./*
+}
+
+stops label - label sgd:nickel ward:nickel --points 204800 --lights 2000
+stops label-network - label "$network" "$network" --exact
+stops render - render sgd:nickel -o picture.png --size 2000 --quality
+stops report - report sgd:nickel ward:nickel "$network" -o page.html --size 1000
+stops fit - fit --model all "$network" -o fitted.safetensors
+stops dataset - dataset "$in/materials.csv" --directions "$in/directions.csv" -o corpus.safetensors
+stops dataset-work groups/ dataset "$in/materials.csv" --directions "$in/directions.csv" \
+    -o corpus.safetensors --work groups
+stops train - train "$in/toy.safetensors" -o trained.safetensors --epochs 10000
+stops learn - learn sparse sgd:nickel sgd:green-plastic --steps 1000000 -o learned.safetensors
+stops batch scores.csv.part batch "$in/list.csv" -o scores.csv
+stops batch-work '\(scores.csv.part\|pieces/\)' batch "$in/list.csv" -o scores.csv --work pieces
+stops eval - eval "$in/toy.safetensors" --model none --bootstrap 1000000
+stops translate - translate "$network" "$in/valid.bsdf" sgd:nickel sgd:brass ward:nickel --to openpbr -d materials
+stops bench - bench train -o bench.json
+stops convert - convert "$network" -o table.binary
+stops transport - transport make --points 2048 -o transport.safetensors
+stops check - check "$network" "$network" "$network" "$network" "$network" "$network"
