@@ -107,7 +107,7 @@ def dataset(a, folder, labels):
         with open(pairs, newline="", encoding="utf-8") as file:
             materials = {row["material"] for row in csv.DictReader(file)}
     return {"path": folder, "labels": labels, "n": report["results"][0]["n"], "n_materials": len(materials),
-            "sha256": report["dataset"]["sha256"]}, materials
+            "sha256": report["dataset"]["sha256"], "nqm_version": report["tool"]["version"]}, materials
 
 
 def constants(path):
@@ -130,12 +130,14 @@ def train(a, recipe, seed, data):
     name = f"{recipe}-{seed}"
     model, checkpoint, record_path, losses = (os.path.join(a.output, name + end)
                                               for end in (".safetensors", ".checkpoint", ".json", "-loss.csv"))
-    expected = {"recipe": recipe, "epochs": a.epochs, "dataset_sha256": data["sha256"]}
+    expected = {"recipe": recipe, "epochs": a.epochs, "dataset_sha256": data["sha256"], "nqm_version": data["nqm_version"]}
     if os.path.exists(record_path):
         with open(record_path, encoding="utf-8") as file:
             record = json.load(file)
-        if any(record.get(key) != value for key, value in expected.items()):
-            stop(EXIT_INCOMPATIBLE, f"{record_path} is of a training on other data or with other options: choose another folder (-o)")
+        for key, value in expected.items():
+            if record.get(key) != value:
+                stop(EXIT_INCOMPATIBLE,
+                     f"{record_path} is of a training with {key} {record.get(key)}, not {value}: choose another folder (-o)")
         if os.path.exists(model) and nqm(a, "info", model)["sha256"] == record["model"]["sha256"]:
             return record
     resume = ["--resume"] if os.path.exists(checkpoint) else []

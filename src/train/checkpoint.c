@@ -38,8 +38,11 @@ nqm_status nqm_checkpoint_write(const nqm_training *t, const nqm_train_options *
     char *options = nqm_json_text(nqm_train_options_json(o), 17); /* digits, so that values read back compare equal */
     if (!options)
         return nqm_fail_nomem(err, 0);
-    const nqm_meta meta[] = {
-        {"format", format_name}, {"schema", schema}, {"options", options}, {"dataset_sha256", dataset_sha256}};
+    const nqm_meta meta[] = {{"format", format_name},
+                             {"schema", schema},
+                             {"version", nqm_version()},
+                             {"options", options},
+                             {"dataset_sha256", dataset_sha256}};
     nqm_status status =
         nqm_safetensors_write(o->run.checkpoint, N_TENSORS, tensors, sizeof meta / sizeof meta[0], meta, NULL, err);
     nqm_free(options);
@@ -82,10 +85,17 @@ static nqm_status compare_options(json_t *theirs, json_t *ours, const char *path
 static nqm_status check_origin(const nqm_safetensors *st, const nqm_train_options *o, const char *dataset_sha256,
                                nqm_error *err) {
     const char *options = nqm_safetensors_meta(st, "options"), *dataset = nqm_safetensors_meta(st, "dataset_sha256");
+    const char *version = nqm_safetensors_meta(st, "version");
+    if (!version || strcmp(version, nqm_version()) != 0)
+        return nqm_fail(
+            err, NQM_ERR_INCOMPATIBLE, -1,
+            "%s: this checkpoint was made by nqm %.20s, this is nqm %s; start anew, or resume with that version",
+            o->run.checkpoint, version ? version : "of another version", nqm_version());
     if (!dataset || strcmp(dataset, dataset_sha256) != 0)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
-                        "%s: this checkpoint is of another dataset (%.16s..., not %.16s...)", o->run.checkpoint,
-                        dataset ? dataset : "none", dataset_sha256);
+        return nqm_fail(
+            err, NQM_ERR_INCOMPATIBLE, -1,
+            "%s: this checkpoint is of another dataset (%.16s..., not %.16s...); start anew or give the same dataset",
+            o->run.checkpoint, dataset ? dataset : "none", dataset_sha256);
     json_t *theirs = options ? json_loads(options, 0, NULL) : NULL, *ours = nqm_train_options_json(o);
     nqm_status status = ours ? compare_options(theirs, ours, o->run.checkpoint, err) : nqm_fail_nomem(err, 0);
     json_decref(theirs);

@@ -98,7 +98,12 @@ grep -qF "$(grep '^all,all,ma_crwe,' "$dir/out" | cut -d, -f1-13)" "$dir/study/b
 
 # A run with other options does not overwrite the results.
 study 5 "$dir/data" --seeds 1 --epochs 3 -o "$dir/study"
-says 'paper-1.json'
+says 'paper-1.json is of a training with epochs 2, not 3'
+cp "$dir/study/paper-1.json" "$dir/record"
+sed 's/"nqm_version": "[^"]*"/"nqm_version": "0.0.9"/' "$dir/record" >"$dir/study/paper-1.json"
+study 5 "$dir/data" --seeds 1 --epochs 2 -o "$dir/study"
+says 'paper-1.json is of a training with nqm_version 0.0.9'
+cp "$dir/record" "$dir/study/paper-1.json"
 
 # A smaller study: an interrupted training is resumed and gives the same model.
 mkdir "$dir/small" "$dir/half" "$dir/long"

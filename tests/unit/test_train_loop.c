@@ -278,6 +278,27 @@ static void stopped_and_resumed(void **state) {
     nqm_model_free(resumed);
 }
 
+/* Write the checkpoint anew as one of another version of nqm. */
+static void change_version(void) {
+    enum { MAX_TENSORS = 16 };
+    nqm_map map;
+    nqm_safetensors *st;
+    nqm_tensor tensors[MAX_TENSORS];
+    assert_int_equal(nqm_map_open(checkpoint, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_safetensors_parse(map.data, map.n_bytes, checkpoint, &st, NULL), NQM_OK);
+    const size_t n = nqm_safetensors_count(st);
+    assert_in_range(n, 1, MAX_TENSORS);
+    for (size_t i = 0; i < n; ++i)
+        tensors[i] = *nqm_safetensors_at(st, i);
+    static const char *const keys[] = {"format", "schema", "options", "dataset_sha256"};
+    nqm_meta meta[5] = {[4] = {"version", "0.0.9"}};
+    for (size_t i = 0; i < 4; ++i)
+        meta[i] = (nqm_meta){keys[i], nqm_safetensors_meta(st, keys[i])};
+    assert_int_equal(nqm_safetensors_write(checkpoint, n, tensors, 5, meta, NULL, NULL), NQM_OK);
+    nqm_safetensors_free(st);
+    nqm_map_close(&map);
+}
+
 static void checkpoints_of_others(void **state) {
     (void)state;
     nqm_train_options o = small("nqm");
@@ -304,6 +325,8 @@ static void checkpoints_of_others(void **state) {
     refuse(toy, &other, NQM_ERR_IO, "no such checkpoint");
     other.run.checkpoint = test_vector("net.safetensors");
     refuse(toy, &other, NQM_ERR_FORMAT, "no checkpoint");
+    change_version();
+    refuse(toy, &o, NQM_ERR_INCOMPATIBLE, "made by nqm 0.0.9");
     FILE *f = fopen(checkpoint, "r+b");
     assert_non_null(f);
     assert_int_equal(fseek(f, -100, SEEK_END), 0);
