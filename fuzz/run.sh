@@ -13,8 +13,6 @@ if ! command -v clang >/dev/null 2>&1; then
 fi
 [ -f build-fuzz/build.ninja ] || cmake -S . -B build-fuzz -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_FUZZ=ON \
     -DNQM_SANITIZE=address,undefined,fuzzer-no-link >/dev/null
-cmake --build build-fuzz --target fuzz
-
 # dictionary NAME: the option with the words of the target's format.
 dictionary() {
     case $1 in
@@ -31,6 +29,10 @@ dictionary() {
 }
 
 [ $# != 0 ] || set -- fuzz/fuzz_*.c
+names=
+for target; do names="$names $(basename "$target" .c) seed_$(basename "$target" .c)"; done
+# shellcheck disable=SC2086 # a list of names
+cmake --build build-fuzz --target $names
 for target; do
     name=$(basename "$target" .c)
     corpus=build-fuzz/corpus/$name

@@ -164,6 +164,30 @@ static void test_chain(void **state) {
         }
 }
 
+/* Tests that differ more and more: the prediction is cut at its bound, until the bound is above the prediction. */
+static void test_delta_e_keeps_to_its_bound(void **state) {
+    (void)state;
+    struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_LOG_DELTA_E);
+    float ref[3 * N], test[3 * N];
+    size_t n_cut = 0, n_below = 0;
+    sample(b_plain, NQM_INVALID_DROP, ref, NULL);
+    for (int k = 0; k < 60; ++k) {
+        fake different = {0.3 * (1 + 1e-4 * pow(1.15, k)), 0, 90};
+        nqm_brdf *brdf = wrap(&different);
+        const nqm_brdf *tests[] = {brdf};
+        nqm_score_result result;
+        sample(brdf, NQM_INVALID_DROP, test, NULL);
+        const double bound = nqm_delta_e_bound(N, ref, test, NULL);
+        assert_int_equal(nqm_score(model, b_plain, 1, tests, NULL, &result, NULL), NQM_OK);
+        assert_true(result.delta_e <= bound);
+        n_cut += result.delta_e == bound;
+        n_below += result.delta_e < bound;
+        nqm_brdf_free(brdf);
+    }
+    assert_true(n_cut > 5 && n_below > 5);
+    nqm_model_free(model);
+}
+
 static void test_policies(void **state) {
     (void)state;
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_DIFF_ABSDIFF, NQM_TARGET_JOD);
@@ -317,6 +341,7 @@ static void test_out_of_memory(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_chain),
+        cmocka_unit_test(test_delta_e_keeps_to_its_bound),
         cmocka_unit_test(test_policies),
         cmocka_unit_test(test_reference_with_holes),
         cmocka_unit_test(test_faults_stay_with_their_test),
