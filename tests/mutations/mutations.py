@@ -112,7 +112,7 @@ MUTATIONS = [
     ("src/render/light.c", "double theta = NQM_PI * v, phi = 2 * NQM_PI * (u - 0.5);", "double theta = NQM_PI * v, phi = 2 * NQM_PI * u;", "test_render_scene"),
     ("src/render/light.c", "double band = cos(NQM_PI * top) - cos(NQM_PI * bottom);", "double band = bottom - top;", "test_render_scene"),
     ("src/render/light.c", "2 * NQM_PI / width * (cos(NQM_PI * (double)y / height)", "NQM_PI / width * (cos(NQM_PI * (double)y / height)", "test_render_scene"),
-    ("src/render/light.c", "acos(top + (bottom - top) * v) / NQM_PI, w);", "((double)y + v) / height, w);", "test_render_scene"),
+    ("src/render/light.c", "acos(top + (bottom - top) * v) / NQM_PI, w);", "acos(top + (bottom - top) * v * v) / NQM_PI, w);", "test_render_scene"),
     # ---- labels and transport
     ("src/percept/label.c", "square += d * d;", "square += d;", "test_label_parts test_metric_transport"),
     ("src/percept/label.c", "label.structure = sqrt(fmax(s->squares - nqm_dot3(s->shift, s->shift), 0));", "label.structure = sqrt(fmax(s->squares, 0));", "test_label_parts test_metric_transport"),
