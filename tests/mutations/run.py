@@ -45,14 +45,18 @@ def build(targets):
 
 
 def prepare():
-    """Copy the tracked files and configure a build."""
+    """Make the copy equal to the tracked files, and configure a build. Equal files keep their time, others get that of now: objects
+    of an earlier run may be newer than the original."""
     source = WORK / "source"
-    shutil.rmtree(source, ignore_errors=True)
-    names = run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT).stdout.splitlines()
+    names = set(run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT).stdout.splitlines())
+    for path in [path for path in source.rglob("*") if path.is_file()]:
+        if str(path.relative_to(source)) not in names:
+            path.unlink()
     for name in names:
-        if (ROOT / name).is_file():
-            (source / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, source / name)
+        old, new = ROOT / name, source / name
+        if old.is_file() and not (new.is_file() and new.read_bytes() == old.read_bytes()):
+            new.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(old, new)
     options = ["-DCMAKE_C_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     os.environ.update(CCACHE_BASEDIR=str(WORK), CCACHE_NOHASHDIR="1", CCACHE_SLOPPINESS="time_macros")
     os.environ.setdefault("NQM_DATA", str(ROOT.parent / "shared/data"))
