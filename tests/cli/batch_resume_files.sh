@@ -51,6 +51,12 @@ cp valid-table.safetensors small.safetensors
 resume 5
 says "small.safetensors: --resume needs the same"
 cp valid-network.safetensors small.safetensors
+printf 'reference,test\n%s,between:t=0.5;with=(small.safetensors);of=%s\n%s,valid.zip:valid\n%s,late.h5\n' $ref $ref $ref $ref >list.csv
+begin
+cp valid-table.safetensors small.safetensors
+resume 5
+says "small.safetensors: --resume needs the same"
+cp valid-network.safetensors small.safetensors
 echo >>valid.zip
 resume 5
 says "valid.zip: --resume needs the same"

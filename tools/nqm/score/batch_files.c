@@ -86,7 +86,7 @@ static void add_path(json_t *files, const char *argument, size_t n) {
         add_latents(files, path);
 }
 
-/* A spec may name files as values of its keys, "of=FILE". */
+/* A spec may name files as values of its keys: "of=FILE", "with=(FILE)". */
 static void add_argument(json_t *files, const char *argument) {
     if (!nqm_spec_probe(argument)) {
         add_path(files, argument, strlen(argument));
@@ -94,9 +94,14 @@ static void add_argument(json_t *files, const char *argument) {
     }
     while (*argument) {
         const size_t n = strcspn(argument, ";");
-        const char *value = memchr(argument, '=', n);
-        if (value && !nqm_spec_probe(value + 1))
-            add_path(files, value + 1, n - (size_t)(value + 1 - argument));
+        const char *value = memchr(argument, '=', n), *end = argument + n;
+        if (value) {
+            value += 1 + strspn(value + 1, "(");
+            while (end > value && end[-1] == ')')
+                --end;
+            if (!nqm_spec_probe(value))
+                add_path(files, value, (size_t)(end - value));
+        }
         argument += n + (argument[n] == ';');
     }
 }
