@@ -108,7 +108,7 @@ def race_scores(args, folder):
         say(f"scoring, turn {turn + 1} of {args.turns}")
         for row in bench(args.tool, "score", "--model", args.model, "--rounds", str(args.rounds)):
             if row["batch"] in BATCHES and row["name"] == "network":
-                times.setdefault((row["batch"], row["precision"], "nqm"), []).append(row["seconds"])
+                times.setdefault((row["batch"], row["precision"], "nqm"), []).append(row["cpu_seconds" if args.cpu else "seconds"])
         for worker in (torch, onnx):
             for batch in BATCHES:
                 for way, seconds in worker.ask(f"time {batch} {args.rounds} {args.seconds}").items():
@@ -141,7 +141,7 @@ def race_training(args):
     for turn in range(args.turns):
         say(f"training, turn {turn + 1} of {args.turns}")
         for row in bench(args.tool, "train", "--epochs", "2"):
-            times.setdefault((row["precision"], "nqm"), []).append(row["best_epoch_seconds"])
+            times.setdefault((row["precision"], "nqm"), []).append(row["cpu_seconds"] / row["epochs"] if args.cpu else row["best_epoch_seconds"])
             memory[row["precision"], "nqm"] = max(row["max_rss_mb"], memory.get((row["precision"], "nqm"), 0))
         for way, worker in workers.items():
             times.setdefault((PRECISION_OF[way], worker.name), []).append(worker.ask("epoch"))
@@ -170,10 +170,15 @@ def main():
     parser.add_argument("--turns", type=int, default=7)
     parser.add_argument("--rounds", type=int, default=3, help="timings of each value in a turn")
     parser.add_argument("--seconds", type=float, default=0.02, help="that a timing takes at least")
+    parser.add_argument("--cpu", action="store_true",
+                        help="processor time / threads instead of the clock: for a busy machine, best with one thread")
     parser.add_argument("--only", choices=["score", "train"])
     parser.add_argument("--json", help="file for all values")
     args = parser.parse_args()
-    results = {}
+    os.environ["OMP_NUM_THREADS"] = str(args.threads)
+    if args.cpu:
+        os.environ["NQM_PEERS_CPU"] = "1"
+    results = {"clock": "processor time" if args.cpu else "clock", "threads": args.threads}
     if args.only != "train":
         with tempfile.TemporaryDirectory() as folder:
             scores = race_scores(args, folder)

@@ -203,11 +203,34 @@ def ours_with_peers(document, part, key, **want):
     return min(found, default=None)
 
 
+def is_busy(document):
+    return document.get("utilisation", 1) < BUSY
+
+
+def seconds_of(document, row):
+    """The best time; of a disturbed run the processor time of a thread; None if the row has neither."""
+    return row.get("cpu_seconds") if is_busy(document) else row.get("seconds")
+
+
+def epoch_of(document, row):
+    return row["cpu_seconds"] / row["epochs"] if is_busy(document) else row.get("best_epoch_seconds")
+
+
+def ms_of(document, row):
+    seconds = seconds_of(document, row)
+    return 1e3 * seconds / row["batch"] if seconds else row.get("ms_per_pair")
+
+
+def gflops_of(document, row):
+    seconds = seconds_of(document, row)
+    return row["gflop"] / seconds if seconds else row["gflops"]
+
+
 def rows_of_training(document):
     for precision in ("bf16", "f32"):
         for row in find(document, bench="train", model="paper", precision=precision)[:1]:
             ours = ours_with_peers(document, "training", "epoch_seconds", precision=precision)
-            value = row.get("best_epoch_seconds")
+            value = epoch_of(document, row)
             peer, who = training_peer(document, precision)
             yield (f"train, {precision}, s per epoch", value, row, *ours_and_peer(ours or value, peer, who))
 
@@ -219,7 +242,7 @@ def rows_of_scoring(document):
                 for row in find(document, bench="score", model=model, name="network", batch=batch, precision=precision)[:1]:
                     peer, who = scoring_peer(document, batch, precision) if model == "paper" else (None, "")
                     ours = ours_with_peers(document, "scoring", "seconds", batch=batch, precision=precision)
-                    value = row.get("ms_per_pair")
+                    value = ms_of(document, row)
                     yield (f"score, `{model}`, {batch} pairs, {precision}, ms per pair", value, row,
                            *ours_and_peer(1e3 * ours / batch if ours else value, peer, who))
 
@@ -229,9 +252,9 @@ def rows_of_whole_way(document):
         for precision in PRECISIONS:
             network = find(document, bench="score", model="default", name="network", batch=batch, precision=precision)
             for row in find(document, bench="score", model="default", name="samples to JOD", batch=batch, precision=precision)[:1]:
-                alone = f"{digits(network[0]['ms_per_pair'])} (network alone)" if network else ""
-                yield (f"samples to JOD, `default`, {batch} pairs, {precision}, ms per pair", row["ms_per_pair"], row, alone,
-                       times(row["ms_per_pair"] / network[0]["ms_per_pair"]) if network else "")
+                alone = ms_of(document, network[0]) if network else None
+                yield (f"samples to JOD, `default`, {batch} pairs, {precision}, ms per pair", ms_of(document, row), row,
+                       f"{digits(alone)} (network alone)" if alone else "", times(ms_of(document, row) / alone) if alone else "")
 
 
 def rows_of_products(document):
@@ -241,9 +264,9 @@ def rows_of_products(document):
                 want = {"bench": "gemm", "model": name, "layer": layer, "name": what, "precision": precision, "batch": 512}
                 ours, theirs = find(document, by="nqm", **want), find(document, by="onednn", **want)
                 for row in ours[:1]:
-                    other = theirs[0]["gflops"] if theirs else None
-                    yield (f"product of layer {layer}, {what}, 512 pairs, {precision}, GFLOP/s", row["gflops"], row,
-                           f"{digits(other)} (oneDNN)" if other else "", times(row["gflops"] / other) if other else "")
+                    other = gflops_of(document, theirs[0]) if theirs else None
+                    yield (f"product of layer {layer}, {what}, 512 pairs, {precision}, GFLOP/s", gflops_of(document, row), row,
+                           f"{digits(other)} (oneDNN)" if other else "", times(gflops_of(document, row) / other) if other else "")
 
 
 def print_machine(document):
@@ -254,7 +277,10 @@ def print_machine(document):
         caches = ", ".join(f"L{i + 1} {size} KiB" for i, size in enumerate(machine["cache_kib"]))
         print(f"{machine['cpu']} ({ids}), {machine['threads']} threads; {caches}; gcc {machine['compiler']}; {machine['build'].split(' when')[0]}. "
               f"Measured {document['date']} at commit {document['commit']}; largest load average {digits(machine['load_average'], 2)}; median processor "
-              f"utilisation {document['utilisation']}{'' if document['utilisation'] >= BUSY else ': **other programs disturbed this run**'}.")
+              f"utilisation {document['utilisation']}.")
+        if is_busy(document):
+            print("\n**Other programs disturbed this run**: times are processor times of a thread, and include what their use of the caches and of the "
+                  "memory costs.")
     else:
         print(f"{document['origin']}")
     units = [r for r in document["rows"] if r["bench"] == "peak" and r["name"] == "arithmetic"]

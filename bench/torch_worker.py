@@ -90,17 +90,22 @@ def scoring_ways(model, example):
     return ways
 
 
+def clock():
+    """Seconds: of the clock, or with NQM_PEERS_CPU the processor time of all threads / threads, which excludes other programs."""
+    return time.process_time() / torch.get_num_threads() if "NQM_PEERS_CPU" in os.environ else time.perf_counter()
+
+
 def time_calls(way, batches, rounds, seconds):
     way(batches[0])
     out = []
     for _ in range(rounds):
-        begin, n = time.perf_counter(), 0
+        begin, n = clock(), 0
         while True:
             way(batches[n % 3])
             n += 1
-            if time.perf_counter() - begin >= seconds:
+            if clock() - begin >= seconds:
                 break
-        out.append((time.perf_counter() - begin) / n)
+        out.append((clock() - begin) / n)
     return out
 
 
@@ -189,9 +194,9 @@ def serve_training(way):
         if line.strip() == "memory":
             answer = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-6
         else:
-            begin = time.perf_counter()
+            begin = clock()
             training.epoch()
-            answer = time.perf_counter() - begin
+            answer = clock() - begin
         print(json.dumps(answer), flush=True)
 
 
