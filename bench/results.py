@@ -269,9 +269,15 @@ def rows_of_products(document):
                            f"{digits(other)} (oneDNN)" if other else "", times(gflops_of(document, row) / other) if other else "")
 
 
+def levels_of(machine):
+    """Names of caches and of memory, with the size of the array that nqm bench reads from each, 1e6 bytes."""
+    sizes = [kib * 1024e-6 / 2 for kib in machine.get("cache_kib", [])]
+    return [(f"L{i + 1}", size if i == 2 else size * machine["threads"]) for i, size in enumerate(sizes)] + [("memory", 256)]
+
+
 def print_machine(document):
     machine, measured = document["machine"], document["origin"] == "nqm bench"
-    print(f"\n## {document['title'] if 'title' in document else machine['cpu']}\n")
+    print(f"\n## {document.get('title') or machine['cpu'] + ', ' + document['kind']}\n")
     if measured:
         ids = ", ".join(f"{k} {v}" for k, v in machine["cpu_id"].items())
         caches = ", ".join(f"L{i + 1} {size} KiB" for i, size in enumerate(machine["cache_kib"]))
@@ -289,9 +295,10 @@ def print_machine(document):
         print("\n| peak of | GFLOP/s or GOP/s |\n|---|---|")
         for row in units:
             print(f"| {row['unit']} ({row['precision']}) | {digits(row['peak_gflops'])} |")
-        for row in sorted((r for r in document["rows"] if r["bench"] == "peak" and r["name"] == "reading" and r["threads"] == machine.get("threads")),
-                          key=lambda r: r["megabytes"]):
-            print(f"| reading {digits(row['megabytes'])} MB, GB/s | {digits(row['peak_gb_per_s'])} |")
+        for level, size in levels_of(machine):
+            for row in find(document, bench="peak", name="reading", threads=machine["threads"]):
+                if abs(row["megabytes"] / size - 1) < 1e-3:
+                    print(f"| reading {digits(size)} MB ({level}), GB/s | {digits(row['peak_gb_per_s'])} |")
         if absent:
             print(f"\nAbsent: {', '.join(absent)}.")
     print("\n| result | nqm | of its own peak | by processor time | peer in the same run | peer's time / ours |\n|---|---|---|---|---|---|")
