@@ -284,6 +284,8 @@ def print_machine(document):
         print(f"{machine['cpu']} ({ids}), {machine['threads']} threads; {caches}; gcc {machine['compiler']}; {machine['build'].split(' when')[0]}. "
               f"Measured {document['date']} at commit {document['commit']}; largest load average {digits(machine['load_average'], 2)}; median processor "
               f"utilisation {document['utilisation']}.")
+        if "note" in document:
+            print("\n" + document["note"])
         if is_busy(document):
             print("\n**Other programs disturbed this run**: times are processor times of a thread, and include what their use of the caches and of the "
                   "memory costs.")
