@@ -218,8 +218,14 @@ typedef struct nqm_kernels {
      *  scales of the left factor; ldc floats from row to row of c. */
     void (*dequantise)(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
                        const int32_t *sums, float *c, size_t ldc);
-    /** t = log(cbrt(rho) + 1) for n values rho >= 0, within 4e-7 relative; 0 below 1e-30, the value at 1e37 above 1e37. */
-    void (*sample_log)(size_t n, const float *rho, float *t);
+    /** t = log(cbrt(rho) + 1) for n values rho >= 0, within 4e-7 relative; 0 below 1e-30, the value at 1e37 above 1e37. root
+     *  receives cbrt(rho), within the same; it may be t. */
+    void (*sample_log)(size_t n, const float *rho, float *root, float *t);
+    /** ratio = log((y + offset) / (x + offset)) for n values x and y from 0 to 1e37, offset from 1e-6 to 1: within 3e-7 relative
+     *  from -0.28 to 0.28, otherwise absolute or relative, whichever is more; 0 where x = y. */
+    void (*log_ratio)(size_t n, float offset, const float *x, const float *y, float *ratio);
+    /** The sums of |x| and of x^2 over n floats, a multiple of NQM_PANEL. */
+    void (*magnitudes)(size_t n, const float *x, float *sum, float *squares);
     /** The cube root of n values >= 0, within 1e-15 relative; 0 below 1e-30, the value at 1e37 above 1e37. */
     void (*cube_root)(size_t n, const double *x, double *root);
     /** y = log(1 + x) for n finite values x > -1, within 4e-16 absolute or relative, whichever is more. */

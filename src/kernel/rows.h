@@ -116,6 +116,18 @@ static float dot(size_t n, const float *x, const float *y) {
     return row_sum(TERM_PRODUCT, n, x, y, 0);
 }
 
+static void magnitudes(size_t n, const float *x, float *sum, float *squares) {
+    vector_f magnitude[GROUP_VECTORS] = {{0}}, square[GROUP_VECTORS] = {{0}};
+    for (size_t i = 0; i < n; i += GROUP)
+        UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {
+            const vector_f a = *(const vector_f *)(x + i + v * LANES);
+            magnitude[v] += (vector_f)((vector_u)a & 0x7fffffffu);
+            square[v] += a * a;
+        }
+    *sum = add_sums(magnitude);
+    *squares = add_sums(square);
+}
+
 /* ---- dropout ----------------------------------------------------------------------------------------------------- */
 
 /* Multiply y and slope by `scale` where the mask (n) keeps, by 0 elsewhere. */
@@ -288,6 +300,8 @@ static double double_dot(size_t n, const float *x, const double *y) {
         .quantise_row = quantise_row,                                                                                  \
         .dequantise = dequantise,                                                                                      \
         .sample_log = sample_log,                                                                                      \
+        .log_ratio = log_ratio,                                                                                        \
+        .magnitudes = magnitudes,                                                                                      \
         .cube_root = cube_root,                                                                                        \
         .log_1p = log_1p,                                                                                              \
         .scale_log = scale_log,                                                                                        \

@@ -179,9 +179,30 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
     }
 }
 
-static void sample_log(size_t n, const float *rho, float *t) {
-    for (size_t i = 0; i < n; ++i)
-        t[i] = rho[i] < 1e-30f ? 0 : (float)log1p(cbrt(rho[i] > 1e37f ? 1e37 : (double)rho[i]));
+static void sample_log(size_t n, const float *rho, float *root, float *t) {
+    for (size_t i = 0; i < n; ++i) {
+        const double exact = rho[i] < 1e-30f ? 0 : cbrt(rho[i] > 1e37f ? 1e37 : (double)rho[i]);
+        root[i] = (float)exact;
+        t[i] = (float)log1p(exact);
+    }
+}
+
+static void log_ratio(size_t n, float offset, const float *x, const float *y, float *ratio) {
+    for (size_t i = 0; i < n; ++i) {
+        const double a = (double)x[i] + (double)offset, difference = (double)y[i] - (double)x[i];
+        const bool is_small = fabs(difference) < 0.5 * a; /* the quotient would round it */
+        ratio[i] = (float)(is_small ? log1p(difference / a) : log(((double)y[i] + (double)offset) / a));
+    }
+}
+
+static void magnitudes(size_t n, const float *x, float *sum, float *squares) {
+    double magnitude = 0, square = 0;
+    for (size_t i = 0; i < n; ++i) {
+        magnitude += fabs((double)x[i]);
+        square += (double)x[i] * (double)x[i];
+    }
+    *sum = (float)magnitude;
+    *squares = (float)square;
 }
 
 static void cube_root(size_t n, const double *x, double *root) {
@@ -329,6 +350,8 @@ const nqm_kernels nqm_kernels_scalar = {
     .quantise_row = quantise_row,
     .dequantise = dequantise,
     .sample_log = sample_log,
+    .log_ratio = log_ratio,
+    .magnitudes = magnitudes,
     .cube_root = cube_root,
     .log_1p = log_1p,
     .scale_log = scale_log,

@@ -14,7 +14,7 @@ static inline float rough_cube_root(float x) {
     uint32_t bits;
     float root;
     memcpy(&bits, &x, sizeof bits);
-    bits = (uint32_t)((float)(int32_t)bits * (1.0f / 3.0f)) + 709921077u;
+    bits = (uint32_t)(int32_t)((float)(int32_t)bits * (1.0f / 3.0f)) + 709921077u;
     memcpy(&root, &bits, sizeof root);
     return root;
 }
@@ -23,7 +23,37 @@ static inline float rough_cube_root(float x) {
 #define CUBE_ROOT_STEP(root, x)                                                                                        \
     ((root) - (root) * (((root) * (root) * (root) - (x)) / (2 * (root) * (root) * (root) + (x))))
 
-static void sample_log(size_t n, const float *rho, float *t) {
+/* log(b / a) of positive a and b, whose difference is d. For b = 2^k a m, m in [2/3, 3/2]: log(b / a) = k log(2) + 2 artanh(s),
+ * s = (b - 2^k a) / (b + 2^k a), |s| <= 1/5. k is the difference of the bits of a and b as integers, which are nearly
+ * proportional to their logarithms, rounded. With k = 0, s has the relative error of d; otherwise b - 2^k a is exact. The first
+ * term of the series that is left out is below 1e-8. */
+static inline float log_quotient(float a, float b, float d) {
+    uint32_t from, to, difference, other;
+    float scaled;
+    memcpy(&from, &a, sizeof from);
+    memcpy(&to, &b, sizeof to);
+    const uint32_t power = (to - from + 0x400000) & 0xff800000; /* 2^23 k */
+    from += power;
+    memcpy(&scaled, &from, sizeof scaled);
+    float far = b - scaled;
+    memcpy(&difference, &far, sizeof difference);
+    memcpy(&other, &d, sizeof other);
+    const uint32_t is_far = (uint32_t) - (int32_t)(power != 0); /* a mask: for `power ? far : d` GCC divides twice */
+    difference = (difference & is_far) | (other & ~is_far);
+    memcpy(&d, &difference, sizeof d);
+    float s = d / (b + scaled), z = s * s;
+    float p = ((z * (1.0f / 9) + 1.0f / 7) * z + 1.0f / 5) * z + 1.0f / 3;
+    s += s;
+    return (float)(int32_t)power * (0.69314718f * 0x1p-23f) + (s + s * (z * p));
+}
+
+static void log_ratio(size_t n, float offset, const float *x, const float *y, float *ratio) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i)
+        ratio[i] = log_quotient(x[i] + offset, y[i] + offset, y[i] - x[i]);
+}
+
+static void sample_log(size_t n, const float *rho, float *roots, float *t) {
     const float least = 1e-30f, most = 1e37f;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
@@ -33,8 +63,8 @@ static void sample_log(size_t n, const float *rho, float *t) {
         root = CUBE_ROOT_STEP(root, x);
         root = CUBE_ROOT_STEP(root, x);
         root = rho[i] < least ? 0.0f : root;
-        float u = 1.0f + root, lost = root - (u - 1.0f); /* the rounding error of u, which matters for small t */
-        t[i] = nqm_log_core(u) + (u >= 1.5f ? 0.0f : lost);
+        roots[i] = root;
+        t[i] = log_quotient(1.0f, 1.0f + root, root);
     }
 }
 

@@ -114,6 +114,12 @@ void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm
         sums->n += weight[i];
 }
 
+void nqm_metric_sums_add_scale(nqm_metric_sums *sums, int scale, double magnitudes, double squares) {
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (rows[m].scale == scale)
+            sums->sum[m] += rows[m].add == sum_of_squares ? squares : magnitudes;
+}
+
 void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics) {
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         metrics[m] = rows[m].finish(sums->sum[m], sums->n);

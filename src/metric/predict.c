@@ -3,20 +3,24 @@
  * Predicts the JOD of sampled pairs: computes the features of each pair, runs one forward pass for the batch, and
  * converts the outputs to JOD.
  */
+#include "kernel/kernel.h"
 #include "kernel/panel.h"
 #include "math/math.h"
 #include "metric/metric.h"
+#include "metric/sums.h"
 #include "net/inference.h"
 #include "percept/percept.h"
 
 #include <math.h>
+#include <string.h>
 
 struct nqm_predictor {
     const nqm_model *model;
     size_t samples_width;     /* number of inputs that come from samples */
     size_t stride;            /* floats from one row of x to the next */
+    nqm_sum_plan *plan;       /* of the scalar features and metrics */
     nqm_inference_work *work; /* NULL: the model has no network */
-    float *t;                 /* (max_batch, 2, n_directions, 3) transformed reference and test */
+    float *t, *root;          /* (max_batch, 2, n_directions, 3) transformed reference and test; their cube roots */
     float *x;                 /* (max_batch, stride) network inputs */
     float *z;                 /* (max_batch, n_outputs) network outputs */
     nqm_label *estimates;     /* (max_batch) by transport, if the model has it */
@@ -37,9 +41,10 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     const size_t samples_width = nqm_features_width(model->features.layout, n_directions);
     const size_t stride = nqm_row_stride(samples_width + nqm_model_n_scalars(model));
     nqm_predictor *p;
-    float *t, *x, *z;
+    float *t, *root, *x, *z;
     nqm_label *estimates;
     status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, max_batch, 6 * n_directions * sizeof *t},
+                                         {&root, max_batch, 6 * n_directions * sizeof *root},
                                          {&x, max_batch, stride * sizeof *x},
                                          {&z, max_batch, nqm_model_n_outputs(model) * sizeof *z},
                                          {&estimates, model->transport ? max_batch : 0, sizeof *estimates}),
@@ -50,15 +55,17 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
                          .samples_width = samples_width,
                          .stride = stride,
                          .t = t,
+                         .root = root,
                          .x = x,
                          .z = z,
                          .estimates = model->transport ? estimates : NULL};
-    if (net)
+    status = nqm_sum_plan_create(model->directions, &p->plan, err);
+    if (status == NQM_OK && net)
         status = nqm_inference_work_create(net, max_batch, &p->work, err);
     if (status == NQM_OK)
         *predictor_ret = p;
     else
-        nqm_free(p);
+        nqm_predictor_free(p);
     return status;
 }
 
@@ -66,6 +73,7 @@ void nqm_predictor_free(nqm_predictor *predictor) {
     if (!predictor)
         return;
     nqm_inference_work_free(predictor->work);
+    nqm_sum_plan_free(predictor->plan);
     nqm_free(predictor);
 }
 
@@ -77,11 +85,19 @@ typedef struct compose_job {
     size_t n_at_once; /* pairs per task; their references may differ */
 } compose_job;
 
+/* Transform `rgb`, the samples of member k: reference of pair k / 2 if k is even, else its test. Returns the result. */
+static const float *transform(nqm_predictor *p, size_t k, const float *rgb) {
+    const size_t n = 3 * p->model->directions->n;
+    nqm_kernels_get()->sample_log(n, rgb, p->root + k * n, p->t + k * n);
+    return p->t + k * n;
+}
+
 /* Compute the inputs of pair i that come from samples; ref_t: its transformed reference. */
 static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t i, const float *ref_t) {
     const size_t n_directions = p->model->directions->n;
-    float *test_t = p->t + (2 * i + 1) * 3 * n_directions;
-    nqm_features_transform(3 * n_directions, pairs->test[i], test_t);
+    const float *test_t = transform(p, 2 * i + 1, pairs->test[i]);
+    if (!p->work)
+        return;
     nqm_features_compose(&p->model->features, n_directions, ref_t, test_t,
                          pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);
 }
@@ -103,13 +119,15 @@ static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, si
                               .test = pairs->test + begin,
                               .used = pairs->used ? pairs->used + m->directions->n * begin : NULL,
                               .estimate = p->estimates ? p->estimates + begin : NULL};
+    nqm_pair_sums sums[NQM_COMPARE_MAX];
     double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
     for (size_t i = begin; pairs->novelty && i < end; ++i)
         pairs->novelty[i] = NAN;
     if (!with_scalars && !pairs->metrics)
         return;
-    nqm_compare_samples(&c, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
-                        with_scalars ? scalars : NULL);
+    nqm_compare_sums_float(p->plan, &c, p->root + 6 * m->directions->n * begin, with_scalars, sums);
+    nqm_compare_finish(&c, sums, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
+                       with_scalars ? scalars : NULL);
     for (size_t i = begin; with_scalars && i < end; ++i) {
         const double *own = scalars + (i - begin) * NQM_SCALAR_COUNT;
         nqm_scalars_whiten(&m->scalars, own, p->x + p->stride * i + p->samples_width);
@@ -123,16 +141,15 @@ static void compose(void *user, size_t piece) {
     const compose_job *job = user;
     nqm_predictor *p = job->predictor;
     const nqm_sampled_pairs *pairs = job->pairs;
-    const size_t n = 3 * p->model->directions->n, last = (piece + 1) * job->n_at_once;
+    const size_t last = (piece + 1) * job->n_at_once;
+    const bool needs_samples = p->work || pairs->metrics;
     const size_t end = last < pairs->n ? last : pairs->n;
     if (p->estimates)
         estimate(p, pairs, piece * job->n_at_once, end);
     for (size_t begin = piece * job->n_at_once, next; begin < end; begin = next) {
-        float *ref_t = p->t + 2 * begin * n;
-        if (p->work)
-            nqm_features_transform(n, pairs->ref[begin], ref_t);
+        const float *ref_t = needs_samples ? transform(p, 2 * begin, pairs->ref[begin]) : NULL;
         for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next)
-            if (p->work)
+            if (needs_samples)
                 compose_samples(p, pairs, next, ref_t);
         compose_scalars(p, pairs, begin, next);
     }
@@ -146,14 +163,35 @@ static void compose(void *user, size_t piece) {
 static const double delta_e_per_log = 120;
 static const float darkness = 0.003F;
 
+static float ratio_of(float ref, float test) {
+    const float a = ref + darkness, b = test + darkness;
+    return a > b ? a / b : b / a;
+}
+
+/* The largest ratio of the members in any channel of n directions. */
+static float worst_ratio(size_t n, const float *ref, const float *test, const uint8_t *used) {
+    float worst = 1;
+    if (used && memchr(used, 0, n)) {
+        for (size_t k = 0; k < 3 * n; ++k)
+            if (used[k / 3])
+                worst = fmaxf(worst, ratio_of(ref[k], test[k]));
+        return worst;
+    }
+#pragma omp simd reduction(max : worst)
+    for (size_t k = 0; k < 3 * n; ++k) {
+        const float ratio = ratio_of(ref[k], test[k]);
+        worst = ratio > worst ? ratio : worst;
+    }
+    return worst;
+}
+
 double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *test, const uint8_t *used) {
+    enum { AT_ONCE = 32 };
     const float large = 1.65F; /* a factor in any channel of any direction beyond which the bound says nothing */
     float worst = 1;
-    for (size_t k = 0; k < 3 * n_directions && worst < large; ++k) {
-        const float a = ref[k] + darkness, b = test[k] + darkness;
-        if (!used || used[k / 3])
-            worst = fmaxf(worst, a > b ? a / b : b / a);
-    }
+    for (size_t i = 0; i < n_directions && worst < large; i += AT_ONCE)
+        worst = fmaxf(worst, worst_ratio(nqm_smaller(n_directions - i, AT_ONCE), ref + 3 * i, test + 3 * i,
+                                         used ? used + i : NULL));
     return worst < large ? delta_e_per_log * log((double)worst) : INFINITY;
 }
 
@@ -163,11 +201,11 @@ double nqm_delta_e_bound_slope(size_t n_directions, const float *ref, const floa
     double slope = 0;
     *at_ret = 0;
     for (size_t k = 0; k < 3 * n_directions; ++k) {
-        const float a = ref[k] + darkness, b = test[k] + darkness, ratio = a > b ? a / b : b / a;
+        const float ratio = ratio_of(ref[k], test[k]);
         if ((!used || used[k / 3]) && ratio > worst) {
             worst = ratio;
             *at_ret = k;
-            slope = (b > a ? delta_e_per_log : -delta_e_per_log) / (double)b;
+            slope = (test[k] > ref[k] ? delta_e_per_log : -delta_e_per_log) / (double)(test[k] + darkness);
         }
     }
     return slope;

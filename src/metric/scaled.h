@@ -36,6 +36,8 @@ typedef struct nqm_metric_sums {
 
 /** Add a stretch. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */
 void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm_scaled *test, const double *weight);
+/** Add the sums of magnitudes and of squares of differences on one scale, without their number. */
+void nqm_metric_sums_add_scale(nqm_metric_sums *sums, int scale, double magnitudes, double squares);
 /** Compute metrics (NQM_METRIC_COUNT) from the sums. */
 void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
 

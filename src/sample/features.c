@@ -9,7 +9,7 @@
 #include <string.h>
 
 void nqm_features_transform(size_t n, const float *rho, float *t) {
-    nqm_kernels_get()->sample_log(n, rho, t);
+    nqm_kernels_get()->sample_log(n, rho, t, t);
 }
 
 void nqm_features_restore(size_t n, const float *t, float *rho) {

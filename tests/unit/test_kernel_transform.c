@@ -23,24 +23,28 @@ static void spread(nqm_rng *rng, float *x) {
 static void samples(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 0);
-    static float rho[N], t[N], first[N];
+    static float rho[N], root[N], t[N], first[2][N];
     for (int round = 0; round < 20; ++round) {
         spread(&rng, rho);
         rho[0] = 0, rho[1] = 1e-38f, rho[2] = 1e37f, rho[N - 1] = 8;
         for (size_t k = 0; every_table(k); ++k) {
-            every_table(k)->sample_log(N, rho, t);
-            for (size_t i = 2; i < N; ++i)
+            every_table(k)->sample_log(N, rho, root, t);
+            for (size_t i = 2; i < N; ++i) {
+                assert_relative((double)root[i], cbrt((double)rho[i]), 4e-7);
                 assert_relative((double)t[i], log1p(cbrt((double)rho[i])), 4e-7);
-            assert_true(t[0] == 0 && t[1] == 0);
+            }
+            assert_true(t[0] == 0 && t[1] == 0 && root[0] == 0 && root[1] == 0);
             if (k == 0)
-                memcpy(first, t, sizeof first);
-            if (every_table(k) != &nqm_kernels_scalar)
-                assert_memory_equal(t, first, sizeof first);
+                memcpy(first[0], t, sizeof t), memcpy(first[1], root, sizeof root);
+            if (every_table(k) != &nqm_kernels_scalar) {
+                assert_memory_equal(t, first[0], sizeof t);
+                assert_memory_equal(root, first[1], sizeof root);
+            }
         }
     }
     const float odd[] = {NAN, 3e38f};
     for (size_t k = 0; every_table(k); ++k) {
-        every_table(k)->sample_log(2, odd, t);
+        every_table(k)->sample_log(2, odd, t, t);
         assert_true(isnan(t[0]) && t[1] > 28 && t[1] < 30);
     }
 }
@@ -81,6 +85,70 @@ static void roots_and_logarithms(void **state) {
         every_table(k)->cube_root(2, odd, root);
         every_table(k)->log_1p(2, odd, y);
         assert_true(isnan(root[0]) && isnan(y[0]) && root[1] == 0 && y[1] == 0);
+    }
+}
+
+static double log_ratio(float offset, float x, float y) {
+    const double a = (double)x + (double)offset, difference = (double)y - (double)x;
+    return fabs(difference) < 0.5 * a ? log1p(difference / a) : log(((double)y + (double)offset) / a);
+}
+
+/* Any two values, and two that are close: the relative error does not grow as their difference gets smaller. */
+static void ratios(void **state) {
+    (void)state;
+    static const float offsets[] = {1e-6f, 0.003f, 1};
+    nqm_rng rng = nqm_rng_make(seed, 4);
+    static float x[N], y[N], close[N], far[N], near[N], first[2][N];
+    for (int round = 0; round < 60; ++round) {
+        const float offset = offsets[round % 3];
+        spread(&rng, x);
+        spread(&rng, y);
+        x[0] = 0, y[1] = 0, x[2] = 1e37f, y[3] = 1e37f;
+        for (size_t i = 0; i < N; ++i)
+            close[i] = i % 8 ? x[i] * (1 + ldexpf((float)nqm_rng_normal(&rng), -(int)(i % 24))) : x[i];
+        for (size_t i = 0; i < N; ++i)
+            close[i] = close[i] < 0 ? 0 : close[i] > 1e37f ? 1e37f : close[i];
+        for (size_t k = 0; every_table(k); ++k) {
+            every_table(k)->log_ratio(N, offset, x, y, far);
+            every_table(k)->log_ratio(N, offset, x, close, near);
+            for (size_t i = 0; i < N; ++i) {
+                const double a = log_ratio(offset, x[i], close[i]), b = log_ratio(offset, x[i], y[i]);
+                assert_near((double)near[i], a, 3e-7 * (fabs(a) < 0.28 ? fabs(a) : fmax(1, fabs(a))));
+                assert_near((double)far[i], b, 3e-7 * fmax(1, fabs(b)));
+            }
+            if (k == 0)
+                memcpy(first[0], far, sizeof far), memcpy(first[1], near, sizeof near);
+            if (every_table(k) != &nqm_kernels_scalar) {
+                assert_memory_equal(far, first[0], sizeof far);
+                assert_memory_equal(near, first[1], sizeof near);
+            }
+        }
+    }
+}
+
+static void sums_of_magnitudes(void **state) {
+    (void)state;
+    enum { MOST = 12 * NQM_PANEL };
+    nqm_rng rng = nqm_rng_make(seed, 5);
+    static float x[MOST];
+    for (size_t i = 0; i < MOST; ++i)
+        x[i] = (float)nqm_rng_normal(&rng);
+    for (size_t n = 0; n <= MOST; n += NQM_PANEL) {
+        float sum, squares, first[2] = {0};
+        double expected = 0, expected_squares = 0;
+        for (size_t i = 0; i < n; ++i) {
+            expected += fabs((double)x[i]);
+            expected_squares += (double)x[i] * (double)x[i];
+        }
+        for (size_t k = 0; every_table(k); ++k) {
+            every_table(k)->magnitudes(n, x, &sum, &squares);
+            assert_near((double)sum, expected, 5e-7 * expected);
+            assert_near((double)squares, expected_squares, 5e-7 * expected_squares);
+            if (k == 0)
+                first[0] = sum, first[1] = squares;
+            if (every_table(k) != &nqm_kernels_scalar)
+                assert_true(sum == first[0] && squares == first[1]);
+        }
     }
 }
 
@@ -160,10 +228,9 @@ static void one_row_like_many(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),
-        cmocka_unit_test(roots_and_logarithms),
-        cmocka_unit_test(rows_of_bytes),
-        cmocka_unit_test(one_row_like_many),
+        cmocka_unit_test(samples),       cmocka_unit_test(roots_and_logarithms),
+        cmocka_unit_test(ratios),        cmocka_unit_test(sums_of_magnitudes),
+        cmocka_unit_test(rows_of_bytes), cmocka_unit_test(one_row_like_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

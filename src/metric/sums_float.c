@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The sums of sums.c in float by the kernels: what scores use, where speed counts. sums.c defines them. Each difference of
+ * logarithms is the logarithm of a quotient, which takes half of the time and keeps the relative precision of small differences.
+ *
+ * A direction that is not used is one where both members are 0: all differences are 0 there, and so are all scales.
+ */
+#include "kernel/kernel.h"
+#include "math/math.h"
+#include "metric/sums.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Directions that are processed together: their values on all scales stay in the L1 cache. */
+enum { STRETCH = 128, VALUES = 3 * STRETCH, ROOM = VALUES + NQM_PANEL };
+
+/* Where float has too little range for squares, sums.c is used. */
+static const double largest = 1e15;
+
+static const float dark = (float)NQM_DARK;
+
+/* What the sums need of a set of directions. */
+struct nqm_sum_plan {
+    const nqm_directions *directions;
+    float *cosines, *roots; /* (n, 3) cos(theta_i) cos(theta_o) and its cube root, the same for all channels */
+    float luminance[3];     /* that of 1 in each channel */
+    float *grazing;         /* (n) 1 where a direction counts as grazing, else 0 */
+    uint16_t *order;        /* (n) for each stretch, its directions in the order of their cells */
+    uint16_t *end;          /* (number of stretches, NQM_CELLS) end of each cell in that order */
+    nqm_pair_sums *counts;  /* (1) of a pair whose directions are all used */
+};
+
+/* ---- counts ------------------------------------------------------------------------------------------------------ */
+
+/* Set all numbers and weights of directions in the sums of a pair, which do not depend on its samples. */
+static void count_directions(const nqm_directions *directions, const uint8_t *used, nqm_pair_sums *to) {
+    nqm_scalar_sums *s = &to->scalars;
+    memset(to, 0, sizeof *to);
+    for (size_t i = 0; i < directions->n; ++i)
+        if (!used || used[i]) {
+            s->n += 1;
+            s->grazing_n += nqm_is_grazing(directions->cosines[i]);
+            s->cell[nqm_cell_of(directions->degrees + 3 * i)].n += 1;
+            s->weighted.n += directions->cosines[i];
+        }
+    to->metrics.n = 3 * s->n;
+}
+
+/* Sort the directions of a stretch by cell. */
+static void sort_stretch(const nqm_directions *directions, size_t first, size_t n, uint16_t *order, uint16_t *end) {
+    size_t n_sorted = 0;
+    for (size_t cell = 0; cell < NQM_CELLS; ++cell) {
+        for (size_t i = 0; i < n; ++i)
+            if (nqm_cell_of(directions->degrees + 3 * (first + i)) == cell)
+                order[n_sorted++] = (uint16_t)i;
+        end[cell] = (uint16_t)n_sorted;
+    }
+}
+
+nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret, nqm_error *err) {
+    const size_t n = directions->n, n_stretches = (n + STRETCH - 1) / STRETCH;
+    nqm_sum_plan *plan, made = {.directions = directions};
+    *plan_ret = NULL;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&plan, 1, sizeof *plan}, {&made.counts, 1, sizeof *made.counts},
+                   {&made.cosines, 3 * n, sizeof *made.cosines}, {&made.roots, 3 * n, sizeof *made.roots},
+                   {&made.grazing, n, sizeof *made.grazing}, {&made.order, n, sizeof *made.order},
+                   {&made.end, n_stretches, NQM_CELLS * sizeof *made.end}),
+        err);
+    if (status != NQM_OK)
+        return status;
+    *plan = made;
+    count_directions(directions, NULL, plan->counts);
+    for (size_t i = 0; i < 3 * n; ++i) {
+        plan->cosines[i] = (float)directions->cosines[i / 3];
+        plan->roots[i] = (float)cbrt(directions->cosines[i / 3]);
+    }
+    for (size_t k = 0; k < 3; ++k)
+        plan->luminance[k] = (float)nqm_luminance((double[3]){k == 0, k == 1, k == 2});
+    for (size_t i = 0; i < n; ++i)
+        plan->grazing[i] = nqm_is_grazing(directions->cosines[i]);
+    for (size_t first = 0; first < n; first += STRETCH)
+        sort_stretch(directions, first, nqm_smaller(n - first, STRETCH), plan->order + first,
+                     plan->end + first / STRETCH * NQM_CELLS);
+    *plan_ret = plan;
+    return NQM_OK;
+}
+
+void nqm_sum_plan_free(nqm_sum_plan *plan) {
+    nqm_free(plan);
+}
+
+/* ---- members ----------------------------------------------------------------------------------------------------- */
+
+/* Directions [first, first + n) of a plan. */
+typedef struct stretch {
+    const nqm_sum_plan *plan;
+    size_t first, n;
+    size_t n_values; /* 3 n and the zeros that follow, up to a multiple of NQM_PANEL */
+} stretch;
+
+/* A stretch of one BRDF. Values after the last direction are 0. */
+typedef struct member {
+    float f[ROOM], root[ROOM], weighted[ROOM]; /* f, cbrt(c f) and c f, where c = cos(theta_i) cos(theta_o) */
+    float luminance[STRETCH];
+} member;
+
+static void read_member(const stretch *s, const float *rgb, const float *root, const uint8_t *used, member *to) {
+    const float *cosines = s->plan->cosines + 3 * s->first, *roots = s->plan->roots + 3 * s->first;
+    const float red = s->plan->luminance[0], green = s->plan->luminance[1], blue = s->plan->luminance[2];
+    const size_t n = 3 * s->n, n_filled = (s->n_values - n) * sizeof *rgb;
+    float *f = to->f, *own_root = to->root, *weighted = to->weighted, *luminance = to->luminance;
+    memcpy(f, rgb + 3 * s->first, n * sizeof *f);
+    memcpy(own_root, root + 3 * s->first, n * sizeof *own_root);
+    for (size_t i = 0; used && i < n; ++i)
+        if (!used[s->first + i / 3])
+            f[i] = own_root[i] = 0;
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        weighted[i] = cosines[i] * f[i];
+        own_root[i] *= roots[i];
+    }
+    memset(f + n, 0, n_filled + sizeof *f); /* add_cells() reads one more */
+    memset(own_root + n, 0, n_filled);
+    memset(weighted + n, 0, n_filled);
+#pragma omp simd
+    for (size_t i = 0; i < s->n; ++i)
+        luminance[i] = red * f[3 * i] + green * f[3 * i + 1] + blue * f[3 * i + 2];
+}
+
+/* A stretch of a reference, and log((x + NQM_DARK) / NQM_DARK) of x = f and x = luminance. */
+typedef struct reference {
+    member is;
+    float log[ROOM], log_luminance[STRETCH];
+} reference;
+
+static void read_reference(const stretch *s, const float *rgb, const float *root, const uint8_t *used, reference *to) {
+    static const float zeros[ROOM];
+    const nqm_kernels *kernels = nqm_kernels_get();
+    read_member(s, rgb, root, used, &to->is);
+    kernels->log_ratio(3 * s->n, dark, zeros, to->is.f, to->log);
+    kernels->log_ratio(s->n, dark, zeros, to->is.luminance, to->log_luminance);
+}
+
+/* ---- sums -------------------------------------------------------------------------------------------------------- */
+
+/* Add n differences on one scale; returns the sum of their squares. */
+static double add_scale(int scale, size_t n, const float *by, nqm_metric_sums *to) {
+    float magnitude, square;
+    nqm_kernels_get()->magnitudes(n, by, &magnitude, &square);
+    nqm_metric_sums_add_scale(to, scale, (double)magnitude, (double)square);
+    return (double)square;
+}
+
+/* Add the differences of all values on every scale; by_log (ROOM) receives those of log(f + NQM_DARK). */
+static void add_values(const stretch *s, const member *ref, const member *test, float *by_log, nqm_pair_sums *to) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const size_t n = s->n_values;
+    float by[ROOM], magnitude[ROOM];
+    kernels->differ(n, 1, ref->f, test->f, by, magnitude);
+    (void)add_scale(NQM_SCALE_F, n, by, &to->metrics);
+    kernels->differ(n, 1, ref->root, test->root, by, magnitude);
+    (void)add_scale(NQM_SCALE_CBRT_CF, n, by, &to->metrics);
+    kernels->log_ratio(n, 1, ref->f, test->f, by);
+    (void)add_scale(NQM_SCALE_LOG1P_F, n, by, &to->metrics);
+    kernels->log_ratio(n, 1, ref->weighted, test->weighted, by);
+    (void)add_scale(NQM_SCALE_LOG1P_CF, n, by, &to->metrics);
+    kernels->log_ratio(n, dark, ref->f, test->f, by_log);
+    to->scalars.squares += add_scale(NQM_SCALE_LOG_F, n, by_log, &to->metrics);
+}
+
+/* Sums of l, log ratios of luminance. Variances are differences of l and l2, which are therefore in double. */
+static void add_luminance(const stretch *s, const float *by_luminance, nqm_scalar_sums *to) {
+    const float *grazing = s->plan->grazing + s->first;
+    double l = 0, l2 = 0;
+    float l4 = 0, root_l = 0, max_l = 0, grazing_l = 0, grazing_l2 = 0;
+#pragma omp simd reduction(+ : l, l2, l4, root_l, grazing_l, grazing_l2) reduction(max : max_l)
+    for (size_t i = 0; i < s->n; ++i) {
+        const float x = by_luminance[i], size = fabsf(x), square = x * x;
+        l += (double)x;
+        l2 += (double)x * (double)x;
+        l4 += square * square;
+        root_l += sqrtf(size);
+        max_l = size > max_l ? size : max_l;
+        grazing_l += grazing[i] * x;
+        grazing_l2 += grazing[i] * square;
+    }
+    to->l += l;
+    to->l2 += l2;
+    to->l4 += (double)l4;
+    to->root_l += (double)root_l;
+    to->max_l = fmax(to->max_l, (double)max_l);
+    to->grazing_l += (double)grazing_l;
+    to->grazing_l2 += (double)grazing_l2;
+}
+
+/* Sums of the opponent channels of log ratios. */
+static void add_colour(size_t n, const float *by_log, nqm_scalar_sums *to) {
+    float u = 0, v = 0, uv2 = 0;
+#pragma omp simd reduction(+ : u, v, uv2)
+    for (size_t i = 0; i < n; ++i) {
+        const float r = by_log[3 * i], g = by_log[3 * i + 1];
+        const float own_u = r - g, own_v = by_log[3 * i + 2] - 0.5F * (r + g);
+        u += own_u;
+        v += own_v;
+        uv2 += own_u * own_u + own_v * own_v;
+    }
+    to->u += (double)u;
+    to->v += (double)v;
+    to->uv2 += (double)uv2;
+}
+
+/* Sums of the reference itself. */
+static void add_reference(const stretch *s, const reference *ref, nqm_scalar_sums *to) {
+    nqm_scalar_sums colour = {0};
+    const float *log_luminance = ref->log_luminance;
+    double sum = 0, squares = 0;
+#pragma omp simd reduction(+ : sum, squares)
+    for (size_t i = 0; i < s->n; ++i) {
+        sum += (double)log_luminance[i];
+        squares += (double)log_luminance[i] * (double)log_luminance[i];
+    }
+    add_colour(s->n, ref->log, &colour);
+    to->ref_log += sum;
+    to->ref_log2 += squares;
+    to->ref_colour2 += colour.uv2;
+}
+
+static double peak(size_t n, const float *luminance) {
+    float most = 0;
+#pragma omp simd reduction(max : most)
+    for (size_t i = 0; i < n; ++i)
+        most = luminance[i] > most ? luminance[i] : most;
+    return (double)most;
+}
+
+/* rgb (3) += the sums of x (n, 3). */
+static void add_weighted(size_t n, const float *x, double *rgb) {
+    float r = 0, g = 0, b = 0;
+#pragma omp simd reduction(+ : r, g, b)
+    for (size_t i = 0; i < n; ++i) {
+        r += x[3 * i];
+        g += x[3 * i + 1];
+        b += x[3 * i + 2];
+    }
+    rgb[0] += (double)r;
+    rgb[1] += (double)g;
+    rgb[2] += (double)b;
+}
+
+/* Four neighbours, the last of which is not used: a type of GCC and Clang, as in the kernels. */
+typedef float rgb_sum __attribute__((vector_size(16), aligned(4), may_alias));
+
+/* Sums over cells and zones. by_luminance as in add_luminance(). */
+static void add_cells(const stretch *s, const member *ref, const member *test, const float *by_luminance,
+                      nqm_scalar_sums *to) {
+    const uint16_t *order = s->plan->order + s->first, *end = s->plan->end + s->first / STRETCH * NQM_CELLS;
+    for (size_t cell = 0, k = 0; cell < NQM_CELLS; ++cell) {
+        rgb_sum a = {0}, b = {0};
+        float l2 = 0;
+        for (; k < end[cell]; ++k) {
+            const size_t i = order[k];
+            a += *(const rgb_sum *)(ref->f + 3 * i);
+            b += *(const rgb_sum *)(test->f + 3 * i);
+            l2 += by_luminance[i] * by_luminance[i];
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            to->cell[cell].ref[c] += (double)a[c];
+            to->cell[cell].test[c] += (double)b[c];
+        }
+        to->zone_l2[cell / NQM_ZONES_D] += (double)l2;
+    }
+}
+
+/* Add a stretch of a pair. */
+static void add_stretch(const stretch *s, const reference *ref, const member *test, bool with_scalars,
+                        nqm_pair_sums *to) {
+    float by_log[ROOM], by_luminance[STRETCH];
+    nqm_scalar_sums *scalars = &to->scalars;
+    add_values(s, &ref->is, test, by_log, to);
+    scalars->peak_ref = fmax(scalars->peak_ref, peak(s->n, ref->is.luminance));
+    scalars->peak_test = fmax(scalars->peak_test, peak(s->n, test->luminance));
+    if (!with_scalars)
+        return;
+    nqm_kernels_get()->log_ratio(s->n, dark, ref->is.luminance, test->luminance, by_luminance);
+    add_reference(s, ref, scalars);
+    add_luminance(s, by_luminance, scalars);
+    add_colour(s->n, by_log, scalars);
+    add_weighted(s->n, ref->is.weighted, scalars->weighted.ref);
+    add_weighted(s->n, test->weighted, scalars->weighted.test);
+    add_cells(s, &ref->is, test, by_luminance, scalars);
+}
+
+/* Whether the float sums of a pair are right. */
+static bool is_in_range(const nqm_scalar_sums *s) {
+    return s->peak_ref < largest && s->peak_test < largest;
+}
+
+/* Sums of logarithms of the reference, from those of log((x + NQM_DARK) / NQM_DARK). */
+static void move_logs(nqm_scalar_sums *s) {
+    const double by = log(NQM_DARK);
+    s->ref_log2 += by * (2 * s->ref_log + s->n * by);
+    s->ref_log += s->n * by;
+}
+
+void nqm_compare_sums_float(const nqm_sum_plan *plan, const nqm_comparison *c, const float *roots, bool with_scalars,
+                            nqm_pair_sums *pair) {
+    const size_t n = plan->directions->n;
+    const uint8_t *used[NQM_COMPARE_MAX];
+    for (size_t k = 0; k < c->n; ++k) {
+        used[k] = c->used && memchr(c->used + k * n, 0, n) ? c->used + k * n : NULL;
+        pair[k] = *plan->counts;
+        if (used[k])
+            count_directions(plan->directions, used[k], &pair[k]);
+    }
+    for (stretch s = {.plan = plan}; s.first < n; s.first += STRETCH) {
+        reference ref;
+        member test;
+        s.n = nqm_smaller(n - s.first, STRETCH);
+        s.n_values = (3 * s.n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL;
+        for (size_t k = 0; k < c->n; ++k) {
+            if (k == 0 || used[k] || used[k - 1])
+                read_reference(&s, c->ref, roots, used[k], &ref);
+            read_member(&s, c->test[k], roots + (2 * k + 1) * 3 * n, used[k], &test);
+            add_stretch(&s, &ref, &test, with_scalars, &pair[k]);
+        }
+    }
+    for (size_t k = 0; k < c->n; ++k)
+        if (is_in_range(&pair[k].scalars)) {
+            move_logs(&pair[k].scalars);
+        } else {
+            nqm_comparison one = *c;
+            one.n = 1, one.test = c->test + k, one.used = used[k];
+            nqm_compare_sums(&one, with_scalars, &pair[k]);
+        }
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The float sums of scores (metric/sums_float.c) against the sums that define them (metric/sums.c): pairs of all kinds, dropped
+ * directions, directions in any order, values beyond the range of float sums; and the same bits however pairs are grouped.
+ */
+#include "kernel/kernel.h"
+#include "metric/sums.h"
+#include "sample/sample.h"
+#include "support/check.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { N = 301, TESTS = NQM_COMPARE_MAX }; /* three stretches, the last of which is short */
+
+static const uint64_t seed = 8;
+static nqm_directions *directions;
+static nqm_sum_plan *plan;
+static float ref[3 * N], test[TESTS][3 * N], roots[TESTS][2][3 * N];
+static float transformed[3 * N]; /* not used */
+static uint8_t used[TESTS][N];
+
+static int make_directions(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 0);
+    double degrees[3 * N];
+    for (size_t i = 0; i < N; ++i) {
+        degrees[3 * i] = 75 * pow(nqm_rng_uniform(&rng), 2);
+        degrees[3 * i + 1] = 75 * nqm_rng_uniform(&rng);
+        degrees[3 * i + 2] = 180 * nqm_rng_uniform(&rng);
+    }
+    if (nqm_directions_from_degrees(N, degrees, &directions, NULL) != NQM_OK)
+        return -1;
+    return nqm_sum_plan_create(directions, &plan, NULL) == NQM_OK ? 0 : -1;
+}
+
+static int free_directions(void **state) {
+    (void)state;
+    nqm_sum_plan_free(plan);
+    nqm_directions_free(directions);
+    return 0;
+}
+
+/* Test k differs from the reference by noise of size 10^-(k / 2), by a factor, or by both; some values are 0. */
+static void make_pairs(nqm_rng *rng) {
+    for (size_t i = 0; i < 3 * N; ++i)
+        ref[i] = i % 17 ? (float)exp(4 * nqm_rng_normal(rng) - 2) : 0;
+    for (size_t k = 0; k < TESTS; ++k) {
+        const double size = pow(10, -(double)(k / 2)), factor = k % 4 == 1 ? 3 : 1;
+        for (size_t i = 0; i < 3 * N; ++i)
+            test[k][i] = (float)((double)ref[i] * factor * exp(k % 4 == 1 ? 0 : size * nqm_rng_normal(rng)));
+        test[k][5] = 0;
+        for (size_t i = 0; i < N; ++i)
+            used[k][i] = k % 3 == 0 || nqm_rng_uniform(rng) < 0.8;
+        nqm_kernels_get()->sample_log(3 * N, ref, roots[k][0], transformed);
+        nqm_kernels_get()->sample_log(3 * N, test[k], roots[k][1], transformed);
+    }
+}
+
+/* Metrics and scalar features of all tests by both kinds of sums. */
+typedef struct features {
+    double metrics[TESTS][NQM_METRIC_COUNT], scalars[TESTS][NQM_SCALAR_COUNT];
+} features;
+
+static void compute(const nqm_comparison *c, size_t first, bool in_float, features *to) {
+    nqm_pair_sums sums[TESTS];
+    if (in_float)
+        nqm_compare_sums_float(plan, c, roots[first][0], true, sums);
+    else
+        nqm_compare_sums(c, true, sums);
+    nqm_compare_finish(c, sums, to->metrics[first], to->scalars[first]);
+}
+
+static nqm_comparison comparison_of(const float *const *tests, bool with_used) {
+    return (nqm_comparison){
+        .directions = directions, .ref = ref, .n = TESTS, .test = tests, .used = with_used ? used[0] : NULL};
+}
+
+/* Metrics within 2e-6 relative, and those with cos(theta_i) cos(theta_o) within the rounding of its products; scalar features within 1e-5, and the
+ * logarithm of a size x within 3e-6 / x: differences are rounded like the values that they are differences of. */
+static void check_features(const features *fast, const features *exact) {
+    const double rounding = 3e-6;
+    for (size_t k = 0; k < TESTS; ++k) {
+        for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
+            const bool is_weighted = m == NQM_METRIC_RMS_CRWE || m == NQM_METRIC_MA_CRWE || m == NQM_METRIC_RMS_LOGWE ||
+                                     m == NQM_METRIC_MA_LOGWE;
+            const double expected = exact->metrics[k][m];
+            check_near(fast->metrics[k][m], expected, 2e-6 * expected + (is_weighted ? rounding : 0),
+                       nqm_metric_name((nqm_metric)m), __FILE__, __LINE__);
+        }
+        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
+            const double expected = exact->scalars[k][i];
+            check_near(fast->scalars[k][i], expected, 1e-5 + rounding * exp(-expected), nqm_scalar_name(i), __FILE__,
+                       __LINE__);
+        }
+    }
+}
+
+static void against_double(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 1);
+    const float *tests[TESTS];
+    features fast, exact;
+    for (size_t k = 0; k < TESTS; ++k)
+        tests[k] = test[k];
+    for (size_t round = 0; round < 8; ++round) {
+        make_pairs(&rng);
+        const nqm_comparison c = comparison_of(tests, round % 2);
+        compute(&c, 0, false, &exact);
+        for (size_t t = 0; nqm_kernels_at(t); ++t) {
+            nqm_kernels_use(nqm_kernels_at(t));
+            compute(&c, 0, true, &fast);
+            check_features(&fast, &exact);
+        }
+        nqm_kernels_use(NULL);
+    }
+}
+
+static void one_by_one(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 2);
+    const float *tests[TESTS];
+    features together, alone;
+    for (size_t k = 0; k < TESTS; ++k)
+        tests[k] = test[k];
+    make_pairs(&rng);
+    const nqm_comparison c = comparison_of(tests, true);
+    compute(&c, 0, true, &together);
+    for (size_t k = 0; k < TESTS; ++k) {
+        nqm_comparison one = c;
+        one.n = 1, one.test = tests + k, one.used = used[k];
+        compute(&one, k, true, &alone);
+    }
+    assert_memory_equal(&together, &alone, sizeof together);
+}
+
+static void equal_and_extreme_members(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 3);
+    const float *tests[TESTS];
+    features fast, exact;
+    make_pairs(&rng);
+    for (size_t k = 0; k < TESTS; ++k) {
+        tests[k] = ref;
+        memset(used[k], k > 0, N); /* the first pair has no direction */
+        memcpy(roots[k][1], roots[k][0], sizeof roots[k][1]);
+    }
+    const nqm_comparison c = comparison_of(tests, true);
+    compute(&c, 0, true, &fast);
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        assert_true(isnan(fast.scalars[0][i]));
+    for (size_t i = 0; i < NQM_SCALAR_REF_LEVEL; ++i)
+        assert_true(fast.scalars[1][i] == 0 || fast.scalars[1][i] == log(1e-3) || fast.scalars[1][i] == log(1e-4));
+    for (size_t i = 0; i < 3 * N; ++i)
+        test[1][i] = FLT_MAX;
+    tests[1] = test[1];
+    nqm_kernels_get()->sample_log(3 * N, test[1], roots[1][1], transformed);
+    compute(&c, 0, true, &fast);
+    compute(&c, 0, false, &exact);
+    assert_memory_equal(fast.metrics[1], exact.metrics[1], sizeof fast.metrics[1]);
+    assert_memory_equal(fast.scalars[1], exact.scalars[1], sizeof fast.scalars[1]);
+}
+
+int main(void) {
+    printf("seed %llu\n", (unsigned long long)seed);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(against_double),
+        cmocka_unit_test(one_by_one),
+        cmocka_unit_test(equal_and_extreme_members),
+    };
+    return cmocka_run_group_tests(tests, make_directions, free_directions);
+}
