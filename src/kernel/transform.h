@@ -53,19 +53,39 @@ static void log_ratio(size_t n, float offset, const float *x, const float *y, fl
         ratio[i] = log_quotient(x[i] + offset, y[i] + offset, y[i] - x[i]);
 }
 
-static void sample_log(size_t n, const float *rho, float *roots, float *t) {
+/* Values per turn of the loops below. Several loops with short chains of operations take less time than one, which is bound by
+ * the latency of its long chain. */
+enum { ROOTS_AT_ONCE = 128 };
+
+static inline void sample_log_stretch(size_t n, const float *rho, float *roots, float *t) {
     const float least = 1e-30f, most = 1e37f;
+    float x[ROOTS_AT_ONCE], root[ROOTS_AT_ONCE];
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
-        float x = rho[i] < least ? least : rho[i];
-        x = x > most ? most : x;
-        float root = rough_cube_root(x);
-        root = CUBE_ROOT_STEP(root, x);
-        root = CUBE_ROOT_STEP(root, x);
-        root = rho[i] < least ? 0.0f : root;
-        roots[i] = root;
-        t[i] = log_quotient(1.0f, 1.0f + root, root);
+        x[i] = rho[i] < least ? least : rho[i];
+        x[i] = x[i] > most ? most : x[i];
+        root[i] = rough_cube_root(x[i]);
     }
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i)
+        root[i] = CUBE_ROOT_STEP(root[i], x[i]);
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        root[i] = CUBE_ROOT_STEP(root[i], x[i]);
+        root[i] = rho[i] < least ? 0.0f : root[i];
+    }
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        roots[i] = root[i];
+        t[i] = log_quotient(1.0f, 1.0f + root[i], root[i]);
+    }
+}
+
+static void sample_log(size_t n, const float *rho, float *roots, float *t) {
+    size_t i = 0;
+    for (; i + ROOTS_AT_ONCE <= n; i += ROOTS_AT_ONCE)
+        sample_log_stretch(ROOTS_AT_ONCE, rho + i, roots + i, t + i);
+    sample_log_stretch(n - i, rho + i, roots + i, t + i);
 }
 
 static void cube_root(size_t n, const double *x, double *root) {

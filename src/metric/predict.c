@@ -20,11 +20,31 @@ struct nqm_predictor {
     size_t stride;            /* floats from one row of x to the next */
     nqm_sum_plan *plan;       /* of the scalar features and metrics */
     nqm_inference_work *work; /* NULL: the model has no network */
-    float *t, *root;          /* (max_batch, 2, n_directions, 3) transformed reference and test; their cube roots */
-    float *x;                 /* (max_batch, stride) network inputs */
-    float *z;                 /* (max_batch, n_outputs) network outputs */
-    nqm_label *estimates;     /* (max_batch) by transport, if the model has it */
+    float *t;             /* (tasks, 2, n_directions, 3) transformed reference and test: a task stays in the L2 cache */
+    float *root;          /* (tasks, 1 + NQM_COMPARE_MAX, n_directions, 3) cube roots of a reference and its tests */
+    double *bound;        /* (max_batch) of nqm_delta_e_bound() */
+    float *x;             /* (max_batch, stride) network inputs */
+    float *z;             /* (max_batch, n_outputs) network outputs */
+    nqm_label *estimates; /* (max_batch) by transport, if the model has it */
 };
+
+/* Pairs per task: enough to share the matrix of light transport, few enough for all threads. Their references may differ. */
+static size_t pairs_per_task(size_t n) {
+    const size_t enough_tasks = 8, share = (n + enough_tasks - 1) / enough_tasks;
+    return nqm_smaller(share, NQM_COMPARE_MAX);
+}
+
+static size_t count_tasks(size_t n) {
+    return (n + pairs_per_task(n) - 1) / pairs_per_task(n);
+}
+
+/* The most tasks of a call with at most n pairs. */
+static size_t most_tasks(size_t n) {
+    size_t most = 0;
+    for (size_t i = 1; i <= n; ++i)
+        most = nqm_larger(most, count_tasks(i));
+    return most;
+}
 
 nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
                                 nqm_predictor **predictor_ret, nqm_error *err) {
@@ -41,11 +61,13 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     const size_t samples_width = nqm_features_width(model->features.layout, n_directions);
     const size_t stride = nqm_row_stride(samples_width + nqm_model_n_scalars(model));
     nqm_predictor *p;
+    const size_t n_tasks = most_tasks(max_batch), n = 3 * n_directions;
     float *t, *root, *x, *z;
+    double *bound;
     nqm_label *estimates;
-    status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, max_batch, 6 * n_directions * sizeof *t},
-                                         {&root, max_batch, 6 * n_directions * sizeof *root},
-                                         {&x, max_batch, stride * sizeof *x},
+    status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, n_tasks, 2 * n * sizeof *t},
+                                         {&root, n_tasks, (1 + NQM_COMPARE_MAX) * n * sizeof *root},
+                                         {&bound, max_batch, sizeof *bound}, {&x, max_batch, stride * sizeof *x},
                                          {&z, max_batch, nqm_model_n_outputs(model) * sizeof *z},
                                          {&estimates, model->transport ? max_batch : 0, sizeof *estimates}),
                               err);
@@ -56,6 +78,7 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
                          .stride = stride,
                          .t = t,
                          .root = root,
+                         .bound = bound,
                          .x = x,
                          .z = z,
                          .estimates = model->transport ? estimates : NULL};
@@ -75,84 +98,6 @@ void nqm_predictor_free(nqm_predictor *predictor) {
     nqm_inference_work_free(predictor->work);
     nqm_sum_plan_free(predictor->plan);
     nqm_free(predictor);
-}
-
-/* ---- features ---------------------------------------------------------------------------------------------------- */
-
-typedef struct compose_job {
-    nqm_predictor *predictor;
-    const nqm_sampled_pairs *pairs;
-    size_t n_at_once; /* pairs per task; their references may differ */
-} compose_job;
-
-/* Transform `rgb`, the samples of member k: reference of pair k / 2 if k is even, else its test. Returns the result. */
-static const float *transform(nqm_predictor *p, size_t k, const float *rgb) {
-    const size_t n = 3 * p->model->directions->n;
-    nqm_kernels_get()->sample_log(n, rgb, p->root + k * n, p->t + k * n);
-    return p->t + k * n;
-}
-
-/* Compute the inputs of pair i that come from samples; ref_t: its transformed reference. */
-static void compose_samples(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t i, const float *ref_t) {
-    const size_t n_directions = p->model->directions->n;
-    const float *test_t = transform(p, 2 * i + 1, pairs->test[i]);
-    if (!p->work)
-        return;
-    nqm_features_compose(&p->model->features, n_directions, ref_t, test_t,
-                         pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);
-}
-
-/* Estimate the labels of pairs [begin, end). */
-static void estimate(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
-    const nqm_transport t = nqm_model_transport(p->model);
-    nqm_transport_estimates(&t, end - begin, pairs->ref + begin, pairs->test + begin,
-                            pairs->used ? pairs->used + t.n_directions * begin : NULL, p->estimates + begin);
-}
-
-/* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
-static void compose_scalars(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
-    const nqm_model *m = p->model;
-    const bool with_scalars = nqm_model_n_scalars(m) > 0;
-    const nqm_comparison c = {.directions = m->directions,
-                              .ref = pairs->ref[begin],
-                              .n = end - begin,
-                              .test = pairs->test + begin,
-                              .used = pairs->used ? pairs->used + m->directions->n * begin : NULL,
-                              .estimate = p->estimates ? p->estimates + begin : NULL};
-    nqm_pair_sums sums[NQM_COMPARE_MAX];
-    double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
-    for (size_t i = begin; pairs->novelty && i < end; ++i)
-        pairs->novelty[i] = NAN;
-    if (!with_scalars && !pairs->metrics)
-        return;
-    nqm_compare_sums_float(p->plan, &c, p->root + 6 * m->directions->n * begin, with_scalars, sums);
-    nqm_compare_finish(&c, sums, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
-                       with_scalars ? scalars : NULL);
-    for (size_t i = begin; with_scalars && i < end; ++i) {
-        const double *own = scalars + (i - begin) * NQM_SCALAR_COUNT;
-        nqm_scalars_whiten(&m->scalars, own, p->x + p->stride * i + p->samples_width);
-        if (pairs->novelty)
-            pairs->novelty[i] = nqm_model_novelty(m, own);
-    }
-}
-
-/* One task: processes its pairs in runs with the same reference, which is transformed once per run. */
-static void compose(void *user, size_t piece) {
-    const compose_job *job = user;
-    nqm_predictor *p = job->predictor;
-    const nqm_sampled_pairs *pairs = job->pairs;
-    const size_t last = (piece + 1) * job->n_at_once;
-    const bool needs_samples = p->work || pairs->metrics;
-    const size_t end = last < pairs->n ? last : pairs->n;
-    if (p->estimates)
-        estimate(p, pairs, piece * job->n_at_once, end);
-    for (size_t begin = piece * job->n_at_once, next; begin < end; begin = next) {
-        const float *ref_t = needs_samples ? transform(p, 2 * begin, pairs->ref[begin]) : NULL;
-        for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next)
-            if (needs_samples)
-                compose_samples(p, pairs, next, ref_t);
-        compose_scalars(p, pairs, begin, next);
-    }
 }
 
 /* ---- a bound ----------------------------------------------------------------------------------------------------- */
@@ -218,6 +163,94 @@ void nqm_raise_low(size_t n_directions, const float *ref, const float *test, con
         *jod_low = least;
 }
 
+/* ---- features ---------------------------------------------------------------------------------------------------- */
+
+typedef struct compose_job {
+    nqm_predictor *predictor;
+    const nqm_sampled_pairs *pairs;
+    size_t n_at_once; /* pairs per task */
+} compose_job;
+
+/* The buffers of a task. */
+typedef struct task_buffers {
+    nqm_predictor *predictor;
+    const nqm_sampled_pairs *pairs;
+    float *ref_t, *test_t;
+    float *root; /* of the reference; those of its tests follow */
+} task_buffers;
+
+/* Compute the inputs that come from samples of pairs [begin, end), which have the same reference. */
+static void compose_samples(const task_buffers *task, size_t begin, size_t end) {
+    const nqm_kernels *kernels = nqm_kernels_get();
+    const nqm_predictor *p = task->predictor;
+    const nqm_sampled_pairs *pairs = task->pairs;
+    const size_t n_directions = p->model->directions->n, n = 3 * n_directions;
+    kernels->sample_log(n, pairs->ref[begin], task->root, task->ref_t);
+    for (size_t i = begin; i < end; ++i) {
+        kernels->sample_log(n, pairs->test[i], task->root + (1 + i - begin) * n, task->test_t);
+        if (p->work)
+            nqm_features_compose(&p->model->features, n_directions, task->ref_t, task->test_t,
+                                 pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);
+    }
+}
+
+/* Estimate the labels of pairs [begin, end). */
+static void estimate(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t begin, size_t end) {
+    const nqm_transport t = nqm_model_transport(p->model);
+    nqm_transport_estimates(&t, end - begin, pairs->ref + begin, pairs->test + begin,
+                            pairs->used ? pairs->used + t.n_directions * begin : NULL, p->estimates + begin);
+}
+
+/* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
+static void compose_scalars(const task_buffers *task, size_t begin, size_t end) {
+    const nqm_predictor *p = task->predictor;
+    const nqm_sampled_pairs *pairs = task->pairs;
+    const nqm_model *m = p->model;
+    const bool with_scalars = nqm_model_n_scalars(m) > 0;
+    const nqm_comparison c = {.directions = m->directions,
+                              .ref = pairs->ref[begin],
+                              .n = end - begin,
+                              .test = pairs->test + begin,
+                              .used = pairs->used ? pairs->used + m->directions->n * begin : NULL,
+                              .estimate = p->estimates ? p->estimates + begin : NULL};
+    nqm_pair_sums sums[NQM_COMPARE_MAX];
+    double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
+    nqm_compare_sums_float(p->plan, &c, task->root, with_scalars, sums);
+    nqm_compare_finish(&c, sums, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
+                       with_scalars ? scalars : NULL);
+    for (size_t i = begin; with_scalars && i < end; ++i) {
+        const double *own = scalars + (i - begin) * NQM_SCALAR_COUNT;
+        nqm_scalars_whiten(&m->scalars, own, p->x + p->stride * i + p->samples_width);
+        if (pairs->novelty)
+            pairs->novelty[i] = nqm_model_novelty(m, own);
+    }
+}
+
+/* One task: processes its pairs in runs with the same reference, which is transformed once per run. */
+static void compose(void *user, size_t i_task) {
+    const compose_job *job = user;
+    nqm_predictor *p = job->predictor;
+    const nqm_sampled_pairs *pairs = job->pairs;
+    const size_t n_directions = p->model->directions->n, n = 3 * n_directions;
+    const size_t first = i_task * job->n_at_once, end = nqm_smaller(first + job->n_at_once, pairs->n);
+    float *t = p->t + i_task * 2 * n;
+    const task_buffers task = {p, pairs, t, t + n, p->root + i_task * (1 + NQM_COMPARE_MAX) * n};
+    if (p->estimates)
+        estimate(p, pairs, first, end);
+    for (size_t begin = first, next; begin < end; begin = next) {
+        for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next) {
+            p->bound[next] = nqm_delta_e_bound(n_directions, pairs->ref[next], pairs->test[next],
+                                               pairs->used ? pairs->used + n_directions * next : NULL);
+            if (pairs->novelty)
+                pairs->novelty[next] = NAN;
+        }
+        if (p->work || pairs->metrics)
+            compose_samples(&task, begin, next);
+        if (nqm_model_n_scalars(p->model) > 0 || pairs->metrics)
+            compose_scalars(&task, begin, next);
+    }
+}
+
 /* ---- prediction -------------------------------------------------------------------------------------------------- */
 
 /* The label for the outputs z of a model with parts. Delta-E, the length of the shift and structure are at most `bound`. */
@@ -231,22 +264,20 @@ static nqm_label bounded_label(const nqm_model *model, const float *z, const nqm
 }
 
 void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double *jod, double *delta_e) {
-    const size_t enough_pieces = 8, share = (pairs->n + enough_pieces - 1) / enough_pieces;
-    compose_job job = {p, pairs, share < NQM_COMPARE_MAX ? share : NQM_COMPARE_MAX};
     if (pairs->n == 0)
         return;
+    compose_job job = {p, pairs, pairs_per_task(pairs->n)};
     if (pairs->n == 1)
         compose(&job, 0);
     else
-        nqm_parallel_for((pairs->n + job.n_at_once - 1) / job.n_at_once, compose, &job);
+        nqm_parallel_for(count_tasks(pairs->n), compose, &job);
     if (p->work)
         nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
-    const size_t n = p->model->directions->n, n_outputs = nqm_model_n_outputs(p->model);
+    const size_t n_outputs = nqm_model_n_outputs(p->model);
     const double nan = (double)NAN;
     for (size_t i = 0; i < pairs->n; ++i) {
         const float *z = p->z + i * n_outputs;
-        const double bound =
-            nqm_delta_e_bound(n, pairs->ref[i], pairs->test[i], pairs->used ? pairs->used + n * i : NULL);
+        const double bound = p->bound[i];
         const nqm_label *estimate = p->estimates ? &p->estimates[i] : NULL;
         double own;
         jod[i] = nqm_model_jod(p->model, (double)*z, estimate, &own);

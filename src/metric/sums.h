@@ -82,8 +82,7 @@ void nqm_sum_plan_free(nqm_sum_plan *plan);
 /** Compute the sums (n of the comparison) of nqm_compare_sums() several times as fast. They differ by rounding: JODs by less
  *  than 1e-4.
  *
- * @param roots  (n, 2, n_directions, 3) cube roots of the reference and the test of each pair, from sample_log(); of the
- *               references only the first is read
+ * @param roots  (1 + n, n_directions, 3) cube roots of the reference and the tests, from sample_log()
  */
 void nqm_compare_sums_float(const nqm_sum_plan *plan, const nqm_comparison *comparison, const float *roots,
                             bool with_scalars, nqm_pair_sums *pair);

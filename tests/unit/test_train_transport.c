@@ -114,8 +114,8 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
         const nqm_label expected_label = nqm_model_label(model, z, base);
         if (isfinite(nqm_delta_e_bound(N, ref, test, NULL))) /* nearly equal samples: a bound may decide */
             continue;
-        assert_relative(delta_e, expected, 1e-6);
-        assert_near(jod, expected_jod, 1e-6);
+        assert_relative(delta_e, expected, 1e-5); /* scores have float sums */
+        assert_near(jod, expected_jod, 1e-5);
         assert_near(label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(label.shift[0])));
         assert_near(label.structure, expected_label.structure, 1e-5 * (1 + label.structure));
         ++n_checked;
