@@ -358,6 +358,7 @@ static nqm_status make_until(making *m, size_t stop) {
 
 static void an_interrupted_group_goes_on_where_it_stopped(void **state) {
     (void)state;
+    enum { MORE = 11 }; /* tests until the next stop, which is within the second reference */
     char path[256], progress[280];
     snprintf(path, sizeof path, "%s", in_folder("group.safetensors"));
     snprintf(progress, sizeof progress, "%s.progress", path);
@@ -372,13 +373,13 @@ static void an_interrupted_group_goes_on_where_it_stopped(void **state) {
     assert_int_equal(make_until(&parts, n_fits + 4), NQM_ERR_CANCELLED); /* after four tests of the first reference */
     assert_int_equal(parts.resumed, 0);
     assert_int_equal(access(progress, F_OK), 0);
-    for (size_t k = 0, n_done = 4; n_done < n_tests; ++k, n_done += 3) { /* three tests at a time */
+    for (size_t n_done = 4; n_done < n_tests; n_done += MORE) {
         end_making(&parts);
         begin_making(&parts, path);
         const size_t n_refs = parts.item.plan.tests[n_done].ref;
-        const bool is_last = n_done + 3 >= n_tests;
-        const size_t crosses = !is_last && parts.item.plan.tests[n_done + 2].ref > n_refs;
-        assert_int_equal(make_until(&parts, is_last ? SIZE_MAX : n_done + 3 + (n_refs + 1 + crosses) * n_fits),
+        const bool is_last = n_done + MORE >= n_tests;
+        const size_t crosses = !is_last && parts.item.plan.tests[n_done + MORE - 1].ref > n_refs;
+        assert_int_equal(make_until(&parts, is_last ? SIZE_MAX : n_done + MORE + (n_refs + 1 + crosses) * n_fits),
                          is_last ? NQM_OK : NQM_ERR_CANCELLED);
         assert_int_equal(parts.resumed, n_done + n_refs * n_fits);
     }
