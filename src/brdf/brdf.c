@@ -217,15 +217,22 @@ static bool exists(const char *path) {
     return stat(path, &st) == 0;
 }
 
-/* Neither a file nor a spec: is it a misspelt spec? */
+/* Neither a file nor a spec: is it a misspelt spec, or one without its colon? */
 static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     char model[64];
+    if (!strchr(path_or_spec, ':') && nqm_analytic_model_find(path_or_spec, strlen(path_or_spec)))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: no such file; a spec of this model is '%s:key=value;...'",
+                        path_or_spec, path_or_spec);
+    const char *preset = nqm_preset_named(path_or_spec);
+    if (preset)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: no such file; a preset of this name is '%s'", path_or_spec, preset);
     snprintf(model, sizeof model, "%.*s", (int)strcspn(path_or_spec, ":"), path_or_spec);
     nqm_nearest nearest = nqm_nearest_begin(model);
     nqm_spec_nearest(&nearest);
-    return *nearest.advice ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s",
-                                      path_or_spec, model, nearest.advice)
-                           : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+    return *nearest.advice && strchr(path_or_spec, ':')
+               ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s", path_or_spec,
+                          model, nearest.advice)
+               : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
 }
 
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -233,8 +240,10 @@ nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_erro
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, path_or_spec, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
-    if (!colon || exists(path_or_spec))
+    if (exists(path_or_spec))
         return open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+    if (!colon)
+        return fail_missing(path_or_spec, brdf_ret, err);
     char *path = nqm_strdup(path_or_spec);
     if (!path)
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);

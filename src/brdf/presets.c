@@ -16,6 +16,16 @@ const char *nqm_brdf_preset_name(size_t i) {
     return nqm_preset_names[i];
 }
 
+const char *nqm_preset_named(const char *material) {
+    const char *found = NULL;
+    for (size_t i = 0; i < nqm_preset_name_count; ++i) {
+        const char *name = nqm_preset_names[i], *colon = strchr(name, ':');
+        if (colon && strcmp(colon + 1, material) == 0 && (!found || strncmp(name, "sgd:", 4) == 0))
+            found = name;
+    }
+    return found;
+}
+
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name) {
     for (const nqm_preset_table *t = nqm_preset_tables; t->name; ++t)
         if (strncmp(t->name, name, n_name) == 0 && t->name[n_name] == 0)

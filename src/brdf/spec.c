@@ -36,16 +36,30 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
 
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
-static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, int n_key, nqm_error *err) {
-    char known[384] = "", wanted[64];
+enum { KEYS_TEXT = 384 };
+
+/* "kd, ks, alpha" */
+static const char *list_keys(const nqm_spec_schema *schema, char text[KEYS_TEXT]) {
     size_t used = 0;
+    for (size_t k = 0; k < schema->n_keys && used < KEYS_TEXT; ++k)
+        used += (size_t)snprintf(text + used, KEYS_TEXT - used, "%s%s", k ? ", " : "", schema->keys[k].name);
+    return text;
+}
+
+/* A model without keys, as "ggx:" or "ggx:x". */
+static nqm_status fail_settings(const nqm_spec_schema *schema, const char *settings, nqm_error *err) {
+    char known[KEYS_TEXT] = "";
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: needs parameters, %s:key=value;..., not '%.40s'; the keys are %s",
+                    schema->model, schema->model, settings, list_keys(schema, known));
+}
+
+static nqm_status fail_unknown(const nqm_spec_schema *schema, const char *key, int n_key, nqm_error *err) {
+    char known[KEYS_TEXT] = "", wanted[64];
     snprintf(wanted, sizeof wanted, "%.*s", n_key, key);
     nqm_nearest nearest = nqm_nearest_begin(wanted);
-    for (size_t k = 0; k < schema->n_keys; ++k) {
+    for (size_t k = 0; k < schema->n_keys; ++k)
         nqm_nearest_add(&nearest, schema->keys[k].name);
-        if (used < sizeof known)
-            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", schema->keys[k].name);
-    }
+    list_keys(schema, known);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no key '%s'%s; the keys are %s", schema->model, wanted,
                     nearest.advice, known);
 }
@@ -283,8 +297,7 @@ nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret
     const bool is_preset = !strchr(settings, '=') && (*settings || !model || !has_defaults(model));
     const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
     if (is_preset && !table)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: needs parameters, %.*s:key=value;..., not '%.80s'", (int)n_name,
-                        spec, (int)n_name, spec, settings);
+        return fail_settings(&model->schema, settings, err);
     if (!is_preset && !model)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: names presets, and takes no parameters; %s: does", (int)n_name,
                         spec, table->model);

@@ -62,7 +62,13 @@ run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.sa
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields"
 [ "$(field mae agreement)" = 0.785714286 ] || fail "agreement in CSV: $(field mae agreement)"
 [ "$(field tiny rival_2)" = log_diff ] || fail "rivals in CSV"
+run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none
+has '^Intervals: bootstrap over materials'
+head -n 4 "$dir/scores.csv" >"$dir/one.csv"
+run 0 eval --human "$dir/one.csv" --model none
+has '^all: 3 pairs of 1 materials' 'No intervals: they need --bootstrap above 0 and more than one material'
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --bootstrap 0
+has '^No intervals'
 has '^mae  *\*\{0,1\}  *0.786  '
 
 # The same further statistics for a dataset.

@@ -80,6 +80,21 @@ refuses 2 "no key 'alhpa' (did you mean 'alpha'?); the keys are kd, ks, alpha, f
 refuses 2 "no key 'baseMetalnes' (did you mean 'base_metalness'?)" info open-pbr:baseMetalnes=.1
 echo '{"asset": {"version": "2.0"}, "materials": [{"name": "brass"}, {"name": "wood"}]}' >"$dir/two.gltf"
 refuses 2 "no material 'wod' in this file (did you mean 'wood'?); it has brass, wood" info "$dir/two.gltf:wod"
+refuses 2 "a spec of this model is 'ggx:key=value;...'" info ggx
+refuses 2 "a preset of this name is 'sgd:nickel'" info nickel
+refuses 2 "lambert: needs parameters, lambert:key=value;..., not ''; the keys are kd" info lambert:
+refuses 6 "no model 'defualt' (did you mean 'default'?)" score sgd:nickel ward:nickel --model defualt
+refuses 6 "scalar metric, which --metrics rmse adds" score sgd:nickel ward:nickel --metric rmse
+refuses 2 "not 'mae,rsme' (did you mean 'rmse'?)" score sgd:nickel ward:nickel --metrics mae,rsme
+refuses 2 "cannot fit a model 'gxg' (did you mean 'ggx'?)" fit sgd:nickel --model gxg
+refuses 2 "no material 'opnpbr' (did you mean 'openpbr'?)" translate sgd:nickel --to opnpbr
+refuses 3 "light: there is no file 'overcst' (did you mean 'overcast'?); built in are sun," label sgd:nickel ward:nickel --light overcst
+refuses 3 "shape: there is no file 'cube'; built in are sphere, blob" render sgd:nickel -o "$dir/x.png" --shape cube
+# What a file is written as is what its name says.
+refuses 2 "writes .mat files" sample sgd:nickel -o "$dir/x.csv"
+refuses 2 "merl writes MERL tables (.binary), and '.*x.npy' names another kind" convert sgd:nickel --format merl -o "$dir/x.npy"
+run 0 convert lambert:kd=.2 -o "$dir/x.npy"
+grep -q 'nodes of a .npy array' "$dir/out" || fail "the format of a .npy name"
 refuses 3 "No such file" info folder/wrad.binary
 refuses 2 "fail-under needs a number from 0 to 10" score sgd:nickel ward:nickel --fail_under 11
 run 0 info sgd:nickel

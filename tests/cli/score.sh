@@ -72,6 +72,8 @@ score 4 $ref "$dir/odd.binary" "$dir/nowhere.binary" $ward --fail-under 10 --jso
 { [ "$(number jod 1)" = null ] && [ "$(number jod 3)" != null ]; } || fail "JSON of faults"
 grep -q '"error": ".*odd.binary' "$dir/out" || fail "JSON error"
 score 2 $ref 'ggx:nonsense=1' -q
+score 2 $ref 'ggx:nonsense=1'
+! grep -q '75 % of people' "$dir/out" || fail "a legend of no score"
 score 3 "$dir/nowhere.binary" $ward -q
 [ ! -s "$dir/out" ] || fail "results without a reference"
 

@@ -2,6 +2,7 @@
  *
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
+#include "base/names.h"
 #include "nqm/tool.h"
 
 #include <errno.h>
@@ -19,10 +20,17 @@ static bool is_builtin(const char *name) {
 
 static _Noreturn void stop_unknown_model(const char *name) {
     char known[256] = "";
-    for (size_t i = 0, n = 0; i < nqm_model_builtin_count() && n < sizeof known; ++i)
+    nqm_nearest nearest = nqm_nearest_begin(name);
+    for (size_t i = 0, n = 0; i < nqm_model_builtin_count() && n < sizeof known; ++i) {
         n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", nqm_model_builtin_name(i));
+        nqm_nearest_add(&nearest, nqm_model_builtin_name(i));
+    }
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        if (strcmp(nqm_metric_name((nqm_metric)m), name) == 0)
+            stop(EXIT_MODEL, "there is no model '%s': it is a scalar metric, which --metrics %s adds", name, name);
     if (*known)
-        stop(EXIT_MODEL, "there is no model '%s': built in are %s; or give a model file", name, known);
+        stop(EXIT_MODEL, "there is no model '%s'%s: built in are %s; or give a model file", name, nearest.advice,
+             known);
     stop(EXIT_MODEL,
          "there is no model '%s': this build has no built-in model; give a model file (`nqm train` makes one)", name);
 }

@@ -12,12 +12,12 @@ static const char *const layouts[] = {"90 x 90 x 180 cells", "90 x 90 x 360 cell
 
 int cmd_convert(int argc, char **argv) {
     bool json = false;
-    const char *output = NULL, *format_name = formats[0];
+    const char *output = NULL, *format_name = NULL;
     const option options[] = {
         {"output", 'o', OPTION_NEEDED, &output, "FILE", "the table to write; - is standard output", 0, 0},
         {"format", 'f', OPTION_TEXT, &format_name, "FORMAT",
          "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer; "
-         "npy: an array of NumPy, 90 x 46 x 24 nodes",
+         "npy: an array of NumPy, 90 x 46 x 24 nodes; default: npy for FILE.npy, else merl",
          0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
         {0}};
@@ -32,13 +32,18 @@ int cmd_convert(int argc, char **argv) {
                  "All but merl-360 are reciprocal: of a material that is not, phi_d in [0, 180) degrees is kept.",
         .example = "nqm convert 'ggx:kd=.2,.1,.05;alpha=.1' -o ggx.binary\n"
                    "nqm convert paint_rgb.bsdf --format merl-360 -o paint.binary\n"
-                   "nqm convert sgd:nickel --format npy -o nickel.npy",
+                   "nqm convert sgd:nickel -o nickel.npy",
         .options = options,
         .min_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
     nqm_error err = {0};
-    const int format = choose("format", formats, format_name);
+    const char *dot = strrchr(output, '.');
+    const bool is_npy_name = dot && strcmp(dot, ".npy") == 0;
+    const int format = choose("format", formats, format_name ? format_name : is_npy_name ? "npy" : formats[0]);
+    if (is_npy_name != (format == 2) && strcmp(output, "-") != 0)
+        stop(EXIT_USAGE, "--format %s writes %s, and '%s' names another kind", formats[format],
+             format == 2 ? ".npy files" : "MERL tables (.binary)", output);
     nqm_brdf *brdf = open_brdf(argv[0]);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     must(nqm_brdf_write(brdf, (nqm_table_format)format, output_path(output), show_progress, NULL, &err), &err);

@@ -3,6 +3,7 @@
  * nqm fit - encode a BRDF: fit analytic models, train a network, use a learned dictionary or hypernetwork. The result is a
  * spec or a file.
  */
+#include "base/names.h"
 #include "fit/fit.h"
 #include "match/match.h"
 #include "nqm/fit/fit_run.h"
@@ -34,12 +35,15 @@ static const char *model_name(size_t i) {
 }
 
 static _Noreturn void stop_unknown(const char *name, size_t n_name) {
-    char names[600] = "";
+    char names[600] = "", wrong[41];
     size_t used = 0;
-    for (size_t i = 0; model_name(i) && used < sizeof names; ++i)
+    snprintf(wrong, sizeof wrong, "%.*s", n_name < 40 ? (int)n_name : 40, name);
+    nqm_nearest nearest = nqm_nearest_begin(wrong);
+    for (size_t i = 0; model_name(i) && used < sizeof names; ++i) {
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", model_name(i));
-    stop(EXIT_USAGE, "cannot fit a model '%.*s'; there are all, encodings, shading, %s", n_name < 40 ? (int)n_name : 40,
-         name, names);
+        nqm_nearest_add(&nearest, model_name(i));
+    }
+    stop(EXIT_USAGE, "cannot fit a model '%s'%s; there are all, encodings, shading, %s", wrong, nearest.advice, names);
 }
 
 static void add_model(fit_request *request, const char *name) {

@@ -35,15 +35,17 @@ bool is_shading_model(const char *model) {
 const translate_target *find_target(const char *word) {
     char words[300] = "";
     size_t used = 0;
+    nqm_nearest nearest = nqm_nearest_begin(word);
     for (size_t i = 0; i < N_TARGETS; ++i) {
         if (!is_shading_model(targets[i].model))
             continue;
         if (strcmp(targets[i].word, word) == 0)
             return &targets[i];
+        nqm_nearest_add(&nearest, targets[i].word);
         if (used < sizeof words)
             used += (size_t)snprintf(words + used, sizeof words - used, "%s%s", used ? ", " : "", targets[i].word);
     }
-    stop(EXIT_USAGE, "--to: there is no material '%.40s'; there are %s", word, words);
+    stop(EXIT_USAGE, "--to: there is no material '%.40s'%s; there are %s", word, nearest.advice, words);
 }
 
 /* ---- meanings ----------------------------------------------------------------------------------------------------- */

@@ -213,6 +213,13 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
     }
 }
 
+/* Where the intervals of the table come from. */
+static const char *interval_source(const eval_run *run) {
+    return json_is_array(json_object_get(json_array_get(run->results, 0), "ci95"))
+               ? "Intervals: bootstrap over materials."
+               : "No intervals: they need --bootstrap above 0 and more than one material.";
+}
+
 static void print_pairs_text(const eval_run *run) {
     const char *label = run->human ? nqm_human_get_info(run->human).kind_name : "JOD";
     if (run->human)
@@ -221,11 +228,10 @@ static void print_pairs_text(const eval_run *run) {
         printf("dataset  %s, split: %s\n", run->dataset_path, run->split_name);
     print_tables(run, print_pairs_table);
     print_tables(run, print_parts);
-    printf(
-        "\nCorrelations with the labels (%s), signed so that higher is better. Intervals: bootstrap over materials.\n"
-        "The mean by material counts materials with at least 3 pairs. MAE, RMSE in JOD. * best of its family.\n"
-        "Order: share in the right order of the tests of one material whose labels differ by more than %g.\n",
-        label, run->order_margin);
+    printf("\nCorrelations with the labels (%s), signed so that higher is better. %s\n"
+           "The mean by material counts materials with at least 3 pairs. MAE, RMSE in JOD. * best of its family.\n"
+           "Order: share in the right order of the tests of one material whose labels differ by more than %g.\n",
+           label, interval_source(run), run->order_margin);
     if (run->n_predictors > run->n_models + NQM_METRIC_COUNT)
         puts(
             "Estimate: the label that the light transport of the scene estimates from the samples, without a network.");
@@ -244,8 +250,8 @@ static void print_choices_text(const eval_run *run) {
     puts(" of the choices.\n"
          "Agreement: share of the choices for the test that the predictor finds better; ties count half, 0.5 is "
          "guessing.\n"
-         "Majority: share of the pairs of tests in which it sides with most people. * best of its family.\n"
-         "Intervals: bootstrap over materials.");
+         "Majority: share of the pairs of tests in which it sides with most people. * best of its family.");
+    puts(interval_source(run));
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */

@@ -4,9 +4,12 @@
  */
 #include "nqm/label/scene.h"
 
+#include "base/names.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MAX_SIDE = 4096 };
 
@@ -30,8 +33,26 @@ static bool parse_size(const char *text, size_t *width, size_t *height) {
     return good && !*end && *width >= 1 && *width <= MAX_SIDE && *height >= 1 && *height <= MAX_SIDE;
 }
 
+/* A misspelt built-in name is not a missing file. names: built in, NULL-terminated. */
+static void check_place(const char *option_name, const char *path, const char *const *names) {
+    char known[80] = "";
+    nqm_nearest nearest = nqm_nearest_begin(path ? path : "");
+    for (size_t i = 0, n = 0; path && names[i]; ++i) {
+        if (strcmp(names[i], path) == 0)
+            return;
+        nqm_nearest_add(&nearest, names[i]);
+        n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", names[i]);
+    }
+    if (path && strcmp(path, "-") != 0 && access(path, F_OK) != 0)
+        stop(EXIT_OPEN, "%s: there is no file '%s'%s; built in are %s", option_name, path, nearest.advice, known);
+}
+
 void scene_args_end(scene_args *a) {
+    static const char *const shapes[] = {"sphere", "blob", NULL};
+    static const char *const lights[] = {"sun", "overcast", "studio", "interior", NULL};
     nqm_scene_options *s = &a->scene;
+    check_place("--shape", s->shape, shapes);
+    check_place("--light", s->light, lights);
     if (a->size && !parse_size(a->size, &s->width, &s->height))
         stop(EXIT_USAGE, "--size needs a size in pixels, '256' or '320x200', with sides of at most %d pixels, not '%s'",
              (int)MAX_SIDE, a->size);

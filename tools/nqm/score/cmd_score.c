@@ -30,6 +30,7 @@ static void print_text(const score_run *run) {
     const nqm_model_info info = nqm_model_get_info(run->model);
     const bool calibrated = *info.calibration;
     char verdict[VERDICT_TEXT];
+    size_t n_scored = 0;
     int n_verdict = 20;
     for (size_t i = 0; i < run->n_rows; ++i) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
@@ -45,6 +46,7 @@ static void print_text(const score_run *run) {
         const scored_pair *row = &run->rows[i];
         const nqm_score_result *r = &row->result;
         const bool scored = row->err.status == NQM_OK;
+        n_scored += scored;
         print_jod(row, calibrated);
         if (scored)
             printf("  %8.0f %%  %-*s", 100 * preference_share(r), n_verdict, verdict_words(r, verdict));
@@ -64,6 +66,8 @@ static void print_text(const score_run *run) {
             printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);
         }
     }
+    if (n_scored == 0)
+        return;
     puts(
         "\nJOD 10: no visible difference; above 9.5: practically the same; at 9, 75 % of people prefer the reference.\n"
         "prefer ref: people who would say that the reference looks better than the test (50 %: they guess).");

@@ -5,6 +5,8 @@
  */
 #include "nqm/score/score.h"
 
+#include "base/names.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -139,13 +141,16 @@ json_t *json_remarks(const remark_terms *terms, const char *ref, const char *tes
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
-static _Noreturn void stop_unknown_metric(const char *given) {
-    char names[256] = "";
+static _Noreturn void stop_unknown_metric(const char *given, const char *word) {
+    char names[256] = "", wrong[64];
+    snprintf(wrong, sizeof wrong, "%.*s", (int)strcspn(word, ","), word);
+    nqm_nearest nearest = nqm_nearest_begin(wrong);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+        nqm_nearest_add(&nearest, nqm_metric_name((nqm_metric)m));
         size_t n = strlen(names);
         snprintf(names + n, sizeof names - n, ", %s", nqm_metric_name((nqm_metric)m));
     }
-    stop(EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'", names, given);
+    stop(EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'%s", names, given, nearest.advice);
 }
 
 void choose_metrics(const char *text, bool *chosen) {
@@ -159,7 +164,7 @@ void choose_metrics(const char *text, bool *chosen) {
                (strlen(nqm_metric_name((nqm_metric)m)) != n || memcmp(nqm_metric_name((nqm_metric)m), word, n) != 0))
             ++m;
         if (m == NQM_METRIC_COUNT)
-            stop_unknown_metric(text);
+            stop_unknown_metric(text, word);
         chosen[m] = true;
         word += n + (word[n] == ',');
     }
