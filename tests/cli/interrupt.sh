@@ -53,4 +53,4 @@ stops translate - translate "$network" "$in/valid.bsdf" sgd:nickel sgd:brass war
 stops bench - bench train -o bench.json
 stops convert - convert "$network" -o table.binary
 stops transport - transport make --points 2048 -o transport.safetensors
-stops check - check "$network" "$network" "$network" "$network" "$network" "$network"
+stops check - check --json "$network" "$network" "$network" "$network" "$network" "$network"

@@ -100,7 +100,7 @@ int finish(int exit_code) {
 
 /* Verbs stop where they ask interrupted(), or where a progress callback says so, and save what they keep for a later run.
  * Work that does not ask in time is ended here: after this much processor time, or when the process waits for input. */
-static const double grace_s = 0.8, grace_processor_s = 0.6, waiting_processor_s = 0.002;
+static const double grace_s = 0.7, grace_processor_s = 0.6, waiting_processor_s = 0.002;
 static double interrupt_s, interrupt_processor_s;
 
 static double processor_s(void) {
