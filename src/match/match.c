@@ -63,6 +63,7 @@ static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, const char
     binding b = {.n = 0};
     nqm_fit_options options = s->options;
     nqm_status status = NQM_OK;
+    *brdf_ret = NULL;
     for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
         status = bind_term(s, &sum->terms[i], &b, err);
     options.terms = b.terms;
