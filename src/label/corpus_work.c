@@ -255,16 +255,15 @@ static bool matches(const nqm_safetensors *st, const nqm_tensor tensors[N_TENSOR
     return true;
 }
 
-/* Each of the first n_done tests must have a name. */
+/* Each of the first n_done tests must have a name; the next may have one, if it was stopped while it was made. */
 static bool load_names(const nqm_safetensors *st, size_t n_done, nqm_corpus_item *item) {
     size_t n = item->plan.n_tests;
     bool good = load_strings(st, "names", n, item->names) && load_strings(st, "failures", n, item->failures);
     for (size_t i = 0; i < n_done; ++i)
         good = good && item->names[i];
-    if (!good) {
-        forget(n, item->names);
-        forget(n, item->failures);
-    }
+    const size_t n_kept = good ? n_done : 0;
+    forget(n - n_kept, item->names + n_kept);
+    forget(n - n_kept, item->failures + n_kept);
     return good;
 }
 
