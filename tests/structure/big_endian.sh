@@ -19,7 +19,7 @@ for cc in "${CC:-cc} -U__BYTE_ORDER__ -D__BYTE_ORDER__=__ORDER_BIG_ENDIAN__" s39
         exit 1
     }
 done
-if cmake -S . -B "$dir/build" -DCMAKE_C_BYTE_ORDER=BIG_ENDIAN -DCMAKE_C_COMPILER_FORCED=ON >"$dir/err" 2>&1 || ! grep -q 'needs a little-endian processor' "$dir/err"; then
+if cmake -G Ninja -S . -B "$dir/build" -DCMAKE_C_BYTE_ORDER=BIG_ENDIAN -DCMAKE_C_COMPILER_FORCED=ON >"$dir/err" 2>&1 || ! grep -q 'needs a little-endian processor' "$dir/err"; then
     tail "$dir/err"
     exit 1
 fi
