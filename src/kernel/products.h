@@ -7,7 +7,7 @@
  * NUMBER, SUM    an element of C and a vector of them
  * MADD           sum + a b
  * STRIDED        defined: the file has strided_product(), for floats
- * GRADIENT_NEXT  the weight gradient prefetches A this many words ahead; 0: it does not. Undefined: there is no gradient
+ * GRADIENT       defined: there is a weight gradient
  *
  * A tile of C stays in registers while A and B are read once; each word of A is broadcast to a vector.
  */
@@ -22,7 +22,6 @@ typedef struct NAME(tile) {
     NUMBER *c; /* (rows, TILE_COLUMNS) */
     size_t ldc;
     bool add;
-    size_t next; /* prefetch A this many words ahead: hardware does not predict large strides; 0: do not */
     const float *const
         *prefetch; /* NQM_PREFETCH arrays of a tile's size, prefetched a cache line at a time; NULL: none */
 } NAME(tile);
@@ -40,8 +39,6 @@ INLINE void NAME(multiply_tile)(NAME(tile) t) {
         for (size_t end = t.words - u < slice ? t.words : u + slice; u < end; ++u) {
             RIGHT right[TILE_VECTORS];
             UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] = *(const RIGHT *)(b + j * LANES);
-            if (t.next)
-                __builtin_prefetch(a + t.next, 0, 2);
             UNROLL for (size_t i = 0; i < t.rows; ++i) {
                 const WORD left = a[i * t.row_step];
                 UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);
@@ -145,7 +142,7 @@ static void NAME(row_product)(const nqm_row_product *p) {
         NAME(multiply_row)(1, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);
 }
 
-#ifdef GRADIENT_NEXT
+#ifdef GRADIENT
 INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {
     const float *prefetch[NQM_PREFETCH];
     for (size_t i = 0; i < NQM_PREFETCH; ++i)
@@ -162,7 +159,6 @@ INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {
                   .ldb = g->ld_right,
                   .c = g->c + (strip * NQM_STRIP + i) * NQM_PANEL + column,
                   .ldc = NQM_PANEL,
-                  .next = GRADIENT_NEXT,
                   .prefetch = prefetch});
 }
 
@@ -170,7 +166,7 @@ static void NAME(gradient)(const nqm_tile_gradient *g) {
     for (size_t strip = 0; strip < g->n_strips; ++strip)
         NAME(gradient_of_strip)(g, strip);
 }
-#undef GRADIENT_NEXT
+#undef GRADIENT
 #endif
 
 #undef PRECISION

@@ -74,16 +74,16 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define SUM       vector_f
 #define MADD      MADD_F32
 #define STRIDED
-#define GRADIENT_NEXT 0
+#define GRADIENT
 #include "kernel/products.h"
 
-#define PRECISION     bf16
-#define WORD          uint32_t
-#define RIGHT         vector_u
-#define NUMBER        float
-#define SUM           vector_f
-#define MADD          MADD_BF16
-#define GRADIENT_NEXT 0
+#define PRECISION bf16
+#define WORD      uint32_t
+#define RIGHT     vector_u
+#define NUMBER    float
+#define SUM       vector_f
+#define MADD      MADD_BF16
+#define GRADIENT
 #include "kernel/products.h"
 
 #define PRECISION int8
