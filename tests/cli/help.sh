@@ -11,6 +11,8 @@ for verb in $verbs; do
     cp "$dir/out" "$dir/text"
     run 0 help "$verb"
     cmp -s "$dir/out" "$dir/text" || fail "help $verb differs from $verb --help"
+    awk '/^options:/ {table = 1} /^example:/ {table = 0} table && length > 110' "$dir/text" >"$dir/long"
+    [ ! -s "$dir/long" ] || fail "$verb --help has long lines: $(cat "$dir/long")"
     options=$(sed -n '/^options:/,/^example:/s/^  .*  *--\([a-z0-9-]*\).*/\1/p' "$dir/text")
     run 0 help "$verb" --format man
     sed 's/\\-/-/g' "$dir/out" >"$dir/page"

@@ -71,6 +71,22 @@ void each_line(const char *text, void (*fn)(const char *line, size_t n)) {
     }
 }
 
+enum { LEFT_WIDTH = 30, LINE_WIDTH = 110 };
+
+/* Two columns; the lines of `right` end between words, but not after a colon. */
+static void print_columns(const char *left, const char *right) {
+    const size_t room = LINE_WIDTH - LEFT_WIDTH - 1;
+    printf("%-*s", LEFT_WIDTH, left);
+    for (size_t n; strlen(right) > room; right += n + 1) {
+        for (n = room; n > 0 && (right[n] != ' ' || right[n - 1] == ':');)
+            --n;
+        if (n == 0)
+            break;
+        printf(" %.*s\n%*s", (int)n, right, LEFT_WIDTH, "");
+    }
+    printf(" %s\n", right);
+}
+
 static void print_row(void *user, const help_row *row) {
     char left[NQM_OPTION_TEXT_MAX + 64], short_form[8] = "    ";
     (void)user;
@@ -78,7 +94,7 @@ static void print_row(void *user, const help_row *row) {
         snprintf(short_form, sizeof short_form, "-%c, ", row->letter);
     snprintf(left, sizeof left, "  %s--%s%s%s", short_form, row->name, row->metavar ? " " : "",
              row->metavar ? row->metavar : "");
-    printf("%-30s %s\n", left, row->text);
+    print_columns(left, row->text);
 }
 
 static void print_indented(const char *line, size_t n) {
@@ -89,8 +105,8 @@ void print_help(const command *cmd) {
     printf("usage: nqm %s %s\n\n%s\n", verb_name(), cmd->usage, cmd->about);
     for (const choice *c = cmd->choices; c && c->name; ++c) {
         char left[80];
-        snprintf(left, sizeof left, "%s%s%s", c->name, *c->arguments ? " " : "", c->arguments);
-        printf("  %-28s %s\n", left, c->help);
+        snprintf(left, sizeof left, "  %s%s%s", c->name, *c->arguments ? " " : "", c->arguments);
+        print_columns(left, c->help);
     }
     printf("\noptions:\n");
     each_option(cmd, print_row, NULL);

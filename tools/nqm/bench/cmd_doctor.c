@@ -181,7 +181,7 @@ int cmd_doctor(int argc, char **argv) {
     if (json)
         print_document(json_pack("{s:i,s:i,s:o}", "problems", e.n_problems, "notes", e.n_notes, "checks", e.checks));
     else
-        printf("\n%s; %d notes\n", e.n_problems ? "nqm does not work here: see PROBLEM" : "all that nqm needs works",
-               e.n_notes);
+        printf("\n%s; %d note%s\n", e.n_problems ? "nqm does not work here: see PROBLEM" : "all that nqm needs works",
+               e.n_notes, e.n_notes == 1 ? "" : "s");
     return e.n_problems ? EXIT_GATE : EXIT_OK;
 }
