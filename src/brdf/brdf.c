@@ -117,14 +117,23 @@ static nqm_status open_measured(const char *path, const char *measured, nqm_brdf
     return status;
 }
 
+/* ", byte N"; "" when the reader of the format does not know it. */
+static const char *byte_text(int64_t byte, char text[40]) {
+    *text = 0;
+    if (byte >= 0)
+        snprintf(text, 40, ", byte %lld", (long long)byte);
+    return text;
+}
+
 /* The spec of a material; a value outside of its model's range is a fault of the file. */
 static nqm_status open_spec(const char *path, const nqm_material_info *info, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err) {
     nqm_error why = {0};
     nqm_status status = nqm_spec_open(info->spec, name, brdf_ret, &why);
+    char byte[40];
     if (status == NQM_ERR_ARG)
-        return nqm_fail(err, NQM_ERR_FORMAT, info->byte_offset, "%s: the material '%s' (%s, byte %lld): %s", path,
-                        info->name, info->surface, (long long)info->byte_offset, why.message);
+        return nqm_fail(err, NQM_ERR_FORMAT, info->byte_offset, "%s: the material '%s' (%s%s): %s", path, info->name,
+                        info->surface, byte_text(info->byte_offset, byte), why.message);
     if (status != NQM_OK && err)
         *err = why;
     return status;
@@ -135,13 +144,13 @@ static nqm_status open_material(const nqm_map *map, const char *material, const 
                                 nqm_error *err) {
     nqm_materials *materials = NULL;
     nqm_material_info info = {.name = ""};
+    char byte[40];
     nqm_status status = nqm_materials_read(map, &materials, err);
     if (status == NQM_OK)
         status = select_material(map->path, materials, material, &info, err);
     if (status == NQM_OK && info.refusal)
-        status =
-            nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s) is refused: %s (byte %lld)",
-                     map->path, info.name, info.surface, info.refusal, (long long)info.byte_offset);
+        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s",
+                          map->path, info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal);
     if (status == NQM_OK)
         status = nqm_spec_probe(info.spec) ? open_spec(map->path, &info, name, brdf_ret, err)
                                            : open_measured(map->path, info.spec, brdf_ret, err);

@@ -51,7 +51,9 @@ static nqm_status decode(const nqm_map *map, nqm_image *image, nqm_error *err) {
         return nqm_image_decode_exr(map, image, err);
     if (begins(map, "#?", 2))
         return nqm_image_decode_hdr(map, image, err);
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: neither OpenEXR, Radiance HDR nor PNG", map->path);
+    const char *kind = nqm_file_kind(map->data, map->n_bytes);
+    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: neither OpenEXR, Radiance HDR nor PNG%s%s (byte 0)", map->path,
+                    kind ? " but " : "", kind ? kind : "");
 }
 
 nqm_status nqm_image_parse(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {

@@ -21,12 +21,16 @@ typedef struct exr_file {
     const nqm_map *map;
     nqm_outfile out;
     exr_context_t context;
+    size_t row;        /* that is being read, from 1; 0: none */
     char message[200]; /* last error message of OpenEXRCore */
     nqm_error *err;
 } exr_file;
 
 static nqm_status fail_exr(exr_file *file, nqm_status status, const char *what) {
-    return nqm_fail(file->err, status, -1, "%s: OpenEXR: %s%s%s", file->path, what, file->message[0] ? ": " : "",
+    char row[40] = "";
+    if (file->row)
+        snprintf(row, sizeof row, "row %zu: ", file->row);
+    return nqm_fail(file->err, status, -1, "%s: OpenEXR: %s%s%s%s", file->path, row, what, file->message[0] ? ": " : "",
                     file->message);
 }
 
@@ -135,6 +139,7 @@ static nqm_status read_scanlines(exr_file *file, const exr_attr_box2i_t *window,
         return refuse(file, "the chunks have no height");
     for (int64_t y = window->min.y; status == NQM_OK && y <= window->max.y; y += n_lines) {
         exr_chunk_info_t chunk;
+        file->row = (size_t)(y - window->min.y) + 1;
         if (!good(exr_read_scanline_chunk_info(file->context, 0, (int)y, &chunk)))
             return refuse(file, "a chunk is missing or damaged");
         status = decode_chunk(file, &chunk, window, image);
@@ -153,6 +158,7 @@ static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, con
     for (size_t y = 0; status == NQM_OK && y * tile_height < image->height; ++y)
         for (size_t x = 0; status == NQM_OK && x * tile_width < image->width; ++x) {
             exr_chunk_info_t chunk;
+            file->row = y * tile_height + 1;
             if (!good(exr_read_tile_chunk_info(file->context, 0, (int)x, (int)y, 0, 0, &chunk)))
                 return refuse(file, "a tile is missing or damaged");
             chunk.start_x = (int32_t)(x * tile_width);

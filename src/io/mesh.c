@@ -227,7 +227,9 @@ static nqm_status read_any(nqm_mesh_reader *r) {
         return nqm_mesh_read_ply(r);
     if (looks_like_obj(map))
         return nqm_mesh_read_obj(r);
-    return nqm_fail(r->err, NQM_ERR_FORMAT, 0, "%s: neither a PLY nor an OBJ mesh", map->path);
+    const char *kind = nqm_file_kind(map->data, map->n_bytes);
+    return nqm_fail(r->err, NQM_ERR_FORMAT, 0, "%s: neither a PLY nor an OBJ mesh%s%s (byte 0)", map->path,
+                    kind ? " but " : "", kind ? kind : "");
 }
 
 nqm_status nqm_mesh_parse(const nqm_map *map, nqm_mesh *mesh_ret, nqm_error *err) {

@@ -104,7 +104,7 @@ static nqm_status open_encoder(const char *path, nqm_error *err) {
     nqm_hyper hyper = {0};
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK)
-        status = nqm_hyper_read(map.data, map.n_bytes, path, &hyper, err);
+        status = nqm_hyper_read(map.n_bytes ? map.data : (const unsigned char *)"", map.n_bytes, path, &hyper, err);
     nqm_free(hyper.block);
     nqm_map_close(&map);
     return status;
