@@ -81,11 +81,12 @@ const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-/** Fail with NQM_ERR_LIMIT if the tree of the text, read by jansson, would take more than NQM_JSON_ROOM bytes and than eight times
- *  those of the text. To be called before the text is parsed. name, byte: of the text, and its place in the file, for messages. */
-NQM_MUST_CHECK nqm_status nqm_json_check(const char *text, size_t n_bytes, const char *name, size_t byte,
+/** Fail with NQM_ERR_LIMIT if the tree of the text, read by jansson, would take more than NQM_JSON_ROOM bytes and eight times n_file,
+ *  the size of the file with the text. To be called before the text is parsed. name, byte: of the file, and the text's place in it, for
+ *  messages. */
+NQM_MUST_CHECK nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const char *name, size_t byte,
                                          nqm_error *err);
-enum { NQM_JSON_ROOM = 64 << 20 };
+enum { NQM_JSON_ROOM = 512 << 10 };
 
 /* ---- CSV with a header line -------------------------------------------------------------------------------------- */
 

@@ -12,8 +12,9 @@ static size_t cost_of(char c) {
     return c == '{' ? OBJECT : c == '[' ? ARRAY : c == ':' ? MEMBER : c == ',' ? ELEMENT : 0;
 }
 
-nqm_status nqm_json_check(const char *text, size_t n_bytes, const char *name, size_t byte, nqm_error *err) {
-    const size_t most = nqm_larger(NQM_JSON_ROOM, MAX_RATIO * n_bytes);
+nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const char *name, size_t byte,
+                          nqm_error *err) {
+    const size_t most = NQM_JSON_ROOM + MAX_RATIO * n_file;
     size_t n = n_bytes; /* the strings */
     bool is_string = false;
     for (size_t i = 0; i < n_bytes; ++i) {
@@ -25,9 +26,8 @@ nqm_status nqm_json_check(const char *text, size_t n_bytes, const char *name, si
             n += cost_of(text[i]);
         if (n > most)
             return nqm_fail(err, NQM_ERR_LIMIT, (int64_t)(byte + i),
-                            "%s: the values of this JSON up to byte %zu take more than %zu MB, the limit for %zu bytes "
-                            "of text",
-                            name, byte + i, most >> 20, n_bytes);
+                            "%s: the values of this JSON up to byte %zu take more than %zu KB, the limit for %zu bytes",
+                            name, byte + i, most >> 10, n_file);
     }
     return NQM_OK;
 }

@@ -160,8 +160,8 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
                                  nqm_error *err) {
     *st_ret = NULL;
     if (n_bytes < HEADER_AT)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes, "%s: not a safetensors file: %zu bytes only", name,
-                        n_bytes);
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes,
+                        "%s: not a safetensors file: it ends in its header's length (byte %zu)", name, n_bytes);
     uint64_t n_header = nqm_load_u64(data);
     const char *kind = nqm_file_kind(data, n_bytes);
     if (n_header > n_bytes && kind && data[HEADER_AT] != '{')
@@ -171,7 +171,7 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
                         "%s: not a safetensors file, or cut off: a header of %llu bytes in a file of %zu (byte 0)",
                         name, (unsigned long long)n_header, n_bytes);
     json_error_t why;
-    nqm_status status = nqm_json_check((const char *)data + HEADER_AT, (size_t)n_header, name, HEADER_AT, err);
+    nqm_status status = nqm_json_check((const char *)data + HEADER_AT, (size_t)n_header, n_bytes, name, HEADER_AT, err);
     if (status != NQM_OK)
         return status;
     json_t *root = json_loadb((const char *)data + HEADER_AT, (size_t)n_header, JSON_REJECT_DUPLICATES, &why);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _clearcoat and
- * _sheen. Meshes, images and everything else of the file are not read.
+ * _sheen. Meshes, images and everything else of the file are not read; the materials are parsed one by one, because the tree of a whole
+ * file takes twenty times its bytes.
  */
 #include "material/gltf.h"
 #include "io/io.h"
@@ -34,7 +35,7 @@ typedef struct reader {
     const char *path;
     nqm_json_source source;
     size_t source_at; /**< of the JSON text in the file */
-    size_t at;        /**< of the material in the JSON text */
+    size_t at;        /**< of the material in the JSON text; SIZE_MAX: none */
     nqm_shading shading;
     double alpha;
     char refusal[256];
@@ -42,9 +43,9 @@ typedef struct reader {
     nqm_error *err;
 } reader;
 
-/* Of a property of the material; of the text when the position of the material is not known. */
+/* Of a property of the material. */
 static int64_t byte_of(const reader *r, const char *path) {
-    return (int64_t)(r->source_at + (r->at == SIZE_MAX ? 0 : nqm_json_path(&r->source, r->at, path)));
+    return (int64_t)(r->source_at + nqm_json_path(&r->source, r->at, path));
 }
 
 /* Set the refusal "PROPERTY: REASON", if there is none yet. `path` is that of the property in the material. */
@@ -358,51 +359,70 @@ static nqm_status check_root(const reader *r, const json_t *root) {
     return NQM_OK;
 }
 
+/* Refuse a material because of an extension that the file requires. */
+static nqm_status refuse_required(const reader *r, const char *required, const json_t *material,
+                                  nqm_materials *materials) {
+    char refusal[160];
+    const size_t at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired");
+    snprintf(refusal, sizeof refusal, "extensionsRequired: %.80s is not known", required);
+    const nqm_material_info info = {.name = json_string_value(json_object_get(material, "name")),
+                                    .surface = "glTF metallic-roughness",
+                                    .refusal = refusal,
+                                    .byte_offset = (int64_t)(r->source_at + at)};
+    return nqm_materials_add(materials, &info, r->err);
+}
+
+/* Parse n bytes of text, which are at byte `at` of the source or a part of it with the same positions. */
+static nqm_status parse(const reader *r, const char *text, size_t n, size_t at, json_t **value_ret) {
+    json_error_t why;
+    const size_t in_file = r->source_at + at;
+    nqm_status status = nqm_json_check(text, n, r->source.n, r->path, in_file, r->err);
+    *value_ret = status == NQM_OK ? json_loadb(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &why) : NULL;
+    if (status != NQM_OK || *value_ret)
+        return status;
+    const int64_t byte = (int64_t)in_file + why.position;
+    return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: invalid JSON: %s", r->path, (long long)byte,
+                    why.text);
+}
+
+/* root: the outline of the file. */
 static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materials) {
     nqm_status status = check_root(r, root);
     if (status != NQM_OK)
         return status;
     const char *required = unknown_requirement(root);
-    json_t *list = json_object_get(root, "materials"), *material;
-    size_t i;
+    const size_t n = json_array_size(json_object_get(root, "materials"));
     r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
-    json_array_foreach(list, i, material) {
+    if (n && r->at == SIZE_MAX)
+        return nqm_fail(r->err, NQM_ERR_FORMAT, (int64_t)r->source_at,
+                        "%s: byte %zu: the key \"materials\" is written with escapes", r->path, r->source_at);
+    for (size_t i = 0; i < n && status == NQM_OK; ++i) {
         const size_t at = r->at;
-        if (required) {
-            char refusal[160];
-            const char *name = json_string_value(json_object_get(material, "name"));
-            snprintf(refusal, sizeof refusal, "extensionsRequired: %.80s is not known", required);
-            const nqm_material_info info = {
-                .name = name,
-                .surface = "glTF metallic-roughness",
-                .refusal = refusal,
-                .byte_offset = (int64_t)(r->source_at +
-                                         nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired"))};
-            status = nqm_materials_add(materials, &info, r->err);
-        } else
-            status = read_material(r, material, materials);
-        if (status != NQM_OK)
-            return status;
+        json_t *material;
+        status = parse(r, r->source.text + at, nqm_json_end(&r->source, at) - at, at, &material);
+        if (status == NQM_OK)
+            status =
+                required ? refuse_required(r, required, material, materials) : read_material(r, material, materials);
+        json_decref(material);
         r->at = nqm_json_next(&r->source, at);
     }
-    return NQM_OK;
+    return status;
 }
 
 static nqm_status gltf_read(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
     reader r = {.path = map->path, .source = {(const char *)map->data, map->n_bytes}, .err = err};
     nqm_status status = is_glb(map) ? find_chunk(map, &r, err) : NQM_OK;
-    if (status == NQM_OK)
-        status = nqm_json_check(r.source.text, r.source.n, map->path, r.source_at, err);
     if (status != NQM_OK)
         return status;
-    json_error_t why;
-    json_t *root = json_loadb(r.source.text, r.source.n, JSON_REJECT_DUPLICATES, &why);
-    if (!root) {
-        const int64_t byte = (int64_t)r.source_at + why.position;
-        return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: byte %lld (line %d): invalid JSON: %s", map->path,
-                        (long long)byte, why.line, why.text);
-    }
-    status = read_root(&r, root, materials);
+    json_t *root;
+    char *outline = nqm_alloc(r.source.n + 1, 1);
+    if (!outline)
+        return nqm_fail_nomem(err, r.source.n);
+    nqm_json_outline(&r.source, outline);
+    status = parse(&r, outline, r.source.n, 0, &root);
+    nqm_free(outline);
+    if (status == NQM_OK)
+        status = read_root(&r, root, materials);
     json_decref(root);
     return status;
 }

@@ -4,6 +4,7 @@
  */
 #include "material/json_where.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -24,7 +25,7 @@ static size_t skip_string(const nqm_json_source *json, size_t at) {
     return at < json->n ? at + 1 : json->n;
 }
 
-static size_t skip_value(const nqm_json_source *json, size_t at) {
+size_t nqm_json_end(const nqm_json_source *json, size_t at) {
     size_t depth = 0;
     do {
         const char c = at < json->n ? json->text[at] : 0;
@@ -54,8 +55,27 @@ size_t nqm_json_first(const nqm_json_source *json, size_t at) {
 }
 
 size_t nqm_json_next(const nqm_json_source *json, size_t at) {
-    at = skip_blanks(json, skip_value(json, at));
+    at = skip_blanks(json, nqm_json_end(json, at));
     return at < json->n && json->text[at] == ',' ? enter(json, at) : SIZE_MAX;
+}
+
+void nqm_json_outline(const nqm_json_source *json, char *outline) {
+    enum { INNER = 2 };
+    size_t depth = 0;
+    memcpy(outline, json->text, json->n);
+    for (size_t at = 0; at < json->n;) {
+        const char c = json->text[at];
+        const bool opens = c == '{' || c == '[', closes = c == '}' || c == ']';
+        if (opens && depth == INNER) {
+            outline[at] = '0';
+            for (const size_t end = nqm_json_end(json, at); ++at < end;)
+                outline[at] = outline[at] == '\n' ? '\n' : ' ';
+            continue;
+        }
+        depth += opens;
+        depth -= closes && depth;
+        at = c == '"' ? skip_string(json, at) : at + 1;
+    }
 }
 
 size_t nqm_json_member(const nqm_json_source *json, size_t at, const char *key) {

@@ -148,7 +148,8 @@ static nqm_status load(const nqm_map *map, json_t **root_ret, nqm_error *err) {
     if (map->n_bytes > MAX_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of JSON (byte 0); at most %d are read", map->path,
                         map->n_bytes, MAX_BYTES);
-    nqm_status status = nqm_json_check((const char *)map->data + skip, map->n_bytes - skip, map->path, skip, err);
+    nqm_status status =
+        nqm_json_check((const char *)map->data + skip, map->n_bytes - skip, map->n_bytes, map->path, skip, err);
     if (status != NQM_OK)
         return status;
     *root_ret = json_loadb((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, &error);

@@ -142,7 +142,7 @@ static nqm_status take_members(nqm_pair_list *list, const json_line *line, json_
 
 static nqm_status take_line(nqm_pair_list *list, const json_line *line, const char *text, size_t n, nqm_error *err) {
     json_error_t fault;
-    nqm_status status = nqm_json_check(text, n, line->name, (size_t)line->at, err);
+    nqm_status status = nqm_json_check(text, n, n, line->name, (size_t)line->at, err);
     if (status != NQM_OK)
         return status;
     json_t *object = json_loadb(text, n, JSON_REJECT_DUPLICATES, &fault);
