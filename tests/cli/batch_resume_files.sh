@@ -12,7 +12,7 @@ cp valid.binary large.binary
 ref=ggx:alpha=.3
 printf 'reference,test\n%s,small.safetensors\n%s,large.binary\n%s,late.h5\n' $ref $ref $ref >list.csv
 
-# begin: a run that ends in the third row, because its file is missing.
+# begin: a run that ends in its last row, because the file is missing.
 begin() {
     rm -f late.h5 out.csv out.csv.part*
     run 3 batch list.csv -o out.csv -m model.safetensors --invalid zero
@@ -60,6 +60,19 @@ cp valid-network.safetensors small.safetensors
 echo >>valid.zip
 resume 5
 says "valid.zip: --resume needs the same"
+
+# A measured file that a material file names.
+mkdir scene
+cp valid.bsdf scene/measured.bsdf
+echo 'Material "measured" "string filename" "measured.bsdf"' >scene/material.pbrt
+printf 'reference,test\n%s,scene/material.pbrt\n%s,late.h5\n' $ref $ref >list.csv
+begin
+touch -d '2001-01-01' scene/measured.bsdf
+resume 0
+begin
+echo >>scene/measured.bsdf
+resume 5
+says "scene/measured.bsdf: --resume needs the same"
 
 # Pieces of another content are scored again.
 printf 'reference,test\n%s,small.safetensors\n' $ref >list.csv

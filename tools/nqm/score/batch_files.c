@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * The files that rows of `nqm batch` depend on: their paths with an identity, which is the SHA-256 of the contents of a small file, so
- * that it does not change when the file is copied, and size and time of a large one, which is not read completely. Files that a material
- * file names are not followed.
+ * that it does not change when the file is copied, and size and time of a large one, which is not read completely.
  */
 #include "nqm/score/batch.h"
 
 #include "brdf/brdf.h"
+#include <nqm/material.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -69,6 +69,25 @@ static void add_latents(json_t *files, const char *path) {
         json_object_set_new(files, latents, json_null());
 }
 
+/* The measured files that the materials of a file name. */
+static void add_measured(json_t *files, const char *path) {
+    const char *slash = strrchr(path, '/');
+    nqm_materials *materials = NULL;
+    if (nqm_materials_open(path, &materials, NULL) != NQM_OK)
+        return; /* another kind of file, or a broken one, which scoring reports */
+    for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
+        const nqm_material_info info = nqm_materials_get(materials, i);
+        if (!info.spec || nqm_spec_probe(info.spec))
+            continue;
+        char *measured = nqm_brdf_path_below(info.spec, path, slash ? (size_t)(slash - path) : 0);
+        if (!measured)
+            stop(EXIT_LIMIT, "out of memory");
+        json_object_set_new(files, measured, json_null());
+        nqm_free(measured);
+    }
+    nqm_materials_free(materials);
+}
+
 /* The file of an argument: all of it, or what is before the last colon. */
 static void add_path(json_t *files, const char *argument, size_t n) {
     char path[4096];
@@ -81,7 +100,10 @@ static void add_path(json_t *files, const char *argument, size_t n) {
         *colon = '\0';
     if (!is_file(path))
         return;
-    json_object_set_new(files, path, json_null()); /* not UTF-8: no key, and not noticed */
+    if (!json_object_get(files, path)) {
+        json_object_set_new(files, path, json_null()); /* not UTF-8: no key, and not noticed */
+        add_measured(files, path);
+    }
     if (colon)
         add_latents(files, path);
 }
