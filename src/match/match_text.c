@@ -2,6 +2,7 @@
  *
  * The text of a loss: "auto", "auto:SUM" or SUM, where SUM is "WEIGHT*WORD+...".
  */
+#include "base/names.h"
 #include "fit/fit.h"
 #include "match/match.h"
 
@@ -14,12 +15,19 @@ static bool is_word(const char *text, size_t n, const char *word) {
 }
 
 static nqm_status fail_unknown(const char *word, size_t n, nqm_error *err) {
-    char words[300];
+    char words[300], wrong[41];
     size_t used = 0;
-    for (size_t i = 0; nqm_fit_loss_words[i]; ++i)
+    snprintf(wrong, sizeof wrong, "%.*s", (int)nqm_smaller(n, 40), word);
+    nqm_nearest nearest = nqm_nearest_begin(strcmp(wrong, "jod") == 0 ? "nqm" : wrong); /* nqm is the loss of JOD */
+    nqm_nearest_add(&nearest, "auto");
+    nqm_nearest_add(&nearest, "nqm");
+    nqm_nearest_add(&nearest, "transport");
+    for (size_t i = 0; nqm_fit_loss_words[i]; ++i) {
         used += (size_t)snprintf(words + used, sizeof words - used, ", %s", nqm_fit_loss_words[i]);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "there is no loss '%.*s'; there are auto, nqm, transport%s",
-                    (int)nqm_smaller(n, 40), word, words);
+        nqm_nearest_add(&nearest, nqm_fit_loss_words[i]);
+    }
+    return nqm_fail(err, NQM_ERR_ARG, -1, "there is no loss '%s'%s; there are auto, nqm, transport%s", wrong,
+                    nearest.advice, words);
 }
 
 static nqm_status parse_word(const char *word, size_t n, nqm_match_term *term, nqm_error *err) {

@@ -92,8 +92,57 @@ refuses 2 "cannot fit a model 'gxg' (did you mean 'ggx'?)" fit sgd:nickel --mode
 refuses 2 "no material 'opnpbr' (did you mean 'openpbr'?)" translate sgd:nickel --to opnpbr
 refuses 3 "light: there is no file 'overcst' (did you mean 'overcast'?); built in are sun," label sgd:nickel ward:nickel --light overcst
 refuses 3 "shape: there is no file 'cube'; built in are sphere, blob" render sgd:nickel -o "$dir/x.png" --shape cube
-# What a file is written as is what its name says.
-refuses 2 "writes .mat files" sample sgd:nickel -o "$dir/x.csv"
+refuses 2 "no verb 'version' (did you mean '--version'?)" version
+refuses 2 "did you mean '--version'?" score --verison
+run 0 score --version
+grep -q "^nqm [0-9]" "$dir/out" || fail "score --version"
+refuses 2 "no loss 'jod' (did you mean 'nqm'?)" fit sgd:nickel --loss jod
+refuses 2 "no loss 'log-cso' (did you mean 'log-cos'?)" fit sgd:nickel --loss log-cso
+run 0 info list sgd:nick
+[ "$(cat "$dir/out")" = sgd:nickel ] || fail "presets with a word"
+refuses 2 "no preset has 'nikel' in its name" info list nikel
+refuses 2 "x: too many arguments" info sgd:nickel x
+
+# What a file is written as is what its name says: each option for a file, before the work.
+misnamed() {
+    name=$1 option=$2
+    shift 2
+    refuses 2 "^nqm $1: $option writes FILE.*, and '$dir/$name' names another kind" "$@" "$option" "$dir/$name"
+    [ ! -e "$dir/$name" ] || fail "$* wrote $name"
+}
+misnamed x.csv -o sample sgd:nickel
+misnamed x.png -o convert sgd:nickel
+misnamed x.xlsx -o batch list.csv
+misnamed x -o batch list.csv
+misnamed x.html --junit batch list.csv
+misnamed x.txt --markdown batch list.csv
+misnamed x.csv -o dataset materials.csv --directions x.csv
+misnamed x.bin -o train corpus.safetensors
+misnamed x.png --log train corpus.safetensors -o "$dir/x.safetensors"
+misnamed x.json -o calibrate default corpus.safetensors
+misnamed x.csv -o fit sgd:nickel
+misnamed x.pdf --report fit sgd:nickel
+misnamed x.pdf --report translate sgd:nickel --to gltf
+misnamed x.bin -o learn sparse sgd:nickel
+misnamed x.xlsx --pairs eval corpus.safetensors
+misnamed x.pdf -o report sgd:nickel ward:nickel
+misnamed x.jpg --map label sgd:nickel ward:nickel
+misnamed x.jpg --grid label sgd:nickel ward:nickel
+misnamed x.jpg -o render sgd:nickel
+misnamed x.jpg -o plot slice sgd:nickel
+misnamed x.mat -o directions
+misnamed x.csv -o transport make
+misnamed x.md -o models annotate default notes.md
+misnamed x.csv -o bench gemm
+refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --to gltf -o "$dir/x.gif"
+refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"
+refuses 3 "$dir/no/x.safetensors" train corpus.safetensors -o "$dir/no/x.safetensors"
+# Every option that names an output has the check.
+for verb in $verbs; do
+    run 0 "$verb" --help
+    ! grep -E -- '--(output|report|pairs|map|grid|junit|markdown|log) (FILE|CSV)( |$)' "$dir/out" | grep -v 'extension selects' ||
+        fail "$verb: an output of any name"
+done
 refuses 2 "merl writes MERL tables (.binary), and '.*x.npy' names another kind" convert sgd:nickel --format merl -o "$dir/x.npy"
 run 0 convert lambert:kd=.2 -o "$dir/x.npy"
 grep -q 'nodes of a .npy array' "$dir/out" || fail "the format of a .npy name"

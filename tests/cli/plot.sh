@@ -127,7 +127,7 @@ plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
 says "no 'pie'"
 plot 2 attribution sgd:nickel -o "$dir/x.svg"
 plot 2 curve "$dir/labels.csv" -o "$dir/x.gif"
-says 'svg, .pdf or .png'
+says 'FILE.svg|.pdf|.png'
 plot 2 curve "$dir/labels.csv" --size 10x10 -o "$dir/x.svg"
 plot 2 curve "$dir/labels.csv" --size 300 -o "$dir/x.svg"
 plot 2 slice sgd:nonsense -o "$dir/x.svg"

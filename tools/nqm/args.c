@@ -68,6 +68,7 @@ static _Noreturn void unknown_option(const command *cmd, const char *word) {
     snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "="), word);
     nqm_nearest nearest = nqm_nearest_begin(name);
     each_option(cmd, offer_option, &nearest);
+    nqm_nearest_add(&nearest, "--version");
     snprintf(which, sizeof which, "%.100s%s", word, nearest.advice);
     usage_error(cmd, "unknown option: ", which);
 }
@@ -116,6 +117,19 @@ static void check_needed(const command *cmd) {
             snprintf(what, sizeof what, "-%s%s %s is missing: ", *name ? "" : "-", *name ? name : o->name, o->metavar);
             usage_error(cmd, what, o->help);
         }
+}
+
+/* Before the work: outputs have names of their kind and can be written. */
+static void check_outputs(const command *cmd) {
+    for (const option *o = cmd->options; o->name; ++o) {
+        const bool is_output = o->metavar && strncmp(o->metavar, "FILE.", 5) == 0;
+        const char *path = is_output ? *(const char **)o->target : NULL;
+        char name[NQM_OPTION_TEXT_MAX + 2];
+        snprintf(name, sizeof name, "-%s%s", o->letter ? "" : "-",
+                 o->letter ? (const char[]){o->letter, '\0'} : o->name);
+        if (path)
+            require_named_output(name, path, o->metavar + 4);
+    }
 }
 
 void set_option(const nqm_option_table *table, const char *key, void *target, const char *text) {
@@ -168,6 +182,10 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
             print_help(cmd);
             exit(finish(EXIT_OK));
         }
+        if (strcmp(word, "--version") == 0) {
+            print_version();
+            exit(finish(EXIT_OK));
+        }
         write_dashes(word);
         if (!find_option(cmd, word, &f))
             unknown_option(cmd, word);
@@ -189,5 +207,6 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
     if (max >= 0 && n > max)
         usage_error(cmd, "too many arguments, beginning with: ", argv[max]);
     check_needed(cmd);
+    check_outputs(cmd);
     return n;
 }

@@ -39,6 +39,8 @@ void set_help_printer(help_printer *printer);
 /** The row of an option that is not in a table. */
 nqm_option own_row(const command *cmd, const option *o);
 void print_usage(FILE *out);
+/** Versions of the tool and of the libraries of this build. */
+void print_version(void);
 /** Call fn for every line of a text, without its newline. */
 void each_line(const char *text, void (*fn)(const char *line, size_t n));
 

@@ -61,7 +61,7 @@ int main(int argc, char **argv) {
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)
         argv[1] = help;
     if (strcmp(argv[1], "--version") == 0) {
-        printf("nqm %s\n%s\n%s\n", nqm_version(), nqm_build_info(), tool_build_info());
+        print_version();
         return EXIT_OK;
     }
     const verb *v = find_verb(argv[1]);

@@ -44,20 +44,27 @@ void require_output(const char *path) {
     nqm_outfile_abort(&file);
 }
 
-void require_named_output(const char *name, const char *path, const char *endings) {
-    if (!path)
-        return;
-    const char *dot = strrchr(path, '.');
+/* Whether the ending of the path is in the list. A single ending may be left out; several of them choose the format. */
+static bool has_ending(const char *path, const char *endings) {
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     const size_t n_dot = dot ? strlen(dot) : 0;
-    const bool is_file = strcmp(path, "-") != 0 && strncmp(path, "/dev/", 5) != 0;
-    bool fits = false;
-    for (const char *at = endings; *at; at += strspn(at, " ")) {
-        const size_t n = strcspn(at, " ");
+    bool fits = !dot && !strstr(endings, "|.");
+    for (const char *at = endings; *at; at += strspn(at, "|")) {
+        const size_t n = strcspn(at, "|");
         fits = fits || (n == n_dot && strncasecmp(at, dot, n) == 0);
         at += n;
     }
-    if (is_file && !fits)
-        stop(EXIT_USAGE, "%s writes %s files, and '%s' names another kind", name, endings, path);
+    return fits;
+}
+
+void require_named_output(const char *name, const char *path, const char *endings) {
+    const size_t n = strlen(path);
+    if (strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0)
+        return;
+    if (strstr(endings, "DIR/") && ((n && path[n - 1] == '/') || is_folder(path)))
+        return;
+    if (!has_ending(path, endings))
+        stop(EXIT_USAGE, "%s writes FILE%s, and '%s' names another kind of file", name, endings, path);
     require_output(path);
 }
 

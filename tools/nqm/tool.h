@@ -54,8 +54,8 @@ typedef struct option {
     const char *name; /* without "--"; NULL ends the table */
     char letter;      /* short form, 0 for none */
     option_kind kind;
-    void *target; /* has the default before parsing, which help prints */
-    const char *metavar;
+    void *target;        /* has the default before parsing, which help prints */
+    const char *metavar; /* "FILE.csv|.json": an output; other names are refused, and files that cannot be written */
     const char *help;
     double min, max; /* for numbers; both 0: any finite value */
 } option;
@@ -223,9 +223,9 @@ char *absolute_path(const char *path, const char *suffix);
 void open_output(const char *path, output_file *out);
 /** Report an error and exit if open_output() would: before long work. */
 void require_output(const char *path);
-/** The same, and a usage error unless the path has one of the endings, separated by spaces: ".png .svg"; also "-" and devices are
- *  allowed. NULL: nothing is checked. */
-void require_named_output(const char *option, const char *path, const char *endings);
+/** The same, and a usage error unless the path has one of the endings: ".png|.svg", or ".mat|DIR/" where a folder is allowed too;
+ *  "-" and devices are allowed. parse_arguments() calls it for all options whose metavar is FILE with endings. */
+void require_named_output(const char *name, const char *path, const char *endings);
 /** Close, and rename to the final name; a zeroed file is allowed. On failure, report the error and exit. */
 void close_output(output_file *out);
 /** Remove the temporary files of all open outputs (stop() does). */

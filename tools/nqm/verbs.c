@@ -48,6 +48,10 @@ void print_usage(FILE *out) {
           out);
 }
 
+void print_version(void) {
+    printf("nqm %s\n%s\n%s\n", nqm_version(), nqm_build_info(), tool_build_info());
+}
+
 const verb *find_verb(const char *name) {
     const verb *v = verbs;
     while (v->name && strcmp(v->name, name) != 0)
@@ -59,6 +63,8 @@ int report_no_verb(const char *name) {
     nqm_nearest nearest = nqm_nearest_begin(name);
     for (const verb *v = verbs; v->name; ++v)
         nqm_nearest_add(&nearest, v->name);
+    nqm_nearest_add(&nearest, "--version");
+    nqm_nearest_add(&nearest, "--help");
     fprintf(stderr, "nqm: there is no verb '%s'%s; `nqm --help` lists them\n", name, nearest.advice);
     return EXIT_USAGE;
 }

@@ -69,7 +69,7 @@ int cmd_bench(int argc, char **argv) {
     bool json = false;
     const option options[] = {
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {"output", 'o', OPTION_TEXT, &output, "FILE", "also write the JSON to a file", 0, 0},
+        {"output", 'o', OPTION_TEXT, &output, "FILE.json", "also write the JSON to a file", 0, 0},
         {"epochs", 0, OPTION_COUNT, &epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
         {0}};
     const choice choices[] = {

@@ -136,17 +136,24 @@ static int print_file(const char *path, bool json) {
     return print_model(path, json); /* the reader of models has the best message for a damaged file */
 }
 
-static int print_presets(bool json) {
+/* The presets whose names contain `word`. */
+static int print_presets(const char *word, bool json) {
     json_t *presets = json ? json_array() : NULL;
+    size_t n = 0;
     for (size_t i = 0; i < nqm_brdf_preset_count(); ++i) {
         const char *name = nqm_brdf_preset_name(i);
         size_t n_model = strcspn(name, ":");
+        if (!strstr(name, word))
+            continue;
+        ++n;
         if (json)
             json_array_append_new(presets, json_pack("{s:s,s:s#,s:s}", "name", name, "model", name, (int)n_model,
                                                      "material", name + n_model + 1));
         else
             puts(name);
     }
+    if (n == 0)
+        return report(EXIT_USAGE, "no preset has '%s' in its name; `nqm info list` prints all", word);
     return json ? print_document(json_pack("{s:o}", "presets", presets)) : EXIT_OK;
 }
 
@@ -154,18 +161,22 @@ int cmd_info(int argc, char **argv) {
     bool json = false;
     const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
     const command cmd = {
-        .usage = "FILE|SPEC|list [options]",
-        .about =
-            "What a BRDF (file, spec or preset), model file, dataset file or file of several materials contains. "
-            "`list`\n"
-            "prints the presets: published fits of measured materials. For BRDFs the albedo at normal incidence is\n"
-            "computed too.",
-        .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list",
+        .usage = "FILE|SPEC|list [WORD] [options]",
+        .about = "What a BRDF (file, spec or preset), model file, dataset file or file of several materials contains. "
+                 "`list`\n"
+                 "prints the presets, or those with WORD in their names: published fits of measured materials. For "
+                 "BRDFs the\n"
+                 "albedo at normal incidence is computed too.",
+        .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list\n"
+                   "nqm info list nickel",
         .options = options,
         .min_arguments = 1,
+        .max_arguments = 2,
     };
-    parse_arguments(&cmd, argc, argv);
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (strcmp(argv[0], "list") == 0)
-        return print_presets(json);
+        return print_presets(n_arguments > 1 ? argv[1] : "", json);
+    if (n_arguments > 1)
+        stop(EXIT_USAGE, "%s: too many arguments; info describes one file or spec", argv[1]);
     return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_file_of_brdfs(argv[0], json);
 }

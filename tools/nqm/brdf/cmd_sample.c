@@ -96,7 +96,6 @@ int cmd_sample(int argc, char **argv) {
     set_option(&nqm_score_option_table, "invalid", &score, policy_name);
     if (output && format != FORMAT_TEXT)
         stop(EXIT_USAGE, "--csv, --json and --output exclude each other");
-    require_named_output("-o", output, ".mat");
     nqm_brdf *brdf = open_brdf(argv[0]);
     nqm_directions *directions = open_directions(directions_name);
     const size_t n = nqm_directions_count(directions);

@@ -308,7 +308,7 @@ int cmd_fit(int argc, char **argv) {
         {"metric", 0, OPTION_TEXT, &metric, "MODEL", "the model of the loss nqm and of the printed JOD", 0, 0},
         {"transport", 0, OPTION_TEXT, &transport, "MODEL",
          "the model of the loss transport and of the choice of auto (nqm transport make)", 0, 0},
-        {"output", 'o', OPTION_TEXT, &path, "FILE|DIR/",
+        {"output", 'o', OPTION_TEXT, &path, "FILE.safetensors|DIR/",
          "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},
         {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...",
          "narrower ranges of parameters (not of networks and codes)", 0, 0},

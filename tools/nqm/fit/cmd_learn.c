@@ -11,7 +11,7 @@ int cmd_learn(int argc, char **argv) {
     bool json = false;
     uint64_t steps = 0;
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &path, "FILE", "the encoder file to write", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the encoder file to write", 0, 0},
         {"seed", 0, OPTION_COUNT, &learning.seed, "N", "seed of the optimiser", 0, 0},
         {"steps", 0, OPTION_COUNT, &steps, "N", "steps of the optimiser (0: 40 for sparse, 16000 for hyper)", 0, 1e7},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},

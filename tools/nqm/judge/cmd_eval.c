@@ -201,7 +201,7 @@ int cmd_eval(int argc, char **argv) {
          "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
          "human scores: 0)",
          0, 1e9},
-        {"pairs", 0, OPTION_TEXT, &a.pairs, "CSV",
+        {"pairs", 0, OPTION_TEXT, &a.pairs, "FILE.csv",
          "also write label, predictions, scalar features and parts of every pair", 0, 0},
         {"json", 0, OPTION_FORMAT, &a.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &a.format, NULL, "print CSV", FORMAT_CSV, 0},

@@ -63,8 +63,8 @@ int cmd_dataset(int argc, char **argv) {
     nqm_option rows[MAX_ROWS];
     const nqm_option_table table = corpus_and_scene(rows);
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE", "the dataset to write; its manifest is written to FILE.json", 0,
-         0},
+        {"output", 'o', OPTION_NEEDED, &output, "FILE.safetensors",
+         "the dataset to write; its manifest is written to FILE.json", 0, 0},
         {"directions", 0, OPTION_NEEDED, &directions_path, "CSV", "sampling directions, from `nqm directions`", 0, 0},
         {"log", 0, OPTION_FLAG, &log, NULL, "progress as lines on standard error, for log files", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print the manifest as JSON", 0, 0},

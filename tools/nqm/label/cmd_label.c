@@ -44,8 +44,6 @@ static void check_label(label_run *run, uint64_t shrink) {
         stop(EXIT_USAGE, "--shrink must divide the size of the picture");
     if (run->keep && mkdir(run->keep, 0777) != 0 && errno != EEXIST)
         stop(EXIT_OPEN, "%s: cannot create the folder: %s", run->keep, strerror(errno));
-    require_named_output("--map", run->map, ".png");
-    require_named_output("--grid", run->grid, ".png");
 }
 
 int cmd_label(int argc, char **argv) {

@@ -74,9 +74,6 @@ static void write_frames(const render_run *run, json_t *files) {
 
 static void run_render(render_run *run) {
     nqm_error err = {0};
-    char path[4096];
-    frame_path(run, 1, path, sizeof path);
-    require_named_output("nqm render", path, ".png .exr .hdr");
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
     run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
     run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
@@ -105,8 +102,8 @@ int cmd_render(int argc, char **argv) {
     bool quality = false;
     uint64_t supersample = 0;
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &run.output, "FILE",
-         ".png (tone-mapped), .exr or .hdr (cd/m2); several frames: %d or -0001", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &run.output, "FILE.png|.exr|.hdr",
+         "tone-mapped, or (.exr, .hdr) cd/m2; several frames: %d or -0001", 0, 0},
         {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
         {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points per pixel (0: 1, or 2 with --quality)", 0,
          16},

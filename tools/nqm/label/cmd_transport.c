@@ -22,7 +22,7 @@ int cmd_transport(int argc, char **argv) {
     const char *path = NULL, *directions_name = NULL, *name = "transport";
     bool json = false;
     scene_args scene = scene_args_begin();
-    const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE", "the model to write", 0, 0},
+    const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the model to write", 0, 0},
                               {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
                                "sampling directions (default: those of `nqm score`)", 0, 0},
                               {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
@@ -51,7 +51,6 @@ int cmd_transport(int argc, char **argv) {
     nqm_directions *directions = open_directions(directions_name);
     nqm_model *model;
     nqm_error err = {0};
-    require_output(path);
     must(nqm_transport_create(&scene.scene, directions, n_points, name, &model, &err), &err);
     must(nqm_model_save(model, output_path(path), &err), &err);
     if (json)

@@ -32,11 +32,14 @@ static bool ends_with(const char *text, const char *end) {
 static batch_format choose_format(bool json, bool json_lines, const char *output) {
     if (json && json_lines)
         stop(EXIT_USAGE, "--json and --jsonl exclude each other");
-    if (json || json_lines)
-        return json ? BATCH_JSON : BATCH_JSON_LINES;
-    if (output && (ends_with(output, ".jsonl") || ends_with(output, ".ndjson")))
-        return BATCH_JSON_LINES;
-    return output && ends_with(output, ".json") ? BATCH_JSON : BATCH_CSV;
+    const char *name = output ? output : "";
+    const bool names_lines = ends_with(name, ".jsonl") || ends_with(name, ".ndjson"),
+               names_json = ends_with(name, ".json");
+    if (!json && !json_lines)
+        return names_lines ? BATCH_JSON_LINES : names_json ? BATCH_JSON : BATCH_CSV;
+    if (ends_with(name, ".csv") || (json ? names_lines : names_json))
+        stop(EXIT_USAGE, "--%s: '%s' names another kind of file", json ? "json" : "jsonl", name);
+    return json ? BATCH_JSON : BATCH_JSON_LINES;
 }
 
 /* Settings that determine results. */
@@ -176,13 +179,6 @@ static void check_usage(const batch_run *run, const batch_arguments *a, ranks r)
         stop(EXIT_USAGE, "%zu processes cannot read the list from standard input: give a file", r.count);
 }
 
-/* The absolute path of an output, which must be writable: before the work. */
-static char *promise_output(const char *path) {
-    if (path)
-        require_output(path);
-    return path ? absolute_path(path, "") : NULL;
-}
-
 static void open_inputs(batch_run *run, const batch_arguments *a) {
     nqm_error err = {0};
     nqm_model *model = open_model(a->model);
@@ -206,8 +202,8 @@ static void open_outputs(batch_run *run, const batch_arguments *a, ranks r) {
     json_t *score = score_terms(run, root), *terms = output_terms(run, score, a->metrics);
     open_batch_pieces(a->work, score, run->list, run->scorer, &run->pieces);
     if (r.rank == 0) {
-        run->junit = promise_output(a->junit);
-        run->markdown = promise_output(a->markdown);
+        run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
+        run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
         open_batch_output(&(batch_request){a->output, terms, a->resume, run->is_sorted, run->list->n_rows}, &run->out);
     }
     json_decref(terms);
@@ -237,7 +233,7 @@ int cmd_batch(int argc, char **argv) {
     run.options = nqm_score_options_default();
     uint64_t cache_mb = run.options.cache_bytes >> 20;
     const option options[] = {
-        {"output", 'o', OPTION_TEXT, &a.output, "FILE", "write .csv, .jsonl or .json instead of standard output", 0, 0},
+        {"output", 'o', OPTION_TEXT, &a.output, "FILE.csv|.jsonl|.json|.ndjson", "instead of standard output", 0, 0},
         {"resume", 0, OPTION_FLAG, &a.resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
         {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
         OPTION_ROWS_GATE(&run.form.gate),

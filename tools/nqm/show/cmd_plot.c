@@ -91,7 +91,7 @@ int cmd_plot(int argc, char **argv) {
     const char *size = NULL;
     plot_arguments a = {.look = nqm_plot_options_default(), .phi_d_deg = 90};
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &a.output, "FILE", "the drawing: .svg, .pdf or .png", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &a.output, "FILE.svg|.pdf|.png", "the drawing", 0, 0},
         {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "title, instead of the automatic one; '': none", 0, 0},
         {"size", 0, OPTION_TEXT, &size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
         {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png per CSS pixel", 0.5, 8},

@@ -46,7 +46,7 @@ int cmd_report(int argc, char **argv) {
     scene_args scene = scene_args_begin();
     scene.side = 400; /* sharp on paper */
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE.html", "the page", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &output, "FILE.html|.htm", "the page", 0, 0},
         {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
         {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]",
          0, 0},
@@ -82,7 +82,6 @@ int cmd_report(int argc, char **argv) {
     check_scene(&run.labels, shrink);
     run.date = run.date ? run.date : find_date(date);
     output_file out;
-    require_named_output("nqm report", output, ".html .htm");
     open_output(output, &out); /* first: a missing folder is reported before the work */
     if (!out.file.temporary)
         stop(EXIT_USAGE, "the page must be a file: -o FILE.html");

@@ -27,7 +27,7 @@ int cmd_calibrate(int argc, char **argv) {
     const char *output = NULL;
     bool new_materials = false, json = false;
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE", "the model file to write", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &output, "FILE.safetensors", "the model file to write", 0, 0},
         {"new-materials", 0, OPTION_FLAG, &new_materials, NULL,
          "DATASET is not that of the training, but the model was not trained on its validation materials", 0, 0},
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},

@@ -119,7 +119,7 @@ int cmd_models(int argc, char **argv) {
     const char *output = NULL;
     const option options[] = {
         {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {"output", 'o', OPTION_TEXT, &output, "FILE", "annotate: the model file to write", 0, 0},
+        {"output", 'o', OPTION_TEXT, &output, "FILE.safetensors", "annotate: the model file to write", 0, 0},
         {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
         {0}};
     enum { LIST, SHOW, ANNOTATE };

@@ -160,9 +160,9 @@ int cmd_train(int argc, char **argv) {
     nqm_error err = {0};
     must(nqm_train_options_recipe(find_recipe(argc, argv), &a.options, &err), &err);
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &a.output, "FILE", "the model file to write", 0, 0},
+        {"output", 'o', OPTION_NEEDED, &a.output, "FILE.safetensors", "the model file to write", 0, 0},
         {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
-        {"log", 0, OPTION_TEXT, &a.log, "CSV",
+        {"log", 0, OPTION_TEXT, &a.log, "FILE.csv",
          "write the losses of each epoch as it ends (tail -f); a stopped training leaves them, a resumed one continues "
          "them",
          0, 0},
