@@ -12,14 +12,15 @@
  * A tile of C stays in registers while A and B are read once; each word of A is broadcast to a vector.
  */
 
-/* C (rows, TILE_COLUMNS) = A B, or C + A B. Where it is inlined, all but the pointers and strides are constants. */
+/* C (rows, vectors LANES) = A B, or C + A B. Where it is inlined, all but the pointers and strides are constants. */
 typedef struct NAME(tile) {
-    size_t rows, words;
+    size_t rows, vectors; /* at most TILE_SUMS together */
+    size_t words;
     const WORD *a; /* word u of row i is a[i * row_step + u * word_step] */
     size_t row_step, word_step;
-    const WORD *b; /* (words, TILE_COLUMNS), ldb words from row to row */
+    const WORD *b; /* (words, vectors LANES), ldb words from row to row */
     size_t ldb;
-    NUMBER *c; /* (rows, TILE_COLUMNS) */
+    NUMBER *c; /* (rows, vectors LANES) */
     size_t ldc;
     bool add;
     const float *const
@@ -30,25 +31,26 @@ INLINE void NAME(multiply_tile)(NAME(tile) t) {
     const WORD *restrict a = t.a, *restrict b = t.b;
     NUMBER *restrict c = t.c;
     const size_t slice = t.prefetch ? (t.words + PREFETCH_LINES - 1) / PREFETCH_LINES : t.words;
-    SUM sum[TILE_ROWS][TILE_VECTORS];
-    UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] =
+    SUM sum[TILE_SUMS];
+    UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < t.vectors; ++j) sum[i * t.vectors + j] =
         t.add ? *(const SUM *)(c + i * t.ldc + j * LANES) : (SUM){0};
     for (size_t u = 0, line = 0; u < t.words; ++line) {
         for (size_t i = 0; t.prefetch && i < NQM_PREFETCH; ++i)
             __builtin_prefetch(t.prefetch[i] + line * LINE, 0, 2);
         for (size_t end = t.words - u < slice ? t.words : u + slice; u < end; ++u) {
-            RIGHT right[TILE_VECTORS];
-            UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) right[j] = *(const RIGHT *)(b + j * LANES);
+            RIGHT right[PANEL_VECTORS];
+            UNROLL for (size_t j = 0; j < t.vectors; ++j) right[j] = *(const RIGHT *)(b + j * LANES);
             UNROLL for (size_t i = 0; i < t.rows; ++i) {
                 const WORD left = a[i * t.row_step];
-                UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) sum[i][j] = MADD(sum[i][j], left, right[j]);
+                SUM *row = sum + i * t.vectors;
+                UNROLL for (size_t j = 0; j < t.vectors; ++j) row[j] = MADD(row[j], left, right[j]);
             }
             a += t.word_step;
             b += t.ldb;
         }
     }
-    UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < TILE_VECTORS; ++j) *
-        (SUM *)(c + i * t.ldc + j * LANES) = sum[i][j];
+    UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < t.vectors; ++j) *
+        (SUM *)(c + i * t.ldc + j * LANES) = sum[i * t.vectors + j];
 }
 
 /* n rows from `row` on, where t is the tile of row 0. */
@@ -89,7 +91,8 @@ INLINE void NAME(multiply_rows)(NAME(tile) t, size_t m) {
 static void NAME(product)(const nqm_product *p) {
     for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
         NAME(multiply_rows)
-    ((NAME(tile)){.words = p->words,
+    ((NAME(tile)){.vectors = TILE_VECTORS,
+                  .words = p->words,
                   .a = p->a,
                   .row_step = p->lda,
                   .word_step = 1,
@@ -102,19 +105,32 @@ static void NAME(product)(const nqm_product *p) {
 }
 
 #ifdef STRIDED
+/* At most two rows need the whole panel at once: the few sums of a narrower tile wait for each other's latency. */
 static void strided_product(const nqm_strided_product *p) {
-    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
-        NAME(multiply_rows)
-    ((NAME(tile)){.words = p->k,
-                  .a = p->a,
-                  .row_step = p->lda,
-                  .word_step = p->step,
-                  .b = p->b + column,
-                  .ldb = p->ldb,
-                  .c = p->c + column,
-                  .ldc = p->ldc,
-                  .add = p->add},
-     p->m);
+    NAME(tile)
+    t = {.vectors = TILE_VECTORS,
+         .words = p->k,
+         .a = p->a,
+         .row_step = p->lda,
+         .word_step = p->step,
+         .b = p->b,
+         .ldb = p->ldb,
+         .c = p->c,
+         .ldc = p->ldc,
+         .add = p->add};
+    if (p->m <= 2 && 2 * PANEL_VECTORS <= TILE_SUMS) {
+        t.vectors = PANEL_VECTORS;
+        if (p->m == 1)
+            NAME(multiply_some)(t, 0, 1);
+        else
+            NAME(multiply_some)(t, 0, 2);
+        return;
+    }
+    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {
+        NAME(multiply_rows)(t, p->m);
+        t.b += TILE_COLUMNS;
+        t.c += TILE_COLUMNS;
+    }
 }
 #undef STRIDED
 #endif
@@ -151,6 +167,7 @@ INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {
         for (size_t i = 0; i < NQM_STRIP; i += TILE_ROWS)
             NAME(multiply_tile)
     ((NAME(tile)){.rows = TILE_ROWS,
+                  .vectors = TILE_VECTORS,
                   .words = g->words,
                   .a = (const WORD *)g->left + strip * g->step + i,
                   .row_step = 1,

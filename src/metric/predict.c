@@ -22,6 +22,7 @@ struct nqm_predictor {
     nqm_inference_work *work; /* NULL: the model has no network */
     float *t;             /* (tasks, 2, n_directions, 3) transformed reference and test: a task stays in the L2 cache */
     float *root;          /* (tasks, 1 + NQM_COMPARE_MAX, n_directions, 3) cube roots of a reference and its tests */
+    nqm_pair_sums *sums;  /* (tasks, NQM_COMPARE_MAX) of a reference and its tests */
     double *bound;        /* (max_batch) of nqm_delta_e_bound() */
     float *x;             /* (max_batch, stride) network inputs */
     float *z;             /* (max_batch, n_outputs) network outputs */
@@ -63,10 +64,12 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     nqm_predictor *p;
     const size_t n_tasks = most_tasks(max_batch), n = 3 * n_directions;
     float *t, *root, *x, *z;
+    nqm_pair_sums *sums;
     double *bound;
     nqm_label *estimates;
     status = nqm_alloc_arrays(NQM_ARRAYS({&p, 1, sizeof *p}, {&t, n_tasks, 2 * n * sizeof *t},
                                          {&root, n_tasks, (1 + NQM_COMPARE_MAX) * n * sizeof *root},
+                                         {&sums, n_tasks, NQM_COMPARE_MAX * sizeof *sums},
                                          {&bound, max_batch, sizeof *bound}, {&x, max_batch, stride * sizeof *x},
                                          {&z, max_batch, nqm_model_n_outputs(model) * sizeof *z},
                                          {&estimates, model->transport ? max_batch : 0, sizeof *estimates}),
@@ -78,6 +81,7 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
                          .stride = stride,
                          .t = t,
                          .root = root,
+                         .sums = sums,
                          .bound = bound,
                          .x = x,
                          .z = z,
@@ -177,6 +181,7 @@ typedef struct task_buffers {
     const nqm_sampled_pairs *pairs;
     float *ref_t, *test_t;
     float *root; /* of the reference; those of its tests follow */
+    nqm_pair_sums *sums;
 } task_buffers;
 
 /* Compute the inputs that come from samples of pairs [begin, end), which have the same reference. */
@@ -201,22 +206,51 @@ static void estimate(nqm_predictor *p, const nqm_sampled_pairs *pairs, size_t be
                             pairs->used ? pairs->used + t.n_directions * begin : NULL, p->estimates + begin);
 }
 
-/* Compute the metrics and the scalar inputs of pairs [begin, end), which have the same reference. */
-static void compose_scalars(const task_buffers *task, size_t begin, size_t end) {
+static bool needs_sums(const task_buffers *task) {
+    return nqm_model_n_scalars(task->predictor->model) > 0 || task->pairs->metrics;
+}
+
+/* The comparison of pairs [begin, end), which have the same reference. */
+static nqm_comparison comparison_of(const task_buffers *task, size_t begin, size_t end) {
+    const nqm_predictor *p = task->predictor;
+    const nqm_sampled_pairs *pairs = task->pairs;
+    const nqm_directions *directions = p->model->directions;
+    return (nqm_comparison){.directions = directions,
+                            .ref = pairs->ref[begin],
+                            .n = end - begin,
+                            .test = pairs->test + begin,
+                            .used = pairs->used ? pairs->used + directions->n * begin : NULL,
+                            .estimate = p->estimates ? p->estimates + begin : NULL};
+}
+
+/* Compute what does not depend on the estimate, of the same pairs: the inputs that come from samples, and the sums. */
+static void compare(const task_buffers *task, size_t begin, size_t end) {
+    const nqm_predictor *p = task->predictor;
+    const nqm_sampled_pairs *pairs = task->pairs;
+    const size_t n = p->model->directions->n;
+    const nqm_comparison c = comparison_of(task, begin, end);
+    for (size_t i = begin; i < end; ++i) {
+        p->bound[i] = nqm_delta_e_bound(n, pairs->ref[i], pairs->test[i], pairs->used ? pairs->used + n * i : NULL);
+        if (pairs->novelty)
+            pairs->novelty[i] = NAN;
+    }
+    if (p->work || pairs->metrics)
+        compose_samples(task, begin, end);
+    if (needs_sums(task))
+        nqm_compare_sums_float(p->plan, &c, task->root, nqm_model_n_scalars(p->model) > 0, task->sums);
+}
+
+/* Compute the metrics and the scalar inputs of the same pairs from their sums and estimates. */
+static void finish(const task_buffers *task, size_t begin, size_t end) {
     const nqm_predictor *p = task->predictor;
     const nqm_sampled_pairs *pairs = task->pairs;
     const nqm_model *m = p->model;
     const bool with_scalars = nqm_model_n_scalars(m) > 0;
-    const nqm_comparison c = {.directions = m->directions,
-                              .ref = pairs->ref[begin],
-                              .n = end - begin,
-                              .test = pairs->test + begin,
-                              .used = pairs->used ? pairs->used + m->directions->n * begin : NULL,
-                              .estimate = p->estimates ? p->estimates + begin : NULL};
-    nqm_pair_sums sums[NQM_COMPARE_MAX];
+    const nqm_comparison c = comparison_of(task, begin, end);
     double scalars[NQM_COMPARE_MAX * NQM_SCALAR_COUNT];
-    nqm_compare_sums_float(p->plan, &c, task->root, with_scalars, sums);
-    nqm_compare_finish(&c, sums, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
+    if (!needs_sums(task))
+        return;
+    nqm_compare_finish(&c, task->sums, pairs->metrics ? pairs->metrics + begin * NQM_METRIC_COUNT : NULL,
                        with_scalars ? scalars : NULL);
     for (size_t i = begin; with_scalars && i < end; ++i) {
         const double *own = scalars + (i - begin) * NQM_SCALAR_COUNT;
@@ -226,28 +260,48 @@ static void compose_scalars(const task_buffers *task, size_t begin, size_t end) 
     }
 }
 
+static task_buffers buffers_of(const compose_job *job, size_t i_task) {
+    nqm_predictor *p = job->predictor;
+    const size_t n = 3 * p->model->directions->n;
+    float *t = p->t + i_task * 2 * n;
+    return (task_buffers){
+        p, job->pairs, t, t + n, p->root + i_task * (1 + NQM_COMPARE_MAX) * n, p->sums + i_task * NQM_COMPARE_MAX};
+}
+
 /* One task: processes its pairs in runs with the same reference, which is transformed once per run. */
 static void compose(void *user, size_t i_task) {
     const compose_job *job = user;
-    nqm_predictor *p = job->predictor;
     const nqm_sampled_pairs *pairs = job->pairs;
-    const size_t n_directions = p->model->directions->n, n = 3 * n_directions;
     const size_t first = i_task * job->n_at_once, end = nqm_smaller(first + job->n_at_once, pairs->n);
-    float *t = p->t + i_task * 2 * n;
-    const task_buffers task = {p, pairs, t, t + n, p->root + i_task * (1 + NQM_COMPARE_MAX) * n};
-    if (p->estimates)
-        estimate(p, pairs, first, end);
+    const task_buffers task = buffers_of(job, i_task);
+    if (job->predictor->estimates)
+        estimate(job->predictor, pairs, first, end);
     for (size_t begin = first, next; begin < end; begin = next) {
-        for (next = begin; next < end && pairs->ref[next] == pairs->ref[begin]; ++next) {
-            p->bound[next] = nqm_delta_e_bound(n_directions, pairs->ref[next], pairs->test[next],
-                                               pairs->used ? pairs->used + n_directions * next : NULL);
-            if (pairs->novelty)
-                pairs->novelty[next] = NAN;
-        }
-        if (p->work || pairs->metrics)
-            compose_samples(&task, begin, next);
-        if (nqm_model_n_scalars(p->model) > 0 || pairs->metrics)
-            compose_scalars(&task, begin, next);
+        for (next = begin + 1; next < end && pairs->ref[next] == pairs->ref[begin];)
+            ++next;
+        compare(&task, begin, next);
+        finish(&task, begin, next);
+    }
+}
+
+/* Half of the work of a single pair. */
+static void compose_half(void *user, size_t half) {
+    const compose_job *job = user;
+    const task_buffers task = buffers_of(job, 0);
+    if (half == 0)
+        estimate(job->predictor, job->pairs, 0, 1);
+    else
+        compare(&task, 0, 1);
+}
+
+/* A single pair: two threads, if both have enough to do. */
+static void compose_one(compose_job *job) {
+    const task_buffers task = buffers_of(job, 0);
+    if (job->predictor->estimates && needs_sums(&task)) {
+        nqm_parallel_for(2, compose_half, job);
+        finish(&task, 0, 1);
+    } else {
+        compose(job, 0);
     }
 }
 
@@ -268,7 +322,7 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         return;
     compose_job job = {p, pairs, pairs_per_task(pairs->n)};
     if (pairs->n == 1)
-        compose(&job, 0);
+        compose_one(&job);
     else
         nqm_parallel_for(count_tasks(pairs->n), compose, &job);
     if (p->work)

@@ -154,7 +154,7 @@ static void batches_give_the_same_bits(void **state) {
     on_every_table(cut_batches);
 }
 
-/* The same for the JOD of a model that corrects estimates. */
+/* The same for the JOD of a model that corrects estimates, and for metrics: two threads share a single pair. */
 static void predictions_give_the_same_bits(void **state) {
     (void)state;
     enum { N_PAIRS = 75, N_DIRECTIONS = 130 };
@@ -164,6 +164,7 @@ static void predictions_give_the_same_bits(void **state) {
     static float samples[2 * N_PAIRS * 3 * N_DIRECTIONS];
     const float *ref[N_PAIRS], *test[N_PAIRS];
     double expected[N_PAIRS], jod[N_PAIRS];
+    static double expected_metrics[N_PAIRS * NQM_METRIC_COUNT], metrics[N_PAIRS * NQM_METRIC_COUNT];
     assert_int_equal(make_tiny_model(N_DIRECTIONS, &model, NULL), NQM_OK);
     static float random[N_DIRECTIONS * 3 * POINTS];
     for (size_t i = 0; i < N_DIRECTIONS * 3 * POINTS; ++i)
@@ -178,17 +179,23 @@ static void predictions_give_the_same_bits(void **state) {
     }
     assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, N_PAIRS, &predictor, NULL), NQM_OK);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        nqm_predictor_run(predictor, &(nqm_sampled_pairs){.n = 1, .ref = ref + i, .test = test + i}, expected + i,
-                          NULL);
+        nqm_predictor_run(
+            predictor,
+            &(nqm_sampled_pairs){
+                .n = 1, .ref = ref + i, .test = test + i, .metrics = expected_metrics + i * NQM_METRIC_COUNT},
+            expected + i, NULL);
     for (int n_threads = 1; n_threads <= 2; ++n_threads) {
         omp_set_num_threads(n_threads);
         for (size_t cut = 1; cut <= N_PAIRS; cut = 2 * cut + 1) {
             for (size_t first = 0; first < N_PAIRS; first += cut)
                 nqm_predictor_run(predictor,
-                                  &(nqm_sampled_pairs){
-                                      .n = nqm_smaller(cut, N_PAIRS - first), .ref = ref + first, .test = test + first},
+                                  &(nqm_sampled_pairs){.n = nqm_smaller(cut, N_PAIRS - first),
+                                                       .ref = ref + first,
+                                                       .test = test + first,
+                                                       .metrics = metrics + first * NQM_METRIC_COUNT},
                                   jod + first, NULL);
             assert_memory_equal(jod, expected, sizeof jod);
+            assert_memory_equal(metrics, expected_metrics, sizeof metrics);
         }
     }
     nqm_predictor_free(predictor);
