@@ -99,7 +99,8 @@ typedef struct nqm_score_result {
                                    `identical` */
     double similarity; /**< nqm_label_similarity() of the parts: JOD for pictures seen apart; NaN without parts */
     int identical;     /**< 1: both members are equal at every valid direction */
-    double metrics[NQM_METRIC_COUNT];     /**< by nqm_metric, in float; NaN when the options leave them out */
+    double metrics[NQM_METRIC_COUNT];     /**< by nqm_metric, within 1e-6 relative of
+                                               nqm_metrics_compute(); NaN when the options leave them out */
     size_t n_valid;                       /**< directions at which both BRDFs have a value */
     size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, which counts as 0 */
     size_t n_invalid_ref, n_invalid_test; /**< directions without a value, before the policy */

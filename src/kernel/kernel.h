@@ -221,9 +221,13 @@ typedef struct nqm_kernels {
     /** t = log(cbrt(rho) + 1) for n values rho >= 0, within 4e-7 relative; 0 below 1e-30, the value at 1e37 above 1e37. root
      *  receives cbrt(rho), within the same; it may be t. */
     void (*sample_log)(size_t n, const float *rho, float *root, float *t);
-    /** ratio = log((y + offset) / (x + offset)) for n values x and y from 0 to 1e37, offset from 1e-6 to 1: within 3e-7 relative
-     *  from -0.28 to 0.28, otherwise absolute or relative, whichever is more; 0 where x = y. */
-    void (*log_ratio)(size_t n, float offset, const float *x, const float *y, float *ratio);
+    /** ratio = log((y + offset) / (x + offset)) for n values x and y from 0 to 1e37, offset (n) from 1e-6 to 1e30: within 3e-7
+     *  relative from -0.28 to 0.28, otherwise absolute or relative, whichever is more; 0 where x = y. */
+    void (*log_ratio)(size_t n, const float *offset, const float *x, const float *y, float *ratio);
+    /** difference = scale (cbrt(y) - cbrt(x)) for n values x and y from 0 to 1e30 and their cube roots from sample_log(): within
+     *  2e-6 relative, even for close values, and 1e-10 scale. */
+    void (*root_difference)(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
+                            const float *root_y, float *difference);
     /** The sums of |x| and of x^2 over n floats, a multiple of NQM_PANEL. */
     void (*magnitudes)(size_t n, const float *x, float *sum, float *squares);
     /** The cube root of n values >= 0, within 1e-15 relative; 0 below 1e-30, the value at 1e37 above 1e37. */

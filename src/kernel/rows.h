@@ -301,6 +301,7 @@ static double double_dot(size_t n, const float *x, const double *y) {
         .dequantise = dequantise,                                                                                      \
         .sample_log = sample_log,                                                                                      \
         .log_ratio = log_ratio,                                                                                        \
+        .root_difference = root_difference,                                                                            \
         .magnitudes = magnitudes,                                                                                      \
         .cube_root = cube_root,                                                                                        \
         .log_1p = log_1p,                                                                                              \

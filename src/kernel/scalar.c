@@ -187,12 +187,20 @@ static void sample_log(size_t n, const float *rho, float *root, float *t) {
     }
 }
 
-static void log_ratio(size_t n, float offset, const float *x, const float *y, float *ratio) {
+static void log_ratio(size_t n, const float *offset, const float *x, const float *y, float *ratio) {
     for (size_t i = 0; i < n; ++i) {
-        const double a = (double)x[i] + (double)offset, difference = (double)y[i] - (double)x[i];
+        const double by = (double)offset[i], a = (double)x[i] + by, difference = (double)y[i] - (double)x[i];
         const bool is_small = fabs(difference) < 0.5 * a; /* the quotient would round it */
-        ratio[i] = (float)(is_small ? log1p(difference / a) : log(((double)y[i] + (double)offset) / a));
+        ratio[i] = (float)(is_small ? log1p(difference / a) : log(((double)y[i] + by) / a));
     }
+}
+
+static void root_difference(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
+                            const float *root_y, float *difference) {
+    (void)root_x;
+    (void)root_y;
+    for (size_t i = 0; i < n; ++i)
+        difference[i] = (float)((double)scale[i] * (cbrt((double)y[i]) - cbrt((double)x[i])));
 }
 
 static void magnitudes(size_t n, const float *x, float *sum, float *squares) {
@@ -351,6 +359,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .dequantise = dequantise,
     .sample_log = sample_log,
     .log_ratio = log_ratio,
+    .root_difference = root_difference,
     .magnitudes = magnitudes,
     .cube_root = cube_root,
     .log_1p = log_1p,

@@ -47,10 +47,21 @@ static inline float log_quotient(float a, float b, float d) {
     return (float)(int32_t)power * (0.69314718f * 0x1p-23f) + (s + s * (z * p));
 }
 
-static void log_ratio(size_t n, float offset, const float *x, const float *y, float *ratio) {
+static void log_ratio(size_t n, const float *offset, const float *x, const float *y, float *ratio) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i)
-        ratio[i] = log_quotient(x[i] + offset, y[i] + offset, y[i] - x[i]);
+        ratio[i] = log_quotient(x[i] + offset[i], y[i] + offset[i], y[i] - x[i]);
+}
+
+/* With a = cbrt(x) and b = cbrt(y): b - a = (y - x) / (a a + a b + b b). Roots below 1e-10 are 0. */
+static void root_difference(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
+                            const float *root_y, float *difference) {
+    const float least = 1e-20f;
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        const float a = root_x[i], b = root_y[i], sum = a * a + a * b + b * b;
+        difference[i] = scale[i] * (y[i] - x[i]) / (sum > least ? sum : least);
+    }
 }
 
 /* Values per turn of the loops below. Several loops with short chains of operations take less time than one, which is bound by

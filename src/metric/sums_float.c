@@ -23,12 +23,15 @@ static const float dark = (float)NQM_DARK;
 /* What the sums need of a set of directions. */
 struct nqm_sum_plan {
     const nqm_directions *directions;
-    float *cosines, *roots; /* (n, 3) cos(theta_i) cos(theta_o) and its cube root, the same for all channels */
-    float luminance[3];     /* that of 1 in each channel */
-    float *grazing;         /* (n) 1 where a direction counts as grazing, else 0 */
-    uint16_t *order;        /* (n) for each stretch, its directions in the order of their cells */
-    uint16_t *end;          /* (number of stretches, NQM_CELLS) end of each cell in that order */
-    nqm_pair_sums *counts;  /* (1) of a pair whose directions are all used */
+    float *cosines, *roots,
+        *inverse;                  /* (n + NQM_PANEL, 3) c = cos(theta_i) cos(theta_o), cbrt(c) and 1 / c, the same for
+                                         all channels; 1 after the last direction */
+    float ones[ROOM], darks[ROOM]; /* 1 and NQM_DARK */
+    float luminance[3];            /* that of 1 in each channel */
+    float *grazing;                /* (n) 1 where a direction counts as grazing, else 0 */
+    uint16_t *order;               /* (n) for each stretch, its directions in the order of their cells */
+    uint16_t *end;                 /* (number of stretches, NQM_CELLS) end of each cell in that order */
+    nqm_pair_sums *counts;         /* (1) of a pair whose directions are all used */
 };
 
 /* ---- counts ------------------------------------------------------------------------------------------------------ */
@@ -60,21 +63,29 @@ static void sort_stretch(const nqm_directions *directions, size_t first, size_t 
 
 nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret, nqm_error *err) {
     const size_t n = directions->n, n_stretches = (n + STRETCH - 1) / STRETCH;
+    const double least = 1e-30; /* of c, so that its inverse is finite */
     nqm_sum_plan *plan, made = {.directions = directions};
     *plan_ret = NULL;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&plan, 1, sizeof *plan}, {&made.counts, 1, sizeof *made.counts},
-                   {&made.cosines, 3 * n, sizeof *made.cosines}, {&made.roots, 3 * n, sizeof *made.roots},
-                   {&made.grazing, n, sizeof *made.grazing}, {&made.order, n, sizeof *made.order},
-                   {&made.end, n_stretches, NQM_CELLS * sizeof *made.end}),
+                   {&made.cosines, n + NQM_PANEL, 3 * sizeof *made.cosines},
+                   {&made.roots, n + NQM_PANEL, 3 * sizeof *made.roots},
+                   {&made.inverse, n + NQM_PANEL, 3 * sizeof *made.inverse}, {&made.grazing, n, sizeof *made.grazing},
+                   {&made.order, n, sizeof *made.order}, {&made.end, n_stretches, NQM_CELLS * sizeof *made.end}),
         err);
     if (status != NQM_OK)
         return status;
     *plan = made;
     count_directions(directions, NULL, plan->counts);
-    for (size_t i = 0; i < 3 * n; ++i) {
-        plan->cosines[i] = (float)directions->cosines[i / 3];
-        plan->roots[i] = (float)cbrt(directions->cosines[i / 3]);
+    for (size_t i = 0; i < 3 * (n + NQM_PANEL); ++i) {
+        const double c = i < 3 * n ? directions->cosines[i / 3] : 1;
+        plan->cosines[i] = (float)c;
+        plan->roots[i] = (float)cbrt(c);
+        plan->inverse[i] = (float)(1 / fmax(c, least));
+    }
+    for (size_t i = 0; i < ROOM; ++i) {
+        plan->ones[i] = 1;
+        plan->darks[i] = dark;
     }
     for (size_t k = 0; k < 3; ++k)
         plan->luminance[k] = (float)nqm_luminance((double[3]){k == 0, k == 1, k == 2});
@@ -102,7 +113,7 @@ typedef struct stretch {
 
 /* A stretch of one BRDF. Values after the last direction are 0. */
 typedef struct member {
-    float f[ROOM], root[ROOM], weighted[ROOM]; /* f, cbrt(c f) and c f, where c = cos(theta_i) cos(theta_o) */
+    float f[ROOM], root[ROOM]; /* f and cbrt(f) */
     float luminance[STRETCH];
     double peak, light[3]; /* the largest luminance; sums of c f */
 } member;
@@ -129,22 +140,15 @@ static void sum_member(const stretch *s, member *to) {
 }
 
 static void read_member(const stretch *s, const float *rgb, const float *root, const uint8_t *used, member *to) {
-    const float *cosines = s->plan->cosines + 3 * s->first, *roots = s->plan->roots + 3 * s->first;
     const size_t n = 3 * s->n, n_filled = (s->n_values - n) * sizeof *rgb;
-    float *f = to->f, *own_root = to->root, *weighted = to->weighted;
+    float *f = to->f, *own_root = to->root;
     memcpy(f, rgb + 3 * s->first, n * sizeof *f);
     memcpy(own_root, root + 3 * s->first, n * sizeof *own_root);
     for (size_t i = 0; used && i < n; ++i)
         if (!used[s->first + i / 3])
             f[i] = own_root[i] = 0;
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        weighted[i] = cosines[i] * f[i];
-        own_root[i] *= roots[i];
-    }
     memset(f + n, 0, n_filled + sizeof *f); /* add_cells() reads one more */
     memset(own_root + n, 0, n_filled);
-    memset(weighted + n, 0, n_filled);
     sum_member(s, to);
 }
 
@@ -158,8 +162,8 @@ static void read_reference(const stretch *s, const float *rgb, const float *root
     static const float zeros[ROOM];
     const nqm_kernels *kernels = nqm_kernels_get();
     read_member(s, rgb, root, used, &to->is);
-    kernels->log_ratio(3 * s->n, dark, zeros, to->is.f, to->log);
-    kernels->log_ratio(s->n, dark, zeros, to->is.luminance, to->log_luminance);
+    kernels->log_ratio(3 * s->n, s->plan->darks, zeros, to->is.f, to->log);
+    kernels->log_ratio(s->n, s->plan->darks, zeros, to->is.luminance, to->log_luminance);
 }
 
 /* ---- sums -------------------------------------------------------------------------------------------------------- */
@@ -172,20 +176,22 @@ static double add_scale(int scale, size_t n, const float *by, nqm_metric_sums *t
     return (double)square;
 }
 
-/* Add the differences of all values on every scale; by_log (ROOM) receives those of log(f + NQM_DARK). */
+/* Add the differences of all values on every scale; by_log (ROOM) receives those of log(f + NQM_DARK). Since c is the same for
+ * both members, log(1 + c f) differs like log(1 / c + f). */
 static void add_values(const stretch *s, const member *ref, const member *test, float *by_log, nqm_pair_sums *to) {
     const nqm_kernels *kernels = nqm_kernels_get();
+    const nqm_sum_plan *plan = s->plan;
     const size_t n = s->n_values;
     float by[ROOM], magnitude[ROOM];
     kernels->differ(n, 1, ref->f, test->f, by, magnitude);
     (void)add_scale(NQM_SCALE_F, n, by, &to->metrics);
-    kernels->differ(n, 1, ref->root, test->root, by, magnitude);
+    kernels->root_difference(n, plan->roots + 3 * s->first, ref->f, test->f, ref->root, test->root, by);
     (void)add_scale(NQM_SCALE_CBRT_CF, n, by, &to->metrics);
-    kernels->log_ratio(n, 1, ref->f, test->f, by);
+    kernels->log_ratio(n, plan->ones, ref->f, test->f, by);
     (void)add_scale(NQM_SCALE_LOG1P_F, n, by, &to->metrics);
-    kernels->log_ratio(n, 1, ref->weighted, test->weighted, by);
+    kernels->log_ratio(n, plan->inverse + 3 * s->first, ref->f, test->f, by);
     (void)add_scale(NQM_SCALE_LOG1P_CF, n, by, &to->metrics);
-    kernels->log_ratio(n, dark, ref->f, test->f, by_log);
+    kernels->log_ratio(n, plan->darks, ref->f, test->f, by_log);
     to->scalars.squares += add_scale(NQM_SCALE_LOG_F, n, by_log, &to->metrics);
 }
 
@@ -280,7 +286,7 @@ static void add_stretch(const stretch *s, const reference *ref, const member *te
     scalars->peak_test = fmax(scalars->peak_test, test->peak);
     if (!with_scalars)
         return;
-    nqm_kernels_get()->log_ratio(s->n, dark, ref->is.luminance, test->luminance, by_luminance);
+    nqm_kernels_get()->log_ratio(s->n, s->plan->darks, ref->is.luminance, test->luminance, by_luminance);
     add_reference(s, ref, scalars);
     add_luminance(s, by_luminance, scalars);
     add_colour(s->n, by_log, scalars);

@@ -96,11 +96,13 @@ static double log_ratio(float offset, float x, float y) {
 /* Any two values, and two that are close: the relative error does not grow as their difference gets smaller. */
 static void ratios(void **state) {
     (void)state;
-    static const float offsets[] = {1e-6f, 0.003f, 1};
+    const double denormal = 1e-38;
+    static const float offsets[] = {1e-6f, 0.003f, 1, 30, 1e30f};
     nqm_rng rng = nqm_rng_make(seed, 4);
-    static float x[N], y[N], close[N], far[N], near[N], first[2][N];
+    static float x[N], y[N], close[N], far[N], near[N], first[2][N], offset[N];
+    for (size_t i = 0; i < N; ++i)
+        offset[i] = offsets[i % 5];
     for (int round = 0; round < 60; ++round) {
-        const float offset = offsets[round % 3];
         spread(&rng, x);
         spread(&rng, y);
         x[0] = 0, y[1] = 0, x[2] = 1e37f, y[3] = 1e37f;
@@ -112,8 +114,8 @@ static void ratios(void **state) {
             every_table(k)->log_ratio(N, offset, x, y, far);
             every_table(k)->log_ratio(N, offset, x, close, near);
             for (size_t i = 0; i < N; ++i) {
-                const double a = log_ratio(offset, x[i], close[i]), b = log_ratio(offset, x[i], y[i]);
-                assert_near((double)near[i], a, 3e-7 * (fabs(a) < 0.28 ? fabs(a) : fmax(1, fabs(a))));
+                const double a = log_ratio(offset[i], x[i], close[i]), b = log_ratio(offset[i], x[i], y[i]);
+                assert_near((double)near[i], a, 3e-7 * (fabs(a) < 0.28 ? fabs(a) : fmax(1, fabs(a))) + denormal);
                 assert_near((double)far[i], b, 3e-7 * fmax(1, fabs(b)));
             }
             if (k == 0)
@@ -122,6 +124,36 @@ static void ratios(void **state) {
                 assert_memory_equal(far, first[0], sizeof far);
                 assert_memory_equal(near, first[1], sizeof near);
             }
+        }
+    }
+}
+
+/* Any two values, and two that are close. */
+static void root_differences(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 6);
+    static float x[N], y[N], scale[N], root_x[N], root_y[N], t[N], by[N], first[N];
+    for (int round = 0; round < 40; ++round) {
+        for (size_t i = 0; i < N; ++i) {
+            x[i] = (float)exp(-70 + 138 * nqm_rng_uniform(&rng));
+            y[i] = (float)exp(-70 + 138 * nqm_rng_uniform(&rng));
+            scale[i] = (float)nqm_rng_uniform(&rng);
+            if (i % 2)
+                y[i] = x[i] * (1 + ldexpf(1, -(int)(i % 24)));
+        }
+        x[0] = y[1] = x[2] = y[2] = 0;
+        for (size_t k = 0; every_table(k); ++k) {
+            every_table(k)->sample_log(N, x, root_x, t);
+            every_table(k)->sample_log(N, y, root_y, t);
+            every_table(k)->root_difference(N, scale, x, y, root_x, root_y, by);
+            for (size_t i = 0; i < N; ++i) {
+                const double difference = (double)y[i] - (double)x[i], a = cbrt((double)x[i]), b = cbrt((double)y[i]);
+                const double expected = (double)scale[i] * (difference != 0 ? difference / (a * a + a * b + b * b) : 0);
+                assert_near((double)by[i], expected, 2e-6 * fabs(expected) + 1e-10 * (double)scale[i]);
+            }
+            if (k == 0)
+                memcpy(first, by, sizeof by);
+            assert_true(every_table(k) == &nqm_kernels_scalar || memcmp(by, first, sizeof by) == 0);
         }
     }
 }
@@ -228,9 +260,9 @@ static void one_row_like_many(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),       cmocka_unit_test(roots_and_logarithms),
-        cmocka_unit_test(ratios),        cmocka_unit_test(sums_of_magnitudes),
-        cmocka_unit_test(rows_of_bytes), cmocka_unit_test(one_row_like_many),
+        cmocka_unit_test(samples),           cmocka_unit_test(roots_and_logarithms), cmocka_unit_test(ratios),
+        cmocka_unit_test(root_differences),  cmocka_unit_test(sums_of_magnitudes),   cmocka_unit_test(rows_of_bytes),
+        cmocka_unit_test(one_row_like_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

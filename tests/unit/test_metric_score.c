@@ -136,7 +136,7 @@ static void sample(const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb, 
 /* Scores have float sums. */
 static void check_metrics(const double *metrics, const double *expected) {
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
-        assert_relative(metrics[m], expected[m], 1e-5);
+        assert_relative(metrics[m], expected[m], 1e-6);
 }
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
