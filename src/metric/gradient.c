@@ -64,7 +64,7 @@ nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gr
         return status;
     *g = made;
     if (nqm_model_has_network(model))
-        status = nqm_gradient_net_create(&model->params, &g->net, err);
+        status = nqm_gradient_net_create(&model->params, n, &g->net, err);
     if (status == NQM_OK && g->net)
         status = nqm_gradient_work_create(g->net, max_batch, &g->work, err);
     if (status == NQM_OK)

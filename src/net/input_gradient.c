@@ -17,7 +17,7 @@ typedef struct layer {
 
 struct nqm_gradient_net {
     const nqm_params *params;
-    size_t n_hidden;
+    size_t n_ref, n_hidden;
     layer layer[NQM_NET_MAX_LAYERS];
 };
 
@@ -26,18 +26,22 @@ struct nqm_gradient_work {
     const nqm_gradient_net *net;
     size_t n, stride; /* rows of the call; floats from row to row of y and dy */
     float *xhat[NQM_NET_MAX_LAYERS], *slope[NQM_NET_MAX_LAYERS], *rstd[NQM_NET_MAX_LAYERS];
-    float *y, *dy; /* outputs of a layer, and the gradient by them */
-    float *unused; /* (max_batch, stride) sums of the gradients of bias, gamma and beta, which nobody reads */
+    float *y, *dy;  /* outputs of a layer, and the gradient by them */
+    float *unused;  /* (max_batch, stride) sums of the gradients of bias, gamma and beta, which nobody reads */
+    bool has_ref;   /* the following are those of the last call with one row */
+    float *ref;     /* (n_ref) inputs */
+    float *partial; /* (stride) their contribution to the product of layer 0 */
 };
 
 /* ---- creation ---------------------------------------------------------------------------------------------------- */
 
-nqm_status nqm_gradient_net_create(const nqm_params *params, nqm_gradient_net **net_ret, nqm_error *err) {
+nqm_status nqm_gradient_net_create(const nqm_params *params, size_t n_ref, nqm_gradient_net **net_ret, nqm_error *err) {
     *net_ret = NULL;
     nqm_gradient_net *net = nqm_alloc(1, sizeof *net);
     if (!net)
         return nqm_fail_nomem(err, sizeof *net);
     net->params = params;
+    net->n_ref = n_ref;
     net->n_hidden = params->shape.n_layers - 1;
     nqm_status status = NQM_OK;
     for (size_t l = 0; status == NQM_OK && l < net->n_hidden; ++l) {
@@ -71,18 +75,20 @@ nqm_status nqm_gradient_work_create(const nqm_gradient_net *net, size_t max_batc
                                     nqm_error *err) {
     size_t widest = 0;
     nqm_gradient_work *work;
-    float *y, *dy, *unused, *kept;
+    float *y, *dy, *unused, *kept, *ref, *partial;
     *work_ret = NULL;
     for (size_t l = 0; l < net->n_hidden; ++l)
         widest = nqm_larger(widest, net->layer[l].out);
     const size_t stride = nqm_row_stride(widest), row = stride * sizeof *y;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&work, 1, sizeof *work}, {&y, max_batch, row},
-                                                    {&dy, max_batch, row}, {&unused, max_batch, row},
-                                                    {&kept, net->n_hidden * max_batch, 2 * row + sizeof *kept}),
-                                         err);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&work, 1, sizeof *work}, {&y, max_batch, row}, {&dy, max_batch, row},
+                                    {&unused, max_batch, row}, {&ref, net->n_ref, sizeof *ref}, {&partial, 1, row},
+                                    {&kept, net->n_hidden * max_batch, 2 * row + sizeof *kept}),
+                         err);
     if (status != NQM_OK)
         return status;
-    *work = (nqm_gradient_work){.net = net, .stride = stride, .y = y, .dy = dy, .unused = unused};
+    *work = (nqm_gradient_work){
+        .net = net, .stride = stride, .y = y, .dy = dy, .unused = unused, .ref = ref, .partial = partial};
     for (size_t l = 0; l < net->n_hidden; ++l) {
         work->xhat[l] = kept + 2 * l * max_batch * stride;
         work->slope[l] = work->xhat[l] + max_batch * stride;
@@ -140,16 +146,50 @@ static size_t n_pieces(size_t n) {
     return nqm_ceil_div(n, ROWS);
 }
 
+/* Rows [first, first + n) of all panels of floats. */
+static nqm_panels rows_of(nqm_panels panels, size_t first, size_t n) {
+    panels.k = panels.words = n;
+    panels.data += first * NQM_PANEL;
+    return panels;
+}
+
+/* All panels from panel `first` on. */
+static nqm_panels panels_from(nqm_panels panels, size_t first) {
+    panels.n -= first * NQM_PANEL;
+    panels.n_panels -= first;
+    panels.data = nqm_panel_at(&panels, first);
+    return panels;
+}
+
+/* The product of layer 0. A fit scores one pair at a time, always with the same reference, and reading weights takes most of its time. */
+static void multiply_inputs(nqm_gradient_work *w, size_t n, const float *x) {
+    const layer *first = &w->net->layer[0];
+    const size_t n_ref = w->net->n_ref, ldx = nqm_row_stride(first->in);
+    const nqm_panels ref = rows_of(first->forward, 0, n_ref), rest = rows_of(first->forward, n_ref, first->in - n_ref);
+    if (n > 1) {
+        nqm_multiply(&ref, n, x, ldx, false, w->xhat[0], w->stride);
+    } else {
+        /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): equal bits are meant */
+        if (!w->has_ref || memcmp(w->ref, x, n_ref * sizeof *x) != 0)
+            nqm_multiply(&ref, 1, x, ldx, false, w->partial, w->stride);
+        w->has_ref = true;
+        memcpy(w->ref, x, n_ref * sizeof *x);
+        memcpy(w->xhat[0], w->partial, w->stride * sizeof *w->partial);
+    }
+    nqm_multiply(&rest, n, x + n_ref, ldx, true, w->xhat[0], w->stride);
+}
+
 void nqm_gradient_forward(nqm_gradient_work *w, size_t n, const float *x, float *z) {
     const nqm_gradient_net *net = w->net;
     const nqm_layer *output = &net->params->layer[net->n_hidden];
     const size_t n_last = net->layer[net->n_hidden - 1].out, n_outputs = net->params->shape.sizes[net->n_hidden + 1];
     w->n = n;
     for (size_t l = 0; l < net->n_hidden; ++l) {
-        const float *from = l > 0 ? w->y : x;
         layer_job job = {w, l};
-        nqm_multiply(&net->layer[l].forward, n, from, l > 0 ? w->stride : nqm_row_stride(net->layer[l].in), false,
-                     w->xhat[l], w->stride);
+        if (l == 0)
+            multiply_inputs(w, n, x);
+        else
+            nqm_multiply(&net->layer[l].forward, n, w->y, w->stride, false, w->xhat[l], w->stride);
         nqm_parallel_for(n_pieces(n), hidden_rows, &job);
     }
     for (size_t i = 0; i < n * n_outputs; ++i) {
@@ -172,7 +212,9 @@ void nqm_gradient_backward(nqm_gradient_work *w, size_t n, const float *dz, floa
         layer_job job = {w, l};
         nqm_parallel_for(n_pieces(n), hidden_rows_back, &job);
         if (l == 0) {
-            nqm_multiply(&net->layer[0].backward, n, w->dy, w->stride, false, dx, nqm_row_stride(net->layer[0].in));
+            const size_t unused = net->n_ref / NQM_PANEL;
+            const nqm_panels used = panels_from(net->layer[0].backward, unused);
+            nqm_multiply(&used, n, w->dy, w->stride, false, dx + unused * NQM_PANEL, nqm_row_stride(net->layer[0].in));
         } else {
             float *below = w->y;
             nqm_multiply(&net->layer[l].backward, n, w->dy, w->stride, false, below, w->stride);
