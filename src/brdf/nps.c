@@ -10,7 +10,7 @@
 #include "brdf/brdf.h"
 
 #include "io/io.h"
-#include "kernel/kernel.h"
+#include "kernel/panel.h"
 #include "math/math.h"
 #include <float.h>
 #include <math.h>
@@ -24,8 +24,8 @@ enum { LD = (N_HIDDEN + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL + 16 };
 
 typedef struct nps {
     float latent[N_LATENTS];
-    float output[N_HIDDEN * NQM_PANEL]; /* weights of the last layer (in, NQM_PANEL): N_OUT columns, then zeros */
-    nqm_map map;                        /* the decoder; weights (N_NUMBERS) in the order of the file */
+    nqm_panels layer[N_LAYERS]; /* (in, out) the decoder's weights */
+    float bias[N_LAYERS][N_HIDDEN];
 } nps;
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
@@ -33,24 +33,18 @@ typedef struct nps {
 /* Pairs per batch: whole strips of the kernels, and all light directions of a point of a scene; buffers are on the stack. */
 enum { TILE = 11 * NQM_STRIP };
 
-/* y (n, N_HIDDEN) = relu(x (n, n_in) w + b); returns the weights of the next layer. The last panel is half empty: there the
- * product reads the first weights of the following row (or the biases) and writes columns that nobody reads. */
-static const float *apply_hidden(size_t n, size_t n_in, const float *w, const float *x, float *y) {
-    const float *restrict b = w + n_in * N_HIDDEN;
-    nqm_strided_product p = {.m = n, .k = n_in, .a = x, .lda = LD, .step = 1, .ldb = N_HIDDEN, .ldc = LD};
-    for (size_t column = 0; column < N_HIDDEN; column += NQM_PANEL) {
-        p.b = w + column;
-        p.c = y + column;
-        nqm_kernels_get()->strided_product(&p);
-    }
+/* y (n, out) = relu(x (n, in) w + b) */
+static void apply_layer(size_t n, const nqm_panels *w, const float *b, const float *x, float *y) {
+    for (size_t p = 0; p < w->n_panels; ++p)
+        nqm_kernels_get()->product[NQM_PRECISION_F32](&(nqm_product){
+            .m = n, .words = w->words, .a = x, .lda = LD, .b = nqm_panel_at(w, p), .c = y + p * NQM_PANEL, .ldc = LD});
     for (size_t i = 0; i < n; ++i) {
         float *restrict row = y + i * LD;
-        for (size_t j = 0; j < N_HIDDEN; ++j) {
+        for (size_t j = 0; j < w->n; ++j) {
             const float sum = row[j] + b[j];
             row[j] = sum > 0 ? sum : 0;
         }
     }
-    return b + N_HIDDEN;
 }
 
 static void eval_tile(const nps *net, size_t n, const double *hd, double *rgb) {
@@ -64,19 +58,15 @@ static void eval_tile(const nps *net, size_t n, const double *hd, double *rgb) {
         row[3] = (float)(hd[3 * i + 1] / (NQM_PI / 2));
         memcpy(row + 4, net->latent, sizeof net->latent);
     }
-    const float *w = (const void *)net->map.data;
-    for (size_t layer = 0; layer + 1 < N_LAYERS; ++layer) {
-        w = apply_hidden(n, layer == 0 ? N_IN : N_HIDDEN, w, x, y);
+    for (size_t l = 0; l < N_LAYERS; ++l) {
+        apply_layer(n, &net->layer[l], net->bias[l], x, y);
         float *swap = x;
         x = y;
         y = swap;
     }
-    nqm_kernels_get()->strided_product(&(nqm_strided_product){
-        .m = n, .k = N_HIDDEN, .a = x, .lda = LD, .step = 1, .b = net->output, .ldb = NQM_PANEL, .c = y, .ldc = LD});
-    const float *b = w + N_HIDDEN * N_OUT;
     for (size_t i = 0; i < n; ++i)
         for (size_t c = 0; c < N_OUT; ++c)
-            rgb[N_OUT * i + c] = expm1(expm1(expm1(expm1(0.15 * fmax((double)(y[i * LD + c] + b[c]), 0)))));
+            rgb[N_OUT * i + c] = expm1(expm1(expm1(expm1(0.15 * (double)x[i * LD + c]))));
 }
 
 static void nps_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
@@ -86,7 +76,8 @@ static void nps_eval_half_diff(const void *self, size_t n, const double *hd, dou
 
 static void nps_free(void *self) {
     nps *net = self;
-    nqm_map_close(&net->map);
+    for (size_t l = 0; l < N_LAYERS; ++l)
+        nqm_panels_free(&net->layer[l]);
     nqm_free(net);
 }
 
@@ -99,24 +90,41 @@ bool nqm_nps_probe(const nqm_map *map) {
     return map->n_bytes == (size_t)N_NUMBERS * 4;
 }
 
-static nqm_status map_weights(const char *path, nps *net, nqm_error *err) {
-    nqm_map *map = &net->map;
-    nqm_status status = nqm_map_open(path, map, err);
+/* Copy the weights (in, out) and biases of all layers from the numbers of a file. */
+static nqm_status copy_layers(const float *numbers, nps *net, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t l = 0; l < N_LAYERS && status == NQM_OK; ++l) {
+        const size_t n_in = l == 0 ? N_IN : N_HIDDEN, n_out = l + 1 < N_LAYERS ? N_HIDDEN : N_OUT;
+        nqm_panels *layer = &net->layer[l];
+        status = nqm_panels_create(NQM_PRECISION_F32, n_in, n_out, layer, err);
+        for (size_t p = 0; p < layer->n_panels; ++p)
+            for (size_t i = 0; i < n_in; ++i)
+                memcpy(nqm_panel_at(layer, p) + i * NQM_PANEL, numbers + i * n_out + p * NQM_PANEL,
+                       nqm_smaller(n_out - p * NQM_PANEL, NQM_PANEL) * sizeof *numbers);
+        memcpy(net->bias[l], numbers + n_in * n_out, n_out * sizeof *numbers);
+        numbers += (n_in + 1) * n_out;
+    }
+    return status;
+}
+
+static nqm_status read_decoder(const char *path, nps *net, nqm_error *err) {
+    nqm_map map;
+    nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)
         return status;
-    if (!nqm_nps_probe(map))
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes,
-                        "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map->n_bytes);
-    nqm_map_expect(map, true);
-    const float *weights = (const void *)map->data;
-    if (nqm_all_within(N_NUMBERS, weights, -FLT_MAX)) {
-        const float *output = weights + N_NUMBERS - (N_HIDDEN + 1) * N_OUT;
-        for (size_t k = 0; k < N_HIDDEN; ++k)
-            memcpy(net->output + k * NQM_PANEL, output + k * N_OUT, N_OUT * sizeof *output);
-        return NQM_OK;
+    nqm_map_expect(&map, true);
+    const float *numbers = (const void *)map.data;
+    if (!nqm_nps_probe(&map)) {
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map.n_bytes,
+                          "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map.n_bytes);
+    } else if (nqm_all_within(N_NUMBERS, numbers, -FLT_MAX)) {
+        status = copy_layers(numbers, net, err);
+    } else {
+        size_t at = 4 * nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX);
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", path, at);
     }
-    size_t at = 4 * nqm_first_outside(N_NUMBERS, weights, -FLT_MAX);
-    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", path, at);
+    nqm_map_close(&map);
+    return status;
 }
 
 static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *material, nps *net, nqm_error *err) {
@@ -168,7 +176,7 @@ nqm_status nqm_nps_open(const char *decoder_path, const char *material, const ch
         return nqm_fail_nomem(err, sizeof *net);
     nqm_status status = read_latent(decoder_path, material, net, err);
     if (status == NQM_OK)
-        status = map_weights(decoder_path, net, err);
+        status = read_decoder(decoder_path, net, err);
     if (status != NQM_OK) {
         nps_free(net);
         return status;

@@ -17,9 +17,9 @@ enum {
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
     PANELS_AT_ONCE = 4,    /* of a single row */
 
-    /* Tiles of a gradient: enough for the sink to read its own arrays in long runs. Their 38 KB, and as much of each of three
-     * such arrays, fit into any L2 cache. */
-    STRIPS_AT_ONCE = 25
+    /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
+     * the sink to read its own arrays in long runs. */
+    STRIPS_AT_ONCE = 12
 };
 
 static void multiply_row(const nqm_panels *b, const void *a, bool add, void *c) {
@@ -121,11 +121,11 @@ void nqm_columns_copy(size_t n, const float *x, size_t width, size_t step, float
 void nqm_gradient_run(const nqm_gradient *g) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const size_t words = nqm_words(g->precision, g->m), n_strips = nqm_ceil_div(g->k, NQM_STRIP);
-    const size_t n_across = nqm_ceil_div(n_strips, STRIPS_AT_ONCE), n_blocks = n_across * nqm_ceil_div(g->n, NQM_PANEL);
+    const size_t n_panels = nqm_ceil_div(g->n, NQM_PANEL), n_blocks = n_panels * nqm_ceil_div(n_strips, STRIPS_AT_ONCE);
 #pragma omp parallel for schedule(dynamic, 1) if (g->m * g->n * g->k >= MIN_PARALLEL && n_blocks > 1)
     for (size_t i = 0; i < n_blocks; ++i) {
         _Alignas(64) float tiles[STRIPS_AT_ONCE * NQM_STRIP * NQM_PANEL];
-        const size_t panel = i / n_across, first = i % n_across * STRIPS_AT_ONCE;
+        const size_t panel = i % n_panels, first = i / n_panels * STRIPS_AT_ONCE;
         nqm_tile_gradient tile = {.n_strips = nqm_smaller(n_strips - first, STRIPS_AT_ONCE),
                                   .words = words,
                                   .left = (const uint32_t *)g->x.data + first * g->x.step,

@@ -89,18 +89,20 @@ INLINE void NAME(multiply_rows)(NAME(tile) t, size_t m) {
 }
 
 static void NAME(product)(const nqm_product *p) {
-    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
-        NAME(multiply_rows)
+    const size_t n_parts = (p->words - 1) / PART_WORDS + 1, n = (p->words - 1) / n_parts + 1;
+    for (size_t first = 0; first < p->words; first += n)
+        for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
+            NAME(multiply_rows)
     ((NAME(tile)){.vectors = TILE_VECTORS,
-                  .words = p->words,
-                  .a = p->a,
+                  .words = p->words - first < n ? p->words - first : n,
+                  .a = (const WORD *)p->a + first,
                   .row_step = p->lda,
                   .word_step = 1,
-                  .b = (const WORD *)p->b + column,
+                  .b = (const WORD *)p->b + first * NQM_PANEL + column,
                   .ldb = NQM_PANEL,
                   .c = (NUMBER *)p->c + column,
                   .ldc = p->ldc,
-                  .add = p->add},
+                  .add = p->add || first > 0},
      p->m);
 }
 

@@ -4,6 +4,8 @@
  *
  * VECTOR_BYTES           size of a vector register
  * TILE_ROWS, TILE_VECTORS  a tile of C is TILE_ROWS rows of TILE_VECTORS registers, all of which hold sums
+ * PART_WORDS             optional: words of a panel that are multiplied with all rows before the next, so that they stay in the
+ *                        L1 cache
  * MADD_F32(sum, a, b)    sum + a b for vectors sum and b of float and one float a
  * MADD_BF16(sum, a, b)   sum + a b for vectors sum of float, b of 32-bit words with two bfloat16 each, and one word a
  * MADD_INT8(sum, a, b)   sum + a b for vectors sum of int32_t, b of words with four signed bytes, and one word a of four
@@ -21,6 +23,10 @@
 #undef TILE_VECTORS
 #define TILE_ROWS    2
 #define TILE_VECTORS 1
+#endif
+
+#ifndef PART_WORDS
+#define PART_WORDS SIZE_MAX
 #endif
 
 typedef float vector_f __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));

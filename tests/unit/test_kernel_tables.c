@@ -97,8 +97,8 @@ static void check_product(const problem *p, const nqm_kernels *kernels, bool add
     nqm_free(actual);
 }
 
-static const size_t shapes[][3] = {{1, 1, 1},    {1, 45, 33}, {2, 7, 64},  {3, 9, 5},    {4, 33, 31},
-                                   {12, 64, 40}, {13, 3, 96}, {29, 50, 7}, {70, 130, 65}};
+static const size_t shapes[][3] = {{1, 1, 1},    {1, 45, 33}, {2, 7, 64},  {3, 9, 5},     {4, 33, 31},
+                                   {12, 64, 40}, {13, 3, 96}, {29, 50, 7}, {70, 130, 65}, {7, 1700, 33}};
 enum { N_SHAPES = sizeof shapes / sizeof *shapes };
 
 static void products_of_every_table(void **state) {
