@@ -16,10 +16,16 @@ r-sgd,r,sgd:chrome,sgd,validation
 s-sgd,s,sgd:alumina-oxide,sgd,test
 END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
-make() { "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --models ward,ggx --points 200 "$@" 2>"$dir/err"; }
+from() {
+    list=$1
+    shift
+    "$tool" dataset "$dir/$list.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --models ward \
+        --light studio --points 50 "$@" 2>"$dir/err"
+}
+make() { from materials "$@"; }
 
 OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/groups" >"$dir/out" || fail "$(cat "$dir/err")"
-grep -q ' pairs of 5 references in 5 material groups (train [1-9][0-9]*, validation 34, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
+grep -q ' pairs of 5 references in 5 material groups (train [1-9][0-9]*, validation 32, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
 OMP_NUM_THREADS=2 make -o "$dir/two.safetensors" >/dev/null
 cmp "$dir/one.safetensors" "$dir/two.safetensors" || fail "two threads give another file"
 make -o "$dir/again.safetensors" --work "$dir/groups" --json >"$dir/out"
@@ -55,10 +61,20 @@ others "$dir/test.safetensors.json" test
 # The other material of a far pair is part of the name of its work file: a change makes the group again.
 sed 's/alpha=0.5/alpha=0.6/' "$dir/materials.csv" >"$dir/changed.csv"
 before=$(find "$dir/groups" -name '*.safetensors' | wc -l)
-"$tool" dataset "$dir/changed.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --models ward,ggx \
-    --points 200 -o "$dir/changed.safetensors" --work "$dir/groups" >/dev/null 2>"$dir/err"
+from changed -o "$dir/changed.safetensors" --work "$dir/groups" >/dev/null
 after=$(find "$dir/groups" -name '*.safetensors' | wc -l)
 [ "$((after - before))" = 3 ] || fail "$before work files, $after after a change of a training material"
+
+# So is the content of a file: one of the same name and size makes the group again, and only that.
+printf 'name,group,brdf,source,split\nf,f,file.npy,x,train\ng,g,ggx:kd=.1;alpha=.1,x,validation\n' >"$dir/file.csv"
+"$tool" convert sgd:brass -o "$dir/file.npy" >/dev/null
+from file -o "$dir/first.safetensors" --work "$dir/contents" >/dev/null
+"$tool" convert sgd:chrome -o "$dir/file.npy" >/dev/null
+from file -o "$dir/second.safetensors" --work "$dir/contents" >/dev/null
+from file -o "$dir/expected.safetensors" >/dev/null
+cmp "$dir/second.safetensors" "$dir/expected.safetensors" || fail "work files of another content were used"
+! cmp -s "$dir/first.safetensors" "$dir/second.safetensors" || fail "the changed file was not read"
+[ "$(find "$dir/contents" -name '*.safetensors' | wc -l)" = 3 ] || fail "the group without a change was made again"
 
 # A damaged work file is computed again.
 for file in "$dir"/groups/*.safetensors; do

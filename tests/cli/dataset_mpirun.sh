@@ -22,7 +22,7 @@ exec "$@"
 END
 make() {
     "$@" "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 6 --models ward \
-        --points 200 --work "$dir/work" -o "$dir/$name.safetensors" >"$dir/out" 2>"$dir/err"
+        --light studio --points 50 --work "$dir/work" -o "$dir/$name.safetensors" >"$dir/out" 2>"$dir/err"
 }
 name=alone
 make || fail "alone"

@@ -13,7 +13,7 @@ END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
 export OMP_NUM_THREADS=1
 make() {
-    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 "$@"
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --light studio --points 50 "$@"
 }
 # rank R N ARGUMENTS...: run `make` as rank R of N.
 rank() (
@@ -52,7 +52,7 @@ while [ "$claims" = 0 ]; do
     blows=$((blows + 1))
     [ $blows -le 10 ] || fail "ten killed processes, and none left a claim"
     rm -rf "$dir/work"
-    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 \
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --light studio --points 50 \
         --work "$dir/work" -o "$dir/killed.safetensors" >/dev/null 2>&1 &
     victim=$!
     wait_for "$dir/work" '*.claim'
@@ -73,7 +73,7 @@ cmp "$dir/alone.safetensors" "$dir/both.safetensors" || fail "another file from 
 # Interrupted and killed within a group: the same command goes on from the finished tests of the group, and the file is the same.
 for signal in TERM KILL; do
     rm -rf "$dir/work"
-    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --points 200 \
+    "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --models ward --light studio --points 50 \
         --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" &
     victim=$!
     wait_for "$dir/work" '*.safetensors.progress'
