@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Ctrl-C in every verb that can work for seconds: the exit code is 130, nothing is on standard output, and no output and no
-# temporary file is left, except what a verb keeps for a later run. NQM_INTERRUPT_TIMES names a file for the times to the end.
+# temporary file is left, except what a verb keeps for a later run. `info` and `calibrate` end at once with any input made here. NQM_INTERRUPT_TIMES names a file for the times to the end.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 make=$NQM_BUILD/tests
@@ -12,6 +12,7 @@ mkdir "$in" "$dir/work"
 "$tool" directions -n 2000 -o "$in/directions.csv" 2>"$dir/err"
 network=$in/valid.bin:second # a neural process: the slowest BRDF
 awk 'BEGIN { print "reference,test"; for (i = 0; i < 100000; ++i) printf "sgd:nickel,ggx:kd=%.6f;alpha=.3\n", i / 100001 }' >"$in/list.csv"
+awk 'BEGIN { print "DeltaE,JOD"; for (i = 0; i < 300000; ++i) print i % 300 / 10 "," i * 7919 % 1000 / 100 }' >"$in/labels.csv"
 printf 'name,group,brdf,source,split\na,a,%s,nps,train\nb,b,sgd:brass,sgd,validation\n' "$network" >"$in/materials.csv"
 cd "$dir/work"
 
@@ -52,5 +53,7 @@ stops eval - eval "$in/toy.safetensors" --model none --bootstrap 1000000
 stops translate - translate "$network" "$in/valid.bsdf" sgd:nickel sgd:brass ward:nickel --to openpbr -d materials
 stops bench - bench train -o bench.json
 stops convert - convert "$network" -o table.binary
+stops regress - regress "$in/labels.csv"
+stops plot - plot attribution "$network" "$network" -o drawing.svg
 stops transport - transport make --points 2048 -o transport.safetensors
 stops check - check --json "$network" "$network" "$network" "$network" "$network" "$network"
