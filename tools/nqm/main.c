@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -45,8 +46,21 @@ static int choose_kernels(void) {
     return EXIT_USAGE;
 }
 
+static bool has_result; /* the exit code is that of a verb */
+
+/* libgomp ends the process with exit code 1, which is that of a failed gate, when it cannot create a thread. */
+static void report_lost_thread(int exit_code, void *unused) {
+    (void)unused;
+    if (exit_code != EXIT_FAILURE || has_result)
+        return;
+    abandon_outputs();
+    report(EXIT_LIMIT, "a thread cannot be created: raise the limits (ulimit -v, ulimit -u), or set OMP_NUM_THREADS=1");
+    _exit(EXIT_LIMIT);
+}
+
 int main(int argc, char **argv) {
     static char help[] = "help";
+    on_exit(report_lost_thread, NULL);
     reserve_standard_streams();
     signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f` is an error of writing, which is reported and cleans up */
     catch_interrupt();
@@ -68,5 +82,7 @@ int main(int argc, char **argv) {
     if (!v)
         return report_no_verb(argv[1]);
     set_verb(v->name);
-    return finish(v->run(argc - 1, argv + 1));
+    const int exit_code = finish(v->run(argc - 1, argv + 1));
+    has_result = true;
+    return exit_code;
 }
