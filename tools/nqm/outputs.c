@@ -4,6 +4,7 @@
  */
 #include "nqm/tool.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,9 +45,12 @@ void require_output(const char *path) {
     nqm_outfile_abort(&file);
 }
 
-/* Whether the ending of the path is in the list. A single ending may be left out; several of them choose the format. */
+/* Whether the ending of the path is in the list. A single ending may be left out; several of them choose the format. A number after a
+ * dot ("model-1.2") is part of a name. */
 static bool has_ending(const char *path, const char *endings) {
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    if (dot && isdigit((unsigned char)dot[1]))
+        dot = NULL;
     const size_t n_dot = dot ? strlen(dot) : 0;
     bool fits = !dot && !strstr(endings, "|.");
     for (const char *at = endings; *at; at += strspn(at, "|")) {
