@@ -74,6 +74,28 @@ static cut cut_product(const nqm_panels *b, size_t m) {
     return c;
 }
 
+static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, cut by) {
+    for (size_t row = 0; row < p->m; row += by.rows)
+        for (size_t i = 0; i < p->n_panels; ++i)
+            kernels->product[p->b->precision](
+                &(nqm_product){.m = nqm_smaller(p->m - row, by.rows),
+                               .words = p->b->words,
+                               .add = p->add,
+                               .a = (const uint32_t *)p->a + row * p->lda,
+                               .b = p->panels + i * p->b->stride * NQM_PANEL,
+                               .c = (uint32_t *)p->c + row * p->ldc + i * NQM_PANEL, /* float or int32_t */
+                               .lda = p->lda,
+                               .ldc = p->ldc});
+}
+
+size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {
+    return cut_product(b, m).panels;
+}
+
+void nqm_multiply_block(const nqm_kernels *kernels, const nqm_block_product *p) {
+    multiply_block(kernels, p, cut_product(p->b, p->m));
+}
+
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
     if (m == 1) {
         multiply_row(b, a, add, c);
@@ -84,19 +106,18 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
     /* Consecutive blocks read the same panels, which stay in the L2 cache. */
 #pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && by.n_blocks > 1)
     for (size_t i = 0; i < by.n_blocks; ++i) {
-        const size_t first = i / by.n_down * by.panels, last = nqm_smaller(first + by.panels, b->n_panels);
-        const size_t row = i % by.n_down * ROWS_AT_ONCE, end = nqm_smaller(row + ROWS_AT_ONCE, m);
-        for (size_t r = row; r < end; r += by.rows)
-            for (size_t panel = first; panel < last; ++panel)
-                kernels->product[b->precision](
-                    &(nqm_product){.m = nqm_smaller(end - r, by.rows),
-                                   .words = b->words,
-                                   .add = add,
-                                   .a = (const uint32_t *)a + r * lda,
-                                   .b = nqm_panel_at(b, panel),
-                                   .c = (uint32_t *)c + r * ldc + panel * NQM_PANEL, /* float or int32_t */
-                                   .lda = lda,
-                                   .ldc = ldc});
+        const size_t panel = i / by.n_down * by.panels, row = i % by.n_down * ROWS_AT_ONCE;
+        multiply_block(kernels,
+                       &(nqm_block_product){.b = b,
+                                            .panels = nqm_panel_at(b, panel),
+                                            .n_panels = nqm_smaller(b->n_panels - panel, by.panels),
+                                            .m = nqm_smaller(m - row, ROWS_AT_ONCE),
+                                            .add = add,
+                                            .a = (const uint32_t *)a + row * lda,
+                                            .c = (uint32_t *)c + row * ldc + panel * NQM_PANEL,
+                                            .lda = lda,
+                                            .ldc = ldc},
+                       by);
     }
 }
 

@@ -71,6 +71,20 @@ static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t
  */
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
 
+/** A block of such a product, for callers that distribute blocks to threads themselves. */
+typedef struct nqm_block_product {
+    const nqm_panels *b;
+    const uint32_t *panels; /**< (n_panels, b->stride, NQM_PANEL) some of b, or a copy */
+    size_t n_panels, m;
+    bool add;
+    const void *a; /**< (m, b->words), lda words from row to row */
+    void *c;       /**< (m, n_panels NQM_PANEL), ldc elements from row to row */
+    size_t lda, ldc;
+} nqm_block_product;
+void nqm_multiply_block(const nqm_kernels *kernels, const nqm_block_product *p);
+/** Panels of a block of a product of m rows: so many that the rows are read from beyond the L2 cache less often. */
+size_t nqm_panels_of_block(const nqm_panels *b, size_t m);
+
 /** Floats or words from row to row for rows of n: whole panels, and an odd number of cache lines, so that the rows of a tile
  *  are not stored in the same few sets of a cache. */
 static inline size_t nqm_row_stride(size_t n) {

@@ -47,10 +47,12 @@ typedef struct block {
     size_t row, m, panel, n;
 } block;
 
-/* A single row is cut into one block for each thread. */
+/* A single row is cut into one block for each thread. Rows of rounded inputs stay in the L2 cache. */
 static size_t panels_of_block(const rows *r, size_t n_rows, const nqm_panels *p) {
-    if (n_rows > 1 || !r->work->is_packed)
+    if (!r->work->is_packed || (n_rows > 1 && p->precision != NQM_PRECISION_F32))
         return 1;
+    if (n_rows > 1)
+        return nqm_panels_of_block(p, n_rows);
     return nqm_smaller(nqm_ceil_div(p->n_panels, (size_t)omp_get_num_threads()), BLOCK_ROWS);
 }
 
@@ -85,8 +87,15 @@ static void multiply_packed(const nqm_kernels *kernels, const nqm_panels *p, con
         kernels->row_product[p->precision](&(nqm_row_product){
             .words = p->words, .n_panels = at.n, .stride = p->stride, .add = add, .a = left, .b = b, .c = c});
     else
-        kernels->product[p->precision](&(nqm_product){
-            .m = at.m, .words = p->words, .add = add, .a = left, .lda = a.stride, .b = b, .c = c, .ldc = ldc});
+        nqm_multiply_block(kernels, &(nqm_block_product){.b = p,
+                                                         .panels = b,
+                                                         .n_panels = at.n,
+                                                         .m = at.m,
+                                                         .add = add,
+                                                         .a = left,
+                                                         .lda = a.stride,
+                                                         .c = c,
+                                                         .ldc = ldc});
 }
 
 /* The same in float for any precision; c has the workspace's stride. */
