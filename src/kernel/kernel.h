@@ -260,6 +260,11 @@ const nqm_kernels *nqm_kernels_get(void);
 void nqm_kernels_use(const nqm_kernels *kernels);
 /** The i-th table that this processor can run, best first, the plain loops last; NULL beyond. */
 const nqm_kernels *nqm_kernels_at(size_t i);
+/** Why nqm_kernels_at(0) is the best, for people. */
+const char *nqm_kernels_reason(void);
+/** Whether products of one table take at most 0.9 of the time of another's: the least of several turns. seconds: times one turn. */
+bool nqm_kernels_are_quicker(const nqm_kernels *kernels, const nqm_kernels *than,
+                             double (*seconds)(const nqm_kernels *kernels));
 
 /** oneDNN's sgemm on blocks (gemm_onednn.c); plain loops where oneDNN is not installed. */
 void nqm_gemm_onednn(const nqm_gemm *g);

@@ -74,7 +74,7 @@ static void check_processor(examination *e) {
     add(e, "processor", STATE_OK, NULL, "%s", *cpu ? cpu : "unknown");
     const char *selected = nqm_kernels_selected(), *best = nqm_kernels_name(0);
     if (strcmp(selected, best) == 0)
-        add(e, "kernels", STATE_OK, NULL, "%s", selected);
+        add(e, "kernels", STATE_OK, NULL, "%s (%s)", selected, nqm_kernels_reason());
     else
         add(e, "kernels", STATE_NOTE, "unset NQM_KERNELS to use the fastest", "%s; this processor also supports %s",
             selected, best);
