@@ -12,12 +12,14 @@
 #include "percept/percept.h"
 
 #include <math.h>
+#include <omp.h>
 #include <string.h>
 
 struct nqm_predictor {
     const nqm_model *model;
     size_t samples_width;     /* number of inputs that come from samples */
     size_t stride;            /* floats from one row of x to the next */
+    size_t n_threads;         /* when it was created: buffers are for so many tasks */
     nqm_sum_plan *plan;       /* of the scalar features and metrics */
     nqm_inference_work *work; /* NULL: the model has no network */
     float *t;             /* (tasks, 2, n_directions, 3) transformed reference and test: a task stays in the L2 cache */
@@ -30,21 +32,13 @@ struct nqm_predictor {
 };
 
 /* Pairs per task: enough to share the matrix of light transport, few enough for all threads. Their references may differ. */
-static size_t pairs_per_task(size_t n) {
-    const size_t enough_tasks = 8, share = (n + enough_tasks - 1) / enough_tasks;
-    return nqm_smaller(share, NQM_COMPARE_MAX);
-}
-
-static size_t count_tasks(size_t n) {
-    return (n + pairs_per_task(n) - 1) / pairs_per_task(n);
+static size_t pairs_per_task(size_t n, size_t n_threads) {
+    return nqm_smaller(nqm_ceil_div(n, n_threads), NQM_COMPARE_MAX);
 }
 
 /* The most tasks of a call with at most n pairs. */
-static size_t most_tasks(size_t n) {
-    size_t most = 0;
-    for (size_t i = 1; i <= n; ++i)
-        most = nqm_larger(most, count_tasks(i));
-    return most;
+static size_t most_tasks(size_t n, size_t n_threads) {
+    return nqm_smaller(n, nqm_larger(n_threads, nqm_ceil_div(n, NQM_COMPARE_MAX)));
 }
 
 nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
@@ -62,7 +56,8 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     const size_t samples_width = nqm_features_width(model->features.layout, n_directions);
     const size_t stride = nqm_row_stride(samples_width + nqm_model_n_scalars(model));
     nqm_predictor *p;
-    const size_t n_tasks = most_tasks(max_batch), n = 3 * n_directions;
+    const size_t n_threads = (size_t)omp_get_max_threads(), n_tasks = most_tasks(max_batch, n_threads);
+    const size_t n = 3 * n_directions;
     float *t, *root, *x, *z;
     nqm_pair_sums *sums;
     double *bound;
@@ -79,6 +74,7 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     *p = (nqm_predictor){.model = model,
                          .samples_width = samples_width,
                          .stride = stride,
+                         .n_threads = n_threads,
                          .t = t,
                          .root = root,
                          .sums = sums,
@@ -320,11 +316,11 @@ static nqm_label bounded_label(const nqm_model *model, const float *z, const nqm
 void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double *jod, double *delta_e) {
     if (pairs->n == 0)
         return;
-    compose_job job = {p, pairs, pairs_per_task(pairs->n)};
+    compose_job job = {p, pairs, pairs_per_task(pairs->n, p->n_threads)};
     if (pairs->n == 1)
         compose_one(&job);
     else
-        nqm_parallel_for(count_tasks(pairs->n), compose, &job);
+        nqm_parallel_for(nqm_ceil_div(pairs->n, job.n_at_once), compose, &job);
     if (p->work)
         nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
     const size_t n_outputs = nqm_model_n_outputs(p->model);
