@@ -177,6 +177,8 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of CSV (byte 0); less than 4 GiB are read", name,
                         n_bytes);
     const char *nul = n_bytes ? memchr(text, '\0', n_bytes) : NULL;
+    if (nul && n_bytes > 1 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: text in UTF-16 (byte 0); save it as UTF-8", name);
     if (nul)
         return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file", name,
                         (size_t)(nul - text));
@@ -266,8 +268,9 @@ nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int column, double *va
     if (!parsed || *end) {
         size_t at = nqm_csv_byte(csv, row, column);
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
-                        "%s: line %u, byte %zu: column '%s' needs a finite number, not '%.40s'", csv->name,
-                        (unsigned)csv->line[row + 1], at, csv->text + csv->field[column], text);
+                        "%s: line %u, byte %zu: column '%s' needs a finite number%s, not '%.40s'", csv->name,
+                        (unsigned)csv->line[row + 1], at, csv->text + csv->field[column],
+                        strchr(text, ',') ? " with a decimal point" : "", text);
     }
     *value_ret = value;
     return NQM_OK;

@@ -86,6 +86,13 @@ sed -n 2p "$dir/out" | grep -q '^sgd:nickel,"perturb:tint=1.2,1,1;of=sgd:nickel"
 printf 'note\treference\ttest\n\tsgd:nickel\tward:nickel\n' >"$dir/tab.tsv"
 batch 0 "$dir/tab.tsv"
 sed -n 2p "$dir/out" | grep -q '^,sgd:nickel,ward:nickel,[0-9]' || fail "tabs: $(cat "$dir/out")"
+# What spreadsheets and other programs write: UTF-16, a JSON array.
+printf '\377\376r\0e\0' >"$dir/utf16.csv"
+batch 4 "$dir/utf16.csv"
+says 'UTF-16 (byte 0); save it as UTF-8'
+printf '[{"reference": "sgd:nickel", "test": "ward:nickel"}]\n' >"$dir/array.json"
+batch 4 "$dir/array.json"
+says 'a list has one on each line'
 batch 3 "$dir/relative.csv" --root "$dir/nowhere" -o "$dir/x.csv"
 [ ! -e "$dir/x.csv.part" ] || fail "a part without a run"
 printf 'reference,test\n%s,ward:nickel\n' "$dir/valid.binary" >"$dir/holes.csv"

@@ -75,6 +75,8 @@ run 1 check lambert:kd=1 lambert:kd=1.1
 has 'lambert:kd=1: plausible'
 has 'lambert:kd=1.1: NOT PLAUSIBLE'
 has 'FAILS.*110.0 %'
+run 0 check lambert:kd=.0005
+has 'lambert:kd=.0005: suspicious'
 run 1 check 'ggx:ks=30;f0=1;alpha=.0005' --json # a lobe 0.03 degrees wide whose albedo exceeds 1
 has '"ok": false'
 has '"energy"'

@@ -238,6 +238,8 @@ static void refuses_unfit_lists(void **state) {
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n91,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "theta_h 91");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,-181,4,5,6\n", "", NQM_ERR_FORMAT, "phi_d -181");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,,6\n", "", NQM_ERR_FORMAT, "needs a finite number");
+    expect_refused("theta_h;theta_d;phi_d;r;g;b\n1;2;3;4,5;6;7\n", "", NQM_ERR_FORMAT,
+                   "with a decimal point, not '4,5'");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,,,\n", "", NQM_ERR_FORMAT, "has a value");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":zero", NQM_ERR_ARG, "'zero'");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":50", NQM_ERR_ARG, "up to 45");

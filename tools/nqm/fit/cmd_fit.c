@@ -135,13 +135,17 @@ typedef struct output {
     bool folder;
 } output;
 
-/* Create the folder, or check that the file can be created. */
-static output prepare_output(const char *path, size_t n_models) {
+/* Create the folder, or check that the file can be created and that the only model writes one. */
+static output prepare_output(const char *path, const fit_request *request) {
     output out = {.path = path};
     nqm_outfile trial;
     nqm_error err = {0};
+    const nqm_fit_entry *first;
     size_t n = path ? strlen(path) : 0;
-    out.folder = n > 0 && (n_models > 1 || path[n - 1] == '/' || is_folder(path));
+    out.folder = n > 0 && (request->n_models > 1 || path[n - 1] == '/' || is_folder(path));
+    must(nqm_fit_entry_find(request->models[0], &first, &err), &err);
+    if (path && !out.folder && !first->encode)
+        stop(EXIT_USAGE, "the result of %s is a spec, which is printed: -o %s would not be written", first->name, path);
     if (out.folder && !is_folder(path) && mkdir(path, 0777) != 0)
         stop(EXIT_OPEN, "%s: cannot create this folder", path);
     if (path && !out.folder && strcmp(path, "-") != 0) {
@@ -273,12 +277,10 @@ static void write_fit_report(const char *ref, const fit_request *request, const 
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-static void warn_unwritten(const fit_request *request, const output *out, const fitted *f) {
+static void warn_unwritten(const fit_request *request, const fitted *f) {
     for (size_t i = 0; i < request->n_models; ++i)
         if (f[i].err.status == NQM_OK && !fitted_argument(&f[i]))
             report(EXIT_OK, "%s: the result is a file, not a spec: write it with -o FILE", f[i].model);
-    if (out->path && !out->folder && f[0].match.fit.spec[0])
-        report(EXIT_OK, "the result is a spec: %s is not written", out->path);
 }
 
 /* The models that the loss needs; its faults are found before the work. */
@@ -348,7 +350,7 @@ int cmd_fit(int argc, char **argv) {
     fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
     nqm_brdf *ref = open_brdf(argv[0]);
-    const output out = prepare_output(path, request.n_models);
+    const output out = prepare_output(path, &request);
     output_file page_file = {0};
     if (page)
         open_output(page, &page_file);
@@ -359,7 +361,7 @@ int cmd_fit(int argc, char **argv) {
     terms.out = &out;
     const int exit_code = fit_all(&terms, &request, &fit, results);
     end_progress();
-    warn_unwritten(&request, &out, results);
+    warn_unwritten(&request, results);
     if (page)
         write_fit_report(argv[0], &request, results, loss, metric, &page_file);
     print_fits(request.n_models, results,

@@ -152,7 +152,8 @@ static nqm_status take_line(nqm_pair_list *list, const json_line *line, const ch
                         line->number, at, fault.text);
     }
     status = json_is_object(object) ? take_members(list, line, object, err)
-                                    : nqm_fail(err, NQM_ERR_FORMAT, line->at, "%s: line %zu, byte %lld: no JSON object",
+                                    : nqm_fail(err, NQM_ERR_FORMAT, line->at,
+                                               "%s: line %zu, byte %lld: no JSON object; a list has one on each line",
                                                line->name, line->number, (long long)line->at);
     json_decref(object);
     return status;
@@ -218,7 +219,7 @@ nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *nam
     size_t begin = n_bytes >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* UTF-8 byte order mark */
     size_t first = begin + count_blanks(text + begin, n_bytes - begin);
     nqm_status status;
-    if (first < n_bytes && text[first] == '{') {
+    if (first < n_bytes && (text[first] == '{' || text[first] == '[')) { /* an array is refused as its first line */
         status = take_json_lines(list, text, begin, n_bytes, name, err);
     } else {
         status = nqm_csv_parse(text, n_bytes, name, &list->csv, err);
