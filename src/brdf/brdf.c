@@ -229,6 +229,8 @@ static bool exists(const char *path) {
 /* Neither a file nor a spec: is it a misspelt spec, or one without its colon? */
 static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     char model[64];
+    if (!*path_or_spec)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "a BRDF argument is empty");
     if (!strchr(path_or_spec, ':') && nqm_analytic_model_find(path_or_spec, strlen(path_or_spec)))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: no such file; a spec of this model is '%s:key=value;...'",
                         path_or_spec, path_or_spec);

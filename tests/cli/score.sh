@@ -151,3 +151,6 @@ sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,w,$' || fail "names
 run 0 label r=sgd:nickel w=ward:nickel --points 60 --lights 16
 grep -q ' w$' "$dir/out" || fail "names of labels"
 (cd "$dir" && cp "${NQM_SOURCE}/tests/cli/score.sh" a=b && run 4 score sgd:nickel a=b) || fail "an existing file is no name"
+"$tool" sample sgd:nickel | "$tool" score - ward:nickel >"$dir/out"
+grep -q '^reference  standard input$' "$dir/out" || fail "standard input has another name: $(cat "$dir/out")"
+refuses 2 'a BRDF argument is empty' score '' ward:nickel

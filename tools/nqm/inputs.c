@@ -95,6 +95,10 @@ const char **take_names(int n, char **arguments) {
     const char **names = allocate((size_t)n, sizeof *names);
     for (int i = 0; i < n; ++i) {
         const size_t n_name = name_length(arguments[i]);
+        size_t n_stream;
+        const char *stream = stream_name(arguments[i], &n_stream);
+        if (*stream && arguments[i][n_stream] == '\0')
+            names[i] = stream;
         if (n_name == 0)
             continue;
         names[i] = arguments[i];
