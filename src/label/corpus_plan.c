@@ -4,6 +4,7 @@
  * differences that occur in practice; perturbations cover the range from invisible to strong, one kind of difference at a
  * time; far tests are BRDFs that really differ.
  */
+#include "base/names.h"
 #include "brdf/brdf.h"
 #include "label/corpus.h"
 
@@ -73,16 +74,31 @@ static bool listed(const char *list, const char *name) {
     return false;
 }
 
+/* The first n characters of `word` must be a model, which does not occur again after them. */
+static nqm_status check_model(const char *word, size_t n, nqm_error *err) {
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), word);
+    nqm_nearest nearest = nqm_nearest_begin(name);
+    for (size_t k = 0; nqm_fit_model(k); ++k) {
+        if (strcmp(nqm_fit_model(k), name) == 0)
+            return listed(word + n + (word[n] == ','), name)
+                       ? nqm_fail(err, NQM_ERR_ARG, -1, "the model '%s' is listed twice", name)
+                       : NQM_OK;
+        nqm_nearest_add(&nearest, nqm_fit_model(k));
+    }
+    return nqm_fail(err, NQM_ERR_ARG, -1, "a corpus has no model '%s'%s", name, nearest.advice);
+}
+
 nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err) {
     nqm_corpus_models models = {0};
-    size_t n_words = 0;
-    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',')
-        ++n_words;
+    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
+        const nqm_status status = check_model(at, strcspn(at, ","), err);
+        if (status != NQM_OK)
+            return status;
+    }
     for (size_t k = 0; nqm_fit_model(k) && models.n < NQM_CORPUS_MAX_MODELS; ++k)
         if (!list || listed(list, nqm_fit_model(k)))
             models.name[models.n++] = nqm_fit_model(k);
-    if (list && n_words != models.n)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "'%.200s' has an unknown or repeated model", list);
     *models_ret = models;
     return NQM_OK;
 }

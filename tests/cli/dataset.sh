@@ -107,7 +107,7 @@ grep -qx 'sgd-brass,brass,sgd:brass,sgd,test' "$dir/list.csv" || fail "brass"
 refuses 2 'directions' dataset "$dir/materials.csv" -o "$dir/x"
 refuses 2 '-o FILE' dataset "$dir/materials.csv" --directions "$dir/directions.csv"
 refuses 2 'standard output' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o -
-refuses 2 'ggxx' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --models ward,ggxx
+refuses 2 "no model 'wrad' (did you mean 'ward'?)" dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --models ggx,wrad
 refuses 3 'nowhere' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
 refuses 2 'validation' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
 refuses 3 'missing.csv' dataset "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"

@@ -138,6 +138,7 @@ plot 3 curve "$dir/labels.csv" -o "$dir/nowhere/x.png"
 plot 4 curve "$dir/log.csv" -o "$dir/x.svg"
 says 'log.csv.*DeltaE'
 plot 4 bars "$dir/labels.csv" -o "$dir/x.svg"
+says "the document of .nqm eval --json."
 says 'labels.csv: line 1'
 echo '{"results": [{"name": "a", "spearman": null}]}' >"$dir/bad.json"
 plot 4 bars "$dir/bad.json" -o "$dir/x.svg"

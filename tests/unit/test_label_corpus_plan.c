@@ -185,11 +185,15 @@ static void models_are_chosen_by_name(void **state) {
     assert_int_equal(models.n, 2);
     assert_string_equal(models.name[0], "ward");
     assert_string_equal(models.name[1], "ggx");
-    static const char *const bad[] = {"gg", "ggxx", "ggx,ggx", ",", "ggx ward"};
+    static const char *const bad[][2] = {{"gg", "no model 'gg'"},
+                                         {"ward,ggxx", "no model 'ggxx' (did you mean 'ggx'?)"},
+                                         {"ggx,ward,ggx", "'ggx' is listed twice"},
+                                         {",", "no model ''"},
+                                         {"ggx ward", "no model 'ggx ward'"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         nqm_error err = {0};
-        assert_int_equal(nqm_corpus_models_parse(bad[i], &models, &err), NQM_ERR_ARG);
-        assert_non_null(strstr(err.message, bad[i]));
+        assert_int_equal(nqm_corpus_models_parse(bad[i][0], &models, &err), NQM_ERR_ARG);
+        assert_non_null(strstr(err.message, bad[i][1]));
     }
 }
 

@@ -132,8 +132,9 @@ static nqm_status load(const char *path, json_t **root_ret, nqm_error *err) {
     if (!*root_ret && json_error_code(&fault) == json_error_cannot_open_file)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot open: %s", path, strerror(errno));
     if (!*root_ret)
-        return nqm_fail(err, NQM_ERR_FORMAT, fault.position, "%s: line %d is not JSON: %s", path, fault.line,
-                        fault.text);
+        return nqm_fail(err, NQM_ERR_FORMAT, fault.position,
+                        "%s: line %d is not JSON, but bars draws the document of `nqm eval --json`: %s", path,
+                        fault.line, fault.text);
     return NQM_OK;
 }
 
