@@ -12,8 +12,9 @@
 #include <string.h>
 
 enum {
-    MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
-    MIN_ROWS = 16,          /* the same for a call that does not read packed weights */
+    MIN_PARALLEL = 1 << 18,   /* multiply-adds; below, waking a thread costs more than it saves */
+    FEW_ROWS = 2 * NQM_STRIP, /* reading weights takes most of the time */
+    MIN_ROWS = 16,            /* the same for a call that does not read packed weights */
     BLOCK_ROWS = 16 * NQM_STRIP,
 
     /* Rows that a thread takes at a time: few enough for activations to stay in its L2 cache, enough to amortise reading
@@ -273,10 +274,10 @@ static void run_rows(const rows *r) {
     for (size_t l = 0; l < net->n_layers; ++l) {
         const nqm_panels *panels = &net->layer[l].segment[0].panels;
         const size_t n_blocks = count_blocks(r, r->n, panels);
-        if (r->n == 1) { /* a thread reads the same weights in every call: its caches may still have them */
+        if (r->n <= FEW_ROWS) { /* a thread reads the same weights in every call: its caches may still have them */
 #pragma omp for schedule(static)
             for (size_t i = 0; i < n_blocks; ++i)
-                multiply_layer_block(r, l, block_at(r, i, 1, panels));
+                multiply_layer_block(r, l, block_at(r, i, r->n, panels));
         } else {
 #pragma omp for schedule(dynamic, 1)
             for (size_t i = 0; i < n_blocks; ++i)
