@@ -39,7 +39,8 @@ static void apply_layer(size_t n, const nqm_panels *w, const float *b, const flo
         nqm_kernels_get()->product[NQM_PRECISION_F32](&(nqm_product){
             .m = n, .words = w->words, .a = x, .lda = LD, .b = nqm_panel_at(w, p), .c = y + p * NQM_PANEL, .ldc = LD});
     for (size_t i = 0; i < n; ++i) {
-        float *restrict row = y + i * LD;
+        float *row = y + i * LD;
+#pragma omp simd
         for (size_t j = 0; j < w->n; ++j) {
             const float sum = row[j] + b[j];
             row[j] = sum > 0 ? sum : 0;

@@ -9,7 +9,7 @@
 #define VECTOR_BYTES         32
 #define TILE_ROWS            3
 #define TILE_VECTORS         4
-#define PART_WORDS           192 /* 24 KB of a panel: fits into an L1 cache of 32 KB with the rows of a tile */
+#define PART_WORDS           200 /* 25 KB of a panel: fits into an L1 cache of 32 KB with the rows of a tile */
 #define MADD_F32(sum, a, b)  ((vector_f)_mm256_fmadd_ps(_mm256_set1_ps(a), (__m256)(b), (__m256)(sum)))
 #define MADD_INT8(sum, a, b) ((vector_i)madd_bytes((__m256i)(sum), _mm256_set1_epi32((int)(a)), (__m256i)(b)))
 
