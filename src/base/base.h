@@ -129,22 +129,35 @@ NQM_MUST_CHECK nqm_status nqm_lock_open(const char *path, int *fd_ret, bool *exi
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are read and written in the byte order of the host");
+enum { NQM_BIG_ENDIAN = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ };
+
+/** Copy n values of n_each bytes (1, 2, 4 or 8) from the byte order of the host to little-endian, or back. The memory must not
+ *  overlap. */
+static inline void nqm_copy_little_endian(size_t n, size_t n_each, const void *from, void *to) {
+    const unsigned char *bytes = (const unsigned char *)from;
+    if (!NQM_BIG_ENDIAN)
+        memcpy(to, from, n * n_each);
+    for (size_t i = 0; NQM_BIG_ENDIAN && i < n * n_each; ++i)
+        ((unsigned char *)to)[i] = bytes[i ^ (n_each - 1)]; /* the mirrored byte of the same value */
+}
 
 #define NQM_LITTLE_ENDIAN(NAME, TYPE)                                                                                  \
     static inline TYPE nqm_load_##NAME(const unsigned char *p) {                                                       \
         TYPE v;                                                                                                        \
-        memcpy(&v, p, sizeof v);                                                                                       \
+        nqm_copy_little_endian(1, sizeof v, p, &v);                                                                    \
         return v;                                                                                                      \
     }                                                                                                                  \
     static inline void nqm_store_##NAME(unsigned char *p, TYPE v) {                                                    \
-        memcpy(p, &v, sizeof v);                                                                                       \
+        nqm_copy_little_endian(1, sizeof v, &v, p);                                                                    \
     }
 NQM_LITTLE_ENDIAN(u16, uint16_t)
 NQM_LITTLE_ENDIAN(u32, uint32_t)
 NQM_LITTLE_ENDIAN(u64, uint64_t)
 NQM_LITTLE_ENDIAN(f32, float)
 NQM_LITTLE_ENDIAN(f64, double)
+
+/** Write n values of n_each bytes in little-endian order; the stream's error flag tells of failures. */
+void nqm_write_values(FILE *stream, size_t n, size_t n_each, const void *values);
 
 /** An unsigned integer of n_bytes (1 to 8) in either byte order. */
 uint64_t nqm_load_integer(const unsigned char *p, size_t n_bytes, bool big_endian);
@@ -218,6 +231,8 @@ typedef struct nqm_sha256 {
 /** Begin a hash; false when out of memory. */
 bool nqm_sha256_begin(nqm_sha256 *sha);
 void nqm_sha256_add(nqm_sha256 *sha, const void *data, size_t n_bytes);
+/** Add n values of n_each bytes in little-endian order, so that the hash does not depend on the host. */
+void nqm_sha256_add_values(nqm_sha256 *sha, size_t n, size_t n_each, const void *values);
 /** Store the hash as 64 lower-case hex digits and NUL, and free the context. */
 void nqm_sha256_end(nqm_sha256 *sha, char hex[65]);
 

@@ -12,7 +12,7 @@ typedef struct nqm_grid {
     size_t n[3];           /**< nodes of theta_h, theta_d (both >= 2) and phi_d (>= 1) */
     const double *node[3]; /**< radians, rising; the last phi_d is at most the first plus `period` */
     double period;         /**< of phi_d: pi or 2 pi; between its last and first node, too, values are interpolated */
-    const unsigned char *value;        /**< float32 */
+    const unsigned char *value;        /**< float32, little-endian */
     size_t stride[3];                  /**< bytes from a node to the next one along each axis */
     size_t n_channels, channel_stride; /**< values of a node, and bytes between them */
     const double *weights;             /**< (n_channels, 3): channel c of f_r is the sum of weights[3 k + c] value k */

@@ -173,8 +173,8 @@ static bool is_above_horizon(const double *hd) {
     return fmin(wi[2], wo[2]) > 1e-9;
 }
 
-/* Store each row at its node; false when two rows have the same one. value: (n, 3); filled: (n), zero. */
-static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, float *value, unsigned char *filled) {
+/* Store each row at its node; false when two rows have the same one. value: (n, 3) float32; filled: (n), zero. */
+static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, unsigned char *value, unsigned char *filled) {
     for (size_t i = 0; i < n; ++i) {
         size_t at = 0;
         for (size_t k = 0; k < 3; ++k)
@@ -182,7 +182,7 @@ static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, float *val
         if (filled[at]++)
             return false;
         for (size_t c = 0; c < 3; ++c)
-            value[3 * at + c] = is_above_horizon(rows[i].hd) ? rows[i].rgb[c] : NAN;
+            nqm_store_f32(value + (3 * at + c) * sizeof(float), is_above_horizon(rows[i].hd) ? rows[i].rgb[c] : NAN);
     }
     return true;
 }
@@ -190,8 +190,7 @@ static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, float *val
 /* *grid_ret is NULL when the rows are no complete grid. */
 static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm_grid **grid_ret, nqm_error *err) {
     double *node[3];
-    float *value;
-    unsigned char *filled;
+    unsigned char *value, *filled;
     size_t n_product = 0;
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({grid_ret, 1, sizeof(nqm_grid)}, {node, n, sizeof(double)},
                                                     {node + 1, n, sizeof(double)}, {node + 2, n, sizeof(double)},
@@ -200,7 +199,7 @@ static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm
     if (status != NQM_OK)
         return status;
     nqm_grid *g = *grid_ret;
-    *g = (nqm_grid){.period = period, .value = (const unsigned char *)value, .weights = identity};
+    *g = (nqm_grid){.period = period, .value = value, .weights = identity};
     for (size_t k = 0; k < 3; ++k) {
         g->n[k] = distinct(n, rows, k, node[k]);
         g->node[k] = node[k];

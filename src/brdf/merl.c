@@ -221,7 +221,7 @@ nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, const char *path, 
         unsigned char header[HEADER_BYTES];
         make_header(n_phi, header);
         fwrite(header, 1, sizeof header, out.stream);
-        fwrite(cells, sizeof *cells, n_values, out.stream);
+        nqm_write_values(out.stream, n_values, sizeof *cells, cells);
         status = nqm_outfile_commit(&out, err); /* checks the stream's error flag */
     }
     nqm_free(cells);

@@ -114,8 +114,12 @@ static nqm_status read_decoder(const char *path, nps *net, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     nqm_map_expect(&map, true);
-    const float *numbers = (const void *)map.data;
-    if (!nqm_nps_probe(&map)) {
+    float *numbers = nqm_alloc(N_NUMBERS, sizeof *numbers); /* in the byte order of the host */
+    if (numbers && nqm_nps_probe(&map))
+        nqm_copy_little_endian(N_NUMBERS, sizeof *numbers, map.data, numbers);
+    if (!numbers) {
+        status = nqm_fail_nomem(err, N_NUMBERS * sizeof *numbers);
+    } else if (!nqm_nps_probe(&map)) {
         status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map.n_bytes,
                           "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map.n_bytes);
     } else if (nqm_all_within(N_NUMBERS, numbers, -FLT_MAX)) {
@@ -124,6 +128,7 @@ static nqm_status read_decoder(const char *path, nps *net, nqm_error *err) {
         size_t at = 4 * nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX);
         status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", path, at);
     }
+    nqm_free(numbers);
     nqm_map_close(&map);
     return status;
 }

@@ -232,9 +232,9 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Number of floats to copy: all when the tensor's floats are misaligned, otherwise none. */
+/* Number of floats to copy: all when the tensor's floats are misaligned or not in the byte order of the host, otherwise none. */
 static size_t n_copied(const nqm_tensor *t) {
-    return (uintptr_t)t->data % sizeof(float) ? t->n_bytes / sizeof(float) : 0;
+    return NQM_BIG_ENDIAN || (uintptr_t)t->data % sizeof(float) ? t->n_bytes / sizeof(float) : 0;
 }
 
 /* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order. */
@@ -255,10 +255,12 @@ static grid grid_of(const nqm_tensor *t, const float *value) {
         .width = t->dims[t->n_dims - 1], .height = t->n_dims > 1 ? t->dims[t->n_dims - 2] : 1, .value = value};
 }
 
-/* Make `g` a view of a tensor's floats, or of `copy` when they are misaligned. */
+/* Make `g` a view of a tensor's floats, or of `copy` (n_copied) if there is one. */
 static nqm_status view_floats(const contents *c, const nqm_tensor *t, float least, float *copy, grid *g,
                               nqm_error *err) {
-    *g = grid_of(t, n_copied(t) ? memcpy(copy, t->data, t->n_bytes) : t->data);
+    if (n_copied(t))
+        nqm_copy_little_endian(n_copied(t), sizeof *copy, t->data, copy);
+    *g = grid_of(t, n_copied(t) ? copy : t->data);
     return check_values(c, t, least, g->value, err);
 }
 
@@ -309,7 +311,7 @@ static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&nm, n, sizeof *nm}, {&weights, 3 * n, sizeof *weights}), err);
     if (status != NQM_OK)
         return status;
-    memcpy(nm, c->wavelengths->data, n * sizeof *nm);
+    nqm_copy_little_endian(n, sizeof *nm, c->wavelengths->data, nm);
     if (!nqm_spectrum_is_visible(n, nm))
         status = fail_tensor(c, c->wavelengths, "does not rise from at most 500 to at least 600 nm", err);
     if (status == NQM_OK)

@@ -184,11 +184,11 @@ nqm_status nqm_dataset_hash(const nqm_dataset *d, char sha256_ret[65], nqm_error
     if (!nqm_sha256_begin(&sha))
         return nqm_fail_nomem(err, sizeof sha);
     const uint64_t counts[] = {d->n_directions, d->n_refs, d->n_groups, d->n_kinds, d->n_pairs};
-    nqm_sha256_add(&sha, counts, sizeof counts);
+    nqm_sha256_add_values(&sha, sizeof counts / sizeof *counts, sizeof *counts, counts);
     for (size_t i = 0; i < NQM_DATASET_ARRAYS; ++i) {
         const nqm_tensor t = nqm_dataset_array(d, i);
         if (t.data)
-            nqm_sha256_add(&sha, t.data, t.n_bytes);
+            nqm_sha256_add_values(&sha, t.n_bytes / nqm_dtype_size(t.dtype), nqm_dtype_size(t.dtype), t.data);
     }
     nqm_sha256_end(&sha, sha256_ret);
     return NQM_OK;

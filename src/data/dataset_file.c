@@ -9,8 +9,6 @@
 
 #include <string.h>
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "tensors are used as they lie in the file: little-endian");
-
 static const char format_name[] = "nqm-dataset", schema[] = "1";
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
@@ -136,6 +134,8 @@ nqm_status nqm_dataset_parse(const unsigned char *data, size_t n_bytes, const ch
     nqm_status status = d ? nqm_safetensors_parse(data, n_bytes, name, &st, err) : nqm_fail_nomem(err, sizeof *d);
     if (status == NQM_OK)
         status = read_dataset(st, verify_checksum, d, name, err);
+    if (status == NQM_OK)
+        d->block = nqm_safetensors_take(st);
     nqm_safetensors_free(st);
     if (status == NQM_OK)
         *dataset_ret = d;

@@ -24,20 +24,25 @@ typedef struct nqm_tensor {
     nqm_dtype dtype;
     size_t n_dims, dims[NQM_MAX_DIMS];
     size_t n_bytes;
-    const void *data;    /* aligned as in the file; the writer aligns to 64 bytes */
+    /** Aligned as in the file; the writer aligns to 64 bytes. safetensors: values in the byte order of the host; NumPy and RGL: of
+     *  the file, for nqm_load_f32() and its like. */
+    const void *data;
     int64_t byte_offset; /* of the data in the file */
 } nqm_tensor;
 
 /** A matrix (rows, cols), or for rows 0 a vector (cols), to be written. */
 nqm_tensor nqm_tensor_of(const char *name, nqm_dtype dtype, size_t rows, size_t cols, const void *data);
 
-/** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it. */
+/** A parsed file. Its tensors point into the bytes it was parsed from, which must outlive it, or on a big-endian host into a
+ *  copy that it owns. */
 typedef struct nqm_safetensors nqm_safetensors;
 /** Parse and check (offsets in range, no overlap, shapes match bytes, header at most 100 MB). `name` is for messages and
  *  must outlive the result. */
 NQM_MUST_CHECK nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                 nqm_safetensors **st_ret, nqm_error *err);
 void nqm_safetensors_free(nqm_safetensors *st);
+/** Big-endian hosts: the block that contains the tensors' data, which from now on the caller owns (nqm_free). Others: NULL. */
+unsigned char *nqm_safetensors_take(nqm_safetensors *st);
 size_t nqm_safetensors_count(const nqm_safetensors *st);
 /** The i-th tensor in the order of the header. */
 const nqm_tensor *nqm_safetensors_at(const nqm_safetensors *st, size_t i);

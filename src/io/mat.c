@@ -317,13 +317,13 @@ static void put_variable(FILE *stream, const nqm_mat_variable *v) {
     const uint32_t values[] = {TYPE_DOUBLE, (uint32_t)n_data};
     char name[MAX_NAME_BYTES + 9] = {0};
     memcpy(name, v->name, n_name);
-    fwrite(matrix_flags, 1, sizeof matrix_flags, stream);
-    fwrite(size_name, sizeof *size_name, is_small ? 5 : 6, stream);
+    nqm_write_values(stream, sizeof matrix_flags / sizeof *matrix_flags, sizeof *matrix_flags, matrix_flags);
+    nqm_write_values(stream, is_small ? 5 : 6, sizeof *size_name, size_name);
     fwrite(name, 1, n_name_element - (is_small ? 4 : 8), stream);
-    fwrite(values, 1, sizeof values, stream);
+    nqm_write_values(stream, 2, sizeof *values, values);
     for (size_t k = 0; k < v->cols; ++k)
         for (size_t i = 0; i < v->rows; ++i)
-            fwrite(&v->data[i * v->cols + k], sizeof *v->data, 1, stream);
+            nqm_write_values(stream, 1, sizeof *v->data, &v->data[i * v->cols + k]);
 }
 
 nqm_status nqm_mat_write(const char *path, size_t n, const nqm_mat_variable *variables, nqm_error *err) {

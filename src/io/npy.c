@@ -163,6 +163,7 @@ nqm_status nqm_npy_write(const char *path, const nqm_tensor *tensor, nqm_error *
         return status;
     fwrite(head, 1, sizeof head, out.stream);
     fprintf(out.stream, "%-*s\n", (int)n_header - 1, text);
-    fwrite(tensor->data, 1, tensor->n_bytes, out.stream);
+    const size_t n_each = nqm_dtype_size(tensor->dtype);
+    nqm_write_values(out.stream, tensor->n_bytes / n_each, n_each, tensor->data);
     return nqm_outfile_commit(&out, err); /* checks the stream's error flag */
 }

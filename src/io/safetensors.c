@@ -2,8 +2,9 @@
  *
  * safetensors files (huggingface.co/docs/safetensors): an 8-byte little-endian header length, a JSON header, then the
  * tensors' bytes without gaps. The reader validates type, shape and offsets of every tensor; its tensors point into the
- * given bytes. The writer pads the header so that the data begin at a multiple of 64 bytes, and writes tensors whose
- * size is a multiple of 64 bytes first, so that these stay aligned; it stores a checksum of the file in the header.
+ * given bytes, on a big-endian host into a converted copy. The writer pads the header so that the data begin at a
+ * multiple of 64 bytes, and writes tensors whose size is a multiple of 64 bytes first, so that these stay aligned; it
+ * stores a checksum of the file in the header.
  */
 #include "io/io.h"
 
@@ -23,6 +24,7 @@ struct nqm_safetensors {
     json_t *meta;        /* part of root, or NULL */
     nqm_tensor *tensors; /* (n_tensors) */
     size_t n_tensors;
+    unsigned char *native; /* (n_bytes) big-endian hosts: the tensors' values in the order of the host; others: NULL */
 };
 
 static const struct {
@@ -48,6 +50,10 @@ nqm_tensor nqm_tensor_of(const char *name, nqm_dtype dtype, size_t rows, size_t 
         tensor.dims[1] = cols;
     }
     return tensor;
+}
+
+static size_t n_values(const nqm_tensor *tensor) {
+    return tensor->n_bytes / dtypes[tensor->dtype].n_bytes;
 }
 
 static bool has_size(const nqm_tensor *tensor, size_t n_bytes) {
@@ -156,6 +162,20 @@ static nqm_status read_entries(nqm_safetensors *st, nqm_error *err) {
     return NQM_OK;
 }
 
+/* Point the tensors to a copy in the byte order of the host, at the same offsets, so that it is aligned as the file. */
+static nqm_status make_native(nqm_safetensors *st, nqm_error *err) {
+    st->native = nqm_alloc(st->n_bytes, 1);
+    if (!st->native)
+        return nqm_fail_nomem(err, st->n_bytes);
+    for (size_t i = 0; i < st->n_tensors; ++i) {
+        nqm_tensor *t = &st->tensors[i];
+        unsigned char *to = st->native + t->byte_offset;
+        nqm_copy_little_endian(n_values(t), nqm_dtype_size(t->dtype), t->data, to);
+        t->data = to;
+    }
+    return NQM_OK;
+}
+
 nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, const char *name, nqm_safetensors **st_ret,
                                  nqm_error *err) {
     *st_ret = NULL;
@@ -192,10 +212,13 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
         json_decref(root);
         return status;
     }
-    *st = (nqm_safetensors){data, n_bytes, (size_t)n_header, name, root, NULL, tensors, 0};
+    *st = (nqm_safetensors){
+        .data = data, .n_bytes = n_bytes, .n_header = (size_t)n_header, .name = name, .root = root, .tensors = tensors};
     status = read_entries(st, err);
     if (status == NQM_OK)
         status = check_contiguous(st, order, err);
+    if (status == NQM_OK && NQM_BIG_ENDIAN)
+        status = make_native(st, err);
     if (status == NQM_OK)
         *st_ret = st;
     else
@@ -204,9 +227,17 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
 }
 
 void nqm_safetensors_free(nqm_safetensors *st) {
-    if (st)
+    if (st) {
         json_decref(st->root);
+        nqm_free(st->native);
+    }
     nqm_free(st);
+}
+
+unsigned char *nqm_safetensors_take(nqm_safetensors *st) {
+    unsigned char *block = st->native;
+    st->native = NULL;
+    return block;
 }
 
 /* ---- getters ----------------------------------------------------------------------------------------------------- */
@@ -249,19 +280,24 @@ const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key) {
 bool nqm_tensor_all_finite(const nqm_tensor *tensor) {
     const unsigned char *p = tensor->data;
     if (tensor->dtype == NQM_F64) {
-        for (size_t i = 0; i < tensor->n_bytes; i += 8)
-            if (!isfinite(nqm_load_f64(p + i)))
+        for (size_t i = 0; i < tensor->n_bytes; i += 8) {
+            double value;
+            memcpy(&value, p + i, sizeof value);
+            if (!isfinite(value))
                 return false;
+        }
         return true;
     }
     uint32_t largest = 0; /* magnitude as bits: infinities and NaN have the largest exponent */
     if (tensor->dtype == NQM_F16) {
-        for (size_t i = 1; i < tensor->n_bytes; i += 2) /* the byte with the exponent */
+        for (size_t i = !NQM_BIG_ENDIAN; i < tensor->n_bytes; i += 2) /* the byte with the exponent */
             largest = (p[i] & 0x7fu) > largest ? p[i] & 0x7fu : largest;
         return largest < 0x7c;
     }
     for (size_t i = 0; tensor->dtype == NQM_F32 && i < tensor->n_bytes; i += 4) {
-        uint32_t bits = nqm_load_u32(p + i) & 0x7fffffff;
+        uint32_t bits;
+        memcpy(&bits, p + i, sizeof bits);
+        bits &= 0x7fffffff;
         largest = bits > largest ? bits : largest;
     }
     return largest < 0x7f800000;
@@ -387,7 +423,7 @@ static unsigned char *make_front(const char *text, size_t n_tensors, const nqm_t
     memcpy(header, text, n_text);
     nqm_sha256_add(&sha, front, *n_front);
     for (size_t i = 0; i < n_tensors; ++i)
-        nqm_sha256_add(&sha, order[i]->data, order[i]->n_bytes);
+        nqm_sha256_add_values(&sha, n_values(order[i]), nqm_dtype_size(order[i]->dtype), order[i]->data);
     nqm_sha256_end(&sha, hex);
     memcpy(header + find_digits(header, n_text, zeros), hex, SHA_DIGITS);
     return front;
@@ -426,7 +462,7 @@ nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_t
         goto done;
     fwrite(front, 1, n_front, out.stream);
     for (size_t i = 0; i < n_tensors; ++i)
-        fwrite(order[i]->data, 1, order[i]->n_bytes, out.stream);
+        nqm_write_values(out.stream, n_values(order[i]), nqm_dtype_size(order[i]->dtype), order[i]->data);
     status = nqm_outfile_commit(&out, err); /* checks the stream's error flag */
     if (status == NQM_OK && sha256_ret)
         memcpy(sha256_ret, hex, sizeof hex);

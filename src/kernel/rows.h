@@ -142,6 +142,7 @@ static inline void apply_mask(size_t n, const uint8_t *keep, float scale, float 
 
 static void drop_by_hash(const nqm_hidden_row *r) {
     enum { HASHES = 16, ELEMENTS = 4 * HASHES };
+    enum { order = NQM_BIG_ENDIAN ? 3 : 0 }; /* the lowest 16 bits of a hash come first */
     const long threshold = lrint(r->p * 65536.0);
     const float scale = (float)(1.0 / (1.0 - r->p));
     /* nqm_hash_keyed() of consecutive counters */
@@ -157,7 +158,7 @@ static void drop_by_hash(const nqm_hidden_row *r) {
         float *y = r->y + first, *slope = r->slope + first;
 #pragma omp simd
         for (size_t i = 0; i < n; ++i) {
-            float factor = (int32_t)bits[i] >= (int32_t)threshold ? scale : 0.0f;
+            float factor = (int32_t)bits[i ^ order] >= (int32_t)threshold ? scale : 0.0f;
             y[i] *= factor;
             slope[i] *= factor;
         }

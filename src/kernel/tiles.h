@@ -18,7 +18,7 @@
 
 #include <string.h>
 
-#ifdef __SANITIZE_ADDRESS__ /* each access becomes many instructions: small tiles do the same operations, and compile */
+#ifdef NQM_SANITIZED /* each access becomes many instructions: small tiles do the same operations, and compile */
 #undef TILE_ROWS
 #undef TILE_VECTORS
 #define TILE_ROWS    2

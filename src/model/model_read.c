@@ -326,6 +326,8 @@ nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
     status = r.used && model ? read_model(&r, model) : nqm_fail_nomem(err, sizeof *model);
     if (status == NQM_OK) {
+        if (!model->memory)
+            model->memory = nqm_safetensors_take(st);
         *model_ret = model;
         model = NULL;
     }

@@ -259,6 +259,18 @@ static void test_endian(void **state) {
     assert_true(nqm_load_f64(out) == 1.5);
     nqm_store_f32(out, -0.25f);
     assert_true(nqm_load_f32(out) == -0.25f);
+    enum { N = 1000 }; /* more than one piece of the conversion */
+    uint64_t values[N];
+    unsigned char written[8 * N + 1]; /* and the NUL of fmemopen() */
+    for (size_t i = 0; i < N; ++i)
+        values[i] = 0x8000000000000000u + i;
+    FILE *stream = fmemopen(written, sizeof written, "w");
+    assert_non_null(stream);
+    setvbuf(stream, NULL, _IONBF, 0);
+    nqm_write_values(stream, N, sizeof *values, values);
+    fclose(stream);
+    for (size_t i = 0; i < N; ++i)
+        assert_true(nqm_load_integer(written + 8 * i, 8, false) == values[i]);
 }
 
 static void test_xoshiro_against_its_authors(void **state) {

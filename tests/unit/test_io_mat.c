@@ -107,12 +107,11 @@ static void huge_claims(void **state) {
     const uint32_t huge = 0x7fffffff;
     size_t n_claims = 0;
     for (size_t at = 128; at + 8 <= map.n_bytes; at += 4) {
-        const uint32_t dims[2] = {7, 1};
-        if (memcmp(map.data + at, dims, sizeof dims) != 0)
+        if (nqm_load_u32(map.data + at) != 7 || nqm_load_u32(map.data + at + 4) != 1)
             continue;
         memcpy(bytes, map.data, map.n_bytes);
-        memcpy(bytes + at, &huge, 4);
-        memcpy(bytes + at + 4, &huge, 4);
+        nqm_store_u32(bytes + at, huge);
+        nqm_store_u32(bytes + at + 4, huge);
         write_bytes(bytes, map.n_bytes);
         ++n_claims;
         nqm_mat *mat;

@@ -65,7 +65,8 @@ static void round_trip(void **state) {
         assert_memory_equal(t->dims, tensors[i].dims, t->n_dims * sizeof *t->dims);
         assert_int_equal(t->n_bytes, tensors[i].n_bytes);
         assert_memory_equal(t->data, tensors[i].data, t->n_bytes);
-        assert_ptr_equal(t->data, file + t->byte_offset);
+        if (!NQM_BIG_ENDIAN)
+            assert_ptr_equal(t->data, file + t->byte_offset);
     }
     assert_int_equal(nqm_safetensors_find(st, "weights")->byte_offset % 64, 0);
     assert_string_equal(nqm_safetensors_at(st, 0)->name, "weights"); /* sizes that are multiples of 64 come first */

@@ -227,7 +227,7 @@ static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
         stop(EXIT_LIMIT, "out of memory");
     static const char layout[] = "nqm batch piece 2";
     nqm_sha256_add(&sha, layout, sizeof layout);
-    nqm_sha256_add(&sha, &size, sizeof size);
+    nqm_sha256_add_values(&sha, 1, sizeof size, &size);
     nqm_sha256_add(&sha, text, strlen(text));
     nqm_sha256_end(&sha, hex);
     snprintf(identity, 33, "%.32s", hex);
