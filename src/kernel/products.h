@@ -24,7 +24,8 @@ typedef struct NAME(tile) {
     size_t ldc;
     bool add;
     const float *const
-        *prefetch; /* NQM_PREFETCH arrays of a tile's size, prefetched a cache line at a time; NULL: none */
+        *prefetch; /* NQM_PREFETCH arrays, of which a tile's size is prefetched a cache line at a time; NULL: none */
+    size_t part;   /* the first element that is prefetched */
 } NAME(tile);
 
 INLINE void NAME(multiply_tile)(NAME(tile) t) {
@@ -36,7 +37,7 @@ INLINE void NAME(multiply_tile)(NAME(tile) t) {
         t.add ? *(const SUM *)(c + i * t.ldc + j * LANES) : (SUM){0};
     for (size_t u = 0, line = 0; u < t.words; ++line) {
         for (size_t i = 0; t.prefetch && i < NQM_PREFETCH; ++i)
-            __builtin_prefetch(t.prefetch[i] + line * LINE, 0, 2);
+            __builtin_prefetch(t.prefetch[i] + t.part + line * LINE, 0, 2);
         for (size_t end = t.words - u < slice ? t.words : u + slice; u < end; ++u) {
             RIGHT right[PANEL_VECTORS];
             UNROLL for (size_t j = 0; j < t.vectors; ++j) right[j] = *(const RIGHT *)(b + j * LANES);
@@ -178,7 +179,8 @@ INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {
                   .ldb = g->ld_right,
                   .c = g->c + (strip * NQM_STRIP + i) * NQM_PANEL + column,
                   .ldc = NQM_PANEL,
-                  .prefetch = prefetch});
+                  .prefetch = prefetch,
+                  .part = column * NQM_STRIP + i * TILE_COLUMNS});
 }
 
 static void NAME(gradient)(const nqm_tile_gradient *g) {

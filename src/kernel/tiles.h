@@ -67,9 +67,9 @@ INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
 enum {
     PANEL_VECTORS = NQM_PANEL / LANES,
     TILE_SUMS = TILE_ROWS * TILE_VECTORS,
-    ROW_PANELS = PANEL_VECTORS < 8 ? 8 / PANEL_VECTORS : 1, /* panels of a row product: eight registers of sums */
-    LINE = 16,                                              /* floats of a cache line */
-    PREFETCH_LINES = NQM_STRIP * NQM_PANEL / LINE           /* of a tile */
+    ROW_PANELS = PANEL_VECTORS < 8 ? 8 / PANEL_VECTORS : 1,       /* panels of a row product: eight registers of sums */
+    LINE = 16,                                                    /* floats of a cache line */
+    PREFETCH_LINES = (TILE_ROWS * TILE_COLUMNS + LINE - 1) / LINE /* of a tile */
 };
 
 _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "tiles fill strips and panels");
