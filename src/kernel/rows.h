@@ -286,6 +286,7 @@ static double double_dot(size_t n, const float *x, const double *y) {
         .name = (NAME),                                                                                                \
         .gemm = nqm_gemm_onednn,                                                                                       \
         .product = {product_f32, product_bf16, product_int8},                                                          \
+        .byte_panels = BYTE_PANELS,                                                                                    \
         .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \
         .strided_product = strided_product,                                                                            \
         .double_product = double_product,                                                                              \

@@ -9,7 +9,8 @@
  * MADD_F32(sum, a, b)    sum + a b for vectors sum and b of float and one float a
  * MADD_BF16(sum, a, b)   sum + a b for vectors sum of float, b of 32-bit words with two bfloat16 each, and one word a
  * MADD_INT8(sum, a, b)   sum + a b for vectors sum of int32_t, b of words with four signed bytes, and one word a of four
- *                        unsigned bytes
+ *                        unsigned bytes; or, without an instruction for that:
+ * MADD_INT16(sum, x, y)  sum + x y for vectors sum of int32_t, x and y of words with two signed 16-bit numbers
  *
  * The functions themselves are in products.h, which is compiled once for each precision. Vectors are types of GCC and Clang,
  * so that one source serves every instruction set.
@@ -50,13 +51,38 @@ INLINE vector_f madd_bf16(vector_f sum, uint32_t a, vector_u b) {
 }
 #endif
 
-#ifndef MADD_INT8
+#ifndef MADD_INT8 /* for processors without an instruction for bytes: even and odd bytes are widened to 16 bits */
+#define WIDENED
+typedef int16_t vector_s __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
+typedef uint16_t vector_h __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
+typedef uint32_t vector_word __attribute__((aligned(4), may_alias)); /* an element of a vector */
+
+#ifndef MADD_INT16
+#define MADD_INT16 madd_int16
+INLINE vector_i madd_int16(vector_i sum, vector_s x, vector_s y) {
+    const vector_i a = (vector_i)x, b = (vector_i)y;
+    return sum + (a << 16 >> 16) * (b << 16 >> 16) + (a >> 16) * (b >> 16);
+}
+#endif
+
+INLINE vector_s even_bytes(vector_i b) {
+    return (vector_s)b << 8 >> 8;
+}
+
+INLINE vector_s odd_bytes(vector_i b) {
+    return (vector_s)b >> 8;
+}
+
+/* A word in every lane. */
+INLINE vector_s splat(uint32_t word) {
+    return (vector_s)((vector_u){0} + word);
+}
+
 #define MADD_INT8 madd_int8
 INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
-    sum += (int32_t)(a & 255) * (b << 24 >> 24);
-    sum += (int32_t)(a >> 8 & 255) * (b << 16 >> 24);
-    sum += (int32_t)(a >> 16 & 255) * (b << 8 >> 24);
-    return sum + (int32_t)(a >> 24) * (b >> 24);
+    const vector_h bytes = (vector_h)splat(a);
+    sum = MADD_INT16(sum, (vector_s)(bytes & 255), even_bytes(b));
+    return MADD_INT16(sum, (vector_s)(bytes >> 8), odd_bytes(b));
 }
 #endif
 
@@ -100,3 +126,10 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define SUM       vector_i
 #define MADD      MADD_INT8
 #include "kernel/products.h"
+
+#ifdef WIDENED
+#include "kernel/widened.h"
+#define BYTE_PANELS byte_panels
+#else
+#define BYTE_PANELS NULL
+#endif

@@ -20,7 +20,9 @@ enum {
     /* Rows that a thread takes at a time: few enough for activations to stay in its L2 cache, enough to amortise reading
      * all weights. */
     MAX_TASK_ROWS = 8 * NQM_STRIP,
-    MIN_THREAD_ROWS = 2 * NQM_STRIP /* of a call for each thread, else all threads work on all rows */
+    MIN_THREAD_ROWS = 2 * NQM_STRIP, /* of a call for each thread, else all threads work on all rows */
+    MAX_SUMS = 4 * MAX_TASK_ROWS,    /* rows of NQM_PANEL integers of a block: 48 KB */
+    BLOCKS_PER_THREAD = 4            /* at least, so that threads end at about the same time */
 };
 
 /* Some rows of a call, computed by the threads of one parallel region. */
@@ -50,11 +52,17 @@ typedef struct block {
 
 /* A single row is cut into one block for each thread. Rows of rounded inputs stay in the L2 cache. */
 static size_t panels_of_block(const rows *r, size_t n_rows, const nqm_panels *p) {
-    if (!r->work->is_packed || (n_rows > 1 && p->precision != NQM_PRECISION_F32))
+    const size_t n_threads = (size_t)omp_get_num_threads();
+    if (!r->work->is_packed)
         return 1;
-    if (n_rows > 1)
+    if (n_rows <= 1)
+        return nqm_smaller(nqm_ceil_div(p->n_panels, n_threads), MAX_SUMS);
+    if (p->precision == NQM_PRECISION_F32)
         return nqm_panels_of_block(p, n_rows);
-    return nqm_smaller(nqm_ceil_div(p->n_panels, (size_t)omp_get_num_threads()), BLOCK_ROWS);
+    if (p->precision != NQM_PRECISION_INT8 || !r->kernels->byte_panels)
+        return 1;
+    const size_t most = MAX_SUMS / nqm_smaller(n_rows, BLOCK_ROWS);
+    return n_threads == 1 ? most : nqm_smaller(most, nqm_larger(p->n_panels / (BLOCKS_PER_THREAD * n_threads), 1));
 }
 
 static size_t count_blocks(const rows *r, size_t n_rows, const nqm_panels *p) {
@@ -80,7 +88,7 @@ static const uint32_t *panels_at(const rows *r, const nqm_segment *s, block at) 
     return (const uint32_t *)(const void *)panel;
 }
 
-/* c (m, n NQM_PANEL), the block `at` of A B, ldc floats or integers from row to row; or c + A B. */
+/* c, the block `at` of A B, or c + A B: floats (m, n NQM_PANEL), ldc from row to row, or integers (n, m, NQM_PANEL). */
 static void multiply_packed(const nqm_kernels *kernels, const nqm_panels *p, const uint32_t *b, factor a, block at,
                             bool add, void *c, size_t ldc) {
     const uint32_t *left = a.words + at.row * a.stride;
@@ -88,15 +96,17 @@ static void multiply_packed(const nqm_kernels *kernels, const nqm_panels *p, con
         kernels->row_product[p->precision](&(nqm_row_product){
             .words = p->words, .n_panels = at.n, .stride = p->stride, .add = add, .a = left, .b = b, .c = c});
     else
-        nqm_multiply_block(kernels, &(nqm_block_product){.b = p,
-                                                         .panels = b,
-                                                         .n_panels = at.n,
-                                                         .m = at.m,
-                                                         .add = add,
-                                                         .a = left,
-                                                         .lda = a.stride,
-                                                         .c = c,
-                                                         .ldc = ldc});
+        nqm_multiply_block(
+            kernels, &(nqm_block_product){.b = p,
+                                          .panels = b,
+                                          .n_panels = at.n,
+                                          .m = at.m,
+                                          .add = add,
+                                          .a = left,
+                                          .lda = a.stride,
+                                          .c = c,
+                                          .ldc = ldc,
+                                          .step = p->precision == NQM_PRECISION_INT8 ? at.m * NQM_PANEL : NQM_PANEL});
 }
 
 /* The same in float for any precision; c has the workspace's stride. */
@@ -108,11 +118,12 @@ static void multiply_block(const rows *r, const nqm_segment *s, factor a, block 
         multiply_packed(r->kernels, p, b, a, at, add, c, ldc);
         return;
     }
-    _Alignas(64) int32_t sums[BLOCK_ROWS * NQM_PANEL];
+    _Alignas(64) int32_t sums[MAX_SUMS * NQM_PANEL]; /* (n, m, NQM_PANEL) */
     multiply_packed(r->kernels, p, b, a, at, false, sums, NQM_PANEL);
     for (size_t i = 0; i < at.n; ++i) {
         const nqm_byte_columns columns = nqm_panel_columns(p, at.panel + i);
-        r->kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * NQM_PANEL, c + i * NQM_PANEL, ldc);
+        r->kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * at.m * NQM_PANEL, c + i * NQM_PANEL,
+                               ldc);
     }
 }
 
