@@ -84,6 +84,8 @@ head -n 1 "$dir/sgd-pairs.csv" | grep -qx 'theta_i,phi_i,theta_o,phi_o,r,g,b' ||
 jods --samples "$dir/sgd-sorted.csv" "$dir/ward-pairs.csv" >"$dir/jods"
 paste "$dir/expected" "$dir/jods" | awk '{ d = $1 - $2; if (d > 1e-6 || d < -1e-6) { print; bad = 1 } } END { exit bad }' ||
     fail "directions of light and viewer change the score"
+run 0 info "$dir/sgd-sorted.csv"
+grep -q '^albedo_normal  *-, -, -$' "$dir/out" || fail "an unknown albedo: $(cat "$dir/out")"
 
 # Directions that are missing: how many, and what writes them. Other files are refused; a complete grid is interpolated.
 head -n 401 "$dir/sgd.csv" >"$dir/short.csv"

@@ -255,6 +255,8 @@ static void print_value(const json_t *value) {
         fputs(json_is_true(value) ? "yes" : "no", stdout);
     else if (json_is_number(value))
         printf("%.9g", json_number_value(value));
+    else if (json_is_null(value))
+        putchar('-');
     json_array_foreach(value, i, item) {
         fputs(i ? ", " : "", stdout);
         print_value(item);
