@@ -46,8 +46,9 @@ export PKG_CONFIG_SYSROOT_DIR="$root" PKG_CONFIG_LIBDIR="$root/usr/lib/s390x-lin
     tail -n 40 "$out/build.log"
     exit 1
 }
+n_jobs=$(nproc)           # which depends on the next variable
 export OMP_NUM_THREADS=1 # threads are slow under the emulator
-ctest --test-dir "$out" -R "$tests" -E "$skipped" -j "$(nproc)" --output-on-failure >"$out/test.log" || {
+ctest --test-dir "$out" -R "$tests" -E "$skipped" -j "$n_jobs" --output-on-failure >"$out/test.log" || {
     grep -A 30 'Failed\|Exception\|Timeout' "$out/test.log" | head -n 100
     exit 1
 }
