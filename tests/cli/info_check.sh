@@ -25,6 +25,8 @@ has '"source_doi": null'
 has '"n_values": 3'
 has '"reciprocal": true'
 has '^ *0.25,$' # the albedo
+run 0 info transport --json # a built-in model
+has '"kind": "model"'
 run 2 info 'ggx:alpha=7e9'
 complains 'alpha needs one number from 0.0001 to 10'
 [ ! -s "$dir/out" ] || fail "results on failure"

@@ -41,7 +41,7 @@ stops label - label sgd:nickel ward:nickel --points 204800 --lights 2000
 stops label-network - label "$network" "$network" --exact
 stops render - render sgd:nickel -o picture.png --size 2000 --quality
 stops report - report sgd:nickel ward:nickel "$network" -o page.html --size 1000
-stops fit - fit --model all "$network" -o fitted.safetensors
+stops fit - fit --model all "$network" -o fitted
 stops dataset - dataset "$in/materials.csv" --directions "$in/directions.csv" -o corpus.safetensors
 stops dataset-work groups/ dataset "$in/materials.csv" --directions "$in/directions.csv" \
     -o corpus.safetensors --work groups

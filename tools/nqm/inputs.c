@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static bool is_builtin(const char *name) {
+bool is_builtin(const char *name) {
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
         if (strcmp(nqm_model_builtin_name(i), name) == 0)
             return true;

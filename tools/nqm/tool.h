@@ -102,6 +102,8 @@ int choose(const char *name, const char *const *words, const char *text);
 void *allocate(size_t n, size_t size);
 /** Open a built-in model by name, or a model file; NULL: "default". */
 nqm_model *open_model(const char *name_or_path);
+/** Whether there is a built-in model of this name. */
+bool is_builtin(const char *name);
 nqm_brdf *open_brdf(const char *argument);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. */
 nqm_brdf **open_brdfs(int n, char **arguments);
