@@ -58,7 +58,7 @@ static void refuses_what_is_no_brdf(void **state) {
     const char *path = scratch_path("file.binary");
     expect(path, NQM_ERR_IO, path);
     expect("/tmp", NQM_ERR_IO, "directory");
-    expect("", NQM_ERR_IO, "");
+    expect("", NQM_ERR_ARG, "empty");
     expect("no such thing", NQM_ERR_IO, "no such thing");
     blob text = {(unsigned char[]){"what is this?"}, 13};
     for (size_t n = 1; n <= 13; ++n) {
