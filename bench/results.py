@@ -12,6 +12,7 @@ clock of the day count less, and by its time otherwise.
 """
 import datetime
 import glob
+import itertools
 import json
 import math
 import os
@@ -237,7 +238,7 @@ def rows_of_training(document):
 
 def rows_of_scoring(document):
     for model in ("paper", "default"):
-        for batch in (1, 180, 512):
+        for batch in (1, 9, 180, 512):
             for precision in PRECISIONS:
                 for row in find(document, bench="score", model=model, name="network", batch=batch, precision=precision)[:1]:
                     peer, who = scoring_peer(document, batch, precision) if model == "paper" else (None, "")
@@ -248,13 +249,16 @@ def rows_of_scoring(document):
 
 
 def rows_of_whole_way(document):
-    for batch in (1, 512):
-        for precision in PRECISIONS:
-            network = find(document, bench="score", model="default", name="network", batch=batch, precision=precision)
-            for row in find(document, bench="score", model="default", name="samples to JOD", batch=batch, precision=precision)[:1]:
-                alone = ms_of(document, network[0]) if network else None
-                yield (f"samples to JOD, `default`, {batch} pairs, {precision}, ms per pair", ms_of(document, row), row,
-                       f"{digits(alone)} (network alone)" if alone else "", times(ms_of(document, row) / alone) if alone else "")
+    """Samples to JOD next to the network alone, and with the gradient next to the score."""
+    for models, name, part, what in ((["default"], "samples to JOD", "network", "network alone"),
+                                     (["paper", "default", "transport"], "samples to JOD and gradient", "samples to JOD", "score")):
+        for model, batch, precision in itertools.product(models, (1, 9, 512), PRECISIONS):
+            want = {"bench": "score", "model": model, "batch": batch, "precision": precision}
+            parts = find(document, name=part, **want)
+            for row in find(document, name=name, **want)[:1]:
+                alone = ms_of(document, parts[0]) if parts else None
+                yield (f"{name}, `{model}`, {batch} pairs, {precision}, ms per pair", ms_of(document, row), row,
+                       f"{digits(alone)} ({what})" if alone else "", times(ms_of(document, row) / alone) if alone else "")
 
 
 def rows_of_products(document):
@@ -319,7 +323,7 @@ How fast is nqm on other machines, and how near to their limits? One section per
 "Of its own peak" is floor / time: 1 is the limit of the machine, by the quickest unit that can compute the product and by the bandwidth of the
 memory that has to be read, both measured in the same run. "By processor time" is the same for the processor time of all threads, which
 excludes other programs. The peer is the quicker of PyTorch 1.13 and ONNX Runtime 1.23 (oneDNN for single
-products; for samples to JOD the network alone, whose quotient is the time of the whole way / network). A quotient above 1 means that nqm is quicker.
+products; for samples to JOD the network alone, and with the gradient the score: there the quotient is the time of the whole way / the part). A quotient above 1 means that nqm is quicker.
 
 <!-- test: skip because they take an hour; tests/cli/bench_results.sh runs the script on small sizes -->
 
