@@ -15,8 +15,12 @@ for name in isa_generic scalar kernels half panel panel_pack; do
     $cc -O3 -fopenmp-simd -c "src/kernel/$name.c" -o "$out/$name.o"
     objects="$objects $out/$name.o"
 done
-# shellcheck disable=SC2086
-$cc -O2 -fopenmp $objects src/base/memory.c src/base/error.c src/base/rng.c tests/support/check.c tests/unit/test_kernel_tables.c \
-    -o "$out/test_kernel_tables" -lcmocka -lm -Wl,--gc-sections -Wl,--defsym=nqm_gemm_onednn=0
+for test in test_kernel_tables test_kernel_rows; do
+    # shellcheck disable=SC2086
+    $cc -O2 -fopenmp $objects src/base/memory.c src/base/error.c src/base/rng.c tests/support/check.c tests/support/tables.c \
+        tests/support/amx_emulated.c tests/unit/$test.c -o "$out/$test" -lcmocka -lm -Wl,--gc-sections -Wl,--defsym=nqm_gemm_onednn=0
+done
 gomp=$(dirname "$(aarch64-linux-gnu-gcc -print-file-name=libgomp.so)")
-exec qemu-aarch64 -E LD_LIBRARY_PATH="/usr/aarch64-linux-gnu/lib:$gomp" -L / "$out/test_kernel_tables"
+for test in test_kernel_tables test_kernel_rows; do
+    qemu-aarch64 -E LD_LIBRARY_PATH="/usr/aarch64-linux-gnu/lib:$gomp" -L / "$out/$test"
+done

@@ -54,3 +54,10 @@ const char *test_vector(const char *name) {
     snprintf(path, sizeof path, "%s/tests/vectors/%s", source ? source : ".", name);
     return path;
 }
+
+float *random_block(nqm_rng *rng, size_t n) {
+    float *block = nqm_alloc(n, sizeof *block);
+    for (size_t i = 0; i < n; ++i)
+        block[i] = (float)nqm_rng_normal(rng);
+    return block;
+}

@@ -25,6 +25,9 @@
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 void check_relative(double actual, double expected, double tolerance, const char *what, const char *file, int line);
 
+/** n normal numbers; nqm_free() them. */
+float *random_block(nqm_rng *rng, size_t n);
+
 /** The value of a field as a double; fails if the field is not a number. */
 double csv_number(const nqm_csv *csv, size_t row, int column);
 

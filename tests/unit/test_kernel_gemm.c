@@ -38,13 +38,6 @@ typedef struct problem {
     size_t n_c;
 } problem;
 
-static float *random_block(nqm_rng *rng, size_t n) {
-    float *block = nqm_alloc(n, sizeof *block);
-    for (size_t i = 0; i < n; ++i)
-        block[i] = (float)nqm_rng_normal(rng);
-    return block;
-}
-
 static problem make_problem(nqm_rng *rng, size_t m, size_t n, size_t k, int variant) {
     size_t gap = variant & 4 ? 3 : 0;
     problem p = {.g = {.m = m, .n = n, .k = k, .alpha = 1, .trans_a = variant & 1, .trans_b = variant & 2}};

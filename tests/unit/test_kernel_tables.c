@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Every kernel table that this processor supports against the plain loops: products and weight gradients in float and
- * bfloat16 within the rounding bound, in int8 exactly, rows of hidden layers and Adam; equal bits from tables with
- * fused multiply-add, for any number of rows and threads.
+ * bfloat16 within the rounding bound, in int8 exactly; equal bits from tables with fused multiply-add, for any number of rows and
+ * threads; and how a table is chosen.
  */
 #include "kernel/panel.h"
 #include "support/check.h"
@@ -14,13 +14,6 @@
 #include <string.h>
 
 static const uint64_t seed = 17;
-
-static float *random_block(nqm_rng *rng, size_t n) {
-    float *block = nqm_alloc(n, sizeof *block);
-    for (size_t i = 0; i < n; ++i)
-        block[i] = (float)nqm_rng_normal(rng);
-    return block;
-}
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */
 
@@ -481,161 +474,7 @@ static void gradients_of_every_table(void **state) {
     }
 }
 
-/* ---- rows -------------------------------------------------------------------------------------------------------- */
-
-enum { N = 501 };
-
-/* The results of the forward and backward pass of one hidden row with one kernel table. */
-typedef struct row_result {
-    float x[N], y[N], slope[N], dy[N], dbias[N], dgamma[N], dbeta[N], rstd;
-} row_result;
-
-static void run_row(const nqm_kernels *kernels, const float *x, const float *layer, double p, row_result *r) {
-    *r = (row_result){.rstd = 0};
-    memcpy(r->x, x, sizeof r->x);
-    memcpy(r->dy, layer + 3 * N, sizeof r->dy);
-    kernels->hidden_row(&(nqm_hidden_row){.n = N,
-                                          .bias = layer,
-                                          .gamma = layer + N,
-                                          .beta = layer + 2 * N,
-                                          .x = r->x,
-                                          .y = r->y,
-                                          .slope = r->slope,
-                                          .rstd = &r->rstd,
-                                          .p = p,
-                                          .key = 5,
-                                          .counter = 77});
-    kernels->hidden_row_back(
-        &(nqm_hidden_row_back){N, layer + N, r->x, r->slope, r->rstd, r->dy, r->dbias, r->dgamma, r->dbeta});
-}
-
-static void check_close(const char *what, const float *actual, const float *expected) {
-    double largest = 0, worst = 0;
-    for (size_t i = 0; i < N; ++i) {
-        largest = fmax(largest, fabs((double)expected[i]));
-        worst = fmax(worst, fabs((double)actual[i] - (double)expected[i]));
-    }
-    if (!(worst <= 2e-6 * largest))
-        print_error("%s: %g of %g\n", what, worst, largest);
-    assert_true(worst <= 2e-6 * largest);
-}
-
-static void rows_of_every_table(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 4);
-    float *x = random_block(&rng, N), *layer = random_block(&rng, 4 * N);
-    for (int dropout = 0; dropout < 2; ++dropout) {
-        static row_result expected, actual, first;
-        run_row(&nqm_kernels_scalar, x, layer, dropout ? 0.3 : 0, &expected);
-        run_row(nqm_kernels_at(0), x, layer, dropout ? 0.3 : 0, &first);
-        for (size_t t = 0; every_table(t) != &nqm_kernels_scalar; ++t) {
-            run_row(every_table(t), x, layer, dropout ? 0.3 : 0, &actual);
-            assert_memory_equal(&actual, &first, sizeof actual);
-            check_close("xhat", actual.x, expected.x);
-            check_close("y", actual.y, expected.y);
-            check_close("slope", actual.slope, expected.slope);
-            check_close("dy", actual.dy, expected.dy);
-            check_close("dbias", actual.dbias, expected.dbias);
-            check_close("dgamma", actual.dgamma, expected.dgamma);
-            check_close("dbeta", actual.dbeta, expected.dbeta);
-        }
-    }
-    nqm_free(x);
-    nqm_free(layer);
-}
-
-static void adam_of_every_table(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 5);
-    float *start = random_block(&rng, N), *grad = random_block(&rng, N);
-    static float moments[2][2][N], first[N], param[2][N];
-    for (size_t t = 0; every_table(t) != &nqm_kernels_scalar; ++t) {
-        const nqm_kernels *tables[] = {&nqm_kernels_scalar, every_table(t)};
-        memset(moments, 0, sizeof moments);
-        for (size_t which = 0; which < 2; ++which) {
-            memcpy(param[which], start, sizeof param[which]);
-            for (uint64_t step = 1; step <= 5; ++step) {
-                const nqm_adam_rate rate = nqm_adam_rate_at(1e-3, 1e-2, step);
-                tables[which]->adam(N, &rate, grad, moments[which][0], moments[which][1], param[which]);
-            }
-        }
-        check_close("parameters", param[1], param[0]);
-        check_close("second moments", moments[1][1], moments[0][1]);
-        if (t == 0)
-            memcpy(first, param[1], sizeof first);
-        assert_memory_equal(param[1], first, sizeof first);
-    }
-    nqm_free(start);
-    nqm_free(grad);
-}
-
-static void scaled_logs_of_every_table(void **state) {
-    (void)state;
-    static float t[N], expected[N], first[N], actual[N];
-    for (size_t i = 0; i < N; ++i)
-        t[i] = 6.0f * (float)i / N;
-    for (int sign = -1; sign <= 1; sign += 2) {
-        const float k1 = 0.0172f * (float)sign;
-        nqm_kernels_scalar.scale_log(N, k1, t, expected);
-        nqm_kernels_at(0)->scale_log(N, k1, t, first);
-        for (size_t k = 0; every_table(k) != &nqm_kernels_scalar; ++k) {
-            every_table(k)->scale_log(N, k1, t, actual);
-            assert_memory_equal(actual, first, sizeof actual);
-            for (size_t i = 0; i < N; ++i)
-                assert_near((double)actual[i], (double)expected[i], 3e-7 * (1 + (double)expected[i]));
-        }
-    }
-}
-
-static void dots_of_every_table(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 13);
-    float *x = random_block(&rng, N), *y = random_block(&rng, N);
-    static const size_t sizes[] = {1, 7, 31, 32, 33, 64, N};
-    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
-        for (size_t k = 0; every_table(k); ++k) {
-            double sum = 0, size = 0;
-            for (size_t i = 0; i < sizes[s]; ++i) {
-                sum += (double)x[i] * (double)y[i];
-                size += fabs((double)x[i] * (double)y[i]);
-            }
-            const float actual = every_table(k)->dot(sizes[s], x, y), first = nqm_kernels_at(0)->dot(sizes[s], x, y);
-            assert_near((double)actual, sum, 2e-6 * size);
-            assert_true(actual == first || every_table(k) == &nqm_kernels_scalar);
-        }
-    nqm_free(x);
-    nqm_free(y);
-}
-
-/* Whitened pairs and their differences, in exactly sized arrays and in place. */
-static void whitening_of_every_table(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 12);
-    enum { P = NQM_WHITEN_PERIOD };
-    float *t = random_block(&rng, N + 1), *mean = random_block(&rng, P), *scale = random_block(&rng, P);
-    static float actual[4][N + 1];
-    for (size_t k = 0; every_table(k); ++k) {
-        const nqm_kernels *kernels = every_table(k);
-        memcpy(actual[0], t, sizeof actual[0]);
-        kernels->whiten(N, mean, scale, t, actual[1]);
-        kernels->whiten(N, mean, scale, actual[0], actual[0]);
-        assert_true(actual[0][N] == t[N]);
-        assert_memory_equal(actual[0], actual[1], N * sizeof *t);
-        kernels->differ(N, 3, t, actual[1], actual[2], actual[3]);
-        for (size_t i = 0; i < N; ++i) {
-            const double x = ((double)t[i] - (double)mean[i % P]) * (double)scale[i % P];
-            assert_near((double)actual[1][i], x, 2e-7 * fabs(x) + 1e-12);
-            const double d = (double)actual[1][i] - (double)t[i];
-            assert_near((double)actual[2][i], 3 * d, 4e-7 * fabs(d));
-            assert_true(actual[3][i] == fabsf(actual[2][i]));
-        }
-        kernels->differ(N, 3, t, actual[1], actual[1], actual[0]);
-        assert_memory_equal(actual[1], actual[2], N * sizeof *t);
-    }
-    nqm_free(t);
-    nqm_free(mean);
-    nqm_free(scale);
-}
+/* ---- choice ------------------------------------------------------------------------------------------------------- */
 
 /* Seconds of the next turn of each table. */
 static double turns[2][5];
@@ -695,13 +534,8 @@ int main(void) {
         cmocka_unit_test(panels_and_back),
         cmocka_unit_test(rounding_to_bfloat16),
         cmocka_unit_test(gradients_of_every_table),
-        cmocka_unit_test(rows_of_every_table),
-        cmocka_unit_test(adam_of_every_table),
         cmocka_unit_test(choice_by_time),
         cmocka_unit_test(choice_by_name),
-        cmocka_unit_test(scaled_logs_of_every_table),
-        cmocka_unit_test(dots_of_every_table),
-        cmocka_unit_test(whitening_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,6 @@ static nqm_corpus_options small_corpus(nqm_corpus_part part) {
     options.n_far = 2;
     options.n_roundings = 1;
     options.models = "ward,ggx";
-    options.scene.light = "sun"; /* one scene, which takes less time than the standard four */
     options.scene.n_points = 256;
     return options;
 }
