@@ -15,7 +15,7 @@ extern "C" {
 
 /** A statistic and its 95 % interval: the 2.5 and 97.5 percentiles over resamples of the material groups, drawn with
  *  replacement (Efron 1979, DOI 10.1214/aos/1176344552). NaN where the statistic is not defined; the interval is NaN without
- *  resamples and for fewer than 2 materials. */
+ *  resamples and for fewer than 4 materials. */
 typedef struct nqm_estimate {
     double value, ci95[2];
 } nqm_estimate;

@@ -52,8 +52,7 @@ static void sum_group(const nqm_judgement *j, size_t predictor, size_t g, double
 /* Allocate, sum and resample. */
 static nqm_status begin(nqm_bootstrap *b, nqm_error *err) {
     const nqm_judgement *j = b->judgement;
-    if (j->n_groups < 2)
-        b->n_resamples = 0; /* every resample of one material is equal: an interval of width 0 would be misleading */
+    b->n_resamples = nqm_bootstrap_count(j->n_groups, b->n_resamples);
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&b->sums, j->n_predictors * j->n_groups, NQM_SUM_COUNT * sizeof *b->sums},
                    {&b->statistics, j->n_predictors * NQM_STATISTIC_COUNT, b->n_resamples * sizeof *b->statistics},
@@ -81,6 +80,10 @@ static size_t plain_statistics(const nqm_bootstrap *b, size_t predictor, double 
     nqm_statistics_of_sums(total, statistics);
     statistics[NQM_STATISTIC_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
     return (size_t)total[NQM_SUM_ORDERED];
+}
+
+size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap) {
+    return n_groups < 4 ? 0 : n_bootstrap;
 }
 
 void nqm_interval95(size_t n, double *x, double ci95[2]) {

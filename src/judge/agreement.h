@@ -22,7 +22,7 @@ typedef struct nqm_judgement {
 } nqm_judgement;
 
 /** Compute results (n_predictors), except name and flags. The intervals are the 2.5 and 97.5 percentiles over
- * n_bootstrap resamples, with replacement, of the groups (0, or fewer than 2 groups: the intervals are NaN). All predictors
+ * n_bootstrap resamples, with replacement, of the groups (none, or as few groups that nqm_bootstrap_count() is 0: the intervals are NaN). All predictors
  * use the same resamples. */
 NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                     nqm_agreement *results, nqm_error *err);
@@ -41,6 +41,9 @@ void nqm_mark_best(nqm_agreement *metrics);
 
 /** 2.5 and 97.5 percentiles of x (n), ignoring NaN; reorders x. */
 void nqm_interval95(size_t n, double *x, double ci95[2]);
+/** The number of resamples to draw: n_bootstrap, or 0 with fewer than 4 groups. A resample is n times the same group with probability
+ *  n^-n for each group; where this exceeds 2.5 %, the ends of the interval would be statistics of single groups. */
+size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap);
 /** Statistics of first - second over resamples (n, NaN ignored). value: difference without resampling; scratch (n). */
 nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch);
 

@@ -103,7 +103,7 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
             w->choices[w->n_groups] = w->choices[g];
             memmove(w->met + w->n_groups++ * n_predictors, w->met + g * n_predictors, n_predictors * sizeof *w->met);
         }
-    w->n_resamples = w->n_groups < 2 ? 0 : o.n_bootstrap; /* no interval for a single group, as in nqm_judge() */
+    w->n_resamples = nqm_bootstrap_count(w->n_groups, o.n_bootstrap);
     resample(w, o.seed);
     return NQM_OK;
 }

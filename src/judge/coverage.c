@@ -92,7 +92,7 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *ev, const nqm_eval_opti
     nqm_status status = nqm_selection_create(ev, &o, &s, err);
     if (status != NQM_OK)
         return status;
-    const size_t n_resamples = s.n_groups < 2 ? 0 : o.n_bootstrap;
+    const size_t n_resamples = nqm_bootstrap_count(s.n_groups, o.n_bootstrap);
     status = nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
                                          {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means},
                                          {&used, ev->dataset->n_directions, sizeof *used}),

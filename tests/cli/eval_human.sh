@@ -52,7 +52,7 @@ mkdir "$dir/brdfs"
 "$tool" convert lambert:kd=.3 -o "$dir/brdfs/ref.binary" >"$dir/log" 2>&1 || fail "convert"
 cp "$dir/brdfs/ref.binary" "$dir/brdfs/near.binary"
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors"
-has '14 between 2 pairs of tests, 2 references of 2 materials' 'reaches 0.786' '^mae  *\*\{0,1\}  *0.786 \['  'best of the eight'
+has '14 between 2 pairs of tests, 2 references of 2 materials' 'reaches 0.786' '^mae  *\*\{0,1\}  *0.786  '  'best of the eight' '^No intervals: .* at least 4 materials'
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.safetensors" --json
 has '"ceiling": 0.785714' '"triplets": 2' '"choices": 14.0' '"agreement": 0.785714' '"contrasts": \[' '"share_below_0"'
 cp "$dir/out" "$dir/first"
@@ -62,14 +62,23 @@ run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model "$dir/model.sa
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields"
 [ "$(field mae agreement)" = 0.785714286 ] || fail "agreement in CSV: $(field mae agreement)"
 [ "$(field tiny rival_2)" = log_diff ] || fail "rivals in CSV"
+
+# Intervals need at least 4 materials, and resamples.
+for kd in 3 4 5 6; do
+    printf 'lambert:kd=.%s,lambert:kd=.%s2,4,near\nlambert:kd=.%s,lambert:kd=.%s4,5,near\n' $kd $kd $kd $kd
+done | sed '1i reference,test,score,kind' >"$dir/four.csv"
+run 0 eval --human "$dir/four.csv" --model none
+has '^all: 8 pairs of 4 materials' '^mae .* \[' '^Correlations .* Intervals: bootstrap over materials'
+head -n 7 "$dir/four.csv" >"$dir/three.csv"
+run 0 eval --human "$dir/three.csv" --model none
+has '^all: 6 pairs of 3 materials' 'No intervals: they need --bootstrap above 0 and at least 4 materials'
+! grep -q '[0-9] \[' "$dir/out" || fail "intervals of 3 materials"
+printf 'lambert:kd=.%s,lambert:kd=.9,lambert:kd=.8,3,1\n' 3 4 >>"$dir/choices.csv"
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none
-has '^Intervals: bootstrap over materials'
-head -n 4 "$dir/scores.csv" >"$dir/one.csv"
-run 0 eval --human "$dir/one.csv" --model none
-has '^all: 3 pairs of 1 materials' 'No intervals: they need --bootstrap above 0 and more than one material'
+has '^mae .* \[' '^Intervals: bootstrap over materials'
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --bootstrap 0
 has '^No intervals'
-has '^mae  *\*\{0,1\}  *0.786  '
+! grep -q '[0-9] \[' "$dir/out" || fail "intervals without resamples"
 
 # The same further statistics for a dataset.
 run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100

@@ -103,6 +103,8 @@ run 0 info list sgd:nick
 refuses 2 "no preset has 'nikel' in its name" info list nikel
 refuses 2 "x: too many arguments" info sgd:nickel x
 
+refuses 2 "translate: --to MODEL is missing: gltf" translate sgd:nickel
+
 # What a file is written as is what its name says: each option for a file, before the work.
 misnamed() {
     name=$1 option=$2

@@ -141,19 +141,20 @@ static const char *const choices = "reference,test_a,test_b,n_a,n_b\n"
                                    "lambert:kd=.2,lambert:kd=.4,lambert:kd=.3,3,1\n"
                                    "lambert:kd=.5,lambert:kd=.6,lambert:kd=.8,2,2\n"
                                    "lambert:kd=.2,lambert:kd=.21,lambert:kd=.3,0,0\n"
-                                   "lambert:kd=.7,lambert:kd=.8,lambert:kd=.6,1,0\n";
+                                   "lambert:kd=.7,lambert:kd=.8,lambert:kd=.6,1,0\n"
+                                   "lambert:kd=.9,lambert:kd=.91,lambert:kd=.95,3,1\n";
 
 static void choices_are_added_up(void **state) {
     (void)state;
     nqm_human *human = must_load(choices);
     nqm_human_info info = nqm_human_get_info(human);
-    assert_true(info.kind == NQM_HUMAN_CHOICE && info.n_rows == 6 && info.n_triplets == 4 && info.n_refs == 3);
-    assert_near(info.n_choices, 16 + 4 + 4 + 1, 0);
-    assert_near(info.ceiling, (13 + 3 + 2 + 1) / 25.0, 1e-12);
+    assert_true(info.kind == NQM_HUMAN_CHOICE && info.n_rows == 7 && info.n_triplets == 5 && info.n_refs == 4);
+    assert_near(info.n_choices, 16 + 4 + 4 + 1 + 4, 0);
+    assert_near(info.ceiling, (13 + 3 + 2 + 1 + 3) / 29.0, 1e-12);
     /* Agreement with the majority of the other people. 13 to 3: 13 agree. 3 to 1: three agree. 2 to 2: nobody agrees,
      * because each faces 1 against 2. */
-    assert_near(info.ceiling_other_people, (13 + 3) / 24.0, 1e-12);
-    assert_int_equal(nqm_dataset_get_info(nqm_human_dataset(human)).n_pairs, 3 + 2 + 2);
+    assert_near(info.ceiling_other_people, (13 + 3 + 3) / 28.0, 1e-12);
+    assert_int_equal(nqm_dataset_get_info(nqm_human_dataset(human)).n_pairs, 3 + 2 + 2 + 2);
     nqm_human_free(human);
 }
 
@@ -174,12 +175,12 @@ static void single_choices_are_counted(void **state) {
 }
 
 /* Predicted choices over all choices in one resample; references are indexed in the order of their names, .2, .5,
- * .7. */
+ * .7, .9. */
 static double resampled_share(size_t index, const double *met, const double *made) {
     nqm_rng rng = nqm_rng_make(4, index);
     double sum_met = 0, sum_made = 0;
-    for (size_t k = 0; k < 3; ++k) {
-        size_t g = nqm_rng_below(&rng, 3);
+    for (size_t k = 0; k < 4; ++k) {
+        size_t g = nqm_rng_below(&rng, 4);
         sum_met += met[g];
         sum_made += made[g];
     }
@@ -199,10 +200,10 @@ static void choices_are_judged(void **state) {
      * from .7 are equal up to rounding. */
     const double *mae = nqm_evaluation_values(ev, NQM_METRIC_MAE); /* pairs are sorted by name: .6 is 5, .8 is 6 */
     double of_last = mae[6] < mae[5] ? 1 : mae[6] > mae[5] ? 0 : 0.5;
-    const double met[3] = {13 + 1, 2, of_last}, made[3] = {20, 4, 1};
+    const double met[4] = {13 + 1, 2, of_last, 3}, made[4] = {20, 4, 1, 4};
     assert_string_equal(r[NQM_METRIC_MAE].name, "mae");
-    assert_near(r[NQM_METRIC_MAE].agreement.value, (met[0] + met[1] + met[2]) / 25, 1e-12);
-    assert_near(r[NQM_METRIC_MAE].majority, (1 + 0 + of_last) / 3, 1e-12); /* 2 to 2 has no majority */
+    assert_near(r[NQM_METRIC_MAE].agreement.value, (met[0] + met[1] + met[2] + met[3]) / 29, 1e-12);
+    assert_near(r[NQM_METRIC_MAE].majority, (1 + 0 + of_last + 1) / 4, 1e-12); /* 2 to 2 has no majority */
     double share[N_RESAMPLES];
     for (size_t i = 0; i < N_RESAMPLES; ++i)
         share[i] = resampled_share(i, met, made);

@@ -112,9 +112,8 @@ static void set_flag(const command *cmd, const found *f) {
 static void check_needed(const command *cmd) {
     for (const option *o = cmd->options; o->name; ++o)
         if (o->kind == OPTION_NEEDED && !*(const char **)o->target) {
-            const char name[] = {o->letter, '\0'};
             char what[80];
-            snprintf(what, sizeof what, "-%s%s %s is missing: ", *name ? "" : "-", *name ? name : o->name, o->metavar);
+            snprintf(what, sizeof what, "--%s %s is missing: ", o->name, o->metavar);
             usage_error(cmd, what, o->help);
         }
 }

@@ -217,7 +217,7 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
 static const char *interval_source(const eval_run *run) {
     return json_is_array(json_object_get(json_array_get(run->results, 0), "ci95"))
                ? "Intervals: bootstrap over materials."
-               : "No intervals: they need --bootstrap above 0 and more than one material.";
+               : "No intervals: they need --bootstrap above 0 and at least 4 materials.";
 }
 
 static void print_pairs_text(const eval_run *run) {
