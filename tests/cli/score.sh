@@ -151,6 +151,28 @@ sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,w,$' || fail "names
 run 0 label r=sgd:nickel w=ward:nickel --points 60 --lights 16
 grep -q ' w$' "$dir/out" || fail "names of labels"
 (cd "$dir" && cp "${NQM_SOURCE}/tests/cli/score.sh" a=b && run 4 score sgd:nickel a=b) || fail "an existing file is no name"
+# One name for one BRDF of a reference, without control characters; those of file names and messages are shown as '?'.
+refuses 2 "two BRDFs have the name 'a'; give each" score sgd:nickel a=sgd:nickel b=ward:nickel a=ward:nickel
+for verb in rank label "report -o $dir/x.html" "plot slice -o $dir/x.svg"; do
+    # shellcheck disable=SC2086
+    refuses 2 "two BRDFs have the name 'a'" $verb a=sgd:nickel a=ward:nickel
+done
+run 0 label sgd:nickel a=ward:nickel + sgd:gold-paint a=ward:gold-paint --light sun --points 60 --lights 16
+odd=$(printf 'a\033[31m\n\302\233b')
+refuses 2 "the name 'a?\[31m???b' has a control character" score sgd:nickel "$odd=ward:nickel"
+refuses 3 '/a?\[31m???b: ' info "$dir/$odd"
+"$tool" convert ward:nickel -o "$dir/$odd.npy" >"$dir/out" 2>"$dir/err"
+grep -q '/a?\[31m???b.npy: ward:nickel as ' "$dir/out" || fail "convert: $(cat "$dir/out")"
+for verb in score rank "label --light sun --points 60 --lights 16"; do
+    # shellcheck disable=SC2086
+    run 0 $verb sgd:nickel "$dir/$odd.npy"
+    grep -q '  .*/a?\[31m???b.npy$' "$dir/out" || fail "$verb of an odd file name: $(cat "$dir/out")"
+done
+run 0 score sgd:nickel "$dir/$odd.npy" --csv
+grep -q '31m$' "$dir/out" || fail "a CSV has the file name as it is"
+printf '{"asset": {"version": "2.0"}, "materials": [{"name": "x\\u001b[1m"}, {"name": "y"}]}' >"$dir/two.gltf"
+run 0 info "$dir/two.gltf"
+grep -q '^x?\[1m ' "$dir/out" || fail "the name of a material: $(cat "$dir/out")"
 "$tool" sample sgd:nickel | "$tool" score - ward:nickel >"$dir/out"
 grep -q '^reference  standard input$' "$dir/out" || fail "standard input has another name: $(cat "$dir/out")"
 refuses 2 'a BRDF argument is empty' score '' ward:nickel

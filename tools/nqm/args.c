@@ -52,8 +52,8 @@ void set_help_printer(help_printer *printer) {
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
 static _Noreturn void usage_error(const command *cmd, const char *what, const char *which) {
-    fprintf(stderr, "nqm %s: %s%s\nusage: nqm %s %s\n(see 'nqm %s --help')\n", verb_name(), what, which, verb_name(),
-            cmd->usage, verb_name());
+    fprintf(stderr, "nqm %s: %s%s\nusage: nqm %s %s\n(see 'nqm %s --help')\n", verb_name(), what, shown(which),
+            verb_name(), cmd->usage, verb_name());
     exit(EXIT_USAGE);
 }
 

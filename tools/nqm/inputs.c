@@ -91,18 +91,30 @@ size_t name_length(const char *argument) {
     return argument[n] == '=' && argument[n + 1] && access(argument, F_OK) != 0 ? n : 0;
 }
 
+/* names (n): those before `name`, of the same reference. */
+static void check_name(int n, const char *const *names, const char *name) {
+    if (shown(name) != name)
+        stop(EXIT_USAGE, "the name '%s' has a control character", name);
+    for (int i = 0; i < n; ++i)
+        if (names[i] && strcmp(names[i], name) == 0)
+            stop(EXIT_USAGE, "two BRDFs have the name '%s'; give each a name of its own", name);
+}
+
 const char **take_names(int n, char **arguments) {
     const char **names = allocate((size_t)n, sizeof *names);
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0, first = 0; i < n; ++i) {
         const size_t n_name = name_length(arguments[i]);
         size_t n_stream;
         const char *stream = stream_name(arguments[i], &n_stream);
         if (*stream && arguments[i][n_stream] == '\0')
             names[i] = stream;
+        if (strcmp(arguments[i], "+") == 0)
+            first = i;
         if (n_name == 0)
             continue;
-        names[i] = arguments[i];
         arguments[i][n_name] = '\0';
+        check_name(i - first, names + first, arguments[i]);
+        names[i] = arguments[i];
         arguments[i] += n_name + 1;
     }
     return names;

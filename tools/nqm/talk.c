@@ -46,15 +46,16 @@ int report_error(const nqm_error *err) {
     size_t n_prefix;
     const char *stream = stream_name(message, &n_prefix);
     end_progress();
-    fprintf(stderr, "nqm %s: %s%s\n", current_verb, stream, message + n_prefix);
+    fprintf(stderr, "nqm %s: %s%s\n", current_verb, stream, shown(message + n_prefix));
     return exit_code_of(err->status);
 }
 
 static void print_message(const char *format, va_list args) {
+    enum { MAX_MESSAGE = 1 << 14 }; /* names in it may be long */
+    char message[MAX_MESSAGE];
+    vsnprintf(message, sizeof message, format, args);
     end_progress();
-    fprintf(stderr, "nqm %s: ", current_verb);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    fprintf(stderr, "nqm %s: %s\n", current_verb, shown(message));
 }
 
 int report(int exit_code, const char *format, ...) {
@@ -250,7 +251,7 @@ static void print_value(const json_t *value) {
     size_t i;
     json_t *item;
     if (json_is_string(value))
-        fputs(json_string_value(value), stdout);
+        fputs(shown(json_string_value(value)), stdout);
     else if (json_is_boolean(value))
         fputs(json_is_true(value) ? "yes" : "no", stdout);
     else if (json_is_number(value))
@@ -280,6 +281,28 @@ int print_members(json_t *members) {
     }
     json_decref(members);
     return EXIT_OK;
+}
+
+const char *shown(const char *text) {
+    static struct copy {
+        struct copy *next;
+        char text[];
+    } * copies; /* kept to the end: there are few such texts */
+    struct copy *made = NULL;
+    for (size_t i = 0; text[i]; ++i) {
+        const unsigned char *c = (const unsigned char *)text + i;
+        const size_t n = *c < ' ' || *c == 0x7f ? 1 : *c == 0xc2 && c[1] >= 0x80 && c[1] <= 0x9f ? 2 : 0;
+        if (n && !made) {
+            made = allocate(1, sizeof *made + strlen(text) + 1);
+            strcpy(made->text, text);
+            made->next = copies;
+            copies = made;
+        }
+        if (n)
+            memset(made->text + i, '?', n);
+        i += n == 2;
+    }
+    return made ? made->text : text;
 }
 
 json_t *json_name(const char *text) {

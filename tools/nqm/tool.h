@@ -111,7 +111,8 @@ void close_brdfs(int n, nqm_brdf **brdfs);
 /** Length of NAME in "NAME=BRDF"; 0 for an argument without a name. A name has no ':' and no '/'; an existing file with this
  *  name is not split. */
 size_t name_length(const char *argument);
-/** Cut the names off n arguments "NAME=BRDF", which then are the BRDFs. Returns (n) names, NULL where there is none; free() it. */
+/** Cut the names off n arguments "NAME=BRDF", which then are the BRDFs. Returns (n) names, NULL where there is none; free() it. A
+ *  name with control characters is refused, and one that two BRDFs of a reference ("+" separates references) have. */
 const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
@@ -173,6 +174,9 @@ void catch_interrupt(void);
 /** Whether Ctrl-C was pressed. */
 bool interrupted(void);
 
+/** A name as it is printed for people: control characters, which could move the cursor or break a table, become '?'. Valid to the
+ *  end of the program. Messages are printed so, too. */
+const char *shown(const char *text);
 /** Print a JSON value with a final newline, and release it. Returns EXIT_OK. Store numbers that may be NaN with
  *  json_number(). */
 int print_json(json_t *value);

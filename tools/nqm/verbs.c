@@ -65,6 +65,6 @@ int report_no_verb(const char *name) {
         nqm_nearest_add(&nearest, v->name);
     nqm_nearest_add(&nearest, "--version");
     nqm_nearest_add(&nearest, "--help");
-    fprintf(stderr, "nqm: there is no verb '%s'%s; `nqm --help` lists them\n", name, nearest.advice);
+    fprintf(stderr, "nqm: there is no verb '%s'%s; `nqm --help` lists them\n", shown(name), nearest.advice);
     return EXIT_USAGE;
 }

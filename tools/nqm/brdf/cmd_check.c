@@ -44,7 +44,7 @@ static double percent(size_t part, size_t whole) {
 
 static void print_text(const char *name, const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
-    printf("%s: %s\n", name, !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible");
+    printf("%s: %s\n", shown(name), !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible");
     printf("  energy       %s: at most %.1f %% of the light is reflected (light at %.0f degrees; red %.3f, green %.3f, "
            "blue %.3f)\n",
            v->energy_fails ? "FAILS"

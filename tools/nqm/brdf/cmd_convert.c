@@ -52,7 +52,7 @@ int cmd_convert(int argc, char **argv) {
         print_document(json_pack("{s:s,s:s,s:s,s:s}", "brdf", info.name, "from", info.format, "output", output,
                                  "layout", layouts[format]));
     else if (strcmp(output, "-") != 0)
-        printf("%s: %s as %s\n", output, info.name, layouts[format]);
+        printf("%s: %s as %s\n", shown(output), shown(info.name), layouts[format]);
     nqm_brdf_free(brdf);
     return EXIT_OK;
 }

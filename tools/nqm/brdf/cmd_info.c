@@ -65,9 +65,9 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     json_t *entry;
     json_array_foreach(list, i, entry) {
         const char *refusal = json_string_value(json_object_get(entry, "refusal"));
-        printf("%s  %s  %s%s\n", json_string_value(json_object_get(entry, "name")),
+        printf("%s  %s  %s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
                json_string_value(json_object_get(entry, "surface")), refusal ? "refused: " : "accepted",
-               refusal ? refusal : "");
+               refusal ? shown(refusal) : "");
     }
     json_decref(list);
     return EXIT_OK;

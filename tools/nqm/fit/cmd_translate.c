@@ -130,13 +130,14 @@ static size_t count_failed(const translation *t) {
 static void print_item(const translation *t, const item *it) {
     if (it->err.status != NQM_OK) {
         const bool is_named = strncmp(it->err.message, it->argument, strlen(it->argument)) == 0;
-        printf("refused  %s%s%s\n", is_named ? "" : it->argument, is_named ? "" : ": ", it->err.message);
+        printf("refused  %s%s%s\n", is_named ? "" : shown(it->argument), is_named ? "" : ": ", shown(it->err.message));
         return;
     }
     printf("JOD %5.2f", it->score.jod);
     if (!isnan(it->score.jod_low))
         printf(" [%.2f, %.2f]", it->score.jod_low, it->score.jod_high);
-    printf("  transport %5.2f  %s -> %s", it->transport.jod, it->argument, it->path[0] ? it->path : it->match.fit.spec);
+    printf("  transport %5.2f  %s -> %s", it->transport.jod, shown(it->argument),
+           shown(it->path[0] ? it->path : it->match.fit.spec));
     if (it->dropped[0])
         printf("  dropped: %s", it->dropped);
     if (has_gate(&t->gate))
@@ -249,7 +250,7 @@ static void translate_all(translation *t, bool with_rows) {
     for (size_t i = 0; i < t->n; ++i) {
         item *it = &t->items[i];
         nqm_error err = {0};
-        note_progress("%s (%zu of %zu)", it->argument, i + 1, t->n);
+        note_progress("%s (%zu of %zu)", shown(it->argument), i + 1, t->n);
         if (translate(t, it, &err) != NQM_OK) {
             if (err.status == NQM_ERR_CANCELLED || t->n == 1)
                 stop_error(&err);

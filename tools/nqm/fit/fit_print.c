@@ -73,7 +73,7 @@ static void print_table_row(const fitted *f, bool calibrated) {
     }
     printf("%7zu  %9.5f", f->match.fit.n_numbers, f->match.fit.loss);
     print_jod(&score, calibrated);
-    printf("  %s\n", argument ? argument : "(not written: use -o)");
+    printf("  %s\n", argument ? shown(argument) : "(not written: use -o)");
 }
 
 static void print_verbose(const fitted *f, const char *loss) {
@@ -84,7 +84,7 @@ static void print_verbose(const fitted *f, const char *loss) {
         printf("  %-10s %s\n", "failed", f->err.message);
         return;
     }
-    printf("  %-10s %s\n", "result", argument ? argument : "(not written: use -o)");
+    printf("  %-10s %s\n", "result", argument ? shown(argument) : "(not written: use -o)");
     printf("  %-10s %zu\n", "numbers", fit->n_numbers);
     printf("  %-10s %.5f (%s), %zu directions, start %zu, %.2f s\n", "loss", fit->loss, loss_name(f, loss),
            fit->n_directions, fit->best_start, f->seconds);

@@ -44,7 +44,8 @@ static double number_at(const json_t *json, const char *path) {
 }
 
 static const char *text_at(const json_t *json, const char *key) {
-    return json_string_value(json_object_get(json, key));
+    const char *text = json_string_value(json_object_get(json, key));
+    return text ? shown(text) : NULL;
 }
 
 /* Call `print` for every table: the results, then the selections. */
@@ -221,11 +222,11 @@ static const char *interval_source(const eval_run *run) {
 }
 
 static void print_pairs_text(const eval_run *run) {
-    const char *label = run->human ? nqm_human_get_info(run->human).kind_name : "JOD";
+    const char *label = run->human ? nqm_human_get_info(run->human).kind_name : "JOD", *path = shown(run->dataset_path);
     if (run->human)
-        printf("human    %s, column: %s\n", run->dataset_path, label);
+        printf("human    %s, column: %s\n", path, label);
     else
-        printf("dataset  %s, split: %s\n", run->dataset_path, run->split_name);
+        printf("dataset  %s, split: %s\n", path, run->split_name);
     print_tables(run, print_pairs_table);
     print_tables(run, print_parts);
     printf("\nCorrelations with the labels (%s), signed so that higher is better. %s\n"
@@ -239,8 +240,8 @@ static void print_pairs_text(const eval_run *run) {
 
 static void print_choices_text(const eval_run *run) {
     nqm_human_info info = nqm_human_get_info(run->human);
-    printf("choices  %s: %.0f between %zu pairs of tests, %zu references of %zu materials\n\n", run->dataset_path,
-           info.n_choices, info.n_triplets, info.n_refs, info.n_groups);
+    printf("choices  %s: %.0f between %zu pairs of tests, %zu references of %zu materials\n\n",
+           shown(run->dataset_path), info.n_choices, info.n_triplets, info.n_refs, info.n_groups);
     print_rows(run->results, choice_text);
     printf("\nThe best possible predictor reaches %.3f; most of the other people predict a person in ", info.ceiling);
     if (isfinite(info.ceiling_other_people))

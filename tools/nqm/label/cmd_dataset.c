@@ -30,7 +30,7 @@ static void print_summary(const char *path, bool json) {
     else
         printf("%s: %zu pairs of %zu references in %zu material groups (train %zu, validation %zu, test %zu pairs)\n"
                "sha256 %s\n",
-               path, info.n_pairs, info.n_refs, info.n_groups, info.n_pairs_in[NQM_SPLIT_TRAIN],
+               shown(path), info.n_pairs, info.n_refs, info.n_groups, info.n_pairs_in[NQM_SPLIT_TRAIN],
                info.n_pairs_in[NQM_SPLIT_VALIDATION], info.n_pairs_in[NQM_SPLIT_TEST], info.sha256);
     json_decref(manifest);
     nqm_dataset_free(dataset);

@@ -128,11 +128,11 @@ static void print_csv_test(const label_run *run, const label_item *item) {
 static void print_text_test(const label_item *item) {
     char words[NQM_LABEL_TEXT];
     if (item->err.status != NQM_OK)
-        printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", item->shown);
+        printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", shown(item->shown));
     else
         printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n%31s%s\n", item->label.delta_e, item->jod,
                nqm_label_similarity(&item->label), item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures",
-               item->shown, "", nqm_label_describe(&item->label, words));
+               shown(item->shown), "", nqm_label_describe(&item->label, words));
 }
 
 void print_labels(const label_run *run) {
@@ -150,7 +150,7 @@ void print_labels(const label_run *run) {
         if (!is_test(run, i)) {
             if (run->format == FORMAT_TEXT)
                 printf("%9s  %6s  %10s  %-20s  test, compared with %s\n", "Delta-E", "JOD", "seen apart", "",
-                       item->shown);
+                       shown(item->shown));
         } else if (run->format == FORMAT_QUIET) {
             printf("%.4f\n", item->jod);
         } else if (run->format == FORMAT_CSV) {

@@ -96,8 +96,9 @@ static void print_text(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         if (i == 0 || row->group != row[-1].group)
-            printf("%sreference  %s\n\n  rank    JOD%s  over next  best over%s  test\n", i ? "\n" : "", row->pair.ref,
-                   calibrated ? "  [95 %]        " : "", isnan(row->result.similarity) ? "" : "  seen apart");
+            printf("%sreference  %s\n\n  rank    JOD%s  over next  best over%s  test\n", i ? "\n" : "",
+                   shown(row->pair.ref), calibrated ? "  [95 %]        " : "",
+                   isnan(row->result.similarity) ? "" : "  seen apart");
         if (row->rank)
             printf("  %4zu", row->rank);
         else
@@ -107,7 +108,7 @@ static void print_text(const score_run *run) {
         print_percent(row->best_preferred);
         if (!isnan(row->result.similarity))
             printf("  %10.2f", row->result.similarity);
-        printf("  %s\n", row->name);
+        printf("  %s\n", shown(row->name));
     }
     puts("\nover next: people who would prefer it to the one below; best over: who would prefer the best to it\n"
          "(50 % is guessing; one JOD is 75 %).");

@@ -36,7 +36,7 @@ static void print_text(const score_run *run) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
         n_verdict = n > n_verdict ? n : n_verdict;
     }
-    printf("reference  %s\nmodel      %s\n\n    JOD%s  %10s  %-*s", run->ref_name, info.id,
+    printf("reference  %s\nmodel      %s\n\n    JOD%s  %10s  %-*s", shown(run->ref_name), info.id,
            calibrated ? "  [95 %]        " : "", "prefer ref", n_verdict, "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
@@ -60,7 +60,7 @@ static void print_text(const score_run *run) {
         }
         if (has_gate(&run->gate))
             printf("  %-4s", gate_mark(&run->gate, r));
-        printf("  %s\n", row->name);
+        printf("  %s\n", shown(row->name));
         if (scored && !isnan(r->similarity)) {
             char words[NQM_LABEL_TEXT];
             printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);

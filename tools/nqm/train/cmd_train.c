@@ -139,7 +139,8 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
         return;
     }
     end_progress();
-    printf("model       %s (id %s, recipe %s, %zu parameters)\n", path, info->id, info->recipe, info->n_parameters);
+    printf("model       %s (id %s, recipe %s, %zu parameters)\n", shown(path), info->id, info->recipe,
+           info->n_parameters);
     printf("sha256      %s\n", info->sha256);
     printf("trained on  %zu examples, validated on %zu\n", r->n_train, r->n_validation);
     printf("epochs      %zu (%zu steps), %.1f s, %s", r->epochs, r->n_steps, r->seconds,
