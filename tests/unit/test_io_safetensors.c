@@ -223,6 +223,16 @@ static void claimed_header_lengths(void **state) {
     }
 }
 
+/* The byte after a file that ends with the length of its header decides nothing. */
+static void text_of_eight_bytes(void **state) {
+    (void)state;
+    static const char text[] = "a,b\n1,2\n{";
+    nqm_safetensors *st;
+    nqm_error err = {0};
+    assert_int_equal(nqm_safetensors_parse((const unsigned char *)text, 8, "f", &st, &err), NQM_ERR_FORMAT);
+    assert_non_null(strstr(err.message, "begins like CSV"));
+}
+
 /* ---- invalid data for the writer --------------------------------------------------------------------------------- */
 
 static void refused_contents(void **state) {
@@ -262,10 +272,10 @@ static void out_of_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),       cmocka_unit_test(checksum),
-        cmocka_unit_test(false_headers),    cmocka_unit_test(truncated_anywhere),
-        cmocka_unit_test(refused_contents), cmocka_unit_test(claimed_header_lengths),
-        cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(round_trip),          cmocka_unit_test(checksum),
+        cmocka_unit_test(false_headers),       cmocka_unit_test(truncated_anywhere),
+        cmocka_unit_test(refused_contents),    cmocka_unit_test(claimed_header_lengths),
+        cmocka_unit_test(text_of_eight_bytes), cmocka_unit_test(out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
