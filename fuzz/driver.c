@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * main() for fuzz targets built without libFuzzer. It runs the valid input, truncations of it, and random mutations of
- * it with a fixed seed and a limited number. With arguments it runs these files instead (a crash from libFuzzer);
- * `--seed FILE` writes the valid input.
+ * it with a fixed seed and a limited number. With arguments it runs these files instead (a crash from libFuzzer).
+ * With libFuzzer (NQM_FUZZ), whose main() runs the inputs, this file only adds `--seed FILE`, which writes the valid input.
  */
 #include "fuzz.h"
 
@@ -11,6 +11,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef NQM_FUZZ
+int LLVMFuzzerInitialize(int *argc, char ***argv);
+/* libFuzzer calls it before it reads the arguments. */
+int LLVMFuzzerInitialize(int *argc, char ***argv) {
+    if (*argc == 3 && strcmp((*argv)[1], "--seed") == 0) {
+        blob_put(fuzz_seed(), (*argv)[2]);
+        exit(0);
+    }
+    return 0;
+}
+#else
 enum { N_CUTS = 400, N_MUTATIONS = 10000, SEED = 1 };
 static const double time_limit_s = 10; /* a slow (sanitized, emulated, busy) machine runs fewer mutations */
 
@@ -68,10 +79,6 @@ static void run_around(const blob *seed) {
 }
 
 int main(int argc, char **argv) {
-    if (argc == 3 && strcmp(argv[1], "--seed") == 0) {
-        blob_put(fuzz_seed(), argv[2]);
-        return 0;
-    }
     for (int i = 1; i < argc; ++i) {
         blob b = blob_load(argv[i]);
         run_one(b.data, b.n_bytes);
@@ -84,3 +91,4 @@ int main(int argc, char **argv) {
     }
     return 0;
 }
+#endif

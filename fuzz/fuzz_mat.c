@@ -7,12 +7,14 @@
 #include "io/io.h"
 
 #include <math.h>
+#include <nqm/samples.h>
 #include <stdlib.h>
+#include <unistd.h>
+#include <zlib.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
-    const char *path = scratch_path("mat");
-    const blob b = {.data = (unsigned char *)(uintptr_t)data, .n_bytes = n_bytes};
-    blob_save(&b, path);
+    char path[FUZZ_PATH];
+    const int fd = fuzz_file(data, n_bytes, path);
     nqm_mat *mat;
     nqm_error err = {0};
     nqm_status status = nqm_mat_open(path, &mat, &err);
@@ -33,26 +35,34 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
             abort();
     }
     nqm_mat_close(mat);
+    close(fd);
     return 0;
 }
 
-/* A variable "r" of 7 doubles: tag of the array, flags, dimensions, name, data. */
+/* Samples at 7 directions as they are saved, with the first variable compressed. */
 blob fuzz_seed(void) {
-    const uint32_t words[] = {14, 0, 6, 8, 6, 0, 5, 8, 7, 1, 1 | 1 << 16, 'r', 9, 56};
-    blob b = {.n_bytes = 128 + sizeof words + 56};
-    b.data = calloc(b.n_bytes, 1);
-    if (!b.data)
+    enum { N = 7, FIRST = 128, TAG = 8, COMPRESSED = 15 }; /* offset of the first variable; bytes of type and size */
+    static const float rgb[3 * N] = {0.5, 1, 1.5};
+    const char *path = scratch_path("seed.mat");
+    double degrees[3 * N];
+    nqm_directions *directions;
+    for (size_t i = 0; i < 3 * N; ++i)
+        degrees[i] = (double)i;
+    if (nqm_directions_from_degrees(N, degrees, &directions, NULL) != NQM_OK ||
+        nqm_samples_save_mat(directions, rgb, path, NULL) != NQM_OK)
         abort();
-    static const char head[] = "MATLAB 5.0 MAT-file";
-    for (size_t i = 0; i < sizeof head - 1; ++i)
-        b.data[i] = (unsigned char)head[i];
-    b.data[125] = 1;
-    b.data[126] = 'I';
-    b.data[127] = 'M';
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; ++i)
-        nqm_store_u32(b.data + 128 + 4 * i, words[i]);
-    nqm_store_u32(b.data + 132, (uint32_t)(b.n_bytes - 136)); /* bytes after the array's tag */
-    for (size_t i = 0; i < 7; ++i)
-        nqm_store_f64(b.data + 128 + sizeof words + 8 * i, 0.5 * (double)i);
+    nqm_directions_free(directions);
+    blob plain = blob_load(path);
+    const size_t end = FIRST + TAG + nqm_load_u32(plain.data + FIRST + 4);
+    uLongf n_packed = compressBound(end - FIRST);
+    blob b = {.data = calloc(FIRST + TAG + n_packed + plain.n_bytes - end, 1)};
+    if (!b.data || compress(b.data + FIRST + TAG, &n_packed, plain.data + FIRST, end - FIRST) != Z_OK)
+        abort();
+    memcpy(b.data, plain.data, FIRST);
+    nqm_store_u32(b.data + FIRST, COMPRESSED);
+    nqm_store_u32(b.data + FIRST + 4, (uint32_t)n_packed);
+    b.n_bytes = FIRST + TAG + n_packed + plain.n_bytes - end;
+    memcpy(b.data + b.n_bytes - (plain.n_bytes - end), plain.data + end, plain.n_bytes - end);
+    blob_free(&plain);
     return b;
 }

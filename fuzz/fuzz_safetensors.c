@@ -25,6 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
         if (nqm_safetensors_find(st, tensor->name) != tensor)
             abort();
     }
+    (void)sum;
     char hex[65];
     bool matches;
     nqm_safetensors_checksum(st, hex, &matches);
