@@ -360,8 +360,8 @@ static const char *const all_settings[] = {"gloss=.05",
                                            "hue=77;desaturate=-1",
                                            "scale=0",
                                            "fresnel=100",
-                                           "gloss=2;shift=3;smooth=4;clamp=.3;peak=2;fresnel=3;mix=.1;desaturate=.2;"
-                                           "hue=30;ripple=.2;noise=.2;seed=7;cells=5;quantise=12;scale=.5"};
+                                           ("gloss=2;shift=3;smooth=4;clamp=.3;peak=2;fresnel=3;mix=.1;desaturate=.2;"
+                                            "hue=30;ripple=.2;noise=.2;seed=7;cells=5;quantise=12;scale=.5")};
 
 /* Every pair above the horizon has a finite, non-negative value, which is the same when light and viewer are
  * exchanged. */

@@ -13,7 +13,7 @@ static const char truth[] = "ggx:kd=.3,.2,.05;ks=.5;alpha=.12;f0=.2";
 static double loss_at(const nqm_fit_target *target, const nqm_brdf *ref, const char *model, uint64_t seed,
                       size_t n_steps) {
     char spec[512];
-    double loss;
+    double loss = 0;
     nqm_fit_options options = nqm_fit_options_default();
     nqm_error err = {0};
     options.n_directions = 500;

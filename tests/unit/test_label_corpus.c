@@ -36,7 +36,7 @@ static nqm_corpus_options small_corpus(nqm_corpus_part part) {
 
 static nqm_dataset *build_from(const char *materials, const nqm_corpus_options *options, const char *name) {
     nqm_error err = {0};
-    nqm_dataset *dataset;
+    nqm_dataset *dataset = NULL;
     nqm_directions *d = directions();
     char csv[256];
     snprintf(csv, sizeof csv, "%s", write_text("list.csv", materials));
