@@ -15,12 +15,14 @@ for name in isa_generic scalar kernels half panel panel_pack; do
     $cc -O3 -fopenmp-simd -c "src/kernel/$name.c" -o "$out/$name.o"
     objects="$objects $out/$name.o"
 done
-for test in test_kernel_tables test_kernel_rows; do
+tests="test_kernel_tables test_kernel_rows"
+for test in $tests; do
     # shellcheck disable=SC2086
     $cc -O2 -fopenmp $objects src/base/memory.c src/base/error.c src/base/rng.c tests/support/check.c tests/support/tables.c \
         tests/support/amx_emulated.c tests/unit/$test.c -o "$out/$test" -lcmocka -lm -Wl,--gc-sections -Wl,--defsym=nqm_gemm_onednn=0
 done
 gomp=$(dirname "$(aarch64-linux-gnu-gcc -print-file-name=libgomp.so)")
-for test in test_kernel_tables test_kernel_rows; do
+for test in $tests; do
     qemu-aarch64 -E LD_LIBRARY_PATH="/usr/aarch64-linux-gnu/lib:$gomp" -L / "$out/$test"
 done
+echo "aarch64: $tests passed under an emulator"
