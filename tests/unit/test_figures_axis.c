@@ -6,6 +6,7 @@
 #include "figures/sheet.h"
 #include "support/check.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -95,11 +96,28 @@ static void square_root(void **state) {
     assert_true(isnan(nqm_axis_place(&axis, -1)));
 }
 
+/* The ends of an axis are finite and its ticks few, whatever numbers a file has. */
+static void largest_and_smallest(void **state) {
+    (void)state;
+    static const double numbers[] = {-DBL_MAX, -1e300, 5e-324, DBL_MIN, 1e-300, 1, 1e300, DBL_MAX};
+    enum { N = sizeof numbers / sizeof *numbers };
+    for (int scale = NQM_LINEAR; scale <= NQM_SQRT; ++scale)
+        for (size_t i = 0; i < N * N; ++i) {
+            nqm_axis axis = held((nqm_scale)scale, numbers[i / N], numbers[i % N], 6);
+            assert_true(isfinite(axis.max - axis.min) && axis.min < axis.max);
+            assert_true(scale != NQM_LOG || axis.min > 0);
+            labels(&axis, 6);
+        }
+    const nqm_axis axis = {.max = 1};
+    assert_true(isnan(nqm_axis_place(&axis, DBL_MAX)));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(linear),
         cmocka_unit_test(logarithmic),
         cmocka_unit_test(square_root),
+        cmocka_unit_test(largest_and_smallest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,24 +30,29 @@ nqm_axis nqm_axis_make(const char *label, nqm_scale scale) {
     return (nqm_axis){.label = label, .scale = scale, .min = (double)INFINITY, .max = -(double)INFINITY};
 }
 
+/* Bounds of the magnitudes on an axis: rounded ends must not overflow or become 0. A tick may be beyond the values. */
+static const double largest_value = 1e300, largest_tick = 1e302;
+
+static bool has_position(const nqm_axis *axis, double value, double largest) {
+    return fabs(value) <= largest && (axis->scale == NQM_LINEAR || value >= (axis->scale == NQM_LOG ? 1 / largest : 0));
+}
+
 void nqm_axis_include(nqm_axis *axis, size_t n, const double *values) {
-    for (size_t i = 0; i < n; ++i) {
-        bool has_position = isfinite(values[i]) &&
-                            (axis->scale == NQM_LINEAR || values[i] > 0 || (axis->scale == NQM_SQRT && values[i] == 0));
-        if (has_position) {
+    for (size_t i = 0; i < n; ++i)
+        if (has_position(axis, values[i], largest_value)) {
             axis->min = fmin(axis->min, values[i]);
             axis->max = fmax(axis->max, values[i]);
         }
-    }
 }
 
 /* Give an empty range, or one of a single value, two different ends. */
 static void widen(nqm_axis *axis) {
     if (axis->min > axis->max)
         *axis = (nqm_axis){.label = axis->label, .scale = axis->scale, .step = axis->step, .min = 1, .max = 1};
-    if (axis->max - axis->min > 1e-12 * fmax(fabs(axis->min), fabs(axis->max)))
+    const double least = 1 / largest_value;
+    if (axis->max - axis->min > fmax(1e-12 * fmax(fabs(axis->min), fabs(axis->max)), least))
         return;
-    double half = axis->min == 0 ? 1 : 0.5 * fabs(axis->min);
+    double half = axis->scale != NQM_LOG && fabs(axis->min) <= least ? 1 : 0.5 * fabs(axis->min);
     axis->max += half;
     axis->min = axis->scale == NQM_SQRT ? fmax(axis->min - half, 0) : axis->min - half;
 }
@@ -73,7 +78,7 @@ static double scaled(const nqm_axis *axis, double value) {
 }
 
 double nqm_axis_place(const nqm_axis *axis, double value) {
-    if ((axis->scale == NQM_LOG && !(value > 0)) || (axis->scale == NQM_SQRT && !(value >= 0)) || !isfinite(value))
+    if (!has_position(axis, value, largest_tick))
         return (double)NAN;
     double low = scaled(axis, axis->min);
     return (scaled(axis, value) - low) / (scaled(axis, axis->max) - low);

@@ -37,7 +37,7 @@ typedef struct nqm_tick_mark {
 
 /** An axis with an empty range. */
 nqm_axis nqm_axis_make(const char *label, nqm_scale scale);
-/** Extend the range to n values; values that are not finite, or have no position on the scale, are skipped. */
+/** Extend the range to n values; those that have no position on the scale are skipped: also NaN, and magnitudes above 1e300. */
 void nqm_axis_include(nqm_axis *axis, size_t n, const double *values);
 /** Move the ends outwards to round numbers, for about n_most ticks; an empty range, or one of a single value, is widened. */
 void nqm_axis_round(nqm_axis *axis, size_t n_most);
