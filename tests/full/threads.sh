@@ -12,7 +12,8 @@ archer=$(find /usr/lib/llvm-* -name libarcher.so 2>/dev/null | head -n 1)
     echo "needs libarcher.so (Debian: libomp-dev)"
     exit 77
 }
-[ -f build-threads/build.ninja ] || cmake -S . -B build-threads -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_SANITIZE=thread >/dev/null
+[ -f build-threads/build.ninja ] || cmake -S . -B build-threads -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_SANITIZE=thread \
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g1" >/dev/null
 # shellcheck disable=SC2086
 cmake --build build-threads --target $tests >build-threads/build.log || {
     cat build-threads/build.log
