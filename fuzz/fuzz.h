@@ -44,6 +44,9 @@ void fuzz_material(const uint8_t *data, size_t n_bytes);
 /** Read the bytes as a mesh and check an accepted mesh. */
 void fuzz_mesh(const uint8_t *data, size_t n_bytes);
 
+/** A copy of the bytes in which the checksum of a safetensors file is correct. */
+blob fuzz_with_checksum(const uint8_t *data, size_t n_bytes);
+
 /** Read the bytes as a picture of light. */
 void fuzz_image(const uint8_t *data, size_t n_bytes);
 

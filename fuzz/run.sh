@@ -23,7 +23,7 @@ dictionary() {
     *_pbrt) words=pbrt ;;
     fuzz_mesh_*) words=mesh ;;
     fuzz_spec) words=spec ;;
-    fuzz_safetensors | fuzz_npy | fuzz_model* | fuzz_dataset | fuzz_dictionary | fuzz_hyper) words=tensors ;;
+    fuzz_safetensors | fuzz_npy | fuzz_checkpoint | fuzz_model* | fuzz_dataset | fuzz_dictionary | fuzz_hyper) words=tensors ;;
     *) return ;;
     esac
     echo "-dict=fuzz/dictionaries/$words.dict"
