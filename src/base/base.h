@@ -12,6 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
+/** Before a function: it is compiled for each width of vectors, and the widest that the processor has is called. */
+#if defined(__x86_64__) && defined(__gnu_linux__)
+#define NQM_FOR_EACH_VECTOR_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define NQM_FOR_EACH_VECTOR_WIDTH
+#endif
+
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 /** Fill `err` (NULL allowed) and return `status`. Functions report every failure with `return nqm_fail(...)`. */

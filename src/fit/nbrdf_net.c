@@ -27,11 +27,6 @@ _Static_assert(B3 + N_OUT == NQM_NBRDF_WEIGHTS, "the weights of three layers");
 
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));
 #define INLINED static inline __attribute__((always_inline))
-#if defined(__x86_64__) && defined(__gnu_linux__)
-#define FOR_EACH_VECTOR_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FOR_EACH_VECTOR_WIDTH
-#endif
 
 typedef float row[BLOCK]; /* one value for each direction of the block */
 
@@ -128,7 +123,7 @@ INLINED void channel_loss(block *b, size_t c) {
 }
 
 /* Loss of the block, and its gradient added to `gradient` unless that is NULL. */
-FOR_EACH_VECTOR_WIDTH static void run_block(const float *w, block *b, float *gradient) {
+NQM_FOR_EACH_VECTOR_WIDTH static void run_block(const float *w, block *b, float *gradient) {
     product(N_IN, N_HIDDEN, w + W1, N_HIDDEN, 1, w + B1, b->input, b->first);
     relu(b->first);
     product(N_HIDDEN, N_HIDDEN, w + W2, N_HIDDEN, 1, w + B2, b->first, b->second);

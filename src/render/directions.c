@@ -15,6 +15,10 @@
 static const double lobe_alpha[] = {0.002, 0.008, 0.03, 0.1, 0.3};
 enum { N_LOBES = sizeof lobe_alpha / sizeof *lobe_alpha, LIGHT = N_LOBES, COSINE, N_TECHNIQUES };
 
+enum { LANES = NQM_LIGHT_LANES };
+typedef float lanes __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
+typedef int32_t masks __attribute__((vector_size(LANES * sizeof(float))));
+
 /* Sampling state of one point: cumulative importance of the rows of the light map, and of the cells of one row. */
 typedef struct sampler {
     const nqm_light *light;
@@ -22,6 +26,7 @@ typedef struct sampler {
     bool flat;              /* importance without the cosine */
     double reach;           /* a little more than the sine of half the diagonal of a cell */
     float *across;          /* (width) across() of all columns */
+    float *most_across;     /* (width / LANES) its maxima over these columns */
     double *rows;           /* (height + 1) cumulative importance of the rows, from 0; owns the block of the arrays */
     double *cells;          /* (width + 1) cumulative importance of the cells of `row` */
     size_t row;             /* SIZE_MAX: none */
@@ -31,10 +36,10 @@ typedef struct sampler {
 static bool open_sampler(const nqm_light *light, const nqm_surface_point *point, bool flat, sampler *s) {
     *s = (sampler){.light = light, .point = point, .flat = flat, .row = SIZE_MAX};
     s->reach = 0.02 * NQM_LIGHT_WIDTH / (double)light->width;
-    return nqm_alloc_arrays(NQM_ARRAYS({&s->rows, light->height + 1, sizeof(double)},
-                                       {&s->cells, light->width + 1, sizeof(double)},
-                                       {&s->across, light->width, sizeof(float)}),
-                            NULL) == NQM_OK;
+    return nqm_alloc_arrays(
+               NQM_ARRAYS({&s->rows, light->height + 1, sizeof(double)}, {&s->cells, light->width + 1, sizeof(double)},
+                          {&s->across, light->width, sizeof(float)}, {&s->most_across, light->width, sizeof(float)}),
+               NULL) == NQM_OK;
 }
 
 /* Cosine between the point's normal and the centre of a cell: base + slope * across, across by column. */
@@ -45,35 +50,36 @@ static double across(const sampler *s, size_t x) {
 
 /* A cell whose centre is at or below the horizon may be partly above it and contain the sun. Such cells get a small
  * importance; otherwise the other techniques would sample them by chance with very large weights (fireflies). */
-static double cell_importance(const sampler *s, size_t y, size_t x) {
+static inline double cell_importance(const sampler *s, size_t y, size_t x) {
     double power = s->light->power[y * s->light->width + x];
     if (s->flat)
         return power;
     const double *polar = s->light->polar + 2 * y;
     double cosine = polar[0] * across(s, x) + polar[1] * s->point->frame[7];
-    return cosine > -s->reach ? fmax(cosine, s->reach) * power : 0;
+    return cosine > -s->reach ? (cosine > s->reach ? cosine : s->reach) * power : 0;
 }
-
-enum { LANES = 8 };
 
 /* Sums over one row: sum[0] importance as above, sum[1..3] irradiance. In single precision and vectorised, because it runs
  * for every cell of the map at every point. */
+NQM_FOR_EACH_VECTOR_WIDTH
 static void sum_row(const sampler *s, size_t y, double *sum) {
     const nqm_light *light = s->light;
-    size_t n = light->width * light->height;
-    const float *plane = light->plane + y * light->width;
     const float base = (float)(light->polar[2 * y + 1] * s->point->frame[7]), slope = (float)light->polar[2 * y];
     const float reach = (float)s->reach;
-    float lane[4][LANES] = {0};
-    for (size_t x = 0; x < light->width; x += LANES)
-        for (size_t l = 0; l < LANES; ++l) {
-            float cosine = base + slope * s->across[x + l];
-            float positive = cosine > 0 ? cosine : 0, raised = cosine > reach ? cosine : reach;
-            lane[0][l] += (cosine > -reach ? raised : 0) * plane[x + l];
-            lane[1][l] += positive * plane[n + x + l];
-            lane[2][l] += positive * plane[2 * n + x + l];
-            lane[3][l] += positive * plane[3 * n + x + l];
-        }
+    lanes lane[4] = {0};
+    for (size_t x = 0; x < light->width / LANES; ++x) {
+        const lanes *summand = (const lanes *)light->summand + 4 * (y * light->width / LANES + x);
+        if (base + slope * s->most_across[x] <= -reach)
+            continue; /* below the horizon */
+        const lanes cosine = base + slope * ((const lanes *)s->across)[x], high = (lanes){0} + reach;
+        const masks is_high = cosine > reach;
+        const lanes raised = (lanes)(((masks)cosine & is_high) | ((masks)high & ~is_high));
+        const lanes positive = (lanes)((masks)cosine & (cosine > 0));
+        lane[0] += (lanes)((masks)raised & (cosine > -reach)) * summand[0];
+        lane[1] += positive * summand[1];
+        lane[2] += positive * summand[2];
+        lane[3] += positive * summand[3];
+    }
     for (size_t k = 0; k < 4; ++k) {
         sum[k] = 0;
         for (size_t l = 0; l < LANES; ++l)
@@ -85,8 +91,11 @@ static void sum_row(const sampler *s, size_t y, double *sum) {
 static void gather_light(sampler *s, double *irradiance) {
     const nqm_light *light = s->light;
     const double *normal = s->point->frame + 6;
-    for (size_t x = 0; x < light->width; ++x)
+    for (size_t x = 0; x < light->width; ++x) {
+        float *most = s->most_across + x / LANES;
         s->across[x] = (float)across(s, x);
+        *most = x % LANES && *most > s->across[x] ? *most : s->across[x];
+    }
     double most = hypot(normal[0], normal[2]);
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     for (size_t y = 0; y < light->height; ++y) {
@@ -121,9 +130,9 @@ static void sample_light(sampler *s, double u, double v, double *wi) {
     const nqm_light *light = s->light;
     double world[3], in_row, in_cell;
     size_t row = find_step(s->rows, light->height, u, &in_row);
-    if (row != s->row)
-        for (size_t x = 0; x < light->width; ++x)
-            s->cells[x + 1] = s->cells[x] + cell_importance(s, row, x);
+    double sum = 0;
+    for (size_t x = 0; row != s->row && x < light->width; ++x)
+        s->cells[x + 1] = sum += cell_importance(s, row, x);
     s->row = row;
     size_t column = find_step(s->cells, light->width, v, &in_cell);
     nqm_light_direction(light, row * light->width + column, in_cell, in_row, world);

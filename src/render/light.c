@@ -79,7 +79,7 @@ static nqm_status alloc_light(size_t width, nqm_light *light, nqm_error *err) {
         NQM_ARRAYS({&light->rgb, n, 3 * sizeof(double)}, {&light->power, n, sizeof(double)},
                    {&light->row_power, height + 1, sizeof(double)}, {&light->solid_angle, height, sizeof(double)},
                    {&light->polar, height, 2 * sizeof(double)}, {&light->azimuth, width, 2 * sizeof(double)},
-                   {&light->plane, n, 4 * sizeof(float)}),
+                   {&light->summand, n, 4 * sizeof(float)}),
         err);
 }
 
@@ -100,16 +100,16 @@ static void place_cells(nqm_light *light) {
 }
 
 static void weigh_cells(nqm_light *light) {
-    size_t n = light->width * light->height;
     for (size_t y = 0; y < light->height; ++y) {
         light->row_power[y + 1] = light->row_power[y];
         for (size_t x = 0; x < light->width; ++x) {
             size_t cell = y * light->width + x;
             light->power[cell] = cell_luminance(light, y, x) * light->solid_angle[y];
             light->row_power[y + 1] += light->power[cell];
-            light->plane[cell] = (float)light->power[cell];
+            float *summand = light->summand + 4 * (cell - cell % NQM_LIGHT_LANES) + cell % NQM_LIGHT_LANES;
+            summand[0] = (float)light->power[cell];
             for (size_t k = 0; k < 3; ++k)
-                light->plane[(k + 1) * n + cell] = (float)(light->rgb[3 * cell + k] * light->solid_angle[y]);
+                summand[(k + 1) * NQM_LIGHT_LANES] = (float)(light->rgb[3 * cell + k] * light->solid_angle[y]);
         }
     }
 }

@@ -33,7 +33,13 @@ bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf);
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
-enum { NQM_GLOW_WIDTH = 64, NQM_LIGHT_WIDTH = 256, NQM_LIGHT_STEP = 16, NQM_LIGHT_MAX_WIDTH = 4096 };
+enum {
+    NQM_GLOW_WIDTH = 64,
+    NQM_LIGHT_WIDTH = 256,
+    NQM_LIGHT_STEP = 16,
+    NQM_LIGHT_MAX_WIDTH = 4096,
+    NQM_LIGHT_LANES = 8
+};
 
 /** Light from all directions: a map of cells, interpolated bilinearly. Immutable; `rgb` owns the block of all arrays. */
 typedef struct nqm_light {
@@ -44,7 +50,7 @@ typedef struct nqm_light {
     double *solid_angle;  /* (height) of a cell of the row, sr */
     double *polar;        /* (height, 2) sine and cosine of the angle between +y and the row's centre */
     double *azimuth;      /* (width, 2) sine and cosine of the angle from -z to the column's centre */
-    float *plane;         /* (4, height, width) power; R, G, B times solid angle: the summands of irradiance */
+    float *summand;       /* (height, width / NQM_LIGHT_LANES, 4, NQM_LIGHT_LANES) power; R, G, B times solid angle */
 } nqm_light;
 
 /** World direction of the position (u, v) in a latitude-longitude map, in [0, 1] from the left and the top. */

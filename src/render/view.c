@@ -150,16 +150,17 @@ static nqm_status see_pixels(const nqm_shape *shape, const nqm_scene_options *o,
     raster r = {.shape = shape, .options = o, .first = nqm_alloc(n_rows + 1, sizeof *r.first), .seen = seen};
     if (!r.first)
         return nqm_fail_nomem(err, n_rows * sizeof *r.first);
-    nqm_parallel_for(n_rows, count_row, &r);
+    nqm_ticker ticker = {.fn = o->progress, .user = o->progress_user};
+    bool stopped = nqm_parallel_ticking(&ticker, "view", n_rows, count_row, &r);
     for (size_t row = 0; row < n_rows; ++row)
         r.first[row + 1] += r.first[row];
     seen->n = r.first[n_rows];
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->pixel, seen->n, sizeof *seen->pixel}), err);
-    if (status == NQM_OK)
-        nqm_parallel_for(n_rows, keep_row, &r);
+    if (status == NQM_OK && !stopped)
+        stopped = nqm_parallel_ticking(&ticker, "view", n_rows, keep_row, &r);
     nqm_free(r.first);
-    return status;
+    return status == NQM_OK && stopped ? nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted") : status;
 }
 
 /* ---- entry -------------------------------------------------------------------------------------------------------- */

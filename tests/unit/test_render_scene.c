@@ -417,10 +417,24 @@ static void brighter_than_the_display_is_clipped(void **state) {
 /* The paper's scene sets the number of frames only, unless it is given. */
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Stop at the first report of the making of a table. */
-static int stop_table(void *user, const char *stage, double done, double total) {
-    (void)user, (void)done, (void)total;
-    return strcmp(stage, "table") == 0;
+/* Stop at the first report of the stage that `user` names. */
+static int stop_stage(void *user, const char *stage, double done, double total) {
+    (void)done, (void)total;
+    return strcmp(stage, user) == 0;
+}
+
+static void making_a_picture_can_be_stopped(void **state) {
+    (void)state;
+    nqm_scene_options o = nqm_scene_options_default();
+    nqm_scene *scene;
+    o.light = "sun";
+    o.n_points = 0;
+    o.width = o.height = 20;
+    o.progress = stop_stage;
+    o.progress_user = (char[]){"view"};
+    assert_int_equal(nqm_scene_create(&o, &scene, NULL), NQM_ERR_CANCELLED);
+    o.progress_user = (char[]){"light"};
+    assert_int_equal(nqm_scene_create(&o, &scene, NULL), NQM_ERR_CANCELLED);
 }
 
 static void costly_brdfs_are_tabulated(void **state) {
@@ -444,7 +458,8 @@ static void costly_brdfs_are_tabulated(void **state) {
     nqm_scene *few = make_scene(&o);
     assert_false(nqm_scene_tabulates(few, costly));
     o.n_points = 700;
-    o.progress = stop_table;
+    o.progress = stop_stage;
+    o.progress_user = (char[]){"table"};
     nqm_scene *stopping = make_scene(&o);
     assert_int_equal(nqm_scene_render(stopping, costly, c, NULL), NQM_ERR_CANCELLED);
     for (int i = 0; i < 4; ++i)
@@ -517,6 +532,7 @@ int main(void) {
         cmocka_unit_test(labels_repeat),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(brighter_than_the_display_is_clipped),
+        cmocka_unit_test(making_a_picture_can_be_stopped),
         cmocka_unit_test(costly_brdfs_are_tabulated),
         cmocka_unit_test(paper_scene_has_eight_frames),
         cmocka_unit_test(bad_options_and_lights),
