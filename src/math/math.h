@@ -12,7 +12,9 @@
 
 /* ---- vectors (arrays of 3) --------------------------------------------------------------------------------------- */
 
-double nqm_dot3(const double *a, const double *b);
+static inline double nqm_dot3(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 void nqm_cross3(const double *a, const double *b, double *c);
 /** Scale to unit length; a zero vector becomes (0, 0, 1). */
 void nqm_normalize3(double *v);

@@ -6,10 +6,6 @@
 
 #include <math.h>
 
-double nqm_dot3(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 void nqm_cross3(const double *a, const double *b, double *c) {
     double x = a[1] * b[2] - a[2] * b[1];
     double y = a[2] * b[0] - a[0] * b[2];

@@ -37,25 +37,34 @@ size_t nqm_light_eval(const nqm_light *light, const double *w, double *rgb) {
     return (cell_y < height ? cell_y : height - 1) * width + (cell_x < width ? cell_x : 0);
 }
 
-/* Mean over the pixels covered by a cell, weighted by solid angle. */
-static void filter_cell(const nqm_image *image, const nqm_light *light, size_t y, size_t x, double *rgb) {
+/* Add the pixels of one row of the picture that a cell covers. `band`: solid angle of the covered part of the row, in an
+ * arbitrary unit. */
+static void add_pixels(const nqm_image *image, size_t row, double x_begin, double x_end, double band, double *rgb,
+                       double *total) {
+    for (size_t i = (size_t)x_begin; i < image->width && (double)i < x_end; ++i) {
+        double weight = band * (fmin((double)(i + 1), x_end) - fmax((double)i, x_begin));
+        const float *pixel = image->rgb + 3 * (row * image->width + i);
+        for (int k = 0; k < 3; ++k)
+            rgb[k] += weight * (double)pixel[k];
+        *total += weight;
+    }
+}
+
+/* Mean over the pixels covered by each cell of row y, weighted by solid angle. Sums of weights are stored in `power`, which is
+ * not set yet. */
+static void filter_row(const nqm_image *image, nqm_light *light, size_t y) {
     double w = (double)image->width, h = (double)image->height;
-    double x_begin = (double)x / (double)light->width * w, x_end = (double)(x + 1) / (double)light->width * w;
     double y_begin = (double)y / (double)light->height * h, y_end = (double)(y + 1) / (double)light->height * h;
-    double sum[3] = {0}, total = 0;
+    double *rgb = light->rgb + 3 * y * light->width, *total = light->power + y * light->width;
     for (size_t j = (size_t)y_begin; j < image->height && (double)j < y_end; ++j) {
         double top = fmax((double)j, y_begin) / h, bottom = fmin((double)(j + 1), y_end) / h;
         double band = cos(NQM_PI * top) - cos(NQM_PI * bottom);
-        for (size_t i = (size_t)x_begin; i < image->width && (double)i < x_end; ++i) {
-            double weight = band * (fmin((double)(i + 1), x_end) - fmax((double)i, x_begin));
-            const float *pixel = image->rgb + 3 * (j * image->width + i);
-            for (int k = 0; k < 3; ++k)
-                sum[k] += weight * (double)pixel[k];
-            total += weight;
-        }
+        for (size_t x = 0; x < light->width; ++x)
+            add_pixels(image, j, (double)x / (double)light->width * w, (double)(x + 1) / (double)light->width * w, band,
+                       rgb + 3 * x, &total[x]);
     }
-    for (int k = 0; k < 3; ++k)
-        rgb[k] = total > 0 ? sum[k] / total : 0;
+    for (size_t i = 0; i < 3 * light->width; ++i)
+        rgb[i] = total[i / 3] > 0 ? rgb[i] / total[i / 3] : 0;
 }
 
 /* The integral of the bilinear map over a cell has the filter kernel (1, 6, 1)/8 along both axes. */
@@ -122,8 +131,7 @@ nqm_status nqm_light_create(const nqm_image *image, size_t width, nqm_light *lig
         return status;
     place_cells(&light);
     for (size_t y = 0; y < light.height; ++y)
-        for (size_t x = 0; x < light.width; ++x)
-            filter_cell(image, &light, y, x, light.rgb + 3 * (y * light.width + x));
+        filter_row(image, &light, y);
     weigh_cells(&light);
     *light_ret = light;
     return NQM_OK;

@@ -50,11 +50,10 @@ static void scale(double factor, double *rgb) {
 
 /* exp of a sum of the waves with amplitudes inverse to their frequency. */
 static double variation(const double *w, const waves *v, double amplitude) {
-    double sum = 0;
-    for (int i = 0; i < WAVES; ++i) {
-        int octave = i / (WAVES / OCTAVES);
-        sum += ldexp(cos(ldexp(3, octave) * nqm_dot3(w, v->direction[i]) + v->phase[i]), -octave);
-    }
+    double sum = 0, frequency = 3, height = 1;
+    for (int octave = 0; octave < OCTAVES; ++octave, frequency *= 2, height /= 2)
+        for (int i = octave * WAVES / OCTAVES; i < (octave + 1) * WAVES / OCTAVES; ++i)
+            sum += height * cos(frequency * nqm_dot3(w, v->direction[i]) + v->phase[i]);
     return exp(amplitude * sum /
                sqrt(8.0 / 3)); /* four waves of mean square 1/2, and the geometric series of octaves */
 }
@@ -74,11 +73,13 @@ static void make_waves(uint64_t seed, waves *v) {
 static void clear_sky(const double *w, const waves *v, double *rgb) {
     static const double zenith[3] = {0.06, 0.09, 0.19}, horizon[3] = {0.72, 0.62, 0.56};
     static const double ground_far[3] = {0.20, 0.13, 0.085}, ground_near[3] = {0.26, 0.165, 0.105};
-    double ground[3];
+    double ground[3], sky = smooth_step(-0.02, 0.02, w[1]);
     blend(zenith, horizon, pow(1 - fmax(w[1], 0), 4), rgb);
+    if (sky == 1)
+        return;
     blend(ground_far, ground_near, fmax(-w[1], 0), ground);
     scale(variation(w, v, 0.25), ground);
-    blend(ground, rgb, smooth_step(-0.02, 0.02, w[1]), rgb);
+    blend(ground, rgb, sky, rgb);
 }
 
 /* The luminance of the CIE standard overcast sky behind clouds, with trees or houses along the horizon. */
@@ -86,11 +87,15 @@ static void overcast_sky(const double *w, const waves *v, double *rgb) {
     static const double sky[3] = {0.94, 1.0, 1.1}, ground[3] = {0.20, 0.19, 0.15}, trees[3] = {0.045, 0.055, 0.035};
     double azimuth = atan2(w[0], w[2]), elevation = asin(w[1]) / degree, near[3];
     double skyline = 9 + 5 * sin(2 * azimuth + 1) + 3 * sin(5 * azimuth) + 2 * sin(13 * azimuth + 2);
+    double above = smooth_step(skyline - 1, skyline + 1, elevation);
     memcpy(rgb, sky, sizeof sky);
-    scale((1 + 2 * fmax(w[1], 0)) / 3 * variation(w, v, 0.2), rgb);
+    if (above > 0)
+        scale((1 + 2 * fmax(w[1], 0)) / 3 * variation(w, v, 0.2), rgb);
+    if (above == 1)
+        return;
     blend(ground, trees, smooth_step(-6, 0, elevation), near);
     scale(variation(w, v, 0.35), near);
-    blend(near, rgb, smooth_step(skyline - 1, skyline + 1, elevation), rgb);
+    blend(near, rgb, above, rgb);
 }
 
 static void studio(const double *w, const waves *v, double *rgb) {
@@ -141,19 +146,31 @@ static const light_model lights[] = {
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-/* The fraction of a source's radiance in direction w. */
-static double strength(const source *s, const double *w) {
+/* A source and its axes in world coordinates. */
+typedef struct placed_source {
+    const source *source;
+    double centre[3], right[3], up[3];
+} placed_source;
+
+static placed_source place_source(const source *s) {
     double elevation = s->elevation_deg * degree, azimuth = s->azimuth_deg * degree;
-    const double centre[3] = {cos(elevation) * sin(azimuth), sin(elevation), cos(elevation) * cos(azimuth)};
-    const double right[3] = {cos(azimuth), 0, -sin(azimuth)};
-    double up[3], along = nqm_dot3(centre, w);
+    placed_source p = {.source = s,
+                       .centre = {cos(elevation) * sin(azimuth), sin(elevation), cos(elevation) * cos(azimuth)},
+                       .right = {cos(azimuth), 0, -sin(azimuth)}};
+    nqm_cross3(p.centre, p.right, p.up);
+    return p;
+}
+
+/* The fraction of a source's radiance in direction w. */
+static double strength(const placed_source *p, const double *w) {
+    const source *s = p->source;
+    double along = nqm_dot3(p->centre, w);
     if (s->half_height_deg == 0) {
         double angle_deg = acos(fmin(fmax(along, -1), 1)) / degree;
         return 1 - smooth_step(s->half_width_deg, s->half_width_deg + s->edge_deg, angle_deg);
     }
-    nqm_cross3(centre, right, up);
-    double x_deg = fabs(atan2(nqm_dot3(right, w), along)) / degree,
-           y_deg = fabs(atan2(nqm_dot3(up, w), along)) / degree;
+    double x_deg = fabs(atan2(nqm_dot3(p->right, w), along)) / degree,
+           y_deg = fabs(atan2(nqm_dot3(p->up, w), along)) / degree;
     return (1 - smooth_step(s->half_width_deg, s->half_width_deg + s->edge_deg, x_deg)) *
            (1 - smooth_step(s->half_height_deg, s->half_height_deg + s->edge_deg, y_deg));
 }
@@ -161,6 +178,8 @@ static double strength(const source *s, const double *w) {
 typedef struct drawing {
     const light_model *model;
     waves waves;
+    size_t n_sources;
+    placed_source sources[MAX_SOURCES];
     float *rgb;
 } drawing;
 
@@ -170,10 +189,10 @@ static void draw_row(void *user, size_t y) {
         double w[3], rgb[3];
         nqm_map_direction(((double)x + 0.5) / WIDTH, ((double)y + 0.5) / HEIGHT, w);
         d->model->background(w, &d->waves, rgb);
-        for (const source *s = d->model->sources; s < d->model->sources + MAX_SOURCES && s->half_width_deg > 0; ++s) {
+        for (const placed_source *s = d->sources; s < d->sources + d->n_sources; ++s) {
             double part = strength(s, w);
             for (int k = 0; k < 3; ++k)
-                rgb[k] += part * s->rgb[k];
+                rgb[k] += part * s->source->rgb[k];
         }
         for (size_t k = 0; k < 3; ++k)
             d->rgb[3 * (y * WIDTH + x) + k] = (float)rgb[k];
@@ -197,6 +216,8 @@ nqm_status nqm_light_draw(const char *name, nqm_image *image_ret, nqm_error *err
     if (!d.rgb)
         return nqm_fail_nomem(err, (size_t)WIDTH * HEIGHT * 3 * sizeof *d.rgb);
     make_waves((uint64_t)(d.model - lights), &d.waves);
+    for (const source *s = d.model->sources; s < d.model->sources + MAX_SOURCES && s->half_width_deg > 0; ++s)
+        d.sources[d.n_sources++] = place_source(s);
     nqm_parallel_for(HEIGHT, draw_row, &d);
     *image_ret = (nqm_image){.width = WIDTH, .height = HEIGHT, .rgb = d.rgb};
     return NQM_OK;
