@@ -8,6 +8,7 @@
 #include "percept/percept.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Least-squares fit to the authors' 180 human scores; the paper prints the coefficients as (-14.11, -0.47, -0.21). */
 const nqm_curve nqm_curve_published = {-14.11196939758611, -0.47364347065458806, -0.21479944748134167};
@@ -82,29 +83,64 @@ static nqm_status check_scores(const scores *s, nqm_error *err) {
     return NQM_OK;
 }
 
+static nqm_status solve(const scores *s, double *b, double *rmse, nqm_error *err) {
+    const nqm_lsq_problem problem = {
+        .n_parameters = 3, .n_residuals = s->n, .residuals = residuals, .user = (void *)(uintptr_t)s};
+    return nqm_lsq_solve(&problem, b, rmse, err);
+}
+
+/* The best fit from several starts; *rmse is infinite if there is none. */
+static nqm_status solve_from_starts(const scores *s, double *best, double *rmse, nqm_error *err) {
+    static const double exponents[] = {-0.1, -0.2, -0.4, -0.8, -1.6, 0.2, 0.5, 1};
+    *rmse = INFINITY;
+    for (size_t i = 0; i < sizeof exponents / sizeof *exponents; ++i) {
+        double b[3], rmse_i;
+        if (!start_for_exponent(s, exponents[i], b))
+            continue;
+        const nqm_status status = solve(s, b, &rmse_i, err);
+        if (status == NQM_ERR_NOMEM)
+            return status;
+        if (status == NQM_OK && rmse_i < *rmse) {
+            *rmse = rmse_i;
+            memcpy(best, b, sizeof b);
+        }
+    }
+    return NQM_OK;
+}
+
+/* Some starts take hundreds of steps: with many scores, evenly spaced ones of them select the start of the fit to all. */
+static nqm_status solve_from_sample(const scores *s, double *best, double *rmse, nqm_error *err) {
+    enum { N_SAMPLE = 4096 };
+    double *delta_e, *jod;
+    if (s->n <= N_SAMPLE)
+        return solve_from_starts(s, best, rmse, err);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&delta_e, N_SAMPLE, sizeof *delta_e}, {&jod, N_SAMPLE, sizeof *jod}), err);
+    for (size_t i = 0; status == NQM_OK && i < N_SAMPLE; ++i) {
+        delta_e[i] = s->delta_e[i * s->n / N_SAMPLE];
+        jod[i] = s->jod[i * s->n / N_SAMPLE];
+    }
+    if (status == NQM_OK)
+        status = solve_from_starts(&(scores){N_SAMPLE, delta_e, jod}, best, rmse, err);
+    if (status == NQM_OK && isfinite(*rmse))
+        status = solve(s, best, rmse, err);
+    nqm_free(delta_e);
+    return status;
+}
+
 nqm_status nqm_regress(size_t n, const double *delta_e, const double *jod, nqm_regress_report *report_ret,
                        nqm_error *err) {
-    static const double exponents[] = {-0.1, -0.2, -0.4, -0.8, -1.6, 0.2, 0.5, 1};
-    scores s = {.n = n, .delta_e = delta_e, .jod = jod};
+    const scores s = {.n = n, .delta_e = delta_e, .jod = jod};
     nqm_status status = check_scores(&s, err);
     if (status != NQM_OK)
         return status;
-    const nqm_lsq_problem problem = {.n_parameters = 3, .n_residuals = n, .residuals = residuals, .user = &s};
-    nqm_regress_report best = {.rmse = INFINITY, .n = n, .spearman = nqm_spearman(n, delta_e, jod)};
-    for (size_t i = 0; i < sizeof exponents / sizeof *exponents; ++i) {
-        double b[3], rmse;
-        if (!start_for_exponent(&s, exponents[i], b))
-            continue;
-        status = nqm_lsq_solve(&problem, b, &rmse, err);
-        if (status == NQM_ERR_NOMEM)
-            return status;
-        if (status == NQM_OK && rmse < best.rmse) {
-            best.rmse = rmse;
-            best.curve = (nqm_curve){b[0], b[1], b[2]};
-        }
-    }
-    if (!isfinite(best.rmse))
+    double b[3], rmse;
+    status = solve_from_sample(&s, b, &rmse, err);
+    if (status != NQM_OK)
+        return status;
+    if (!isfinite(rmse))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "regression of the JOD curve: the scores do not determine it");
-    *report_ret = best;
+    *report_ret = (nqm_regress_report){
+        .curve = {b[0], b[1], b[2]}, .rmse = rmse, .n = n, .spearman = nqm_spearman(n, delta_e, jod)};
     return NQM_OK;
 }
