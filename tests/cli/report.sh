@@ -46,6 +46,8 @@ xmllint --noout "$page" || fail "not well-formed"
 [ "$(query 'count(//table[@class="metrics"][1]/tbody/tr)')" = 27 ] || fail "nine metrics a test"
 [ "$(query 'count(//img)') $(query 'count(//img[string-length(@alt) > 10])')" = "18 18" ] || fail "6 pictures a test, with words"
 
+[ "$(query 'count(//svg[@class="strip"][circle[@class="ring"]/@r >= 1.5 * circle[not(@class)]/@r])')" = 3 ] || fail "a dot as large as the ring hides it"
+
 # What differs, in words and numbers; this model predicts no parts, so only those of the pictures.
 [ "$(query 'string(//section[@class="test"][h2/span="ward:nickel"]/p[@class="words"])' | grep -c '^In the pictures: [a-z ,]*\.$')" = 1 ] || fail "words"
 [ "$(query 'string(//section[@class="test"][h2/span="sgd:nickel"]/p[@class="words"]/strong)')" = 'no visible difference' ] || fail "words of equal BRDFs"

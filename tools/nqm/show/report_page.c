@@ -71,7 +71,7 @@ void put_strip(FILE *out, const nqm_score_result *r, double rendered_jod) {
          r->jod, rendered_jod);
     if (has_interval(r))
         html(out, "<path class='interval' d='M%.2f 7H%.2f'/>", 10 * r->jod_low, 10 * r->jod_high);
-    html(out, "<circle class='ring' cx='%.2f' cy='7' r='3.4'/><circle cx='%.2f' cy='7' r='3.4'/></svg>",
+    html(out, "<circle class='ring' cx='%.2f' cy='7' r='3.4'/><circle cx='%.2f' cy='7' r='2'/></svg>",
          10 * rendered_jod, 10 * r->jod);
 }
 
