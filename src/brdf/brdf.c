@@ -100,11 +100,29 @@ static nqm_status select_material(const char *path, const nqm_materials *materia
                                path, names);
 }
 
-/* A file that a material names; `path` is that of the material file. */
-static nqm_status open_measured(const char *path, const char *measured, nqm_brdf **brdf_ret, nqm_error *err) {
+/* The path of a file that a material names; `path` is that of the material file. NULL: out of memory. */
+static char *measured_path(const char *path, const char *measured) {
     const char *slash = strrchr(path, '/');
+    return nqm_brdf_path_below(measured, path, slash ? (size_t)(slash - path) : 0);
+}
+
+char *nqm_brdf_measured(const char *path, const char *material) {
     nqm_map map = {0};
-    char *target = nqm_brdf_path_below(measured, path, slash ? (size_t)(slash - path) : 0);
+    nqm_materials *materials = NULL;
+    nqm_material_info info;
+    char *measured = NULL;
+    if (nqm_map_open_sparse(path, &map, NULL) == NQM_OK && map.n_bytes && nqm_materials_probe(&map) &&
+        nqm_materials_read(&map, &materials, NULL) == NQM_OK &&
+        select_material(path, materials, material, &info, NULL) == NQM_OK && info.spec && !nqm_spec_probe(info.spec))
+        measured = measured_path(path, info.spec);
+    nqm_materials_free(materials);
+    nqm_map_close(&map);
+    return measured;
+}
+
+static nqm_status open_measured(const char *path, const char *measured, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_map map = {0};
+    char *target = measured_path(path, measured);
     if (!target)
         return nqm_fail_nomem(err, strlen(measured) + 1);
     nqm_status status = nqm_map_open_sparse(target, &map, err);

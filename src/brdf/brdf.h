@@ -53,6 +53,9 @@ NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self
  *  paths prefixed with the folder `root` of n_root characters (0: the working folder). NULL: out of memory. nqm_free()
  *  it. */
 char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root);
+/** The measured file that a material of the material file `path` names (material NULL: its only one); nqm_free() it. NULL: there is
+ *  none, or nqm_brdf_open() reports why it cannot be read. */
+char *nqm_brdf_measured(const char *path, const char *material);
 /** Open such a BRDF; `root` NULL or "" is the working folder. */
 NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret,
                                               nqm_error *err);

@@ -74,22 +74,23 @@ static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     size_t n = file_length(ref->path);
     if (n == 0)
         return NQM_OK;
-    if (i > 0) {
-        const nqm_corpus_ref *previous = ref - 1;
-        if (file_length(previous->path) == n && strncmp(previous->path, ref->path, n) == 0) {
-            memcpy(ref->file_sha256, previous->file_sha256, sizeof ref->file_sha256);
-            return NQM_OK;
-        }
-    }
     char *file = nqm_strdup(ref->path);
     if (!file)
         return nqm_fail_nomem(err, n);
     file[n] = 0;
-    char *latents;
-    nqm_status status = find_latents(file, &latents, err);
+    char *more = nqm_brdf_measured(file, ref->path[n] ? ref->path + n + 1 : NULL);
+    if (!more && i > 0) {
+        const nqm_corpus_ref *previous = ref - 1;
+        if (file_length(previous->path) == n && strncmp(previous->path, ref->path, n) == 0) {
+            memcpy(ref->file_sha256, previous->file_sha256, sizeof ref->file_sha256);
+            nqm_free(file);
+            return NQM_OK;
+        }
+    }
+    nqm_status status = more ? NQM_OK : find_latents(file, &more, err);
     if (status == NQM_OK)
-        status = nqm_corpus_hash_file(file, latents, ref->file_sha256, err);
-    nqm_free(latents);
+        status = nqm_corpus_hash_file(file, more, ref->file_sha256, err);
+    nqm_free(more);
     nqm_free(file);
     return status;
 }

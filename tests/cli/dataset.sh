@@ -65,16 +65,20 @@ from changed -o "$dir/changed.safetensors" --work "$dir/groups" >/dev/null
 after=$(find "$dir/groups" -name '*.safetensors' | wc -l)
 [ "$((after - before))" = 3 ] || fail "$before work files, $after after a change of a training material"
 
-# So is the content of a file: one of the same name and size makes the group again, and only that.
-printf 'name,group,brdf,source,split\nf,f,file.npy,x,train\ng,g,ggx:kd=.1;alpha=.1,x,validation\n' >"$dir/file.csv"
-"$tool" convert sgd:brass -o "$dir/file.npy" >/dev/null
-from file -o "$dir/first.safetensors" --work "$dir/contents" >/dev/null
-"$tool" convert sgd:chrome -o "$dir/file.npy" >/dev/null
-from file -o "$dir/second.safetensors" --work "$dir/contents" >/dev/null
-from file -o "$dir/expected.safetensors" >/dev/null
-cmp "$dir/second.safetensors" "$dir/expected.safetensors" || fail "work files of another content were used"
-! cmp -s "$dir/first.safetensors" "$dir/second.safetensors" || fail "the changed file was not read"
-[ "$(find "$dir/contents" -name '*.safetensors' | wc -l)" = 3 ] || fail "the group without a change was made again"
+# So is the content of a file, and of the measured file that a material names: one of the same name and size makes the group again, and
+# only that.
+echo 'Material "measured" "string filename" "file.npy"' >"$dir/file.pbrt"
+for file in file.npy file.pbrt; do
+    printf 'name,group,brdf,source,split\nf,f,%s,x,train\ng,g,ggx:kd=.1;alpha=.1,x,validation\n' $file >"$dir/file.csv"
+    "$tool" convert sgd:brass -o "$dir/file.npy" >/dev/null
+    from file -o "$dir/first.safetensors" --work "$dir/contents-$file" >/dev/null
+    "$tool" convert sgd:chrome -o "$dir/file.npy" >/dev/null
+    from file -o "$dir/second.safetensors" --work "$dir/contents-$file" >/dev/null
+    from file -o "$dir/expected.safetensors" >/dev/null
+    cmp "$dir/second.safetensors" "$dir/expected.safetensors" || fail "work files of another content were used"
+    ! cmp -s "$dir/first.safetensors" "$dir/second.safetensors" || fail "the changed file was not read"
+    [ "$(find "$dir/contents-$file" -name '*.safetensors' | wc -l)" = 3 ] || fail "the group without a change was made again"
+done
 
 # A damaged work file is computed again.
 for file in "$dir"/groups/*.safetensors; do
