@@ -22,8 +22,8 @@ typedef struct nqm_judgement {
 } nqm_judgement;
 
 /** Compute results (n_predictors), except name and flags. The intervals are the 2.5 and 97.5 percentiles over
- * n_bootstrap resamples, with replacement, of the groups (none, or as few groups that nqm_bootstrap_count() is 0: the intervals are NaN). All predictors
- * use the same resamples. */
+ * n_bootstrap resamples, with replacement, of the groups; NaN where nqm_bootstrap_count() is 0. All predictors use the
+ * same resamples. */
 NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                     nqm_agreement *results, nqm_error *err);
 

@@ -23,8 +23,7 @@ typedef struct nqm_corpus_ref {
     const char *source; /* its origin: "rgl", "nbrdf", "nps", "sgd", or any other word */
     char *path;         /* argument of nqm_brdf_open(); owned */
     size_t group;
-    char file_sha256
-        [65]; /* of its file (a decoder and its latents, a material and its measured file: of both); "" for specs and presets */
+    char file_sha256[65]; /* of its file and of what that names: latents, a measured file; "" for specs and presets */
 } nqm_corpus_ref;
 
 typedef struct nqm_corpus_group {
