@@ -143,7 +143,7 @@ class Score:
     Attributes:
         ref: name of the reference
         test: name of the test
-        jod: predicted quality: 10 is no visible difference; one JOD less: 75 % of people notice
+        jod: predicted quality: 10 is no visible difference; one JOD less: 75 % of people prefer the reference
         low: lower end of the 95 % interval of the JOD; NaN if the model has none
         high: upper end
         delta_e: the Delta-E ITP that has this JOD; NaN if the model does not predict one
