@@ -16,6 +16,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes);
 /** A valid input to start from. */
 blob fuzz_seed(void);
 
+/** Abort unless a property holds. */
+static inline void must(bool holds) {
+    if (!holds)
+        abort();
+}
+
 /** A blob with a copy of n bytes. */
 static inline blob blob_of(size_t n, const char *bytes) {
     blob b = {.data = malloc(n), .n_bytes = n};

@@ -12,11 +12,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 /* ROOT/ref/a.mat and ROOT/model/a.mat are the same file: ref and model are links to ROOT. */
 static const char *make_folder(void) {
     static const double degrees[3] = {10, 20, 30};

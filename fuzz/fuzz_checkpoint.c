@@ -9,11 +9,6 @@
 
 enum { MAX_EPOCHS = 2 };
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 /* The state of a small network before its second epoch. */
 static nqm_training make_training(void) {
     static const nqm_net_shape shape = {2, {2, 2, 1}};

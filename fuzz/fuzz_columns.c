@@ -10,11 +10,6 @@
 #include <nqm/samples.h>
 #include <unistd.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 static void read_directions(const char *path) {
     nqm_directions *directions;
     nqm_error err = {0};

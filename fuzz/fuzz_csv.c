@@ -10,11 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 static char *put_field(char *out, const char *text, bool last) {
     *out++ = '"';
     for (; *text; ++text) {

@@ -10,11 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 static void look_at(const nqm_answers *a) {
     double sum = 0;
     must(a->n_rows > 0 && a->n_slots == (a->kind == NQM_HUMAN_CHOICE ? 2u : 1u));

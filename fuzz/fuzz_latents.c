@@ -8,11 +8,6 @@
 #include <nqm/brdf.h>
 #include <stdio.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     static char argument[300];
     if (!argument[0]) {

@@ -7,11 +7,6 @@
 #include "fuzz.h"
 #include "material/material.h"
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 static void read_bytes(const uint8_t *data, size_t n_bytes) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "fuzz.gltf"};
     nqm_materials *materials = NULL;

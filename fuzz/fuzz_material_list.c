@@ -8,11 +8,6 @@
 
 #include <unistd.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     char path[FUZZ_PATH];
     nqm_corpus_list list;

@@ -5,11 +5,6 @@
 #include "fuzz.h"
 #include "material/material.h"
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "fuzz.mtlx"};
     nqm_materials *materials = NULL;

@@ -8,11 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     nqm_pair_list *list;
     nqm_error err = {0};

@@ -9,11 +9,6 @@
 #include <math.h>
 #include <unistd.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 static void plot_curve(const char *path) {
     enum { MIN_ROWS = 4, MAX_ROWS = 64 }; /* the curve has three coefficients; the time of a fit grows with the rows */
     nqm_points scores;

@@ -8,11 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void must(bool holds) {
-    if (!holds)
-        abort();
-}
-
 void fuzz_mesh(const uint8_t *data, size_t n_bytes) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "fuzz.mesh"};
     nqm_mesh mesh;

@@ -73,11 +73,14 @@ head -n 7 "$dir/four.csv" >"$dir/three.csv"
 run 0 eval --human "$dir/three.csv" --model none
 has '^all: 6 pairs of 3 materials' 'No intervals: they need --bootstrap above 0 and at least 4 materials'
 ! grep -q '[0-9] \[' "$dir/out" || fail "intervals of 3 materials"
+head -n 4 "$dir/scores.csv" >"$dir/one.csv"
+run 0 eval --human "$dir/one.csv" --model none
+has '^all: 3 pairs of 1 materials' 'No intervals: they need --bootstrap above 0 and at least 4 materials'
 printf 'lambert:kd=.%s,lambert:kd=.9,lambert:kd=.8,3,1\n' 3 4 >>"$dir/choices.csv"
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none
 has '^mae .* \[' '^Intervals: bootstrap over materials'
 run 0 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --bootstrap 0
-has '^No intervals'
+has '^No intervals' '^mae  *\*\{0,1\}  *0.591  '
 ! grep -q '[0-9] \[' "$dir/out" || fail "intervals without resamples"
 
 # The same further statistics for a dataset.
