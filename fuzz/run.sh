@@ -1,10 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # run.sh [SECONDS] [TARGET...] - build the fuzz targets with clang's libFuzzer, AddressSanitizer and UBSan in
-# build-fuzz/ and run each for SECONDS (default 60), starting from the corpus of earlier runs. Prints one line per target. A
-# target that crashes does not stop the others; its input is build-fuzz/NAME-crash-*.
+# build-fuzz/ and run each for SECONDS (default 60), one on each core, starting from the corpus of earlier runs. Prints one line
+# per target. A target that crashes does not stop the others; its input is build-fuzz/NAME-crash-*.
+# run.sh --one SECONDS TARGET - run one target that is built.
 set -eu
 cd "$(dirname "$0")/.."
+one=
+if [ "${1:-}" = --one ]; then
+    one=$3
+    set -- "$2"
+fi
 seconds=${1:-60}
 [ $# = 0 ] || shift
 if ! command -v clang >/dev/null 2>&1; then
@@ -48,6 +54,11 @@ fuzz() {
     echo "$1: $(sed -n 's/^Done \([0-9]*\) runs in \([0-9]*\).*/\1 inputs in \2 s/p' "$log"), $(find "$corpus" -type f | wc -l) kept"
 }
 
+export LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 # fontconfig keeps its fonts
+if [ "$one" ]; then
+    fuzz "$one"
+    exit
+fi
 [ $# != 0 ] || set -- fuzz/fuzz_*.c
 names=
 for target; do names="$names $(basename "$target" .c)"; done
@@ -56,8 +67,8 @@ cmake --build build-fuzz --target $names >build-fuzz/build.log || {
     tail -n 40 build-fuzz/build.log
     exit 1
 }
-export LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 # fontconfig keeps its fonts
-failed=0
-for name in $names; do fuzz "$name" || failed=$((failed + 1)); done
-echo "$# targets under libFuzzer, $seconds s each, $failed failed"
-[ "$failed" = 0 ]
+# shellcheck disable=SC2086
+printf '%s\n' $names | xargs -P "$(nproc)" -n 1 sh fuzz/run.sh --one "$seconds" | tee build-fuzz/summary
+n_done=$(grep -c ' inputs in ' build-fuzz/summary || true)
+echo "$# targets under libFuzzer, $seconds s each, $(($# - n_done)) failed"
+[ "$n_done" = $# ]
