@@ -244,7 +244,7 @@ static bool exists(const char *path) {
     return stat(path, &st) == 0;
 }
 
-/* Neither a file nor a spec: is it a misspelt spec, or one without its colon? */
+/* Neither a file nor a spec: is it a misspelt spec, or one without its colon or with another character there? */
 static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     char model[64];
     if (!*path_or_spec)
@@ -255,10 +255,14 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nq
     const char *preset = nqm_preset_named(path_or_spec);
     if (preset)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: no such file; a preset of this name is '%s'", path_or_spec, preset);
+    const size_t n_model = nqm_spec_lacks_colon(path_or_spec);
+    if (n_model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%.150s: no such file; in a spec, ':' follows the model: '%.*s:%.150s'",
+                        path_or_spec, (int)n_model, path_or_spec, path_or_spec + n_model + 1);
     snprintf(model, sizeof model, "%.*s", (int)strcspn(path_or_spec, ":"), path_or_spec);
     nqm_nearest nearest = nqm_nearest_begin(model);
     nqm_spec_nearest(&nearest);
-    return *nearest.advice && strchr(path_or_spec, ':')
+    return *nearest.advice && (strchr(path_or_spec, ':') || !strpbrk(path_or_spec, "/."))
                ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s", path_or_spec,
                           model, nearest.advice)
                : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);

@@ -248,10 +248,24 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
     return status;
 }
 
+/* Whether specs begin with the first n characters of `name`. */
+static bool begins_specs(const char *name, size_t n) {
+    bool is_wrapper = false;
+    for (size_t i = 0; i < N_WRAPPERS; ++i)
+        is_wrapper |= strlen(wrappers[i].prefix) == n + 1 && strncmp(wrappers[i].prefix, name, n) == 0;
+    return is_wrapper || nqm_analytic_model_find(name, n) || nqm_preset_table_find(name, n);
+}
+
 bool nqm_spec_probe(const char *text) {
     size_t n = strcspn(text, ":");
-    return text[n] == ':' &&
-           (nqm_analytic_model_find(text, n) || nqm_preset_table_find(text, n) || find_wrapper(text) < N_WRAPPERS);
+    return text[n] == ':' && begins_specs(text, n);
+}
+
+size_t nqm_spec_lacks_colon(const char *text) {
+    const size_t n = strcspn(text, ";=");
+    const char *rest = text[n] ? text + n + 1 : "";
+    const bool is_setting = rest[strcspn(rest, ":/.=")] == '=';
+    return (text[n] == ';' || is_setting) && begins_specs(text, n) ? n : 0;
 }
 
 void nqm_spec_nearest(nqm_nearest *nearest) {

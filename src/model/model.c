@@ -3,6 +3,7 @@
  * Loading of models from files, from memory and from the library; their description; their deallocation; copies of
  * models for changes to them: calibration, text of the card, weights in float16.
  */
+#include "base/names.h"
 #include "kernel/half.h"
 #include "model/model_file.h"
 #include "model/models_table.h"
@@ -49,7 +50,10 @@ nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error 
         return nqm_fail(err, NQM_ERR_MODEL, -1,
                         "model '%s': no model is built into this library: train one (nqm train) and give its file",
                         name);
-    return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s' is not built in", name);
+    nqm_nearest nearest = nqm_nearest_begin(name);
+    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
+        nqm_nearest_add(&nearest, m->name);
+    return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s' is not built in%s", name, nearest.advice);
 }
 
 size_t nqm_model_builtin_count(void) {

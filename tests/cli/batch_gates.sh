@@ -107,6 +107,20 @@ cmp -s "$dir/journal" "$dir/damaged.csv.part.journal" && fail "the test changes 
 cp "$dir/journal" "$dir/damaged.csv.part.journal"
 run 4 batch "$dir/later.csv" -m "$dir/model.safetensors" -o "$dir/damaged.csv" --resume
 
+# Names that score refuses are refused, before the outputs are touched: NAME=TEST and the column.
+printf 'reference,test\nsgd:nickel,a\033[31m=ward:nickel\n' >"$dir/odd.csv"
+printf 'reference,test,name\nsgd:nickel,ward:nickel,a\nsgd:brass,ward:brass,a\nsgd:nickel,a=abc:nickel,\n' >"$dir/twice.csv"
+for verb in "batch $dir/odd.csv -o $dir/named.csv" "rank --list $dir/odd.csv"; do
+    # shellcheck disable=SC2086
+    refuses 4 "odd.csv: row 1: the name 'a?\[31m' has a control character" $verb -m "$dir/model.safetensors"
+done
+echo kept >"$dir/named.csv.part"
+for verb in "batch $dir/twice.csv -o $dir/named.csv" "rank --list $dir/twice.csv"; do
+    # shellcheck disable=SC2086
+    refuses 4 "twice.csv: rows 1 and 3: two BRDFs have the name 'a'; give each" $verb -m "$dir/model.safetensors"
+done
+[ "$(cat "$dir/named.csv.part")" = kept ] || fail "an output before the names were checked"
+
 # Outputs are checked before the work; one text only on standard output; a path from another folder.
 batch 3 --junit "$dir/nowhere/x.xml" -o "$dir/early.csv"
 [ ! -e "$dir/early.csv.part" ] || fail "work before the outputs were checked"

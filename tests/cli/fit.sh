@@ -61,6 +61,7 @@ grep -q -- '-o FILE' "$dir/err" || fail "no hint"
 cmp "$dir/one.safetensors" "$dir/fits/hyper-low.safetensors" || fail "two runs differ"
 [ "$(ls "$dir/fits")" = hyper-low.safetensors ] || fail "files: $(ls "$dir/fits")"
 refuses 2 'several models are written to a folder' fit "$ref" --model ward,hyper-low -o "$dir/new.safetensors"
+says "leave out '.safetensors'"
 refuses 2 'a spec, which is printed' fit "$ref" --model ward -o "$dir/none"
 [ ! -e "$dir/none" ] || fail "a file for a spec"
 

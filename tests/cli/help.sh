@@ -101,6 +101,48 @@ refuses 2 "no loss 'log-cso' (did you mean 'log-cos'?)" fit sgd:nickel --loss lo
 run 0 info list sgd:nick
 [ "$(cat "$dir/out")" = sgd:nickel ] || fail "presets with a word"
 refuses 2 "no preset has 'nikel' in its name" info list nikel
+refuses 2 "there is no file 'lsit' (did you mean 'list'?)" info lsit
+refuses 2 "there is no file 'shwo' (did you mean 'show'?)" directions shwo default
+refuses 2 "no model 'wrad' (did you mean 'ward'?)" info wrad
+# A wrong first word is named before what is missing, and before outputs.
+refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
+refuses 2 "no 'sprase' (did you mean 'sparse'?)" learn sprase
+refuses 2 "no 'mkae' (did you mean 'make'?)" transport mkae
+# Models and BRDFs in each other's place, and models nearly.
+for verb in "score sgd:nickel" "rank sgd:nickel" "label sgd:nickel" "report -o $dir/x.html sgd:nickel" check sample \
+    "convert -o $dir/x.binary" fit "translate --to gltf" "render -o $dir/x.png" "plot -o $dir/x.svg slice" \
+    "plot -o $dir/x.svg attribution sgd:nickel" "learn sparse -o $dir/x.safetensors" directions; do
+    # shellcheck disable=SC2086
+    refuses 2 "'default' is a model, not a BRDF: models belong to --model" $verb default
+done
+refuses 2 "'paper' is a model" score default=paper sgd:nickel
+refuses 3 "no file 'defualt' (did you mean 'default'?)" score sgd:nickel defualt
+refuses 3 "no file and no model 'defualt' (did you mean 'default'?)" sample sgd:nickel -d defualt
+refuses 6 "'ggx:alpha=.1' is a BRDF, not a model" score sgd:nickel ward:nickel --model ggx:alpha=.1
+refuses 6 "'defualt' is not built in (did you mean 'default'?)" bench score --model defualt
+refuses 2 "'default' is a model, which belongs to --model" score sgd:nickel ward:nickel --metrics default
+printf 'reference,test,score\nsgd:nickel,ward:nickel,1\n' >"$dir/opinions.csv"
+for verb in "score sgd:nickel ward:nickel" "rank sgd:nickel ward:nickel" "batch $dir/opinions.csv" "fit sgd:nickel" \
+    "report sgd:nickel ward:nickel -o $dir/x.html" "translate sgd:nickel --to gltf" "eval --human $dir/opinions.csv"; do
+    # shellcheck disable=SC2086
+    refuses 6 "no model 'all': it is the word for all scalar metrics, which --metrics all adds to the results of score" $verb --metric all
+done
+# Another character where the colon of a spec belongs.
+refuses 2 "ggx;alpha=.1: no such file; in a spec, ':' follows the model: 'ggx:alpha=.1'" info 'ggx;alpha=.1'
+refuses 2 "'ggx:alpha=.1;kd=.2'" info 'ggx=alpha=.1;kd=.2'
+refuses 2 "'sgd:nickel'" info 'sgd;nickel'
+refuses 2 "'perturb:gloss=.9;of=sgd:nickel'" info 'perturb;gloss=.9;of=sgd:nickel'
+for wrong in 'ggx;alpha=.1' 'ggx=alpha=.1'; do
+    run 2 score sgd:nickel "$wrong" -q
+    grep -q "follows the model: 'ggx:alpha=.1'" "$dir/err" || fail "$wrong is read as a name"
+done
+run 0 rank sgd:nickel ggx=ward:nickel -q -m transport
+# A folder with the name of a file.
+refuses 2 "x.gltf: the materials are written to a folder; leave out '.gltf'" translate sgd:nickel --to gltf -d "$dir/x.gltf"
+refuses 2 "x.png: the pictures are written to a folder" label sgd:nickel ward:nickel --keep-renders "$dir/x.png"
+refuses 2 "x.csv: finished pieces of the list are written to a folder" batch "$dir/opinions.csv" --work "$dir/x.csv"
+refuses 2 "x.safetensors/: the results of several models are written" fit sgd:nickel --model ward,ggx -o "$dir/x.safetensors/"
+for file in "$dir"/x.*; do [ ! -e "$file" ] || fail "a refusal left $file"; done
 refuses 2 "x: too many arguments" info sgd:nickel x
 
 refuses 2 "translate: --to MODEL is missing: gltf" translate sgd:nickel

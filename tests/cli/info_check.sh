@@ -91,7 +91,34 @@ grep -q '^sgd:nickel: plausible' "$dir/out" || fail "a missing file ends the che
 grep -q '^lambert:kd=2: NOT' "$dir/out" || fail "a missing file ends the check"
 run 0 check lambert:kd=.0005
 grep -q 'a scale missing' "$dir/out" || fail "a wrong scale is not suspected"
+! grep -q MERL "$dir/out" || fail "a spec with the scale of MERL files: $(cat "$dir/out")"
+run 0 check lambert:kd=0
+has 'suspicious: at most 0.0 %'
+has '^ *every value is 0$'
 run 2 check
+# Tables without a positive value. In MERL files, negative numbers are no values.
+{
+    printf '\132\0\0\0\132\0\0\0\264\0\0\0'
+    head -c 34992000 /dev/zero | tr '\0' '\277'
+} >"$dir/negative.binary"
+run 1 check "$dir/negative.binary"
+has 'energy, reciprocity, positivity: unknown, there are no values'
+has 'coverage *FAILS: 8192 of 8192 directions (100.0 %) have no value'
+has 'in a MERL file, negative numbers mean that'
+! grep -q ' ok' "$dir/out" || fail "no value is ok: $(cat "$dir/out")"
+{
+    printf '\223NUMPY\001\0\166\0%-117s\n' "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2, 1, 3), }"
+    for i in 1 2 3 4 5 6 7 8 9 10 11 12; do printf '\0\0\200\277'; done
+} >"$dir/negative.npy"
+run 1 check "$dir/negative.npy"
+has 'positivity *FAILS: 8192 of 8192 values (100.0 %) have a negative channel'
+has '^ *every value is negative or 0$'
+run 1 check "$dir/negative.npy" --json
+has '"positivity"'
+# A MERL file with its scale twice.
+"$tool" convert lambert:kd=.0005 -o "$dir/dark.binary" >"$dir/err" 2>&1
+run 0 check "$dir/dark.binary"
+has 'is a scale missing? The values of a MERL file'
 
 run 0 --version
 [ "$(wc -l <"$dir/out")" = 3 ] || fail "lines: $(cat "$dir/out")"

@@ -24,6 +24,14 @@ diff "$dir/before" "$dir/out" || fail "notes change scores"
 run 2 models annotate "$dir/model.safetensors" "$dir/notes.md"
 run 3 models annotate "$dir/model.safetensors" "$dir/no-notes.md" -o "$dir/annotated.safetensors"
 run 6 models show nonsense
+# Texts of a model file: control characters are shown as '?', lines of the card remain.
+printf 'first\033[31m line\r\n\tsecond\n' >"$dir/notes.md"
+"$tool" models annotate transport "$dir/notes.md" -o "$dir/noted.safetensors"
+for verb in "models show" info; do
+    # shellcheck disable=SC2086
+    run 0 $verb "$dir/noted.safetensors"
+    { grep -q '^first?\[31m line$' "$dir/out" && grep -q '^ second$' "$dir/out"; } || fail "$verb: a card: $(tail -n 5 "$dir/out")"
+done
 run 3 models show "$dir/nowhere.safetensors"
 run 2 models show
 run 2 models delete default

@@ -102,11 +102,55 @@ done
 "$tool" eval --human "$dir/choices.csv" --model none --json >"$dir/choices.json" || fail "choices"
 draw choices bars "$dir/choices.json"
 
+# Only what is drawn is named: one material has no mean over materials and no intervals. Letters are counted.
+glyphs() { grep -c '<use ' "$1"; }
+one() { printf '{"results": [{"name": "default", "n": 3, "n_materials": 1, "spearman": 0.9%s}]}' "$1" >"$dir/one.json"; }
+one ''
+plot 0 bars "$dir/one.json" -o "$dir/plain.svg"
+one ', "ci95": [0.8, 0.95]'
+plot 0 bars "$dir/one.json" -o "$dir/interval.svg"
+[ "$(($(glyphs "$dir/interval.svg") - $(glyphs "$dir/plain.svg")))" -gt 40 ] || fail "whiskers are named without one"
+one ', "spearman_mean_by_material": 0.9'
+plot 0 bars "$dir/one.json" -o "$dir/mean.svg"
+[ "$(($(glyphs "$dir/mean.svg") - $(glyphs "$dir/plain.svg")))" -gt 15 ] || fail "a mean is named without its bar"
+
+# Markers at the ends of the data do not touch the frame: discs have a diameter of 5 pixels.
+inside_frame() {
+    awk '/stroke-width:1;.* Z M/ {split($0, d, " d=\""); n = split(d[2], c, " "); x0 = c[2]; y0 = c[3]; x1 = c[5]; y1 = c[9]}
+        /stroke-width:5;stroke-linecap:round/ {
+            split($0, d, " d=\""); n = split(d[2], c, " ")
+            for (i = 1; i + 2 <= n; i += 3) {
+                ++points
+                if (c[i + 1] < x0 + 3 || c[i + 1] > x1 - 3 || c[i + 2] < y0 + 3 || c[i + 2] > y1 - 3) bad = 1
+            }
+        }
+        END {exit bad || points < 2}' "$1"
+}
+printf 'jod,default,rmse\n10,10,0.1\n0,0,1\n5,4,0.5\n' >"$dir/ends.csv"
+for predictor in default rmse; do
+    for size in 560x580 300x250; do
+        plot 0 scatter "$dir/ends.csv" --predictor $predictor --size $size -o "$dir/ends.svg"
+        inside_frame "$dir/ends.svg" || fail "$predictor, $size: markers touch the frame"
+    done
+done
+
 # Predictions need labels, which scores of nqm batch have not. On the scale of people there is no diagonal.
 printf 'reference,test\nsgd:nickel,ward:nickel\nsgd:nickel,abc:nickel\n' >"$dir/list.csv"
 "$tool" batch "$dir/list.csv" --model "$dir/model.safetensors" -o "$dir/scores.csv" || fail "batch"
 plot 5 scatter "$dir/scores.csv" -o "$dir/x.svg"
 says 'scores.csv.*no labels.*eval --pairs'
+printf 'reference,test,jod\nsgd:nickel,ward:nickel,4\n' >"$dir/opinions.csv"
+sed 's/jod/score/' "$dir/opinions.csv" >"$dir/opinions2.csv"
+for file in opinions opinions2; do
+    plot 4 scatter "$dir/$file.csv" -o "$dir/x.svg"
+    says "$file.csv: scatter needs the column jod (labels) and after it a column of predictions; these are answers of people: .nqm eval --human .*$file.csv --pairs pairs.csv. writes both"
+done
+plot 4 scatter "$dir/choices.csv" -o "$dir/x.svg"
+says 'these are choices of people, which .nqm eval --human .*choices.csv --json | nqm plot bars'
+plot 4 scatter "$dir/list.csv" -o "$dir/x.svg"
+says 'list.csv: scatter needs .*; .nqm eval --pairs FILE.csv. writes both'
+plot 4 scatter "$dir/pairs.csv" --predictor defualt -o "$dir/x.svg"
+says "no column defualt (did you mean 'default'?)"
 sed 's/,test,[0-9.]*,/,test,,/' "$dir/pairs.csv" >"$dir/people.csv"
 plot 0 scatter "$dir/people.csv" -o "$dir/people.svg"
 { grep -q 'stroke-dasharray' "$dir/scatter.svg" && ! grep -q 'stroke-dasharray' "$dir/people.svg"; } || fail "a diagonal"
@@ -125,6 +169,8 @@ cmp -s "$dir/untitled.svg" "$dir/curve.svg" && fail "--title '' leaves a title"
 plot 2 curve "$dir/labels.csv"
 plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
 says "no 'pie'"
+plot 2 slcie # the wrong word, not the option that is missing too
+says "no 'slcie' (did you mean 'slice'?)"
 plot 2 attribution sgd:nickel -o "$dir/x.svg"
 plot 2 curve "$dir/labels.csv" -o "$dir/x.gif"
 says 'FILE.svg|.pdf|.png'

@@ -114,6 +114,10 @@ score 0 sgd:chrome 'perturb:bits=12;of=sgd:chrome' --csv -m default
 awk -F, 'NR == 2 && $4 > 9.9 && $3 > 9.9 { good = 1 } END { exit !good }' "$dir/out" || fail "rounding: $(cat "$dir/out")"
 score 0 sgd:nickel abc:nickel -m default
 grep -q 'between .* and very different' "$dir/out" || fail "a verdict more certain than its interval: $(cat "$dir/out")"
+grep -q 'interval: where its ends have different words' "$dir/out" || fail "the verdict contradicts the legend: $(cat "$dir/out")"
+[ "$(sed -n '/^JOD 10/,$p' "$dir/out" | awk 'length > 80' | wc -l)" = 0 ] || fail "a legend wider than a terminal"
+score 0 $ref $ward # no intervals, no word about them
+! grep -q 'interval' "$dir/out" || fail "intervals of a model without them: $(cat "$dir/out")"
 
 # A test whose name is not UTF-8 still has a row; a failed write of the results is an error.
 score 3 $ref "$(printf 'caf\351.binary')" --json

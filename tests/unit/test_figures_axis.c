@@ -112,12 +112,31 @@ static void largest_and_smallest(void **state) {
     assert_true(isnan(nqm_axis_place(&axis, DBL_MAX)));
 }
 
+static void padded(void **state) {
+    (void)state;
+    nqm_axis axis = held(NQM_LINEAR, 0, 10, 10);
+    nqm_axis_pad(&axis, 0.2, 10);
+    assert_near(axis.min, -0.2, 1e-12);
+    assert_near(axis.max, 10.4, 1e-12);
+    axis.step = 2; /* ticks remain where they were */
+    assert_string_equal(labels(&axis, 10), "0 2 4 6 8 10");
+    axis = held(NQM_LINEAR, 0, 10, 10); /* points clear of the ends, and no points */
+    nqm_axis_pad(&axis, 4, 9.5);
+    nqm_axis_pad(&axis, (double)INFINITY, -(double)INFINITY);
+    assert_true(axis.min == 0 && axis.max == 10);
+    axis = held(NQM_LOG, 0.01, 100, 6);
+    nqm_axis_pad(&axis, 0.01, 5);
+    assert_near(log10(axis.min), -2.16, 1e-12);
+    assert_near(axis.max, 100, 1e-12);
+    axis = held(NQM_LOG, 1e-300, 1e300, 6);
+    nqm_axis_pad(&axis, 1e-300, 1e300);
+    assert_true(nqm_axis_place(&axis, 1e-300) > 0 && nqm_axis_place(&axis, 1e300) < 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(linear),
-        cmocka_unit_test(logarithmic),
-        cmocka_unit_test(square_root),
-        cmocka_unit_test(largest_and_smallest),
+        cmocka_unit_test(linear), cmocka_unit_test(logarithmic),          cmocka_unit_test(square_root),
+        cmocka_unit_test(padded), cmocka_unit_test(largest_and_smallest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

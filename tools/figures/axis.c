@@ -77,6 +77,21 @@ static double scaled(const nqm_axis *axis, double value) {
     return axis->scale == NQM_LOG ? log10(value) : axis->scale == NQM_SQRT ? sqrt(value) : value;
 }
 
+static double unscaled(const nqm_axis *axis, double place) {
+    return axis->scale == NQM_LOG ? fmin(fmax(pow(10, place), 1 / largest_tick), largest_tick) : place;
+}
+
+void nqm_axis_pad(nqm_axis *axis, double low, double high) {
+    const double first = scaled(axis, axis->min), last = scaled(axis, axis->max);
+    const double room = 0.04 * (last - first); /* more than the radius of a marker on an axis of 90 pixels */
+    if (low > high)
+        return;
+    if (scaled(axis, low) - room < first)
+        axis->min = unscaled(axis, scaled(axis, low) - room);
+    if (scaled(axis, high) + room > last)
+        axis->max = unscaled(axis, scaled(axis, high) + room);
+}
+
 double nqm_axis_place(const nqm_axis *axis, double value) {
     if (!has_position(axis, value, largest_tick))
         return (double)NAN;

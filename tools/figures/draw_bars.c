@@ -49,6 +49,12 @@ void nqm_bars_draw(cairo_t *cr, nqm_box outer, const nqm_bars *bars) {
     nqm_box box = nqm_frame_inner(cr, with_names, NULL, &bars->x, NULL);
     nqm_frame_draw(cr, box, NULL, &bars->x, NULL);
     double row = box.height / (double)bars->n, bar = 0.76 * row / NQM_BARS;
+    size_t place[NQM_BARS], n_groups = 0; /* of a group among those that have bars */
+    for (size_t k = 0; k < NQM_BARS; ++k) {
+        place[k] = n_groups;
+        n_groups += bars->group_names[k] != NULL;
+    }
+    const double margin = (row - bar * (double)n_groups) / 2;
     for (size_t i = 0; i < bars->n; ++i) {
         double top = box.y + row * (double)i;
         nqm_draw_grey(cr, 0);
@@ -56,7 +62,7 @@ void nqm_bars_draw(cairo_t *cr, nqm_box outer, const nqm_bars *bars) {
         for (size_t k = 0; k < NQM_BARS; ++k)
             if (isfinite(bars->rows[i].value[k]))
                 draw_bar(cr, box, &bars->x, &bars->rows[i], k,
-                         (nqm_box){box.x, top + 0.12 * row + bar * (double)k, 0, bar});
+                         (nqm_box){box.x, top + margin + bar * (double)place[k], 0, bar});
     }
 }
 

@@ -271,7 +271,8 @@ double nqm_legend_draw(cairo_t *cr, nqm_box box, const nqm_sheet *sheet) {
             if (chart->series[k].name && !has_entry(sheet, &chart->series[k]))
                 add_entry(&l, &chart->series[k], chart->series[k].name);
         for (size_t k = 0; bars && k < NQM_BARS; ++k)
-            add_entry(&l, &(nqm_series){.style = nqm_bar_style(k), .size = 9}, bars->group_names[k]);
+            if (bars->group_names[k])
+                add_entry(&l, &(nqm_series){.style = nqm_bar_style(k), .size = 9}, bars->group_names[k]);
     }
     return l.x > box.x || l.y > box.y ? l.y - box.y + NQM_LINE_STEP + 4 : 0;
 }

@@ -90,6 +90,22 @@ static nqm_status read_predictors(const char *path, const json_t *root, const st
     return NQM_OK;
 }
 
+static bool has_bar(const nqm_bars *rows, size_t group) {
+    size_t i = 0;
+    while (i < rows->n && !isfinite(rows->rows[i].value[group]))
+        ++i;
+    return i < rows->n;
+}
+
+static bool has_interval(const nqm_bars *rows) {
+    for (size_t i = 0; i < rows->n * NQM_BARS; ++i) {
+        const nqm_bar_row *row = &rows->rows[i / NQM_BARS];
+        if (isfinite(row->value[i % NQM_BARS]) && isfinite(row->low[i % NQM_BARS]) && isfinite(row->high[i % NQM_BARS]))
+            return true;
+    }
+    return false;
+}
+
 static nqm_status draw(const char *path, const statistics *s, const nqm_bars *rows, const char *note,
                        const nqm_plot_options *options, nqm_error *err) {
     nqm_axis axis = nqm_axis_make(s->axis, NQM_LINEAR);
@@ -100,30 +116,43 @@ static nqm_status draw(const char *path, const statistics *s, const nqm_bars *ro
     }
     nqm_axis_round(&axis, 6);
     axis.max += 0.12 * (axis.max - axis.min); /* room for the numbers after the bars */
-    const nqm_bars bars = {axis, rows->n, rows->rows, s->groups};
-    return nqm_panel_write(path, (nqm_sheet_panel){.bars = &bars}, 640, 150 + 42 * (double)rows->n, s->title, note,
-                           options, err);
+    const char *groups[NQM_BARS];
+    for (size_t k = 0; k < NQM_BARS; ++k)
+        groups[k] = has_bar(rows, k) ? s->groups[k] : NULL;
+    const nqm_bars bars = {axis, rows->n, rows->rows, groups};
+    return nqm_panel_write(path, (nqm_sheet_panel){.bars = &bars}, 640, fmax(150 + 42 * (double)rows->n, 200), s->title,
+                           note, options, err);
 }
 
 static long long count(const json_t *of, const char *key) {
     return (long long)json_number_value(json_object_get(of, key));
 }
 
+/* "1 material", "7 materials" */
+static const char *count_materials(long long n, char text[40]) {
+    snprintf(text, 40, "%lld material%s", n, n == 1 ? "" : "s");
+    return text;
+}
+
 /* The note: what was judged. A split belongs to labels only. */
-static void describe(const json_t *root, const statistics *s, char *note, size_t n_note) {
+static void describe(const json_t *root, const statistics *s, bool has_whiskers, char *note, size_t n_note) {
     const json_t *first = json_array_get(json_object_get(root, "results"), 0), *human = json_object_get(root, "human");
     const char *split = json_string_value(json_object_get(json_object_get(root, "dataset"), "split"));
-    char what[120];
+    char what[160], materials[40];
     if (s == &of_choices)
-        snprintf(what, sizeof what,
-                 "%lld choices between %lld pairs of tests, %lld materials; at most %.3f can be predicted",
-                 count(human, "choices"), count(human, "triplets"), count(human, "materials"),
+        snprintf(what, sizeof what, "%lld choices between %lld pairs of tests, %s; at most %.3f can be predicted",
+                 count(human, "choices"), count(human, "triplets"),
+                 count_materials(count(human, "materials"), materials),
                  json_number_value(json_object_get(human, "ceiling")));
     else
-        snprintf(what, sizeof what, "%lld pairs of %lld materials%s%.40s", count(first, "n"),
-                 count(first, "n_materials"), split && !human ? ", split: " : "", split && !human ? split : "");
-    snprintf(note, n_note, "%s%swhiskers: 95 %% intervals, bootstrap over materials", what,
-             s == &of_choices ? "\n" : "; ");
+        snprintf(what, sizeof what, "%lld pairs of %s%s%.40s", count(first, "n"),
+                 count_materials(count(first, "n_materials"), materials), split && !human ? ", split: " : "",
+                 split && !human ? split : "");
+    snprintf(note, n_note, "%s%s%s", what,
+             !has_whiskers      ? ""
+             : s == &of_choices ? "\n"
+                                : "; ",
+             has_whiskers ? "whiskers: 95 % intervals, bootstrap over materials" : "");
 }
 
 static nqm_status load(const char *path, json_t **root_ret, nqm_error *err) {
@@ -142,14 +171,15 @@ nqm_status nqm_plot_bars(const char *path, const char *eval_json, const nqm_plot
     json_t *root = NULL;
     nqm_bar_row predictors[MAX_PREDICTORS];
     size_t n;
-    char note[200];
+    char note[240];
     nqm_status status = load(eval_json, &root, err);
     const statistics *s = choose_statistics(root);
     if (status == NQM_OK)
         status = read_predictors(eval_json, root, s, predictors, &n, err);
     if (status == NQM_OK) {
-        describe(root, s, note, sizeof note);
-        status = draw(path, s, &(nqm_bars){.n = n, .rows = predictors}, note, options, err);
+        const nqm_bars rows = {.n = n, .rows = predictors};
+        describe(root, s, has_interval(&rows), note, sizeof note);
+        status = draw(path, s, &rows, note, options, err);
     }
     json_decref(root);
     return status;

@@ -9,14 +9,31 @@
 #include <nqm/label.h>
 #include <string.h>
 
-/* Human scores may be outside of 0 to 10. */
-static void round_axes(nqm_chart *chart) {
+static void share_range(nqm_chart *chart) {
+    chart->x.min = chart->y.min = fmin(chart->x.min, chart->y.min);
+    chart->x.max = chart->y.max = fmax(chart->x.max, chart->y.max);
+}
+
+/* Around the points; human scores may be outside of 0 to 10. is_shared: both axes show the same range. */
+static void round_axes(nqm_chart *chart, bool is_shared) {
+    nqm_axis x = nqm_axis_make(NULL, chart->x.scale),
+             y = nqm_axis_make(NULL, chart->y.scale); /* ranges of the points */
     for (size_t i = 0; i < chart->n_series; ++i) {
-        nqm_axis_include(&chart->x, chart->series[i].n, chart->series[i].x);
-        nqm_axis_include(&chart->y, chart->series[i].n, chart->series[i].y);
+        nqm_axis_include(&x, chart->series[i].n, chart->series[i].x);
+        nqm_axis_include(&y, chart->series[i].n, chart->series[i].y);
     }
+    nqm_axis_include(&chart->x, 2, (double[]){x.min, x.max});
+    nqm_axis_include(&chart->y, 2, (double[]){y.min, y.max});
     nqm_axis_round(&chart->x, 8);
     nqm_axis_round(&chart->y, 8);
+    if (is_shared) {
+        share_range(chart);
+        chart->x.step = chart->y.step = nqm_tick_step(chart->x.max - chart->x.min, 10);
+    }
+    nqm_axis_pad(&chart->x, x.min, x.max);
+    nqm_axis_pad(&chart->y, y.min, y.max);
+    if (is_shared)
+        share_range(chart);
 }
 
 /* ---- the curve --------------------------------------------------------------------------------------------------- */
@@ -37,7 +54,7 @@ static nqm_status draw_curve(const char *path, nqm_points *points, const nqm_reg
     memcpy(series, points->series, points->n_series * sizeof *series);
     nqm_axis_include(&chart.x, 1, &(double){0});
     nqm_axis_include(&chart.y, 2, (double[]){0, 10});
-    round_axes(&chart);
+    round_axes(&chart, false);
     for (size_t i = 0; i < N_CURVE; ++i) {
         x[i] = chart.x.max * (double)i / (N_CURVE - 1);
         y[i] = nqm_curve_jod(&fit->curve, x[i]);
@@ -95,11 +112,8 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
     memcpy(series, points->series, points->n_series * sizeof *series);
     for (size_t i = 0; i < points->n_series; ++i)
         series[i].size = 5;
-    round_axes(&chart);
-    if (jod && !human) { /* both axes show the same range */
-        chart.x.min = chart.y.min = fmin(chart.x.min, chart.y.min);
-        chart.x.max = chart.y.max = fmax(chart.x.max, chart.y.max);
-        chart.x.step = chart.y.step = nqm_tick_step(chart.x.max - chart.x.min, 10);
+    round_axes(&chart, jod && !human);
+    if (jod && !human) {
         ends[0] = chart.x.min;
         ends[1] = chart.x.max;
         series[chart.n_series++] =
@@ -112,20 +126,45 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
     return nqm_panel_write(path, (nqm_sheet_panel){.chart = &chart}, 560, 580, title, note, options, err);
 }
 
+/* Set the column of predictions, unless one was named: that after the labels. Files that have none, and those of nqm batch and of
+ * nqm eval --human, are refused. */
+static nqm_status find_predictor(const char *path, const nqm_csv *csv, const char **predictor, nqm_error *err) {
+    const int label = nqm_csv_column(csv, "jod");
+    if (nqm_csv_column(csv, "jod_low") >= 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, 0,
+                        "%s: has the scores of nqm batch (column jod_low) and no labels; nqm eval --pairs FILE writes "
+                        "labels and predictions, also with --human",
+                        path);
+    if (label >= 0 && !*predictor && (size_t)label + 1 < nqm_csv_columns(csv))
+        *predictor = nqm_csv_header(csv, label + 1);
+    if (label >= 0 && *predictor)
+        return NQM_OK;
+    const char *needed = "scatter needs the column jod (labels) and after it a column of predictions";
+    if (nqm_csv_column(csv, "test_a") >= 0)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                        "%s: %s; these are choices of people, which `nqm eval --human %s --json | nqm plot bars - -o "
+                        "bars.svg` draws",
+                        path, needed, path);
+    if (nqm_csv_column(csv, "reference") >= 0 &&
+        (label >= 0 || nqm_csv_column(csv, "score") >= 0 || nqm_csv_column(csv, "distance") >= 0))
+        return nqm_fail(
+            err, NQM_ERR_FORMAT, 0,
+            "%s: %s; these are answers of people: `nqm eval --human %s --pairs pairs.csv` writes both columns, "
+            "and `nqm plot scatter pairs.csv` draws them",
+            path, needed, path);
+    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s; `nqm eval --pairs FILE.csv` writes both", path, needed);
+}
+
 nqm_status nqm_plot_predictions(const char *path, const char *pairs_csv, const char *predictor,
                                 const nqm_plot_options *options, nqm_error *err) {
     nqm_points points = {0};
     nqm_status status = nqm_csv_load(pairs_csv, &points.csv, err);
-    if (status == NQM_OK && nqm_csv_column(points.csv, "jod_low") >= 0)
-        status =
-            nqm_fail(err, NQM_ERR_INCOMPATIBLE, 0,
-                     "%s: has the scores of nqm batch (column jod_low) and no labels; nqm eval --pairs FILE writes "
-                     "labels and predictions, also with --human",
-                     pairs_csv);
+    if (status == NQM_OK)
+        status = find_predictor(pairs_csv, points.csv, &predictor, err);
     if (status == NQM_OK)
         status = nqm_points_fill(&points, pairs_csv, "jod", predictor, "family", err);
     if (status == NQM_OK)
-        status = draw_predictions(path, &points, points.y_name, options, err);
+        status = draw_predictions(path, &points, predictor, options, err);
     nqm_points_free(&points);
     return status;
 }

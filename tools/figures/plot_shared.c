@@ -4,6 +4,8 @@
  */
 #include "figures/plot_shared.h"
 
+#include "base/names.h"
+
 #include <string.h>
 
 nqm_plot_options nqm_plot_options_default(void) {
@@ -19,8 +21,12 @@ nqm_status nqm_panel_write(const char *path, nqm_sheet_panel panel, double width
 
 nqm_status nqm_points_values(const nqm_csv *csv, const char *path, const char *name, double *values, nqm_error *err) {
     const int column = nqm_csv_column(csv, name);
-    if (column < 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header has no column %s", path, name);
+    if (column < 0) {
+        nqm_nearest nearest = nqm_nearest_begin(name);
+        for (size_t i = 0; i < nqm_csv_columns(csv); ++i)
+            nqm_nearest_add(&nearest, nqm_csv_header(csv, (int)i));
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the header has no column %s%s", path, name, nearest.advice);
+    }
     if (nqm_csv_rows(csv) == 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there are no rows", path);
     nqm_status status = NQM_OK;
@@ -44,8 +50,6 @@ static size_t find_series(nqm_points *p, const char *text) {
 nqm_status nqm_points_fill(nqm_points *p, const char *path, const char *x_name, const char *y_name,
                            const char *group_name, nqm_error *err) {
     p->n = nqm_csv_rows(p->csv);
-    const int next = nqm_csv_column(p->csv, x_name) + 1;
-    p->y_name = y_name || (size_t)next >= nqm_csv_columns(p->csv) ? y_name : nqm_csv_header(p->csv, next);
     const int group_column = nqm_csv_column(p->csv, group_name);
     double *x = NULL, *y = NULL; /* by row */
     size_t *group = NULL, n_sorted = 0;
@@ -55,10 +59,8 @@ nqm_status nqm_points_fill(nqm_points *p, const char *path, const char *x_name, 
                          err);
     if (status == NQM_OK)
         status = nqm_points_values(p->csv, path, x_name, x, err);
-    if (status == NQM_OK && !p->y_name)
-        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: there is no column after %s", path, x_name);
     if (status == NQM_OK)
-        status = nqm_points_values(p->csv, path, p->y_name, y, err);
+        status = nqm_points_values(p->csv, path, y_name, y, err);
     for (size_t row = 0; status == NQM_OK && row < p->n; ++row)
         group[row] = find_series(p, group_column < 0 ? "" : nqm_csv_text(p->csv, row, group_column));
     for (size_t i = 0; status == NQM_OK && i < p->n_series; ++i) {

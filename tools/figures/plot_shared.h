@@ -18,7 +18,6 @@ enum { NQM_MAX_GROUPS = 8 };
 /** Points from a CSV. */
 typedef struct nqm_points {
     nqm_csv *csv;
-    const char *y_name;
     size_t n, n_series;
     double *x, *y;                     /* (n), sorted by series */
     nqm_series series[NQM_MAX_GROUPS]; /* views into x and y; names are views into the CSV */
@@ -29,8 +28,7 @@ typedef struct nqm_points {
 NQM_MUST_CHECK nqm_status nqm_points_values(const nqm_csv *csv, const char *path, const char *name, double *values,
                                             nqm_error *err);
 /** Fill the zeroed `points`, whose csv is loaded from `path`, from the columns x and y, with a series for each text of the column
- *  `group` (one series without a name if there is no such column). y NULL: the column after x. The eighth series takes all further
- *  groups, as "other". */
+ *  `group` (one series without a name if there is no such column). The eighth series takes all further groups, as "other". */
 NQM_MUST_CHECK nqm_status nqm_points_fill(nqm_points *points, const char *path, const char *x, const char *y,
                                           const char *group, nqm_error *err);
 /** The same for a file that is not loaded yet; an error leaves nothing to free. */

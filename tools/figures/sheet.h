@@ -41,6 +41,9 @@ nqm_axis nqm_axis_make(const char *label, nqm_scale scale);
 void nqm_axis_include(nqm_axis *axis, size_t n, const double *values);
 /** Move the ends outwards to round numbers, for about n_most ticks; an empty range, or one of a single value, is widened. */
 void nqm_axis_round(nqm_axis *axis, size_t n_most);
+/** Move the ends outwards, where necessary, so that markers at the outermost values do not touch the frame. Linear and logarithmic
+ *  axes; low > high: there are no values. */
+void nqm_axis_pad(nqm_axis *axis, double low, double high);
 /** The ticks in ascending order, about n_most of them with labels; returns their number. */
 size_t nqm_axis_ticks(const nqm_axis *axis, size_t n_most, nqm_tick_mark ticks[NQM_MAX_TICKS]);
 /** Position of a value: 0 at min, 1 at max, also outside of [0, 1]; NaN where it has none. */
@@ -94,7 +97,7 @@ typedef struct nqm_bars {
     nqm_axis x;
     size_t n;
     const nqm_bar_row *rows;        /* (n), from the top */
-    const char *const *group_names; /* (NQM_BARS) of the bars of each row */
+    const char *const *group_names; /* (NQM_BARS) of the bars of each row; NULL: no row has this bar */
 } nqm_bars;
 
 /** Text in rows and columns; the first row is the heading, the last one the totals. */

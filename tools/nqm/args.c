@@ -157,6 +157,8 @@ size_t choose_first(const command *cmd, const char *word) {
         if (at < sizeof known)
             at += (size_t)snprintf(known + at, sizeof known - at, "%s%s", i ? ", " : "", name);
     }
+    if (cmd->has_verbs)
+        exit(report_no_verb(word));
     stop(EXIT_USAGE, "there is no '%s'%s; choose one of: %s", word, nearest.advice, known);
 }
 
@@ -200,6 +202,8 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
         if (nqm_option_set(&f.row, f.target, value ? value + 1 : argv[++i], &err) != NQM_OK)
             usage_error(cmd, "--", err.message);
     }
+    if (n && cmd->choices) /* a wrong word counts more than what is missing after it */
+        choose_first(cmd, argv[0]);
     if (n < cmd->min_arguments)
         usage_error(cmd, n ? "too few arguments" : "the arguments are missing", "");
     const int max = cmd->max_arguments ? cmd->max_arguments : cmd->min_arguments;

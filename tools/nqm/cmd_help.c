@@ -75,6 +75,7 @@ int cmd_help(int argc, char **argv) {
         .example = "nqm help score\nnqm help score --format man | man -l -\nnqm help --format bash",
         .options = options,
         .choices = choices,
+        .has_verbs = true,
         .words = (const option_words[]){{"format", style_names}, {0}},
         .max_arguments = 1,
     };
@@ -82,8 +83,6 @@ int cmd_help(int argc, char **argv) {
     const struct style *style = &styles[choose("format", style_names, format)];
     if (n && !style->single)
         stop(EXIT_USAGE, "the completion of %s is for all verbs: give none", style->name);
-    if (n && !find_verb(argv[0]))
-        return report_no_verb(argv[0]);
     if (n)
         describe(find_verb(argv[0]), style->print);
     else if (style->each)

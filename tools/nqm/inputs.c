@@ -3,6 +3,7 @@
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
 #include "base/names.h"
+#include "brdf/spec.h"
 #include "nqm/tool.h"
 
 #include <errno.h>
@@ -18,16 +19,34 @@ bool is_builtin(const char *name) {
     return false;
 }
 
+/* A word that names no file. */
+static bool is_word(const char *argument) {
+    return !strpbrk(argument, "/.") && access(argument, F_OK) != 0;
+}
+
+/* " (did you mean 'default'?)" for the nearest built-in model, or "". */
+static nqm_nearest nearest_model(const char *word) {
+    nqm_nearest nearest = nqm_nearest_begin(word);
+    for (size_t i = 0; i < nqm_model_builtin_count(); ++i)
+        nqm_nearest_add(&nearest, nqm_model_builtin_name(i));
+    return nearest;
+}
+
 static _Noreturn void stop_unknown_model(const char *name) {
     char known[256] = "";
-    nqm_nearest nearest = nqm_nearest_begin(name);
-    for (size_t i = 0, n = 0; i < nqm_model_builtin_count() && n < sizeof known; ++i) {
+    const nqm_nearest nearest = nearest_model(name);
+    for (size_t i = 0, n = 0; i < nqm_model_builtin_count() && n < sizeof known; ++i)
         n += (size_t)snprintf(known + n, sizeof known - n, "%s%s", i ? ", " : "", nqm_model_builtin_name(i));
-        nqm_nearest_add(&nearest, nqm_model_builtin_name(i));
-    }
+    bool is_all = strcmp(name, "all") == 0, is_metric = is_all;
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (strcmp(nqm_metric_name((nqm_metric)m), name) == 0)
-            stop(EXIT_MODEL, "there is no model '%s': it is a scalar metric, which --metrics %s adds", name, name);
+        is_metric |= strcmp(nqm_metric_name((nqm_metric)m), name) == 0;
+    if (is_metric)
+        stop(EXIT_MODEL,
+             "there is no model '%s': it is %s, which --metrics %s adds to the results of score and batch; eval always "
+             "has them",
+             name, is_all ? "the word for all scalar metrics" : "a scalar metric", name);
+    if (nqm_spec_probe(name))
+        stop(EXIT_MODEL, "'%s' is a BRDF, not a model: built in are %s; or give a model file", name, known);
     if (*known)
         stop(EXIT_MODEL, "there is no model '%s'%s: built in are %s; or give a model file", name, nearest.advice,
              known);
@@ -47,15 +66,34 @@ nqm_model *open_model(const char *name_or_path) {
     nqm_model *model;
     nqm_error err = {0};
     bool is_built_in = is_builtin(name);
-    if (!is_built_in && !strpbrk(name, "/.") && access(name, F_OK) != 0)
+    if (!is_built_in && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
     must(is_built_in ? nqm_model_builtin(name, &model, &err) : nqm_model_load(name, &model, &err), &err);
     return model;
 }
 
+void refuse_model_name(const char *argument) {
+    if (!is_word(argument))
+        return;
+    if (is_builtin(argument))
+        stop(EXIT_USAGE, "'%s' is a model, not a BRDF: models belong to --model (nqm score REF TEST --model %s)",
+             argument, argument);
+    const nqm_nearest nearest = nearest_model(argument);
+    if (*nearest.advice)
+        stop(EXIT_OPEN, "there is no file '%s'%s", argument, nearest.advice);
+}
+
+void refuse_near_word(const char *argument, const char *word) {
+    nqm_nearest nearest = nqm_nearest_begin(argument);
+    nqm_nearest_add(&nearest, word);
+    if (*nearest.advice && is_word(argument))
+        stop(EXIT_USAGE, "there is no file '%s'%s", argument, nearest.advice);
+}
+
 nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
     nqm_error err = {0};
+    refuse_model_name(argument);
     must(nqm_brdf_open(argument, &brdf, &err), &err);
     return brdf;
 }
@@ -88,35 +126,65 @@ char *read_text(const char *path) {
 
 size_t name_length(const char *argument) {
     const size_t n = strcspn(argument, "=:/");
-    return argument[n] == '=' && argument[n + 1] && access(argument, F_OK) != 0 ? n : 0;
+    return argument[n] == '=' && argument[n + 1] && !nqm_spec_lacks_colon(argument) && access(argument, F_OK) != 0 ? n
+                                                                                                                   : 0;
 }
 
-/* names (n): those before `name`, of the same reference. */
-static void check_name(int n, const char *const *names, const char *name) {
-    if (shown(name) != name)
-        stop(EXIT_USAGE, "the name '%s' has a control character", name);
-    for (int i = 0; i < n; ++i)
-        if (names[i] && strcmp(names[i], name) == 0)
-            stop(EXIT_USAGE, "two BRDFs have the name '%s'; give each a name of its own", name);
+static bool same_name(const named_brdf *x, const named_brdf *y) {
+    return x->group == y->group && strcmp(x->reference, y->reference) == 0 && strcmp(x->name, y->name) == 0;
+}
+
+static int compare_names(const void *a, const void *b) {
+    const named_brdf *x = a, *y = b;
+    int order = (x->group > y->group) - (x->group < y->group);
+    order = order ? order : strcmp(x->reference, y->reference);
+    order = order ? order : strcmp(x->name, y->name);
+    return order ? order : (x->row > y->row) - (x->row < y->row);
+}
+
+static _Noreturn void stop_name(const char *list, const char *rows, const char *fault) {
+    stop(list ? EXIT_MALFORMED : EXIT_USAGE, "%s%s%s%s", list ? list : "", list ? ": " : "", list ? rows : "", fault);
+}
+
+void check_names(size_t n, named_brdf *names, const char *list) {
+    char rows[80], fault[300];
+    for (size_t i = 0; i < n; ++i)
+        if (shown(names[i].name) != names[i].name) {
+            snprintf(rows, sizeof rows, "row %zu: ", names[i].row);
+            snprintf(fault, sizeof fault, "the name '%.200s' has a control character", names[i].name);
+            stop_name(list, rows, fault);
+        }
+    qsort(names, n, sizeof *names, compare_names);
+    for (size_t i = 1; i < n; ++i)
+        if (same_name(&names[i - 1], &names[i])) {
+            snprintf(rows, sizeof rows, "rows %zu and %zu: ", names[i - 1].row, names[i].row);
+            snprintf(fault, sizeof fault, "two BRDFs have the name '%.200s'; give each a name of its own",
+                     names[i].name);
+            stop_name(list, rows, fault);
+        }
 }
 
 const char **take_names(int n, char **arguments) {
     const char **names = allocate((size_t)n, sizeof *names);
-    for (int i = 0, first = 0; i < n; ++i) {
+    named_brdf *given = allocate((size_t)n, sizeof *given);
+    size_t n_given = 0, group = 0;
+    for (int i = 0; i < n; ++i) {
         const size_t n_name = name_length(arguments[i]);
         size_t n_stream;
         const char *stream = stream_name(arguments[i], &n_stream);
         if (*stream && arguments[i][n_stream] == '\0')
             names[i] = stream;
-        if (strcmp(arguments[i], "+") == 0)
-            first = i;
-        if (n_name == 0)
-            continue;
-        arguments[i][n_name] = '\0';
-        check_name(i - first, names + first, arguments[i]);
-        names[i] = arguments[i];
-        arguments[i] += n_name + 1;
+        group += strcmp(arguments[i], "+") == 0;
+        if (n_name) {
+            arguments[i][n_name] = '\0';
+            names[i] = arguments[i];
+            given[n_given++] = (named_brdf){group, 0, "", names[i]};
+            arguments[i] += n_name + 1;
+        }
+        refuse_model_name(arguments[i]);
     }
+    check_names(n_given, given, NULL);
+    free(given);
     return names;
 }
 
@@ -173,6 +241,9 @@ nqm_directions *open_directions(const char *name_or_path) {
              &err);
         nqm_model_free(model);
     } else if (name_or_path) {
+        const nqm_nearest nearest = nearest_model(name);
+        if (is_word(name) && *nearest.advice)
+            stop(EXIT_OPEN, "there is no file and no model '%s'%s", name, nearest.advice);
         must(nqm_directions_load_csv(input_path(name), &directions, &err), &err);
     } else {
         must(nqm_directions_create(NULL, 0, NULL, &directions, &err), &err);

@@ -45,20 +45,32 @@ void require_output(const char *path) {
     nqm_outfile_abort(&file);
 }
 
-/* Whether the ending of the path is in the list. A single ending may be left out; several of them choose the format. A number after a
- * dot ("model-1.2") is part of a name. */
-static bool has_ending(const char *path, const char *endings) {
+/* The ending of the last name in a path: ".csv", or "". A number after a dot ("model-1.2") is part of a name. */
+static const char *ending_of(const char *path) {
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-    if (dot && isdigit((unsigned char)dot[1]))
-        dot = NULL;
-    const size_t n_dot = dot ? strlen(dot) : 0;
-    bool fits = !dot && !strstr(endings, "|.");
+    return dot && !isdigit((unsigned char)dot[1]) ? dot : "";
+}
+
+/* Whether an ending is in a list like ".png|.svg". */
+static bool is_listed(const char *ending, const char *endings) {
+    bool fits = false;
     for (const char *at = endings; *at; at += strspn(at, "|")) {
         const size_t n = strcspn(at, "|");
-        fits = fits || (n == n_dot && strncasecmp(at, dot, n) == 0);
+        fits = fits || (n == strlen(ending) && strncasecmp(at, ending, n) == 0);
         at += n;
     }
     return fits;
+}
+
+void require_folder_name(const char *name, const char *path, const char *endings, const char *contents) {
+    char *bare = absolute_path(path, "");
+    size_t n = strlen(bare);
+    while (n && bare[n - 1] == '/')
+        bare[--n] = '\0';
+    const char *ending = ending_of(bare);
+    if (*ending && is_listed(ending, endings) && !is_folder(path))
+        stop(EXIT_USAGE, "%s %s: %s are written to a folder; leave out '%s'", name, path, contents, ending);
+    free(bare);
 }
 
 void require_named_output(const char *name, const char *path, const char *endings) {
@@ -67,7 +79,8 @@ void require_named_output(const char *name, const char *path, const char *ending
         return;
     if (strstr(endings, "DIR/") && ((n && path[n - 1] == '/') || is_folder(path)))
         return;
-    if (!has_ending(path, endings))
+    const char *ending = ending_of(path); /* a single one may be left out; several of them choose the format */
+    if (*ending ? !is_listed(ending, endings) : strstr(endings, "|.") != NULL)
         stop(EXIT_USAGE, "%s writes FILE%s, and '%s' names another kind of file", name, endings, path);
     require_output(path);
 }

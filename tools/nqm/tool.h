@@ -69,7 +69,7 @@ typedef struct option_words {
 /** The rows of the model that scores. */
 #define OPTION_ROWS_MODEL(target)                                                                                      \
     {"model", 'm', OPTION_TEXT, (target), "MODEL", "a built-in model's name or a model file", 0, 0}, {                 \
-        "metric", 0, OPTION_TEXT, (target), "MODEL", "the same: transport has no network and no intervals", 0, 0       \
+        "metric", 0, OPTION_TEXT, (target), "MODEL", "the same; a scalar metric is no model (score --metrics)", 0, 0   \
     }
 
 /** A verb; its name is that of set_verb(). */
@@ -78,7 +78,8 @@ typedef struct command {
     const char *about;   /* a paragraph; ends without newline */
     const char *example; /* full commands for a shell, one per line; indented lines continue one */
     const option *options;
-    const choice *choices;         /* words of the first argument; NULL: none */
+    const choice *choices;         /* words of the first argument, any other is refused; NULL: none */
+    bool has_verbs;                /* they are the verbs of the tool */
     const option_words *words;     /* of options that have words; NULL: none */
     const nqm_option_table *table; /* further options, set in the struct `table_target`; NULL: none */
     void *table_target;
@@ -88,7 +89,8 @@ typedef struct command {
 /** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns n; prints help or a usage error
  *  and exits where that is due. */
 int parse_arguments(const command *cmd, int argc, char **argv);
-/** The index of the first argument in the choices of a verb; reports an error with the nearest word and exits if it is not there. */
+/** The index of the first argument in the choices of a verb. parse_arguments() reports an error with the nearest word, and exits,
+ *  if it is not there. */
 size_t choose_first(const command *cmd, const char *word);
 /** Set the option `key` of a table that is not the command's own, from text. */
 void set_option(const nqm_option_table *table, const char *key, void *target, const char *text);
@@ -105,14 +107,27 @@ nqm_model *open_model(const char *name_or_path);
 /** Whether there is a built-in model of this name. */
 bool is_builtin(const char *name);
 nqm_brdf *open_brdf(const char *argument);
+/** Stop when the argument, which is to be a BRDF, is the name of a built-in model or nearly so, and no file. open_brdf() and
+ *  take_names() do. */
+void refuse_model_name(const char *argument);
+/** Stop when the argument is no file but like the word, which the verb has. */
+void refuse_near_word(const char *argument, const char *word);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. */
 nqm_brdf **open_brdfs(int n, char **arguments);
 void close_brdfs(int n, nqm_brdf **brdfs);
 /** Length of NAME in "NAME=BRDF"; 0 for an argument without a name. A name has no ':' and no '/'; an existing file with this
- *  name is not split. */
+ *  name is not split, nor is a spec with another character for its colon. */
 size_t name_length(const char *argument);
+/** The name of a BRDF among those that must differ: of one group and one reference. */
+typedef struct named_brdf {
+    size_t group, row; /* row: of a list, from 1; 0: an argument */
+    const char *reference, *name;
+} named_brdf;
+/** Stop at a name with control characters, and at equal ones; sorts them. list: the name of the list that has them; NULL: arguments. */
+void check_names(size_t n, named_brdf *names, const char *list);
 /** Cut the names off n arguments "NAME=BRDF", which then are the BRDFs. Returns (n) names, NULL where there is none; free() it. A
- *  name with control characters is refused, and one that two BRDFs of a reference ("+" separates references) have. */
+ *  name with control characters is refused, and one that two BRDFs of a reference ("+" separates references) have; so are the names
+ *  of models. */
 const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
@@ -232,6 +247,9 @@ void require_output(const char *path);
 /** The same, and a usage error unless the path has one of the endings: ".png|.svg", or ".mat|DIR/" where a folder is allowed too;
  *  "-" and devices are allowed. parse_arguments() calls it for all options whose metavar is FILE with endings. */
 void require_named_output(const char *name, const char *path, const char *endings);
+/** A usage error for the path of a folder that does not exist and has one of the endings, ".csv|.json". contents: what is written to it,
+ *  "the results of several models". */
+void require_folder_name(const char *name, const char *path, const char *endings, const char *contents);
 /** Close, and rename to the final name; a zeroed file is allowed. On failure, report the error and exit. */
 void close_output(output_file *out);
 /** Remove the temporary files of all open outputs (stop() does). */

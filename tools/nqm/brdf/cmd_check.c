@@ -4,6 +4,8 @@
  */
 #include "nqm/tool.h"
 
+#include <string.h>
+
 /* The largest albedo that passes. The tolerance covers the errors of measured data and of the quadrature. */
 static const double max_albedo = 1.02;
 /* Measured data deviate by 1 to 5 %; more is reported as poor. */
@@ -15,23 +17,25 @@ static const double least_albedo = 0.001;
 typedef struct verdict {
     nqm_brdf_check_report report;
     double largest_albedo;
-    bool energy_fails, too_dark, no_data, noted_asymmetry;
+    bool energy_fails, too_dark, no_data, is_empty, all_negative, noted_asymmetry, is_merl;
 } verdict;
 
-static verdict judge(const nqm_brdf_check_report *r) {
-    verdict v = {.report = *r};
+static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
+    verdict v = {.report = *r, .is_merl = strcmp(nqm_brdf_get_info(brdf).format, "merl") == 0};
     for (int c = 0; c < 3; ++c)
         if (r->albedo_max[c] > v.largest_albedo)
             v.largest_albedo = r->albedo_max[c];
     v.energy_fails = v.largest_albedo > max_albedo;
     v.too_dark = v.largest_albedo < least_albedo;
     v.no_data = 2 * r->n_invalid > r->n_pairs;
+    v.is_empty = r->n_invalid == r->n_pairs;
+    v.all_negative = v.largest_albedo <= 0 && r->n_clamped > 0; /* what is not negative is 0 */
     v.noted_asymmetry = r->reciprocity_median > noted_reciprocity;
     return v;
 }
 
 static bool passes(const verdict *v) {
-    return !v->energy_fails && !v->no_data;
+    return !v->energy_fails && !v->no_data && !v->all_negative;
 }
 
 static double degrees(double rad) {
@@ -42,9 +46,19 @@ static double percent(size_t part, size_t whole) {
     return 100.0 * (double)part / (double)whole;
 }
 
-static void print_text(const char *name, const verdict *v) {
+/* Why so little light is reflected. */
+static const char *dark_words(const verdict *v) {
+    if (v->all_negative)
+        return "every value is negative or 0";
+    if (v->largest_albedo <= 0)
+        return "every value is 0";
+    return v->is_merl ? "blacker than any coating: is a scale missing? The values of a MERL file are those\n"
+                        "               of the BRDF times 1500 (red), 1304 and 904"
+                      : "blacker than any coating: is a scale missing?";
+}
+
+static void print_measured(const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
-    printf("%s: %s\n", shown(name), !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible");
     printf("  energy       %s: at most %.1f %% of the light is reflected (light at %.0f degrees; red %.3f, green %.3f, "
            "blue %.3f)\n",
            v->energy_fails ? "FAILS"
@@ -53,17 +67,29 @@ static void print_text(const char *name, const verdict *v) {
            100 * v->largest_albedo, degrees(r->albedo_max_theta_rad), r->albedo_max[0], r->albedo_max[1],
            r->albedo_max[2]);
     if (v->too_dark)
-        printf("               blacker than any coating: is a scale missing? The values of a MERL file are those of "
-               "the BRDF "
-               "times 1500 (red), 1304 and 904\n");
+        printf("               %s\n", dark_words(v));
     printf("  reciprocity  %s: exchanging light and viewer changes the value by %.2g %% (median), %.2g %% (95th "
            "percentile)\n",
            v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
     printf("  positivity   %s: %zu of %zu values (%.1f %%) have a negative channel, which is read as 0\n",
-           r->n_clamped ? "clamped" : "ok", r->n_clamped, r->n_pairs, percent(r->n_clamped, r->n_pairs));
+           v->all_negative ? "FAILS"
+           : r->n_clamped  ? "clamped"
+                           : "ok",
+           r->n_clamped, r->n_pairs, percent(r->n_clamped, r->n_pairs));
+}
+
+static void print_text(const char *name, const verdict *v) {
+    const nqm_brdf_check_report *r = &v->report;
+    printf("%s: %s\n", shown(name), !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible");
+    if (v->is_empty)
+        puts("  energy, reciprocity, positivity: unknown, there are no values");
+    else
+        print_measured(v);
     if (r->n_invalid)
         printf("  coverage     %s: %zu of %zu directions (%.1f %%) have no value\n", v->no_data ? "FAILS" : "partial",
                r->n_invalid, r->n_pairs, percent(r->n_invalid, r->n_pairs));
+    if (r->n_invalid && v->is_merl)
+        puts("               (in a MERL file, negative numbers mean that)");
 }
 
 static json_t *to_json(const char *name, const verdict *v) {
@@ -82,6 +108,8 @@ static json_t *to_json(const char *name, const verdict *v) {
         json_array_append_new(failed, json_string("energy"));
     if (v->no_data)
         json_array_append_new(failed, json_string("coverage"));
+    if (v->all_negative)
+        json_array_append_new(failed, json_string("positivity"));
     json_object_set_new(item, "failed", failed);
     json_object_set_new(item, "too_dark", json_boolean(v->too_dark));
     return item;
@@ -95,13 +123,13 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
     nqm_status status = nqm_brdf_open(argument, &brdf, &err);
     if (status == NQM_OK)
         status = nqm_brdf_check(brdf, seed, &r, &err);
+    const verdict v = status == NQM_OK ? judge(brdf, &r) : (verdict){.is_merl = false};
     nqm_brdf_free(brdf);
     if (status != NQM_OK && results)
         json_array_append_new(
             results, json_pack("{s:o,s:b,s:o}", "brdf", json_name(argument), "ok", 0, "error", json_name(err.message)));
     if (status != NQM_OK)
         return report_error(&err);
-    const verdict v = judge(&r);
     if (results)
         json_array_append_new(results, to_json(argument, &v));
     else
@@ -120,7 +148,7 @@ int cmd_check(int argc, char **argv) {
         .about =
             "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
             "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
-            "of the light or has no value for more than half of the directions.",
+            "of the light, has no value for more than half of the directions, or no positive value but negative ones.",
         .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
         .options = options,
         .min_arguments = 1,
@@ -132,6 +160,7 @@ int cmd_check(int argc, char **argv) {
     for (int i = 0; i < n_arguments; ++i) {
         if (interrupted())
             return EXIT_INTERRUPTED;
+        refuse_model_name(argv[i]);
         const int code = check_one(argv[i], seed, results);
         if (exit_code == EXIT_OK || (exit_code == EXIT_GATE && code != EXIT_OK))
             exit_code = code; /* of the first error; a failed check counts less */

@@ -75,6 +75,8 @@ int cmd_directions(int argc, char **argv) {
             stop(EXIT_USAGE, "show needs one model or file");
         directions = open_directions(argv[1]);
     } else {
+        if (n_arguments > 0)
+            refuse_near_word(argv[0], "show");
         make.n = (size_t)n;
         make.progress = show_progress;
         nqm_brdf **refs = open_brdfs(n_arguments, argv);

@@ -177,7 +177,10 @@ int cmd_info(int argc, char **argv) {
     if (strcmp(argv[0], "list") == 0)
         return print_presets(n_arguments > 1 ? argv[1] : "", json);
     if (n_arguments > 1)
+        refuse_near_word(argv[0], "list");
+    if (n_arguments > 1)
         stop(EXIT_USAGE, "%s: too many arguments; info describes one file or spec", argv[1]);
+    refuse_near_word(argv[0], "list");
     if (is_builtin(argv[0]))
         return print_model(argv[0], json);
     return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_file_of_brdfs(argv[0], json);

@@ -144,8 +144,8 @@ static output prepare_output(const char *path, const fit_request *request) {
     size_t n = path ? strlen(path) : 0;
     out.folder = n > 0 && (request->n_models > 1 || path[n - 1] == '/' || is_folder(path));
     must(nqm_fit_entry_find(request->models[0], &first, &err), &err);
-    if (path && request->n_models > 1 && !is_folder(path) && strstr(path, ".safetensors"))
-        stop(EXIT_USAGE, "-o %s: the results of several models are written to a folder", path);
+    if (path && request->n_models > 1)
+        require_folder_name("-o", path, ".safetensors", "the results of several models");
     if (path && !out.folder && !first->encode)
         stop(EXIT_USAGE, "the result of %s is a spec, which is printed: -o %s would not be written", first->name, path);
     if (out.folder && !is_folder(path) && mkdir(path, 0777) != 0)

@@ -61,6 +61,7 @@ static void add_item(translation *t, const char *file, const char *material) {
 static void add_argument(translation *t, const char *argument) {
     nqm_materials *materials = NULL;
     struct stat status;
+    refuse_model_name(argument);
     const bool is_file = stat(argument, &status) == 0 && S_ISREG(status.st_mode);
     if (is_file && nqm_materials_open(argument, &materials, NULL) == NQM_OK && nqm_materials_count(materials) > 1)
         for (size_t i = 0; i < nqm_materials_count(materials); ++i)
@@ -90,6 +91,8 @@ static void name_outputs(translation *t) {
         stop(EXIT_USAGE, "-o FILE and -d FOLDER exclude each other");
     if (t->path && t->n != 1)
         stop(EXIT_USAGE, "-o FILE is for one material; write %zu with -d FOLDER", t->n);
+    if (t->folder)
+        require_folder_name("-d", t->folder, ".mtlx|.gltf|.glb|.xml|.json|.pbrt", "the materials");
     for (size_t i = 0; i < t->n && (t->path || t->folder); ++i) {
         item *it = &t->items[i];
         char stem[256];

@@ -81,7 +81,7 @@ static void print_verbose(const fitted *f, const char *loss) {
     const char *argument = fitted_argument(f);
     puts(f->model);
     if (f->err.status != NQM_OK) {
-        printf("  %-10s %s\n", "failed", f->err.message);
+        printf("  %-10s %s\n", "failed", shown(f->err.message));
         return;
     }
     printf("  %-10s %s\n", "result", argument ? shown(argument) : "(not written: use -o)");

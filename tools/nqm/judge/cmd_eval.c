@@ -185,6 +185,7 @@ int cmd_eval(int argc, char **argv) {
     a.options.split = NQM_SPLIT_TEST;
     const option options[] = {
         {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
+        {"metric", 0, OPTION_TEXT, &a.models, "LIST", "the same; scalar metrics are always judged", 0, 0},
         {"by", 0, OPTION_TEXT, &a.by, "WORD",
          "further tables: by subset (near, far, rounding; seen, unseen), family or kind of distortion, class of the "
          "reference "

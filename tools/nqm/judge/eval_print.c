@@ -186,6 +186,7 @@ static void print_rows(const json_t *rows, const text_column *columns) {
 static void print_pairs_table(const eval_run *run, const char *by, const char *name, const json_t *rows) {
     (void)run, (void)by;
     const json_t *first = json_array_get(rows, 0);
+    name = shown(name);
     if (!first) {
         printf("\n%s: no pairs\n", name);
         return;
@@ -201,7 +202,7 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
         if (!json_array_size(parts))
             continue;
         printf("\nParts of the label, %s: Spearman of the parts that %.40s predicts, %.0f pairs of %.0f materials\n",
-               name, text_at(row, "name"), number_at(row, "n"), number_at(row, "n_materials"));
+               shown(name), text_at(row, "name"), number_at(row, "n"), number_at(row, "n_materials"));
         printf("%-12s  %-22s  %-22s  %s\n", "", "predicted [95 %]", "estimate", "scalar feature");
         for (size_t k = 0; k < json_array_size(parts); ++k) {
             const json_t *part = json_array_get(parts, k), *scalar = json_object_get(part, "scalar");

@@ -42,6 +42,8 @@ static void check_label(label_run *run, uint64_t shrink) {
         stop(EXIT_USAGE, "--map, --grid and --keep-renders need pictures: leave out --points");
     if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
         stop(EXIT_USAGE, "--shrink must divide the size of the picture");
+    if (run->keep)
+        require_folder_name("--keep-renders", run->keep, ".png|.exr|.hdr|.jpg", "the pictures");
     if (run->keep && mkdir(run->keep, 0777) != 0 && errno != EEXIST)
         stop(EXIT_OPEN, "%s: cannot create the folder: %s", run->keep, strerror(errno));
 }

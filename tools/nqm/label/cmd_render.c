@@ -136,6 +136,7 @@ int cmd_render(int argc, char **argv) {
     /* Default background: white in PNGs, black in pictures of cd/m2. */
     const char *usual = strcmp(ending_of(run.output), ".png") == 0 ? "white" : "black";
     run.backdrop = (backdrop)choose("background", backdrops, background ? background : usual);
+    refuse_model_name(argv[0]);
     run.brdf = argv[0];
     run.scene = scene.scene;
     if (nqm_scene_is_standard(&run.scene))

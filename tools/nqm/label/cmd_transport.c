@@ -46,7 +46,6 @@ int cmd_transport(int argc, char **argv) {
         .min_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
-    choose_first(&cmd, argv[0]);
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;
     nqm_directions *directions = open_directions(directions_name);
     nqm_model *model;

@@ -6,8 +6,11 @@
 #include "nqm/score/batch.h"
 #include "nqm/score/batch_pieces.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct batch_run {
     nqm_score_options options;
@@ -169,6 +172,8 @@ static bool is_standard(const char *path) {
 }
 
 static void check_usage(const batch_run *run, const batch_arguments *a, ranks r) {
+    if (a->work)
+        require_folder_name("--work", a->work, ".csv|.jsonl|.json|.ndjson", "finished pieces of the list");
     if (a->work && run->options.precision == NQM_PRECISION_AUTO)
         stop(EXIT_USAGE, "--work with --precision auto: processes may choose differently; name a precision");
     if ((!a->output || is_standard(a->output)) + is_standard(a->junit) + is_standard(a->markdown) > 1)
@@ -193,6 +198,17 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     run->form.precision = run->options.precision;
     run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
     check_batch_columns(&run->form);
+}
+
+/* Before the outputs are opened, which may hold rows of an earlier run: a list with faulty names is refused. */
+static const char **find_names(const batch_run *run, const batch_arguments *a) {
+    const int folder = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    enter_list_root(a->root, a->list); /* a file may have the form NAME=BRDF */
+    const char **names = take_list_names(run->list, run->list_name);
+    if (folder < 0 || fchdir(folder) != 0)
+        stop(EXIT_OPEN, "the working folder cannot be opened: %s", strerror(errno));
+    close(folder);
+    return names;
 }
 
 /* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. Ranks
@@ -279,9 +295,9 @@ int cmd_batch(int argc, char **argv) {
     choose_metrics(a.metrics, run.form.metrics);
     run.options.metrics = *a.metrics != 0;
     open_inputs(&run, &a);
-    open_outputs(&run, &a, r);
-    const char **names = take_list_names(run.list);
+    const char **names = find_names(&run, &a);
     run.form.names = names;
+    open_outputs(&run, &a, r);
     const int exit_code = run_batch(&run, r);
     close_batch_pieces(&run.pieces);
     nqm_scorer_free(run.scorer);

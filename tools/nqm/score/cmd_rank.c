@@ -92,7 +92,7 @@ static void print_percent(double share) {
 static void print_text(const score_run *run) {
     const nqm_model_info info = nqm_model_get_info(run->model);
     const bool calibrated = *info.calibration;
-    printf("model      %s\n", info.id);
+    printf("model      %s\n", shown(info.id));
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         if (i == 0 || row->group != row[-1].group)
@@ -212,7 +212,8 @@ int cmd_rank(int argc, char **argv) {
         enter_list_root(root, list_path);
         run.n_rows = list->n_rows;
         run.rows = allocate(run.n_rows, sizeof *run.rows);
-        names = take_list_names(list);
+        const char *stream = stream_name(list_path, &(size_t){0});
+        names = take_list_names(list, *stream ? stream : list_path);
         for (size_t i = 0; i < run.n_rows; ++i)
             run.rows[i] = (scored_pair){.pair = list->pair[i], .name = names[i] ? names[i] : list->pair[i].test};
     } else {

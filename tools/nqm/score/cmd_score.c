@@ -36,7 +36,7 @@ static void print_text(const score_run *run) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
         n_verdict = n > n_verdict ? n : n_verdict;
     }
-    printf("reference  %s\nmodel      %s\n\n    JOD%s  %10s  %-*s", shown(run->ref_name), info.id,
+    printf("reference  %s\nmodel      %s\n\n    JOD%s  %10s  %-*s", shown(run->ref_name), shown(info.id),
            calibrated ? "  [95 %]        " : "", "prefer ref", n_verdict, "verdict");
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
@@ -68,13 +68,13 @@ static void print_text(const score_run *run) {
     }
     if (n_scored == 0)
         return;
-    puts(
-        "\nJOD 10: no visible difference; above 9.5: practically the same; at 9, 75 % of people prefer the reference.\n"
-        "prefer ref: people who would say that the reference looks better than the test (50 %: they guess).");
+    puts("\nJOD 10: no visible difference; from 9.5: practically the same; at 9,\n"
+         "75 % of people prefer the reference. prefer ref: people who would say that the\n"
+         "reference looks better than the test (50 %: they guess).");
     if (calibrated)
-        puts(
-            "[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material is new to the model and\n"
-            "the kind of distortion is not.");
+        puts("[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material\n"
+             "is new to the model and the kind of distortion is not. The verdict is about this\n"
+             "interval: where its ends have different words, it is between them.");
 }
 
 static void print_csv(const score_run *run) {

@@ -49,8 +49,8 @@ typedef struct score_run {
  *  to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
 /** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
- *  NULL where there is none; one block, free() it. */
-const char **take_list_names(nqm_pair_list *list);
+ *  NULL where there is none; one block, free() it. Stops at names that check_names() refuses; list_name: for messages. */
+const char **take_list_names(nqm_pair_list *list, const char *list_name);
 /** Score the pairs of the rows; errors of single pairs are stored in their rows. On another failure, report the error and
  *  exit. */
 void make_scores(score_run *run);

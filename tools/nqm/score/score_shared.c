@@ -31,7 +31,17 @@ static size_t find_column(const nqm_pair_list *list, const char *name) {
     return column;
 }
 
-const char **take_list_names(nqm_pair_list *list) {
+static void check_list_names(const nqm_pair_list *list, const char *const *names, const char *list_name) {
+    named_brdf *given = allocate(list->n_rows, sizeof *given);
+    size_t n = 0;
+    for (size_t row = 0; row < list->n_rows; ++row)
+        if (names[row])
+            given[n++] = (named_brdf){.row = row + 1, .reference = list->pair[row].ref, .name = names[row]};
+    check_names(n, given, list_name);
+    free(given);
+}
+
+const char **take_list_names(nqm_pair_list *list, const char *list_name) {
     const size_t column = find_column(list, "name");
     size_t n_text = 0;
     for (size_t row = 0; row < list->n_rows; ++row)
@@ -53,6 +63,7 @@ const char **take_list_names(nqm_pair_list *list) {
                 names[row] = cell.text;
         }
     }
+    check_list_names(list, names, list_name);
     return names;
 }
 
@@ -150,6 +161,9 @@ static _Noreturn void stop_unknown_metric(const char *given, const char *word) {
         size_t n = strlen(names);
         snprintf(names + n, sizeof names - n, ", %s", nqm_metric_name((nqm_metric)m));
     }
+    if (is_builtin(wrong))
+        stop(EXIT_USAGE, "--metrics is a list with commas of all%s; '%s' is a model, which belongs to --model", names,
+             wrong);
     stop(EXIT_USAGE, "--metrics is a list with commas of all%s; not '%s'%s", names, given, nearest.advice);
 }
 

@@ -57,7 +57,7 @@ int cmd_calibrate(int argc, char **argv) {
             print_document(json_pack("{s:{s:o,s:s,s:s},s:o}", "model", "path", json_name(output), "id", info.id,
                                      "sha256", info.sha256, "calibration", calibration_json(&calibration)));
         } else {
-            printf("model       %s (id %s)\nsha256      %s\n", output, info.id, info.sha256);
+            printf("model       %s (id %s)\nsha256      %s\n", shown(output), shown(info.id), info.sha256);
             print_calibration(&calibration);
         }
         nqm_model_free(written);

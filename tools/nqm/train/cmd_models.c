@@ -4,7 +4,7 @@
  * weights.
  */
 #include "metric/metric.h"
-#include "nqm/tool.h"
+#include "nqm/help.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -47,19 +47,30 @@ static void print_stored_calibration(const char *stored) {
     json_decref(json);
 }
 
+/* Lines may end as on Windows. */
+static void print_card_line(const char *line, size_t n) {
+    n -= n && line[n - 1] == '\r';
+    char *text = allocate(n + 1, 1);
+    for (size_t i = 0; i < n; ++i)
+        text[i] = line[i] == '\t' ? ' ' : line[i];
+    puts(shown(text));
+    free(text);
+}
+
 void print_model_text(const nqm_model *model) {
     const nqm_model_info info = nqm_model_get_info(model);
     char layers[200];
-    printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", info.id, info.recipe, info.n_parameters,
-           layers_text(&info, layers, sizeof layers));
+    printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", shown(info.id), shown(info.recipe),
+           info.n_parameters, layers_text(&info, layers, sizeof layers));
     printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
            nqm_directions_id(info.directions), info.jod_min, info.jod_max);
     print_stored_calibration(info.calibration);
-    printf("licence     %s\nsha256      %s\n", info.licence, info.sha256);
+    printf("licence     %s\nsha256      %s\n", shown(info.licence), info.sha256);
     if (*info.manifest_sha256)
-        printf("trained on  %s (sha256 of the dataset)\n", info.manifest_sha256);
+        printf("trained on  %s (sha256 of the dataset)\n", shown(info.manifest_sha256));
     if (*info.card)
-        printf("\n%s%s", info.card, info.card[strlen(info.card) - 1] == '\n' ? "" : "\n");
+        putchar('\n');
+    each_line(info.card, print_card_line);
 }
 
 static int show_model(const char *name, bool json) {
