@@ -117,7 +117,8 @@ static bool pack(const workspace *b, nqm_incident *incident) {
 
 bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident, double *irradiance) {
     uint64_t seed = nqm_hash_u64(scene->options.seed, i);
-    const nqm_surface_point *point = &scene->seen.point[i];
+    nqm_surface_point made;
+    const nqm_surface_point *point = nqm_scene_point(scene, i, &made);
     workspace b;
     *incident = (nqm_incident){0};
     bool ok = open_workspace(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&

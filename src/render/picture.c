@@ -57,7 +57,8 @@ static void reflect_bounce(const nqm_brdf *brdf, const nqm_bounce *bounce, const
 static void render_point(void *user, size_t i) {
     rendering *r = user;
     const nqm_scene *scene = r->scene;
-    const double *wo = scene->seen.point[i].wo;
+    nqm_surface_point point;
+    const double *wo = nqm_scene_point(scene, i, &point)->wo;
     nqm_incident made = {0};
     double sum[3] = {0};
     if (!scene->kept && !nqm_incident_make(scene, i, &made, NULL))

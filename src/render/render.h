@@ -131,18 +131,19 @@ void nqm_world_from_local(const nqm_surface_point *point, const double *local, d
 void nqm_local_from_world(const nqm_surface_point *point, const double *world, double *local);
 void nqm_shape_from_world(const double *turn, const double *world, double *in_shape);
 
-/** The visible points of a shape; `point` owns the block of all arrays. */
+/** The visible points of a shape; `point` owns the block of `weight`. */
 typedef struct nqm_seen {
     size_t n;
-    nqm_surface_point *point; /* (n) */
+    nqm_surface_point *point; /* (n); NULL for large pictures: nqm_scene_point() computes them from their pixels */
     size_t *pixel;            /* (n) (frame * height + y) * width + x; NULL unless the options have a width */
     double *weight;           /* (n) fraction of the picture that the point represents, summing to 1; NULL: 1/n */
 } nqm_seen;
 
-/** Free with nqm_free(seen_ret->point), also after a failure. glow: the light map at NQM_GLOW_WIDTH, which predicts
+/** Clear with nqm_seen_clear(), also after a failure. glow: the light map at NQM_GLOW_WIDTH, which predicts
  *  where highlights may be; unused for pictures and spheres. */
 NQM_MUST_CHECK nqm_status nqm_view_points(const nqm_shape *shape, const nqm_light *glow,
                                           const nqm_scene_options *options, nqm_seen *seen_ret, nqm_error *err);
+void nqm_seen_clear(nqm_seen *seen);
 /** Axes of the viewer in world coordinates: axes (3, 3), rows right, up and towards the viewer. */
 void nqm_view_axes(double elevation_rad, double *axes);
 
@@ -207,6 +208,9 @@ struct nqm_scene {
     nqm_incident *kept; /* (seen.n); NULL: too large to store, computed again for every picture */
     double exposure;    /* cd/m2 for one unit of the light */
 };
+
+/** Point i, stored or computed into `made`. Not for a scene with parts. */
+const nqm_surface_point *nqm_scene_point(const nqm_scene *scene, size_t i, nqm_surface_point *made);
 
 /** Place of a scene in the standard set, and the options of the set. */
 typedef struct nqm_scene_part {

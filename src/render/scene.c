@@ -132,26 +132,28 @@ static nqm_status load_shape(const nqm_scene_options *o, nqm_shape *shape_ret, n
 
 typedef struct creation {
     nqm_scene *scene;
-    double *irradiance; /* (n_points, 3) */
+    double *luminance; /* (n_points) of the irradiance */
     atomic_bool out_of_memory;
 } creation;
 
 static void create_point(void *user, size_t i) {
     creation *c = user;
     nqm_scene *scene = c->scene;
-    double *irradiance = c->irradiance + 3 * i;
+    nqm_surface_point point;
+    double irradiance[3] = {0};
     bool ok = scene->kept ? nqm_incident_make(scene, i, &scene->kept[i], irradiance)
-                          : nqm_irradiance(&scene->light, &scene->seen.point[i], irradiance);
+                          : nqm_irradiance(&scene->light, nqm_scene_point(scene, i, &point), irradiance);
+    c->luminance[i] = nqm_luminance(irradiance);
     if (!ok)
         atomic_store(&c->out_of_memory, true);
 }
 
 /* Set the exposure so that a white Lambert surface (f_r = 1/pi) without shadows has the mean luminance exposure_cdm2. */
-static nqm_status expose(nqm_scene *scene, const double *irradiance, const nqm_scene_options *o, nqm_error *err) {
+static nqm_status expose(nqm_scene *scene, const double *luminance, const nqm_scene_options *o, nqm_error *err) {
     double mean = 0;
     for (size_t i = 0; i < scene->seen.n; ++i) {
         double weight = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
-        mean += weight * nqm_luminance(irradiance + 3 * i) / NQM_PI;
+        mean += weight * luminance[i] / NQM_PI;
     }
     if (!(mean > 0) || !isfinite(mean))
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the light is black in all directions that light the shape",
@@ -167,20 +169,20 @@ static bool can_keep(const nqm_scene *scene) {
 
 static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
     size_t n = scene->seen.n;
-    creation c = {.scene = scene, .irradiance = nqm_alloc(n, 3 * sizeof(double))};
+    creation c = {.scene = scene, .luminance = nqm_alloc_pages(n, sizeof *c.luminance)};
     if (can_keep(scene))
         scene->kept = nqm_alloc(n, sizeof *scene->kept);
-    if (!c.irradiance || (can_keep(scene) && !scene->kept)) {
-        nqm_free(c.irradiance);
-        return nqm_fail_nomem(err, n * (3 * sizeof(double) + sizeof *scene->kept));
+    if (!c.luminance || (can_keep(scene) && !scene->kept)) {
+        nqm_free_pages(c.luminance, n, sizeof *c.luminance);
+        return nqm_fail_nomem(err, n * (sizeof *c.luminance + sizeof *scene->kept));
     }
     nqm_ticker ticker = {.fn = o->progress, .user = o->progress_user};
     const bool stopped = nqm_parallel_ticking(&ticker, "light", n, create_point, &c);
     nqm_status status = stopped ? nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted")
                         : atomic_load(&c.out_of_memory)
                             ? nqm_fail_nomem(err, n * scene->options.n_lights * sizeof(nqm_ray))
-                            : expose(scene, c.irradiance, o, err);
-    nqm_free(c.irradiance);
+                            : expose(scene, c.luminance, o, err);
+    nqm_free_pages(c.luminance, n, sizeof *c.luminance);
     return status;
 }
 
@@ -220,10 +222,10 @@ static nqm_status join_parts(nqm_scene *scene, nqm_error *err) {
     nqm_seen *all = &scene->seen;
     for (size_t p = 0; p < scene->n_parts; ++p)
         all->n += scene->parts[p]->seen.n;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&all->point, 0, sizeof *all->point}, {&all->weight, all->n, sizeof *all->weight},
-                                    {&all->pixel, o->width ? all->n : 0, sizeof *all->pixel}),
-                         err);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&all->point, 0, sizeof *all->point}, {&all->weight, all->n, sizeof *all->weight}), err);
+    if (status == NQM_OK && o->width && !(all->pixel = nqm_alloc_pages(all->n, sizeof *all->pixel)))
+        status = nqm_fail_nomem(err, all->n * sizeof *all->pixel);
     for (size_t p = 0, at = 0; status == NQM_OK && p < scene->n_parts; ++p) {
         const nqm_seen *part = &scene->parts[p]->seen;
         for (size_t i = 0; i < part->n; ++i, ++at) {
@@ -232,8 +234,6 @@ static nqm_status join_parts(nqm_scene *scene, nqm_error *err) {
                 all->pixel[at] = part->pixel[i] + p * o->n_frames * o->width * o->height;
         }
     }
-    if (!o->width)
-        all->pixel = NULL;
     return status;
 }
 
@@ -289,7 +289,7 @@ void nqm_scene_free(nqm_scene *scene) {
     for (size_t i = 0; scene->kept && i < scene->seen.n; ++i)
         nqm_free(scene->kept[i].ray);
     nqm_free(scene->kept);
-    nqm_free(scene->seen.point);
+    nqm_seen_clear(&scene->seen);
     nqm_shape_clear(&scene->shape);
     nqm_free(scene->light.rgb);
     for (size_t i = 0; i < scene->n_parts; ++i)

@@ -111,6 +111,10 @@ bool nqm_view_look(const nqm_view *v, double x, double y, nqm_surface_point *poi
 
 /* ---- pixels ------------------------------------------------------------------------------------------------------ */
 
+/* A point has 136 bytes. To compute one again costs far less than its light directions, so that large pictures store only the
+ * pixels. */
+enum { MAX_STORED = 1 << 19 };
+
 /* Rows of all frames are traced twice in parallel: first to count the visible points, then to store them. */
 typedef struct raster {
     const nqm_shape *shape;
@@ -119,9 +123,10 @@ typedef struct raster {
     nqm_seen *seen;
 } raster;
 
-static bool look_at_pixel(const raster *r, const nqm_view *v, size_t row, size_t x, nqm_surface_point *point) {
-    double width = (double)r->options->width, height = (double)r->options->height, half = fmin(width, height) / 2;
-    double y = (double)(row % r->options->height);
+static bool look_at_pixel(const nqm_scene_options *o, const nqm_view *v, size_t row, size_t x,
+                          nqm_surface_point *point) {
+    double width = (double)o->width, height = (double)o->height, half = fmin(width, height) / 2;
+    double y = (double)(row % o->height);
     return nqm_view_look(v, ((double)x + 0.5 - width / 2) / half, (height / 2 - y - 0.5) / half, point);
 }
 
@@ -130,7 +135,7 @@ static void count_row(void *user, size_t row) {
     nqm_view v = nqm_view_make(r->shape, r->options, row / r->options->height);
     nqm_surface_point point;
     for (size_t x = 0; x < r->options->width; ++x)
-        r->first[row + 1] += look_at_pixel(r, &v, row, x, &point);
+        r->first[row + 1] += look_at_pixel(r->options, &v, row, x, &point);
 }
 
 static void keep_row(void *user, size_t row) {
@@ -139,10 +144,21 @@ static void keep_row(void *user, size_t row) {
     nqm_surface_point point;
     size_t i = r->first[row];
     for (size_t x = 0; x < r->options->width; ++x)
-        if (look_at_pixel(r, &v, row, x, &point)) {
-            r->seen->point[i] = point;
+        if (look_at_pixel(r->options, &v, row, x, &point)) {
+            if (r->seen->point)
+                r->seen->point[i] = point;
             r->seen->pixel[i++] = row * r->options->width + x;
         }
+}
+
+static nqm_status alloc_pixels(nqm_seen *seen, nqm_error *err) {
+    const bool stores = seen->n <= MAX_STORED;
+    seen->pixel = nqm_alloc_pages(seen->n, sizeof *seen->pixel);
+    if (stores)
+        seen->point = nqm_alloc(seen->n, sizeof *seen->point);
+    return seen->pixel && (seen->point || !stores)
+               ? NQM_OK
+               : nqm_fail_nomem(err, seen->n * (sizeof *seen->pixel + (stores ? sizeof *seen->point : 0)));
 }
 
 static nqm_status see_pixels(const nqm_shape *shape, const nqm_scene_options *o, nqm_seen *seen, nqm_error *err) {
@@ -155,15 +171,30 @@ static nqm_status see_pixels(const nqm_shape *shape, const nqm_scene_options *o,
     for (size_t row = 0; row < n_rows; ++row)
         r.first[row + 1] += r.first[row];
     seen->n = r.first[n_rows];
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->pixel, seen->n, sizeof *seen->pixel}), err);
+    nqm_status status = stopped ? NQM_OK : alloc_pixels(seen, err);
     if (status == NQM_OK && !stopped)
         stopped = nqm_parallel_ticking(&ticker, "view", n_rows, keep_row, &r);
     nqm_free(r.first);
     return status == NQM_OK && stopped ? nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted") : status;
 }
 
+const nqm_surface_point *nqm_scene_point(const nqm_scene *scene, size_t i, nqm_surface_point *made) {
+    if (scene->seen.point)
+        return &scene->seen.point[i];
+    const nqm_scene_options *o = &scene->options;
+    const size_t row = scene->seen.pixel[i] / o->width, x = scene->seen.pixel[i] % o->width;
+    const nqm_view v = nqm_view_make(&scene->shape, o, row / o->height);
+    (void)look_at_pixel(o, &v, row, x, made); /* the ray hits the shape, as before */
+    return made;
+}
+
 /* ---- entry -------------------------------------------------------------------------------------------------------- */
+
+void nqm_seen_clear(nqm_seen *seen) {
+    nqm_free(seen->point);
+    nqm_free_pages(seen->pixel, seen->n, sizeof *seen->pixel);
+    *seen = (nqm_seen){0};
+}
 
 static nqm_status see_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o, nqm_seen *seen,
                              nqm_error *err) {

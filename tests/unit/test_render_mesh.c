@@ -312,6 +312,69 @@ static void kept_or_not_is_the_same(void **state) {
     nqm_scene_free(scene);
 }
 
+/* So do stored points and those that are computed again from their pixels. */
+static void stored_points_or_not_is_the_same(void **state) {
+    (void)state;
+    static const char *const shapes[] = {"sphere", "blob"};
+    for (size_t s = 0; s < 2; ++s)
+        for (int kept = 0; kept < 2; ++kept) {
+            nqm_scene_options o = small_scene(shapes[s]);
+            o.n_lights = 32;
+            o.width = 40;
+            o.height = 30;
+            o.n_frames = 2;
+            o.elevation_rad = 0.3;
+            nqm_scene *scene = make_scene(&o);
+            for (size_t i = 0; !kept && i < scene->seen.n; ++i)
+                nqm_free(scene->kept[i].ray);
+            if (!kept) {
+                nqm_free(scene->kept);
+                scene->kept = NULL;
+            }
+            double *stored = render_spec(scene, "sgd:nickel");
+            nqm_free(scene->seen.point);
+            scene->seen.point = NULL;
+            double *computed = render_spec(scene, "sgd:nickel");
+            assert_memory_equal(stored, computed, scene->seen.n * 3 * sizeof *stored);
+            nqm_free(stored);
+            nqm_free(computed);
+            nqm_scene_free(scene);
+        }
+}
+
+static size_t resident_bytes(void) {
+    unsigned long total = 0, resident = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+    assert_non_null(f);
+    assert_int_equal(fscanf(f, "%lu %lu", &total, &resident), 2);
+    fclose(f);
+    return (size_t)resident * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+/* Notes the memory in use when all points are known, and stops. */
+static int stop_at_light(void *user, const char *stage, double done, double total) {
+    (void)done, (void)total;
+    if (strcmp(stage, "light") != 0)
+        return 0;
+    *(size_t *)user = resident_bytes();
+    return 1;
+}
+
+/* Points of a large picture are not stored: 1.1 million of them would take 150 MB. */
+static void large_pictures_store_pixels_only(void **state) {
+    (void)state;
+    const size_t before = resident_bytes();
+    size_t during = 0;
+    nqm_scene_options o = small_scene("sphere");
+    nqm_scene *scene;
+    o.n_lights = 16;
+    o.width = o.height = 1200;
+    o.progress = stop_at_light;
+    o.progress_user = &during;
+    assert_int_equal(nqm_scene_create(&o, &scene, NULL), NQM_ERR_CANCELLED);
+    assert_true(during > 0 && during < before + ((size_t)64 << 20));
+}
+
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 static void bad_options(void **state) {
@@ -344,12 +407,19 @@ int main(void) {
     if (!nqm_tracer_version())
         return 77; /* a build without Embree has no meshes */
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bowl_of_white),           cmocka_unit_test(white_furnace_with_a_mesh),
-        cmocka_unit_test(shadow_of_a_roof),        cmocka_unit_test(equal_brdfs_give_exactly_zero),
-        cmocka_unit_test(threads_change_nothing),  cmocka_unit_test(pictures_cover_the_shape),
-        cmocka_unit_test(turntable_and_points),    cmocka_unit_test(frames_are_sound),
-        cmocka_unit_test(kept_or_not_is_the_same), cmocka_unit_test(bad_options),
+        cmocka_unit_test(bowl_of_white),
+        cmocka_unit_test(white_furnace_with_a_mesh),
+        cmocka_unit_test(shadow_of_a_roof),
+        cmocka_unit_test(equal_brdfs_give_exactly_zero),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(pictures_cover_the_shape),
+        cmocka_unit_test(turntable_and_points),
+        cmocka_unit_test(frames_are_sound),
+        cmocka_unit_test(kept_or_not_is_the_same),
+        cmocka_unit_test(bad_options),
         cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(stored_points_or_not_is_the_same),
+        cmocka_unit_test(large_pictures_store_pixels_only),
     };
     return cmocka_run_group_tests(tests, make_files, remove_files);
 }

@@ -17,7 +17,7 @@ typedef struct render_run {
     backdrop backdrop;
     bool json, is_tabulated;
     nqm_scene *made;
-    double *rgb_cdm2, *blank, *picture; /* (points, 3), (height, width, 3) twice */
+    double *rgb_cdm2, *blank, *picture; /* (points, 3), (height, width, 3) twice; of one frame the same array */
 } render_run;
 
 static const char *ending_of(const char *path) {
@@ -76,10 +76,11 @@ static void run_render(render_run *run) {
     nqm_error err = {0};
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
     run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
-    run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
-    const canvas first = one_frame(&run->scene, 0);
-    run->blank = make_backdrop(run->made, &first, run->backdrop);
     must(render_brdf(run->made, run->brdf, run->rgb_cdm2, &run->is_tabulated, &err), &err);
+    const canvas first = one_frame(&run->scene, 0);
+    run->blank = run->picture = make_backdrop(run->made, &first, run->backdrop);
+    if (run->scene.n_frames > 1)
+        run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
     end_progress();
     json_t *files = json_array();
     write_frames(run, files);
@@ -90,7 +91,8 @@ static void run_render(render_run *run) {
     json_decref(files);
     nqm_scene_free(run->made);
     free(run->rgb_cdm2);
-    free(run->picture);
+    if (run->picture != run->blank)
+        free(run->picture);
     free(run->blank);
 }
 

@@ -126,7 +126,8 @@ static size_t place_of(const canvas *c, size_t pixel) {
 void draw_picture(const nqm_scene *scene, const canvas *c, const double *blank, const double *rgb_cdm2,
                   double *picture) {
     const size_t *pixel = nqm_scene_pixels(scene);
-    memcpy(picture, blank, 3 * c->width * c->height * sizeof *picture);
+    if (picture != blank)
+        memcpy(picture, blank, 3 * c->width * c->height * sizeof *picture);
     for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
         const size_t place = place_of(c, pixel[i]);
         if (place != SIZE_MAX)
