@@ -99,10 +99,12 @@ int finish(int exit_code) {
 
 /* ---- Ctrl-C ------------------------------------------------------------------------------------------------------ */
 
-/* Verbs stop where they ask interrupted(), or where a progress callback says so, and save what they keep for a later run.
- * Work that does not ask in time is ended here: after this much processor time, or when the process waits for input. */
-static const double grace_s = 0.7, grace_processor_s = 0.6, waiting_processor_s = 0.002;
+/* Verbs stop where they ask interrupted(), or where a progress callback says so. Work that does not ask in time is ended here. A verb
+ * that saves work for a later run has more time: on a busy machine until it has had this much processor time, unless the process
+ * waits for input. */
+static const double grace_s = 0.3, saving_s = 0.7, saving_processor_s = 0.6, waiting_processor_s = 0.002;
 static double interrupt_s, interrupt_processor_s;
+static volatile sig_atomic_t saves_work;
 
 static double processor_s(void) {
     struct timespec t;
@@ -120,7 +122,8 @@ static void on_alarm(int signal_number) {
     static const char message[] = "nqm: interrupted\n";
     const double used_s = processor_s() - interrupt_processor_s;
     (void)signal_number;
-    if (nqm_clock_s() - interrupt_s < grace_s || (used_s < grace_processor_s && used_s > waiting_processor_s))
+    if (nqm_clock_s() - interrupt_s < (saves_work ? saving_s : grace_s) ||
+        (saves_work && used_s < saving_processor_s && used_s > waiting_processor_s))
         return;
     (void)!write(STDERR_FILENO, message, sizeof message - 1);
     vanish(EXIT_INTERRUPTED);
@@ -150,6 +153,10 @@ void catch_interrupt(void) {
     action.sa_flags |= SA_RESTART;
     sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_DFL);
+}
+
+void save_when_interrupted(void) {
+    saves_work = 1;
 }
 
 bool interrupted(void) {

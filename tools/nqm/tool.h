@@ -186,6 +186,8 @@ __attribute__((format(printf, 1, 2))) void note_progress(const char *format, ...
 void end_progress(void);
 /** Install the Ctrl-C handler (main does). */
 void catch_interrupt(void);
+/** The verb saves work for a later run after Ctrl-C: give it more time for that. */
+void save_when_interrupted(void);
 /** Whether Ctrl-C was pressed. */
 bool interrupted(void);
 

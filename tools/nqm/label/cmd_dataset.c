@@ -104,6 +104,8 @@ int cmd_dataset(int argc, char **argv) {
         stop(EXIT_USAGE, "%zu processes need a shared folder: --work DIR", r.count);
     if (!corpus.root && !list_root(NULL, argv[0]))
         corpus.root = "."; /* a list without a folder, such as standard input */
+    if (corpus.checkpoint)
+        save_when_interrupted();
     nqm_error err = {0};
     nqm_directions *directions;
     must(nqm_directions_load_csv(input_path(directions_path), &directions, &err), &err);

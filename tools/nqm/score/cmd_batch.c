@@ -298,6 +298,7 @@ int cmd_batch(int argc, char **argv) {
     const char **names = find_names(&run, &a);
     run.form.names = names;
     open_outputs(&run, &a, r);
+    save_when_interrupted();
     const int exit_code = run_batch(&run, r);
     close_batch_pieces(&run.pieces);
     nqm_scorer_free(run.scorer);

@@ -113,6 +113,8 @@ static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *da
     epoch_log log = {.id = o.id, .path = a->log};
     if (a->log)
         open_log(&log, o.run.resume);
+    if (o.run.checkpoint)
+        save_when_interrupted();
     o.run.progress = show_progress;
     o.run.epoch_done = on_epoch;
     o.run.epoch_user = &log;
