@@ -76,6 +76,10 @@ NQM_MUST_CHECK nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, con
                                          void *progress_user, nqm_error *err);
 nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+struct nqm_meta;
+/** nqm_brdf_save() with more metadata, at most 8. */
+NQM_MUST_CHECK nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_more,
+                                             const struct nqm_meta *more, nqm_error *err);
 /** A table as an array of NumPy (nqm_npy_probe() of io.h); and any BRDF written as one: its own nodes if its format is "table",
  *  otherwise those of nqm_brdf_tabulate(). */
 nqm_status nqm_npy_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);

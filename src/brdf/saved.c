@@ -27,37 +27,43 @@ static nqm_tensor network_tensor(size_t i, const float *weights) {
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static nqm_status write_file(const char *path, const char *format, size_t n, const nqm_tensor *tensors,
-                             nqm_error *err) {
-    const nqm_meta meta[] = {{"format", format}, {"schema", SCHEMA}};
-    return nqm_safetensors_write(path, n, tensors, 2, meta, NULL, err);
-}
-
-static nqm_status save_network(const nqm_brdf *brdf, const char *path, nqm_error *err) {
+static void list_network(const nqm_brdf *brdf, nqm_tensor tensors[N_NETWORK]) {
     const float *next = nqm_nbrdf_weights(brdf);
-    nqm_tensor tensors[N_NETWORK];
     for (size_t i = 0; i < N_NETWORK; ++i) {
         tensors[i] = network_tensor(i, next);
         next += tensors[i].n_bytes / sizeof *next;
     }
-    return write_file(path, NETWORK_FORMAT, N_NETWORK, tensors, err);
 }
 
-static nqm_status save_table(const nqm_brdf *brdf, const char *path, nqm_error *err) {
+static nqm_tensor table_tensor(const nqm_brdf *brdf) {
     nqm_tensor tensor = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}};
     tensor.data = nqm_table_values(brdf, tensor.dims);
     tensor.n_bytes = brdf->info.n_values * sizeof(float);
-    return write_file(path, TABLE_FORMAT, 1, &tensor, err);
+    return tensor;
+}
+
+nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_more, const nqm_meta *more,
+                              nqm_error *err) {
+    enum { N_META = 2, MAX_MORE = 8 };
+    const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    const bool is_network = strcmp(info.format, "nbrdf") == 0;
+    nqm_tensor tensors[N_NETWORK];
+    nqm_meta meta[N_META + MAX_MORE] = {{"format", is_network ? NETWORK_FORMAT : TABLE_FORMAT}, {"schema", SCHEMA}};
+    if (is_network)
+        list_network(brdf, tensors);
+    else if (strcmp(info.format, "table") == 0)
+        tensors[0] = table_tensor(brdf);
+    else
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "%s: only networks and tables can be saved, not a BRDF of the format '%s'", info.name,
+                        info.format);
+    for (size_t i = 0; i < n_more; ++i)
+        meta[N_META + i] = more[i];
+    return nqm_safetensors_write(path, is_network ? N_NETWORK : 1, tensors, N_META + n_more, meta, NULL, err);
 }
 
 nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err) {
-    nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    if (strcmp(info.format, "nbrdf") == 0)
-        return save_network(brdf, path, err);
-    if (strcmp(info.format, "table") == 0)
-        return save_table(brdf, path, err);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: only networks and tables can be saved, not a BRDF of the format '%s'",
-                    info.name, info.format);
+    return nqm_brdf_save_with(brdf, path, 0, NULL, err);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */

@@ -257,6 +257,22 @@ static inline bool nqm_corpus_is_pair(const nqm_corpus_item *item, size_t test) 
 NQM_MUST_CHECK nqm_status nqm_corpus_item_make(const nqm_corpus_context *context, nqm_corpus_item *item,
                                                nqm_error *err);
 
+/** An encoding of a reference. */
+typedef struct nqm_corpus_fit {
+    nqm_corpus_view view;
+    nqm_fit_report report;
+    nqm_error fault; /* status NQM_OK: the encoding succeeded */
+} nqm_corpus_fit;
+
+/** Save the fit of a model to a reference of an unfinished group, in the folder item->path + ".fits"; without item->path does
+ *  nothing. */
+NQM_MUST_CHECK nqm_status nqm_corpus_fit_save(const nqm_corpus_item *item, size_t ref, const char *model,
+                                              const nqm_corpus_fit *fit, nqm_error *err);
+/** Load the BRDF, spec, loss and fault of a saved fit; false: there is none, or a damaged one. */
+bool nqm_corpus_fit_load(const nqm_corpus_item *item, size_t ref, const char *model, nqm_corpus_fit *fit);
+/** Remove the saved fits of a group. */
+void nqm_corpus_fits_remove(const nqm_corpus_item *item);
+
 /** Path of the work file of a group; its name is a hash of everything that determines the result. nqm_free() it. */
 NQM_MUST_CHECK nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_corpus_item *item,
                                                char **path_ret, nqm_error *err);

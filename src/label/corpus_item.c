@@ -13,13 +13,6 @@
 
 typedef nqm_corpus_view view;
 
-/* An encoding of the current reference. */
-typedef struct encoding {
-    view view;
-    nqm_fit_report report;
-    nqm_error fault; /* status NQM_OK: the encoding succeeded */
-} encoding;
-
 /* State of making a group. */
 typedef struct job {
     const nqm_corpus_context *context;
@@ -28,7 +21,7 @@ typedef struct job {
     size_t n_fits;
     const view **forms;          /* (n_forms) of the cache, or in `presets` */
     view *presets;               /* (n_forms) forms that are no references of the list; the others are empty */
-    encoding *fits;              /* (n_fits) */
+    nqm_corpus_fit *fits;        /* (n_fits) of the current reference */
     view made;                   /* of a test whose BRDF is made for it */
     char path_spec[512];         /* of a point on the path of an optimiser */
     double saved_s, save_cost_s; /* time of the last save of the unfinished group, and its duration */
@@ -72,8 +65,9 @@ static int fit_progress(void *user, const char *stage, double done, double total
     return context->step(context->step_user, 0);
 }
 
-static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
-    encoding *fit = &j->fits[k];
+static nqm_status make_fit(const job *j, size_t ref, size_t k) {
+    const char *model = j->context->models.name[k];
+    nqm_corpus_fit *fit = &j->fits[k];
     nqm_fit_options options = nqm_fit_options_default();
     options.seed = j->context->options->seed;
     options.progress = fit_progress;
@@ -81,12 +75,15 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
     nqm_brdf_free(fit->view.brdf);
     fit->view.brdf = NULL;
     fit->fault = (nqm_error){0};
-    nqm_status status = nqm_fit(ref, j->context->models.name[k], &options, &fit->report, &fit->view.brdf, &fit->fault);
+    const bool is_saved = nqm_corpus_fit_load(j->item, ref, model, fit);
+    nqm_status status = is_saved
+                            ? fit->fault.status
+                            : nqm_fit(j->forms[ref]->brdf, model, &options, &fit->report, &fit->view.brdf, &fit->fault);
     if (status == NQM_OK)
         status = nqm_corpus_view_fill(j->context, &fit->view, &fit->fault);
     fit->fault.status = status;
     if (!is_fatal(status))
-        return NQM_OK;
+        return is_saved ? NQM_OK : nqm_corpus_fit_save(j->item, ref, model, fit, j->err);
     if (j->err)
         *j->err = fit->fault;
     return status;
@@ -95,7 +92,7 @@ static nqm_status make_fit(const job *j, const nqm_brdf *ref, size_t k) {
 static nqm_status make_fits(const job *j, size_t ref) {
     nqm_status status = NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < j->n_fits; ++k) {
-        status = make_fit(j, j->forms[ref]->brdf, k);
+        status = make_fit(j, ref, k);
         if (status == NQM_OK && j->context->step(j->context->step_user, NQM_CORPUS_FIT_UNITS))
             status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
     }
@@ -105,8 +102,8 @@ static nqm_status make_fits(const job *j, size_t ref) {
 /* ---- one test ---------------------------------------------------------------------------------------------------- */
 
 /* The encoding of a test; a perturbed test uses the next encoding that succeeded. */
-static const encoding *fit_of(const job *j, const nqm_corpus_test *test) {
-    const encoding *fit = &j->fits[test->which];
+static const nqm_corpus_fit *fit_of(const job *j, const nqm_corpus_test *test) {
+    const nqm_corpus_fit *fit = &j->fits[test->which];
     for (size_t k = 1; *test->perturbation[0] && fit->fault.status != NQM_OK && k < j->n_fits; ++k)
         fit = &j->fits[(test->which + k) % j->n_fits];
     return fit;
@@ -128,7 +125,7 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
 static const char *base_name(const job *j, const nqm_corpus_test *test, char before[64]) {
     const nqm_corpus_form *forms = j->item->plan.forms;
     const nqm_corpus_ref *refs = j->context->list->refs;
-    const encoding *fit;
+    const nqm_corpus_fit *fit;
     *before = 0;
     switch (test->base) {
     case NQM_BASE_FIT:
@@ -236,7 +233,7 @@ static bool has_own_brdf(const nqm_corpus_test *test) {
 }
 
 static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret, nqm_error *err) {
-    const encoding *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
+    const nqm_corpus_fit *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
     if (fit && fit->fault.status != NQM_OK) {
         *err = fit->fault;
         return err->status;

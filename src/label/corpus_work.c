@@ -182,6 +182,7 @@ static void remove_progress(const nqm_corpus_item *item) {
     if (path)
         unlink(path);
     nqm_free(path);
+    nqm_corpus_fits_remove(item);
 }
 
 static nqm_status save_at(const char *path, size_t n_directions, const nqm_corpus_item *item, size_t n_done,

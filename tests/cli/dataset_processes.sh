@@ -70,6 +70,20 @@ rank 0 2 --work "$dir/work" -o "$dir/both.safetensors" >/dev/null 2>"$dir/err" |
 wait $other || fail "the second of two"
 cmp "$dir/alone.safetensors" "$dir/both.safetensors" || fail "another file from two at once"
 
+# Killed while the references are fitted: each finished fit is kept, and nothing of it is left at the end.
+fitting() { make --models ward,ggx,blinn-phong,cook-torrance "$@"; }
+fitting -o "$dir/fits.safetensors" >/dev/null 2>"$dir/err"
+rm -rf "$dir/work"
+"$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 4 --roundings 1 --light studio --points 50 \
+    --models ward,ggx,blinn-phong,cook-torrance --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>&1 &
+victim=$!
+wait_for "$dir/work" '0-ward'
+kill -KILL $victim
+wait $victim 2>/dev/null || true
+fitting --work "$dir/work" -o "$dir/again.safetensors" >/dev/null 2>"$dir/err" || fail "going on within the fits"
+cmp "$dir/fits.safetensors" "$dir/again.safetensors" || fail "another file after SIGKILL within the fits"
+[ "$(count "$dir/work" '*')" = 3 ] || fail "files are left: $(ls "$dir/work")"
+
 # Interrupted and killed within a group: the same command goes on from the finished tests of the group, and the file is the same.
 for signal in TERM KILL; do
     rm -rf "$dir/work"

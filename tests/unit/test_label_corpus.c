@@ -13,6 +13,7 @@
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static nqm_directions *directions(void) {
@@ -310,7 +311,7 @@ static void free_strings(nqm_corpus_item *item) {
     }
 }
 
-static void begin_making(making *m, const char *path) {
+static void begin_making(making *m, const char *path, const char *models) {
     *m = (making){.options = small_corpus(NQM_CORPUS_TRAINING), .directions = directions()};
     nqm_corpus_item *item = &m->item;
     m->options.scene.n_points = 64;
@@ -323,7 +324,7 @@ static void begin_making(making *m, const char *path) {
                                       .scene = m->scene,
                                       .step = count_units,
                                       .step_user = m};
-    assert_int_equal(nqm_corpus_models_parse("ward,ggx", &m->context.models, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_models_parse(models, &m->context.models, NULL), NQM_OK);
     assert_int_equal(nqm_corpus_cache_create(m->list.n_refs, &m->context.cache, NULL), NQM_OK);
     assert_int_equal(nqm_corpus_plan_make(&m->list, 0, &m->context.models, &m->options, &item->plan, NULL), NQM_OK);
     const size_t n = item->plan.n_tests, n_refs = item->plan.n_refs;
@@ -363,8 +364,8 @@ static void an_interrupted_group_goes_on_where_it_stopped(void **state) {
     snprintf(path, sizeof path, "%s", in_folder("group.safetensors"));
     snprintf(progress, sizeof progress, "%s.progress", path);
     making whole, parts;
-    begin_making(&whole, NULL);
-    begin_making(&parts, path);
+    begin_making(&whole, NULL, "ward,ggx");
+    begin_making(&parts, path, "ward,ggx");
     assert_int_equal(make_until(&whole, SIZE_MAX), NQM_OK);
     assert_int_equal(whole.item.plan.n_refs, 2);
     const size_t n_fits = 2 * NQM_CORPUS_FIT_UNITS, n_tests = parts.item.plan.n_tests;
@@ -375,7 +376,7 @@ static void an_interrupted_group_goes_on_where_it_stopped(void **state) {
     assert_int_equal(access(progress, F_OK), 0);
     for (size_t n_done = 4; n_done < n_tests; n_done += MORE) {
         end_making(&parts);
-        begin_making(&parts, path);
+        begin_making(&parts, path, "ward,ggx");
         const size_t n_refs = parts.item.plan.tests[n_done].ref;
         const bool is_last = n_done + MORE >= n_tests;
         const size_t crosses = !is_last && parts.item.plan.tests[n_done + MORE - 1].ref > n_refs;
@@ -399,6 +400,86 @@ static void an_interrupted_group_goes_on_where_it_stopped(void **state) {
     end_making(&parts);
 }
 
+static size_t inode_of(const char *path) {
+    struct stat st;
+    assert_int_equal(stat(path, &st), 0);
+    return (size_t)st.st_ino;
+}
+
+static void assert_equal_items(const nqm_corpus_item *a, const nqm_corpus_item *b) {
+    const size_t n = a->plan.n_tests;
+    assert_memory_equal(a->test_rgb, b->test_rgb, n * 50 * 3 * sizeof(float));
+    assert_memory_equal(a->test_used, b->test_used, n * 50);
+    assert_memory_equal(a->label, b->label, n * sizeof *a->label);
+    assert_memory_equal(a->fit_loss, b->fit_loss, n * sizeof(double));
+    assert_memory_equal(a->kept, b->kept, n);
+    for (size_t t = 0; t < n; ++t) {
+        assert_string_equal(a->names[t], b->names[t]);
+        assert_string_equal(a->failures[t] ? a->failures[t] : "", b->failures[t] ? b->failures[t] : "");
+    }
+}
+
+/* Each finished fit is saved, and a file that was damaged or has another name is made again: the group stays the same. */
+static void an_interrupted_group_keeps_its_fits(void **state) {
+    (void)state;
+    enum { N_MODELS = 4 };
+    static const char models[] = "ward,sparse-2,hyper-2,blinn-phong";
+    static const char *const file[N_MODELS] = {"0-ward", "0-sparse-2", "0-hyper-2", "0-blinn-phong"};
+    char path[256], fits[280], saved[N_MODELS][300];
+    snprintf(path, sizeof path, "%s", in_folder("group.safetensors"));
+    snprintf(fits, sizeof fits, "%s.fits", path);
+    for (size_t k = 0; k < N_MODELS; ++k)
+        snprintf(saved[k], sizeof saved[k], "%s/%s", fits, file[k]);
+    making whole, parts;
+    begin_making(&whole, NULL, models);
+    assert_int_equal(make_until(&whole, SIZE_MAX), NQM_OK);
+    size_t inode[N_MODELS];
+    for (size_t k = 0; k < N_MODELS; ++k) {
+        begin_making(&parts, path, models);
+        assert_int_equal(make_until(&parts, (k + 1) * NQM_CORPUS_FIT_UNITS), NQM_ERR_CANCELLED);
+        end_making(&parts);
+        assert_int_equal(count_files(fits), k + 1);
+        for (size_t i = 0; i < k; ++i)
+            assert_int_equal(inode_of(saved[i]), inode[i]);
+        inode[k] = inode_of(saved[k]);
+    }
+    FILE *f = fopen(saved[1], "r+b"); /* a byte of the table */
+    assert_non_null(f);
+    assert_int_equal(fseek(f, -4, SEEK_END), 0);
+    assert_true(fputc(0x3e, f) != EOF && fclose(f) == 0);
+    assert_int_equal(rename(saved[0], saved[3]), 0);
+    begin_making(&parts, path, models);
+    assert_int_equal(make_until(&parts, SIZE_MAX), NQM_OK);
+    assert_int_equal(whole.n_done, parts.n_done);
+    assert_equal_items(&whole.item, &parts.item);
+    assert_int_equal(inode_of(saved[2]), inode[2]);
+    assert_int_not_equal(inode_of(saved[1]), inode[1]);
+    assert_int_equal(nqm_corpus_item_save(50, &parts.item, parts.item.plan.n_tests, NULL), NQM_OK);
+    assert_int_not_equal(access(fits, F_OK), 0);
+    remove(path);
+    end_making(&whole);
+    end_making(&parts);
+}
+
+/* A failed fit is not tried again, and has the same message. */
+static void a_failed_fit_is_kept(void **state) {
+    (void)state;
+    char path[256];
+    snprintf(path, sizeof path, "%s", in_folder("group.safetensors"));
+    const nqm_corpus_item item = {.path = path};
+    nqm_corpus_fit fit = {.report = {.spec = "of another reference", .loss = 2}}, loaded = {.report = {.loss = 1}};
+    (void)!nqm_fail(&fit.fault, NQM_ERR_NUMERIC, -1, "\"%s\": it diverged", "b");
+    assert_int_equal(nqm_corpus_fit_save(&item, 1, "nbrdf", &fit, NULL), NQM_OK);
+    assert_false(nqm_corpus_fit_load(&item, 0, "nbrdf", &loaded));
+    assert_false(nqm_corpus_fit_load(&item, 1, "ward", &loaded));
+    assert_int_equal(loaded.fault.status, NQM_OK);
+    assert_true(nqm_corpus_fit_load(&item, 1, "nbrdf", &loaded));
+    assert_int_equal(loaded.fault.status, NQM_ERR_NUMERIC);
+    assert_string_equal(loaded.fault.message, "\"b\": it diverged");
+    assert_null(loaded.view.brdf);
+    nqm_corpus_fits_remove(&item);
+}
+
 static void a_part_without_materials_is_refused(void **state) {
     (void)state;
     nqm_error err = {0};
@@ -419,6 +500,8 @@ int main(void) {
         cmocka_unit_test(far_tests_are_labelled),
         cmocka_unit_test(an_interrupted_corpus_goes_on),
         cmocka_unit_test(an_interrupted_group_goes_on_where_it_stopped),
+        cmocka_unit_test(an_interrupted_group_keeps_its_fits),
+        cmocka_unit_test(a_failed_fit_is_kept),
         cmocka_unit_test(a_part_without_materials_is_refused),
     };
     return cmocka_run_group_tests_name("label: corpus", tests, make_folder, remove_made_folder);
