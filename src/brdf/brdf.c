@@ -262,7 +262,13 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nq
     snprintf(model, sizeof model, "%.*s", (int)strcspn(path_or_spec, ":"), path_or_spec);
     nqm_nearest nearest = nqm_nearest_begin(model);
     nqm_spec_nearest(&nearest);
-    return *nearest.advice && (strchr(path_or_spec, ':') || !strpbrk(path_or_spec, "/."))
+    if (!strpbrk(path_or_spec, ":/.")) { /* a word: also a preset without its table */
+        nqm_preset_nearest(&nearest);
+        return *nearest.advice ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: there is no such file, model or preset%s",
+                                          path_or_spec, nearest.advice)
+                               : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+    }
+    return *nearest.advice && strchr(path_or_spec, ':')
                ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s", path_or_spec,
                           model, nearest.advice)
                : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);

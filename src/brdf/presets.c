@@ -26,6 +26,14 @@ const char *nqm_preset_named(const char *material) {
     return found;
 }
 
+void nqm_preset_nearest(nqm_nearest *nearest) {
+    for (size_t i = 0; i < nqm_preset_name_count; ++i) {
+        const char *colon = strchr(nqm_preset_names[i], ':');
+        if (colon)
+            nqm_nearest_add(nearest, colon + 1);
+    }
+}
+
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name) {
     for (const nqm_preset_table *t = nqm_preset_tables; t->name; ++t)
         if (strncmp(t->name, name, n_name) == 0 && t->name[n_name] == 0)

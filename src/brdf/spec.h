@@ -110,6 +110,8 @@ void nqm_spec_nearest(nqm_nearest *nearest);
 /** A table of presets, or NULL. */
 /** "sgd:nickel" for "nickel": a preset of this material, of the table sgd if it is there; NULL: none. */
 const char *nqm_preset_named(const char *material);
+/** Offer the materials of all presets, without their tables. */
+void nqm_preset_nearest(nqm_nearest *nearest);
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
 /** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests similar names. */
 NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,

@@ -100,6 +100,8 @@ run 5 eval --human "$dir/jod.csv" --model "$dir/model.safetensors,default"
 says "model 'default' uses 500 directions .* 60 other ones .*: judge this model in a call of its own"
 run 5 eval --human "$dir/jod.csv" --model none --split train
 says "jod.csv: the dataset has no pair in the split 'train'; it has 6 in 'test': --split selects"
+run 4 eval "$dir/jod.csv" --model none
+says 'jod.csv: is no dataset but a CSV with the column reference: answers of people need --human'
 run 2 eval --human "$dir/choices.csv" --root "$dir/brdfs" --model none --by kind
 says 'choices'
 run 2 eval --human "$dir/scores.csv" --labels x.csv --model none

@@ -103,7 +103,9 @@ run 0 info list sgd:nick
 refuses 2 "no preset has 'nikel' in its name" info list nikel
 refuses 2 "there is no file 'lsit' (did you mean 'list'?)" info lsit
 refuses 2 "there is no file 'shwo' (did you mean 'show'?)" directions shwo default
-refuses 2 "no model 'wrad' (did you mean 'ward'?)" info wrad
+refuses 2 "wrad: there is no such file, model or preset (did you mean 'ward'?)" info wrad
+refuses 2 "nickle: there is no such file, model or preset (did you mean 'nickel'?)" info nickle
+refuses 3 "nowhere: No such file" info nowhere
 # A wrong first word is named before what is missing, and before outputs.
 refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
 refuses 2 "no 'sprase' (did you mean 'sparse'?)" learn sprase

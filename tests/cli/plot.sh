@@ -183,6 +183,8 @@ plot 3 curve "$dir/labels.csv" -o "$dir/nowhere/x.svg"
 plot 3 curve "$dir/labels.csv" -o "$dir/nowhere/x.png"
 plot 4 curve "$dir/log.csv" -o "$dir/x.svg"
 says 'log.csv.*DeltaE'
+plot 4 loss "$dir/labels.csv" -o "$dir/x.svg"
+says 'labels.csv: no column train_loss; loss draws the file of .nqm train --log.'
 plot 4 bars "$dir/labels.csv" -o "$dir/x.svg"
 says "the document of .nqm eval --json."
 says 'labels.csv: line 1'

@@ -20,9 +20,12 @@ static nqm_status read_log(const char *path, training *t, nqm_error *err) {
     nqm_status status = nqm_csv_load(path, &csv, err);
     if (status != NQM_OK)
         return status;
+    if (nqm_csv_column(csv, columns[TRAIN]) < 0)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no column %s; loss draws the file of `nqm train --log`", path,
+                          columns[TRAIN]);
     t->n = nqm_csv_rows(csv);
     t->block = nqm_alloc(t->n, N_COLUMNS * sizeof *t->block);
-    if (!t->block)
+    if (status == NQM_OK && !t->block)
         status = nqm_fail_nomem(err, t->n * N_COLUMNS * sizeof *t->block);
     for (size_t k = 0; status == NQM_OK && k < N_COLUMNS; ++k) {
         t->values[k] = t->block + k * t->n;

@@ -2,6 +2,7 @@
  *
  * nqm eval - compare models and the scalar metrics with the labels of a dataset. eval_print.c prints the tables.
  */
+#include "io/io.h"
 #include "nqm/judge/eval.h"
 
 #include <math.h>
@@ -122,10 +123,22 @@ static void open_human(eval_run *run, const char *root) {
     run->is_choice = kind == NQM_HUMAN_CHOICE;
 }
 
+/* Answers of people are a CSV, too, which needs another option. */
+static void require_dataset(const char *path) {
+    nqm_csv *csv = NULL;
+    if (is_folder(path) || looks_like_safetensors(path) || nqm_csv_load(path, &csv, NULL) != NQM_OK)
+        return;
+    if (nqm_csv_column(csv, "reference") >= 0)
+        stop(EXIT_MALFORMED, "%s: is no dataset but a CSV with the column reference: answers of people need --human",
+             path);
+    nqm_csv_free(csv);
+}
+
 static void open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *o) {
     if (a->human) {
         open_human(run, a->root);
     } else {
+        require_dataset(run->dataset_path);
         run->owned = open_dataset(run->dataset_path, a->labels, NQM_SPLIT_TEST);
         run->dataset = run->owned;
         run->is_jod = true;
