@@ -113,12 +113,14 @@ has 'in a MERL file, negative numbers mean that'
 run 1 check "$dir/negative.npy"
 has 'positivity *FAILS: 8192 of 8192 values (100.0 %) have a negative channel'
 has '^ *every value is negative or 0$'
+awk 'length > 80' "$dir/out" | grep -v "$dir" && fail "lines wider than a terminal"
 run 1 check "$dir/negative.npy" --json
 has '"positivity"'
 # A MERL file with its scale twice.
 "$tool" convert lambert:kd=.0005 -o "$dir/dark.binary" >"$dir/err" 2>&1
 run 0 check "$dir/dark.binary"
-has 'is a scale missing? The values of a MERL file'
+has 'is a scale missing? The values of$'
+has '^ *a MERL file are those of the BRDF times 1500'
 
 run 0 --version
 [ "$(wc -l <"$dir/out")" = 3 ] || fail "lines: $(cat "$dir/out")"

@@ -52,15 +52,15 @@ static const char *dark_words(const verdict *v) {
         return "every value is negative or 0";
     if (v->largest_albedo <= 0)
         return "every value is 0";
-    return v->is_merl ? "blacker than any coating: is a scale missing? The values of a MERL file are those\n"
-                        "               of the BRDF times 1500 (red), 1304 and 904"
+    return v->is_merl ? "blacker than any coating: is a scale missing? The values of\n"
+                        "               a MERL file are those of the BRDF times 1500 (red), 1304 and 904"
                       : "blacker than any coating: is a scale missing?";
 }
 
 static void print_measured(const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
-    printf("  energy       %s: at most %.1f %% of the light is reflected (light at %.0f degrees; red %.3f, green %.3f, "
-           "blue %.3f)\n",
+    printf("  energy       %s: at most %.1f %% of the light is reflected\n"
+           "               (light at %.0f degrees; red %.3f, green %.3f, blue %.3f)\n",
            v->energy_fails ? "FAILS"
            : v->too_dark   ? "suspicious"
                            : "ok",
@@ -68,10 +68,11 @@ static void print_measured(const verdict *v) {
            r->albedo_max[2]);
     if (v->too_dark)
         printf("               %s\n", dark_words(v));
-    printf("  reciprocity  %s: exchanging light and viewer changes the value by %.2g %% (median), %.2g %% (95th "
-           "percentile)\n",
+    printf("  reciprocity  %s: exchanging light and viewer changes the value by\n"
+           "               %.2g %% (median), %.2g %% (95th percentile)\n",
            v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
-    printf("  positivity   %s: %zu of %zu values (%.1f %%) have a negative channel, which is read as 0\n",
+    printf("  positivity   %s: %zu of %zu values (%.1f %%) have a negative channel,\n"
+           "               which is read as 0\n",
            v->all_negative ? "FAILS"
            : r->n_clamped  ? "clamped"
                            : "ok",
