@@ -131,7 +131,7 @@ static nqm_status read_row(hdr_file *file, unsigned char *row, size_t width) {
 
 nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error *err) {
     hdr_file file = {.map = map, .err = err};
-    uint64_t width, height;
+    uint64_t width = 0, height = 0;
     nqm_status status = read_header(&file);
     if (status == NQM_OK)
         status = read_resolution(&file, &width, &height);
