@@ -18,6 +18,8 @@ enum { N_LOBES = sizeof lobe_alpha / sizeof *lobe_alpha, LIGHT = N_LOBES, COSINE
 enum { LANES = NQM_LIGHT_LANES };
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
 typedef int32_t masks __attribute__((vector_size(LANES * sizeof(float))));
+typedef double doubles __attribute__((vector_size(LANES * sizeof(double)), aligned(8), may_alias));
+typedef int64_t long_masks __attribute__((vector_size(LANES * sizeof(double))));
 
 /* Sampling state of one point: cumulative importance of the rows of the light map, and of the cells of one row. */
 typedef struct sampler {
@@ -25,10 +27,12 @@ typedef struct sampler {
     const nqm_surface_point *point;
     bool flat;              /* importance without the cosine */
     double reach;           /* a little more than the sine of half the diagonal of a cell */
-    float *across;          /* (width) across() of all columns */
+    double *across;         /* (width) across() of all columns */
+    float *across_float;    /* (width) the same */
     float *most_across;     /* (width / LANES) its maxima over these columns */
     double *rows;           /* (height + 1) cumulative importance of the rows, from 0; owns the block of the arrays */
     double *cells;          /* (width + 1) cumulative importance of the cells of `row` */
+    double *importance;     /* (width) that of a row */
     size_t row;             /* SIZE_MAX: none */
     size_t n[N_TECHNIQUES]; /* number of directions of each technique */
 } sampler;
@@ -38,7 +42,9 @@ static bool open_sampler(const nqm_light *light, const nqm_surface_point *point,
     s->reach = 0.02 * NQM_LIGHT_WIDTH / (double)light->width;
     return nqm_alloc_arrays(
                NQM_ARRAYS({&s->rows, light->height + 1, sizeof(double)}, {&s->cells, light->width + 1, sizeof(double)},
-                          {&s->across, light->width, sizeof(float)}, {&s->most_across, light->width, sizeof(float)}),
+                          {&s->across, light->width, sizeof(double)}, {&s->across_float, light->width, sizeof(float)},
+                          {&s->most_across, light->width, sizeof(float)},
+                          {&s->importance, light->width, sizeof(double)}),
                NULL) == NQM_OK;
 }
 
@@ -55,8 +61,23 @@ static inline double cell_importance(const sampler *s, size_t y, size_t x) {
     if (s->flat)
         return power;
     const double *polar = s->light->polar + 2 * y;
-    double cosine = polar[0] * across(s, x) + polar[1] * s->point->frame[7];
+    double cosine = polar[0] * s->across[x] + polar[1] * s->point->frame[7];
     return cosine > -s->reach ? (cosine > s->reach ? cosine : s->reach) * power : 0;
+}
+
+/* cell_importance() of all cells of a row, vectorised: scalar code took a quarter of the time of a point. */
+NQM_FOR_EACH_VECTOR_WIDTH
+static void row_importance(const sampler *s, size_t y, double *importance) {
+    const size_t n = s->light->width / LANES;
+    const doubles *power = (const doubles *)(s->light->power + y * s->light->width), *columns = (doubles *)s->across;
+    const double slope = s->light->polar[2 * y], base = s->light->polar[2 * y + 1] * s->point->frame[7];
+    const double reach = s->reach;
+    for (size_t x = 0; x < n; ++x) {
+        const doubles cosine = slope * columns[x] + base, high = (doubles){0} + reach;
+        const long_masks is_high = cosine > reach;
+        const doubles raised = (doubles)(((long_masks)cosine & is_high) | ((long_masks)high & ~is_high));
+        ((doubles *)importance)[x] = (doubles)((long_masks)(raised * power[x]) & (cosine > -reach));
+    }
 }
 
 /* Sums over one row: sum[0] importance as above, sum[1..3] irradiance. In single precision and vectorised, because it runs
@@ -71,7 +92,7 @@ static void sum_row(const sampler *s, size_t y, double *sum) {
         const lanes *summand = (const lanes *)light->summand + 4 * (y * light->width / LANES + x);
         if (base + slope * s->most_across[x] <= -reach)
             continue; /* below the horizon */
-        const lanes cosine = base + slope * ((const lanes *)s->across)[x], high = (lanes){0} + reach;
+        const lanes cosine = base + slope * ((const lanes *)s->across_float)[x], high = (lanes){0} + reach;
         const masks is_high = cosine > reach;
         const lanes raised = (lanes)(((masks)cosine & is_high) | ((masks)high & ~is_high));
         const lanes positive = (lanes)((masks)cosine & (cosine > 0));
@@ -92,9 +113,10 @@ static void gather_light(sampler *s, double *irradiance) {
     const nqm_light *light = s->light;
     const double *normal = s->point->frame + 6;
     for (size_t x = 0; x < light->width; ++x) {
-        float *most = s->most_across + x / LANES;
-        s->across[x] = (float)across(s, x);
-        *most = x % LANES && *most > s->across[x] ? *most : s->across[x];
+        float *most = s->most_across + x / LANES, value;
+        s->across[x] = across(s, x);
+        s->across_float[x] = value = (float)s->across[x];
+        *most = x % LANES && *most > value ? *most : value;
     }
     double most = hypot(normal[0], normal[2]);
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
@@ -130,9 +152,12 @@ static void sample_light(sampler *s, double u, double v, double *wi) {
     const nqm_light *light = s->light;
     double world[3], in_row, in_cell;
     size_t row = find_step(s->rows, light->height, u, &in_row);
+    const double *importance = s->flat ? light->power + row * light->width : s->importance;
     double sum = 0;
+    if (row != s->row && !s->flat)
+        row_importance(s, row, s->importance);
     for (size_t x = 0; row != s->row && x < light->width; ++x)
-        s->cells[x + 1] = sum += cell_importance(s, row, x);
+        s->cells[x + 1] = sum += importance[x];
     s->row = row;
     size_t column = find_step(s->cells, light->width, v, &in_cell);
     nqm_light_direction(light, row * light->width + column, in_cell, in_row, world);
