@@ -98,3 +98,9 @@ label 4 sgd:nickel ward:nickel --light "$dir/black.hdr"
 run 2 label sgd:nickel ward:nickel --map "$dir/d.jpg"
 run 3 label sgd:nickel ward:nickel --map "$dir/nowhere/d.png" --size 4000
 interrupt label sgd:nickel ward:nickel --map "$dir/d.png" --size 512 --lights 2048
+
+# Progress on a terminal: percent of each phase, no number of BRDFs or scenes that the percent contradicts.
+script -qec "'$tool' label sgd:nickel ward:nickel --size 32" /dev/null </dev/null | tr '\r' '\n' >"$dir/out"
+grep -q '^light: [0-9]* %' "$dir/out" || fail "no progress of the light: $(cat "$dir/out")"
+grep -q '^label: [0-9]* % ' "$dir/out" || fail "no progress of the labels: $(cat "$dir/out")"
+if grep -q '^view\|^l[a-z]*: .* of ' "$dir/out"; then fail "odd progress: $(cat "$dir/out")"; fi

@@ -16,8 +16,9 @@
 static const char *current_verb = "";
 static volatile sig_atomic_t interrupt_count;
 static progress_style progress;
-static bool progress_shown;
+static volatile sig_atomic_t progress_shown; /* the cursor is in a progress line */
 static char progress_note[100];
+static const char clear_line[] = "\r\033[K";
 
 int exit_code_of(nqm_status status) {
     static const int codes[] = {[-NQM_OK] = EXIT_OK,
@@ -125,6 +126,8 @@ static void on_alarm(int signal_number) {
     if (nqm_clock_s() - interrupt_s < (saves_work ? saving_s : grace_s) ||
         (saves_work && used_s < saving_processor_s && used_s > waiting_processor_s))
         return;
+    if (progress_shown)
+        (void)!write(STDERR_FILENO, clear_line, sizeof clear_line - 1);
     (void)!write(STDERR_FILENO, message, sizeof message - 1);
     vanish(EXIT_INTERRUPTED);
 }
@@ -207,14 +210,16 @@ int show_progress(void *user, const char *stage, double done, double total) {
     }
     char left[40];
     format_left(seconds_left(begins, now, done, total), left);
+    char count[80] = ""; /* a total of 100 is percent */
+    if (total != 100)
+        snprintf(count, sizeof count, " (%.0f of %.0f)", floor(done), total);
     progress_shown = progress != PROGRESS_NONE && isatty(STDERR_FILENO);
     if (progress_shown && total > 0)
-        fprintf(stderr, "\r%s: %.0f of %.0f (%.0f %%)%s%s \033[K", stage, floor(done), total, floor(100 * done / total),
-                left, progress_note);
+        fprintf(stderr, "\r%s: %d %%%s%s%s \033[K", stage, percent, count, left, progress_note);
     else if (progress_shown)
         fprintf(stderr, "\r%s: %.0f \033[K", stage, done);
     else if (progress == PROGRESS_LOG && percent != last_percent)
-        fprintf(stderr, "%s: %d %% (%.0f of %.0f)%s\n", stage, percent, floor(done), total, left);
+        fprintf(stderr, "%s: %d %%%s%s\n", stage, percent, count, left);
     last_percent = percent;
     return interrupt_count != 0;
 }
@@ -230,7 +235,7 @@ void note_progress(const char *format, ...) {
 
 void end_progress(void) {
     if (progress_shown)
-        fputs("\r\033[K", stderr);
+        fputs(clear_line, stderr);
     progress_shown = false;
 }
 

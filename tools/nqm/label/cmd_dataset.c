@@ -95,7 +95,7 @@ int cmd_dataset(int argc, char **argv) {
     scene_args_end(&scene);
     corpus.scene = scene.scene;
     corpus.work_only = r.rank > 0;
-    corpus.progress = show_progress;
+    corpus.progress = show_scene_progress;
     set_progress(r.rank > 0 ? PROGRESS_NONE : log ? PROGRESS_LOG : PROGRESS_ON_TERMINAL);
     if (strcmp(output, "-") == 0)
         stop(EXIT_USAGE, "a dataset cannot be written to standard output, because its manifest is a second file; give "

@@ -39,8 +39,8 @@ static nqm_status label_item_at(label_run *run, size_t i) {
 static int show_label_progress(void *user, const char *stage, double done, double total) {
     const label_run *run = user;
     if (!run->scene || strcmp(stage, "table") == 0)
-        return show_progress(NULL, stage, done, total);
-    return show_progress(NULL, "label", (double)run->n_done + done / total, (double)run->n_items);
+        return show_scene_progress(NULL, stage, done, total);
+    return show_progress(NULL, "label", 100 * ((double)run->n_done + done / total) / (double)run->n_items, 100);
 }
 
 void make_labels(label_run *run) {

@@ -13,9 +13,19 @@
 
 enum { MAX_SIDE = 4096 };
 
+int show_scene_progress(void *user, const char *stage, double done, double total) {
+    static double percent; /* of the stage "light" */
+    const bool is_light = strcmp(stage, "light") == 0;
+    if (!is_light && strcmp(stage, "view") != 0)
+        return show_progress(user, stage, done, total);
+    if (is_light)
+        percent = 100 * done / total;
+    return show_progress(user, "light", percent, 100);
+}
+
 scene_args scene_args_begin(void) {
     scene_args a = {.scene = nqm_scene_options_default()};
-    a.scene.progress = show_progress;
+    a.scene.progress = show_scene_progress;
     a.scene.n_points = 0;
     return a;
 }

@@ -17,6 +17,8 @@ typedef struct scene_args {
     size_t side;             /**< without `size`: of the picture of all frames, in pixels; 0: points */
 } scene_args;
 
+/** A progress callback that shows the two stages of making a scene ("view" takes a hundredth of the time) as one. */
+int show_scene_progress(void *user, const char *stage, double done, double total);
 /** The defaults of the library; set `size` or `side` for the default size of a picture. */
 scene_args scene_args_begin(void);
 /** The row of --size, for the options of a verb. */
