@@ -260,6 +260,7 @@ NQM_MUST_CHECK nqm_status nqm_corpus_item_make(const nqm_corpus_context *context
 /** An encoding of a reference. */
 typedef struct nqm_corpus_fit {
     nqm_corpus_view view;
+    bool is_viewed; /* the view is filled; that of a loaded fit only when a test needs it */
     nqm_fit_report report;
     nqm_error fault; /* status NQM_OK: the encoding succeeded */
 } nqm_corpus_fit;

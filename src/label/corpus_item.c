@@ -75,15 +75,16 @@ static nqm_status make_fit(const job *j, size_t ref, size_t k) {
     nqm_brdf_free(fit->view.brdf);
     fit->view.brdf = NULL;
     fit->fault = (nqm_error){0};
-    const bool is_saved = nqm_corpus_fit_load(j->item, ref, model, fit);
-    nqm_status status = is_saved
-                            ? fit->fault.status
-                            : nqm_fit(j->forms[ref]->brdf, model, &options, &fit->report, &fit->view.brdf, &fit->fault);
+    fit->is_viewed = false;
+    if (nqm_corpus_fit_load(j->item, ref, model, fit))
+        return NQM_OK;
+    nqm_status status = nqm_fit(j->forms[ref]->brdf, model, &options, &fit->report, &fit->view.brdf, &fit->fault);
     if (status == NQM_OK)
         status = nqm_corpus_view_fill(j->context, &fit->view, &fit->fault);
+    fit->is_viewed = true;
     fit->fault.status = status;
     if (!is_fatal(status))
-        return is_saved ? NQM_OK : nqm_corpus_fit_save(j->item, ref, model, fit, j->err);
+        return nqm_corpus_fit_save(j->item, ref, model, fit, j->err);
     if (j->err)
         *j->err = fit->fault;
     return status;
@@ -232,6 +233,12 @@ static bool has_own_brdf(const nqm_corpus_test *test) {
            test->base == NQM_BASE_PATH;
 }
 
+static nqm_status view_fit(const job *j, nqm_corpus_fit *fit, nqm_error *err) {
+    const nqm_status status = fit->is_viewed ? NQM_OK : nqm_corpus_view_fill(j->context, &fit->view, err);
+    fit->is_viewed = status == NQM_OK;
+    return status;
+}
+
 static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **view_ret, nqm_error *err) {
     const nqm_corpus_fit *fit = test->base == NQM_BASE_FIT ? fit_of(j, test) : NULL;
     if (fit && fit->fault.status != NQM_OK) {
@@ -242,7 +249,7 @@ static nqm_status test_view(job *j, const nqm_corpus_test *test, const view **vi
         return nqm_corpus_cached(j->context, test->which, view_ret, err);
     if (!has_own_brdf(test)) {
         *view_ret = base_view(j, test);
-        return NQM_OK;
+        return fit ? view_fit(j, &j->fits[fit - j->fits], err) : NQM_OK;
     }
     *view_ret = &j->made;
     nqm_brdf_free(j->made.brdf);
