@@ -43,7 +43,7 @@ static const nqm_option rows[] = {
     {FIELD(elevation_rad), .name = "elevation", .metavar = "DEG", .scale = NQM_PI / 180, .min = -90,
      .max = 90, .help = "elevation of the viewer above the horizon"},
     {FIELD(n_lights), .name = "lights", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1 << 16,
-     .help = "light directions per point (0: 128, or 96 in a picture)"},
+     .help = "light directions per point (0: 128; in a picture 96, in a preview of render 32)"},
     {FIELD(light_width), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = NQM_LIGHT_STEP, .max = NQM_LIGHT_MAX_WIDTH,
      .values = {"256"}, .help = "width of the filtered light map in cells, a multiple of 16"},
     {FIELD(shadows), .kind = NQM_OPTION_BOOL, .values = {"1"}, .help = "cast shadows of the shape on itself"},

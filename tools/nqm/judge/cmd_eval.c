@@ -21,15 +21,34 @@ static const double range_edge = 9.5;
 
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
-/* Open a list like "default,my.safetensors"; "none": only the scalar metrics. Modifies the list. */
-static void open_models(eval_run *run, char *list) {
+static const char *id_of(const eval_run *run, size_t model) {
+    return nqm_model_get_info(run->models[model]).id;
+}
+
+static bool has_own_id(const eval_run *run, size_t model) {
+    size_t n_equal = 0;
+    for (size_t i = 0; i < run->n_models; ++i)
+        n_equal += strcmp(id_of(run, i), id_of(run, model)) == 0;
+    return n_equal == 1;
+}
+
+/* Open a list like "default,my.safetensors"; "none": only the scalar metrics. */
+static void open_models(eval_run *run, const char *list) {
     size_t n = 1;
     for (const char *p = list; *p; ++p)
         n += *p == ',';
     run->models = allocate(n, sizeof *run->models);
-    for (char *name = strtok(list, ","); name; name = strtok(NULL, ","))
-        if (strcmp(name, "none") != 0)
+    run->model_names = allocate(n, sizeof *run->model_names);
+    run->model_list = allocate(strlen(list) + 1, 1);
+    strcpy(run->model_list, list);
+    for (char *name = strtok(run->model_list, ","); name; name = strtok(NULL, ","))
+        if (strcmp(name, "none") != 0) {
+            run->model_names[run->n_models] = name;
             run->models[run->n_models++] = open_model(name);
+        }
+    for (size_t i = 0; i < run->n_models; ++i)
+        if (has_own_id(run, i))
+            run->model_names[i] = id_of(run, i);
 }
 
 /* ---- selections -------------------------------------------------------------------------------------------------- */
@@ -96,6 +115,8 @@ static void release(eval_run *run) {
     for (size_t i = 0; i < run->n_models; ++i)
         nqm_model_free(run->models[i]);
     free(run->models);
+    free(run->model_names);
+    free(run->model_list);
     nqm_dataset_free(run->owned);
     nqm_human_free(run->human);
 }
@@ -250,10 +271,7 @@ int cmd_eval(int argc, char **argv) {
     eval_run run = {
         .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
     const int by = by_masks[choose("by", by_words, a.by)];
-    char *list = allocate(strlen(a.models) + 1, 1);
-    strcpy(list, a.models);
-    open_models(&run, list);
-    free(list);
+    open_models(&run, a.models);
     for (size_t i = 0; i < run.n_models; ++i)
         report_choice(run.models[i], run.precision);
     a.options.progress = show_progress;

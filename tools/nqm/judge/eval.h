@@ -19,6 +19,8 @@ typedef struct eval_run {
     const nqm_dataset *dataset;
     size_t n_models, n_predictors;
     nqm_model **models;
+    const char **model_names; /* (n_models) ids, or the words of `model_list` where ids are equal */
+    char *model_list;
     nqm_evaluation *evaluation;
     bool is_jod, is_choice; /* labels are JODs; they are choices */
     nqm_precision precision;
@@ -37,7 +39,7 @@ void print_evaluation(const eval_run *run, result_format format);
 /** Write label, predictions and scalar features of every pair that was judged, as CSV. */
 void write_pairs(const eval_run *run, const char *path);
 
-/** Id of a model, name of a metric, or "estimate". */
+/** Name of a model or a metric, or "estimate". */
 const char *predictor_name(const eval_run *run, size_t predictor);
 
 #endif

@@ -162,17 +162,30 @@ static void print_cell(const text_column *column, const char *text) {
         printf(" %*s", (int)nqm_larger(7, strlen(column->heading)), text);
 }
 
+enum { NAME_TEXT = 64 };
+
+/* The name of a row, with its mark. */
+static const char *name_text(const json_t *row, char text[NAME_TEXT]) {
+    snprintf(text, NAME_TEXT, "%.40s%s", text_at(row, "name"),
+             json_is_true(json_object_get(row, "best_of_family")) ? " *" : "");
+    return text;
+}
+
 static void print_rows(const json_t *rows, const text_column *columns) {
-    printf("%-14s", "");
+    char name[NAME_TEXT];
+    int n_name = 14;
+    for (size_t i = 0; i < json_array_size(rows); ++i) {
+        const int n = (int)strlen(name_text(json_array_get(rows, i), name));
+        n_name = n > n_name ? n : n_name;
+    }
+    printf("%*s", n_name, "");
     for (const text_column *c = columns; c->heading; ++c)
         print_cell(c, c->heading);
     putchar('\n');
     for (size_t i = 0; i < json_array_size(rows); ++i) {
         const json_t *row = json_array_get(rows, i);
         char text[64];
-        snprintf(text, sizeof text, "%.40s%s", text_at(row, "name"),
-                 json_is_true(json_object_get(row, "best_of_family")) ? " *" : "");
-        printf("%-14s", text);
+        printf("%-*s", n_name, name_text(row, name));
         for (const text_column *c = columns; c->heading; ++c)
             print_cell(c, estimate_text(row, c->key, c->interval, 1, "", 3, text));
         putchar('\n');

@@ -14,7 +14,7 @@ enum { RIVAL_BASELINE, RIVAL_LOG_DIFF, RIVAL_ESTIMATE, N_RIVALS };
 const char *const subset_words[] = {"near", "far", "rounding", "seen", "unseen", NULL};
 
 const char *predictor_name(const eval_run *run, size_t predictor) {
-    return run->evaluation->names[predictor];
+    return predictor < run->n_models ? run->model_names[predictor] : run->evaluation->names[predictor];
 }
 
 /* ---- parts of a row ---------------------------------------------------------------------------------------------- */

@@ -149,7 +149,8 @@ int cmd_render(int argc, char **argv) {
     run.scene.width *= run.supersample;
     run.scene.height *= run.supersample;
     if (run.scene.width > 8192 || run.scene.height > 4096)
-        stop(EXIT_USAGE, "%zu x %zu points in a frame; at most 8192 x 4096", run.scene.width, run.scene.height);
+        stop(EXIT_USAGE, "--size with %zu x %zu points per pixel (--supersample): at most %zu x %zu pixels",
+             run.supersample, run.supersample, 8192 / run.supersample, 4096 / run.supersample);
     run_render(&run);
     return EXIT_OK;
 }

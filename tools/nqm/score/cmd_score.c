@@ -31,6 +31,7 @@ static void print_text(const score_run *run) {
     const bool calibrated = *info.calibration;
     char verdict[VERDICT_TEXT];
     size_t n_scored = 0;
+    bool has_parts = false;
     int n_verdict = 20;
     for (size_t i = 0; i < run->n_rows; ++i) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
@@ -63,6 +64,7 @@ static void print_text(const score_run *run) {
         printf("  %s\n", shown(row->name));
         if (scored && !isnan(r->similarity)) {
             char words[NQM_LABEL_TEXT];
+            has_parts = true;
             printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);
         }
     }
@@ -71,6 +73,8 @@ static void print_text(const score_run *run) {
     puts("\nJOD 10: no visible difference; from 9.5: practically the same; at 9,\n"
          "75 % of people prefer the reference. prefer ref: people who would say that the\n"
          "reference looks better than the test (50 %: they guess).");
+    if (has_parts)
+        puts("seen apart: the JOD for people who do not see both next to each other.");
     if (calibrated)
         puts("[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material\n"
              "is new to the model and the kind of distortion is not. The verdict is about this\n"
