@@ -54,7 +54,7 @@ render 2 sgd:nickel -o "$dir/x.png" --size 8x
 render 2 sgd:nickel -o "$dir/x.png" --size 99999
 render 2 sgd:nickel -o "$dir/x.png" --size 4096 --supersample 16
 render 2 sgd:nickel -o "$dir/x.png" --size 3000 --quality
-grep -q '2 x 2 points per pixel (--supersample): at most 4096 x 2048 pixels' "$dir/err" || fail "the limit of --quality"
+says '2 x 2 points per pixel (--supersample): at most 4096 x 2048 pixels'
 render 2 sgd:nickel -o "$dir/x.png" --points 100
 render 2 sgd:nickel -o "$dir/x.png" --background green
 render 2 sgd:nosuchmetal -o "$dir/x.png" --size 8

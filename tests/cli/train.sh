@@ -109,9 +109,9 @@ done
 head -n 1 "$dir/pairs.csv" | grep -q '^ref,material,test,kind,split,delta_e,jod,nqm,mine,rmse,.*,log_diff,family,class,scalar:log_rmse,' || fail "head of the pairs"
 # Models with one id are named by their files.
 cp "$dir/a.safetensors" "$dir/b.safetensors"
-run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors,$dir/b.safetensors,default" --bootstrap 0
-for name in "$dir/a.safetensors" "$dir/b.safetensors" default; do
-    grep -q "^$name " "$dir/out" || fail "eval of two models with one id has no row $name"
+run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors,$dir/paper.safetensors,$dir/b.safetensors" --bootstrap 0
+for name in '[^ ]*/a.safetensors' mine '[^ ]*/b.safetensors'; do
+    grep -q "^$name  " "$dir/out" || fail "eval of two models with one id has no row $name"
 done
 run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors" --by kind --json --bootstrap 100
 cp "$dir/out" "$dir/first"

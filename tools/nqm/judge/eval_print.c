@@ -106,11 +106,18 @@ static void print_difference(const json_t *d) {
                100 * number_at(d, "share_below_0"));
 }
 
+/* The end of a long name: paths of models begin alike. */
+static const char *end_of(const char *name) {
+    enum { N_SHOWN = 40 };
+    const size_t n = strlen(name);
+    return n > N_SHOWN ? name + n - N_SHOWN : name;
+}
+
 static void print_contrasts(const json_t *row) {
     const json_t *list = json_object_get(row, "contrasts");
     for (size_t i = 0; i < json_array_size(list); ++i) {
         const json_t *c = json_array_get(list, i), *agreement = json_object_get(c, "agreement");
-        printf("%.40s less %s%s: ", text_at(row, "name"), text_at(c, "with"),
+        printf("%s less %s%s: ", end_of(text_at(row, "name")), text_at(c, "with"),
                json_is_true(json_object_get(c, "best_baseline")) ? ", best of the eight" : "");
         print_difference(agreement ? agreement : json_object_get(c, "spearman"));
         if (!agreement) {
@@ -166,7 +173,7 @@ enum { NAME_TEXT = 64 };
 
 /* The name of a row, with its mark. */
 static const char *name_text(const json_t *row, char text[NAME_TEXT]) {
-    snprintf(text, NAME_TEXT, "%.40s%s", text_at(row, "name"),
+    snprintf(text, NAME_TEXT, "%s%s", end_of(text_at(row, "name")),
              json_is_true(json_object_get(row, "best_of_family")) ? " *" : "");
     return text;
 }
