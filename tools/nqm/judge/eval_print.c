@@ -106,9 +106,10 @@ static void print_difference(const json_t *d) {
                100 * number_at(d, "share_below_0"));
 }
 
-/* The end of a long name: paths of models begin alike. */
-static const char *end_of(const char *name) {
+/* The name of a row; the end of a long one, since paths of models begin alike. */
+static const char *row_name(const json_t *row) {
     enum { N_SHOWN = 40 };
+    const char *name = text_at(row, "name");
     const size_t n = strlen(name);
     return n > N_SHOWN ? name + n - N_SHOWN : name;
 }
@@ -117,7 +118,7 @@ static void print_contrasts(const json_t *row) {
     const json_t *list = json_object_get(row, "contrasts");
     for (size_t i = 0; i < json_array_size(list); ++i) {
         const json_t *c = json_array_get(list, i), *agreement = json_object_get(c, "agreement");
-        printf("%s less %s%s: ", end_of(text_at(row, "name")), text_at(c, "with"),
+        printf("%s less %s%s: ", row_name(row), text_at(c, "with"),
                json_is_true(json_object_get(c, "best_baseline")) ? ", best of the eight" : "");
         print_difference(agreement ? agreement : json_object_get(c, "spearman"));
         if (!agreement) {
@@ -143,9 +144,9 @@ static void print_coverage(const json_t *row) {
     char inside[64], by_material[64];
     if (!json_is_object(c))
         return;
-    printf("%.40s, labels inside its 95 %% interval: %s; mean by material %s, lowest %.1f %% (%.60s); %.1f %% below, "
+    printf("%s, labels inside its 95 %% interval: %s; mean by material %s, lowest %.1f %% (%.60s); %.1f %% below, "
            "%.1f %% above\n  by predicted JOD:",
-           text_at(row, "name"), estimate_text(c, "inside", "ci95", 100, " %", 1, inside),
+           row_name(row), estimate_text(c, "inside", "ci95", 100, " %", 1, inside),
            estimate_text(c, "by_material", "ci95_by_material", 100, " %", 1, by_material), 100 * number_at(c, "lowest"),
            text_at(c, "lowest_material"), 100 * number_at(c, "below"), 100 * number_at(c, "above"));
     for (size_t i = 0; i < json_array_size(ranges); ++i) {
@@ -173,8 +174,7 @@ enum { NAME_TEXT = 64 };
 
 /* The name of a row, with its mark. */
 static const char *name_text(const json_t *row, char text[NAME_TEXT]) {
-    snprintf(text, NAME_TEXT, "%s%s", end_of(text_at(row, "name")),
-             json_is_true(json_object_get(row, "best_of_family")) ? " *" : "");
+    snprintf(text, NAME_TEXT, "%s%s", row_name(row), json_is_true(json_object_get(row, "best_of_family")) ? " *" : "");
     return text;
 }
 
@@ -221,8 +221,8 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
         const json_t *row = json_array_get(rows, i), *parts = json_object_get(row, "parts");
         if (!json_array_size(parts))
             continue;
-        printf("\nParts of the label, %s: Spearman of the parts that %.40s predicts, %.0f pairs of %.0f materials\n",
-               shown(name), text_at(row, "name"), number_at(row, "n"), number_at(row, "n_materials"));
+        printf("\nParts of the label, %s: Spearman of the parts that %s predicts, %.0f pairs of %.0f materials\n",
+               shown(name), row_name(row), number_at(row, "n"), number_at(row, "n_materials"));
         printf("%-12s  %-22s  %-22s  %s\n", "", "predicted [95 %]", "estimate", "scalar feature");
         for (size_t k = 0; k < json_array_size(parts); ++k) {
             const json_t *part = json_array_get(parts, k), *scalar = json_object_get(part, "scalar");
