@@ -262,7 +262,7 @@ bool nqm_spec_probe(const char *text) {
 }
 
 size_t nqm_spec_lacks_colon(const char *text) {
-    const size_t n = strcspn(text, ";=");
+    const size_t n = strcspn(text, ";=, ");
     const char *rest = text[n] ? text + n + 1 : "";
     const bool is_setting = rest[strcspn(rest, ":/.=")] == '=';
     return (text[n] == ';' || is_setting) && begins_specs(text, n) ? n : 0;

@@ -101,7 +101,7 @@ NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 /** The model of the first n characters of `name`; NULL when there is none. */
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
 
-/** The length of the model's name in a text that lacks the colon of a spec, "ggx;alpha=.1", "ggx=alpha=.1" or "sgd;nickel"; 0: in
+/** The length of the model's name in a text that lacks the colon of a spec, "ggx;alpha=.1", "ggx,alpha=.1" or "sgd;nickel"; 0: in
  *  any other text. */
 size_t nqm_spec_lacks_colon(const char *text);
 /** Offer the names of all models, tables of presets and perturb, between. */

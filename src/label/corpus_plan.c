@@ -91,6 +91,8 @@ static nqm_status check_model(const char *word, size_t n, nqm_error *err) {
 
 nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err) {
     nqm_corpus_models models = {0};
+    if (list && strcmp(list, "all") == 0)
+        list = NULL;
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
         const nqm_status status = check_model(at, strcspn(at, ","), err);
         if (status != NQM_OK)

@@ -179,6 +179,8 @@ static void models_are_chosen_by_name(void **state) {
     nqm_corpus_models models;
     assert_int_equal(nqm_corpus_models_parse(NULL, &models, NULL), NQM_OK);
     assert_int_equal(models.n, count_models());
+    assert_int_equal(nqm_corpus_models_parse("all", &models, NULL), NQM_OK);
+    assert_int_equal(models.n, count_models());
     assert_int_equal(nqm_corpus_models_parse("", &models, NULL), NQM_OK);
     assert_int_equal(models.n, 0);
     assert_int_equal(nqm_corpus_models_parse("ggx,ward", &models, NULL), NQM_OK);
