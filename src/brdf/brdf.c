@@ -268,10 +268,12 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nq
                                           path_or_spec, nearest.advice)
                                : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
     }
-    return strchr(path_or_spec, ':') && (*nearest.advice || !strpbrk(model, "/."))
-               ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s", path_or_spec,
-                          model, nearest.advice)
-               : open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+    if (!strchr(path_or_spec, ':') || (!*nearest.advice && strpbrk(model, "/.")))
+        return open_file(path_or_spec, NULL, path_or_spec, brdf_ret, err);
+    return *nearest.advice ? nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: no such file, and there is no model '%s'%s",
+                                      path_or_spec, model, nearest.advice)
+                           : nqm_fail(err, NQM_ERR_IO, -1, "%.200s: No such file or directory, and no model '%s'",
+                                      path_or_spec, model);
 }
 
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {

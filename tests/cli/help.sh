@@ -133,7 +133,7 @@ done
 refuses 2 "ggx;alpha=.1: no such file; in a spec, ':' follows the model: 'ggx:alpha=.1'" info 'ggx;alpha=.1'
 refuses 2 "'ggx:alpha=.1;kd=.2'" info 'ggx=alpha=.1;kd=.2'
 refuses 2 "'sgd:nickel'" info 'sgd;nickel'
-refuses 2 "no such file, and there is no model 'merl'" info merl:nickel
+refuses 3 "No such file or directory, and no model 'merl'" info merl:nickel
 refuses 3 'No such file' info data/merl:nickel
 refuses 2 "'perturb:gloss=.9;of=sgd:nickel'" info 'perturb;gloss=.9;of=sgd:nickel'
 for wrong in 'ggx;alpha=.1' 'ggx=alpha=.1' 'ggx,alpha=.1' 'ggx alpha=.1'; do
