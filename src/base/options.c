@@ -3,6 +3,7 @@
  * Options described by tables: defaults, range checks, names, conversion to and from text.
  */
 #include "base/options.h"
+#include "base/names.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -185,10 +186,14 @@ nqm_status nqm_option_set(const nqm_option *o, void *options, const char *text, 
         if (is_good)
             store_number(o, field, value);
     }
+    if (is_good)
+        return NQM_OK;
     char name[NQM_OPTION_TEXT_MAX], allowed[NQM_OPTION_TEXT_MAX];
-    return is_good ? NQM_OK
-                   : nqm_fail(err, NQM_ERR_ARG, -1, "%s needs %s, not '%.80s'", nqm_option_name(o, name),
-                              nqm_option_allowed(o, allowed), text);
+    nqm_nearest nearest = nqm_nearest_begin(text);
+    for (size_t i = 0; i < count_words(o); ++i)
+        nqm_nearest_add(&nearest, o->words[i]);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s needs %s, not '%.80s'%s", nqm_option_name(o, name),
+                    nqm_option_allowed(o, allowed), text, nearest.advice);
 }
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */

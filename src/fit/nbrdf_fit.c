@@ -142,7 +142,7 @@ static nqm_status train(training *c, learner *l, size_t last) {
     for (; l->n_steps < last; ++c->n_done) {
         if (c->n_done % REPORT_EVERY == 0 && c->options->progress &&
             c->options->progress(c->options->progress_user, "training a network", (double)c->n_done, n_total) != 0)
-            return nqm_fail(c->err, NQM_ERR_CANCELLED, -1, "the training of a network was cancelled");
+            return nqm_fail(c->err, NQM_ERR_CANCELLED, -1, "interrupted");
         nqm_nbrdf_batch batch = batch_at(c->train, l->n_steps % c->train->n_batches);
         nqm_nbrdf_loss(l->weights, &batch, gradient);
         const double lr = learning_rate * 0.5 * (1 + cos(NQM_PI * (double)l->n_steps / (double)c->n_steps));

@@ -179,11 +179,13 @@ static nqm_status make_native(nqm_safetensors *st, nqm_error *err) {
 nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, const char *name, nqm_safetensors **st_ret,
                                  nqm_error *err) {
     *st_ret = NULL;
-    if (n_bytes < HEADER_AT)
-        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes,
-                        "%s: not a safetensors file: it ends in its header's length (byte %zu)", name, n_bytes);
-    uint64_t n_header = nqm_load_u64(data);
     const char *kind = nqm_file_kind(data, n_bytes);
+    if (n_bytes < HEADER_AT && kind)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a safetensors file: it begins like %s (byte 0)", name, kind);
+    if (n_bytes < HEADER_AT)
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes, "%s: not a safetensors file: it %s (byte %zu)", name,
+                        n_bytes ? "ends in its header's length" : "is empty", n_bytes);
+    uint64_t n_header = nqm_load_u64(data);
     if (n_header > n_bytes && kind && (n_bytes == HEADER_AT || data[HEADER_AT] != '{'))
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a safetensors file: it begins like %s (byte 0)", name, kind);
     if (n_header > MAX_HEADER || n_header > n_bytes - HEADER_AT)

@@ -203,3 +203,12 @@ plot 6 network nobody -o "$dir/x.svg"
 for file in "$dir"/x.* "$dir"/*.part; do
     [ ! -e "$file" ] || fail "a refusal left $file"
 done
+# One epoch is drawn as points; one pair has no correlation; slices without a value above 0.
+head -n 2 "$dir/log.csv" >"$dir/one_epoch.csv"
+plot 0 loss "$dir/one_epoch.csv" -o "$dir/one_epoch.svg"
+[ "$(grep -c 'stroke-width:6;stroke-linecap:round' "$dir/one_epoch.svg")" = 2 ] || fail "one epoch is no disc in the frame and one in the legend"
+printf 'jod,default\n9,8.5\n' >"$dir/one_pair.csv"
+plot 0 scatter "$dir/one_pair.csv" -o "$dir/one_pair.svg"
+plot 8 slice lambert:kd=0 -o "$dir/x.svg"
+says 'no BRDF has a value above 0 in any slice'
+plot 0 slice lambert:kd=0 lambert:kd=.5 -o "$dir/black.svg"

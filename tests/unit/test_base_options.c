@@ -86,6 +86,9 @@ static void from_text(void **state) {
     assert_string_equal(err.message, "layers needs a whole number from 1 to 9, not '10'");
     assert_int_equal(set(&p, "colour", "blue", &err), NQM_ERR_ARG);
     assert_string_equal(err.message, "colour needs red, dark_green, light_blue or rusty, not 'blue'");
+    assert_int_equal(set(&p, "colour", "rustu", &err), NQM_ERR_ARG);
+    assert_string_equal(err.message,
+                        "colour needs red, dark_green, light_blue or rusty, not 'rustu' (did you mean 'rusty'?)");
 }
 
 static void ranges(void **state) {

@@ -116,13 +116,18 @@ static void half_circle(cairo_t *cr, const half_plane *p, double radius) {
 
 static void draw_circles(cairo_t *cr, const half_plane *p) {
     nqm_tick_mark ticks[NQM_MAX_TICKS];
-    size_t n = nqm_axis_ticks(p->radius, 4, ticks);
-    for (size_t i = 0; i < n; ++i) {
+    const double gap = 4;
+    double room = INFINITY; /* for labels, which begin at the outermost */
+    for (size_t i = nqm_axis_ticks(p->radius, 4, ticks); i-- > 0;) {
         double radius = p->length * nqm_axis_place(p->radius, ticks[i].value);
         if (!ticks[i].label[0])
             continue;
         nqm_draw_grey(cr, 0.85);
         half_circle(cr, p, radius);
+        const double half = nqm_label_width(cr, ticks[i].label, NQM_SMALL_FONT) / 2;
+        if (radius + half > room)
+            continue;
+        room = radius - half - gap;
         nqm_draw_grey(cr, 0.2);
         nqm_label_draw(cr, p->x + radius, p->y + 4 + NQM_SMALL_FONT, NQM_CENTRE, NQM_SMALL_FONT, ticks[i].label);
     }

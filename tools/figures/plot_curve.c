@@ -121,8 +121,11 @@ static nqm_status draw_predictions(const char *path, nqm_points *points, const c
     }
     char note[128];
     double sign = jod ? 1 : -1; /* a larger distance is lower quality */
-    snprintf(note, sizeof note, "%zu pairs; Spearman correlation %.3f%s", points->n,
-             sign * nqm_spearman(points->n, points->x, points->y), jod ? "" : " (signed: higher is better)");
+    if (points->n > 1)
+        snprintf(note, sizeof note, "%zu pairs; Spearman correlation %.3f%s", points->n,
+                 sign * nqm_spearman(points->n, points->x, points->y), jod ? "" : " (signed: higher is better)");
+    else
+        snprintf(note, sizeof note, "1 pair");
     return nqm_panel_write(path, (nqm_sheet_panel){.chart = &chart}, 560, 580, title, note, options, err);
 }
 

@@ -43,6 +43,13 @@ static void name_losses(training *t, const char *path, bool is_only) {
         snprintf(t->names[k], sizeof t->names[k], "%.100s%s%s", is_only ? "" : file, is_only ? "" : ", ", losses[k]);
 }
 
+/* Around the values, clear of the frame. */
+static void round_axis(nqm_axis *axis, size_t n_most) {
+    const nqm_axis values = *axis;
+    nqm_axis_round(axis, n_most);
+    nqm_axis_pad(axis, values.min, values.max);
+}
+
 static nqm_status draw(const char *path, size_t n, const training *trainings, const nqm_plot_options *options,
                        nqm_error *err) {
     nqm_series losses[2 * MAX_LOGS], rates[MAX_LOGS];
@@ -50,8 +57,10 @@ static nqm_status draw(const char *path, size_t n, const training *trainings, co
     nqm_chart lower = {.x = nqm_axis_make("epoch", NQM_LINEAR), .y = nqm_axis_make("learning rate", NQM_LOG)};
     for (size_t i = 0; i < n; ++i) {
         const training *t = &trainings[i];
+        const bool is_point = t->n == 1; /* no line */
         for (size_t k = 0; k < 2; ++k) {
             losses[2 * i + k] = (nqm_series){.name = t->names[k],
+                                             .mark = is_point ? NQM_MARK_POINTS : NQM_MARK_LINE,
                                              .style = n == 1 ? k : i,
                                              .dash = k == TRAIN,
                                              .n = t->n,
@@ -59,15 +68,20 @@ static nqm_status draw(const char *path, size_t n, const training *trainings, co
                                              .y = t->values[k]};
             nqm_axis_include(&upper.y, t->n, t->values[k]);
         }
-        rates[i] = (nqm_series){
-            .mark = NQM_MARK_STEPS, .style = n == 1 ? 6 : i, .n = t->n, .x = t->values[EPOCH], .y = t->values[RATE]};
+        rates[i] = (nqm_series){.mark = is_point ? NQM_MARK_POINTS : NQM_MARK_STEPS,
+                                .style = n == 1 ? 6 : i,
+                                .n = t->n,
+                                .x = t->values[EPOCH],
+                                .y = t->values[RATE]};
         nqm_axis_include(&lower.y, t->n, t->values[RATE]);
         nqm_axis_include(&lower.x, t->n, t->values[EPOCH]);
     }
     nqm_axis_include(&lower.x, 1, &(double){0});
+    const double last = lower.x.max;
     nqm_axis_round(&lower.x, 10);
-    nqm_axis_round(&upper.y, 6);
-    nqm_axis_round(&lower.y, 4);
+    nqm_axis_pad(&lower.x, last, last);
+    round_axis(&upper.y, 6);
+    round_axis(&lower.y, 4);
     upper.x.min = lower.x.min;
     upper.x.max = lower.x.max;
     upper.y.label_width = lower.y.label_width = 44;

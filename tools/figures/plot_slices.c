@@ -121,6 +121,15 @@ static nqm_status set_axis_range(nqm_chart *chart, nqm_error *err) {
     return NQM_OK;
 }
 
+/* Whether any panel shows a line of BRDF k: the axes are logarithmic. */
+static bool is_visible(const slicing *s, size_t k) {
+    for (size_t panel = 0; panel < N_PANELS; ++panel)
+        for (size_t i = 0; i < N_POINTS; ++i)
+            if (s->y[panel][k][i] > 0)
+                return true;
+    return false;
+}
+
 static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *const *brdfs,
                         const nqm_plot_options *options, nqm_error *err) {
     nqm_sheet_panel panels[N_PANELS];
@@ -139,6 +148,16 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
         status = set_axis_range(&s->charts[panel], err);
         panels[panel] = (nqm_sheet_panel){.chart = &s->charts[panel]};
     }
+    size_t n_visible = 0;
+    for (size_t k = 0; status == NQM_OK && k < n; ++k) {
+        const size_t used = strlen(s->names[k]);
+        n_visible += is_visible(s, k);
+        if (!is_visible(s, k))
+            snprintf(s->names[k] + used, sizeof s->names[k] - used, " (0)");
+    }
+    if (status == NQM_OK && !n_visible)
+        return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: no BRDF has a value above 0 in any slice: nothing to draw",
+                        path);
     const nqm_sheet sheet = {.title = "Slices of BRDFs",
                              .note = "luminance of f_{r}, without the cosine; the light is at " NQM_THETA
                                      "_{i} on the left "

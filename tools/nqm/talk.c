@@ -120,7 +120,7 @@ static _Noreturn void vanish(int exit_code) {
 }
 
 static void on_alarm(int signal_number) {
-    static const char message[] = "nqm: interrupted\n";
+    static const char message[] = ": interrupted\n";
     const double used_s = processor_s() - interrupt_processor_s;
     (void)signal_number;
     if (nqm_clock_s() - interrupt_s < (saves_work ? saving_s : grace_s) ||
@@ -128,6 +128,8 @@ static void on_alarm(int signal_number) {
         return;
     if (progress_shown)
         (void)!write(STDERR_FILENO, clear_line, sizeof clear_line - 1);
+    (void)!write(STDERR_FILENO, "nqm ", 4);
+    (void)!write(STDERR_FILENO, current_verb, strlen(current_verb));
     (void)!write(STDERR_FILENO, message, sizeof message - 1);
     vanish(EXIT_INTERRUPTED);
 }

@@ -363,7 +363,8 @@ int cmd_fit(int argc, char **argv) {
     terms.out = &out;
     const int exit_code = fit_all(&terms, &request, &fit, results);
     end_progress();
-    warn_unwritten(&request, results);
+    if (quiet || request.n_models == 1) /* otherwise the table says it */
+        warn_unwritten(&request, results);
     if (page)
         write_fit_report(argv[0], &request, results, loss, metric, &page_file);
     print_fits(request.n_models, results,

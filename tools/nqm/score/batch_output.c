@@ -59,7 +59,7 @@ static void compare_terms(const batch_output *out, const char *line, const json_
         if (!json_equal(value, was))
             stop(EXIT_INCOMPATIBLE,
                  "%s was begun with another %s%s%s: --resume needs the same; remove it to start again", out->part, key,
-                 json_is_string(was) ? ", " : "", json_is_string(was) ? json_string_value(was) : "");
+                 json_string_length(was) ? ", " : "", json_string_length(was) ? json_string_value(was) : "");
     }
     json_decref(before);
 }

@@ -74,7 +74,8 @@ static void print_text(const score_run *run) {
          "75 % of people prefer the reference. prefer ref: people who would say that the\n"
          "reference looks better than the test (50 %: they guess).");
     if (has_parts)
-        puts("seen apart: the JOD for people who do not see both next to each other.");
+        puts("seen apart: the JOD for people who do not see both at once, and adapt to most\n"
+             "of a shift in brightness or colour; small places that change much count more.");
     if (calibrated)
         puts("[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material\n"
              "is new to the model and the kind of distortion is not. The verdict is about this\n"
