@@ -54,8 +54,8 @@ void nqm_add_noise(size_t n, const float *ref, const float *test, double sigma, 
 /* round(n * fraction), clamped so that neither part is empty. */
 static nqm_status part_size(size_t n, double fraction, const char *what, size_t *part_ret, nqm_error *err) {
     if (n < 2)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%zu %s: too few to split into training and validation", n,
-                        what);
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "%zu %s, without test pairs: too few to split into training and validation", n, what);
     size_t part = (size_t)round((double)n * fraction);
     *part_ret = part < 1 ? 1 : part > n - 1 ? n - 1 : part;
     return NQM_OK;

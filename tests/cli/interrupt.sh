@@ -15,6 +15,7 @@ awk 'BEGIN { print "reference,test"; for (i = 0; i < 100000; ++i) printf "sgd:ni
 awk 'BEGIN { print "DeltaE,JOD"; for (i = 0; i < 300000; ++i) print i % 300 / 10 "," i * 7919 % 1000 / 100 }' >"$in/labels.csv"
 printf 'name,group,brdf,source,split\na,a,%s,nps,train\nb,b,sgd:brass,sgd,validation\n' "$network" >"$in/materials.csv"
 cd "$dir/work"
+signal=INT
 
 # stops NAME KEPT ARGUMENTS...: interrupt the verb; KEPT is a regular expression for files that it may leave (- if none).
 stops() {
@@ -25,7 +26,7 @@ stops() {
     while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
     sleep "${NQM_INTERRUPT_AFTER:-0.4}"
     begin=$(date +%s.%N)
-    kill -INT $pid 2>/dev/null || fail "$name: it ended before Ctrl-C"
+    kill -$signal $pid 2>/dev/null || fail "$name: it ended before Ctrl-C"
     got=0
     wait $pid || got=$?
     [ -z "${NQM_INTERRUPT_TIMES:-}" ] ||
@@ -56,4 +57,7 @@ stops convert - convert "$network" -o table.binary
 stops regress - regress "$in/labels.csv"
 stops plot - plot attribution "$network" "$network" -o drawing.svg
 stops transport - transport make --points 2048 -o transport.safetensors
+signal=HUP # the terminal is closed
+stops report-hangup - report sgd:nickel ward:nickel "$network" -o page.html --size 1000
+signal=INT
 stops check - check --json "$network" "$network" "$network" "$network" "$network" "$network"

@@ -99,6 +99,13 @@ run 0 train "$dir/toy.safetensors" -o "$dir/notebook.safetensors" --recipe=noteb
 run 0 train --recipe paper --help
 grep -q -- '--batch N .*512' "$dir/out" || fail "help shows the recipe's defaults"
 
+# A training that cannot begin leaves the log of an earlier one, and never replaces its dataset.
+printf 'epoch,train_loss,validation_loss,lr_first\n1,.5,.6,1e-4\n' >"$dir/earlier.csv"
+run 2 train "$dir/toy.safetensors" -o "$dir/toy.safetensors"
+head -n 2 "$source/tests/vectors/authors/labels.csv" >"$dir/one_label.csv"
+run 5 train "$source/tests/vectors/authors" --labels "$dir/one_label.csv" -o "$dir/x.safetensors" --log "$dir/earlier.csv" --recipe paper
+grep -q '^1,.5,.6' "$dir/earlier.csv" || fail "the earlier log is emptied"
+
 # Evaluation: several models and the metrics, tables by kind and range, JSON, CSV, pairs.
 run 0 eval "$dir/toy.safetensors" --model "$dir/a.safetensors,$dir/paper.safetensors" --by both --bootstrap 100 --pairs "$dir/pairs.csv"
 grep -q '^all: 144 pairs of 6 materials' "$dir/out" || fail "text of eval"

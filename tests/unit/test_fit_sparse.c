@@ -234,7 +234,8 @@ static void memory_runs_out(void **state) {
             fail_msg("allocation %ld: %s (%s)", n, err.message, nqm_status_text(status));
     }
     assert_int_equal(status, NQM_OK);
-    assert_int_equal(n, 8); /* each allocation has failed once */
+    assert_int_equal(n,
+                     8 + NQM_BIG_ENDIAN); /* each allocation has failed once; values of other byte order are copied */
     nqm_brdf_free(brdf);
     nqm_brdf_free(ref);
 }

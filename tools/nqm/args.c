@@ -118,16 +118,41 @@ static void check_needed(const command *cmd) {
         }
 }
 
-/* Before the work: outputs have names of their kind and can be written. */
-static void check_outputs(const command *cmd) {
+/* The text of an option; NULL: it is not given, or has no text. */
+static const char *text_of(const option *o) {
+    return o->kind == OPTION_TEXT || o->kind == OPTION_NEEDED ? *(const char **)o->target : NULL;
+}
+
+/* An output must be no argument and no file of another option: it would replace that. */
+static void check_overwritten(const command *cmd, const option *output, const char *name, int n, char **arguments) {
+    const char *path = text_of(output);
+    for (int i = 0; i < n; ++i)
+        if (is_same_file(path, arguments[i]))
+            stop(EXIT_USAGE, "%s %s would replace an input", name, path);
+    for (const option *o = cmd->options; o->name; ++o)
+        if (o != output && text_of(o) && is_same_file(path, text_of(o)))
+            stop(EXIT_USAGE, "%s %s would replace the file of --%s", name, path, o->name);
+    for (size_t i = 0; cmd->table && i < cmd->table->n; ++i) {
+        const nqm_option *row = &cmd->table->rows[i];
+        const char *text =
+            row->kind == NQM_OPTION_TEXT ? *(const char **)((char *)cmd->table_target + row->offset) : NULL;
+        if (text && is_same_file(path, text))
+            stop(EXIT_USAGE, "%s %s would replace an input", name, path);
+    }
+}
+
+/* Before the work: outputs have names of their kind, can be written and replace no input. */
+static void check_outputs(const command *cmd, int n, char **arguments) {
     for (const option *o = cmd->options; o->name; ++o) {
         const bool is_output = o->metavar && strncmp(o->metavar, "FILE.", 5) == 0;
         const char *path = is_output ? *(const char **)o->target : NULL;
         char name[NQM_OPTION_TEXT_MAX + 2];
         snprintf(name, sizeof name, "-%s%s", o->letter ? "" : "-",
                  o->letter ? (const char[]){o->letter, '\0'} : o->name);
-        if (path)
-            require_named_output(name, path, o->metavar + 4);
+        if (!path)
+            continue;
+        require_named_output(name, path, o->metavar + 4);
+        check_overwritten(cmd, o, name, n, arguments);
     }
 }
 
@@ -210,6 +235,6 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
     if (max >= 0 && n > max)
         usage_error(cmd, "too many arguments, beginning with: ", argv[max]);
     check_needed(cmd);
-    check_outputs(cmd);
+    check_outputs(cmd, n, argv);
     return n;
 }

@@ -258,7 +258,9 @@ nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split)
     if (folder && !labels)
         stop(EXIT_USAGE, "%s: a folder (the authors' layout) needs its labels: --labels CSV", path);
     if (!folder && labels)
-        stop(EXIT_USAGE, "%s: --labels is for a folder (the authors' layout), not for a dataset file", path);
+        stop(access(path, F_OK) == 0 ? EXIT_USAGE : EXIT_OPEN, "%s: %s", path,
+             access(path, F_OK) == 0 ? "--labels is for a folder (the authors' layout), not for a dataset file"
+                                     : strerror(errno));
     must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &err)
                 : nqm_dataset_load(path, &dataset, &err),
          &err);

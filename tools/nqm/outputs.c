@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
@@ -83,6 +84,28 @@ void require_named_output(const char *name, const char *path, const char *ending
     if (*ending ? !is_listed(ending, endings) : strstr(endings, "|.") != NULL)
         stop(EXIT_USAGE, "%s writes FILE%s, and '%s' names another kind of file", name, endings, path);
     require_output(path);
+}
+
+/* Whether two paths are of one file. */
+static bool are_one_file(const char *x, const char *y) {
+    struct stat a, b;
+    return stat(x, &a) == 0 && stat(y, &b) == 0 && S_ISREG(a.st_mode) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+bool is_same_file(const char *path, const char *argument) {
+    char part[4096];
+    bool is_same = are_one_file(path, argument);
+    for (size_t n; !is_same && *argument; argument += n + (argument[n] != '\0')) {
+        n = strcspn(argument, "=;()");
+        snprintf(part, sizeof part, "%.*s", (int)nqm_smaller(n, sizeof part - 1), argument);
+        is_same = are_one_file(path, part);
+        char *member = strrchr(part, ':');
+        if (member && !is_same) {
+            *member = '\0';
+            is_same = are_one_file(path, part);
+        }
+    }
+    return is_same;
 }
 
 void close_output(output_file *out) {

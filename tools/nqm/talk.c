@@ -154,6 +154,9 @@ void catch_interrupt(void) {
     struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_ONSTACK};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    struct sigaction hangup;
+    if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN) /* as nohup sets it */
+        sigaction(SIGHUP, &action, NULL);
     action.sa_handler = on_alarm;
     action.sa_flags |= SA_RESTART;
     sigaction(SIGALRM, &action, NULL);

@@ -63,23 +63,21 @@ static void check_places(const train_arguments *a) {
 typedef struct epoch_log {
     const char *id, *path;
     FILE *stream; /* NULL: none */
-    bool is_file;
+    bool is_file, has_head;
 } epoch_log;
 
-/* The log is written in place, so that it can be followed and a stopped training leaves it. A resumed training keeps the old file and
- * writes the epochs of the checkpoint again, which are the same lines. */
-static void open_log(epoch_log *log, bool resume) {
+/* The log is written in place, so that it can be followed and a stopped training leaves it. An earlier log stays until the first
+ * epoch; a resumed training writes the epochs of the checkpoint again, which are the same lines. */
+static void open_log(epoch_log *log) {
     struct stat facts;
     log->stream = stdout;
     if (strcmp(log->path, "-") != 0) {
-        const int fd = open(log->path, O_WRONLY | O_CREAT | O_CLOEXEC | (resume ? 0 : O_TRUNC), 0666);
+        const int fd = open(log->path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
         log->stream = fd < 0 ? NULL : fdopen(fd, "w");
         if (!log->stream)
             stop(EXIT_OPEN, "%s: cannot write: %s", log->path, strerror(errno));
         log->is_file = fstat(fd, &facts) == 0 && S_ISREG(facts.st_mode);
     }
-    fputs("epoch,train_loss,validation_loss,lr_first\n", log->stream);
-    fflush(log->stream);
 }
 
 /* Write what is buffered, and remove what an earlier training wrote further on. */
@@ -90,7 +88,7 @@ static bool flush_log(const epoch_log *log) {
 static void close_log(epoch_log *log) {
     if (!log->stream)
         return;
-    const bool is_complete = flush_log(log) && !ferror(log->stream);
+    const bool is_complete = (!log->has_head || flush_log(log)) && !ferror(log->stream);
     if ((log->stream != stdout && fclose(log->stream) != 0) || !is_complete)
         stop(EXIT_OPEN, "%s: cannot write: %s", log->path, strerror(errno));
 }
@@ -100,6 +98,9 @@ static void on_epoch(void *user, size_t epoch, double train_loss, double validat
     note_progress("%.40s, epoch %zu: loss %.4f, validation %.4f", log->id, epoch, train_loss, validation_loss);
     if (!log->stream)
         return;
+    if (!log->has_head)
+        fputs("epoch,train_loss,validation_loss,lr_first\n", log->stream);
+    log->has_head = true;
     fprintf(log->stream, "%zu,%.9g,%.9g,%.9g\n", epoch, train_loss, validation_loss, lr_first);
     flush_log(log); /* close_log() reports errors, when the model is saved */
 }
@@ -112,7 +113,7 @@ static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *da
     nqm_train_options o = a->options;
     epoch_log log = {.id = o.id, .path = a->log};
     if (a->log)
-        open_log(&log, o.run.resume);
+        open_log(&log);
     if (o.run.checkpoint)
         save_when_interrupted();
     o.run.progress = show_progress;
