@@ -179,9 +179,11 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
     const char *nul = n_bytes ? memchr(text, '\0', n_bytes) : NULL;
     if (nul && n_bytes > 1 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: text in UTF-16 (byte 0); save it as UTF-8", name);
-    if (nul)
-        return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file", name,
-                        (size_t)(nul - text));
+    if (nul) {
+        const char *kind = nqm_file_kind((const unsigned char *)text, n_bytes);
+        return nqm_fail(err, NQM_ERR_FORMAT, nul - text, "%s: byte %zu is 0: not a text file%s%s", name,
+                        (size_t)(nul - text), kind ? ", it begins like " : "", kind ? kind : "");
+    }
     size_t n_fields, n_records, n_name = strlen(name) + 1;
     const char separator = find_separator(text, n_bytes);
     count_fields(text, n_bytes, separator, &n_records, &n_fields);

@@ -397,6 +397,21 @@ void print_csv_label(FILE *out, const nqm_label *l) {
     print_csv_numbers(out, LABEL_COLUMNS, values);
 }
 
+void print_phrases(const char *text) {
+    enum { INDENT = 9, N_LINE = 80 - INDENT };
+    while (strlen(text) > N_LINE) {
+        size_t n = 0;
+        for (size_t i = 0; i < N_LINE && text[i + 1]; ++i)
+            if ((text[i] == ',' || text[i] == ';') && text[i + 1] == ' ')
+                n = i + 1;
+        if (n == 0)
+            break;
+        printf("%*s%.*s\n", INDENT, "", (int)n, text);
+        text += n + 1;
+    }
+    printf("%*s%s\n", INDENT, "", text);
+}
+
 const char *jod_words(double jod) {
     if (jod >= 9.5)
         return "practically the same";

@@ -218,6 +218,8 @@ void print_csv_label_names(FILE *out);
 void print_csv_label(FILE *out, const nqm_label *label);
 /** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *jod_words(double jod);
+/** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */
+void print_phrases(const char *text);
 /** Print two lines about the intervals of a model; the same as JSON, null without intervals. */
 void print_calibration(const nqm_calibration *calibration);
 json_t *calibration_json(const nqm_calibration *calibration);

@@ -127,12 +127,13 @@ static void print_csv_test(const label_run *run, const label_item *item) {
 
 static void print_text_test(const label_item *item) {
     char words[NQM_LABEL_TEXT];
-    if (item->err.status != NQM_OK)
+    if (item->err.status != NQM_OK) {
         printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", shown(item->shown));
-    else
-        printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n%31s%s\n", item->label.delta_e, item->jod,
-               nqm_label_similarity(&item->label), item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures",
-               shown(item->shown), "", nqm_label_describe(&item->label, words));
+        return;
+    }
+    printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, nqm_label_similarity(&item->label),
+           item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures", shown(item->shown));
+    print_phrases(nqm_label_describe(&item->label, words));
 }
 
 void print_labels(const label_run *run) {

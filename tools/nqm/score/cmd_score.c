@@ -63,9 +63,11 @@ static void print_text(const score_run *run) {
             printf("  %-4s", gate_mark(&run->gate, r));
         printf("  %s\n", shown(row->name));
         if (scored && !isnan(r->similarity)) {
-            char words[NQM_LABEL_TEXT];
+            char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + 40];
             has_parts = true;
-            printf("%9s%s; seen apart %.2f\n", "", nqm_label_describe(&r->parts, words), r->similarity);
+            snprintf(phrases, sizeof phrases, "%s; seen apart %.2f", nqm_label_describe(&r->parts, words),
+                     r->similarity);
+            print_phrases(phrases);
         }
     }
     if (n_scored == 0)
