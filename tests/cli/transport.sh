@@ -48,6 +48,8 @@ cmp -s "$dir/out" "$dir/studio.safetensors" || fail "the model on standard outpu
 
 # Refusals. An output that cannot be written is found before the light is read.
 run 2 transport
+make 3 --light studo -o "$dir/x"
+says "did you mean 'studio'"
 run 2 transport make
 run 2 transport show -o "$dir/x"
 says "no 'show'"

@@ -46,6 +46,7 @@ int cmd_transport(int argc, char **argv) {
         .min_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
+    check_scene_files(&scene.scene);
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;
     nqm_directions *directions = open_directions(directions_name);
     nqm_model *model;

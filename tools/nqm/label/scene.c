@@ -57,12 +57,16 @@ static void check_place(const char *option_name, const char *path, const char *c
         stop(EXIT_OPEN, "%s: there is no file '%s'%s; built in are %s", option_name, path, nearest.advice, known);
 }
 
-void scene_args_end(scene_args *a) {
+void check_scene_files(const nqm_scene_options *s) {
     static const char *const shapes[] = {"sphere", "blob", NULL};
     static const char *const lights[] = {"sun", "overcast", "studio", "interior", NULL};
-    nqm_scene_options *s = &a->scene;
     check_place("--shape", s->shape, shapes);
     check_place("--light", s->light, lights);
+}
+
+void scene_args_end(scene_args *a) {
+    nqm_scene_options *s = &a->scene;
+    check_scene_files(s);
     if (a->size && !parse_size(a->size, &s->width, &s->height))
         stop(EXIT_USAGE, "--size needs a size in pixels, '256' or '320x200', with sides of at most %d pixels, not '%s'",
              (int)MAX_SIDE, a->size);

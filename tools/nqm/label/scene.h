@@ -24,6 +24,8 @@ scene_args scene_args_begin(void);
 /** The row of --size, for the options of a verb. */
 #define OPTION_ROW_SIZE(args, help)                                                                                    \
     { "size", 0, OPTION_TEXT, &(args)->size, "N|WxH", help, 0, 0 }
+/** Stop when the shape or the light is neither built in nor a file. scene_args_end() does. */
+void check_scene_files(const nqm_scene_options *scene);
 /** After parsing: set width, height and n_frames, or report the error and exit. */
 void scene_args_end(scene_args *a);
 /** The scene in JSON documents. */
