@@ -103,13 +103,6 @@ void html_json(FILE *out, const char *id, json_t *value) {
 
 html_percent html_people(double fraction) {
     html_percent p;
-    bool is_almost_all = fraction >= 0.995, is_almost_none = fraction < 0.005;
-    snprintf(p.text, sizeof p.text, "%s%.0f\xc2\xa0%%",
-             is_almost_all    ? ">\xc2\xa0"
-             : is_almost_none ? "<\xc2\xa0"
-                              : "",
-             is_almost_all    ? 99
-             : is_almost_none ? 1
-                              : 100 * fraction);
+    snprintf(p.text, sizeof p.text, "%.0f\xc2\xa0%%", 100 * fraction);
     return p;
 }

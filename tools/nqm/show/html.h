@@ -19,7 +19,7 @@ void html_image(FILE *out, const char *path, const char *alt, size_t width, size
  *  report the error and exit. */
 void html_json(FILE *out, const char *id, json_t *value);
 
-/** A fraction of people as text for html(): "71 %", "> 99 %". */
+/** A fraction of people as text for html(): "71 %", as nqm score prints it. */
 typedef struct html_percent {
     char text[16];
 } html_percent;
