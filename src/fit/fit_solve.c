@@ -262,7 +262,7 @@ bool nqm_fit_tick(search *s) {
 }
 
 nqm_status nqm_fit_cancelled(nqm_error *err) {
-    return nqm_fail(err, NQM_ERR_CANCELLED, -1, "fit: stopped");
+    return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
 }
 
 nqm_status nqm_fit_search_begin(const nqm_fit_entry *model, const nqm_fit_target *target, nqm_ticker *ticker, search *s,

@@ -32,6 +32,12 @@ done
 refuses 2 "there is no material 'maya'" translate "$red" --to maya
 refuses 2 'no file of this name' translate "$red" --to gltf -o "$dir/red.pbrt"
 refuses 2 'write 2 with -d' translate "$red" "$red" --to gltf -o "$dir/two.gltf"
+mkdir "$dir/same"
+"$tool" translate "$red" --to gltf -o "$dir/same/red.gltf" >/dev/null 2>&1 || fail "a material to replace"
+cp "$dir/same/red.gltf" "$dir/same.before"
+refuses 2 'would replace an input' translate "$dir/same/red.gltf" --to gltf -o "$dir/same/red.gltf"
+refuses 2 'would replace an input' translate "$dir/same/red.gltf" --to gltf -d "$dir/same"
+cmp "$dir/same/red.gltf" "$dir/same.before" || fail "an input is replaced"
 refuses 2 'would both be written' translate "$dir/red.glb" "$dir/red.glb" --to gltf -d "$dir/usd"
 refuses 2 'shows one material' translate "$red" "$red" --to gltf --report "$dir/page.html"
 refuses 3 . translate "$red" --to gltf -o "$dir/no/such.gltf"

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { MAX_TEXT = 4096 };
 
@@ -109,9 +110,14 @@ static void name_outputs(translation *t) {
     }
     if (t->folder && !is_folder(t->folder) && mkdir(t->folder, 0777) != 0)
         stop(EXIT_OPEN, "%s: cannot create this folder", t->folder);
-    for (size_t i = 0; i < t->n; ++i)
-        if (t->items[i].path[0])
-            require_output(t->items[i].path);
+    for (size_t i = 0; i < t->n; ++i) {
+        const char *path = t->items[i].path;
+        for (size_t k = 0; *path && access(path, F_OK) == 0 && k < t->n; ++k)
+            if (is_same_file(path, t->items[k].argument))
+                stop(EXIT_USAGE, "%s would replace an input", path);
+        if (*path)
+            require_output(path);
+    }
 }
 
 /* ---- results ------------------------------------------------------------------------------------------------------ */
