@@ -186,6 +186,7 @@ refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --
 refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"
 refuses 3 "$dir/no/x.safetensors" train corpus.safetensors -o "$dir/no/x.safetensors"
 run 0 directions -o "$dir/set-1.2" # a number is not an ending
+refuses 2 "would replace the file of --" label sgd:nickel ward:nickel --map "$dir/x.png" --grid "$dir/x.png"
 # Every option that names an output has the check.
 for verb in $verbs; do
     run 0 "$verb" --help

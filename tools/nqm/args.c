@@ -123,6 +123,13 @@ static const char *text_of(const option *o) {
     return o->kind == OPTION_TEXT || o->kind == OPTION_NEEDED ? *(const char **)o->target : NULL;
 }
 
+/* Whether an option names the file of an output: one that exists, or one that both would write. */
+static bool is_file_of(const option *o, const char *output) {
+    const char *path = text_of(o);
+    const bool is_stream = strcmp(output, "-") == 0 || strncmp(output, "/dev/", 5) == 0;
+    return path && (is_same_file(output, path) || (!is_stream && strcmp(output, path) == 0));
+}
+
 /* An output must be no argument and no file of another option: it would replace that. */
 static void check_overwritten(const command *cmd, const option *output, const char *name, int n, char **arguments) {
     const char *path = text_of(output);
@@ -130,7 +137,7 @@ static void check_overwritten(const command *cmd, const option *output, const ch
         if (is_same_file(path, arguments[i]))
             stop(EXIT_USAGE, "%s %s would replace an input", name, path);
     for (const option *o = cmd->options; o->name; ++o)
-        if (o != output && text_of(o) && is_same_file(path, text_of(o)))
+        if (o != output && is_file_of(o, path))
             stop(EXIT_USAGE, "%s %s would replace the file of --%s", name, path, o->name);
     for (size_t i = 0; cmd->table && i < cmd->table->n; ++i) {
         const nqm_option *row = &cmd->table->rows[i];
