@@ -259,6 +259,10 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nq
     if (n_model)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%.150s: no such file; in a spec, ':' follows the model: '%.*s:%.150s'",
                         path_or_spec, (int)n_model, path_or_spec, path_or_spec + n_model + 1);
+    preset = nqm_preset_without_colon(path_or_spec);
+    if (preset)
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: No such file or directory (did you mean '%s'?)", path_or_spec,
+                        preset);
     snprintf(model, sizeof model, "%.*s", (int)strcspn(path_or_spec, ":"), path_or_spec);
     nqm_nearest nearest = nqm_nearest_begin(model);
     nqm_spec_nearest(&nearest);

@@ -26,6 +26,17 @@ const char *nqm_preset_named(const char *material) {
     return found;
 }
 
+const char *nqm_preset_without_colon(const char *text) {
+    for (size_t i = 0; i < nqm_preset_name_count; ++i) {
+        const char *name = nqm_preset_names[i];
+        const size_t n = strcspn(name, ":");
+        if (strlen(text) == strlen(name) && strchr("-_. ", text[n]) && strncmp(text, name, n) == 0 &&
+            strcmp(text + n + 1, name + n + 1) == 0)
+            return name;
+    }
+    return NULL;
+}
+
 void nqm_preset_nearest(nqm_nearest *nearest) {
     for (size_t i = 0; i < nqm_preset_name_count; ++i) {
         const char *colon = strchr(nqm_preset_names[i], ':');

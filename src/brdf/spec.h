@@ -110,6 +110,8 @@ void nqm_spec_nearest(nqm_nearest *nearest);
 /** A table of presets, or NULL. */
 /** "sgd:nickel" for "nickel": a preset of this material, of the table sgd if it is there; NULL: none. */
 const char *nqm_preset_named(const char *material);
+/** "ward:nickel" for "ward-nickel", "ward_nickel", "ward.nickel" or "ward nickel"; NULL: the text is no such preset. */
+const char *nqm_preset_without_colon(const char *text);
 /** Offer the materials of all presets, without their tables. */
 void nqm_preset_nearest(nqm_nearest *nearest);
 const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);

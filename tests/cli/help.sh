@@ -118,6 +118,10 @@ for verb in "score sgd:nickel" "rank sgd:nickel" "label sgd:nickel" "report -o $
     refuses 2 "'default' is a model, not a BRDF: models belong to --model" $verb default
 done
 refuses 2 "'paper' is a model" score default=paper sgd:nickel
+for verb in eval "eval --human"; do
+    # shellcheck disable=SC2086
+    refuses 3 "'default' is a model, not a dataset: models belong to --model (nqm eval DATASET --model default)" $verb default
+done
 refuses 3 "no file 'defualt' (did you mean 'default'?)" score sgd:nickel defualt
 refuses 3 "no file and no model 'defualt' (did you mean 'default'?)" sample sgd:nickel -d defualt
 refuses 6 "'ggx:alpha=.1' is a BRDF, not a model" score sgd:nickel ward:nickel --model ggx:alpha=.1
@@ -133,6 +137,11 @@ done
 refuses 2 "ggx;alpha=.1: no such file; in a spec, ':' follows the model: 'ggx:alpha=.1'" info 'ggx;alpha=.1'
 refuses 2 "'ggx:alpha=.1;kd=.2'" info 'ggx=alpha=.1;kd=.2'
 refuses 2 "'sgd:nickel'" info 'sgd;nickel'
+for wrong in ward-nickel ward_nickel ward.nickel 'ward nickel'; do
+    refuses 3 "$wrong: No such file or directory (did you mean 'ward:nickel'?)" info "$wrong"
+done
+refuses 3 "ward.binary: No such file or directory" info ward.binary
+grep -q 'did you mean' "$dir/err" && fail "a hint for a file's name: $(cat "$dir/err")"
 refuses 3 "No such file or directory, and no model 'merl'" info merl:nickel
 refuses 3 'No such file' info data/merl:nickel
 refuses 2 "'perturb:gloss=.9;of=sgd:nickel'" info 'perturb;gloss=.9;of=sgd:nickel'

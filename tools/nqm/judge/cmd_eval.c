@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8, BY_SUBSET = 16 };
 static const char *const by_words[] = {"none", "kind", "range", "family", "class", "subset", "both", "all", NULL};
@@ -155,7 +156,14 @@ static void require_dataset(const char *path) {
     nqm_csv_free(csv);
 }
 
+static void refuse_model(const char *path) {
+    if (is_builtin(path) && access(path, F_OK) != 0)
+        stop(EXIT_OPEN, "'%s' is a model, not a dataset: models belong to --model (nqm eval DATASET --model %s)", path,
+             path);
+}
+
 static void open_pairs(eval_run *run, const eval_arguments *a, nqm_eval_options *o) {
+    refuse_model(run->dataset_path);
     if (a->human) {
         open_human(run, a->root);
     } else {
