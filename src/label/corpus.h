@@ -134,7 +134,7 @@ typedef struct nqm_corpus_models {
     const char *name[NQM_CORPUS_MAX_MODELS]; /* static storage */
 } nqm_corpus_models;
 
-/** Parse nqm_corpus_options.models (NULL and "all": each); the result is in the order of nqm_fit_model(). */
+/** Parse nqm_corpus_options.models (NULL, and a list with "all": each); the result is in the order of nqm_fit_model(). */
 NQM_MUST_CHECK nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err);
 
 /** The tests of one material group. */

@@ -79,6 +79,8 @@ static nqm_status check_model(const char *word, size_t n, nqm_error *err) {
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), word);
     nqm_nearest nearest = nqm_nearest_begin(name);
+    if (strcmp(name, "all") == 0)
+        return NQM_OK;
     for (size_t k = 0; nqm_fit_model(k); ++k) {
         if (strcmp(nqm_fit_model(k), name) == 0)
             return listed(word + n + (word[n] == ','), name)
@@ -91,15 +93,14 @@ static nqm_status check_model(const char *word, size_t n, nqm_error *err) {
 
 nqm_status nqm_corpus_models_parse(const char *list, nqm_corpus_models *models_ret, nqm_error *err) {
     nqm_corpus_models models = {0};
-    if (list && strcmp(list, "all") == 0)
-        list = NULL;
+    const bool is_all = !list || listed(list, "all");
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
         const nqm_status status = check_model(at, strcspn(at, ","), err);
         if (status != NQM_OK)
             return status;
     }
     for (size_t k = 0; nqm_fit_model(k) && models.n < NQM_CORPUS_MAX_MODELS; ++k)
-        if (!list || listed(list, nqm_fit_model(k)))
+        if (is_all || listed(list, nqm_fit_model(k)))
             models.name[models.n++] = nqm_fit_model(k);
     *models_ret = models;
     return NQM_OK;

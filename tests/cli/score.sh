@@ -40,6 +40,9 @@ done
 score 0 $ref $ward --json --metrics mae,log_diff
 { [ "$(grep -c '"rmse"' "$dir/out")" = 0 ] && grep -q '"mae"' "$dir/out" && grep -q '"log_diff"' "$dir/out"; } || fail "--metrics LIST"
 
+score 0 $ref $ward --json --metrics mae,all
+{ grep -q '"rmse"' "$dir/out" && grep -q '"log_diff"' "$dir/out"; } || fail "--metrics with all in a list"
+
 # Text: one row per test, a legend; metrics on request.
 score 0 $ref $ward $ref --metrics all
 grep -q '^model  *tiny$' "$dir/out" || fail "the text names the model"

@@ -181,6 +181,8 @@ static void models_are_chosen_by_name(void **state) {
     assert_int_equal(models.n, count_models());
     assert_int_equal(nqm_corpus_models_parse("all", &models, NULL), NQM_OK);
     assert_int_equal(models.n, count_models());
+    assert_int_equal(nqm_corpus_models_parse("ggx,all", &models, NULL), NQM_OK);
+    assert_int_equal(models.n, count_models());
     assert_int_equal(nqm_corpus_models_parse("", &models, NULL), NQM_OK);
     assert_int_equal(models.n, 0);
     assert_int_equal(nqm_corpus_models_parse("ggx,ward", &models, NULL), NQM_OK);
@@ -189,6 +191,7 @@ static void models_are_chosen_by_name(void **state) {
     assert_string_equal(models.name[1], "ggx");
     static const char *const bad[][2] = {{"gg", "no model 'gg'"},
                                          {"ward,ggxx", "no model 'ggxx' (did you mean 'ggx'?)"},
+                                         {"all,wrad", "no model 'wrad' (did you mean 'ward'?)"},
                                          {"ggx,ward,ggx", "'ggx' is listed twice"},
                                          {",", "no model ''"},
                                          {"ggx ward", "no model 'ggx ward'"}};

@@ -62,7 +62,7 @@ int report_faults(const score_run *run);
 /** A JSON array of remarks on negative, missing and unusual values of a scored pair, which name the BRDFs `ref` (NULL: no
  *  remarks about the reference) and `test`. Empty for a pair without a score. */
 json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r);
-/** Parse --metrics: "all" or names separated by commas. chosen: (NQM_METRIC_COUNT) */
+/** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */
 void choose_metrics(const char *text, bool *chosen);
 /** The precision that a request stands for: of NQM_PRECISION_AUTO that of nqm_model_quickest_precision(). */
 nqm_precision choose_precision(const nqm_model *model, nqm_precision requested);

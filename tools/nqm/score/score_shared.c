@@ -168,18 +168,19 @@ static _Noreturn void stop_unknown_metric(const char *given, const char *word) {
 }
 
 void choose_metrics(const char *text, bool *chosen) {
-    bool all = strcmp(text, "all") == 0;
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        chosen[m] = all;
-    for (const char *word = all ? "" : text; *word;) {
-        size_t n = strcspn(word, ",");
-        int m = 0;
-        while (m < NQM_METRIC_COUNT &&
-               (strlen(nqm_metric_name((nqm_metric)m)) != n || memcmp(nqm_metric_name((nqm_metric)m), word, n) != 0))
-            ++m;
-        if (m == NQM_METRIC_COUNT)
+    memset(chosen, 0, NQM_METRIC_COUNT * sizeof *chosen);
+    for (const char *word = text; *word;) {
+        const size_t n = strcspn(word, ",");
+        const bool is_all = n == 3 && memcmp(word, "all", n) == 0;
+        bool is_known = false;
+        for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+            const char *name = nqm_metric_name((nqm_metric)m);
+            const bool is_named = is_all || (strlen(name) == n && memcmp(name, word, n) == 0);
+            chosen[m] |= is_named;
+            is_known |= is_named;
+        }
+        if (!is_known)
             stop_unknown_metric(text, word);
-        chosen[m] = true;
         word += n + (word[n] == ',');
     }
 }
