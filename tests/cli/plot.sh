@@ -87,6 +87,9 @@ cmp -s "$dir/slice40.svg" "$dir/slice.svg" && fail "--theta-d changes nothing"
 plot 0 slice sgd:nickel ward:nickel abc:nickel lambert:kd=.1,.1,.1 -o "$dir/four.svg"
 [ "$(grep -o 'stroke-dasharray:[0-9.,]*' "$dir/four.svg" | sort -u | wc -l)" = 3 ] || fail "curves with the same dashes"
 
+# The legend has no sample of a BRDF that is 0 everywhere: the third pattern is missing.
+[ "$(grep -o 'stroke-dasharray:[0-9.,]*' "$dir/slice.svg" | sort -u | wc -l)" = 1 ] || fail "a sample of a curve that is not drawn"
+
 # Answers of people: choices can be drawn, and neither scores nor choices have a split.
 split() { sed 's/"split": "[a-z]*"/"split": "train"/' "$1"; }
 split "$dir/eval.json" | plot 0 bars - -o "$dir/train.svg"

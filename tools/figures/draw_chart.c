@@ -78,6 +78,8 @@ static void add_line(cairo_t *cr, const nqm_series *s, place_fn place, const voi
 }
 
 static void draw_series(cairo_t *cr, const nqm_series *s, place_fn place, const void *frame) {
+    if (s->mark == NQM_MARK_NONE)
+        return;
     cairo_save(cr);
     cairo_new_path(cr);
     if (s->mark != NQM_MARK_POINTS) {
@@ -242,14 +244,17 @@ static void draw_sample(cairo_t *cr, const nqm_series *s, nqm_box box) {
 }
 
 static void add_entry(legend *l, const nqm_series *sample, const char *name) {
-    double width = SAMPLE + 5 + nqm_label_width(l->cr, name, NQM_FONT) + SPACE;
+    const bool has_sample = sample->mark != NQM_MARK_NONE;
+    const double indent = has_sample ? SAMPLE + 5 : 0;
+    double width = indent + nqm_label_width(l->cr, name, NQM_FONT) + SPACE;
     if (l->x > l->box.x && l->x + width - SPACE > l->box.x + l->box.width) {
         l->x = l->box.x;
         l->y += NQM_LINE_STEP;
     }
-    draw_sample(l->cr, sample, (nqm_box){l->x, l->y, SAMPLE, NQM_LINE_STEP});
+    if (has_sample)
+        draw_sample(l->cr, sample, (nqm_box){l->x, l->y, SAMPLE, NQM_LINE_STEP});
     nqm_draw_grey(l->cr, 0);
-    nqm_label_draw(l->cr, l->x + SAMPLE + 5, l->y + 13, NQM_LEFT, NQM_FONT, name);
+    nqm_label_draw(l->cr, l->x + indent, l->y + 13, NQM_LEFT, NQM_FONT, name);
     l->x += width;
 }
 

@@ -152,8 +152,11 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
     for (size_t k = 0; status == NQM_OK && k < n; ++k) {
         const size_t used = strlen(s->names[k]);
         n_visible += is_visible(s, k);
-        if (!is_visible(s, k))
-            snprintf(s->names[k] + used, sizeof s->names[k] - used, " (0)");
+        if (is_visible(s, k))
+            continue;
+        snprintf(s->names[k] + used, sizeof s->names[k] - used, " (0)");
+        for (size_t panel = 0; panel < N_PANELS; ++panel)
+            s->series[panel][k].mark = NQM_MARK_NONE;
     }
     if (status == NQM_OK && !n_visible)
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: no BRDF has a value above 0 in any slice: nothing to draw",

@@ -53,7 +53,8 @@ double nqm_tick_step(double length, size_t n_most);
 
 /* ---- content of a sheet ------------------------------------------------------------------------------------------ */
 
-typedef enum nqm_mark { NQM_MARK_LINE = 0, NQM_MARK_STEPS, NQM_MARK_POINTS } nqm_mark;
+/** NQM_MARK_NONE: a name in the legend without a sample; nothing is drawn. */
+typedef enum nqm_mark { NQM_MARK_LINE = 0, NQM_MARK_STEPS, NQM_MARK_POINTS, NQM_MARK_NONE } nqm_mark;
 
 enum { NQM_DASHES = 4 };
 
