@@ -63,7 +63,8 @@ typedef struct nqm_label {
 NQM_API double nqm_label_similarity(const nqm_label *label);
 enum { NQM_LABEL_TEXT = 160 };
 /** What differs, in words: "darker, a little redder, much flatter", or "no visible difference". A part is mentioned from
- *  one Delta-E (contrast: 3 %), is "a little" below three (10 %), and "much" above ten (35 %). Returns text. */
+ *  one Delta-E (contrast: 3 %), is "a little" below three (10 %), and "much" above ten (35 %). Where delta_e > 0 has
+ *  a JOD of 9.5 or more, all but "much" is "a little". Returns text. */
 NQM_API const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]);
 
 #ifdef __cplusplus
