@@ -2,7 +2,8 @@
  *
  * The kernels by tile registers (kernel/amx_products.h) over their emulation: the instructions by hand-computed values; products and
  * weight gradients of every tail against the plain loops, with buffers that end at an unreadable page; the same bits however a
- * product is cut and for any number of threads; the caller's tile configuration after a call.
+ * product is cut and for any number of threads; the caller's tile configuration after a call. Then the same of the processor's own
+ * instructions, if it has them.
  */
 #include "kernel/panel.h"
 #include "support/amx_emulated.h"
@@ -182,11 +183,14 @@ static void drop(guarded *g) {
     munmap(g->pages, g->n_bytes);
 }
 
+/* The bits of random bytes that may be 1. */
+static uint32_t byte_bits;
+
 static guarded random_words(nqm_rng *rng, nqm_precision precision, size_t n) {
     guarded g = guard(n);
     for (size_t i = 0; i < n; ++i)
         g.at[i] = precision == NQM_PRECISION_BF16 ? two((float)nqm_rng_normal(rng), (float)nqm_rng_normal(rng))
-                                                  : (uint32_t)(nqm_rng_uniform(rng) * 0x1p32);
+                                                  : (uint32_t)(nqm_rng_uniform(rng) * 0x1p32) & byte_bits;
     return g;
 }
 
@@ -202,6 +206,24 @@ static guarded random_sums(nqm_rng *rng, nqm_precision precision, size_t n) {
 }
 
 static const nqm_precision precisions[] = {NQM_PRECISION_BF16, NQM_PRECISION_INT8};
+
+/* States of tests: with numbers of this kind. Signs do not matter to small bytes. */
+typedef struct numbers {
+    nqm_precision precision;
+    uint32_t byte_bits;
+} numbers;
+
+static numbers bfloats = {NQM_PRECISION_BF16, 0}, bytes = {NQM_PRECISION_INT8, 0xffffffff},
+               small_bytes = {NQM_PRECISION_INT8, 0x7f7f7f7f};
+
+static nqm_precision take_numbers(void **state) {
+    const numbers *n = *state;
+    byte_bits = n->byte_bits;
+    return n->precision;
+}
+
+/* Those over the emulation, or of the processor; NULL: it has none. */
+static const nqm_kernels *under_test;
 
 /* The largest difference of sums of 2 `words` products with standard deviations of 1: 10 of these, rounded once for each. */
 static double tolerance(size_t words) {
@@ -235,7 +257,7 @@ static void check_product(nqm_rng *rng, nqm_precision precision, size_t m, size_
         nqm_product p = {.m = m, .words = words, .add = add, .a = a.at, .b = b.at, .c = c.at, .lda = lda, .ldc = ldc};
         const size_t n_bytes = ((m - 1) * ldc + NQM_PANEL) * sizeof *c.at;
         memcpy(c.at, before.at, n_bytes);
-        emulated_kernels()->product[precision](&p);
+        under_test->product[precision](&p);
         for (size_t i = 0; i < m; ++i) {
             uint32_t row[NQM_PANEL], one[NQM_PANEL];
             memcpy(row, before.at + i * ldc, sizeof row);
@@ -244,7 +266,7 @@ static void check_product(nqm_rng *rng, nqm_precision precision, size_t m, size_
             nqm_kernels_scalar.product[precision](&of_row);
             check_sums(precision, NQM_PANEL, words, c.at + i * ldc, row);
             of_row.c = one; /* the same bits from a row alone */
-            emulated_kernels()->product[precision](&of_row);
+            under_test->product[precision](&of_row);
             assert_memory_equal(c.at + i * ldc, one, sizeof one);
             if (i + 1 < m)
                 assert_memory_equal(c.at + i * ldc + NQM_PANEL, before.at + i * ldc + NQM_PANEL, GAP * sizeof *c.at);
@@ -254,17 +276,15 @@ static void check_product(nqm_rng *rng, nqm_precision precision, size_t m, size_
 }
 
 static void products_with_tails(void **state) {
-    (void)state;
+    const nqm_precision precision = take_numbers(state);
     nqm_rng rng = nqm_rng_make(seed, 0);
     static const size_t some_words[] = {1, 15, 16, 17, 37}, some_rows[] = {1, 16, 33};
-    for (size_t p = 0; p < 2; ++p) {
-        for (size_t m = 1; m <= MOST_ROWS; ++m)
-            for (size_t w = 0; w < 5; ++w)
-                check_product(&rng, precisions[p], m, some_words[w]);
-        for (size_t words = 1; words <= 70; ++words)
-            for (size_t i = 0; i < 3; ++i)
-                check_product(&rng, precisions[p], some_rows[i], words);
-    }
+    for (size_t m = 1; m <= MOST_ROWS; ++m)
+        for (size_t w = 0; w < 5; ++w)
+            check_product(&rng, precision, m, some_words[w]);
+    for (size_t words = 1; words <= 70; ++words)
+        for (size_t i = 0; i < 3; ++i)
+            check_product(&rng, precision, some_rows[i], words);
 }
 
 /* One row times n panels: the bits of a product with m = 1. */
@@ -277,13 +297,13 @@ static void check_row_product(nqm_rng *rng, nqm_precision precision, size_t n_pa
         uint32_t expected[3 * NQM_PANEL];
         memcpy(expected, c.at, n_panels * NQM_PANEL * sizeof *c.at);
         for (size_t i = 0; i < n_panels; ++i)
-            emulated_kernels()->product[precision](&(nqm_product){.m = 1,
-                                                                  .words = words,
-                                                                  .add = add,
-                                                                  .a = a.at,
-                                                                  .b = b.at + i * stride * NQM_PANEL,
-                                                                  .c = expected + i * NQM_PANEL});
-        emulated_kernels()->row_product[precision](&(nqm_row_product){
+            under_test->product[precision](&(nqm_product){.m = 1,
+                                                          .words = words,
+                                                          .add = add,
+                                                          .a = a.at,
+                                                          .b = b.at + i * stride * NQM_PANEL,
+                                                          .c = expected + i * NQM_PANEL});
+        under_test->row_product[precision](&(nqm_row_product){
             .words = words, .n_panels = n_panels, .stride = stride, .add = add, .a = a.at, .b = b.at, .c = c.at});
         assert_memory_equal(c.at, expected, n_panels * NQM_PANEL * sizeof *c.at);
     }
@@ -291,12 +311,11 @@ static void check_row_product(nqm_rng *rng, nqm_precision precision, size_t n_pa
 }
 
 static void rows_with_tails(void **state) {
-    (void)state;
+    const nqm_precision precision = take_numbers(state);
     nqm_rng rng = nqm_rng_make(seed, 1);
-    for (size_t p = 0; p < 2; ++p)
-        for (size_t words = 1; words <= 70; ++words)
-            for (size_t n_panels = 1; n_panels <= 3; ++n_panels)
-                check_row_product(&rng, precisions[p], n_panels, words);
+    for (size_t words = 1; words <= 70; ++words)
+        for (size_t n_panels = 1; n_panels <= 3; ++n_panels)
+            check_row_product(&rng, precision, n_panels, words);
 }
 
 /* A sum that is continued after a multiple of 16 words has the bits of one sum. */
@@ -308,12 +327,12 @@ static void continued_sums(void **state) {
             b = random_words(&rng, NQM_PRECISION_BF16, WORDS * NQM_PANEL);
     float whole[M * NQM_PANEL], cut[M * NQM_PANEL];
     nqm_product p = {.m = M, .words = WORDS, .a = a.at, .b = b.at, .c = whole, .lda = WORDS, .ldc = NQM_PANEL};
-    emulated_kernels()->product[NQM_PRECISION_BF16](&p);
+    under_test->product[NQM_PRECISION_BF16](&p);
     for (size_t at = 16; at < WORDS; at += 16) {
         p.add = false, p.words = at, p.a = a.at, p.b = b.at, p.c = cut;
-        emulated_kernels()->product[NQM_PRECISION_BF16](&p);
+        under_test->product[NQM_PRECISION_BF16](&p);
         p.add = true, p.words = WORDS - at, p.a = a.at + at, p.b = b.at + at * NQM_PANEL;
-        emulated_kernels()->product[NQM_PRECISION_BF16](&p);
+        under_test->product[NQM_PRECISION_BF16](&p);
         assert_memory_equal(cut, whole, sizeof whole);
     }
     drop(&a), drop(&b);
@@ -331,7 +350,7 @@ static void any_number_of_threads(void **state) {
         w[i] = (float)nqm_rng_normal(&rng);
     assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, K, N, &b, NULL), NQM_OK);
     nqm_panels_pack(&b, (nqm_weights){w, NULL, K});
-    nqm_kernels_use(emulated_kernels());
+    nqm_kernels_use(under_test);
     for (int n = 1; n <= 4; ++n) {
         omp_set_num_threads(n);
         nqm_multiply(&b, M, a.at, WORDS, false, n == 1 ? one : c, LDC);
@@ -369,13 +388,13 @@ static void check_gradient(nqm_rng *rng, size_t n_strips, size_t words) {
                            .ld_right = NQM_PANEL,
                            .c = to,
                            .prefetch = {to, to, to}};
-    emulated_kernels()->gradient[NQM_PRECISION_BF16](&g);
+    under_test->gradient[NQM_PRECISION_BF16](&g);
     g.n_strips = 1, g.c = to_one;
     for (size_t s = 0; s < n_strips; ++s) {
         g.left = left.at + s * step;
         nqm_kernels_scalar.gradient[NQM_PRECISION_BF16](&g);
         check_sums(NQM_PRECISION_BF16, TILE, words, c.at + s * TILE, one.at);
-        emulated_kernels()->gradient[NQM_PRECISION_BF16](&g);
+        under_test->gradient[NQM_PRECISION_BF16](&g);
         assert_memory_equal(c.at + s * TILE, one.at, TILE * sizeof *one.at);
     }
     drop(&left), drop(&right), drop(&c), drop(&one);
@@ -405,61 +424,69 @@ static void configuration_is_restored(void **state) {
             shapes after;
             amx_configure(&callers[i]);
             if (kernel < 2)
-                emulated_kernels()->product[precisions[kernel]](&(nqm_product){
+                under_test->product[precisions[kernel]](&(nqm_product){
                     .m = 18, .words = WORDS, .a = a.at, .b = a.at, .c = c.at, .lda = WORDS, .ldc = NQM_PANEL});
             else if (kernel == 2)
-                emulated_kernels()->row_product[NQM_PRECISION_BF16](&(nqm_row_product){
+                under_test->row_product[NQM_PRECISION_BF16](&(nqm_row_product){
                     .words = WORDS, .n_panels = 1, .stride = WORDS, .a = a.at, .b = a.at, .c = c.at});
             else
-                emulated_kernels()->gradient[NQM_PRECISION_BF16](&(nqm_tile_gradient){.n_strips = 1,
-                                                                                      .words = WORDS,
-                                                                                      .left = a.at,
-                                                                                      .right = a.at,
-                                                                                      .ld_left = NQM_STRIP,
-                                                                                      .ld_right = NQM_PANEL,
-                                                                                      .c = to,
-                                                                                      .prefetch = {to, to, to}});
+                under_test->gradient[NQM_PRECISION_BF16](&(nqm_tile_gradient){.n_strips = 1,
+                                                                              .words = WORDS,
+                                                                              .left = a.at,
+                                                                              .right = a.at,
+                                                                              .ld_left = NQM_STRIP,
+                                                                              .ld_right = NQM_PANEL,
+                                                                              .c = to,
+                                                                              .prefetch = {to, to, to}});
             amx_configuration(&after);
             assert_memory_equal(&after, &callers[i], sizeof after);
         }
     drop(&a), drop(&c);
 }
 
-/* On a processor with tile registers: its sums are those of the emulation, but for rounding. */
-static void the_processor_agrees(void **state) {
-    (void)state;
-    enum { WORDS = 45, M = 37 };
+/* ---- the processor ------------------------------------------------------------------------------------------------ */
+
+static const nqm_kernels *kernels_of_processor(void) {
     size_t t = 0;
     while (nqm_kernels_at(t) && strcmp(nqm_kernels_at(t)->name, "avx512+amx") != 0)
         ++t;
-    if (!nqm_kernels_at(t))
-        skip();
-    nqm_rng rng = nqm_rng_make(seed, 6);
-    for (size_t p = 0; p < 2; ++p) {
-        guarded a = random_words(&rng, precisions[p], M * WORDS),
-                b = random_words(&rng, precisions[p], WORDS * NQM_PANEL);
-        static uint32_t own[M * NQM_PANEL], emulated[M * NQM_PANEL];
-        nqm_product product = {.m = M, .words = WORDS, .a = a.at, .b = b.at, .c = own, .lda = WORDS, .ldc = NQM_PANEL};
-        nqm_kernels_at(t)->product[precisions[p]](&product);
-        product.c = emulated;
-        emulated_kernels()->product[precisions[p]](&product);
-        for (size_t i = 0; i < M * NQM_PANEL; i += NQM_PANEL)
-            check_sums(precisions[p], NQM_PANEL, WORDS, own + i, emulated + i);
-        print_message("%s: %s bits\n", nqm_precision_name(precisions[p]),
-                      memcmp(own, emulated, sizeof own) == 0 ? "the same" : "other");
-        drop(&a), drop(&b);
-    }
+    return nqm_kernels_at(t);
+}
+
+static void the_processor_has_none(void **state) {
+    (void)state;
+    skip();
 }
 
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sums_of_bfloat16),     cmocka_unit_test(sums_of_bytes),
-        cmocka_unit_test(registers_are_cut),    cmocka_unit_test(misuse_is_refused),
-        cmocka_unit_test(products_with_tails),  cmocka_unit_test(rows_with_tails),
-        cmocka_unit_test(continued_sums),       cmocka_unit_test(any_number_of_threads),
-        cmocka_unit_test(gradients_with_tails), cmocka_unit_test(configuration_is_restored),
-        cmocka_unit_test(the_processor_agrees),
+    const struct CMUnitTest emulated[] = {
+        cmocka_unit_test(sums_of_bfloat16),
+        cmocka_unit_test(sums_of_bytes),
+        cmocka_unit_test(registers_are_cut),
+        cmocka_unit_test(misuse_is_refused),
+        cmocka_unit_test_prestate(products_with_tails, &bfloats),
+        cmocka_unit_test_prestate(products_with_tails, &bytes),
+        cmocka_unit_test_prestate(rows_with_tails, &bfloats),
+        cmocka_unit_test_prestate(rows_with_tails, &bytes),
+        cmocka_unit_test(continued_sums),
+        cmocka_unit_test(any_number_of_threads),
+        cmocka_unit_test(gradients_with_tails),
+        cmocka_unit_test(configuration_is_restored),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest own[] = {
+        {"bf16_products_of_the_processor", products_with_tails, NULL, NULL, &bfloats},
+        {"bf16_rows_of_the_processor", rows_with_tails, NULL, NULL, &bfloats},
+        {"continued_sums_of_the_processor", continued_sums, NULL, NULL, NULL},
+        {"bf16_gradients_of_the_processor", gradients_with_tails, NULL, NULL, NULL},
+        {"threads_of_the_processor", any_number_of_threads, NULL, NULL, NULL},
+        {"small_int8_products_of_the_processor", products_with_tails, NULL, NULL, &small_bytes},
+        {"int8_products_of_the_processor", products_with_tails, NULL, NULL, &bytes},
+        {"int8_rows_of_the_processor", rows_with_tails, NULL, NULL, &bytes},
+    };
+    const struct CMUnitTest none[] = {cmocka_unit_test(the_processor_has_none)};
+    under_test = emulated_kernels();
+    const int failed = cmocka_run_group_tests(emulated, NULL, NULL);
+    under_test = kernels_of_processor();
+    return failed + (under_test ? cmocka_run_group_tests(own, NULL, NULL) : cmocka_run_group_tests(none, NULL, NULL));
 }
