@@ -24,8 +24,9 @@ static bool count(const nqm_evaluation *ev, size_t model, size_t pair, uint8_t *
     const nqm_dataset *d = ev->dataset;
     double low, high, jod = ev->values[model * d->n_pairs + pair], label = d->jod[pair];
     nqm_model_interval(ev->models[model], jod, ev->novelty[model * d->n_pairs + pair], &low, &high);
-    nqm_raise_low(d->n_directions, d->ref_rgb + 3 * d->n_directions * d->pair_ref[pair],
-                  d->test_rgb + 3 * d->n_directions * pair, nqm_dataset_pair_used(d, pair, used), &low);
+    nqm_raise_low(nqm_delta_e_bound(d->n_directions, d->ref_rgb + 3 * d->n_directions * d->pair_ref[pair],
+                                    d->test_rgb + 3 * d->n_directions * pair, nqm_dataset_pair_used(d, pair, used)),
+                  &low);
     nqm_coverage_range *range = &c->ranges[range_of(jod)];
     const bool inside = label >= low && label <= high;
     c->inside.value += inside;

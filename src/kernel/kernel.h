@@ -172,6 +172,9 @@ nqm_adam_rate nqm_adam_rate_at(double lr, double weight_decay, uint64_t step);
 /** Period of the whitening's mean and scale, floats: a multiple of the three channels and of every vector width. */
 enum { NQM_WHITEN_PERIOD = 48 };
 
+/** Points side by side in a block of nearest_square(). */
+enum { NQM_POINTS = 16 };
+
 /** The functions of one instruction set; every member is set unless its comment says otherwise. */
 typedef struct nqm_kernels {
     const char *name;
@@ -231,6 +234,8 @@ typedef struct nqm_kernels {
      *  2e-6 relative, even for close values, and 1e-10 scale. */
     void (*root_difference)(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
                             const float *root_y, float *difference);
+    /** The least squared distance of y (n) from the points of n_blocks blocks (n, NQM_POINTS), in float; INFINITY: there are none. */
+    float (*nearest_square)(size_t n, size_t n_blocks, const float *points, const float *y);
     /** The sums of |x| and of x^2 over n floats, a multiple of NQM_PANEL. */
     void (*magnitudes)(size_t n, const float *x, float *sum, float *squares);
     /** The cube root of n values >= 0, within 1e-15 relative; 0 below 1e-30, the value at 1e37 above 1e37. */

@@ -280,6 +280,30 @@ static double double_dot(size_t n, const float *x, const double *y) {
     return all[0];
 }
 
+/* ---- the nearest point ------------------------------------------------------------------------------------------- */
+
+static float nearest_square(size_t n, size_t n_blocks, const float *points, const float *y) {
+    enum { VECTORS = NQM_POINTS / LANES };
+    float least[NQM_POINTS], square[NQM_POINTS], nearest = INFINITY;
+    for (size_t i = 0; i < NQM_POINTS; ++i)
+        least[i] = INFINITY;
+    for (size_t block = 0; block < n_blocks; ++block) {
+        vector_f sum[VECTORS] = {{0}};
+        for (size_t k = 0; k < n; ++k, points += NQM_POINTS)
+            UNROLL for (size_t v = 0; v < VECTORS; ++v) {
+                const vector_f d = *(const vector_f *)(points + v * LANES) - y[k];
+                sum[v] += d * d;
+            }
+        memcpy(square, sum, sizeof square);
+#pragma omp simd
+        for (size_t i = 0; i < NQM_POINTS; ++i)
+            least[i] = square[i] < least[i] ? square[i] : least[i];
+    }
+    for (size_t i = 0; i < NQM_POINTS; ++i)
+        nearest = least[i] < nearest ? least[i] : nearest;
+    return nearest;
+}
+
 /* The table of an instruction set. */
 #define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
@@ -305,6 +329,7 @@ static double double_dot(size_t n, const float *x, const double *y) {
         .log_ratio = log_ratio,                                                                                        \
         .root_difference = root_difference,                                                                            \
         .magnitudes = magnitudes,                                                                                      \
+        .nearest_square = nearest_square,                                                                              \
         .cube_root = cube_root,                                                                                        \
         .log_1p = log_1p,                                                                                              \
         .scale_log = scale_log,                                                                                        \

@@ -213,6 +213,18 @@ static void magnitudes(size_t n, const float *x, float *sum, float *squares) {
     *squares = (float)square;
 }
 
+static float nearest_square(size_t n, size_t n_blocks, const float *points, const float *y) {
+    double nearest = INFINITY;
+    for (size_t p = 0; p < n_blocks * NQM_POINTS; ++p) {
+        const float *point = points + p / NQM_POINTS * NQM_POINTS * n + p % NQM_POINTS;
+        double square = 0;
+        for (size_t k = 0; k < n; ++k)
+            square += pow((double)point[k * NQM_POINTS] - (double)y[k], 2);
+        nearest = fmin(nearest, square);
+    }
+    return (float)nearest;
+}
+
 static void cube_root(size_t n, const double *x, double *root) {
     for (size_t i = 0; i < n; ++i)
         root[i] = x[i] < 1e-30 ? 0 : cbrt(x[i] > 1e37 ? 1e37 : x[i]);
@@ -361,6 +373,7 @@ const nqm_kernels nqm_kernels_scalar = {
     .log_ratio = log_ratio,
     .root_difference = root_difference,
     .magnitudes = magnitudes,
+    .nearest_square = nearest_square,
     .cube_root = cube_root,
     .log_1p = log_1p,
     .scale_log = scale_log,

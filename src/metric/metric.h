@@ -103,6 +103,7 @@ typedef struct nqm_sampled_pairs {
     double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: do not compute them */
     double *novelty;                       /* (n) receives the result of nqm_model_novelty(); NULL: do not compute it */
     nqm_label *labels; /* (n) receives the parts, NaN if the model predicts none; NULL: not stored */
+    double *bound;     /* (n) receives nqm_delta_e_bound(); NULL: not stored */
 } nqm_sampled_pairs;
 
 enum { NQM_PREDICT_BATCH = 512 };
@@ -129,7 +130,7 @@ void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs,
 double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *test, const uint8_t *used);
 
 /** Raise the lower end of an interval (NaN: there is none) to the JOD at that bound. */
-void nqm_raise_low(size_t n_directions, const float *ref, const float *test, const uint8_t *used, double *jod_low);
+void nqm_raise_low(double delta_e_bound, double *jod_low);
 
 /** The factor in that bound of the channel with the largest ratio: the gradient of the bound by f_r is `slope` at *at_ret, an
  *  index into (n_directions, 3), and 0 elsewhere; 0 without a bound, and for equal samples. */

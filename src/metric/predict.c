@@ -156,9 +156,8 @@ double nqm_delta_e_bound_slope(size_t n_directions, const float *ref, const floa
     return slope;
 }
 
-void nqm_raise_low(size_t n_directions, const float *ref, const float *test, const uint8_t *used, double *jod_low) {
-    const double bound = nqm_delta_e_bound(n_directions, ref, test, used);
-    const double least = isfinite(bound) ? nqm_curve_jod(&nqm_curve_published, bound) : 0;
+void nqm_raise_low(double delta_e_bound, double *jod_low) {
+    const double least = isfinite(delta_e_bound) ? nqm_curve_jod(&nqm_curve_published, delta_e_bound) : 0;
     if (*jod_low < least) /* false for NaN */
         *jod_low = least;
 }
@@ -323,6 +322,8 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
         nqm_parallel_for(nqm_ceil_div(pairs->n, job.n_at_once), compose, &job);
     if (p->work)
         nqm_inference_run(p->work, pairs->n, p->x, p->stride, p->z);
+    if (pairs->bound)
+        memcpy(pairs->bound, p->bound, pairs->n * sizeof *p->bound);
     const size_t n_outputs = nqm_model_n_outputs(p->model);
     const double nan = (double)NAN;
     for (size_t i = 0; i < pairs->n; ++i) {

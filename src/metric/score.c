@@ -16,6 +16,7 @@ _Static_assert((int)NQM_SCORE_BLOCK <= (int)NQM_PREDICT_BATCH, "a block is one f
 
 /* Values more than this many standard deviations above the mean of the training references are unusual. */
 static const float unusual_sigma = 6;
+static const size_t not_counted = SIZE_MAX; /* n_unusual of the caller's samples at first */
 
 struct nqm_scorer {
     const nqm_model *model;
@@ -29,9 +30,9 @@ struct nqm_scorer {
     size_t *place;             /* (room) index of each pair in the following arrays, which are grouped by reference */
     const float **ref, **test; /* (room) samples for the network */
     uint8_t *used;             /* (room, n_directions) */
-    double *jod, *delta_e, *novelty; /* (room) */
-    double *metrics;                 /* (room, NQM_METRIC_COUNT) */
-    nqm_label *labels;               /* (room) */
+    double *jod, *delta_e, *novelty, *bound; /* (room) */
+    double *metrics;                         /* (room, NQM_METRIC_COUNT) */
+    nqm_label *labels;                       /* (room) */
     /* Of nqm_scorer_run() only: */
     bool has_samples;             /* it was called: rgb and flag have room for samples */
     float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
@@ -81,9 +82,9 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
         NQM_ARRAYS({&s->member, n, 2 * sizeof *s->member}, {&s->place, n, sizeof *s->place},
                    {&s->ref, n, sizeof *s->ref}, {&s->test, n, sizeof *s->test}, {&s->used, n, n_directions},
                    {&s->jod, n, sizeof *s->jod}, {&s->delta_e, n, sizeof *s->delta_e},
-                   {&s->novelty, n, sizeof *s->novelty}, {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics},
-                   {&s->labels, n, sizeof *s->labels}, {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb},
-                   {&s->flag, n_samples, n_directions}),
+                   {&s->novelty, n, sizeof *s->novelty}, {&s->bound, n, sizeof *s->bound},
+                   {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics}, {&s->labels, n, sizeof *s->labels},
+                   {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
         err);
     if (status == NQM_OK)
         status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
@@ -203,12 +204,16 @@ typedef struct score_job {
 static void compare(void *user, size_t i) {
     const score_job *job = user;
     nqm_scorer *s = job->scorer;
-    const nqm_member *ref = &s->member[2 * i], *test = &s->member[2 * i + 1];
+    nqm_member *ref = &s->member[2 * i], *test = &s->member[2 * i + 1];
     const size_t n = s->model->directions->n, place = s->place[i];
     uint8_t *used = s->used + n * place;
     if (s->brdfs)
-        s->member[2 * i + 1] = nqm_member_sample(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
-                                                 s->flag + n * (1 + i), NULL);
+        *test = nqm_member_sample(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
+                                  s->flag + n * (1 + i), NULL);
+    if (ref->n_unusual == not_counted) { /* here, by all threads */
+        ref->n_unusual = count_unusual(s->model, ref->rgb);
+        test->n_unusual = count_unusual(s->model, test->rgb);
+    }
     job->results[i] = compare_members(s, ref, test, used);
     const bool failed = job->results[i].status != NQM_OK;
     if (failed)
@@ -252,8 +257,7 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
     nqm_model_interval(s->model, jod, novelty, &result->jod_low, &result->jod_high);
-    nqm_raise_low(s->model->directions->n, s->ref[place], s->test[place], s->used + s->model->directions->n * place,
-                  &result->jod_low);
+    nqm_raise_low(s->bound[place], &result->jod_low);
     if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
 }
@@ -272,7 +276,8 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
                                      .used = s->used,
                                      .metrics = s->options.metrics ? s->metrics : NULL,
                                      .novelty = s->novelty,
-                                     .labels = s->labels};
+                                     .labels = s->labels,
+                                     .bound = s->bound};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
     for (size_t i = 0; i < n; ++i)
         settle(s, s->place[i], &results[i]);
@@ -369,9 +374,20 @@ nqm_status nqm_scorer_run_named(nqm_scorer *s, size_t n_pairs, const nqm_named_p
 
 /* ---- samples of the caller --------------------------------------------------------------------------------------- */
 
+static bool are_samples(size_t n, const float *rgb) {
+    int n_wrong = 0;
+#pragma omp simd reduction(+ : n_wrong)
+    for (size_t i = 0; i < n; ++i)
+        n_wrong += !(rgb[i] >= 0) | !(rgb[i] <= FLT_MAX);
+    return n_wrong == 0;
+}
+
 static nqm_status check_samples(const nqm_model *model, size_t pair, const char *member, const float *rgb,
                                 nqm_error *err) {
-    for (size_t i = 0; i < 3 * model->directions->n; ++i)
+    const size_t n = 3 * model->directions->n;
+    if (are_samples(n, rgb))
+        return NQM_OK;
+    for (size_t i = 0; i < n; ++i)
         if (!(rgb[i] >= 0 && rgb[i] <= FLT_MAX))
             return nqm_fail(err, NQM_ERR_ARG, -1,
                             "pair %zu: the %s is %g at direction %zu (from 0): samples must be finite and not negative",
@@ -399,9 +415,8 @@ nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sampl
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i) {
             const nqm_sample_pair *p = &pairs[begin + i];
-            s->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = count_unusual(s->model, p->ref)};
-            s->member[2 * i + 1] =
-                (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = count_unusual(s->model, p->test)};
+            s->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = not_counted};
+            s->member[2 * i + 1] = (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = not_counted};
         }
         score_block(s, n, results + begin);
     }

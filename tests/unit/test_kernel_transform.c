@@ -159,6 +159,30 @@ static void root_differences(void **state) {
     }
 }
 
+/* Any of many points may be the nearest; all but the scalar table give the same bits. */
+static void nearest_points(void **state) {
+    (void)state;
+    enum { WIDTH = 47, BLOCKS = 3, MOST = BLOCKS * NQM_POINTS };
+    nqm_rng rng = nqm_rng_make(seed, 8);
+    static float points[WIDTH * MOST];
+    float y[WIDTH], first = 0;
+    for (size_t i = 0; i < WIDTH * MOST; ++i)
+        points[i] = (float)nqm_rng_normal(&rng);
+    for (size_t p = 0; p < MOST; ++p) {
+        for (size_t i = 0; i < WIDTH; ++i) /* a squared distance of 0.47 from point p */
+            y[i] = points[(p / NQM_POINTS * WIDTH + i) * NQM_POINTS + p % NQM_POINTS] + (i % 2 ? 0.1F : -0.1F);
+        for (size_t k = 0; every_table(k); ++k) {
+            const float square = every_table(k)->nearest_square(WIDTH, BLOCKS, points, y);
+            assert_near((double)square, 0.01 * WIDTH, 1e-5);
+            if (k == 0)
+                first = square;
+            assert_true(every_table(k) == &nqm_kernels_scalar || square == first);
+        }
+    }
+    for (size_t k = 0; every_table(k); ++k)
+        assert_true(isinf(every_table(k)->nearest_square(WIDTH, 0, points, y)));
+}
+
 static void sums_of_magnitudes(void **state) {
     (void)state;
     enum { MOST = 12 * NQM_PANEL };
@@ -261,9 +285,9 @@ static void one_row_like_many(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),           cmocka_unit_test(roots_and_logarithms), cmocka_unit_test(ratios),
-        cmocka_unit_test(root_differences),  cmocka_unit_test(sums_of_magnitudes),   cmocka_unit_test(rows_of_bytes),
-        cmocka_unit_test(one_row_like_many),
+        cmocka_unit_test(samples),          cmocka_unit_test(roots_and_logarithms), cmocka_unit_test(ratios),
+        cmocka_unit_test(root_differences), cmocka_unit_test(sums_of_magnitudes),   cmocka_unit_test(nearest_points),
+        cmocka_unit_test(rows_of_bytes),    cmocka_unit_test(one_row_like_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
