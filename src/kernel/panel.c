@@ -17,6 +17,7 @@ enum {
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
     PANELS_AT_ONCE = 4,    /* of a single row */
     BYTE_PANELS = 8,       /* of rows of bytes that are converted once for all of them */
+    CACHE_LINE = 64,       /* bytes */
 
     /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
      * the sink to read its own arrays in long runs. */
@@ -134,20 +135,44 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
 
 /* ---- weight gradients --------------------------------------------------------------------------------------------- */
 
-nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m) {
+/* Whether a line of each of m rows fits into the L1 cache beside the other factor. */
+static bool lines_fit(size_t m) {
+#ifdef _SC_LEVEL1_DCACHE_SIZE
+    const long found = sysconf(_SC_LEVEL1_DCACHE_SIZE);
+    return found > 0 && m * CACHE_LINE <= (size_t)found / 4 * 3;
+#else
+    (void)m;
+    return false;
+#endif
+}
+
+nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n) {
+    if (precision == NQM_PRECISION_F32 && width == NQM_STRIP && lines_fit(m))
+        return (nqm_columns){.step = width, .ld = nqm_row_stride(n)};
     return (nqm_columns){.step = nqm_row_stride(width * nqm_words(precision, m)), .ld = width};
 }
 
 size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n) {
-    return nqm_ceil_div(n, width) * nqm_columns_of(precision, width, m).step;
+    const nqm_columns columns = nqm_columns_of(precision, width, m, n);
+    return columns.step == width ? m * columns.ld : nqm_ceil_div(n, width) * columns.step;
+}
+
+/* Inlined with a constant width: a copy is a few instructions. */
+static inline void copy_groups(size_t n, const float *x, size_t width, size_t step, float *to) {
+    size_t i = 0;
+    for (; i + width <= n; i += width, to += step)
+        memcpy(to, x + i, width * sizeof *to);
+    if (i < n) {
+        memcpy(to, x + i, (n - i) * sizeof *to);
+        memset(to + (n - i), 0, (width - (n - i)) * sizeof *to);
+    }
 }
 
 void nqm_columns_copy(size_t n, const float *x, size_t width, size_t step, float *to) {
-    for (size_t i = 0; i < n; i += width, to += step) {
-        const size_t n_copied = nqm_smaller(width, n - i);
-        memcpy(to, x + i, n_copied * sizeof *to);
-        memset(to + n_copied, 0, (width - n_copied) * sizeof *to);
-    }
+    if (width == NQM_STRIP)
+        copy_groups(n, x, NQM_STRIP, step, to);
+    else
+        copy_groups(n, x, NQM_PANEL, step, to);
 }
 
 void nqm_gradient_run(const nqm_gradient *g) {

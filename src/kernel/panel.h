@@ -104,12 +104,13 @@ typedef struct nqm_columns {
     size_t ld;   /**< words from row to row: an odd number of cache lines or the width of a group is fastest */
 } nqm_columns;
 
-/** The fastest layout for columns of m rows in groups of `width`: each group contiguous, because rows of a whole matrix lie in as many
- *  pages as there are rows, more than a processor has entries for. data is NULL. */
-nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m);
+/** The fastest layout for columns (m, n) in groups of `width`; data is NULL. Each group is contiguous, unless they are floats in groups
+ *  of NQM_STRIP and a cache line of every row fits into the L1 cache: then rows of nqm_row_stride(n) floats (step = width) are as fast,
+ *  and need no copy. Results have the same bits in both. */
+nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n);
 /** Copy a row (n) to the groups of such a layout in NQM_PRECISION_F32; to: the row of the first group. */
 void nqm_columns_copy(size_t n, const float *x, size_t width, size_t step, float *to);
-/** Its size in words for n columns. */
+/** Its size in words. */
 size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n);
 
 /** X^T Z of x (m, k) and z (m, n): the gradient of weights (k, n) for a batch of m rows. Tiles are passed to `sink` as they

@@ -32,7 +32,7 @@ static uint32_t *next_groups(nqm_trainer *t, size_t n, size_t width) {
 /* A factor without memory of its own. */
 static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
-    f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch);
+    f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n);
     f.ld_rows = nqm_row_stride(nqm_words(t->options.precision, n));
     f.rows = t->rows;
     return f;
@@ -43,9 +43,12 @@ static void set_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f) {
     *f = factor_of(t, n, NQM_STRIP);
     f->two_rows = is_rounded(t) && !all_rows;
     f->x = next_floats(t, (f->two_rows ? 2 * t->n_threads : t->options.max_batch) * f->ld);
-    f->columns.data = f->groups = next_groups(t, n, NQM_STRIP);
     if (!is_rounded(t))
         f->rows = (uint32_t *)f->x;
+    if (f->columns.ld == f->ld) /* rows as they are */
+        f->columns.data = f->x;
+    else
+        f->columns.data = f->groups = next_groups(t, n, NQM_STRIP);
 }
 
 /* The gradient of a layer's product. */
@@ -251,7 +254,7 @@ static float *row_at(const nqm_factor *f, size_t i) {
 void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t first, size_t n, const float *x) {
     const nqm_kernels *kernels = nqm_kernels_get();
     if (!is_rounded(t)) {
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; f->groups && i < n; ++i)
             nqm_columns_copy(f->n, x + i * f->ld, f->width, f->columns.step,
                              (float *)f->groups + (first + i) * f->width);
         return;

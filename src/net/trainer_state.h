@@ -29,8 +29,8 @@ typedef struct nqm_factor {
     uint32_t *rows; /**< (max_batch, ld_rows) words */
     size_t ld_rows;
     size_t width; /**< columns of a group: NQM_STRIP for the input of a layer, NQM_PANEL for the product's gradient */
-    nqm_columns columns; /**< views groups */
-    uint32_t *groups;    /**< (groups, columns.step) words */
+    nqm_columns columns; /**< views groups, or x */
+    uint32_t *groups;    /**< (groups, columns.step) words; NULL: columns views x */
 } nqm_factor;
 
 /** A hidden layer and its activations for a batch. */

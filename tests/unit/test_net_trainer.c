@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Training: gradients against central differences, dropout masks from the hash, equal bits for one and two threads, a
- * stable loss, He-uniform initial weights, refused shapes, failing allocations.
+ * Training: gradients against central differences, dropout masks from the hash, equal bits for one and two threads
+ * and in both layouts of activations, a stable loss, He-uniform initial weights, refused shapes, failing allocations.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
+#include "kernel/panel.h"
 #include "net/trainer.h"
 #include "support/check.h"
 #include "support/tables.h"
@@ -25,12 +26,11 @@ typedef struct trainee {
     float *target, *z, *dz;
 } trainee;
 
-static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision precision) {
+static trainee make_trainee_of(nqm_net_shape shape, size_t batch, const nqm_trainer_options *options) {
     trainee t = {.shape = shape, .batch = batch};
     assert_int_equal(nqm_params_create(&shape, &t.params, NULL), NQM_OK);
     assert_int_equal(nqm_params_create(&shape, &t.grads, NULL), NQM_OK);
-    const nqm_trainer_options options = {.precision = precision, .max_batch = batch};
-    assert_int_equal(nqm_trainer_create(&shape, &options, &t.trainer, NULL), NQM_OK);
+    assert_int_equal(nqm_trainer_create(&shape, options, &t.trainer, NULL), NQM_OK);
     nqm_params_init(&t.params, seed);
     nqm_trainer_load(t.trainer, &t.params, NULL);
     nqm_rng rng = nqm_rng_make(seed, 100);
@@ -48,6 +48,10 @@ static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision pre
     t.z = nqm_alloc(batch * n_outputs, sizeof *t.z);
     t.dz = nqm_alloc(batch * n_outputs, sizeof *t.dz);
     return t;
+}
+
+static trainee make_trainee(nqm_net_shape shape, size_t batch, nqm_precision precision) {
+    return make_trainee_of(shape, batch, &(nqm_trainer_options){.precision = precision, .max_batch = batch});
 }
 
 static void free_trainee(trainee *t) {
@@ -165,6 +169,26 @@ static void same_bits_for_any_threads(void **state) {
     outcome one = trained(medium, NQM_PRECISION_BF16, 1, emulated_kernels()),
             two = trained(medium, NQM_PRECISION_BF16, 2, emulated_kernels());
     assert_equal_and_free(&one, &two);
+}
+
+/* Weight gradients read rows of a small batch, and copies of a large one. */
+static void same_bits_in_both_layouts(void **state) {
+    (void)state;
+    enum { MANY = 8192 }; /* rows: more lines than an L1 cache has */
+    const nqm_columns rows = nqm_columns_of(NQM_PRECISION_F32, NQM_STRIP, 1, medium.sizes[0]),
+                      groups = nqm_columns_of(NQM_PRECISION_F32, NQM_STRIP, MANY, medium.sizes[0]);
+    if (rows.step != NQM_STRIP)
+        skip(); /* the size of the L1 cache is not known */
+    assert_int_not_equal(groups.step, NQM_STRIP);
+    outcome of[2];
+    for (size_t i = 0; i < 2; ++i) {
+        trainee t = make_trainee_of(medium, 150, &(nqm_trainer_options){.max_batch = i ? MANY : 150});
+        for (uint64_t step = 0; step < 3; ++step)
+            train_step(&t, step);
+        of[i] = outcome_of(&t);
+        free_trainee(&t);
+    }
+    assert_equal_and_free(&of[0], &of[1]);
 }
 
 #if defined __x86_64__
@@ -395,6 +419,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gradients_by_differences),
         cmocka_unit_test(same_bits_for_any_threads),
+        cmocka_unit_test(same_bits_in_both_layouts),
 #if defined __x86_64__
         cmocka_unit_test(same_bits_on_wider_vectors),
 #endif

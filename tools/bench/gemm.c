@@ -46,8 +46,8 @@ static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
 }
 
 /* A factor (k, n) of a weight gradient, in the layout of training. */
-static nqm_columns columns_of(const job *j, size_t width, const uint32_t *data) {
-    nqm_columns columns = nqm_columns_of(j->precision, width, j->k);
+static nqm_columns columns_of(const job *j, size_t n, size_t width, const uint32_t *data) {
+    nqm_columns columns = nqm_columns_of(j->precision, width, j->k, n);
     columns.data = data;
     return columns;
 }
@@ -59,8 +59,8 @@ static void run_gradient(void *user) {
                                      .m = j->k,
                                      .k = j->m,
                                      .n = j->n,
-                                     .x = columns_of(j, NQM_STRIP, j->rows),
-                                     .z = columns_of(j, NQM_PANEL, j->rows_right),
+                                     .x = columns_of(j, j->m, NQM_STRIP, j->rows),
+                                     .z = columns_of(j, j->n, NQM_PANEL, j->rows_right),
                                      .sink = keep_tiles,
                                      .user = j});
 }
@@ -113,13 +113,13 @@ static void free_job(job *j) {
 }
 
 static void fill_columns(const job *j, size_t n, size_t width, const float *x, uint32_t *to) {
-    const nqm_columns columns = columns_of(j, width, to);
+    const nqm_columns columns = columns_of(j, n, width, to);
     for (size_t i = 0; i < j->k; i += 2)
         if (j->precision == NQM_PRECISION_BF16)
             nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, width, columns.step, to + i / 2 * width);
         else {
-            nqm_columns_copy(n, x + i * n, width, columns.step, (float *)to + i * width);
-            nqm_columns_copy(n, x + (i + 1) * n, width, columns.step, (float *)to + (i + 1) * width);
+            nqm_columns_copy(n, x + i * n, width, columns.step, (float *)to + i * columns.ld);
+            nqm_columns_copy(n, x + (i + 1) * n, width, columns.step, (float *)to + (i + 1) * columns.ld);
         }
 }
 
