@@ -64,14 +64,14 @@ says 'another --precision, bf16'
 
 # All kernels with fused multiply-add give the same bits, plain loops the same printed digits; unknown names are
 # refused.
-"$tool" score $ref ward:nickel --json >"$dir/best.json" || fail "score"
+NQM_KERNELS= "$tool" score $ref ward:nickel --json >"$dir/best.json" || fail "score"
 for kernels in avx512+amx avx512+bf16 avx512 avx2 scalar; do
     NQM_KERNELS=$kernels "$tool" score $ref ward:nickel --json >"$dir/other.json" 2>"$dir/err" || {
         grep -q "does not have them" "$dir/err" || fail "NQM_KERNELS=$kernels"
         continue
     }
     if [ $kernels = scalar ]; then
-        a=$("$tool" score $ref ward:nickel -q) b=$(NQM_KERNELS=scalar "$tool" score $ref ward:nickel -q)
+        a=$(NQM_KERNELS= "$tool" score $ref ward:nickel -q) b=$(NQM_KERNELS=scalar "$tool" score $ref ward:nickel -q)
         [ "$a" = "$b" ] || fail "plain loops: $b for $a"
     else
         cmp "$dir/best.json" "$dir/other.json" || fail "$kernels gives other bits"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Comparisons, inputs that must be valid, and paths of the shared data, for unit tests.
+ * Comparisons, inputs that must be valid, the kernels in use, and paths of the shared data, for unit tests.
  */
 #include "support/check.h"
 
@@ -24,6 +24,15 @@ double csv_number(const nqm_csv *csv, size_t row, int column) {
     double value;
     assert_int_equal(nqm_csv_number(csv, row, column, &value, NULL), NQM_OK);
     return value;
+}
+
+__attribute__((constructor)) void use_chosen_kernels(void) {
+    const char *name = getenv("NQM_KERNELS");
+    nqm_error err = {0};
+    if (nqm_kernels_select(name && *name ? name : NULL, &err) != NQM_OK) {
+        fprintf(stderr, "NQM_KERNELS: %s\n", err.message);
+        exit(EXIT_FAILURE);
+    }
 }
 
 nqm_brdf *open_brdf(const char *argument) {

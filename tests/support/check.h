@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * check.h - shared by the unit tests: comparison of doubles (cmocka compares only floats), values of CSV files, BRDFs
- * that must open, and paths of the stored vectors and the shared data. Includes cmocka and the headers that it needs.
+ * that must open, the kernels in use, and paths of the stored vectors and the shared data. Includes cmocka and the headers that it needs.
  */
 #ifndef NQM_TESTS_CHECK_H
 #define NQM_TESTS_CHECK_H
@@ -30,6 +30,9 @@ float *random_block(nqm_rng *rng, size_t n);
 
 /** The value of a field as a double; fails if the field is not a number. */
 double csv_number(const nqm_csv *csv, size_t row, int column);
+
+/** Use the kernels that the environment variable NQM_KERNELS names, or the best: what every unit test begins with. */
+void use_chosen_kernels(void);
 
 /** Open a BRDF; on failure the test fails with the library's message. */
 nqm_brdf *open_brdf(const char *argument);

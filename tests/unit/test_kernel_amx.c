@@ -364,7 +364,7 @@ static void any_number_of_threads(void **state) {
         }
         assert_int_equal(n_configured, 0);
     }
-    nqm_kernels_use(NULL);
+    use_chosen_kernels();
     omp_set_num_threads(threads);
     nqm_panels_free(&b);
     drop(&a);

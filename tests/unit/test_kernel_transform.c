@@ -268,7 +268,7 @@ static void one_row_like_many(void **state) {
             for (int add = 0; add < 2; ++add) {
                 nqm_kernels_use(kernels);
                 nqm_multiply(&b, 1, a, K, add, expected, WIDTH + NQM_PANEL);
-                nqm_kernels_use(NULL);
+                use_chosen_kernels();
                 kernels->row_product[precision](&(nqm_row_product){.words = b.words,
                                                                    .n_panels = b.n_panels,
                                                                    .stride = b.stride,

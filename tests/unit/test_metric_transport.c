@@ -141,7 +141,7 @@ static void on_every_table(void (*test)(void)) {
         nqm_kernels_use(nqm_kernels_at(t));
         test();
     }
-    nqm_kernels_use(NULL);
+    use_chosen_kernels();
 }
 
 static void against_numpy(void **state) {

@@ -142,7 +142,7 @@ static void against_differences(void **state) {
             nqm_kernels_use(nqm_kernels_at(t));
             check_values(nqm_kernels_at(t)->name);
         }
-        nqm_kernels_use(NULL);
+        use_chosen_kernels();
         drop();
     }
 }
@@ -167,7 +167,7 @@ static void the_same_bits(void **state) {
         }
     }
     omp_set_num_threads(threads);
-    nqm_kernels_use(NULL);
+    use_chosen_kernels();
     nqm_free(dx);
     nqm_free(all_dx);
     drop();

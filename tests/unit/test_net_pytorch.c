@@ -120,7 +120,7 @@ static int free_fixture(void **state) {
     nqm_params_free(&f->grads);
     nqm_trainer_free(f->trainer);
     nqm_free(f);
-    nqm_kernels_use(NULL);
+    use_chosen_kernels();
     return 0;
 }
 

@@ -154,7 +154,7 @@ static outcome trained(nqm_net_shape shape, nqm_precision precision, int threads
         train_step(&t, step);
     outcome o = outcome_of(&t);
     free_trainee(&t);
-    nqm_kernels_use(NULL);
+    use_chosen_kernels();
     omp_set_num_threads(before);
     return o;
 }
@@ -261,7 +261,7 @@ static void check_bfloat16(const nqm_kernels *kernels) {
         assert_near((double)t[1].z[i], (double)t[0].z[i], 0.05);
     free_trainee(&t[0]);
     free_trainee(&t[1]);
-    nqm_kernels_use(NULL);
+    use_chosen_kernels();
 }
 
 static void bfloat16_near_float(void **state) {
