@@ -13,7 +13,7 @@
 #include <string.h>
 
 /** Before a function: it is compiled for each width of vectors, and the widest that the processor has is called. */
-#if defined(__x86_64__) && defined(__gnu_linux__)
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(NQM_ONE_VECTOR_WIDTH)
 #define NQM_FOR_EACH_VECTOR_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define NQM_FOR_EACH_VECTOR_WIDTH
