@@ -41,16 +41,29 @@ static void multiply_row(const nqm_panels *b, const void *a, bool add, void *c) 
     }
 }
 
-/* ---- products of many rows ---------------------------------------------------------------------------------------- */
+/* ---- caches ------------------------------------------------------------------------------------------------------- */
 
-static size_t l2_bytes;
+/* Sizes in bytes of this processor's caches; 0: not known. */
+typedef struct caches {
+    size_t l1, l2;
+} caches;
 
-static void find_l2(void) {
+static caches found_caches;
+
+static void find_caches(void) {
 #ifdef _SC_LEVEL2_CACHE_SIZE
-    const long found = sysconf(_SC_LEVEL2_CACHE_SIZE);
-    l2_bytes = found > 0 ? (size_t)found : 0;
+    const long l1 = sysconf(_SC_LEVEL1_DCACHE_SIZE), l2 = sysconf(_SC_LEVEL2_CACHE_SIZE);
+    found_caches = (caches){l1 > 0 ? (size_t)l1 : 0, l2 > 0 ? (size_t)l2 : 0};
 #endif
 }
+
+static caches own_caches(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, find_caches);
+    return found_caches;
+}
+
+/* ---- products of many rows ---------------------------------------------------------------------------------------- */
 
 /* How a product is cut. A block is ROWS_AT_ONCE rows of A times some panels. Where the L2 cache holds several panels and a group
  * of rows, all panels of the block are multiplied with a group before the next is read: A is read once for each block. */
@@ -62,10 +75,8 @@ typedef struct cut {
 } cut;
 
 static cut cut_product(const nqm_panels *b, size_t m) {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    pthread_once(&once, find_l2);
     const size_t rows = (b->precision == NQM_PRECISION_F32 ? 2 : 8) * NQM_STRIP, row_bytes = 4 * b->words;
-    const size_t usable = l2_bytes / 8 * 5,
+    const size_t usable = own_caches().l2 / 8 * 5,
                  n_down = nqm_ceil_div(m, ROWS_AT_ONCE); /* what remains is for C and for others */
     const size_t fitting = usable > rows * row_bytes ? (usable - rows * row_bytes) / (NQM_PANEL * row_bytes) : 0;
     const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
@@ -137,13 +148,7 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
 
 /* Whether a line of each of m rows fits into the L1 cache beside the other factor. */
 static bool lines_fit(size_t m) {
-#ifdef _SC_LEVEL1_DCACHE_SIZE
-    const long found = sysconf(_SC_LEVEL1_DCACHE_SIZE);
-    return found > 0 && m * CACHE_LINE <= (size_t)found / 4 * 3;
-#else
-    (void)m;
-    return false;
-#endif
+    return m <= own_caches().l1 / 4 * 3 / CACHE_LINE;
 }
 
 nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n) {
