@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * The light directions of one surface point: multiple importance sampling with the balance heuristic (Veach and Guibas
- * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, five lobes of microfacets about the mirror
- * direction (GGX, Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206) and the cosine. The widths of the lobes are spaced so
- * that one of them matches a highlight of any width from 0.2 degrees up, without knowledge of the BRDF. Each technique uses
- * a Hammersley set with a random shift per point.
+ * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, a spiral of half vectors about the normal, and the
+ * cosine. The spirals are what makes lobes of any width right without knowledge of the BRDF: their directions are evenly spaced
+ * in the logarithm of tan(theta_h), in which a lobe of any width has the same smooth shape, and the midpoint rule converges
+ * exponentially for smooth integrands (Trefethen and Weideman 2014, DOI 10.1137/130932132). The fine spiral covers widths that
+ * the light map resolves; the coarse one continues to perfect mirrors, within whose lobes the light is constant. The azimuth
+ * advances by the golden angle.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -12,8 +14,15 @@
 #include <math.h>
 #include <string.h>
 
-static const double lobe_alpha[] = {0.002, 0.008, 0.03, 0.1, 0.3};
-enum { N_LOBES = sizeof lobe_alpha / sizeof *lobe_alpha, LIGHT = N_LOBES, COSINE, N_TECHNIQUES };
+enum { SPIRAL = 0, LIGHT, COSINE, N_TECHNIQUES };
+
+/* The spiral has the density (1 / (t + core) + 1 / (t + knee)) dt / range in t = tan(theta_h), up to t = most_tan: logarithmic, twice as
+ * dense where the light varies over a lobe, and fading out below the narrowest lobe of any model, whose width is 0.0001. */
+static const double core = 3e-6, knee = 2e-3, most_tan = 8;
+
+static double spiral_range(void) {
+    return log1p(most_tan / core) + log1p(most_tan / knee);
+}
 
 enum { LANES = NQM_LIGHT_LANES };
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float)), aligned(4), may_alias));
@@ -33,18 +42,21 @@ typedef struct sampler {
     double *rows;           /* (height + 1) cumulative importance of the rows, from 0; owns the block of the arrays */
     double *cells;          /* (width + 1) cumulative importance of the cells of `row` */
     double *importance;     /* (width) that of a row */
+    double *wide;           /* (n_max) fraction of the density at each direction that is not of the spirals */
     size_t row;             /* SIZE_MAX: none */
     size_t n[N_TECHNIQUES]; /* number of directions of each technique */
+    double range;           /* spiral_range() */
 } sampler;
 
-static bool open_sampler(const nqm_light *light, const nqm_surface_point *point, bool flat, sampler *s) {
+static bool open_sampler(const nqm_light *light, const nqm_surface_point *point, bool flat, size_t n_directions,
+                         sampler *s) {
     *s = (sampler){.light = light, .point = point, .flat = flat, .row = SIZE_MAX};
     s->reach = 0.02 * NQM_LIGHT_WIDTH / (double)light->width;
     return nqm_alloc_arrays(
                NQM_ARRAYS({&s->rows, light->height + 1, sizeof(double)}, {&s->cells, light->width + 1, sizeof(double)},
                           {&s->across, light->width, sizeof(double)}, {&s->across_float, light->width, sizeof(float)},
                           {&s->most_across, light->width, sizeof(float)},
-                          {&s->importance, light->width, sizeof(double)}),
+                          {&s->importance, light->width, sizeof(double)}, {&s->wide, n_directions, sizeof(double)}),
                NULL) == NQM_OK;
 }
 
@@ -170,45 +182,41 @@ static void sample_cosine(double u, double v, double *wi) {
     wi[2] = sqrt(1 - u);
 }
 
-/* Sample a half vector with density D(h) cos(theta_h) and reflect wo at it. */
-static void sample_lobe(double alpha, const double *wo, double u, double v, double *wi) {
+/* Reflect wo at a half vector of the spiral: (1 + t / core) (1 + t / knee) = exp(u range). */
+static void sample_spiral(const double *wo, double u, double v, double *wi) {
+    const double grown = expm1(u * spiral_range()), sum = core + knee, product = core * knee;
     double h[3];
-    nqm_spherical(atan(alpha * sqrt(u / (1 - u))), 2 * NQM_PI * v, h);
+    nqm_spherical(atan(2 * product * grown / (sum + sqrt(sum * sum + 4 * product * grown))), 2 * NQM_PI * v, h);
     double d = nqm_dot3(wo, h);
     for (int k = 0; k < 3; ++k)
         wi[k] = 2 * d * h[k] - wo[k];
 }
 
-/* Expected number of directions per steradian at wi over all lobes: D(h) cos(theta_h) / (4 wo.h) for each. The sine of
- * theta_h is computed from x and y because 1 - cos^2 would cancel. */
-static double lobes_density(const sampler *s, const double *wi) {
+/* Expected number of directions per steradian at wi of the spiral. The sine of theta_h is computed from x and y because 1 - cos^2
+ * would cancel. */
+static double spiral_density(const sampler *s, const double *wi) {
     const double *wo = s->point->wo;
-    double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]}, sum = 0;
-    double square = nqm_dot3(h, h); /* of the length, which is twice wo.h of the unit vector */
-    double cos2 = h[2] * h[2] / square, sin2 = (h[0] * h[0] + h[1] * h[1]) / square;
-    for (size_t i = 0; i < N_LOBES; ++i) {
-        double a2 = lobe_alpha[i] * lobe_alpha[i], t = cos2 * a2 + sin2;
-        sum += (double)s->n[i] * a2 / (t * t);
-    }
-    return sum * h[2] / (2 * NQM_PI * square);
+    const double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
+    const double length = sqrt(nqm_dot3(h, h)); /* twice wo.h of the unit vector */
+    const double cosine = h[2] / length, t = fmax(hypot(h[0], h[1]) / h[2], 1e-12);
+    if (!(t <= most_tan))
+        return 0;
+    const double by_tan = (double)s->n[SPIRAL] * (1 / (t + core) + 1 / (t + knee)) / s->range;
+    return by_tan / (2 * NQM_PI * t * cosine * cosine * cosine * 2 * length);
 }
 
-/* Expected number of directions per steradian at wi over all techniques; `cell` of the map contains wi. */
-static double density(const sampler *s, const double *wi, size_t cell) {
+/* The same of the other techniques; `cell` of the map contains wi. */
+static double wide_density(const sampler *s, const double *wi, size_t cell) {
     size_t y = cell / s->light->width, x = cell % s->light->width;
     double probability = cell_importance(s, y, x) / s->rows[s->light->height];
-    double sum = (double)s->n[LIGHT] * probability / s->light->solid_angle[y];
-    sum += (double)s->n[COSINE] * wi[2] / NQM_PI;
-    return sum + lobes_density(s, wi);
+    return (double)s->n[LIGHT] * probability / s->light->solid_angle[y] + (double)s->n[COSINE] * wi[2] / NQM_PI;
 }
 
-/* One eighth for each lobe, at least one direction: highlights sampled by the other techniques only would be fireflies. */
 static void divide_directions(sampler *s, size_t n) {
-    size_t per_lobe = n / 8 > 1 ? n / 8 : 1;
     s->n[LIGHT] = n / 4;
-    s->n[COSINE] = n - n / 4 - N_LOBES * per_lobe;
-    for (size_t i = 0; i < N_LOBES; ++i)
-        s->n[i] = per_lobe;
+    s->n[COSINE] = n / 5;
+    s->n[SPIRAL] = n - s->n[LIGHT] - s->n[COSINE];
+    s->range = spiral_range();
 }
 
 static double shifted(double x, uint64_t random) {
@@ -222,17 +230,28 @@ static void sample(sampler *s, size_t technique, double u, double v, double *wi)
     else if (technique == COSINE)
         sample_cosine(u, v, wi);
     else
-        sample_lobe(lobe_alpha[technique], s->point->wo, u, v, wi);
+        sample_spiral(s->point->wo, u, v, wi);
 }
 
-/* Scale each channel so that the weights sum to the exact irradiance: this removes the noise common to all surfaces (1 % at
- * 384 directions). */
-static void calibrate(nqm_direction_set *set) {
-    double sum[3] = {0};
-    for (size_t i = 0; i < 3 * set->n_used; ++i)
+/* Correct the sum of the weights to the exact irradiance: this removes the noise common to all surfaces (1 % at 384
+ * directions). The directions of the spirals keep their weights, so that narrow lobes do not receive noise of the whole sky. */
+static void calibrate(const double *wide, nqm_direction_set *set) {
+    double sum[3] = {0}, movable[3] = {0};
+    for (size_t i = 0; i < 3 * set->n_used; ++i) {
         sum[i % 3] += set->weight[i];
-    for (size_t i = 0; i < 3 * set->n_used; ++i)
-        set->weight[i] *= sum[i % 3] > 0 ? set->irradiance[i % 3] / sum[i % 3] : 1;
+        movable[i % 3] += wide[i / 3] * set->weight[i];
+    }
+    for (size_t i = 0; i < 3 * set->n_used; ++i) {
+        const size_t k = i % 3;
+        if (movable[k] > 0)
+            set->weight[i] *= fmax(1 + wide[i / 3] * (set->irradiance[k] - sum[k]) / movable[k], 0);
+    }
+}
+
+/* The second coordinate of direction i of a technique. */
+static double second(size_t technique, size_t i) {
+    const double golden = 0.6180339887498949 * (double)i;
+    return technique == SPIRAL ? golden - floor(golden) : nqm_radical_inverse(i, 2);
 }
 
 /* Append the directions of one technique. */
@@ -242,12 +261,13 @@ static void add_technique(sampler *s, size_t technique, uint64_t seed, nqm_direc
     for (size_t i = 0; i < n; ++i) {
         double *wi = set->wi + 3 * set->n_used, *weight = set->weight + 3 * set->n_used, world[3];
         double u = shifted(((double)i + 0.5) / (double)n, shift_u);
-        sample(s, technique, u, shifted(nqm_radical_inverse(i, 2), shift_v), wi);
+        sample(s, technique, u, shifted(second(technique, i), shift_v), wi);
         if (!(wi[2] > 0))
             continue;
         nqm_world_from_local(s->point, wi, world);
         size_t cell = nqm_light_eval(s->light, world, weight);
-        double extent = wi[2] / density(s, wi, cell);
+        const double wide = wide_density(s, wi, cell), all = wide + spiral_density(s, wi), extent = wi[2] / all;
+        s->wide[set->n_used] = wide / all;
         for (int k = 0; k < 3; ++k)
             weight[k] *= extent;
         if (set->extent)
@@ -267,19 +287,19 @@ static void add_techniques(sampler *s, uint64_t seed, nqm_direction_set *set) {
 bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                            nqm_direction_set *set) {
     sampler s;
-    if (!open_sampler(light, point, false, &s))
+    if (!open_sampler(light, point, false, set->n_max, &s))
         return false;
     gather_light(&s, set->irradiance);
     add_techniques(&s, seed, set);
+    calibrate(s.wide, set);
     nqm_free(s.rows);
-    calibrate(set);
     return true;
 }
 
 bool nqm_choose_few_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                                nqm_direction_set *set) {
     sampler s;
-    if (!open_sampler(light, point, true, &s))
+    if (!open_sampler(light, point, true, set->n_max, &s))
         return false;
     memcpy(s.rows, light->row_power, (light->height + 1) * sizeof *s.rows);
     add_techniques(&s, seed, set);
@@ -289,7 +309,7 @@ bool nqm_choose_few_directions(const nqm_light *light, const nqm_surface_point *
 
 bool nqm_irradiance(const nqm_light *light, const nqm_surface_point *point, double *rgb) {
     sampler s;
-    if (!open_sampler(light, point, false, &s))
+    if (!open_sampler(light, point, false, 0, &s))
         return false;
     gather_light(&s, rgb);
     nqm_free(s.rows);
