@@ -214,7 +214,7 @@ static double wide_density(const sampler *s, const double *wi, size_t cell) {
 
 static void divide_directions(sampler *s, size_t n) {
     s->n[LIGHT] = n / 4;
-    s->n[COSINE] = n / 5;
+    s->n[COSINE] = n / 8;
     s->n[SPIRAL] = n - s->n[LIGHT] - s->n[COSINE];
     s->range = spiral_range();
 }
