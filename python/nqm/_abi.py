@@ -96,7 +96,8 @@ class MetricInfo(Structure):
 
 class CLabel(Structure):
     _c_name_ = "nqm_label"
-    _fields_ = [("delta_e", c_double), ("shift", c_double * 3), ("contrast", c_double), ("structure", c_double)]
+    _fields_ = [("delta_e", c_double), ("shift", c_double * 3), ("contrast", c_double), ("structure", c_double),
+                ("error", c_double)]
 
 
 class Curve(Structure):
