@@ -227,13 +227,13 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
         for (size_t k = 0; k < json_array_size(parts); ++k) {
             const json_t *part = json_array_get(parts, k), *scalar = json_object_get(part, "scalar");
             char predicted[64], estimate[64], control[64], same[64];
-            printf("%-12s  %-22s  %-22s  %-22s %-15s", text_at(part, "part"),
+            printf("%-12s  %-22s  %-22s  %-22s %s", text_at(part, "part"),
                    estimate_text(part, "spearman", "ci95", 1, "", 3, predicted),
                    estimate_text(json_object_get(part, "estimate"), "spearman", "ci95", 1, "", 3, estimate),
                    estimate_text(scalar, "spearman", "ci95", 1, "", 3, control), text_at(scalar, "name"));
             if (number_at(part, "n_plain") > 0)
-                printf("  %s of %.0f", estimate_text(part, "same_sign", "", 100, " %", 1, same),
-                       number_at(part, "n_plain"));
+                printf("%*s  %s of %.0f", 15 - (int)strlen(text_at(scalar, "name")), "",
+                       estimate_text(part, "same_sign", "", 100, " %", 1, same), number_at(part, "n_plain"));
             putchar('\n');
         }
     }
