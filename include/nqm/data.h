@@ -78,6 +78,10 @@ typedef struct nqm_dataset_pair {
     const char *test;           /**< a spec, or a name */
     const char *kind, *family;  /**< as in nqm_dataset_kind */
     const char *material_class; /**< of the reference: a nqm_material_class_name() */
+    /** Where the reference comes from: "measured", "neural", "analytic" (of the corpus's sources rgl and merl, nbrdf and nps, sgd;
+     *  also with a suffix, as in "rgl-..."), or another source by its own name, as "renderer" and "mirror"; "" if the manifest
+     *  does not say it. */
+    const char *source;
     nqm_split split;
     double delta_e, jod; /**< the labels: Delta-E ITP, and JOD 0..11 or a human score */
 } nqm_dataset_pair;

@@ -44,6 +44,7 @@ typedef struct nqm_eval_options {
      *  (the others, if it lists any). NULL: all. */
     const char *subset;
     const char *material_class; /**< only references of this class; NULL: all */
+    const char *source;         /**< only references of this source, as in nqm_dataset_pair; NULL: all */
     double jod_from, jod_to;    /**< only labels in [from, to); default 0 and infinity */
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
@@ -166,6 +167,11 @@ typedef struct nqm_part_agreement {
     nqm_estimate estimate; /**< of the part estimated by light transport; NaN if the dataset has no transport matrix */
     nqm_estimate scalar;   /**< of the best of the scalar features that are closest to the part by definition */
     const char *scalar_name; /**< its name */
+    /** Whether words say what pictures show: the pairs whose label has a part above 3 Delta-E (contrast: 0.1) in size, and the
+     *  fraction of them for which the model predicts a part of the same sign (structure: of 1 Delta-E or more). Similarity: 0 and
+     *  NaN. */
+    size_t n_plain;
+    double same_sign; /**< NaN if n_plain is 0 */
 } nqm_part_agreement;
 enum { NQM_EVAL_PARTS = 6 };
 

@@ -45,8 +45,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_regress(size_t n, const double *delta_e, c
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
-/** How the pictures of two BRDFs differ. In the standard set of scenes each value is the mean over the scenes. All are 0 for
- *  equal pictures. */
+/** How the pictures of two BRDFs differ. In the standard set of scenes each value but the last is the mean over the scenes.
+ *  All are 0 for equal pictures. */
 typedef struct nqm_label {
     double delta_e;  /**< mean Delta-E ITP (ITU-R BT.2124) over the picture; 1 is just visible */
     double shift[3]; /**< mean of test minus reference in I, T and P, in units of Delta-E: brighter, bluer, redder */
@@ -54,6 +54,7 @@ typedef struct nqm_label {
         contrast; /**< ln((1 + s_test) / (1 + s_ref)), where s is the standard deviation of I over the picture in units
                            of Delta-E: above 0 the test has more contrast */
     double structure; /**< root mean square Delta-E ITP that remains after `shift` is subtracted at every point */
+    double error;     /**< standard error of delta_e, in its units, >= 0; 0: a prediction, an exact label, or unknown */
 } nqm_label;
 
 /** JOD of the question whether two pictures seen apart show the same material: nqm_curve_default() at the root mean square

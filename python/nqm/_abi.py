@@ -96,7 +96,8 @@ class MetricInfo(Structure):
 
 class CLabel(Structure):
     _c_name_ = "nqm_label"
-    _fields_ = [("delta_e", c_double), ("shift", c_double * 3), ("contrast", c_double), ("structure", c_double)]
+    _fields_ = [("delta_e", c_double), ("shift", c_double * 3), ("contrast", c_double), ("structure", c_double),
+                ("error", c_double)]
 
 
 class Curve(Structure):
@@ -178,7 +179,7 @@ class DatasetInfo(Structure):
 class DatasetPair(Structure):
     _c_name_ = "nqm_dataset_pair"
     _fields_ = [("ref", c_char_p), ("group", c_char_p), ("test", c_char_p), ("kind", c_char_p), ("family", c_char_p),
-                ("material_class", c_char_p), ("split", c_int), ("delta_e", c_double), ("jod", c_double)]
+                ("material_class", c_char_p), ("source", c_char_p), ("split", c_int), ("delta_e", c_double), ("jod", c_double)]
 
 
 class MaterialInfo(Structure):

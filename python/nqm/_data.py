@@ -43,6 +43,7 @@ class Dataset:
         kind: (n_pairs) kinds of distortion
         family: (n_pairs) their families: "encoding", "perturbation", ...; "" if unknown
         material_class: (n_pairs) classes of the references: "matte grey", ...
+        source: (n_pairs) where the references come from: "measured", "neural", "analytic", ...; "" if unknown
     """
 
     jod: np.ndarray
@@ -54,6 +55,7 @@ class Dataset:
     kind: np.ndarray
     family: np.ndarray
     material_class: np.ndarray
+    source: np.ndarray
     _handle: c_void_p
     _tensors: Optional[Dict[str, np.ndarray]]
 
@@ -109,7 +111,7 @@ class Dataset:
     def _columns(self) -> Dict[str, np.ndarray]:
         pairs = [lib.nqm_dataset_get_pair(self._handle, i) for i in range(len(self))]
         columns = {name: np.array([getattr(p, name) for p in pairs], dtype=np.float64) for name in ("jod", "delta_e")}
-        for name in ("ref", "group", "test", "kind", "family", "material_class"):
+        for name in ("ref", "group", "test", "kind", "family", "material_class", "source"):
             columns[name] = np.array([getattr(p, name).decode() for p in pairs], dtype=object)
         columns["split"] = np.array([_abi.SPLITS[p.split] for p in pairs], dtype=object)
         return columns
@@ -148,3 +150,7 @@ class Dataset:
     def parts(self, i: Any = slice(None)) -> Optional[np.ndarray]:
         """Parts of the labels of the pairs `i`: (..., 5) shift of I, T and P, contrast, structure; None if the dataset has none."""
         return self._tensor("parts")[i] if self._has("parts") else None
+
+    def delta_e_error(self, i: Any = slice(None)) -> Optional[np.ndarray]:
+        """Standard errors of the labels `delta_e` of the pairs `i`; None if the dataset has none."""
+        return self._tensor("delta_e_error")[i] if self._has("delta_e_error") else None

@@ -35,11 +35,13 @@ struct nqm_dataset {
     float *transport;         /* (n_directions, 3 NQM_TRANSPORT_POINTS) as `light` in nqm_transport; NULL: unknown */
     double *transport_points; /* (NQM_TRANSPORT_POINTS, 3) as `points` in nqm_transport; NULL if transport is */
     double *parts;            /* (n_pairs, NQM_LABEL_PARTS) of the label; NULL: unknown */
+    double *delta_e_error;    /* (n_pairs) standard error of delta_e, >= 0; NULL: unknown */
     uint32_t *ref_group;      /* (n_refs) index of the material group */
     uint8_t *group_split;     /* (n_groups) NQM_SPLIT_TRAIN, _VALIDATION or _TEST */
     nqm_names ref_names, group_names;
     nqm_names kind_names;    /* "ggx", "ward", "noise", ... */
     nqm_names kind_families; /* (n_kinds) "encoding", "published", ...; empty: unknown */
+    nqm_names ref_sources;   /* (n_refs) "rgl", "nbrdf", ..., by the manifest; empty: unknown */
     nqm_names pair_names;    /* (n_pairs) the test: a BRDF spec, or "NAME_3" in the authors' layout */
     char *manifest;          /* JSON: how the dataset was made; NULL: unknown */
     bool order_only; /* `jod` contains scores on another scale, of which only the order is meaningful (human data) */
@@ -69,6 +71,7 @@ typedef struct nqm_dataset_limits {
     size_t max_refs, max_pairs;   /* references and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
     bool has_parts;               /* allocate parts; the caller sets them */
+    bool has_errors;              /* the same of delta_e_error */
     bool has_transport;           /* the same of transport and transport_points */
     bool borrows_samples;         /* ref_rgb and test_rgb stay NULL: the caller sets them (and masks) to its own memory,
                                      which must outlive the dataset */
@@ -98,7 +101,7 @@ NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_s
 
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
 
-enum { NQM_DATASET_ARRAYS = 14 };
+enum { NQM_DATASET_ARRAYS = 15 };
 /** The i-th array as a tensor of the dataset file: name, type, shape, and values (NULL: it does not have the array). */
 nqm_tensor nqm_dataset_array(const nqm_dataset *dataset, size_t i);
 /** Whether a dataset may lack the i-th array. */
@@ -129,6 +132,11 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
 
 /** Set unseen (n_kinds): whether the manifest lists the kind as one that the training part of such corpora does not have. */
 void nqm_dataset_unseen_kinds(const nqm_dataset *dataset, bool *unseen);
+
+/** Read ref_sources from the manifest; they stay empty if it does not list the references. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_dataset_read_sources(nqm_dataset *dataset, nqm_error *err);
+/** The source of a reference: see nqm_dataset_pair; "" if unknown. */
+const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);
 
 /** The material class of a reference: an index for nqm_material_class_name(). */
 size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);

@@ -33,6 +33,7 @@ static const struct {
     {"ref_group", NQM_U32, FIELD(ref_group), FIELD(n_refs), 1, 0, false, 0},
     {"group_split", NQM_U8, FIELD(group_split), FIELD(n_groups), 1, 0, false, 0},
     {"parts", NQM_F64, FIELD(parts), FIELD(n_pairs), 2, NQM_LABEL_PARTS, true, 0},
+    {"delta_e_error", NQM_F64, FIELD(delta_e_error), FIELD(n_pairs), 1, 0, true, 0},
     {"transport", NQM_F32, FIELD(transport), FIELD(n_directions), 2, 3 * NQM_TRANSPORT_POINTS, true, 0},
     {"transport.points", NQM_F64, FIELD(transport_points), 0, 2, 3, true, NQM_TRANSPORT_POINTS},
 };
@@ -134,6 +135,10 @@ static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: JOD of pair %zu is %g, outside 0..%g", name, i, d->jod[i],
                             max_jod);
     }
+    for (size_t i = 0; d->delta_e_error && i < d->n_pairs; ++i)
+        if (!(d->delta_e_error[i] >= 0) || isinf(d->delta_e_error[i]))
+            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: delta_e_error of pair %zu is %g, it must be finite and >= 0",
+                            name, i, d->delta_e_error[i]);
     for (size_t i = 0; d->parts && i < d->n_pairs * NQM_LABEL_PARTS; ++i)
         if (!isfinite(d->parts[i]))
             return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: parts of the label of pair %zu are not finite", name,
@@ -202,6 +207,7 @@ void nqm_dataset_free(nqm_dataset *dataset) {
     nqm_names_free(&dataset->group_names);
     nqm_names_free(&dataset->kind_names);
     nqm_names_free(&dataset->kind_families);
+    nqm_names_free(&dataset->ref_sources);
     nqm_names_free(&dataset->pair_names);
     nqm_free(dataset->manifest);
     nqm_free(dataset->block);
@@ -238,6 +244,7 @@ nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
                               .kind = kind.name,
                               .material_class = nqm_material_class_name(nqm_dataset_ref_class(d, ref)),
                               .family = kind.family,
+                              .source = nqm_dataset_ref_source(d, ref),
                               .split = nqm_dataset_pair_split(d, i),
                               .delta_e = d->delta_e[i],
                               .jod = d->jod[i]};

@@ -117,6 +117,8 @@ static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, 
     if (status == NQM_OK && manifest && !(d->manifest = nqm_strdup(manifest)))
         status = nqm_fail_nomem(err, strlen(manifest));
     if (status == NQM_OK)
+        status = nqm_dataset_read_sources(d, err);
+    if (status == NQM_OK)
         status = nqm_dataset_validate(d, name, err);
     if (status == NQM_OK)
         status = nqm_directions_from_degrees(d->n_directions, d->directions_deg, &d->directions, err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Kinds of distortion that the training part of a corpus does not have, from the manifest.
+ * What the manifest of a corpus says: kinds of distortion that its training part does not have, and sources of references.
  */
 #include "data/data.h"
 
@@ -18,4 +18,41 @@ void nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen) {
         }
     }
     json_decref(manifest);
+}
+
+/* ---- sources ----------------------------------------------------------------------------------------------------- */
+
+/* Words of manifests, also as the beginning of words like "rgl-unfolded", and the groups that they belong to. */
+static const struct {
+    const char *word, *group;
+} sources[] = {{"rgl", "measured"}, {"merl", "measured"}, {"nbrdf", "neural"}, {"nps", "neural"}, {"sgd", "analytic"}};
+
+static const char *group_of(const char *source) {
+    const size_t n = strcspn(source, "-");
+    for (size_t i = 0; i < sizeof sources / sizeof *sources; ++i)
+        if (strlen(sources[i].word) == n && strncmp(source, sources[i].word, n) == 0)
+            return sources[i].group;
+    return source;
+}
+
+nqm_status nqm_dataset_read_sources(nqm_dataset *d, nqm_error *err) {
+    json_t *manifest = d->manifest ? json_loads(d->manifest, 0, NULL) : NULL;
+    const json_t *references = json_object_get(manifest, "references");
+    nqm_status status = NQM_OK;
+    bool is_listed = json_array_size(references) == d->n_refs;
+    for (size_t i = 0; is_listed && status == NQM_OK && i < d->n_refs; ++i) {
+        const json_t *row = json_array_get(references, i), *source = json_object_get(row, "source");
+        const char *name = json_string_value(json_object_get(row, "name"));
+        is_listed = name && json_is_string(source) && strcmp(name, nqm_name(&d->ref_names, i)) == 0;
+        if (is_listed)
+            status = nqm_names_add(&d->ref_sources, json_string_value(source), json_string_length(source), err);
+    }
+    json_decref(manifest);
+    if (!is_listed)
+        nqm_names_free(&d->ref_sources);
+    return status;
+}
+
+const char *nqm_dataset_ref_source(const nqm_dataset *d, size_t ref) {
+    return d->ref_sources.n ? group_of(nqm_name(&d->ref_sources, ref)) : "";
 }

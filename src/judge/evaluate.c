@@ -168,7 +168,7 @@ static void fill(size_t n, double *values, double value) {
 
 static void fill_labels(size_t n, nqm_label *labels, double value) {
     for (size_t i = 0; i < n; ++i)
-        labels[i] = (nqm_label){value, {value, value, value}, value, value};
+        labels[i] = (nqm_label){value, {value, value, value}, value, value, 0};
 }
 
 /* Nothing is predicted yet. */

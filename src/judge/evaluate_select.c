@@ -33,6 +33,7 @@ static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t
     return nqm_evaluation_in_split(d, pair, o->split) && nqm_evaluation_in_split(d, pair, ev->split) &&
            in_range(d, o, pair) && is(o->kind, kind.name) && is(o->family, kind.family) &&
            in_subset(ev, o->subset, d->pair_kind[pair]) &&
+           is(o->source, nqm_dataset_ref_source(d, d->pair_ref[pair])) &&
            is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }
 

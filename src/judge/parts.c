@@ -16,16 +16,17 @@ enum { LOG_DIFF = NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF };
 typedef struct part {
     const char *name;
     size_t n_scalars, scalars[MAX_SCALARS];
-    double sign; /* of their correlation with the part */
+    double sign;           /* of their correlation with the part */
+    double plain, noticed; /* sizes from which words describe a label's part, and from which a prediction agrees */
 } part;
 
 /* The parts of an array of NQM_LABEL_PARTS, then the similarity. */
-static const part parts[NQM_EVAL_PARTS] = {{"shift_i", 2, {NQM_SCALAR_BIAS, NQM_SCALAR_ENERGY}, 1},
-                                           {"shift_t", 1, {NQM_SCALAR_CHROMA_B}, 1},
-                                           {"shift_p", 1, {NQM_SCALAR_CHROMA_RG}, 1},
-                                           {"contrast", 2, {NQM_SCALAR_PEAK, NQM_SCALAR_WIDTH}, 1},
-                                           {"structure", 1, {NQM_SCALAR_SHAPE}, 1},
-                                           {"similarity", 1, {LOG_DIFF}, -1}};
+static const part parts[NQM_EVAL_PARTS] = {{"shift_i", 2, {NQM_SCALAR_BIAS, NQM_SCALAR_ENERGY}, 1, 3, 0},
+                                           {"shift_t", 1, {NQM_SCALAR_CHROMA_B}, 1, 3, 0},
+                                           {"shift_p", 1, {NQM_SCALAR_CHROMA_RG}, 1, 3, 0},
+                                           {"contrast", 2, {NQM_SCALAR_PEAK, NQM_SCALAR_WIDTH}, 1, 0.1, 0},
+                                           {"structure", 1, {NQM_SCALAR_SHAPE}, 1, 3, 1}, /* it has no sign */
+                                           {"similarity", 1, {LOG_DIFF}, -1, INFINITY, 0}};
 
 static double part_of(const nqm_label *label, size_t part_index) {
     double values[NQM_LABEL_PARTS];
@@ -64,6 +65,19 @@ static void collect(const work *w, size_t part_index) {
     }
 }
 
+/* nqm_part_agreement.n_plain and .same_sign, of the labels and the model's predictions that collect() stored. */
+static void count_signs(const work *w, const part *p, nqm_part_agreement *result) {
+    size_t n_same = 0;
+    for (size_t i = 0; i < w->pairs.n; ++i) {
+        const double predicted = w->label[i] < 0 ? -w->prediction[i] : w->prediction[i];
+        if (fabs(w->label[i]) <= p->plain)
+            continue;
+        ++result->n_plain;
+        n_same += predicted > 0 && predicted >= p->noticed;
+    }
+    result->same_sign = (double)n_same / (double)result->n_plain; /* NaN for no pair */
+}
+
 static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t part_index, nqm_part_agreement *result,
                              nqm_error *err) {
     const part *p = &parts[part_index];
@@ -89,6 +103,7 @@ static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t pa
                                    .estimate = {NAN, {NAN, NAN}},
                                    .scalar = spearman[best],
                                    .scalar_name = nqm_scalar_name(p->scalars[best - 1])};
+    count_signs(w, p, result);
     if (w->ev->estimates)
         result->estimate = spearman[1 + p->n_scalars];
     return NQM_OK;

@@ -57,8 +57,11 @@ static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_bu
         if (status == NQM_OK)
             status = nqm_dataset_add_pair(b, (uint32_t)(first_ref + plan->tests[k].ref), c->names[*test], kind,
                                           c->label[*test].delta_e, nqm_curve_jod(&curve, c->label[*test].delta_e), err);
-        if (status == NQM_OK)
-            nqm_label_get_parts(&c->label[*test], b->dataset->parts + (b->dataset->n_pairs - 1) * NQM_LABEL_PARTS);
+        if (status != NQM_OK)
+            break;
+        const size_t pair = b->dataset->n_pairs - 1;
+        nqm_label_get_parts(&c->label[*test], b->dataset->parts + pair * NQM_LABEL_PARTS);
+        b->dataset->delta_e_error[pair] = c->label[*test].error;
     }
     return status;
 }
@@ -101,6 +104,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .max_refs = c->n_refs,
                                        .max_pairs = c->n_tests,
                                        .has_parts = true,
+                                       .has_errors = true,
                                        .has_transport = true,
                                        .borrows_samples = true};
     nqm_dataset_builder b;

@@ -32,7 +32,7 @@ static void hash_f64(nqm_sha256 *sha, double value) {
 
 static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
-    hash_text(sha, "nqm corpus work file 4");
+    hash_text(sha, "nqm corpus work file 5");
     hash_text(sha, nqm_version());
     hash_text(sha, nqm_directions_id(context->directions));
     hash_text(sha, *context->light_sha256 ? context->light_sha256 : scene->light ? scene->light : "");
@@ -137,7 +137,7 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
 
 /* ---- content ----------------------------------------------------------------------------------------------------- */
 
-enum { N_TENSORS = 7, N_LABEL = 1 + NQM_LABEL_PARTS };
+enum { N_TENSORS = 7, N_LABEL = 1 + NQM_LABEL_PARTS + 1 };
 _Static_assert(sizeof(nqm_label) == N_LABEL * sizeof(double), "labels are stored as rows of numbers");
 
 static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N_TENSORS]) {

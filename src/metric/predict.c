@@ -340,6 +340,6 @@ void nqm_predictor_run(nqm_predictor *p, const nqm_sampled_pairs *pairs, double 
             delta_e[i] = own;
         if (pairs->labels)
             pairs->labels[i] = nqm_model_has_parts(p->model) ? bounded_label(p->model, z, estimate, bound)
-                                                             : (nqm_label){nan, {nan, nan, nan}, nan, nan};
+                                                             : (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     }
 }

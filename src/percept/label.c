@@ -73,6 +73,7 @@ void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
         mean->shift[k] += share * label->shift[k];
     mean->contrast += share * label->contrast;
     mean->structure += share * label->structure;
+    mean->error = hypot(mean->error, share * label->error);
 }
 
 /* ---- what it says ------------------------------------------------------------------------------------------------ */

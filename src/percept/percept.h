@@ -46,7 +46,7 @@ nqm_label nqm_picture_sums_label(const nqm_picture_sums *sums);
  *  pictures, pictures of one value), its part of the gradient is 0. */
 void nqm_picture_gradient(const nqm_picture_sums *sums, const nqm_label *weights, double weight, const double ref[3],
                           const double test[3], double gradient[3]);
-/** Add `share` of a label to a mean of labels. */
+/** Add `share` of a label to a mean of labels; their errors are independent. */
 void nqm_label_add(nqm_label *mean, double share, const nqm_label *label);
 #define NQM_ITP_UNIT 720 /**< Delta-E ITP of a distance of 1 in ITP */
 

@@ -27,8 +27,8 @@ lines() { [ "$(grep -c -- "$2" "$dir/out")" = "$1" ] || fail "not $1 lines '$2' 
 # ---- eval: text. The toy's kinds are near ("gain") and far ("gloss", which its manifest lists as unseen).
 run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --pairs "$dir/pairs.csv"
 holds '^estimate  ' '^six less estimate: ' '^Parts of the label, all: .* that six predicts, 288 pairs of 12 materials' '^Estimate: '
-holds '^shift_i  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *\(bias\|energy\)$'
-holds '^contrast  .* \(peak\|width\)$' '^structure  .* shape$' '^similarity  .* log_log_diff$'
+holds '^shift_i  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *\(bias\|energy\)  *[0-9.]* % of [0-9]*$'
+holds '^contrast  .* \(peak\|width\)  *[0-9.]* % of [0-9]*$' '^structure  .* shape  *[0-9.]* % of ' '^similarity  .* log_log_diff$'
 holds '^  near pairs  *[0-9.]* % \[.*\] of 144, width ' '^  far pairs  .* of 144, ' '^  kinds of distortion in training  .* of 144, ' \
     '^  kinds of distortion not in training  .* of 144, '
 lines 1 '^Parts of the label'
@@ -45,6 +45,7 @@ lines 0 '^rounding'
 run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --by subset --json
 holds '"type": "estimate"' '"with": "estimate"' '"by_subset": \[' '"subset": "near"' '"part": "similarity"' '"name": "chroma_b"' '"by_subset": {'
 [ "$(number part 1)" = '"shift_i"' ] || fail "order of the parts"
+lines 30 '"same_sign": [01n]'
 lines 30 '"part": "' # six parts of all pairs and of four subsets
 lines 5 '"parts": null'
 run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --csv
@@ -52,7 +53,7 @@ lines 6 '^all,all,six,part,288,12,'
 lines 4 '^subset,[a-z]*,six,coverage,144,12,'
 lines 1 '^all,all,estimate,estimate,288,12,'
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields"
-head -n 1 "$dir/out" | grep -q ',rival_3,.*,part,estimate,estimate_low,estimate_high,scalar,scalar_spearman,scalar_low,scalar_high$' || fail "CSV header"
+head -n 1 "$dir/out" | grep -q ',rival_3,.*,part,estimate,estimate_low,estimate_high,scalar,scalar_spearman,scalar_low,scalar_high,n_plain,same_sign$' || fail "CSV header"
 awk -F, 'NR == 1 {for (i = 1; i <= NF; ++i) at[$i] = i}
     $(at["part"]) == "shift_t" && $(at["scalar"]) == "chroma_b" && $(at["estimate"]) > 0.9 && $(at["spearman"]) > 0.5 {++n}
     $4 == "coverage" && $(at["coverage"]) > 0.5 && $(at["interval_width"]) > 0 && $(at["spearman"]) == "" {++n}

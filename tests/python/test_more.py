@@ -185,7 +185,7 @@ class Datasets(unittest.TestCase):
             data = nqm.Dataset.open(path)
             n, m = len(data), len(data.directions)
             self.assertEqual([len(getattr(data, k)) for k in ("jod", "delta_e", "split", "ref", "test", "group", "kind", "family",
-                                                             "material_class")], [n] * 9)
+                                                             "material_class", "source")], [n] * 10)
             self.assertEqual((data.ref_samples().shape, data.test_samples(0).shape), ((n, m, 3), (m, 3)))
             self.assertEqual((data.used(slice(2)).shape, data.parts([0, 1, 2]).shape), ((2, m), (3, 5)))
             self.assertTrue(set(data.split) <= {"train", "validation", "test"})

@@ -94,6 +94,7 @@ static void fill_parts(nqm_dataset *d, nqm_rng *rng) {
         const nqm_label label =
             nqm_transport_estimate(&transport, d->ref_rgb + d->pair_ref[p] * n, d->test_rgb + p * n, NULL);
         nqm_label_get_parts(&label, d->parts + p * NQM_LABEL_PARTS);
+        d->delta_e_error[p] = 0.01 * label.delta_e;
     }
     for (size_t i = 0; i < d->n_directions * 3 * NQM_TRANSPORT_POINTS; ++i)
         d->transport[i] *= (float)(0.8 + 0.4 * nqm_rng_uniform(rng));
@@ -119,6 +120,7 @@ nqm_dataset *toy_dataset(const toy_options *o) {
                                        .max_pairs = n_refs * o->pairs_per_ref,
                                        .has_masks = o->with_masks,
                                        .has_parts = o->with_transport,
+                                       .has_errors = o->with_transport,
                                        .has_transport = o->with_transport};
     must(nqm_dataset_begin(&limits, &b, NULL));
     for (size_t r = 0; r < n_refs; ++r) {

@@ -59,6 +59,7 @@ static void round_trip(void **state) {
     assert_int_equal(nqm_dataset_hash(toy, before, NULL), NQM_OK);
     assert_int_equal(nqm_dataset_hash(d, after, NULL), NQM_OK);
     assert_string_equal(before, after);
+    assert_memory_equal(d->delta_e_error, toy->delta_e_error, info.n_pairs * sizeof *d->delta_e_error);
     assert_memory_equal(d->transport, toy->transport, 16 * 3 * NQM_TRANSPORT_POINTS * sizeof *d->transport);
     assert_memory_equal(d->transport_points, toy->transport_points,
                         3 * NQM_TRANSPORT_POINTS * sizeof *d->transport_points);
@@ -83,6 +84,46 @@ static void families_may_be_missing(void **state) {
     assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
     assert_string_equal(nqm_dataset_get_kind(d, 1).family, "");
     nqm_dataset_free(d);
+}
+
+/* Nor have they errors of labels; then the hash of the content is that of a file without the array. */
+static void errors_may_be_missing(void **state) {
+    (void)state;
+    nqm_dataset old = *toy, *d;
+    char with[65], without[65];
+    old.delta_e_error = NULL;
+    assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+    assert_null(d->delta_e_error);
+    assert_int_equal(nqm_dataset_hash(toy, with, NULL), NQM_OK);
+    assert_int_equal(nqm_dataset_hash(d, without, NULL), NQM_OK);
+    assert_string_not_equal(with, without);
+    nqm_dataset_free(d);
+}
+
+/* Sources are those of the manifest, if it lists all references under their names. */
+static void sources_of_references(void **state) {
+    (void)state;
+    static const char *const words[] = {"rgl", "rgl-unfolded", "merl", "nbrdf", "nps", "sgd", "renderer", "rglx"};
+    static const char *const groups[] = {"measured", "measured", "measured", "neural",
+                                         "neural",   "analytic", "renderer", "rglx"};
+    char manifest[1000];
+    for (int turn = 0; turn < 3; ++turn) {
+        nqm_dataset made = *toy, *d;
+        size_t n = (size_t)snprintf(manifest, sizeof manifest, "{\"references\": [");
+        for (size_t r = 0; r < 8 - (turn == 1); ++r)
+            n += (size_t)snprintf(manifest + n, sizeof manifest - n,
+                                  "%s{\"name\": \"reference %zu\", \"source\": \"%s\"}", r ? ", " : "",
+                                  turn == 2 ? 7 - r : r, words[r]);
+        snprintf(manifest + n, sizeof manifest - n, "]}");
+        made.manifest = manifest;
+        assert_int_equal(nqm_dataset_write(&made, path, NULL, NULL), NQM_OK);
+        assert_int_equal(nqm_dataset_load(path, &d, NULL), NQM_OK);
+        for (size_t i = 0; i < d->n_pairs; ++i)
+            assert_string_equal(nqm_dataset_get_pair(d, i).source, turn ? "" : groups[d->pair_ref[i]]);
+        nqm_dataset_free(d);
+    }
+    assert_string_equal(nqm_dataset_get_pair(toy, 0).source, "");
 }
 
 /* All references of a material must be in the same split. */
@@ -137,6 +178,13 @@ static void broken_promises(void **state) {
     d = *toy;
     d.delta_e = label;
     refuse(&d, "Delta-E of pair 3");
+    const double bad_errors[] = {-1, INFINITY, NAN};
+    d = *toy;
+    d.delta_e_error = label;
+    for (size_t i = 0; i < 3; ++i) {
+        label[3] = bad_errors[i];
+        refuse(&d, "delta_e_error of pair 3");
+    }
     uint8_t split[4] = {0, 1, 3, 0};
     d = *toy;
     d.group_split = split;
@@ -273,6 +321,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(round_trip),
         cmocka_unit_test(families_may_be_missing),
+        cmocka_unit_test(errors_may_be_missing),
+        cmocka_unit_test(sources_of_references),
         cmocka_unit_test(splits_belong_to_materials),
         cmocka_unit_test(broken_promises),
         cmocka_unit_test(broken_transport),

@@ -70,6 +70,24 @@ static double spearman_of(size_t part, const nqm_label *labels, size_t scalar, d
     return rho;
 }
 
+/* How often the model's part of a label above 3 Delta-E (contrast: 0.1) has the sign of the label. */
+static void check_signs(size_t part, const nqm_part_agreement *p) {
+    const nqm_label *predicted = nqm_evaluation_labels(evaluation, 0);
+    size_t n = 0, n_same = 0;
+    for (size_t i = 0; part < NQM_LABEL_PARTS && i < dataset->n_pairs; ++i) {
+        const double label = dataset->parts[i * NQM_LABEL_PARTS + part];
+        if (nqm_dataset_pair_split(dataset, i) != NQM_SPLIT_TEST || fabs(label) <= (part == 3 ? 0.1 : 3))
+            continue;
+        ++n;
+        n_same += part == 4 ? part_of(&predicted[i], part) >= 1 : label * part_of(&predicted[i], part) > 0;
+    }
+    assert_int_equal(p->n_plain, n);
+    if (n)
+        assert_near(p->same_sign, (double)n_same / (double)n, 1e-15);
+    else
+        assert_true(isnan(p->same_sign));
+}
+
 static void parts_are_judged(void **state) {
     (void)state;
     static const char *const names[NQM_EVAL_PARTS] = {"shift_i",  "shift_t",   "shift_p",
@@ -96,6 +114,7 @@ static void parts_are_judged(void **state) {
                     1e-12);
         assert_true(p->estimate.value > 0.9);
         assert_near(p->scalar.value, scalar, 1e-12);
+        check_signs(i, p);
     }
     assert_string_equal(parts[NQM_LABEL_PARTS].scalar_name, "log_log_diff");
     o.subset = "far";

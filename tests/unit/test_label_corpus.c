@@ -134,7 +134,7 @@ static void write_by_hand(unsigned failed, const char *path) {
         snprintf(text[t], sizeof text[t], "test %d", t);
         names[t] = text[t];
         failures[t] = failed >> t & 1 ? text[t] : NULL;
-        label[t] = (nqm_label){.delta_e = t, .shift = {-t, 0, 0}, .structure = 2 * t};
+        label[t] = (nqm_label){.delta_e = t, .shift = {-t, 0, 0}, .structure = 2 * t, .error = 0.5 * t};
         fit_loss[t] = 0.5;
         for (int i = 0; i < 3 * 50; ++i)
             test_rgb[t][i] = (float)t;
@@ -169,6 +169,8 @@ static void failed_tests_are_left_out_and_named(void **state) {
         assert_near(d->delta_e[p], kept[p], 0);
         assert_near(d->parts[p * NQM_LABEL_PARTS], -kept[p], 0);
         assert_near(d->parts[p * NQM_LABEL_PARTS + 4], 2 * kept[p], 0);
+        assert_near(d->delta_e_error[p], 0.5 * kept[p], 0);
+        assert_string_equal(nqm_dataset_get_pair(d, p).source, "ggx");
         for (size_t i = 0; i < 3 * 50; ++i)
             assert_near(d->test_rgb[150 * p + i], kept[p], 0);
     }

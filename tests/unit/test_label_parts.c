@@ -260,11 +260,22 @@ static void words_for_the_parts(void **state) {
                                                         "much changed in highlights and shading");
 }
 
+static void errors_of_scenes_are_independent(void **state) {
+    (void)state;
+    const nqm_label scene = {.delta_e = 2, .error = 0.3}, other = {.delta_e = 4, .error = 0.4};
+    nqm_label mean = {.delta_e = 0};
+    nqm_label_add(&mean, 0.5, &scene);
+    nqm_label_add(&mean, 0.5, &other);
+    assert_near(mean.delta_e, 3, 0);
+    assert_near(mean.error, 0.25, 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(set_is_the_mean_of_its_scenes),  cmocka_unit_test(points_and_pixels_of_the_set),
-        cmocka_unit_test(parts_follow_their_definitions), cmocka_unit_test(signs_of_the_parts),
-        cmocka_unit_test(labels_keep_to_the_bound),       cmocka_unit_test(words_for_the_parts),
+        cmocka_unit_test(set_is_the_mean_of_its_scenes),    cmocka_unit_test(points_and_pixels_of_the_set),
+        cmocka_unit_test(parts_follow_their_definitions),   cmocka_unit_test(signs_of_the_parts),
+        cmocka_unit_test(labels_keep_to_the_bound),         cmocka_unit_test(words_for_the_parts),
+        cmocka_unit_test(errors_of_scenes_are_independent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

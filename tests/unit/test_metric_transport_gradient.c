@@ -14,8 +14,8 @@ enum { N = DOUBLE_N, N_VALUES = DOUBLE_VALUES, N_WEIGHTS = 7 };
 
 /* Each member of a label alone, and all of them. */
 static const nqm_label weights[N_WEIGHTS] = {
-    {.delta_e = 1},  {.shift = {1, 0, 0}}, {.shift = {0, 1, 0}},      {.shift = {0, 0, 1}},
-    {.contrast = 1}, {.structure = 1},     {1, {0.5, -2, 0.3}, 7, -1}};
+    {.delta_e = 1},  {.shift = {1, 0, 0}}, {.shift = {0, 1, 0}},         {.shift = {0, 0, 1}},
+    {.contrast = 1}, {.structure = 1},     {1, {0.5, -2, 0.3}, 7, -1, 0}};
 
 static double weigh(const nqm_label *w, const nqm_label *label) {
     double sum = w->delta_e * label->delta_e + w->contrast * label->contrast + w->structure * label->structure;

@@ -173,7 +173,7 @@ static void check_picture_gradient(pictures *p, const nqm_label *weights) {
 static void picture_gradients(void **state) {
     (void)state;
     static const nqm_label weights[] = {{.delta_e = 1},  {.shift = {1, 0, 0}}, {.shift = {0, -1, 2}},
-                                        {.contrast = 1}, {.structure = 1},     {1, {0.5, -2, 0.3}, 7, -1}};
+                                        {.contrast = 1}, {.structure = 1},     {1, {0.5, -2, 0.3}, 7, -1, 0}};
     for (size_t w = 0; w < 6; ++w)
         for (double difference = 1; difference < 200; difference *= 12) {
             pictures p = make_pictures(difference);
@@ -184,7 +184,7 @@ static void picture_gradients(void **state) {
 /* Equal pictures, pictures that differ by a shift, and a test of one value: the roots without a derivative add 0. */
 static void roots_of_zero(void **state) {
     (void)state;
-    static const nqm_label all = {1, {0, 0, 0}, 1, 1}, shift = {.shift = {1, 2, 3}};
+    static const nqm_label all = {1, {0, 0, 0}, 1, 1, 0}, shift = {.shift = {1, 2, 3}};
     pictures p = make_pictures(0);
     double gradient[3];
     for (size_t i = 0; i < POINTS; ++i)

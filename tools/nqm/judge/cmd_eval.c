@@ -10,11 +10,11 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8, BY_SUBSET = 16 };
-static const char *const by_words[] = {"none", "kind", "range", "family", "class", "subset", "both", "all", NULL};
-static const int by_masks[] = {
-    0,        BY_KIND,   BY_RANGE,           BY_FAMILY,
-    BY_CLASS, BY_SUBSET, BY_KIND | BY_RANGE, BY_KIND | BY_RANGE | BY_FAMILY | BY_CLASS | BY_SUBSET};
+enum { BY_KIND = 1, BY_RANGE = 2, BY_FAMILY = 4, BY_CLASS = 8, BY_SUBSET = 16, BY_SOURCE = 32, BY_ALL = 63 };
+static const char *const by_words[] = {"none",   "kind",   "range", "family", "class",
+                                       "subset", "source", "both",  "all",    NULL};
+static const int by_masks[] = {0,         BY_KIND,   BY_RANGE,           BY_FAMILY, BY_CLASS,
+                               BY_SUBSET, BY_SOURCE, BY_KIND | BY_RANGE, BY_ALL};
 
 /* Labels above this value mean "hardly visible": the range in which a quality metric matters most and is least
  * accurate. */
@@ -54,14 +54,14 @@ static void open_models(eval_run *run, const char *list) {
 
 /* ---- selections -------------------------------------------------------------------------------------------------- */
 
-/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A class or subset without pairs is
- * left out. */
+/* Judge one selection and store its rows in run->selections, under "by_WORD" and `name`. A class, source or subset without
+ * pairs is left out. */
 static void judge_selection(const eval_run *run, const nqm_eval_options *o, const char *by, const char *name) {
     json_t *rows = json_array(), *key = json_name(name);
     judge_pairs(run, o, rows);
     if (!json_object_get(run->selections, by))
         json_object_set_new(run->selections, by, json_object());
-    if (json_array_size(rows) || !(o->material_class || o->subset))
+    if (json_array_size(rows) || !(o->material_class || o->source || o->subset))
         json_object_set(json_object_get(run->selections, by), json_string_value(key), rows);
     json_decref(rows);
     json_decref(key);
@@ -89,6 +89,17 @@ static void judge_classes(const eval_run *run, nqm_eval_options o) {
     for (size_t i = 0; i < NQM_MATERIAL_CLASS_COUNT; ++i) {
         o.material_class = nqm_material_class_name(i);
         judge_selection(run, &o, "by_class", o.material_class);
+    }
+}
+
+static void judge_sources(const eval_run *run, nqm_eval_options o) {
+    for (size_t i = 0; i < nqm_dataset_get_info(run->dataset).n_refs; ++i) {
+        size_t first = 0;
+        o.source = nqm_dataset_ref_source(run->dataset, i);
+        while (strcmp(nqm_dataset_ref_source(run->dataset, first), o.source) != 0)
+            ++first;
+        if (first == i && *o.source) /* "": unknown */
+            judge_selection(run, &o, "by_source", o.source);
     }
 }
 
@@ -214,6 +225,8 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
         judge_kinds(run, *o);
     if (by & BY_CLASS)
         judge_classes(run, *o);
+    if (by & BY_SOURCE)
+        judge_sources(run, *o);
     if ((by & BY_RANGE) && run->is_jod)
         judge_ranges(run, o);
     if (a->pairs)
@@ -230,8 +243,8 @@ int cmd_eval(int argc, char **argv) {
         {"metric", 0, OPTION_TEXT, &a.models, "LIST", "the same; scalar metrics are always judged", 0, 0},
         {"by", 0, OPTION_TEXT, &a.by, "WORD",
          "further tables: by subset (near, far, rounding; seen, unseen), family or kind of distortion, class of the "
-         "reference "
-         "material, JOD range; both (kind and range), all or none",
+         "reference material, source of the reference (measured, neural, analytic, ...), JOD range; both (kind and "
+         "range), all or none",
          0, 0},
         {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
         {"human", 0, OPTION_FLAG, &a.human, NULL,

@@ -223,14 +223,18 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
             continue;
         printf("\nParts of the label, %s: Spearman of the parts that %s predicts, %.0f pairs of %.0f materials\n",
                shown(name), row_name(row), number_at(row, "n"), number_at(row, "n_materials"));
-        printf("%-12s  %-22s  %-22s  %s\n", "", "predicted [95 %]", "estimate", "scalar feature");
+        printf("%-12s  %-22s  %-22s  %-38s  %s\n", "", "predicted [95 %]", "estimate", "scalar feature", "same sign");
         for (size_t k = 0; k < json_array_size(parts); ++k) {
             const json_t *part = json_array_get(parts, k), *scalar = json_object_get(part, "scalar");
-            char predicted[64], estimate[64], control[64];
-            printf("%-12s  %-22s  %-22s  %-22s %s\n", text_at(part, "part"),
+            char predicted[64], estimate[64], control[64], same[64];
+            printf("%-12s  %-22s  %-22s  %-22s %s", text_at(part, "part"),
                    estimate_text(part, "spearman", "ci95", 1, "", 3, predicted),
                    estimate_text(json_object_get(part, "estimate"), "spearman", "ci95", 1, "", 3, estimate),
                    estimate_text(scalar, "spearman", "ci95", 1, "", 3, control), text_at(scalar, "name"));
+            if (number_at(part, "n_plain") > 0)
+                printf("%*s  %s of %.0f", 15 - (int)strlen(text_at(scalar, "name")), "",
+                       estimate_text(part, "same_sign", "", 100, " %", 1, same), number_at(part, "n_plain"));
+            putchar('\n');
         }
     }
 }
@@ -252,6 +256,8 @@ static void print_pairs_text(const eval_run *run) {
     print_tables(run, print_parts);
     printf("\nCorrelations with the labels (%s), signed so that higher is better. %s\n"
            "The mean by material counts materials with at least 3 pairs. MAE, RMSE in JOD. * best of its family.\n"
+           "Same sign: of the parts above 3 Delta-E (contrast: 10 %%) in size; structure: of 1 Delta-E or more "
+           "predicted.\n"
            "Order: share in the right order of the tests of one material whose labels differ by more than %g.\n",
            label, interval_source(run), run->order_margin);
     if (run->n_predictors > run->n_models + NQM_METRIC_COUNT)
@@ -330,7 +336,8 @@ static const char pair_columns[] =
     "difference_3_low=contrasts.estimate.spearman.ci95.0,difference_3_high=contrasts.estimate.spearman.ci95.1,"
     "share_3_below_0=contrasts.estimate.spearman.share_below_0,"
     "part,estimate=estimate.spearman,estimate_low=estimate.ci95.0,estimate_high=estimate.ci95.1,"
-    "scalar=scalar.name,scalar_spearman=scalar.spearman,scalar_low=scalar.ci95.0,scalar_high=scalar.ci95.1";
+    "scalar=scalar.name,scalar_spearman=scalar.spearman,scalar_low=scalar.ci95.0,scalar_high=scalar.ci95.1,"
+    "n_plain,same_sign";
 static const char choice_columns[] =
     "name,type,triplets,choices,agreement,ci95_low=ci95.0,ci95_high=ci95.1,majority,ceiling,ceiling_other_people,"
     "best_of_family,best_baseline,"

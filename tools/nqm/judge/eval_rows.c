@@ -54,7 +54,7 @@ static void set_agreement(json_t *row, const nqm_agreement *a) {
 }
 
 static json_t *coverage_json(const nqm_coverage *c) {
-    json_t *json = json_object(), *ranges = json_array();
+    json_t *json = json_pack("{s:I}", "n", (json_int_t)c->n), *ranges = json_array();
     set_estimate(json, "inside", "ci95", &c->inside);
     set_estimate(json, "by_material", "ci95_by_material", &c->by_material);
     for (const nqm_coverage_range *r = c->ranges; r < c->ranges + NQM_COVERAGE_RANGES; ++r)
@@ -163,6 +163,8 @@ static json_t *parts_json(const eval_run *run, const nqm_eval_options *o, size_t
                                   (json_int_t)p->n_materials, "estimate", spearman_json(&p->estimate), "scalar",
                                   spearman_json(&p->scalar));
         set_estimate(entry, "spearman", "ci95", &p->model);
+        json_object_update_new(
+            entry, json_pack("{s:I,s:o}", "n_plain", (json_int_t)p->n_plain, "same_sign", json_number(p->same_sign)));
         json_object_set_new(json_object_get(entry, "scalar"), "name", json_string(p->scalar_name));
         json_array_append_new(list, entry);
     }

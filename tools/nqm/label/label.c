@@ -11,7 +11,7 @@
 
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
-    item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan};
+    item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     item->jod = nan;
     item->rgb_cdm2 = allocate(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
     return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->is_tabulated, &item->err);

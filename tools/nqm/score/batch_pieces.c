@@ -225,7 +225,7 @@ static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
     nqm_sha256 sha;
     if (!text || !nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
-    static const char layout[] = "nqm batch piece 2";
+    static const char layout[] = "nqm batch piece 3";
     nqm_sha256_add(&sha, layout, sizeof layout);
     nqm_sha256_add_values(&sha, 1, sizeof size, &size);
     nqm_sha256_add(&sha, text, strlen(text));
